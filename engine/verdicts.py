@@ -34,6 +34,8 @@ class Verdict(IntEnum):
     TURNS_BACK = 25
     TOO_COARSE = 26
     DOES_NOT_CLOSE = 27
+    INTERFERES = 28
+    CONTACT_BREAKS = 29
     NOT_COMPUTED = 255
 
 
@@ -136,6 +138,14 @@ SENTENCES = {
     Verdict.DOES_NOT_CLOSE: (
         "a cycle doesn't close: a part isn't in its place again after input.revolutions turns of the crank, a load "
         "over time isn't what it was, or a torsion spring is wound up; take ratios and periods that are whole in it"
+    ),
+    Verdict.INTERFERES: (
+        "teeth interfere: tips of a wheel reach below the involute of the other one; more teeth on the smaller wheel "
+        "(minimum_teeth), a positive profile_shift there or a larger pressure_angle helps"
+    ),
+    Verdict.CONTACT_BREAKS: (
+        "teeth lose contact: the contact ratio is below 1, so that a pair parts before the next one meets; more "
+        "teeth, or less profile_shift in total helps"
     ),
     Verdict.NOT_COMPUTED: "not computed yet",
 }

@@ -80,6 +80,8 @@ class Task(NamedTuple):
         Rows of P that receive what `levels` and `states` give.
     crossings : ndarray (crossings, 2) of int
         Switching function and the row of P with a level of it where the cycle is cut.
+    offsets : ndarray (crossings,) of float
+        How far beyond that the level is.
     cuts : ndarray of int
         Rows of P with positions where the cycle is cut.
     kinks : ndarray of int
@@ -130,6 +132,7 @@ class Task(NamedTuple):
     level_rows: np.ndarray
     state_rows: np.ndarray
     crossings: np.ndarray
+    offsets: np.ndarray
     cuts: np.ndarray
     kinks: np.ndarray
     scan: int
@@ -302,6 +305,7 @@ class Workspace(NamedTuple):
     crossings: np.ndarray
     turn_sought: np.ndarray
     crossing_sought: np.ndarray
+    levels: np.ndarray
     landmarks: np.ndarray
     edges: np.ndarray
     sums: np.ndarray
@@ -342,6 +346,7 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
         rows(crossings, PARTS),
         np.zeros((turns, 2), np.int64),
         np.zeros((crossings, 2), np.int64),
+        rows(max(len(task.crossings), 1)),
         rows(functions, LANDMARKS),
         rows(crossings + task.cuts.size, EDGES, aside=ASIDE),
         rows(WORK_ROWS, aside=ASIDE),
@@ -402,6 +407,7 @@ def cut(
     scan, turned, crossed = samples_in(work.scan), samples_in(work.turn), samples_in(work.crossing)
     landmarks, turns, crossings = of_landmarks(work.landmarks), of_roots(work.turns), of_roots(work.crossings)
     functions = task.landmark_rows.shape[0]
+    heights = in_lanes(work.levels)
     turn_rows = crossing_rows = 0 * functions
     for _ in range(task.looks):
         if functions > 0:
@@ -410,7 +416,7 @@ def cut(
             sample(events, work.block, tables, task.scan, scan)
             for f in range(functions):
                 turn_rows = find_turns(f, scan, turn_rows, work.turn_sought, turns, marks, counts, task.roots)
-            solve_roots(events, work.block, tables, turn_rows, work.turn_sought, turned, turns)
+            solve_roots(events, work.block, tables, turn_rows, work.turn_sought, heights, turned, turns)
             for f in range(functions):
                 find_landmarks(f, scan, turn_rows, work.turn_sought, turned, turns, spare, landmarks)
                 copy_rows(landmarks[f], task.landmark_rows[f], block)
@@ -419,10 +425,12 @@ def cut(
             copy_rows(in_lanes(work.level_tile), task.level_rows, block)
     for c in range(task.crossings.shape[0]):
         f, row = task.crossings[c, 0], task.crossings[c, 1]
+        for lane in range(LANES):
+            heights[c, lane] = block[row, lane] + task.offsets[c]
         crossing_rows = find_crossings(
             f,
-            row,
-            block[row],
+            c,
+            heights[c],
             landmarks[f, SCALE],
             scan,
             turn_rows,
@@ -437,7 +445,7 @@ def cut(
             task.roots,
         )
         note_too_many(counts, task.roots, landmarks[f, SCALE], too_many)
-    solve_roots(events, work.block, tables, crossing_rows, work.crossing_sought, crossed, crossings)
+    solve_roots(events, work.block, tables, crossing_rows, work.crossing_sought, heights, crossed, crossings)
     return lay_edges(crossing_rows, work.crossing_sought, crossed, crossings, landmarks, task.cuts, block, walk, edges)
 
 

@@ -230,7 +230,7 @@ def enter_crossings(
     at_low: Memory,
     at_high: Memory,
     function: int,
-    level_row: int,
+    number: int,
     level: Memory,
     before: int,
     used: int,
@@ -246,7 +246,7 @@ def enter_crossings(
     ----------
     low, high, at_low, at_high : row (LANES,)
         Ends of the pieces and f there.
-    function, level_row, level, before, used, sought, roots, marks, counts, most
+    function, number, level, before, used, sought, roots, marks, counts, most
         As of `find_crossings`; `before` is the first row for this function and level.
 
     Returns
@@ -259,7 +259,7 @@ def enter_crossings(
         # What lies on its level all along touches it at every position: of such, any may be left out.
         counts[lane] += 1.0 if (marks[lane] == 1.0) | (marks[lane] > 0.0) & room else 0.0
         if marks[lane] > 0.0 and room:
-            used = open_row(row, used, function, level_row, sought, roots)
+            used = open_row(row, used, function, number, sought, roots)
             roots[row, LOW, lane], roots[row, HIGH, lane] = low[lane], low[lane] if marks[lane] == 2.0 else high[lane]
             roots[row, AT_LOW, lane] = at_low[lane] - level[lane]
             roots[row, AT_HIGH, lane] = at_high[lane] - level[lane]
@@ -269,7 +269,7 @@ def enter_crossings(
 @routine
 def find_crossings(
     function: int,
-    level_row: int,
+    number: int,
     level: Memory,
     scale: Memory,
     samples: SampledFunctions,
@@ -288,8 +288,8 @@ def find_crossings(
 
     Parameters
     ----------
-    function, level_row : int
-        Number of the function, row of P with the level.
+    function, number : int
+        Numbers of the function and of the level.
     level, scale : row (LANES,)
         The level; greatest magnitude of the function.
     samples : SampledFunctions
@@ -327,7 +327,7 @@ def find_crossings(
         if any_positive(marks):
             low, high, at_low, at_high = q[k], q[k + 1], values[f_row + k], values[f_row + k + 1]
             used = enter_crossings(
-                low, high, at_low, at_high, function, level_row, level, before, used, sought, roots, marks, counts, most
+                low, high, at_low, at_high, function, number, level, before, used, sought, roots, marks, counts, most
             )
     for r in range(turns):
         if turn_sought[r, FUNCTION] != function:
@@ -340,20 +340,7 @@ def find_crossings(
                 # A turn that touches the level is entered once.
                 marks[lane] = 0.0 if (side == 1) & (mark == 2.0) else mark
             used = enter_crossings(
-                place,
-                end,
-                at_place,
-                at_end,
-                function,
-                level_row,
-                level,
-                before,
-                used,
-                sought,
-                roots,
-                marks,
-                counts,
-                most,
+                place, end, at_place, at_end, function, number, level, before, used, sought, roots, marks, counts, most
             )
     return used
 

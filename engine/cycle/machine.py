@@ -78,7 +78,8 @@ class Plan:
     levels, states : sequence of int
         Rows that receive what these functions give.
     crossings : sequence of tuples
-        Switching functions, and rows with levels of theirs: the cycle is cut where a function takes its level.
+        Switching functions, rows with levels of theirs, and how far beyond these: the cycle is cut where a function
+        takes that value.
     cuts : sequence of int
         Rows with input positions where the cycle is cut; NaN: nowhere.
     kinks : sequence of int
@@ -130,7 +131,7 @@ class Plan:
     landmarks: Sequence[tuple[int, int, int, int]] = ()
     levels: Sequence[int] = ()
     states: Sequence[int] = ()
-    crossings: Sequence[tuple[int, int]] = ()
+    crossings: Sequence[tuple[int, int, float]] = ()
     cuts: Sequence[int] = ()
     kinks: Sequence[int] = ()
     integrals: Sequence[int] = ()
@@ -319,7 +320,8 @@ class CycleMachine:
             _integers(plan.landmarks, 4),
             _integers(plan.levels),
             _integers(plan.states),
-            _integers(plan.crossings, 2),
+            _integers([crossing[:2] for crossing in plan.crossings], 2),
+            np.array([offset for *_, offset in plan.crossings], float),
             _integers(plan.cuts),
             _integers(plan.kinks),
             plan.scan,

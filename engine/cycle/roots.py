@@ -23,7 +23,7 @@ LOW, HIGH, AT_LOW, AT_HIGH, X, BEFORE, AT_BEFORE, LENGTH, ENOUGH, MARK = range(1
 FIRST_LOW, FIRST_HIGH, F_LOW, F_HIGH = range(10, 14)
 PARTS = 14
 of_roots = memory(PARTS, LANES)
-# What a row looks for: the number of f, and the row of P with the level or TURN.
+# What a row looks for: the number of f, and that of the level or TURN.
 FUNCTION, LEVEL = range(2)
 TURN = -1
 # Length of the last step, as a share of the interval.
@@ -101,7 +101,7 @@ def begin_roots(count: int, roots: Memory) -> None:
 
 
 @routine
-def improve_roots(count: int, sought: np.ndarray, block: Memory, room: int, values: Memory, roots: Memory) -> bool:
+def improve_roots(count: int, sought: np.ndarray, levels: Memory, room: int, values: Memory, roots: Memory) -> bool:
     """Move each root by one step.
 
     Parameters
@@ -110,8 +110,7 @@ def improve_roots(count: int, sought: np.ndarray, block: Memory, room: int, valu
         Number of rows used.
     sought : ndarray (rows, 2) of int
         FUNCTION and LEVEL of each row.
-    block : rows (numbers, LANES)
-        P.
+    levels : rows (levels, LANES)
     room : int
     values : rows (2 functions × room, LANES)
         As of `SampledFunctions`, at the X of each row.
@@ -129,7 +128,7 @@ def improve_roots(count: int, sought: np.ndarray, block: Memory, room: int, valu
         for lane in range(LANES):
             derivative = values[f_row + room, lane]
             x, before = roots[r, X, lane], roots[r, BEFORE, lane]
-            value = derivative if turns > 0.0 else values[f_row, lane] - block[level, lane]
+            value = derivative if turns > 0.0 else values[f_row, lane] - levels[level, lane]
             slope = (value - roots[r, AT_BEFORE, lane]) / (x - before) if turns > 0.0 else derivative
             beside_low = (value > 0.0) == (roots[r, AT_LOW, lane] > 0.0)
             low = x if beside_low else roots[r, LOW, lane]
@@ -155,6 +154,7 @@ def solve_roots(
     tables: np.ndarray,
     count: int,
     sought: np.ndarray,
+    levels: Memory,
     samples: SampledFunctions,
     roots: Memory,
 ) -> None:
@@ -169,6 +169,7 @@ def solve_roots(
     count : int
         Number of rows used.
     sought : ndarray (rows, 2) of int
+    levels : rows (levels, LANES)
     samples : SampledFunctions
     roots : rows (rows, PARTS, LANES)
     """
@@ -183,4 +184,4 @@ def solve_roots(
         # Once more where all were found, so that nothing depends on which of them was the last.
         if found:
             break
-        found = not improve_roots(count, sought, in_lanes(block), samples.room, samples.values, roots)
+        found = not improve_roots(count, sought, levels, samples.room, samples.values, roots)

@@ -71,8 +71,8 @@ class Functions(NamedTuple):
     landmarks : tuple of Landmark
     level_rows, held_rows : tuple of int
         Rows of P that `levels` and `states` fill, in order.
-    crossings : tuple of (int, int)
-        Event, and row of P with the level it crosses.
+    crossings : tuple of (int, int, float)
+        Event, row of P with the level it crosses, and how far beyond that.
     curves : dict of Node to int
         Row of the tile of each curve.
     memory : ndarray
@@ -89,7 +89,7 @@ class Functions(NamedTuple):
     landmarks: tuple[Landmark, ...]
     level_rows: tuple[int, ...]
     held_rows: tuple[int, ...]
-    crossings: tuple[tuple[int, int], ...]
+    crossings: tuple[tuple[int, int, float], ...]
     curves: dict[Node, int]
     memory: np.ndarray
     looks: int
@@ -247,7 +247,7 @@ def _printed(graph: Graph, title: str, plan: _Plan, *parts: _Part) -> Functions:
         tuple(_landmark(place, curve, plan.found, rows) for place, (curve, _) in enumerate(plan.events)),
         tuple(rows[n] for n in plan.cycle),
         tuple(rows[n] for n in plan.held),
-        tuple((places[c.curve], rows[c.level]) for c in plan.crossings),
+        tuple((places[c.curve], rows[c.level], c.offset) for c in plan.crossings),
         {node: i for i, node in enumerate(plan.curves)},
         np.concatenate([np.zeros(0), *graph.tables]) if graph.tables else np.zeros(1),
         2 if any(node.stage == Stage.CYCLE for node in reached(plan.event_nodes)) else 1,

@@ -248,7 +248,7 @@ class Sum(Node):
 
 
 class Crossing:
-    """Places where something switches: a curve crosses a level there.
+    """Places where something switches: a curve crosses a level there, `level` + `offset`.
 
     Attributes
     ----------
@@ -256,14 +256,16 @@ class Crossing:
         The curve and its derivative by the input.
     level : Node
         Belongs to the variant or to its cycle.
+    offset : float
+        So rows of a table that lie at known distances from one level are data, not nodes.
     kink : int
         Lowest derivative that changes there: 0 of what jumps, 1 of what bends, 2 of what only changes its curvature.
     """
 
-    __slots__ = ("curve", "kink", "level", "rate")
+    __slots__ = ("curve", "kink", "level", "offset", "rate")
 
-    def __init__(self, curve: Node, rate: Node, level: Node, kink: int) -> None:
-        self.curve, self.rate, self.level, self.kink = curve, rate, level, kink
+    def __init__(self, curve: Node, rate: Node, level: Node, offset: float, kink: int) -> None:
+        self.curve, self.rate, self.level, self.offset, self.kink = curve, rate, level, offset, kink
 
 
 class Return(NamedTuple):
@@ -317,7 +319,7 @@ class Graph:
         self.q, self.cos_q, self.sin_q = (Position(self, which) for which in ("q", "cos_q", "sin_q"))
         self.memory = TableMemory(self, Stage.VARIANT, label="memory")
         self.tables: list[np.ndarray] = []
-        self._crossings: dict[tuple[Node, Node], Crossing] = {}
+        self._crossings: dict[tuple[Node, Node, float], Crossing] = {}
         self._bends: dict[Node, set[Node]] = {}
         self._returns: dict[Node, Return] = {}
 
@@ -441,11 +443,12 @@ class Graph:
             return sum((c * b for c, b in kept), self.zero)
         return self._once(("sum", kept), lambda: Sum(self, kept))
 
-    def switches(self, curve: Node, rate: Node, level: Node | float = 0.0, kink: int = 0) -> None:
-        """Say that something switches where a curve crosses a level; `kink` as for `Crossing`."""
+    def switches(self, curve: Node, rate: Node, level: Node | float = 0.0, kink: int = 0, offset: float = 0.0) -> None:
+        """Say that something switches where a curve crosses a level; `kink` and `offset` as for `Crossing`."""
         if curve.stage == Stage.POSITION:
-            level = level if isinstance(level, Node) else self.constant(level)
-            known = self._crossings.setdefault((curve, level), Crossing(curve, rate, level, kink))
+            if not isinstance(level, Node) or isinstance(level, Constant):
+                level, offset = self.zero, (level.value if isinstance(level, Node) else float(level)) + offset
+            known = self._crossings.setdefault((curve, level, offset), Crossing(curve, rate, level, offset, kink))
             known.kink = min(known.kink, kink)
 
     def bends(self, node: Node, curve: Node) -> None:

@@ -62,14 +62,43 @@ def given_numbers(
     Raises
     ------
     AskError
-        The paths given are not these.
+        The paths given are not these, or what is given for one is no row of real numbers as long as the others.
     """
     if set(varied) != set(paths):
         raise AskError(f"varied must hold exactly {list(paths)}, got {sorted(varied)}")
-    arrays = {path: np.atleast_1d(np.asarray(v, dtype=np.float64)) for path, v in varied.items()}
-    status = np.zeros(next((a.shape[0] for a in arrays.values()), 1), np.uint8)
+    arrays = {path: _row(path, values) for path, values in varied.items()}
+    first = next(iter(arrays), None)
+    count = 1 if first is None else arrays[first].size
+    for path, values in arrays.items():
+        if values.size != count:
+            raise AskError(f"{path!r} has {values.size} values, {first!r} has {count}: give one for every variant")
+    status = np.zeros(count, np.uint8)
     for path, values in arrays.items():
         status[~within_limits(limits[path], values)] = Verdict.OUTSIDE_LIMITS
     if drop is not None:
+        drop = np.asarray(drop)
+        if drop.shape != status.shape or drop.dtype != np.bool_:
+            raise AskError(
+                f"drop is an array of {drop.dtype} of the shape {drop.shape}: give True or False for each of the "
+                f"{count} variants"
+            )
         status[drop] = Verdict.DROPPED
     return arrays, status
+
+
+def _row(path: str, values: object) -> np.ndarray:
+    """What is given for a path, as a row of float64."""
+    try:
+        row = np.atleast_1d(np.asarray(values))
+    except ValueError:
+        raise AskError(f"{path!r}: rows differ in length; give one row of numbers, one for every variant") from None
+    if row.dtype.kind == "c":
+        raise AskError(f"{path!r} has complex values: give real numbers")
+    if row.ndim > 1:
+        shape = " × ".join(map(str, row.shape))
+        raise AskError(f"{path!r} has {shape} values: give one row of numbers, one for every variant")
+    if row.dtype.kind not in "biuf":
+        raise AskError(
+            f"{path!r} has values that are no numbers, such as {row.tolist()[0]!r}: give numbers in SI units"
+        )
+    return row.astype(np.float64)

@@ -16,7 +16,7 @@ from engine.machine.elements.elements_alone import ElementsAlone
 from engine.machine.extrapolation import Differences, Estimate, derivative_of
 from engine.machine.machine import Machine
 from engine.machine.results import AskError, Outcome
-from engine.parts.skeleton import CrankInput
+from engine.parts.skeleton import CrankInput, NonZero
 from engine.scene.scene import Scene, SceneNumber, scene_numbers
 from engine.verdicts import Verdict
 
@@ -275,8 +275,8 @@ def _within(number: SceneNumber, values: np.ndarray, scale: np.ndarray) -> np.nd
     return scale
 
 
-def _bound(limit: Gt | Ge | Lt | Le) -> float:
-    return next(float(getattr(limit, key)) for key in ("gt", "ge", "lt", "le") if hasattr(limit, key))
+def _bound(limit: Gt | Ge | Lt | Le | NonZero) -> float:
+    return next(float(getattr(limit, key)) for key in ("gt", "ge", "lt", "le", "ne") if hasattr(limit, key))
 
 
 # Units

@@ -4,10 +4,10 @@ import math
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
 from engine.laws.tables import Table, TableError, make_table
-from engine.parts.skeleton import Angle, GuideRef, Length, LinkRef, Name, Number, Part, PointRef
+from engine.parts.skeleton import Angle, GuideRef, Length, LinkRef, Name, NonZero, Number, Part, PointRef
 
 # Lobes of a wheel, and harmonics of a law: more would be teeth.
 MOST_LOBES, MOST_HARMONICS = 8, 12
@@ -23,16 +23,9 @@ class ToothedBar(Part):
     """
 
     pivot: PointRef
-    radius: Length
+    radius: Annotated[Length, NonZero("a pinion with the radius 0 moves no rack: give the radius of its pitch circle")]
     pressure_angle: Annotated[Angle, Field(ge=0, lt=math.pi / 2)] = 0.0
     efficiency: Annotated[Number, Field(gt=0, le=1)] | None = None
-
-    @field_validator("radius")
-    @classmethod
-    def _has_a_size(cls, radius: float) -> float:
-        if radius == 0.0:
-            raise ValueError("a pinion with the radius 0 moves no rack: give the radius of its pitch circle")
-        return radius
 
 
 class Rack(ToothedBar):

@@ -26,7 +26,6 @@ from pydantic import (
     Field,
     StringConstraints,
     ValidationInfo,
-    field_validator,
     model_validator,
 )
 
@@ -56,6 +55,26 @@ def _printable(text: str) -> str:
 
 
 PlainText = Annotated[str, AfterValidator(_printable)]
+
+
+class NonZero(AfterValidator):
+    """Marks a number that must not be 0, in a scene and in every variant.
+
+    Parameters
+    ----------
+    why : str
+        What the message says.
+    """
+
+    ne = 0.0
+
+    def __init__(self, why: str) -> None:
+        def checked(value: float) -> float:
+            if value == self.ne:
+                raise ValueError(why)
+            return value
+
+        super().__init__(checked)
 
 
 class DimensionMark(str):
@@ -112,12 +131,8 @@ class Guide(Part):
     angle: Angle = 0.0
 
 
-def _not_at_rest(speed: float) -> float:
-    if speed == 0.0:
-        raise ValueError("the input is at rest: give its mean speed, such as '60 rpm' (negative: the other way)")
-    return speed
-
-
+_RUNS = NonZero("the input is at rest: give its mean speed, such as '60 rpm' (negative: the other way)")
+_GEARED = NonZero("a shaft with the ratio 0 never turns: give the ratio of its speed to that of its link")
 # Turns of the crank in a cycle: more would be looked at too coarsely.
 MOST_REVOLUTIONS = 24
 
@@ -133,15 +148,10 @@ class CrankInput(Part):
     pivot: PointRef
     pin: Name
     length: Annotated[Length, Field(gt=0)]
-    speed: AngularSpeed
+    speed: Annotated[AngularSpeed, _RUNS]
     revolutions: Annotated[int, Field(ge=1, le=MOST_REVOLUTIONS)] = 1
     start: Angle | None = None
     stop: Angle | None = None
-
-    @field_validator("speed")
-    @classmethod
-    def _runs(cls, speed: float) -> float:
-        return _not_at_rest(speed)
 
     @model_validator(mode="after")
     def _limits_come_together(self) -> "CrankInput":
@@ -161,12 +171,7 @@ class SliderInput(Part):
     point: Name
     start: Length
     stop: Length
-    speed: Speed
-
-    @field_validator("speed")
-    @classmethod
-    def _runs(cls, speed: float) -> float:
-        return _not_at_rest(speed)
+    speed: Annotated[Speed, _RUNS]
 
     @model_validator(mode="after")
     def _travels(self) -> "SliderInput":
@@ -491,7 +496,7 @@ class Shaft(Part):
     """
 
     geared_to: LinkRef
-    ratio: Number
+    ratio: Annotated[Number, _GEARED]
     carrier: LinkRef | None = None
     pressure_angle: Annotated[Angle, Field(ge=0, lt=math.pi / 2)] | None = None
     efficiency: Annotated[Number, Field(gt=0, le=1)] | None = None
@@ -499,13 +504,6 @@ class Shaft(Part):
     pivot: PointRef | None = None
     phase: Angle = 0.0
     around: Angle = 0.0
-
-    @field_validator("ratio")
-    @classmethod
-    def _is_geared(cls, ratio: float) -> float:
-        if ratio == 0.0:
-            raise ValueError("a shaft with the ratio 0 never turns: give the ratio of its speed to that of its link")
-        return ratio
 
 
 class WheelForm(Part):

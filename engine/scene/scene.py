@@ -36,6 +36,7 @@ from engine.parts.skeleton import (
     Mode,
     Name,
     Near,
+    NonZero,
     Part,
     PlainText,
     Point,
@@ -150,7 +151,7 @@ class SceneNumber(NamedTuple):
 
     value: float
     dimension: str
-    limits: tuple[Gt | Ge | Lt | Le, ...]
+    limits: tuple[Gt | Ge | Lt | Le | NonZero, ...]
     choices: tuple[float, ...] = ()
 
 
@@ -170,7 +171,7 @@ def _marked(kind: type[Part], key: str) -> tuple[str | None, tuple]:
     field = kind.model_fields[key]
     marks = _marks(field.annotation, field.metadata)
     dimension = next((str(m) for m in marks if isinstance(m, DimensionMark)), None)
-    return dimension, tuple(m for m in marks if isinstance(m, (Gt, Ge, Lt, Le)))
+    return dimension, tuple(m for m in marks if isinstance(m, (Gt, Ge, Lt, Le, NonZero)))
 
 
 def _walk(part: Part, path: str) -> Iterator[tuple[str, SceneNumber]]:
@@ -273,6 +274,8 @@ def within_limits(number: SceneNumber, values: np.ndarray) -> np.ndarray:
                 keep &= values < bound
             case Le(le=bound):
                 keep &= values <= bound
+            case NonZero(ne=bound):
+                keep &= values != bound
     return keep
 
 

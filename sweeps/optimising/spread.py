@@ -58,7 +58,7 @@ def spreads(task: SearchTask, columns: Mapping[str, np.ndarray], chosen: np.ndar
     for name in study.summaries:
         found |= {f"{name}.tolerance": np.full(size, np.nan), f"{name}.tolerance_first_order": np.full(size, np.nan)}
     paths = tuple(dict.fromkeys([*study.paths, *(t.path for t in task.tolerances)]))
-    machine = made_ready(study.scene, study.summaries, (), paths, study.positions, np.dtype(study.precision).type)
+    machine = made_ready(study.scene, study.summaries, (), paths, study.positions, np.dtype(study.field_precision).type)
     for start in range(0, chosen.size, TOGETHER):
         some = chosen[start : start + TOGETHER]
         made = {name: values[some] for name, values in columns.items()}
@@ -98,7 +98,7 @@ def _spread(
 def _misses(task: SearchTask, values: Mapping[str, np.ndarray]) -> np.ndarray:
     found = np.zeros(values["status"].shape, bool)
     for condition in (*task.study.require, *task.conditions):
-        found |= ~condition.met(values, found.size)
+        found |= ~condition.judged(values, {}, found.size).met
     return found
 
 

@@ -16,7 +16,6 @@ import numpy as np
 from engine import Verdict, any_quantity, parse_expression, scene_numbers
 from sweeps.report.sweep_result import SweepResult
 from sweeps.store import MappedResult, mapped_columns
-from sweeps.study.study import misses
 from sweeps.text.conditions import Condition, errors_in
 
 # Numbers that are held in memory of a file at a time.
@@ -303,12 +302,10 @@ class _Gathering:
         without = [v for cost, v in first.without if np.isfinite(cost)]
         only = [0] if self.result.description.variants == 1 else []
         self.numbers = np.union1d(self.shown, np.array([*beside, *without, *only], int))
-        self.require = [Condition(parse_expression(text, any_quantity)) for text in self.result.record["require"]]
-        self.fixed = {path: number.value for path, number in scene_numbers(self.result.scene).items()}
         self.names = [c.name for c in self.result.description.columns if c.dims == ("variant",)]
         self.kept: dict[str, list[np.ndarray]] = {name: [] for name in self.names}
         self.counts = Counter()
-        self.missed = np.zeros((2, len(self.require)), int)
+        self.missed = np.zeros((2, len(self.result.requirements.conditions)), int)
         self.worst = dict.fromkeys(self.result.summaries, 0.0)
         self.as_good = 0
 
@@ -319,8 +316,8 @@ class _Gathering:
             self.kept[name].append(rows[name][here])
         for code, count in zip(*np.unique(status, return_counts=True), strict=True):
             self.counts[Verdict(int(code))] += int(count)
-        if self.require:
-            fails = misses(self.require, self.fixed | dict(rows), status.size) & (status != Verdict.NOT_COMPUTED)
+        if self.result.requirements.conditions:
+            fails = self.result.requirements.misses(rows, status.size) & (status != Verdict.NOT_COMPUTED)
             self.missed += [fails.sum(axis=1), (fails & (fails.sum(axis=0) == 1)).sum(axis=1)]
         for name, worst in self.worst.items():
             self.worst[name] = max(worst, _worst_error(rows, name))
@@ -337,7 +334,10 @@ class _Gathering:
             result=self.result,
             aim=first.judge.aim,
             counts=self.counts,
-            missed={c.text: (int(n), int(m)) for c, n, m in zip(self.require, *self.missed, strict=True)},
+            missed={
+                c.text: (int(n), int(m))
+                for c, n, m in zip(self.result.requirements.conditions, *self.missed, strict=True)
+            },
             meeting=first.meeting,
             undecided=first.undecided,
             rivals=max(self.as_good - 1, 0),

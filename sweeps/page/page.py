@@ -129,8 +129,7 @@ def _warnings(digest: Digest) -> list[str]:
     if waiting := digest.counts[Verdict.NOT_COMPUTED]:
         found.append(f"{waiting} variants are not computed yet: the same run goes on where it stopped.")
     if digest.undecided:
-        reach = "their error figures reach across its limit"
-        found.append(f"{digest.undecided} variants may or may not meet the condition: {reach}.")
+        found.append(f"The condition is undecided within error estimates for {digest.undecided} variants.")
     if digest.rivals:
         found.append(
             f"{digest.rivals} other variants are as good as the best within the error figures: "

@@ -251,7 +251,7 @@ def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path) ->
     reached = [] if cost.tried is None else [("Accuracy", accuracy_words.of_sample(study, cost.tried))]
     return [
         *reached,
-        ("Evaluation", f"{way}; {study.precision}; {saved}"),
+        ("Evaluation", f"{way}; fields in {study.field_precision}; {saved}"),
         ("Time", seconds),
         ("Memory", f"about {(memory + cost.motion_bytes) / 1e6:.3g} MB beside the program's own"),
         *_file_sections(study, machine, out),

@@ -45,13 +45,13 @@ def fields_text(result: SweepResult) -> list[str]:
 
 
 def undecided_text(result: SweepResult, where: str | None) -> str:
-    """How many variants neither meet nor miss a condition for certain, as the end of a sentence; "" if none."""
+    """For how many variants a condition is undecided within error estimates, as the end of a sentence; "" if none."""
     count = result.undecided(where) if where else 0
-    return f", {count} more may or may not: their error figures reach across its limit" if count else ""
+    return f"; {count} {'is' if count == 1 else 'are'} undecided within error estimates" if count else ""
 
 
 def meeting_text(result: SweepResult, where: str | None) -> str:
-    """How many variants meet a condition, and how many neither meet nor miss it for certain."""
+    """How many variants meet a condition, and for how many it is undecided."""
     count = result.count_meeting(where)
     return f"{count} {'variant meets' if count == 1 else 'variants meet'} the condition{undecided_text(result, where)}"
 

@@ -20,7 +20,7 @@ from engine import (
 )
 from sweeps.report.recorded_study import recorded_scene, recorded_study
 from sweeps.store import Description, FieldAxis, MappedResult, describe_result, mapped_columns, read_columns
-from sweeps.study.study import misses
+from sweeps.study.study import Requirements
 from sweeps.study.study_text import Best
 from sweeps.text.conditions import Condition, Judgement, errors_in
 from sweeps.text.engineer_units import show_units
@@ -224,14 +224,14 @@ class SweepResult:
         return _first(found, most)[0]
 
     def meeting(self, where: str | None) -> np.ndarray:
-        """Which variants were computed and meet a condition for sure (variants,); the condition as for `select`."""
+        """Which variants were computed and meet a condition (variants,); the condition as for `select`."""
         met, found = self.meets(where), np.zeros(self.description.variants, bool)
         for part in self.parts():
             found[part] = met(part)
         return found
 
     def count_meeting(self, where: str | None) -> int:
-        """How many variants were computed and meet a condition for sure; the condition as for `select`."""
+        """How many variants were computed and meet a condition; the condition as for `select`."""
         met = self.meets(where)
         return sum(int(np.count_nonzero(met(part))) for part in self.parts())
 
@@ -253,7 +253,7 @@ class SweepResult:
         return sum(int(np.count_nonzero(part)) for part in parts)
 
     def meets(self, where: str | None) -> Callable[[slice | np.ndarray], np.ndarray]:
-        """What tells which of some variants were computed and meet a condition for sure; the condition as for `select`.
+        """What tells which of some variants were computed and meet a condition; the condition as for `select`.
 
         Raises
         ------
@@ -342,18 +342,25 @@ class SweepResult:
         met = self.meets(where)
         return np.concatenate([met(piece) for piece in self._pieces(chosen)])
 
+    @cached_property
+    def requirements(self) -> Requirements:
+        """What the study required of parameters."""
+        return Requirements(
+            [Condition(parse_expression(text, any_quantity)) for text in self.record["require"]],
+            {path: parse_expression(text, any_quantity) for path, text in self.record["derive"].items()},
+            {path: number.value for path, number in scene_numbers(self.scene).items()},
+        )
+
     def missed(self) -> Iterator[np.ndarray]:
         """Which variants fail which condition of `require` (conditions, variants), some variants after the others.
 
         Those not yet computed aren't counted. Found anew from the parameters, as the file holds only whether a variant
         was dropped.
         """
-        fixed = {path: number.value for path, number in scene_numbers(self.scene).items()}
-        conditions = [Condition(parse_expression(text, any_quantity)) for text in self.record["require"]]
-        names = {name for condition in conditions for name in condition.names}
+        required = self.requirements
+        names = {name for used in (*required.conditions, *required.derived.values()) for name in used.names}
         for part in self.parts():
-            known = fixed | self.rows(part, names)
-            found = misses(conditions, known, part.stop - part.start)
+            found = required.misses(self.rows(part, names), part.stop - part.start)
             yield found & (self.columns["status"][part] != Verdict.NOT_COMPUTED)
 
     def best(self) -> int | None:

@@ -132,7 +132,7 @@ def _shared(
     found = {*VERDICT_COLUMNS}
     for name in {*asked["summaries"]} & {*wanted["summaries"]}:
         found |= {name, f"{name}_error"}
-    if theirs["precision"] == ours["precision"]:
+    if theirs["field_precision"] == ours["field_precision"]:
         shared = {*asked["fields"]} & {*wanted["fields"]}
         found |= shared | {f"{name}_error" for name in shared}
     by_neighbours = asked["derivatives"] == wanted["derivatives"] and theirs["tolerances"] == ours["tolerances"]

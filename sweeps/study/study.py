@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,10 +28,49 @@ from sweeps.study.sensitivity import AskedDerivative, Sensitivity, refusals
 from sweeps.study.study_reader import StudyReader
 from sweeps.study.study_record import study_digest
 from sweeps.study.study_text import Best, Optimise, StudyText, ToleranceText
-from sweeps.text.conditions import Condition, UnknownNameError
+from sweeps.text.conditions import Condition, UnknownNameError, value_with_error
 from sweeps.text.input_files import InputError, read_text
 from sweeps.text.scene_text import scene_from
 from sweeps.text.toml_text import line_of, parse_toml
+
+
+class Requirements(NamedTuple):
+    """What parameters of a variant must meet, and how they follow from each other.
+
+    Attributes
+    ----------
+    conditions : sequence of Condition
+    derived : mapping of str to TextExpression
+        How some parameters follow from others, by path, in order: rounding is carried through these.
+    fixed : mapping of str to float
+        Numbers of the scene (SI).
+    """
+
+    conditions: Sequence[Condition]
+    derived: Mapping[str, TextExpression]
+    fixed: Mapping[str, float]
+
+    def misses(self, values: Mapping[str, np.ndarray], count: int) -> np.ndarray:
+        """Which variants fail which condition; what differs by rounding is equal.
+
+        Parameters
+        ----------
+        values : mapping of str to float or ndarray (count,)
+            Parameters of the variants (SI).
+        count : int
+            Number of variants.
+
+        Returns
+        -------
+        ndarray (conditions, count) of bool
+        """
+        values, errors = self.fixed | values, {}
+        if self.conditions:
+            with np.errstate(all="ignore"):
+                for path, expression in self.derived.items():
+                    errors[path] = value_with_error(expression.tree, values, errors)[1]
+        found = [~condition.judged(values, errors, count).met for condition in self.conditions]
+        return np.array(found, bool).reshape(len(self.conditions), count)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -49,7 +89,8 @@ class Study:
     summaries, fields : tuple of str
         What is asked.
     positions : int
-    precision : {"float64", "float32"}
+    field_precision : {"float64", "float32"}
+        In which kept fields are stored; all is computed in float64.
     accuracy : float or None
         Allowed error of every summary, as a share of its magnitude.
     name, title, question, text : str
@@ -73,7 +114,7 @@ class Study:
     summaries: tuple[str, ...] = ()
     fields: tuple[str, ...] = ()
     positions: int = 720
-    precision: str = "float64"
+    field_precision: str = "float64"
     accuracy: float | None = None
     name: str = "study"
     title: str = ""
@@ -146,7 +187,7 @@ class Study:
             self.fields,
             self.paths,
             self.positions,
-            np.dtype(self.precision).type,
+            np.dtype(self.field_precision).type,
             self.accuracy,
         )
 
@@ -159,39 +200,20 @@ class Study:
         return values, missed.any(axis=0)
 
     def values_and_misses(self, start: int, stop: int) -> tuple[dict[str, np.ndarray], np.ndarray]:
-        """Parameters of the variants start … stop − 1 (SI), and which of them fail which condition, as for `misses`."""
+        """Parameters of the variants start … stop − 1 (SI), and which of them fail which condition of `require`."""
         return self.completed(self.design.values(start, stop), stop - start)
 
     def completed(self, varied: Mapping[str, np.ndarray], count: int) -> tuple[dict[str, np.ndarray], np.ndarray]:
-        """Varied parameters of `count` variants with those derived from them, and their misses, as for `misses`."""
+        """Varied parameters of `count` variants with those derived from them, and which fail which condition."""
         values = dict(varied)
         for path, expression in self.derived.items():
             values[path] = np.broadcast_to(expression.evaluate(self.fixed | values), (count,)).astype(float)
-        return values, misses(self.require, self.fixed | values, count)
+        return values, Requirements(self.require, self.derived, self.fixed).misses(values, count)
 
     @property
     def digest(self) -> str:
         """Name of the study's content, as for `study_digest`."""
         return study_digest(self)
-
-
-def misses(conditions: Sequence[Condition], values: Mapping[str, float | np.ndarray], count: int) -> np.ndarray:
-    """Which variants fail which condition.
-
-    Parameters
-    ----------
-    conditions : sequence of Condition
-    values : mapping of str to float or ndarray (count,)
-        Numbers of the variants (SI), and of the scene.
-    count : int
-        Number of variants.
-
-    Returns
-    -------
-    ndarray (conditions, count) of bool
-    """
-    found = [~condition.met(values, count) for condition in conditions]
-    return np.array(found, bool).reshape(len(conditions), count)
 
 
 def read_study(path: Path | str) -> Study:

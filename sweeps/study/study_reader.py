@@ -116,7 +116,7 @@ class StudyReader:
             "fields": tuple(dict.fromkeys(outputs.fields)),
             "derivatives": derivatives,
             "positions": self.raw.positions,
-            "precision": self.raw.precision,
+            "field_precision": self.raw.field_precision,
             "accuracy": self.raw.accuracy,
             "name": self.path.stem,
             "title": self.raw.title or self.scene.title,

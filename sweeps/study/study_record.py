@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from sweeps.study.study import Study
 
 # What results depend on; the rest says what is concluded from them.
-_DECISIVE = ("vary", "derive", "require", "outputs", "positions", "precision", "accuracy", "tolerances")
+_DECISIVE = ("vary", "derive", "require", "outputs", "positions", "field_precision", "accuracy", "tolerances")
 _OF_A_VARIANT = ("derive", "positions", "accuracy")
 _WORDS = ("title", "source")
 
@@ -31,7 +31,7 @@ def study_record(study: "Study") -> dict[str, Any]:
     dict
         `scene` (as `Scene.model_validate` takes it), `parameters` (their SI units by name), `vary` (a table for each
         axis: kind, names, size and what it is made of), `derive` and `require` (expressions as written), `outputs`,
-        `positions`, `precision`, `accuracy`, `best`, `optimise`, `tolerances`; `engine`, a digest of its sources.
+        `positions`, `field_precision`, `accuracy`, `best`, `optimise`, `tolerances`; `engine`, a digest of its sources.
     """
     return {
         "scene": study.scene.model_dump(mode="json"),
@@ -45,7 +45,7 @@ def study_record(study: "Study") -> dict[str, Any]:
             "derivatives": [derivative._asdict() for derivative in study.derivatives],
         },
         "positions": study.positions,
-        "precision": study.precision,
+        "field_precision": study.field_precision,
         "accuracy": study.accuracy,
         "best": study.best.model_dump() if study.best else None,
         "optimise": study.optimise.model_dump() if study.optimise else None,

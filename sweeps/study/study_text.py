@@ -148,6 +148,7 @@ class StudyText(ScenePart):
     `optimise` is what `sweeps optimise` searches for, instead of all variants; `tolerances` say how far numbers of
     the machine as built may be off. `accuracy` is the allowed error of every summary, as a share of its magnitude:
     each variant then gets as many positions as that takes, and `positions` is how many the fields have.
+    `field_precision` is that in which fields are stored; all is computed in float64.
     """
 
     title: PlainText = ""
@@ -156,7 +157,7 @@ class StudyText(ScenePart):
     scene: str | dict[str, Any]
     positions: int = 720
     accuracy: Annotated[PlainNumber, Field(gt=0, lt=1)] | None = None
-    precision: Literal["float64", "float32"] = "float64"
+    field_precision: Literal["float64", "float32"] = "float64"
     vary: dict[str, AxisText] = {}
     variants: str | None = None
     sampling: Sampling | None = None

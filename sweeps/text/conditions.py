@@ -1,8 +1,9 @@
 """Conditions on parameters and results, such as "wheel_mass < '900 kg'": read, checked and judged here only.
 
-A result is known but for its error figure. A condition holds for sure where it holds for all that the figures allow,
-and is missed for sure where it holds for none of it; what lies between is undecided: 90 mm ± 1 mm is neither greater
-than 90 mm nor not.
+A result is known but for its error estimate, and any number but for rounding. Two sides that agree within their
+estimates count as equal: `>=`, `<=` and `==` accept them, `>`, `<` and `!=` don't. So a condition and its contrary are
+never both met or both missed. Where other values within the estimates would decide otherwise, the variant is reported
+as undecided.
 """
 
 from collections.abc import Mapping
@@ -28,6 +29,10 @@ from engine import (
 )
 
 WORST = 1.0
+# Rounding of a number read, converted or derived, and of a comparison, relative.
+ROUNDING = 4 * float(np.finfo(float).eps)
+# Sides that agree within an estimate below this share of them are equal for all that is ever shown of them.
+NEGLIGIBLE = 1e-9
 
 
 class UnknownNameError(ExpressionError):
@@ -38,15 +43,10 @@ Values = Mapping[str, float | np.ndarray]
 
 
 class Judgement(NamedTuple):
-    """What is sure about a condition, for each of many variants: that it is met, that it is missed, or neither."""
+    """Whether each of many variants meets a condition, and whether other values within the estimates change that."""
 
     met: np.ndarray
-    missed: np.ndarray
-
-    @property
-    def undecided(self) -> np.ndarray:
-        """Where the error figures leave both open."""
-        return ~(self.met | self.missed)
+    undecided: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,43 +126,30 @@ class Condition:
         """The conditions that `and` joins in this one, each by itself."""
         return tuple(Condition(parse_expression(part, any_quantity)) for part in joined_by_and(self.text))
 
-    def met(self, values: Values, count: int) -> np.ndarray:
-        """Which variants meet it, taking all values as exact.
+    def judged(self, values: Values, errors: Values, count: int) -> Judgement:
+        """Which variants meet it.
 
         Parameters
         ----------
         values : mapping of str to float or ndarray (count,)
             A value (SI) of each of its names.
-        count : int
-            Number of variants.
-
-        Returns
-        -------
-        ndarray (count,) of bool
-        """
-        return np.broadcast_to(self.expression.evaluate(values), (count,)).astype(bool)
-
-    def judged(self, values: Values, errors: Values, count: int) -> Judgement:
-        """For which variants it is met or missed for sure.
-
-        Parameters
-        ----------
-        values : mapping of str to float or ndarray (count,)
-            As for `met`.
         errors : mapping of str to float or ndarray (count,)
-            Error figures of values; a name without one is exact, NaN is no figure, so that all is possible.
+            Error estimates of values; a name without one is exact but for rounding, NaN is no estimate, so that nothing
+            is met.
         count : int
             Number of variants.
         """
+        tree = self.expression.tree
         with np.errstate(all="ignore"):
-            sure, possible = _bounds(self.expression.tree, values, errors)
-        return Judgement(*(np.broadcast_to(found, (count,)).copy() for found in (sure, np.logical_not(possible))))
+            met = _judged(tree, values, errors, True, False)
+            decided = _judged(tree, values, errors, True, True) | _judged(tree, values, errors, False, True)
+        return Judgement(*(np.broadcast_to(found, (count,)).copy() for found in (met, np.logical_not(decided))))
 
     def margins(self, values: Values, errors: Values, count: int) -> np.ndarray:
-        """By how much it is missed, for each part that `and` joins: above 0 where that isn't met for sure.
+        """By how much it is missed, for each part that `and` joins: above 0 where that isn't met.
 
-        The margin of a ≤ b is (a − b) / (|a| + |b|), and the error figure of a − b over the same: at least −1, at most
-        1, whatever the units. Of parts joined by `or` the least counts. Where a number is undefined it is 1.
+        The margin of a ≤ b is (a − b) / (|a| + |b|), less the error estimate of a − b over the same: at least −1, at
+        most 1, whatever the units. Of parts joined by `or` the least counts. Where a number is undefined it is 1.
 
         Parameters
         ----------
@@ -174,7 +161,7 @@ class Condition:
         Returns
         -------
         ndarray (parts, count)
-            A part is met for sure where its margin is 0 or less, but for strict inequalities just on their limit.
+            A part is met where its margin is 0 or less, but for strict inequalities just on their limit.
         """
         with np.errstate(all="ignore"):
             found = [
@@ -184,7 +171,7 @@ class Condition:
 
 
 def errors_in(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Error figures by the names of what they belong to: of each column NAME that has a column NAME_error beside it.
+    """Error estimates by the names of what they belong to: of each column NAME that has a column NAME_error beside it.
 
     Parameters
     ----------
@@ -194,7 +181,7 @@ def errors_in(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def value_with_error(tree: ExpressionTree, values: Values, errors: Values) -> tuple[np.ndarray, np.ndarray]:
-    """A number and its error figure: what the error figures of its names make of it, added up.
+    """A number and its error estimate: what estimates and rounding of its names make of it, added up.
 
     Parameters
     ----------
@@ -205,38 +192,80 @@ def value_with_error(tree: ExpressionTree, values: Values, errors: Values) -> tu
     """
     value, error = evaluate_tree(tree, values), np.float64(0.0)
     for name in names_in_tree(tree):
-        if name in errors:
-            ends = (evaluate_tree(tree, {**values, name: values[name] + way * errors[name]}) for way in (1.0, -1.0))
-            error = error + np.maximum(*(np.abs(end - value) for end in ends))
-    # What is infinite has no figure to speak of; what has none may be anything.
+        off = np.maximum(errors.get(name, 0.0), ROUNDING * np.abs(values[name]))
+        ends = (evaluate_tree(tree, {**values, name: values[name] + sign * off}) for sign in (1.0, -1.0))
+        # At the edge of where it is defined one end may not be.
+        error = error + np.fmax(*(np.abs(end - value) for end in ends))
+    # What is infinite needs no estimate; what has none may be anything.
     error = np.where(np.isfinite(value), np.where(np.isnan(error), np.inf, error), 0.0)
     return value, error
 
 
-def _bounds(tree: TextOperation, values: Values, errors: Values) -> tuple[np.ndarray, np.ndarray]:
-    """Where a condition holds for sure, and where it may hold."""
-    if tree.name == "not":
-        sure, possible = _bounds(tree.operands[0], values, errors)
-        return np.logical_not(possible), np.logical_not(sure)
-    if tree.name in ("and", "or"):
-        join = np.logical_and if tree.name == "and" else np.logical_or
-        ends = [_bounds(part, values, errors) for part in tree.operands]
-        return join.reduce([sure for sure, _ in ends]), join.reduce([possible for _, possible in ends])
-    if tree.name == "!=":
-        sure, possible = _bounds(tree._replace(name="=="), values, errors)
-        return np.logical_not(possible), np.logical_not(sure)
+class _Comparison(NamedTuple):
+    """A comparison as one of left − right with zero, by "<", "<=" or "=="; `negated` where it was "!=".
+
+    Attributes
+    ----------
+    sign : str
+    negated : bool
+    apart, error : ndarray
+        The difference and its error estimate; infinite where a side has none.
+    whole : ndarray
+        Sum of the magnitudes of both sides.
+    """
+
+    sign: str
+    negated: bool
+    apart: np.ndarray
+    error: np.ndarray
+    whole: np.ndarray
+
+    def holds(self, error: np.ndarray) -> np.ndarray:
+        """Whether it holds by as much as an error; by a negative one, whether it fails by no more than that."""
+        match self.sign:
+            case "<":
+                return self.apart + error < 0
+            case "<=":
+                return self.apart + error <= 0
+            case _:
+                return np.abs(self.apart) + error <= 0
+
+    @property
+    def accepting(self) -> np.ndarray:
+        """The error by which it must hold to be accepted: what allows equality does so within the estimate."""
+        return self.error if self.sign == "<" else -self.error
+
+    @property
+    def is_equal(self) -> np.ndarray:
+        """Where both sides are the same but for what isn't worth a remark."""
+        return (np.abs(self.apart) <= self.error) & (self.error <= NEGLIGIBLE * self.whole)
+
+
+def _comparison(tree: TextOperation, values: Values, errors: Values) -> _Comparison:
     apart, error = value_with_error(TextOperation("-", tree.operands, tree.column), values, errors)
-    match tree.name:
-        case "<":
-            return apart + error < 0, apart - error < 0
-        case "<=":
-            return apart + error <= 0, apart - error <= 0
-        case ">":
-            return apart - error > 0, apart + error > 0
-        case ">=":
-            return apart - error >= 0, apart + error >= 0
-        case _:
-            return (apart == 0) & (error == 0), np.abs(apart) <= error
+    whole = sum(np.abs(evaluate_tree(operand, values)) for operand in tree.operands)
+    error = np.where(np.isfinite(apart), error + ROUNDING * whole, 0.0)
+    if tree.name in (">", ">="):
+        apart = -apart
+    sign = {">": "<", ">=": "<=", "!=": "=="}.get(tree.name, tree.name)
+    return _Comparison(sign, tree.name == "!=", apart, error, whole)
+
+
+def _judged(tree: TextOperation, values: Values, errors: Values, wanted: bool, surely: bool) -> np.ndarray:
+    """Where a condition, or its contrary, is accepted, or holds for all values within the estimates."""
+    if tree.name == "not":
+        return _judged(tree.operands[0], values, errors, not wanted, surely)
+    if tree.name in ("and", "or"):
+        join = np.logical_and if (tree.name == "and") == wanted else np.logical_or
+        return join.reduce([_judged(part, values, errors, wanted, surely) for part in tree.operands])
+    found = _comparison(tree, values, errors)
+    wanted = wanted != found.negated
+    error = found.accepting
+    if surely:
+        error = np.where(found.is_equal, error, found.error if wanted else -found.error)
+    holds = found.holds(error) == wanted
+    # Without an estimate neither it nor its contrary is accepted.
+    return holds & np.isfinite(found.error)
 
 
 def _joined(tree: ExpressionTree) -> list[ExpressionTree]:
@@ -254,17 +283,14 @@ def _margin(tree: TextOperation, values: Values, errors: Values, sign: float) ->
         worst = (tree.name == "and") == (sign > 0)
         parts = [_margin(part, values, errors, sign) for part in tree.operands]
         return (np.maximum if worst else np.minimum).reduce(parts)
-    difference, error = value_with_error(TextOperation("-", tree.operands, tree.column), values, errors)
-    whole = sum(np.abs(evaluate_tree(operand, values)) for operand in tree.operands)
-    apart, room = (_share(part, whole) for part in (difference, error))
-    match tree.name:
-        case "<" | "<=":
-            return sign * apart + room
-        case ">" | ">=":
-            return -sign * apart + room
-        case name:
-            wanted = (name == "==") == (sign > 0)
-            return np.abs(apart) + room if wanted else np.where(np.abs(apart) <= room, WORST, room - np.abs(apart))
+    found = _comparison(tree, values, errors)
+    apart, room = (_share(part, found.whole) for part in (found.apart, found.error))
+    wanted = (sign > 0) != found.negated
+    if found.sign == "==":
+        margin = np.abs(apart) - room if wanted else np.where(np.abs(apart) <= room, WORST, -np.abs(apart))
+    else:
+        margin = (apart if wanted else -apart) + (room if (found.sign == "<") == wanted else -room)
+    return np.where(np.isinf(found.error), WORST, margin)
 
 
 def _share(part: np.ndarray, whole: np.ndarray) -> np.ndarray:

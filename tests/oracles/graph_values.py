@@ -121,7 +121,7 @@ class GraphValues:
         for crossing in self.graph.crossings:
             if crossing.curve not in turns:
                 turns[crossing.curve] = self.roots(crossing.rate)
-            level = float(self([crossing.level], np.zeros(1))[0][0])
+            level = float(self([crossing.level], np.zeros(1))[0][0]) + crossing.offset
             found.extend(self.roots(crossing.curve, level, turns[crossing.curve]))
         return np.unique(found)
 

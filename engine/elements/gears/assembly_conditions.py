@@ -1,4 +1,4 @@
-"""Whether the wheels of a train fit: whole teeth, equal centre distances, planets that mesh and pass each other."""
+"""Whether the wheels of a train fit and mesh: whole teeth, equal centre distances, planets that pass each other."""
 
 from typing import NamedTuple
 
@@ -6,23 +6,35 @@ import numpy as np
 
 from engine.elements.gears.gear_elements import GearTrain
 from engine.elements.gears.gear_structure import MeshPlace
-from engine.elements.gears.tooth_laws import pitch_diameter
-from engine.elements.gears.train_speeds import Numbers, stages, teeth_of
+from engine.elements.gears.tooth_laws import MeshGeometry, TeethInMesh, mesh_geometry, pitch_diameter
+from engine.elements.gears.train_speeds import EPS, Numbers, stages, teeth_of
+from engine.verdicts import Verdict
 
 # Centre distances that differ by less are the same but for rounding.
 _SAME = 1e-9
 
 
 class MeshSizes(NamedTuple):
-    """Sizes of a mesh (variants,): normal module, helix angle, pitch diameters, distance of the axes [m].
+    """Sizes of a mesh (variants,): normal module and diameters of reference circles [m]; teeth and their geometry.
 
-    Without modules all of them are counted in modules.
+    Without modules all lengths are counted in modules.
     """
 
     module: np.ndarray
-    helix_angle: np.ndarray
     diameters: tuple[np.ndarray, np.ndarray]
-    distance: np.ndarray
+    teeth: TeethInMesh
+    geometry: MeshGeometry
+
+    @property
+    def distance(self) -> np.ndarray:
+        """Of the axes [m]."""
+        return self.module * self.geometry.distance
+
+    @property
+    def rolling(self) -> tuple[np.ndarray, np.ndarray]:
+        """Diameters of the operating pitch circles [m]."""
+        first, second = self.geometry.rolling
+        return self.module * first, self.module * second
 
 
 class AssemblyConditions(NamedTuple):
@@ -55,12 +67,43 @@ def mesh_sizes(train: GearTrain, n: Numbers) -> dict[str, MeshSizes]:
     """
     found = {}
     for place in train.structure.meshes:
-        z_a, z_b = teeth_of(place, n)
+        z_a, z_b = (n[f"wheels.{wheel}.teeth"] for wheel in place.wheels)
         helix = n[f"meshes.{place.name}.helix_angle"]
         module = module_of(train, place.name, n)
-        diameters = pitch_diameter(z_a, module, helix), pitch_diameter(np.abs(z_b), module, helix)
-        found[place.name] = MeshSizes(module, helix, diameters, 0.5 * (place.sense * diameters[0] + diameters[1]))
+        shifts = (n[f"wheels.{wheel}.profile_shift"] for wheel in place.wheels)
+        teeth = TeethInMesh(z_a, z_b, place.sense, n[f"meshes.{place.name}.pressure_angle"], helix, *shifts)
+        diameters = pitch_diameter(z_a, module, helix), pitch_diameter(z_b, module, helix)
+        found[place.name] = MeshSizes(module, diameters, teeth, mesh_geometry(teeth))
     return found
+
+
+def angle_error(size: MeshSizes) -> np.ndarray:
+    """Relative error of what depends on the operating pressure angle: that of solving for it where shifts change it."""
+    shifted = size.teeth.first_shift + size.teeth.sense * size.teeth.second_shift != 0.0
+    # The involute function of a small angle is the small difference of its tangent and itself.
+    return np.where(shifted, 32.0 * EPS * (1.0 + np.tan(size.geometry.angle) ** -2.0), 0.0)
+
+
+def tooth_contact(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes]) -> np.ndarray:
+    """Verdicts on teeth (variants,): OK, INTERFERES, or CONTACT_BREAKS where the contact ratio is below one.
+
+    Of helical wheels the overlap along their width counts too; where no width is given they aren't judged.
+
+    Parameters
+    ----------
+    train : GearTrain
+    n : mapping of str to ndarray (variants,)
+    sizes : dict of str to MeshSizes
+    """
+    interferes = breaks = np.zeros(next(iter(n.values())).size, bool)
+    for name, mesh in train.meshes.items():
+        teeth, geometry, module = sizes[name].teeth, sizes[name].geometry, sizes[name].module
+        interferes = interferes | geometry.interferes
+        widths = [n[f"wheels.{wheel}.width"] for wheel in mesh.between if train.wheels[wheel].width is not None]
+        width = np.min(widths, axis=0) if widths else np.where(teeth.helix_angle == 0.0, 0.0, np.inf)
+        overlap = np.where(teeth.helix_angle == 0.0, 0.0, width * np.sin(teeth.helix_angle) / (np.pi * module))
+        breaks = breaks | (sum(geometry.contact) + overlap < 1.0)
+    return np.where(interferes, Verdict.INTERFERES, np.where(breaks, Verdict.CONTACT_BREAKS, Verdict.OK))
 
 
 def module_of(train: GearTrain, mesh: str, n: Numbers) -> np.ndarray:
@@ -84,6 +127,7 @@ def assembly_conditions(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes
     for wheel in train.wheels:
         fits &= n[f"wheels.{wheel}.teeth"] == np.round(n[f"wheels.{wheel}.teeth"])
     for size in sizes.values():
+        # NaN where shifts bring teeth so near that no distance of the axes lets them mesh.
         fits &= size.distance > 0
     fits &= _equal_modules(train, sizes) & _bores_leave_a_rim(train, n, sizes)
     errors = {}
@@ -115,7 +159,7 @@ def _equal_modules(train: GearTrain, sizes: dict[str, MeshSizes]) -> np.ndarray:
         for wheel in mesh.between:
             known = first.setdefault(wheel, sizes[name])
             equal = equal & (np.abs(known.module - sizes[name].module) <= _SAME * known.module)
-            equal = equal & (np.abs(known.helix_angle - sizes[name].helix_angle) <= _SAME)
+            equal = equal & (np.abs(known.teeth.helix_angle - sizes[name].teeth.helix_angle) <= _SAME)
     return equal
 
 
@@ -125,7 +169,8 @@ def _bores_leave_a_rim(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes]
     for name, mesh in train.meshes.items():
         for wheel, diameter in zip(mesh.between, sizes[name].diameters, strict=True):
             if train.wheels[wheel].width is not None:
-                left = left & (n[f"wheels.{wheel}.bore"] < diameter - 2.5 * sizes[name].module)
+                root = diameter + (2.0 * n[f"wheels.{wheel}.profile_shift"] - 2.5) * sizes[name].module
+                left = left & (n[f"wheels.{wheel}.bore"] < root)
     return left
 
 
@@ -166,7 +211,7 @@ def _clearances(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes]) -> di
             for end, shaft in enumerate((place.first, place.second)):
                 if structure.name_of(shaft) == planet and not (end == 1 and place.sense < 0):
                     size = sizes[place.name]
-                    tips.append(size.diameters[end] + 2.0 * size.module)
+                    tips.append(size.module * size.geometry.tips[end])
         chord = 2.0 * sizes[structure.meshes[j].name].distance * np.sin(np.pi / n[f"shafts.{carrier}.planets"])
         with np.errstate(divide="ignore"):
             gap = chord / np.max(tips, axis=0) - 1.0

@@ -9,11 +9,14 @@ from engine.elements.element_laws import ROUNDING, ElementResult, LawOfArrays
 from engine.elements.gears.assembly_conditions import (
     AssemblyConditions,
     MeshSizes,
+    angle_error,
     assembly_conditions,
     mesh_sizes,
+    tooth_contact,
 )
 from engine.elements.gears.gear_elements import GearTrain
 from engine.elements.gears.load_columns import TOOTH_FORCES, Pairs, load_results, pinned_planets
+from engine.elements.gears.tooth_laws import minimum_teeth
 from engine.elements.gears.train_inertia import kinetic_energy
 from engine.elements.gears.train_speeds import (
     EPS,
@@ -26,8 +29,16 @@ from engine.elements.gears.train_speeds import (
 )
 from engine.verdicts import Verdict
 
-# What stays of a variant whose wheels don't fit: why they don't.
-_OF_ASSEMBLY = (".spacing_remainder", ".neighbour_clearance", ".distance_error")
+# What stays of a variant whose wheels don't fit or mesh: why they don't.
+_OF_ASSEMBLY = (
+    ".spacing_remainder",
+    ".neighbour_clearance",
+    ".distance_error",
+    ".contact_ratio",
+    ".operating_pressure_angle",
+    ".centre_distance",
+    ".minimum_teeth",
+)
 
 
 def gear_law(train: GearTrain) -> LawOfArrays:
@@ -66,7 +77,11 @@ def _keys(train: GearTrain) -> Iterator[str]:
         "shafts": ("planets", "speed", "moment", "mass", "inertia"),
         "meshes": ("module", "efficiency", "friction"),
     }
-    always = {"wheels": ("teeth", "bore", "density"), "shafts": (), "meshes": ("pressure_angle", "helix_angle")}
+    always = {
+        "wheels": ("teeth", "bore", "density", "profile_shift"),
+        "shafts": (),
+        "meshes": ("pressure_angle", "helix_angle"),
+    }
     for table in ("wheels", "shafts", "meshes"):
         for name, part in getattr(train, table).items():
             yield from (f"{table}.{name}.{key}" for key in always[table])
@@ -100,6 +115,16 @@ def _results(train: GearTrain) -> Iterator[ElementResult]:
         if train.shafts[structure.name_of(structure.meshes[j].carrier)].planets is not None:
             words = f"gap between the tips of neighbouring {planet} planets, over the diameter of the tips"
             yield ElementResult(f"{planet}.neighbour_clearance", words, "1", None, True)
+    for place in structure.meshes:
+        name, (a, b) = place.name, place.wheels
+        words = f"transverse contact ratio of {name}, of teeth as far as they don't interfere"
+        yield ElementResult(f"{name}.contact_ratio", words, "1")
+        yield ElementResult(f"{name}.operating_pressure_angle", f"transverse operating pressure angle of {name}", "rad")
+        if train.has_modules:
+            yield ElementResult(f"{name}.centre_distance", f"distance of the axes of {a} and {b}", "m")
+        small = a if place.sense < 0 else f"the smaller of {a} and {b}"
+        words = f"minimum number of teeth of {small} without interference, the other wheel as it is"
+        yield ElementResult(f"{name}.minimum_teeth", words, "1", None, True, True)
     for name in train.shafts:
         yield ElementResult(f"{name}.speed", f"angular speed of {name}", "rad s-1")
     if driver is not None:
@@ -138,8 +163,6 @@ def _results_of_loads(train: GearTrain) -> Iterator[ElementResult]:
         yield ElementResult(f"{name}.efficiency", f"efficiency of {name}, its axes at rest", "1")
         yield ElementResult(f"{name}.rolling_power", f"power that {a} gives {b}, seen from the carrier", "W")
         yield ElementResult(f"{name}.rolling_share", f"power rolling through {name} over power put in", "1", None, True)
-        if train.meshes[name].friction is not None:
-            yield ElementResult(f"{name}.contact_ratio", f"transverse contact ratio of {name}", "1")
         if train.has_modules:
             for part in TOOTH_FORCES:
                 yield ElementResult(f"{name}.{part}_force", f"{part} force between the teeth of {name}", "N")
@@ -155,8 +178,9 @@ def _rows(
     with np.errstate(all="ignore"):
         sizes = mesh_sizes(train, n)
         fit = assembly_conditions(train, n, sizes)
-        told = _assembly(fit)
-        here = np.flatnonzero(fit.fits)
+        told = _assembly(fit) | _of_teeth(train, sizes)
+        contact = tooth_contact(train, n, sizes)
+        here = np.flatnonzero(fit.fits & (contact == Verdict.OK))
         found, verdicts = gear_results(train, {key: row[here] for key, row in n.items()})
     values, errors = np.full((2, len(results), table.shape[1]), np.nan)
     for i, result in enumerate(results):
@@ -164,7 +188,7 @@ def _rows(
             values[i], errors[i] = told[result.name]
         else:
             values[i, here], errors[i, here] = found[result.name]
-    verdict = np.full(table.shape[1], Verdict.DOES_NOT_FIT, np.uint8)
+    verdict = np.where(fit.fits, contact, Verdict.DOES_NOT_FIT).astype(np.uint8)
     verdict[here] = verdicts
     return values, errors / (ROUNDING * EPS), verdict
 
@@ -179,8 +203,21 @@ def _assembly(fit: AssemblyConditions) -> Pairs:
     }
 
 
+def _of_teeth(train: GearTrain, sizes: dict[str, MeshSizes]) -> Pairs:
+    found: Pairs = {}
+    for name, size in sizes.items():
+        teeth, geometry, rough = size.teeth, size.geometry, angle_error(size)
+        most = np.maximum(teeth.first, teeth.second)
+        found[f"{name}.contact_ratio"] = sum(geometry.contact), (64.0 * EPS + rough) * most
+        found[f"{name}.operating_pressure_angle"] = geometry.angle, (8.0 * EPS + rough) * geometry.angle
+        if train.has_modules:
+            found[f"{name}.centre_distance"] = size.distance, (8.0 * EPS + rough) * np.abs(size.distance)
+        found[f"{name}.minimum_teeth"] = minimum_teeth(teeth), 0.0 * most
+    return found
+
+
 def gear_results(train: GearTrain, n: Numbers) -> tuple[Pairs, np.ndarray]:
-    """All results of trains whose wheels fit, but for the conditions of that, with their errors.
+    """All results of trains whose wheels fit and mesh, but for the conditions of that, with their errors.
 
     Parameters
     ----------

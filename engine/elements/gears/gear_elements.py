@@ -22,10 +22,14 @@ MOST_TEETH = 100_000
 
 
 class GearWheel(Part):
-    """A toothed wheel on a shaft, or on the `frame`; with a `width` it counts as a disc of its pitch diameter."""
+    """A toothed wheel on a shaft, or on the `frame`; with a `width` it counts as a disc of its pitch diameter.
+
+    `profile_shift` is how many modules the profile of its teeth is moved outwards, of a ring too.
+    """
 
     shaft: Name
     teeth: Annotated[Number, Field(gt=0, le=MOST_TEETH)]
+    profile_shift: Annotated[Number, Field(ge=-2, le=2)] = 0.0
     width: Annotated[Length, Field(gt=0)] | None = None
     bore: Annotated[Length, Field(ge=0)] = 0.0
     density: Annotated[Density, Field(gt=0)] = 7850.0

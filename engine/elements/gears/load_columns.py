@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from engine.elements.gears.assembly_conditions import MeshSizes
+from engine.elements.gears.assembly_conditions import MeshSizes, angle_error
 from engine.elements.gears.gear_elements import GearTrain
 from engine.elements.gears.gear_structure import STANDS_STILL
-from engine.elements.gears.tooth_laws import addendum_contact_ratios, mesh_efficiency, tooth_forces
+from engine.elements.gears.tooth_laws import mesh_efficiency, tooth_forces
 from engine.elements.gears.train_inertia import mass_and_inertia, planet_sets
 from engine.elements.gears.train_moments import TrainMoments, train_moments
-from engine.elements.gears.train_speeds import EPS, Numbers, TrainSpeeds, teeth_of
+from engine.elements.gears.train_speeds import EPS, Numbers, TrainSpeeds
 
 Pairs = dict[str, tuple[np.ndarray, np.ndarray]]
 TOOTH_FORCES = ("tangential", "radial", "axial", "normal")
@@ -28,16 +28,14 @@ def pinned_planets(train: GearTrain) -> list[str]:
     return found
 
 
-def mesh_efficiencies(train: GearTrain, n: Numbers) -> np.ndarray:
+def mesh_efficiencies(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes]) -> np.ndarray:
     """Efficiencies of all meshes with their carriers at rest (meshes, variants)."""
     found = []
     for place in train.structure.meshes:
         mesh = train.meshes[place.name]
         if mesh.friction is not None:
-            angles = [n[f"meshes.{place.name}.{key}"] for key in ("pressure_angle", "helix_angle")]
-            z_a, z_b = teeth_of(place, n)
-            mu = n[f"meshes.{place.name}.friction"]
-            found.append(mesh_efficiency(z_a, np.abs(z_b), place.sense, mu, *angles))
+            size = sizes[place.name]
+            found.append(mesh_efficiency(size.teeth, size.geometry.contact, n[f"meshes.{place.name}.friction"]))
         elif mesh.efficiency is not None:
             found.append(n[f"meshes.{place.name}.efficiency"])
         else:
@@ -65,7 +63,7 @@ def load_results(
         Whether power comes out of the train.
     """
     structure = train.structure
-    efficiencies = mesh_efficiencies(train, n)
+    efficiencies = mesh_efficiencies(train, n, sizes)
     state = train_moments(train, n, speeds, efficiencies)
     back = train_moments(train, n, speeds, efficiencies, backwards=True)
     power = state.moments * speeds.speeds
@@ -146,18 +144,13 @@ def _mesh_loads(
     }
     share = np.where(into > 0, np.abs(rolling) / into, np.nan)
     found[f"{name}.rolling_share"] = share, share * (2.0 * off + 16.0 * EPS)
-    angles = [n[f"meshes.{name}.{key}"] for key in ("pressure_angle", "helix_angle")]
-    z_a, z_b = teeth_of(place, n)
-    if train.meshes[name].friction is not None:
-        ratio = sum(addendum_contact_ratios(z_a, np.abs(z_b), place.sense, *angles))
-        found[f"{name}.contact_ratio"] = ratio, 64.0 * EPS * np.maximum(z_a, np.abs(z_b))
     if train.has_modules:
         sets = planet_sets(train, n, train.structure.name_of(place.carrier))
-        pulls = np.abs(state.tooth_moments[j]) / (0.5 * np.array(size.diameters))
-        forces = tooth_forces(pulls.max(axis=0) / sets, *angles)
+        pulls = np.abs(state.tooth_moments[j]) / (0.5 * np.array(size.rolling))
+        forces = tooth_forces(pulls.max(axis=0) / sets, size.geometry.angle, size.teeth)
         for part in TOOTH_FORCES:
             value = getattr(forces, part)
-            found[f"{name}.{part}_force"] = value, (off + 16.0 * EPS) * value
+            found[f"{name}.{part}_force"] = value, (off + 16.0 * EPS + angle_error(size)) * value
     return found
 
 
@@ -179,13 +172,13 @@ def _pin_force(
         if i not in (place.first, place.second):
             continue
         end, name = (place.first, place.second).index(i), place.name
-        pull = state.tooth_moments[j, end] / (0.5 * sizes[name].diameters[end] * sets)
-        angles = [n[f"meshes.{name}.{key}"] for key in ("pressure_angle", "helix_angle")]
-        apart = tooth_forces(np.abs(pull), *angles).radial
+        size = sizes[name]
+        pull = state.tooth_moments[j, end] / (0.5 * size.rolling[end] * sets)
+        apart = tooth_forces(np.abs(pull), size.geometry.angle, size.teeth).radial
         in_a_ring = place.sense < 0 and end == 0
         across += pull if in_a_ring else -pull
         along += apart if place.sense > 0 else -apart
-        off += (state.tooth_moment_errors[j] + 16.0 * EPS) * (np.abs(pull) + apart)
+        off += (state.tooth_moment_errors[j] + 16.0 * EPS + angle_error(size)) * (np.abs(pull) + apart)
     mass, _ = mass_and_inertia(train, n, planet, sizes)
     round_force = mass * speeds.of(carrier) ** 2 * sizes[structure.meshes[structure.pin_meshes[planet]].name].distance
     off += 16.0 * EPS * round_force

@@ -1,12 +1,67 @@
-"""Laws of teeth in mesh: contact ratios, losses, forces; wheels without profile shift, addendum of one module.
+"""Laws of involute teeth in mesh: operating angle, tips, interference, contact ratio, losses, forces.
 
-Arrays in, arrays out, element by element. Of an internal mesh the second wheel is the ring, `sense` −1.
+Arrays in, arrays out, element by element. Of an internal mesh the second wheel is the ring, `sense` −1. Addendum of one
+module, profile shifts in modules; that of a ring counts outwards, as on a wheel with teeth outside. Lengths are in
+normal modules.
+
+Source: DIN 3960; Shigley, Mechanical Engineering Design, on interference; Schlenk's general form of the tooth loss by
+Niemann and Winter.
 """
 
 import math
 from typing import NamedTuple
 
 import numpy as np
+
+# Newton steps for an involute's angle; from these starts five reach rounding.
+_NEWTON_STEPS = 8
+# Overlaps by less than this, relative, are rounding.
+_TOUCH = 1e-12
+# A number of teeth that no search exceeds, as a power of two.
+_MOST_HALVINGS = 20
+
+
+class TeethInMesh(NamedTuple):
+    """Numbers of teeth, shifts and angles of a mesh; arrays that broadcast.
+
+    `pressure_angle` is that of the normal section, `helix_angle` that on the pitch cylinder [rad].
+    """
+
+    first: np.ndarray
+    second: np.ndarray
+    sense: int
+    pressure_angle: np.ndarray
+    helix_angle: np.ndarray
+    first_shift: np.ndarray
+    second_shift: np.ndarray
+
+
+class MeshGeometry(NamedTuple):
+    """Geometry of a mesh in the transverse section; lengths in normal modules, NaN where no distance of the axes works.
+
+    Attributes
+    ----------
+    angle : ndarray
+        Operating pressure angle [rad].
+    distance : ndarray
+        Of the axes.
+    rolling : tuple of ndarray
+        Operating pitch diameters.
+    tips : tuple of ndarray
+        Tip diameters; pointed teeth end at their point, those of a ring at its base circle.
+    contact : tuple of ndarray
+        Shares ε₁, ε₂ of the contact ratio on both sides of the pitch point, of teeth as far as they are involutes:
+        the path of contact ends at the points where it touches the base circles.
+    interferes : ndarray of bool
+        Whether a tip reaches beyond such a point, or tips of an internal mesh meet off the path of contact.
+    """
+
+    angle: np.ndarray
+    distance: np.ndarray
+    rolling: tuple[np.ndarray, np.ndarray]
+    tips: tuple[np.ndarray, np.ndarray]
+    contact: tuple[np.ndarray, np.ndarray]
+    interferes: np.ndarray
 
 
 class ToothForces(NamedTuple):
@@ -28,68 +83,181 @@ def transverse_angle(pressure_angle: np.ndarray, helix_angle: np.ndarray) -> np.
     return np.arctan(np.tan(pressure_angle) / np.cos(helix_angle))
 
 
-def addendum_contact_ratios(
-    first: np.ndarray, second: np.ndarray, sense: int, pressure_angle: np.ndarray, helix_angle: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Shares ε₁, ε₂ of the contact ratio that lie on the two sides of the pitch point.
+def involute(tangent: np.ndarray) -> np.ndarray:
+    """Involute function of an angle given by its tangent, inv α = tan α − α."""
+    return tangent - np.arctan(tangent)
 
-    ε = z (tan α_a − tan α_t)/(2π) with the pressure angle α_a at the tip, cos α_a = d cos α_t / d_a. Teeth of a ring
-    that would end within its base circle end there.
 
-    Parameters
-    ----------
-    first, second : ndarray
-        Numbers of teeth.
-    sense : {1, -1}
-        Whether the mesh is external or internal.
-    pressure_angle, helix_angle : ndarray
-        Of the normal section, and on the pitch cylinder [rad].
+def tangent_of_involute(value: np.ndarray) -> np.ndarray:
+    """Tangent of the angle with a given involute function; NaN for negative values.
+
+    Newton's method on a convex function: after the first step it comes from above, without overshooting.
     """
-    alpha = transverse_angle(pressure_angle, helix_angle)
-    shares = []
-    for teeth, side in ((first, 1), (second, sense)):
-        tip = teeth + side * 2.0 * np.cos(helix_angle)
-        cosine = teeth * np.cos(alpha) / tip
-        tan_tip = np.sqrt(np.maximum(1.0 / cosine**2 - 1.0, 0.0))
-        tan_tip = np.where(cosine < 1.0, tan_tip, 0.0)
-        shares.append(side * teeth * (tan_tip - np.tan(alpha)) / math.tau)
-    return shares[0], shares[1]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        root = np.cbrt(3.0 * value)
+        tangent = np.minimum(root + 0.25 * root**3, value + 0.5 * math.pi)
+        for _ in range(_NEWTON_STEPS):
+            tangent = tangent - (involute(tangent) - value) * (1.0 + 1.0 / tangent**2)
+        return np.where(value > 0.0, tangent, np.where(value == 0.0, 0.0, np.nan))
 
 
-def mesh_efficiency(
-    first: np.ndarray,
-    second: np.ndarray,
-    sense: int,
-    friction: np.ndarray,
-    pressure_angle: np.ndarray,
-    helix_angle: np.ndarray,
+def mesh_geometry(teeth: TeethInMesh) -> MeshGeometry:
+    """Operating pressure angle, distance, tips, contact ratio and interference of a mesh.
+
+    inv α_w = inv α_t + 2 tan α_n (x₁ ± x₂)/(z₁ ± z₂), + external; tips of an external mesh are shortened so that the
+    clearance stays that of wheels without shift.
+    """
+    z, x, sense = (teeth.first, teeth.second), (teeth.first_shift, teeth.second_shift), teeth.sense
+    sides = (1, sense)
+    t = np.tan(transverse_angle(teeth.pressure_angle, teeth.helix_angle))
+    total = teeth.first + sense * teeth.second
+    shift = x[0] + sense * x[1]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        wanted = involute(t) + 2.0 * np.tan(teeth.pressure_angle) * shift / total
+        operating = np.where(shift == 0.0, t, tangent_of_involute(np.where(wanted > 0.0, wanted, np.nan)))
+        stretch = np.sqrt((1.0 + operating**2) / (1.0 + t**2)) / np.cos(teeth.helix_angle)
+        rolling = z[0] * stretch, z[1] * stretch
+        distance = 0.5 * (sense * rolling[0] + rolling[1])
+        # What the distance falls short of that of wheels moved apart by their shifts, cut off the tips.
+        short = 0.5 * total / np.cos(teeth.helix_angle) + shift - distance if sense > 0 else 0.0
+        tangents = tuple(
+            _tip_tangent(number, side, own - side * short, teeth, own)
+            for number, side, own in zip(z, sides, x, strict=True)
+        )
+        bases = tuple(number / np.cos(teeth.helix_angle) / np.sqrt(1.0 + t**2) for number in z)
+        tips = tuple(base * np.sqrt(1.0 + tangent**2) for base, tangent in zip(bases, tangents, strict=True))
+        reach = tuple(
+            side * number * (tangent - operating) for number, side, tangent in zip(z, sides, tangents, strict=True)
+        )
+        # Beyond the pitch point tips may reach as far as the line of action touches the other base circle; towards the
+        # teeth of a ring it doesn't.
+        room = np.inf if sense < 0 else z[1] * operating, z[0] * operating
+        interferes = np.any([r > most * (1.0 + _TOUCH) for r, most in zip(reach, room, strict=True)], axis=0)
+        if sense < 0:
+            interferes |= _tips_meet(z, tangents, bases, operating)
+        contact = tuple(np.minimum(r, most) / math.tau for r, most in zip(reach, room, strict=True))
+    return MeshGeometry(np.arctan(operating), distance, rolling, tips, contact, interferes)
+
+
+def _tip_tangent(
+    number: np.ndarray, side: int, addition: np.ndarray, teeth: TeethInMesh, shift: np.ndarray
 ) -> np.ndarray:
-    """Efficiency of a mesh whose axes stand still, η = 1 − μ H_v, with Niemann and Winter's H_v; 0 where all is lost.
+    """Tangent of the transverse pressure angle at the tips of a wheel, side 1, or ring, side −1.
 
-    H_v = π (1/z₁ ± 1/z₂)/cos β · (1 − ε_α + ε₁² + ε₂²), + external.
+    Half the angle of a tooth at its tip, (π/2 ± 2 x tan α_n)/z ± (inv α_t − inv α_a), vanishes at a point.
+    """
+    helix = np.cos(teeth.helix_angle)
+    t = np.tan(transverse_angle(teeth.pressure_angle, teeth.helix_angle))
+    tip = number + 2.0 * helix * (side + addition)
+    # What ends within its base circle ends there.
+    tangent = np.sqrt(np.maximum((1.0 + t**2) * (np.maximum(tip, 0.0) / number) ** 2 - 1.0, 0.0))
+    half = (0.5 * math.pi + side * 2.0 * shift * np.tan(teeth.pressure_angle)) / number
+    point = tangent_of_involute(np.maximum(involute(t) + side * half, 0.0))
+    return np.minimum(tangent, point) if side > 0 else np.maximum(tangent, point)
+
+
+def _tips_meet(
+    z: tuple[np.ndarray, np.ndarray],
+    tangents: tuple[np.ndarray, np.ndarray],
+    bases: tuple[np.ndarray, np.ndarray],
+    operating: np.ndarray,
+) -> np.ndarray:
+    """Whether tips of a wheel and a ring of nearly as many teeth cross as the wheel leaves the ring.
+
+    Where both tip circles meet, the tooth of the wheel has to be behind that of the ring: DIN 3993.
+    """
+    r_1, r_2 = (0.5 * base * np.sqrt(1.0 + tangent**2) for base, tangent in zip(bases, tangents, strict=True))
+    a = 0.5 * (bases[1] - bases[0]) * np.sqrt(1.0 + operating**2)
+    inv_w, inv_1, inv_2 = (involute(value) for value in (operating, *tangents))
+    cosines = (r_2**2 - r_1**2 - a**2) / (2.0 * a * r_1), (r_2**2 - r_1**2 + a**2) / (2.0 * a * r_2)
+    at_1, at_2 = (np.arccos(np.clip(value, -1.0, 1.0)) for value in cosines)
+    ahead = (at_1 + inv_1 - inv_w) * z[0] / z[1] + inv_w - inv_2 - at_2
+    return (np.abs(cosines[0]) <= 1.0) & (ahead < -_TOUCH)
+
+
+def minimum_teeth(teeth: TeethInMesh) -> np.ndarray:
+    """Fewest teeth of the smaller wheel, or of the one in a ring, into whose roots tips of the larger don't cut.
+
+    Shifts and the larger wheel stay as they are; NaN where no number of teeth up to that of the larger wheel does,
+    or up to 2^20 in a pair of wheels outside.
+    """
+    is_first = (teeth.first <= teeth.second) | (teeth.sense < 0)
+    large, small_shift, large_shift = (
+        np.where(is_first, one, other)
+        for one, other in (
+            (teeth.second, teeth.first),
+            (teeth.first_shift, teeth.second_shift),
+            (teeth.second_shift, teeth.first_shift),
+        )
+    )
+
+    def clear(count: np.ndarray) -> np.ndarray:
+        """Whether the tips of the larger wheel keep clear of the roots of one with this number of teeth."""
+        pair = teeth._replace(first=count, second=large, first_shift=small_shift, second_shift=large_shift)
+        found = mesh_geometry(pair)
+        room = count * np.tan(found.angle) / math.tau
+        # Shares are cut off at the interference point: where they reach it, tips reach at least as far.
+        return found.contact[1] < room * (1.0 - _TOUCH)
+
+    low, high = np.zeros(np.shape(large)), np.full(np.shape(large), 2.0**_MOST_HALVINGS)
+    if teeth.sense < 0:
+        high = np.maximum(large - 1.0, 0.0)
+    possible = clear(high)
+    for _ in range(_MOST_HALVINGS):
+        middle = np.floor(0.5 * (low + high))
+        passes = clear(np.maximum(middle, 1.0))
+        low, high = np.where(passes, low, middle), np.where(passes, middle, high)
+    return np.where(possible, high, np.nan)
+
+
+def mesh_efficiency(teeth: TeethInMesh, contact: tuple[np.ndarray, np.ndarray], friction: np.ndarray) -> np.ndarray:
+    """Efficiency of a mesh whose axes stand still, η = 1 − μ H_v; 0 where all is lost.
+
+    H_v = 2π (1/z₁ ± 1/z₂)/cos β · ∫|s|/n ds, + external, with s the distance of a contact from the pitch point in base
+    pitches, from −ε₂ to ε₁, and n the teeth that share the load there equally. For 1 ≤ ε_α ≤ 2 and ε₁, ε₂ between 0
+    and 1 the integral is Niemann and Winter's (1 − ε_α + ε₁² + ε₂²)/2.
 
     Parameters
     ----------
-    first, second : ndarray
-        Numbers of teeth.
-    sense : {1, -1}
-        Whether the mesh is external or internal.
+    teeth : TeethInMesh
+    contact : tuple of ndarray
+        Shares ε₁, ε₂ of the contact ratio.
     friction : ndarray
         Mean coefficient of friction of the teeth.
-    pressure_angle, helix_angle : ndarray
-        As for `addendum_contact_ratios`.
     """
-    e_1, e_2 = addendum_contact_ratios(first, second, sense, pressure_angle, helix_angle)
-    curvature = 1.0 / first + sense / second
-    loss = math.pi * curvature / np.cos(helix_angle) * (1.0 - e_1 - e_2 + e_1**2 + e_2**2)
+    e_1, e_2 = contact
+    ratio = e_1 + e_2
+    pairs = np.floor(ratio)
+    extra = ratio - pairs
+    lost = np.zeros(np.broadcast(e_1, e_2).shape)
+    for j in range(int(np.nanmax(pairs, initial=0.0)) + 1):
+        start = j - e_2
+        with_extra = _sliding(start, start + extra) / (pairs + 1.0)
+        without = _sliding(start + extra, start + 1.0) / np.maximum(pairs, 1.0)
+        lost = lost + np.where(j <= pairs, with_extra, 0.0) + np.where(j < pairs, without, 0.0)
+    curvature = 1.0 / teeth.first + teeth.sense / teeth.second
+    loss = math.tau * curvature / np.cos(teeth.helix_angle) * lost
     return np.maximum(1.0 - friction * loss, 0.0)
 
 
-def tooth_forces(tangential: np.ndarray, pressure_angle: np.ndarray, helix_angle: np.ndarray) -> ToothForces:
-    """Forces between teeth from the tangential one: F_r = F_t tan α_t, F_a = F_t tan β, F_n = F_t/(cos α_n cos β)."""
-    return ToothForces(
-        tangential,
-        tangential * np.tan(transverse_angle(pressure_angle, helix_angle)),
-        tangential * np.tan(helix_angle),
-        tangential / (np.cos(pressure_angle) * np.cos(helix_angle)),
-    )
+def _sliding(start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Integral of |s| from start to end."""
+    return 0.5 * (end * np.abs(end) - start * np.abs(start))
+
+
+def tooth_forces(tangential: np.ndarray, angle: np.ndarray, teeth: TeethInMesh) -> ToothForces:
+    """Forces between teeth from the tangential one at the operating pitch point.
+
+    F_n = F_t/(cos α_w cos β_b), F_a = F_n sin β_b, F_r = F_t tan α_w; sin β_b = sin β cos α_n on the base cylinder.
+
+    Parameters
+    ----------
+    tangential : ndarray
+        [N]
+    angle : ndarray
+        Operating pressure angle [rad].
+    teeth : TeethInMesh
+    """
+    base_sine = np.sin(teeth.helix_angle) * np.cos(teeth.pressure_angle)
+    normal = tangential / (np.cos(angle) * np.sqrt(1.0 - base_sine**2))
+    return ToothForces(tangential, tangential * np.tan(angle), normal * base_sine, normal)

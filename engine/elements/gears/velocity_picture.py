@@ -84,14 +84,14 @@ def velocity_picture(train: GearTrain) -> VelocityPicture:
         place, end = next((p, p.wheels.index(wheel)) for p in structure.meshes if wheel in p.wheels)
         axis = heights.get(structure.axes[wheel])
         if axis is not None:
-            radius = float(sizes[place.name].diameters[end][0]) / 2
+            radius = float(sizes[place.name].rolling[end][0]) / 2
             wheels[wheel] = DrawnWheel(axis, radius, column, place.sense < 0 and end == 1)
     for place in structure.meshes:
         if not _on_line(place, structure.axes, heights, sizes):
             continue
         low = heights[structure.axes[place.wheels[1 if place.sense < 0 else 0]]]
         up = heights[structure.axes[place.wheels[0]]], heights[structure.axes[place.wheels[1]]]
-        radii = [float(d[0]) / 2 for d in sizes[place.name].diameters]
+        radii = [float(d[0]) / 2 for d in sizes[place.name].rolling]
         # A ring holds the point on the side of its pinion; between wheels outside it lies between both axes.
         point = low + radii[1] if place.sense < 0 else (up[0] + radii[0] if up[1] > up[0] else up[1] + radii[1])
         owners = [train.wheels[wheel].shaft for wheel in place.wheels]

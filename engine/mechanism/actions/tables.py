@@ -31,14 +31,15 @@ MOST_LOOKED_THROUGH = 16
 class _Place(NamedTuple):
     """Where in a table the machine is: the abscissa; a curve that passes levels where it passes rows; its derivative.
 
-    `levels` are those of the rows, of a periodic table of all that lie in the cycle; each with the lowest derivative
-    that changes there.
+    `rows` are how far the levels lie beyond `base`, of a periodic table of all that lie in the cycle; each with the
+    lowest derivative that changes there.
     """
 
     abscissa: Node
     curve: Node
     rate: Node
-    levels: list[tuple[Node | float, int]]
+    base: Node
+    rows: list[tuple[float, int]]
 
 
 def tabled(kinematics: Kinematics, action: Tabled, factor: Node, time: Node) -> Node:
@@ -57,8 +58,8 @@ def tabled(kinematics: Kinematics, action: Tabled, factor: Node, time: Node) -> 
     period = _period(kinematics, action)
     table = make_table(action.abscissae, action.ordinates, action.interpolation, period, action.outside)
     place = _place(kinematics, action, period, time)
-    for level, kink in place.levels:
-        graph.switches(place.curve, place.rate, level, kink)
+    for row, kink in place.rows:
+        graph.switches(place.curve, place.rate, place.base, kink, row)
     return _value(graph, table, place.abscissa, factor)
 
 
@@ -138,20 +139,20 @@ def _kinks(
 def _place(kinematics: Kinematics, action: Tabled, period: float, time: Node) -> _Place:
     graph, rows = kinematics.graph, list(kinks_of(action, period > 0.0).items())
     if action.over_angle is not None:
-        return _Place(graph.q, graph.q, graph.one, _within_cycle(rows, period))
+        return _Place(graph.q, graph.q, graph.one, graph.zero, _within_cycle(rows, period))
     if action.over_time is not None:
-        return _Place(time, time, time_per_input(kinematics), rows)
+        return _Place(time, time, time_per_input(kinematics), graph.zero, rows)
     slide = kinematics.slides[action.slider]
     d = slide.d
     if action.measured_from == "guide":
-        return _Place(d, d, slide.v, rows)
+        return _Place(d, d, slide.v, graph.zero, rows)
     # The slider never gets beyond the end that its distance is measured from.
     inside = [(x, kink) for x, kink in rows if x > 0.0]
     if action.measured_from == "low end":
         low = graph.found(d, slide.v, "low")
-        return _Place(d - low, d, slide.v, [(low + x, kink) for x, kink in inside])
+        return _Place(d - low, d, slide.v, low, inside)
     high = graph.found(d, slide.v, "high")
-    return _Place(high - d, d, slide.v, [(high - x, kink) for x, kink in inside])
+    return _Place(high - d, d, slide.v, high, [(-x, kink) for x, kink in inside])
 
 
 def _within_cycle(rows: list[tuple[float, int]], period: float) -> list[tuple[float, int]]:

@@ -109,7 +109,7 @@ def _held(nodes: Iterable[Node]) -> list[Node]:
 def _vanishes(velocity: Node, crossing: Crossing) -> bool:
     """Whether a velocity is zero where a curve crosses zero: it is a multiple of that curve."""
     level = crossing.level
-    if not (isinstance(level, Constant) and level.value == 0.0):
+    if not (isinstance(level, Constant) and level.value + crossing.offset == 0.0):
         return False
     if velocity is crossing.curve:
         return True

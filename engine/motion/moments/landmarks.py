@@ -15,7 +15,7 @@ from engine.cycle.driver import Task, Workspace, cut, gather, hand_out, new_work
 from engine.cycle.machine import CycleMachine, Plan
 from engine.cycle.panels.lanes import in_lanes
 from engine.cycle.panels.walk import of_edges, set_out
-from engine.cycle.roots import FUNCTION, LEVEL, X
+from engine.cycle.roots import LEVEL, X
 from engine.graph.nodes import Found, Given, reached
 from engine.mechanism.acting import Load
 from engine.motion.moments.breaks import JUMP, Breaks, watches_of
@@ -61,7 +61,8 @@ class Landmarks:
         """What is asked of the cycle: its landmarks and crossings, and no curve."""
         functions = self.tabulation.functions
         events = {curve: i for i, (curve, _) in enumerate(functions.events)}
-        crossings = [(events[w.crossing.curve], functions.rows[w.crossing.level]) for w in self.watches]
+        asked = [watch.crossing for watch in self.watches]
+        crossings = [(events[c.curve], functions.rows[c.level], c.offset) for c in asked]
         marks = [mark[1:] for mark in functions.landmarks]
         looked_at = {"scan": SCANNED_PER_TURN * turns + 1, "looks": functions.looks, "turns": turns}
         plan = Plan((0, 1), 0, landmarks=marks, levels=functions.level_rows, crossings=crossings, **looked_at)
@@ -143,8 +144,7 @@ def find_places(
         for k in range(task.crossings.shape[0]):
             slot = 0
             for r in range(count):
-                same = work.crossing_sought[r, FUNCTION] == task.crossings[k, 0]
-                if same and work.crossing_sought[r, LEVEL] == task.crossings[k, 1]:
+                if work.crossing_sought[r, LEVEL] == k:
                     hand_out(1, in_lanes(work.crossings[r, X:]), first, slot, found[k])
                     slot += 1
         hand_out(numbers.shape[0], block, first, 0, numbers)

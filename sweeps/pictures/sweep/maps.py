@@ -49,6 +49,8 @@ REASONS = {
     Verdict.MODE_NOT_REACHED: "mode not reached",
     Verdict.OTHER_MODE: "comes back in another mode",
     Verdict.DOES_NOT_CLOSE: "cycle doesn't close",
+    Verdict.INTERFERES: "teeth interfere",
+    Verdict.CONTACT_BREAKS: "contact ratio below 1",
     Verdict.NOT_COMPUTED: "not computed yet",
 }
 

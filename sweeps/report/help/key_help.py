@@ -10,7 +10,7 @@ from annotated_types import Ge, Gt, Le, Lt, MinLen
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from engine import DimensionMark, FormulaNumber, Scene, common_units, described_dimension, nearest_names
+from engine import DimensionMark, FormulaNumber, NonZero, Scene, common_units, described_dimension, nearest_names
 from sweeps.study.study_text import StudyText
 from sweeps.text.input_files import InputError
 from sweeps.text.tables import table
@@ -19,7 +19,13 @@ from sweeps.text.toml_text import bare_annotation, is_union
 # What stands in a path for names that the user gives.
 NAME, PATH = "NAME", "PATH"
 _BY_PATH = ("vary", "derive", "tolerances", "start")
-_LIMITS = {Gt: ("greater than", "gt"), Ge: ("at least", "ge"), Lt: ("less than", "lt"), Le: ("at most", "le")}
+_LIMITS = {
+    Gt: ("greater than", "gt"),
+    Ge: ("at least", "ge"),
+    Lt: ("less than", "lt"),
+    Le: ("at most", "le"),
+    NonZero: ("not", "ne"),
+}
 
 
 class Key(NamedTuple):

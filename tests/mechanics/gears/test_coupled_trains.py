@@ -37,7 +37,7 @@ def exact_speeds(rows, given_speeds):
 
 
 @given(
-    teeth=st.tuples(*[st.integers(15, 60)] * 4),
+    teeth=st.tuples(*[st.integers(22, 60)] * 4),
     joined=st.tuples(*[st.sampled_from(["a_sun", "a_arm", "a_ring", None])] * 3),
     order=st.permutations(range(6)),
     eta=st.sampled_from([1.0, 0.99, 0.95]),

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from gear_samples import scene_with, simple_planetary
+from gear_samples import scene_with, simple_planetary, tips_keep_clear
 from matplotlib.figure import Figure
 
 from engine import Verdict, velocity_picture
@@ -31,7 +31,8 @@ def test_reducer_study__keeps_what_can_be_assembled(result):
     for sun, planet, k, module in itertools.product(range(17, 41), range(17, 71), (3, 4, 5), (1, 1.25, 1.5, 2, 2.5)):
         ring = sun + 2 * planet
         far = (sun + planet) * math.sin(math.pi / k) > planet + 2
-        fits += module * ring <= 170 and (sun + ring) % k == 0 and far
+        clear = tips_keep_clear(sun, planet) and tips_keep_clear(planet, ring, -1)
+        fits += module * ring <= 170 and (sun + ring) % k == 0 and far and clear
     assert (result.columns["status"] == Verdict.OK).sum() == fits
 
 
@@ -45,7 +46,9 @@ def test_reducer_study__answers_its_question(result):
             tip = math.acos(z * math.cos(alpha) / (z + 2 * side))
             ends.append(side * z * (math.tan(tip) - math.tan(alpha)) / math.tau)
         e1, e2 = ends
-        return 1 - 0.06 * math.pi * (1 / z1 + sense / z2) * (1 - e1 - e2 + e1**2 + e2**2)
+        # From the end of the path to its beginning a pitch later; |s| goes on beyond the pitch point.
+        single = (1 - e1) * abs(1 - e1) + (1 - e2) * abs(1 - e2)
+        return 1 - 0.06 * math.pi * (1 / z1 + sense / z2) * (e1**2 + e2**2 + single) / 2
 
     best = (0.0,)
     for sun, planet, k, module in itertools.product(range(17, 41), range(17, 71), (3, 4, 5), (1, 1.25, 1.5, 2, 2.5)):
@@ -54,6 +57,8 @@ def test_reducer_study__answers_its_question(result):
         if not 4.95 < ratio < 5.05 or (sun + ring) % k or module * ring > 170:
             continue
         if (sun + planet) * math.sin(math.pi / k) <= planet + 2:
+            continue
+        if not (tips_keep_clear(sun, planet) and tips_keep_clear(planet, ring, -1)):
             continue
         both = efficiency_of(sun, planet, 1) * efficiency_of(planet, ring, -1)
         share = (1 + ring / sun * both) / ratio

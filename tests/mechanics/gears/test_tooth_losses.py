@@ -1,60 +1,81 @@
 """Losses of teeth against the integral of sliding along the path of contact."""
 
+import itertools
 import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from engine.elements.gears.tooth_laws import addendum_contact_ratios, mesh_efficiency
-
-ANGLE, NONE = np.array(math.radians(20)), np.array(0.0)
+from engine.elements.gears.tooth_laws import TeethInMesh, mesh_efficiency, mesh_geometry
 
 
-def lost_share(z1, z2, sense, friction):
-    """Work of friction over work passed on, module 1: pairs of teeth share the load equally, one pitch of contact."""
-    alpha = math.radians(20)
-    base = [z * math.cos(alpha) / 2 for z in (z1, z2)]
-    tips = [z1 / 2 + 1, z2 / 2 + sense]
+def mesh(z1, z2, sense=1, angle=20.0, shifts=(0.0, 0.0)):
+    numbers = (np.asarray(z, float) for z in (z1, z2))
+    return TeethInMesh(*numbers, sense, *np.radians([angle, 0.0]), *(np.asarray(x, float) for x in shifts))
+
+
+def efficiency(teeth, friction):
+    return mesh_efficiency(teeth, mesh_geometry(teeth).contact, np.asarray(friction))
+
+
+def lost_share(teeth, tips, angle, friction):
+    """Work of friction over work passed on, module 1: pairs of teeth share the load equally, one pitch of contact.
+
+    Between places where a pair comes or goes, or the pitch point is passed, what is lost goes linearly along the path.
+    """
+    z, sense, alpha = (float(teeth.first), float(teeth.second)), teeth.sense, float(teeth.pressure_angle)
+    base = [n * math.cos(alpha) / 2 for n in z]
     # Lengths of contact on both sides of the pitch point, along the line of action.
-    first = math.sqrt(tips[0] ** 2 - base[0] ** 2) - z1 / 2 * math.sin(alpha)
-    second = sense * (math.sqrt(tips[1] ** 2 - base[1] ** 2) - z2 / 2 * math.sin(alpha))
+    first, second = (
+        side * (math.sqrt(tip**2 - b**2) - b * math.tan(angle))
+        for side, tip, b in zip((1, sense), tips, base, strict=True)
+    )
     pitch = math.pi * math.cos(alpha)
-    # One pair carries all of it at each instant: contacts a pitch apart, so that any place of the pitch point will do
-    # for load shared by halves: ∫ |s| over the path, over the number of pairs in contact.
-    s = np.linspace(-second, first, 200_001)
-    pairs = np.zeros_like(s)
-    for k in range(-3, 4):
-        pairs += (s + k * pitch >= -second) & (s + k * pitch <= first)
-    sliding = np.abs(s) * (1 / base[0] + sense / base[1])
-    work = np.trapezoid(sliding / pairs, s) / pitch
-    return friction * work, (first + second) / pitch, first / pitch, second / pitch
+    steps = range(-8, 9)
+    ends = {-second, first, 0.0, *(end + k * pitch for k in steps for end in (-second, first))}
+    places = sorted(end for end in ends if -second <= end <= first)
+    work = 0.0
+    for a, b in itertools.pairwise(places):
+        middle = (a + b) / 2
+        pairs = sum(-second < middle + k * pitch < first for k in steps)
+        work += abs(middle) * (b - a) / pairs
+    sliding = 1 / base[0] + sense / base[1]
+    return friction * work * sliding / pitch, first / pitch, second / pitch
 
 
-@pytest.mark.parametrize(("z1", "z2", "sense"), [(20, 40, 1), (30, 30, 1), (18, 90, 1), (24, 84, -1), (30, 60, -1)])
-def test_contact_ratios__are_lengths_of_the_line_of_action(z1, z2, sense):
-    _, _, first, second = lost_share(z1, z2, sense, 0.05)
-    e1, e2 = addendum_contact_ratios(np.array(z1), np.array(z2), sense, ANGLE, NONE)
-    assert e1 == pytest.approx(first, rel=1e-12)
-    assert e2 == pytest.approx(second, rel=1e-12)
+@given(
+    z1=st.integers(18, 80),
+    more=st.integers(0, 80),
+    sense=st.sampled_from([1, -1]),
+    angle=st.floats(15.0, 27.0),
+    shifts=st.tuples(st.floats(-0.3, 0.9), st.floats(-0.3, 0.9)),
+)
+@settings(max_examples=200, deadline=None)
+def test_mesh_loss_and_contact_ratio__are_lengths_and_work_along_the_line_of_action(z1, more, sense, angle, shifts):
+    teeth = mesh(z1, z1 + more + (15 if sense < 0 else 0), sense, angle, shifts)
+    found = mesh_geometry(teeth)
+    assume(np.isfinite(found.distance) and not found.interferes and sum(found.contact) >= 1)
+    tips = [float(d) / 2 for d in found.tips]
+    exact, *shares = lost_share(teeth, tips, float(found.angle), 0.05)
+    assert [float(e) for e in found.contact] == pytest.approx(shares, abs=1e-10)
+    assert 1 - efficiency(teeth, 0.05) == pytest.approx(exact, rel=1e-9)
 
 
-@pytest.mark.parametrize(("z1", "z2", "sense"), [(20, 40, 1), (30, 30, 1), (18, 90, 1)])
-def test_mesh_loss__is_the_work_of_sliding(z1, z2, sense):
-    """With two pairs sharing the load the integral is Niemann's formula; steps of the grid leave some 1e-4."""
-    exact, *_ = lost_share(z1, z2, sense, 0.05)
-    eta = mesh_efficiency(np.array(z1), np.array(z2), sense, np.array(0.05), ANGLE, NONE)
-    assert 1 - eta == pytest.approx(exact, rel=1e-3)
+@pytest.mark.parametrize(("z1", "z2"), [(20, 40), (30, 30), (18, 90)])
+def test_mesh_loss__is_the_textbook_formula_of_two_pairs_at_most(z1, z2):
+    teeth = mesh(z1, z2)
+    e1, e2 = mesh_geometry(teeth).contact
+    loss = math.pi * (1 / z1 + 1 / z2) * (1 - e1 - e2 + e1**2 + e2**2)
+    assert 1 - efficiency(teeth, 0.05) == pytest.approx(0.05 * loss, rel=1e-12)
 
 
 @given(z1=st.integers(14, 200), z2=st.integers(14, 400))
 @settings(max_examples=100, deadline=None)
 def test_mesh_loss__is_the_same_from_both_ends_and_less_in_a_ring(z1, z2):
-    mu = np.array(0.06)
-    there = mesh_efficiency(np.array(z1), np.array(z2), 1, mu, ANGLE, NONE)
-    back = mesh_efficiency(np.array(z2), np.array(z1), 1, mu, ANGLE, NONE)
+    there, back = efficiency(mesh(z1, z2), 0.06), efficiency(mesh(z2, z1), 0.06)
     assert there == pytest.approx(back, abs=1e-15)
     assert 0.9 < there < 1
     if z2 > max(40, z1 + 8):
-        assert mesh_efficiency(np.array(z1), np.array(z2), -1, mu, ANGLE, NONE) > there
+        assert efficiency(mesh(z1, z2, -1), 0.06) > there

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from gear_samples import found_of, simple_planetary, stepped_planetary
+from gear_samples import found_of, simple_planetary, stepped_planetary, tips_keep_clear
 
 from engine import Verdict
 
@@ -70,9 +70,11 @@ def test_all_conditions__over_all_small_integers():
     sun, planet, ring, k = grid.T
     neighbours = (k == 1) | ((sun + planet) * np.sin(np.pi / k) > planet + 2)
     fits = (ring == sun + 2 * planet) & ((sun + ring) % k == 0) & neighbours
-    assert fits.any()
-    assert ((status == Verdict.OK) == fits).all()
+    clear = tips_keep_clear(sun, planet) & tips_keep_clear(planet, ring, -1)
+    assert (fits & clear).any()
     assert (status[~fits] == Verdict.DOES_NOT_FIT).all()
+    assert (status[fits] == np.where(clear, Verdict.OK, Verdict.INTERFERES)[fits]).all()
+    fits &= clear
     assert np.isnan(found["arm.ratio"][0][~fits]).all()
     ratio, error = (a[fits] for a in found["arm.ratio"])
     assert (np.abs(ratio - (1 + ring / sun)[fits]) <= error + 4 * EPS * ratio).all()

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from gear_samples import found_of, simple_planetary, stepped_planetary
+from gear_samples import STEEP, found_of, simple_planetary, stepped_planetary
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -38,7 +38,7 @@ def balanced(found, shafts, meshes):
 def test_moments_without_losses__go_as_the_teeth(sun, planet):
     ring = sun + 2 * planet
     roles = {"sun": {"speed": SPEED}, "arm": {"moment": LOAD}, "ring": {"held": True}}
-    found, status = found_of(simple_planetary(sun, planet, ring, roles))
+    found, status = found_of(simple_planetary(sun, planet, ring, roles, mesh=STEEP))
     assert status == Verdict.OK
     near(found["sun_shaft.moment"], -LOAD * sun / (sun + ring))
     near(found["ring_shaft.moment"], -LOAD * ring / (sun + ring))
@@ -81,7 +81,7 @@ def test_efficiency_of_a_simple_planetary__has_its_closed_forms(sun, planet, eta
     else:
         roles[drive] |= {"moment": 40.0}
         roles[third] = {"loaded": True}
-    found, status = found_of(simple_planetary(sun, planet, ring, roles, mesh={"efficiency": eta}))
+    found, status = found_of(simple_planetary(sun, planet, ring, roles, mesh={"efficiency": eta} | STEEP))
     assert status == Verdict.OK
     near(found["efficiency"], best)
     balanced(found, ("sun_shaft", "arm", "ring_shaft"), ("outer", "inner"))
@@ -273,8 +273,7 @@ def test_helical_teeth__push_along_the_axis():
     near(found["frame.moment"], -(found["s.moment"][0] + 300.0))
 
 
-def test_teeth_that_lose_everything__stand():
-    """Three teeth with a friction of 0.99: μ H_v is above 1."""
+def test_three_teeth__interfere_whatever_they_lose():
     train = {
         "type": "gear_train",
         "wheels": {"a": {"shaft": "s", "teeth": 3}, "b": {"shaft": "t", "teeth": 3}},
@@ -282,6 +281,6 @@ def test_teeth_that_lose_everything__stand():
         "meshes": {"m": {"between": ["a", "b"], "friction": 0.99}},
     }
     found, status = found_of(train)
-    assert status == Verdict.STANDS
-    assert found["m.efficiency"][0] == 0
+    assert status == Verdict.INTERFERES
+    assert np.isnan(found["m.efficiency"][0])
     assert np.isnan(found["t.moment"][0])

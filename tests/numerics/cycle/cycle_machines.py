@@ -88,7 +88,7 @@ def press(**asked):
         landmarks=[(LOW, HIGH, LOW_AT, HIGH_AT)],
         levels=[NEAR, FAR],
         states=[LOAD],
-        crossings=[(0, NEAR), (0, FAR)],
+        crossings=[(0, NEAR, 0.0), (0, FAR, 0.0)],
         cuts=[FROM, TO],
         **asked,
     )

@@ -185,7 +185,7 @@ def constant_curve(P, T, q, cos_q, sin_q, tile):
 
 
 def test_what_switches_more_often_than_there_is_room_for_has_no_results_and_spoils_no_other():
-    plan = Plan((0, 1), 1, landmarks=[(-1, -1, -1, -1)], crossings=[(0, 3)], integrals=[0], extremes=[0])
+    plan = Plan((0, 1), 1, landmarks=[(-1, -1, -1, -1)], crossings=[(0, 3, 0.0)], integrals=[0], extremes=[0])
     machine = CycleMachine(plan, constant_curve, events=wavy_events)
     # A sine of n waves has 2 n zeros; there is room for twelve.
     waves = np.array([1.0, 6.0, 7.0, 9.0, 3.0])

@@ -188,7 +188,7 @@ def test_crossings__are_those_of_curves_that_what_is_asked_depends_on():
     g.switches(g.q, g.one, a)
     g.switches(g.cos_q, -g.sin_q)
     within = g.held(g.apply(step_of, g.q - a))
-    assert prepared(g, [within * g.sin_q])[0].crossings == ((0, prepared(g, [within * g.sin_q])[0].rows[a]),)
+    assert prepared(g, [within * g.sin_q])[0].crossings == ((0, prepared(g, [within * g.sin_q])[0].rows[a], 0.0),)
     assert prepared(g, [g.sin_q])[0].crossings == ()
 
 
@@ -205,7 +205,7 @@ def test_position_by_position__given_numbers_are_read_and_what_is_held_is_comput
     tile = np.zeros((1, 1, LANES))
     load_printed(functions.text).curves_at(numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
     np.testing.assert_array_equal(tile[0], np.where(np.cos(q) > 0.0, np.arange(LANES) ** 2.0, 0.0))
-    assert functions.crossings == ((0, functions.rows[g.zero]),)
+    assert functions.crossings == ((0, functions.rows[g.zero], 0.0),)
     assert functions.held_rows == ()
 
 
@@ -213,7 +213,7 @@ def test_crossing__has_the_lowest_kink_that_was_named():
     g = Graph()
     for kink in (2, 1, 2):
         g.switches(g.cos_q, -g.sin_q, 0.5, kink)
-    assert [(crossing.level.value, crossing.kink) for crossing in g.crossings] == [(0.5, 1)]
+    assert [(crossing.level, crossing.offset, crossing.kink) for crossing in g.crossings] == [(g.zero, 0.5, 1)]
 
 
 @settings(max_examples=10, deadline=None)

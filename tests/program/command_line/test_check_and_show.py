@@ -3,6 +3,7 @@
 import ast
 import itertools
 from pathlib import Path
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from commands import STUDY, refused, said
 from press_texts import PRESS
 
+from sweeps.report.result_report import undecided_text
 from sweeps.report.sweep_result import SweepResult
 
 # check
@@ -119,23 +121,28 @@ def test_show_where_sort_limit_and_columns__choose(press_result):
     assert head.split() == ["variant", "input.length", "bodies.ram.mass", "excess_work", "status"]
 
 
-def test_show__counts_what_its_error_figures_leave_open(press_result):
-    # A crank of 40 mm has a stroke of 80 mm, found from 48 positions but for some error.
-    answer = said("show", press_result, "--where", "ram.stroke > '80 mm'")
+def test_show__takes_what_agrees_within_error_estimates_for_equal(press_result):
+    # Cranks of 40 mm have a stroke of 80 mm, but for some error.
     result = SweepResult(Path(press_result))
     stroke, figure = result.columns["ram.stroke"], result.columns["ram.stroke_error"]
     assert (np.abs(stroke - 0.08) <= figure).tolist() == [True, True, *[False] * 6]
-    assert "4 variants meet the condition, 2 more may or may not: their error figures reach across its limit" in (
-        answer.stdout
-    )
-    assert "can't be told" not in said("show", press_result, "--where", "ram.stroke > '79 mm'").stdout
+    for sign, count in ((">", 4), (">=", 6), ("==", 2), ("!=", 4), ("<", 0), ("<=", 2)):
+        shown = said("show", press_result, "--where", f"ram.stroke {sign} '80 mm'").stdout
+        assert len(table_of(shown)) == count if count else "0 variants meet the condition" in shown
+        assert "undecided" not in shown
+
+
+@pytest.mark.parametrize(("count", "words"), [(0, ""), (1, "; 1 is undecided"), (2, "; 2 are undecided")])
+def test_variants_that_an_estimate_leaves_open__are_counted(count, words):
+    text = undecided_text(SimpleNamespace(undecided=lambda where: count), "stroke > 1")
+    assert text == (f"{words} within error estimates" if words else "")
 
 
 def test_show__says_so_of_the_study_s_own_condition(press_folder):
     Path("study.toml").write_text(STUDY.replace("> '90 mm'", ">= '80 mm'"))
     assert said("run", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 0
     answer = said("show", "r.h5").stdout
-    assert "\n4 variants meet the condition, 2 more may or may not:" in answer
+    assert answer.count("\nAnswer: the least excess_work where ram.stroke >= '80 mm' is") == 1
 
 
 def test_show_of_a_file_that_holds_no_study__says_so(press_result):

@@ -56,7 +56,7 @@ unknown name in a condition | positions | require = ["reach > 1", "reech > 1"]\n
 require of a text | positions | require = "reach > 1"\npositions | require | require | list
 odd positions | positions = 48 | positions = 49 | positions | positions | even
 text for positions | positions = 48 | positions = "many" | positions | positions | 'many'
-precision | positions | precision = "float16"\npositions | float16 | precision | float64, float32
+precision | positions | field_precision = "float16"\npositions | float16 | field_precision | float64, float32
 unknown summary | "ram.stroke", | "ram.strok", | [outputs] | outputs | 'ram.strok' is not a summary | 'ram.stroke'
 unknown field | [outputs] | [outputs]\nfields = ["B.z"] | [outputs] | outputs | 'B.z' is not a field | 'B.x'
 best of nothing | minimise = "excess_work" | minimise = "exces_work" | exces | best.minimise | 'excess_work'

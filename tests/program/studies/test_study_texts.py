@@ -232,7 +232,7 @@ def test_digest__changes_with_everything_that_results_depend_on(study_folder):
         ('"0.1 t"', '"0.2 t"'),
         ("reach * input.length", "reach * input.length * 2"),
         ("positions = 48", "positions = 50"),
-        ("positions = 48", 'positions = 48\nprecision = "float32"'),
+        ("positions = 48", 'positions = 48\nfield_precision = "float32"'),
         ("positions = 48", 'positions = 48\nrequire = ["reach < 5"]'),
         ('"excess_work"]', '"excess_work", "ram.stroke_time_ratio"]'),
         ('"excess_work"]', '"excess_work"]\nfields = ["B.x"]'),

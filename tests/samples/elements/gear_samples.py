@@ -1,8 +1,24 @@
 """Gear trains for tests: the classical arrangements, as scenes have them."""
 
+import math
+
 import numpy as np
 
 from engine import ElementsAlone, Scene
+
+STANDARD = math.radians(20)
+# A mesh in which a dozen teeth do not interfere.
+STEEP = {"pressure_angle": math.radians(28)}
+
+
+def tips_keep_clear(z1, z2, sense=1, angle=STANDARD):
+    """Whether no tip reaches beyond where the line of action touches the other base circle; arrays, no shifts."""
+    bases = z1 * np.cos(angle), z2 * np.cos(angle)
+    line = (z2 + sense * z1) * np.sin(angle)
+    outer = z2 + 2 * sense
+    first = np.sqrt((z1 + 2) ** 2 - bases[0] ** 2) <= line if sense > 0 else True
+    reach = np.sqrt(np.maximum(outer**2 - bases[1] ** 2, 0))
+    return first & ((reach <= line) if sense > 0 else (reach >= line))
 
 
 def simple_planetary(sun, planet, ring, roles, planets=None, mesh=None, **train):

@@ -148,7 +148,7 @@ def test_file__opens_as_a_dataset_without_help(result):
 
 
 def test_float32__is_stored_as_such_and_agrees_to_its_precision(result, tmp_path):
-    single = run(tmp_path, GOOD.replace("positions = 48", 'positions = 48\nprecision = "float32"'))
+    single = run(tmp_path, GOOD.replace("positions = 48", 'positions = 48\nfield_precision = "float32"'))
     with h5py.File(single, "r") as file, h5py.File(result, "r") as double:
         for name in SCHEMA:
             field = name in ("ram.slide", "reduced_moment")

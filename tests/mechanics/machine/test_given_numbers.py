@@ -1,0 +1,88 @@
+"""Numbers that variants are given: what a scene refuses its variants don't get past, and what is no row of numbers."""
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from engine import AskError, Machine, NonZero, Scene, Verdict, scene_numbers
+
+SCENE = {
+    "points": {"O": {"x": 0, "y": 0}, "C": {"link": "rod", "x": 0.2, "y": 0.0}},
+    "guides": {"way": {"angle": 0}, "table": {"y": -0.3}},
+    "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.05, "speed": 30.0},
+    "shafts": {"second": {"geared_to": "crank", "ratio": 2.0, "inertia": 0.1}},
+    "groups": {
+        "drive": {
+            "type": "RRP",
+            "inner": "B",
+            "first": {"link": "rod", "joint": "A", "length": 0.2},
+            "second": {"link": "piston", "guide": "way"},
+        }
+    },
+    "pinions": {"wheel": {"rack": "piston", "pivot": "P", "radius": 0.03}},
+    "bodies": {"piston_body": {"link": "piston", "mass": 2.0}},
+}
+SCENE["points"]["P"] = {"x": 0.1, "y": 0.03}
+NUMBERS = scene_numbers(Scene.model_validate(SCENE))
+NEVER_ZERO = [path for path, number in NUMBERS.items() if any(isinstance(m, NonZero) for m in number.limits)]
+
+
+def changed(path, value):
+    def inside(part, keys):
+        return part | {keys[0]: inside(part[keys[0]], keys[1:]) if keys[1:] else value}
+
+    return inside(SCENE, path.split("."))
+
+
+def test_numbers_that_must_not_be_zero__are_these():
+    assert NEVER_ZERO == ["input.speed", "shafts.second.ratio", "pinions.wheel.radius"]
+
+
+@pytest.mark.parametrize("path", NUMBERS)
+def test_variant_of_zero__is_outside_limits_where_the_scene_refuses_zero(path):
+    try:
+        Scene.model_validate(changed(path, 0.0))
+    except ValidationError:
+        refused = True
+    else:
+        refused = False
+    machine = Machine(Scene.model_validate(SCENE), ["piston.stroke"], varied=[path])
+    # Nothing is computed of dropped variants, but their numbers are looked at.
+    limits = machine.evaluate({path: np.zeros(1)}, np.ones(1, bool)).status
+    assert limits[0] == Verdict.DROPPED
+    if refused:
+        assert machine.evaluate({path: np.zeros(1)}).status[0] == Verdict.OUTSIDE_LIMITS
+    else:
+        assert NUMBERS[path].value == 0.0 or path not in NEVER_ZERO
+
+
+TWO = ("input.length", "groups.drive.first.length")
+GOOD = [0.05, 0.06]
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({TWO[0]: [0.05 + 0.01j, 0.06], TWO[1]: [0.2, 0.2]}, "'input.length' has complex values"),
+        ({TWO[0]: GOOD, TWO[1]: [0.2, 0.2, 0.2]}, "'groups.drive.first.length' has 3 values, 'input.length' has 2"),
+        ({TWO[0]: GOOD, TWO[1]: []}, "'groups.drive.first.length' has 0 values, 'input.length' has 2"),
+        ({TWO[0]: [GOOD, GOOD], TWO[1]: [0.2, 0.2]}, "'input.length' has 2 × 2 values"),
+        ({TWO[0]: np.full((2, 1), 0.05), TWO[1]: [0.2, 0.2]}, "'input.length' has 2 × 1 values"),
+        ({TWO[0]: [GOOD, [0.05]], TWO[1]: [0.2, 0.2]}, "'input.length': rows differ in length"),
+        ({TWO[0]: ["50 mm", "60 mm"], TWO[1]: [0.2, 0.2]}, "values that are no numbers, such as '50 mm'"),
+        ({TWO[0]: [None, 0.05], TWO[1]: [0.2, 0.2]}, "'input.length'"),
+        ({TWO[0]: GOOD}, "varied must hold exactly"),
+    ],
+)
+def test_what_is_no_row_of_numbers__is_refused_by_name(given, words):
+    machine = Machine(Scene.model_validate(SCENE), ["piston.stroke"], varied=TWO)
+    with pytest.raises(AskError) as refused:
+        machine.evaluate(given)
+    assert words in str(refused.value)
+
+
+@pytest.mark.parametrize("drop", [np.zeros(3, bool), np.zeros((2, 2), bool), np.array([0, 1]), True])
+def test_what_to_drop__is_told_for_each_variant(drop):
+    machine = Machine(Scene.model_validate(SCENE), ["piston.stroke"], varied=TWO)
+    with pytest.raises(AskError, match="give True or False for each of the 2 variants"):
+        machine.evaluate({TWO[0]: GOOD, TWO[1]: [0.2, 0.2]}, drop)
