@@ -1,7 +1,6 @@
 """What the commands have in common: options, messages, files and threads."""
 
 import json
-import re
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from sweeps.cli.waiting import clear_the_line, doing, waiting_told
+from sweeps.text.visible import visible
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -23,25 +23,19 @@ NOT_ALL_DONE = 1
 DIFFERENT = 1
 
 LONGEST_MESSAGE, LONGEST_WORD = 2900, 200
-# All but line breaks and tabs.
-_CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 
 Command = Callable[..., None]
 
 
 def tell(text: str, err: bool = False) -> None:
-    """Write a text to the terminal; control characters in it, which may come from files, are spelt out."""
+    """Write a text to the terminal as `visible` shows it."""
     clear_the_line()
-    click.echo(_spelt_out(text), err=err)
-
-
-def _spelt_out(text: str) -> str:
-    return _CONTROL.sub(lambda found: repr(found[0])[1:-1], text)
+    click.echo(visible(text), err=err)
 
 
 def shown_message(message: str) -> str:
     """What a terminal is shown of a message: control characters are spelt out, a long one ends early."""
-    message = _spelt_out(message)
+    message = visible(message)
     if len(message) <= LONGEST_MESSAGE:
         return message
     begin, _, cut_word = message[:LONGEST_MESSAGE].rpartition(" ")
