@@ -87,7 +87,9 @@ def _foreseen() -> tuple[type[Exception], ...]:
 CLUSTER = click.option(
     "--cluster",
     metavar="ADDRESS",
-    help="Compute on the Dask cluster of this scheduler, tcp://node1:8786; local:8 starts eight processes here.",
+    help="Compute on the Dask cluster of this scheduler, tls://node1:8786 or tcp://node1:8786; local:8 starts eight "
+    "processes here. Whoever reaches a scheduler at tcp:// can run programs on its workers, and its workers can run "
+    "programs as you: name only those that you trust.",
 )
 
 
@@ -136,12 +138,9 @@ def stop_if_all_failed(status: Iterable[int]) -> None:
 def tell_version(context: click.Context, _: click.Parameter, asked: bool) -> None:
     """Say which version this is, and stop."""
     if asked:
-        from importlib.metadata import PackageNotFoundError, version
+        from sweeps.text.versions import own_version
 
-        try:
-            tell(f"sweeps, version {version('machine-sweeps')}")
-        except PackageNotFoundError:
-            tell("sweeps, not installed")
+        tell(f"sweeps, version {own_version()}")
         context.exit()
 
 
@@ -204,11 +203,11 @@ def cluster_client(address: str | None, jobs: int | None = None) -> Iterator["Cl
 
 
 def workers_text(client: "Client | None") -> str:
-    """How many workers a cluster has just now; nothing without one, or where that can't be had."""
+    """How many workers of a cluster compute for this program; nothing without one, or where that can't be had."""
     if client is None:
         return ""
     try:
-        count = len(client.nthreads())
+        count = sum(any(key in client.futures for key in keys) for keys in client.processing().values())
     except OSError:
         # That the scheduler is lost is told where something is asked of it.
         return ""
