@@ -3,10 +3,24 @@
 An import with `as` offers a name under one that says enough away from its module.
 """
 
-from engine.balancing.counterweights import BalancedMachine, BalanceError, CounterweightPlace, balance
-from engine.balancing.engines.engine_columns import ROUNDED_ORDERS, engine_numbers, engine_torque, made_engine
-from engine.balancing.engines.engine_element import EngineElement
-from engine.balancing.engines.engine_layout import (
+from engine.compiling.kept_code import is_compiling
+from engine.compiling.sources import sources_digest
+from engine.compiling.threads import set_threads, threads
+from engine.cycle.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
+from engine.elements.bodies.body_elements import RotatingGuide, TetheredBody, TiltedBody, WoundFlywheel
+from engine.elements.bodies.rotating_guides import slides_out
+from engine.elements.bodies.tilted_bodies import body_ellipsoid
+from engine.elements.bodies.wound_flywheels import wound_stresses
+from engine.elements.cams.cam_curves import CamCurves, cam_curves
+from engine.elements.cams.cam_elements import CamElement
+from engine.elements.compliances.elastic_parts import ComplianceElement
+from engine.elements.elastic_drives.machine_drive_element import MachineDrive
+from engine.elements.elastic_drives.two_mass_columns import drive_history
+from engine.elements.elastic_drives.two_mass_element import TwoMassDrive
+from engine.elements.element_models import CarElement
+from engine.elements.engines.engine_columns import ROUNDED_ORDERS, engine_numbers, engine_torque, made_engine
+from engine.elements.engines.engine_element import EngineElement
+from engine.elements.engines.engine_layout import (
     Engine,
     EngineLayout,
     MasterRod,
@@ -17,48 +31,17 @@ from engine.balancing.engines.engine_layout import (
     v_engine,
     w_engine,
 )
-from engine.balancing.engines.firing import FOUR_STROKE, even_firing_order, firing_angles, firing_intervals, firing_sums
-from engine.balancing.engines.harmonics import crank_radius, piston_harmonics
-from engine.balancing.engines.hodograph import Hodograph
-from engine.balancing.engines.locomotive_element import LocomotiveElement
-from engine.balancing.engines.shafts import balance_shafts, crankshaft_counterweights, remaining_shaking
-from engine.balancing.engines.shaking import SHAKING_ORDERS, EngineShaking, engine_shaking
-from engine.balancing.rotors.correction import corrected_unbalance
-from engine.balancing.rotors.grades import permissible_unbalance, tolerance_shares
-from engine.balancing.rotors.hole_pattern import PatternError, split_on_neighbours
-from engine.balancing.rotors.influence import (
-    four_runs,
-    influence_coefficients,
-    influence_correction,
-    residual_confidence,
-)
-from engine.balancing.rotors.rotor_columns import rotor_corrections, rotor_numbers, rotor_unbalances
-from engine.balancing.rotors.rotor_element import RotorElement, StaticRotor
-from engine.balancing.rotors.unbalance import resultant_unbalance, unbalance_in_two_planes
-from engine.compiling.kept_code import is_compiling
-from engine.compiling.sources import sources_digest
-from engine.compiling.threads import set_threads, threads
-from engine.cycle.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
-from engine.elastic.compliances.elastic_parts import ComplianceElement
-from engine.elastic.drives.machine_drive_element import MachineDrive
-from engine.elastic.drives.two_mass_columns import drive_history
-from engine.elastic.drives.two_mass_element import TwoMassDrive
-from engine.elastic.oscillators.oscillator_columns import oscillator_columns, oscillator_numbers
-from engine.elastic.oscillators.oscillator_element import FreeStart, OscillatorElement, OverTime, SupportOverTime
-from engine.elastic.oscillators.over_time import oscillator_history
-from engine.elastic.oscillators.run_through import run_through_motion
-from engine.elastic.trains.excitation import TrainExcitation, train_excitation, train_speed
-from engine.elastic.trains.holzer import HolzerTable, holzer_table
-from engine.elastic.trains.natural_frequencies import NaturalVibration, natural_vibration
-from engine.elastic.trains.reduced_train import ReducedTrain, reduced_train
-from engine.elastic.trains.train_columns import is_excited, train_numbers
-from engine.elastic.trains.train_element import TorsionalTrain
-from engine.elements.bodies.body_elements import RotatingGuide, TetheredBody, TiltedBody, WoundFlywheel
-from engine.elements.bodies.rotating_guides import slides_out
-from engine.elements.bodies.tilted_bodies import body_ellipsoid
-from engine.elements.bodies.wound_flywheels import wound_stresses
-from engine.elements.elements_alone import ElementsAlone, made_ready
-from engine.governors.governor_curves import (
+from engine.elements.engines.firing import FOUR_STROKE, even_firing_order, firing_angles, firing_intervals, firing_sums
+from engine.elements.engines.harmonics import crank_radius, piston_harmonics
+from engine.elements.engines.hodograph import Hodograph
+from engine.elements.engines.locomotive_element import LocomotiveElement
+from engine.elements.engines.shafts import balance_shafts, crankshaft_counterweights, remaining_shaking
+from engine.elements.engines.shaking import SHAKING_ORDERS, EngineShaking, engine_shaking
+from engine.elements.gears.drive_elements import ChainDrive
+from engine.elements.gears.gear_columns import gear_numbers, gear_results
+from engine.elements.gears.gear_elements import GearTrain
+from engine.elements.gears.velocity_picture import VelocityPicture, velocity_picture
+from engine.elements.governors.governor_curves import (
     GovernorCurves,
     LoadChange,
     StabilityPoint,
@@ -66,65 +49,65 @@ from engine.governors.governor_curves import (
     load_change,
     stability_point,
 )
-from engine.governors.governor_elements import AnyGovernor, Governor
-from engine.higher_pairs.cams.cam_curves import CamCurves, cam_curves
-from engine.higher_pairs.cams.cam_elements import CamElement
-from engine.higher_pairs.cams.driving_cams import DrivingCam
-from engine.higher_pairs.gears.drive_elements import ChainDrive
-from engine.higher_pairs.gears.driving_gears import NoncircularWheel, Pinion, Rack
-from engine.higher_pairs.gears.gear_columns import gear_numbers, gear_results
-from engine.higher_pairs.gears.gear_elements import GearTrain
-from engine.higher_pairs.gears.velocity_picture import VelocityPicture, velocity_picture
-from engine.higher_pairs.second_inputs import SecondCrank, SecondSlider
+from engine.elements.governors.governor_elements import AnyGovernor, Governor
+from engine.elements.oscillators.oscillator_columns import oscillator_columns, oscillator_numbers
+from engine.elements.oscillators.oscillator_element import FreeStart, OscillatorElement, OverTime, SupportOverTime
+from engine.elements.oscillators.over_time import oscillator_history
+from engine.elements.oscillators.run_through import run_through_motion
+from engine.elements.rotors.correction import corrected_unbalance
+from engine.elements.rotors.grades import permissible_unbalance, tolerance_shares
+from engine.elements.rotors.hole_pattern import PatternError, split_on_neighbours
+from engine.elements.rotors.influence import (
+    four_runs,
+    influence_coefficients,
+    influence_correction,
+    residual_confidence,
+)
+from engine.elements.rotors.rotor_columns import rotor_corrections, rotor_numbers, rotor_unbalances
+from engine.elements.rotors.rotor_element import RotorElement, StaticRotor
+from engine.elements.rotors.unbalance import resultant_unbalance, unbalance_in_two_planes
+from engine.elements.torsional_trains.excitation import TrainExcitation, train_excitation, train_speed
+from engine.elements.torsional_trains.holzer import HolzerTable, holzer_table
+from engine.elements.torsional_trains.natural_frequencies import NaturalVibration, natural_vibration
+from engine.elements.torsional_trains.reduced_train import ReducedTrain, reduced_train
+from engine.elements.torsional_trains.train_columns import is_excited, train_numbers
+from engine.elements.torsional_trains.train_element import TorsionalTrain
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.friction.teeth import lost_share as mesh_lost_share
 from engine.laws.friction.teeth import shifted_contact as mesh_shifted_contact
 from engine.laws.tables import TableError
 from engine.machine.assembly_modes import assembly_modes
+from engine.machine.balancing.counterweights import BalancedMachine, BalanceError, CounterweightPlace, balance
 from engine.machine.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
 from engine.machine.derivatives import PLACES as PLACE_STATISTICS
 from engine.machine.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
-from engine.machine.elastic_drives import DriveCycle, DriveRun, drive_cycle, drive_run
+from engine.machine.drives.elastic_drives import DriveCycle, DriveRun, drive_cycle, drive_run
+from engine.machine.drives.governed_scene import governed_scene
+from engine.machine.elements.elements_alone import ElementsAlone, made_ready
 from engine.machine.full_rotation import assembly_ranges
-from engine.machine.governed_scene import governed_scene
 from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine
 from engine.machine.machine import OF_ACCURACY as ACCURACY_SUMMARIES
 from engine.machine.results import AskError, Outcome
 from engine.mechanism.groups.seed_tables import AssemblyMode
 from engine.mechanism.mechanics import Mechanics
-from engine.mechanism.synthesis.dyads import PlaneDyad, PlanePosition, dyad_of_centre, dyad_of_circle, dyads_of_turn
-from engine.mechanism.synthesis.paths import PathFourBar, four_bar_along
-from engine.mechanism.synthesis.positioned import PositionedFourBar, best_four_bar_through, four_bar_through
-from engine.mechanism.synthesis.quick_return import (
-    QuickCrankRocker,
-    QuickLever,
-    QuickSliderCrank,
-    quick_crank_rocker,
-    quick_lever,
-    quick_return_angle,
-    quick_slider_crank,
-)
-from engine.mechanism.synthesis.synthesis_error import SynthesisError
 from engine.motion.cases import regime_text
 from engine.motion.history import History, history, history_fields
 from engine.motion.quantities import of_sliding as sliding_quantity
-from engine.quantities.friction import friction_in_pairs
-from engine.quantities.quantity import STATISTICS, InputUnits, Quantity, has_cycle
-from engine.quantities.reactions import acting_fields, tooth_force_fields
-from engine.scene.actions import Brake, DCMotor, InductionMotor, TorsionSpring
-from engine.scene.dimensions import DIMENSIONS, common_units
-from engine.scene.dimensions import described as described_dimension
-from engine.scene.elements import CarElement
-from engine.scene.formulas.by_formula import FormulaNumber
-from engine.scene.formulas.dimension_check import (
+from engine.parts.actions import Brake, DCMotor, InductionMotor, TorsionSpring
+from engine.parts.dimensions import DIMENSIONS, common_units
+from engine.parts.dimensions import described as described_dimension
+from engine.parts.driving_cams import DrivingCam
+from engine.parts.driving_gears import NoncircularWheel, Pinion, Rack
+from engine.parts.formulas.by_formula import FormulaNumber
+from engine.parts.formulas.dimension_check import (
     check_yields,
     dimension_of,
     dimension_of_unit,
     dimensions_by_unit,
     unit_of_dimension,
 )
-from engine.scene.formulas.expressions import (
+from engine.parts.formulas.expressions import (
     ExpressionError,
     TextExpression,
     TextOperation,
@@ -132,9 +115,39 @@ from engine.scene.formulas.expressions import (
     joined_by_and,
     names_in_tree,
 )
-from engine.scene.formulas.expressions import Tree as ExpressionTree
-from engine.scene.formulas.expressions import parse as parse_expression
-from engine.scene.formulas.unknown_names import unknown_name_message
+from engine.parts.formulas.expressions import Tree as ExpressionTree
+from engine.parts.formulas.expressions import parse as parse_expression
+from engine.parts.formulas.unknown_names import unknown_name_message
+from engine.parts.regimes import Regime, RunRegime, SteadyRegime, run_keys
+from engine.parts.second_inputs import SecondCrank, SecondSlider
+from engine.parts.skeleton import (
+    FRAME,
+    RPP,
+    RPR,
+    CrankInput,
+    DimensionMark,
+    Hinged,
+    Near,
+    PlainText,
+    Sliding,
+    Yoke,
+)
+from engine.parts.skeleton import Number as PlainNumber
+from engine.parts.skeleton import Part as ScenePart
+from engine.parts.units import (
+    UnitError,
+    any_quantity,
+    base_powers,
+    column_in_text,
+    even_steps,
+    first_last_count,
+    in_text,
+    recognised,
+    unit_in,
+)
+from engine.quantities.friction import friction_in_pairs
+from engine.quantities.quantity import STATISTICS, InputUnits, Quantity, has_cycle
+from engine.quantities.reactions import acting_fields, tooth_force_fields
 from engine.scene.inertia import body_mass, carried_inertia, centre_along
 from engine.scene.names import did_you_mean, guide_of, input_point, joint_owners
 from engine.scene.names import nearest as nearest_names
@@ -149,21 +162,6 @@ from engine.scene.pairs import (
     own_drives,
 )
 from engine.scene.pairs import pairs as pairs_of
-from engine.scene.parts import (
-    FRAME,
-    RPP,
-    RPR,
-    CrankInput,
-    DimensionMark,
-    Hinged,
-    Near,
-    PlainText,
-    Sliding,
-    Yoke,
-)
-from engine.scene.parts import Number as PlainNumber
-from engine.scene.parts import Part as ScenePart
-from engine.scene.regimes import Regime, RunRegime, SteadyRegime, run_keys
 from engine.scene.scene import Numbers as SceneNumbers
 from engine.scene.scene import Scene, SceneError, scene_numbers
 from engine.scene.structure.free_groups import FreeGroup
@@ -171,17 +169,6 @@ from engine.scene.structure.ordering import group_links
 from engine.scene.structure.ordering import order as order_groups
 from engine.scene.structure.ordering import sliders as sliders_of
 from engine.scene.structure.trains import mesh_axis
-from engine.scene.units import (
-    UnitError,
-    any_quantity,
-    base_powers,
-    column_in_text,
-    even_steps,
-    first_last_count,
-    in_text,
-    recognised,
-    unit_in,
-)
 from engine.verdicts import SENTENCES, Verdict
 
 __version__: str
@@ -253,18 +240,11 @@ __all__ = [
     "Outcome",
     "OverTime",
     "Pair",
-    "PathFourBar",
     "PatternError",
     "Pinion",
     "PlainNumber",
     "PlainText",
-    "PlaneDyad",
-    "PlanePosition",
-    "PositionedFourBar",
     "Quantity",
-    "QuickCrankRocker",
-    "QuickLever",
-    "QuickSliderCrank",
     "Rack",
     "ReducedTrain",
     "Regime",
@@ -282,7 +262,6 @@ __all__ = [
     "StaticRotor",
     "SteadyRegime",
     "SupportOverTime",
-    "SynthesisError",
     "TableError",
     "TetheredBody",
     "TextExpression",
@@ -306,7 +285,6 @@ __all__ = [
     "balance_shafts",
     "base_powers",
     "bearer_of",
-    "best_four_bar_through",
     "body_ellipsoid",
     "body_mass",
     "boxer_engine",
@@ -331,9 +309,6 @@ __all__ = [
     "drive_history",
     "drive_run",
     "driving_field",
-    "dyad_of_centre",
-    "dyad_of_circle",
-    "dyads_of_turn",
     "engine_numbers",
     "engine_shaking",
     "engine_torque",
@@ -344,8 +319,6 @@ __all__ = [
     "firing_intervals",
     "firing_sums",
     "first_last_count",
-    "four_bar_along",
-    "four_bar_through",
     "four_runs",
     "friction_in_pairs",
     "gear_numbers",
@@ -388,10 +361,6 @@ __all__ = [
     "parse_expression",
     "permissible_unbalance",
     "piston_harmonics",
-    "quick_crank_rocker",
-    "quick_lever",
-    "quick_return_angle",
-    "quick_slider_crank",
     "radial_engine",
     "recognised",
     "reduced_train",

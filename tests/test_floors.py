@@ -124,7 +124,7 @@ def test_names_at_the_door__are_those_of_their_modules():
     for name in engine.__all__:
         assert getattr(engine, name) is not None
     assert engine.Scene is importlib.import_module("engine.scene.scene").Scene
-    assert engine.v_engine is importlib.import_module("engine.balancing.engines.engine_layout").v_engine
+    assert engine.v_engine is importlib.import_module("engine.elements.engines.engine_layout").v_engine
 
 
 def test_version__is_that_of_the_package():
@@ -156,8 +156,22 @@ def test_door__offers_nothing_under_two_names():
 
 # Rooms
 
-# Each may use those before it.
-ROOMS = (
+# Each may use those before it in its package.
+ENGINE_ROOMS = (
+    "compiling",
+    "verdicts",
+    "laws",
+    "graph",
+    "cycle",
+    "parts",
+    "elements",
+    "scene",
+    "mechanism",
+    "quantities",
+    "motion",
+    "machine",
+)
+SWEEPS_ROOMS = (
     "text",
     "synthesis",
     "imports",
@@ -176,14 +190,15 @@ ROOMS = (
 MOST_IN_A_ROOM = 15
 
 
-def test_rooms_of_sweeps__use_only_those_before_them():
+@pytest.mark.parametrize(("package", "rooms"), [("engine", ENGINE_ROOMS), ("sweeps", SWEEPS_ROOMS)])
+def test_rooms__use_only_those_before_them(package, rooms):
     wrong = []
     for module, needs in graph().items():
         parts = module.split(".")
-        if parts[0] != "sweeps" or len(parts) < 2 or parts[1] not in ROOMS:
+        if parts[0] != package or len(parts) < 2 or parts[1].startswith("__"):
             continue
-        later = ROOMS[ROOMS.index(parts[1]) + 1 :]
-        wrong += [f"{module} -> {need}" for need in needs if need.startswith(tuple(f"sweeps.{room}" for room in later))]
+        later = rooms[rooms.index(parts[1]) + 1 :]
+        wrong += [f"{module} -> {n}" for n in needs if n.startswith(tuple(f"{package}.{room}" for room in later))]
     assert wrong == []
 
 

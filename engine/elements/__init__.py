@@ -1,1 +1,1 @@
-"""Machine elements alone: screws, belts, wedges, journals, rotors, engines."""
+"""Machine elements: models and laws of what needs no mechanism, or stands beside one."""

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.decorators import scalar
+from engine.elements.element_models import BeltElement, GuideElement, MachineElement, ScrewElement
 from engine.laws.brakes import axle_shares
 from engine.laws.friction.belts import (
     belt_moment,
@@ -44,7 +45,6 @@ from engine.laws.friction.screws import (
     raise_moment,
     thread_slope,
 )
-from engine.scene.elements import BeltElement, GuideElement, MachineElement, ScrewElement
 from engine.verdicts import Verdict
 
 THREAD_ANGLES = {"square": 0.0, "trapezoidal": math.radians(30.0), "metric": math.radians(60.0)}

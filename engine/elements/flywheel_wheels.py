@@ -26,8 +26,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.scene.inertia import Value, disc_inertia, ring_inertia
-from engine.scene.parts import WheelForm
+from engine.laws.masses.moments_of_inertia import Value, disc_inertia, ring_inertia
+from engine.parts.skeleton import WheelForm
 
 
 class Material(NamedTuple):

@@ -12,11 +12,11 @@ from typing import NamedTuple
 import numpy as np
 from annotated_types import Ge, Gt, Le, Lt
 
-from engine.elements.elements_alone import ElementsAlone
+from engine.machine.elements.elements_alone import ElementsAlone
 from engine.machine.extrapolation import Differences, Estimate, derivative_of
 from engine.machine.machine import Machine
 from engine.machine.results import AskError, Outcome
-from engine.scene.parts import CrankInput
+from engine.parts.skeleton import CrankInput
 from engine.scene.scene import Scene, SceneNumber, scene_numbers
 from engine.verdicts import Verdict
 

@@ -7,15 +7,15 @@ from functools import cached_property
 import numpy as np
 
 from engine.compiling.threads import threads
-from engine.elements.element_columns import ElementColumns, element_summaries
-from engine.governors.places import CYCLE_POSITIONS
+from engine.elements.governors.places import CYCLE_POSITIONS
 from engine.graph.nodes import Node
 from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.computed import all_levels, computed_levels
-from engine.machine.elastic_drives import ElasticDrives, drives_on_machine
-from engine.machine.excited_trains import machine_harmonics, machine_numbers, trains_on_machine
+from engine.machine.drives.elastic_drives import ElasticDrives, drives_on_machine
+from engine.machine.drives.excited_trains import machine_harmonics, machine_numbers, trains_on_machine
+from engine.machine.drives.governed_engines import GovernedEngines
+from engine.machine.elements.element_columns import ElementColumns, element_summaries
 from engine.machine.first_failure import first_failure
-from engine.machine.governed_engines import GovernedEngines
 from engine.machine.kept_fields import NONE, KeptFields, field_node, fill_found
 from engine.machine.measuring import MeasuredCycles, Measuring
 from engine.machine.results import AskError, Outcome, asked_text, blank, field_room, front_of
@@ -23,11 +23,11 @@ from engine.mechanism.mechanics import Mechanics
 from engine.motion.quantities import why_no_load
 from engine.motion.regimes import Regimes
 from engine.motion.regimes_in_order import Schedule
+from engine.parts.skeleton import CrankInput
 from engine.quantities.expressions import Angle, Expression, Followed, Speed, Work
 from engine.quantities.machine import register_of
 from engine.quantities.quantity import STATISTICS, Quantity
 from engine.quantities.register import Field, Summary
-from engine.scene.parts import CrankInput
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.scene.structure.input_laws import fixed_by_laws
 from engine.scene.structure.trains import comes_back

@@ -10,7 +10,7 @@ import numpy as np
 
 from engine.graph.nodes import Graph, Node
 from engine.mechanism.vectors import Vector, named
-from engine.scene.parts import FRAME
+from engine.parts.skeleton import FRAME
 from engine.scene.scene import Scene
 
 if TYPE_CHECKING:

@@ -29,9 +29,9 @@ from engine.mechanism.higher_pairs.rack_motion import rack_guide
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.vectors import named
-from engine.scene.pair_friction import MATERIALS, PairFriction
+from engine.parts.pair_friction import MATERIALS, PairFriction
+from engine.parts.skeleton import FRAME
 from engine.scene.pairs import Pair, contact_pairs, pairs
-from engine.scene.parts import FRAME
 from engine.scene.scene import Numbers
 
 _SETTLED = {1: settled_one, 2: settled_two, 3: settled_three}

@@ -12,13 +12,13 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.graph.nodes import Node
-from engine.laws.inertia_forces import inertia_offset
+from engine.laws.masses.inertia_forces import inertia_offset
 from engine.mechanism.actions.carried_masses import turning_inertia
 from engine.mechanism.kinematics import Kinematics, MovingPoint
 from engine.mechanism.vectors import Vector
+from engine.parts.skeleton import CrankInput
 from engine.scene.inertia import body_inertia, body_mass, carried_inertia, carried_on
 from engine.scene.masses import replacement
-from engine.scene.parts import CrankInput
 from engine.scene.scene import Numbers, Scene
 
 Terms = list[tuple[Node, Node]]

@@ -8,7 +8,7 @@ import numpy as np
 from engine.graph.nodes import Graph, Node, Number
 from engine.laws.elementary import power
 from engine.mechanism.vectors import Vector
-from engine.scene.parts import CrankInput
+from engine.parts.skeleton import CrankInput
 from engine.scene.scene import Scene
 
 

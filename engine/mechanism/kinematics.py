@@ -15,9 +15,9 @@ from engine.mechanism.higher_pairs.rack_motion import add_pinion, add_rack, angl
 from engine.mechanism.higher_pairs.second_input_motion import add_second_input
 from engine.mechanism.input_motion import input_span
 from engine.mechanism.vectors import Vector, named
+from engine.parts.skeleton import FRAME, CrankInput
 from engine.scene.masses import LinkMass, resultant_masses, whole_body
 from engine.scene.names import turning_evenly
-from engine.scene.parts import FRAME, CrankInput
 from engine.scene.scene import Scene
 from engine.scene.structure.free_groups import FreeGroup
 from engine.scene.structure.meshes import has_known_angle

@@ -16,9 +16,9 @@ from engine.mechanism.actions.springs import spring_loads, torsion_spring
 from engine.mechanism.actions.tables import uniform_time
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.vectors import Vector
-from engine.scene import actions
+from engine.parts import actions
+from engine.parts.skeleton import FRAME
 from engine.scene.pairs import holder_of
-from engine.scene.parts import FRAME
 from engine.scene.scene import Scene
 
 

@@ -17,7 +17,7 @@ from engine.mechanism.input_motion import InputMotion, input_span
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.loads import Loads
 from engine.mechanism.reactions import Reactions
-from engine.scene.parts import CrankInput
+from engine.parts.skeleton import CrankInput
 from engine.scene.scene import Scene
 from engine.scene.structure.ordering import Structure, order
 

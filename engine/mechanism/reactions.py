@@ -19,13 +19,13 @@ import numpy as np
 from engine.graph.nodes import Node
 from engine.laws.friction.feedback import guide_pressing
 from engine.laws.friction.teeth import lost_share, shifted_contact
-from engine.laws.inertia_forces import inertia_force, inertia_moment
 from engine.laws.kinematics.noncircular_wheels import noncircular_tooth_force
 from engine.laws.kinematics.prp import prp_reactions
 from engine.laws.kinematics.rpp import rpp_reactions
 from engine.laws.kinematics.rpr import rpr_reactions
 from engine.laws.kinematics.rrp import rrp_reactions
 from engine.laws.kinematics.rrr import rrr_reactions
+from engine.laws.masses.inertia_forces import inertia_force, inertia_moment
 from engine.laws.senses import sense
 from engine.mechanism.acting import Load
 from engine.mechanism.actions.carried_masses import turning_inertia
@@ -42,6 +42,7 @@ from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.link_loads import LinkLoads, Wrench
 from engine.mechanism.vectors import Vector, named
+from engine.parts.skeleton import FRAME, CrankInput
 from engine.scene.inertia import carried_inertia, carried_on
 from engine.scene.pairs import (
     Pair,
@@ -55,7 +56,6 @@ from engine.scene.pairs import (
     pairs,
     pairs_of_group,
 )
-from engine.scene.parts import FRAME, CrankInput
 from engine.scene.structure.ordering import Structure
 
 # What friction causes in each kind of pair, as the names of fields have it.

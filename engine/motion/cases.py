@@ -14,10 +14,10 @@ from engine.graph.nodes import Node, Position, reached
 from engine.mechanism.acting import Load
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.dynamics import Dynamics, Reduction
-from engine.scene.actions import InductionMotor, Tabled
-from engine.scene.formulas.load_formulas import load_formulas
+from engine.parts.actions import InductionMotor, Tabled
+from engine.parts.regimes import Regime, RunRegime
+from engine.scene.load_formulas import load_formulas
 from engine.scene.pairs import has_friction
-from engine.scene.regimes import Regime, RunRegime
 from engine.scene.scene import Scene
 
 CLOSED_FORM, ENERGY_FORM, TIME_FORM = "closed form", "energy form", "time form"

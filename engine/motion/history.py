@@ -14,8 +14,8 @@ from engine.motion.regimes_in_order import Schedule, Standing
 from engine.motion.runs.watching import Piece, RunFields
 from engine.motion.settled.rubbing_steady import settled_motion
 from engine.motion.steppers.energy_form import NODES
+from engine.parts.regimes import RunRegime
 from engine.quantities.quantity import Quantity
-from engine.scene.regimes import RunRegime
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.verdicts import Verdict
 

@@ -5,13 +5,13 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.mechanism.mechanics import Mechanics
+from engine.parts.actions import InductionMotor
+from engine.parts.regimes import Regime
+from engine.parts.skeleton import CrankInput, SliderInput
 from engine.quantities import inertia, reactions
 from engine.quantities.quantity import STATISTICS, Quantity, has_cycle
 from engine.quantities.register import Field
-from engine.scene.actions import InductionMotor
 from engine.scene.pairs import has_friction
-from engine.scene.parts import CrankInput, SliderInput
-from engine.scene.regimes import Regime
 from engine.scene.scene import Scene
 
 # Sorts of power, by the channel that gives it or, of what resists, takes it.

@@ -48,9 +48,9 @@ from engine.motion.settled.sizing import flywheel_for
 from engine.motion.settled.steady import steady_motion
 from engine.motion.steppers.energy_form import NODES
 from engine.motion.steppers.rubbing_form import FRICTION_MOMENT
+from engine.parts.regimes import RunRegime, run_keys
 from engine.quantities.quantity import has_cycle
 from engine.scene.pairs import has_friction
-from engine.scene.regimes import RunRegime, run_keys
 from engine.scene.scene import Numbers, SceneError
 from engine.verdicts import Verdict
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from engine.cycle.measured import Measured, where
-from engine.laws.replacement_masses import inertia_error
+from engine.laws.masses.replacement_masses import inertia_error
 from engine.mechanism.inertia import moment_centre
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import Expression, Formula, Integral, VariantNumber, hypot

@@ -5,10 +5,10 @@ from collections.abc import Callable
 from engine.graph.nodes import Node
 from engine.mechanism.higher_pairs.noncircular_motion import NoncircularMotion
 from engine.mechanism.mechanics import Mechanics
+from engine.parts.skeleton import FRAME, CrankInput
 from engine.quantities.expressions import Angle
 from engine.quantities.register import Declared, Field, InputUnits
 from engine.scene.names import joint_owners
-from engine.scene.parts import FRAME, CrankInput
 
 _WORDS = ("", "first derivative by the input of the ", "second derivative by the input of the ")
 _SUFFIXES = ("", "_phi", "_phiphi")

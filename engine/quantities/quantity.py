@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from engine.scene.parts import CrankInput
+from engine.parts.skeleton import CrankInput
 from engine.scene.scene import Scene
 
 STATISTICS = {

@@ -7,6 +7,7 @@ import numpy as np
 
 from engine.cycle.measured import Measured, atan2
 from engine.mechanism.mechanics import Mechanics
+from engine.parts.actions import Brake, DCMotor, InductionMotor
 from engine.quantities.expressions import (
     Angle,
     Expression,
@@ -20,7 +21,6 @@ from engine.quantities.expressions import (
 )
 from engine.quantities.quantity import Quantity
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
-from engine.scene.actions import Brake, DCMotor, InductionMotor
 from engine.scene.pairs import Pair, driving_field, has_friction, own_drives, pairs
 from engine.scene.scene import Scene
 

@@ -10,6 +10,7 @@ from engine.cycle.measured import Measured
 from engine.graph.nodes import Node, reached
 from engine.mechanism.higher_pairs.rack_motion import angle_of_link
 from engine.mechanism.mechanics import Mechanics
+from engine.parts.skeleton import FRAME
 from engine.quantities.expressions import (
     FULL_TURN,
     Angle,
@@ -21,7 +22,6 @@ from engine.quantities.expressions import (
     StrokeEnd,
 )
 from engine.quantities.register import Declared, InputUnits, Summary
-from engine.scene.parts import FRAME
 from engine.scene.structure.meshes import net_turns, root_of
 
 

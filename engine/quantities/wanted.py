@@ -9,8 +9,8 @@ from engine.laws.elementary import angle_of, direction_of
 from engine.laws.tables import entry
 from engine.mechanism.actions.tables import rows_over_angle
 from engine.mechanism.mechanics import Mechanics
-from engine.mechanism.synthesis.wanted_motion import WantedAngle, WantedPath, WantedSlide
 from engine.mechanism.vectors import Vector
+from engine.parts.wanted_motion import WantedAngle, WantedPath, WantedSlide
 from engine.quantities.expressions import Expression, Extreme, Formula, Integral, peak, sqrt
 from engine.quantities.register import Declared, Field, Summary
 

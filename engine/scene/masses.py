@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.laws.replacement_masses import (
+from engine.laws.masses.replacement_masses import (
     CONDITIONS,
     PointMasses,
     Vector,
@@ -17,9 +17,9 @@ from engine.laws.replacement_masses import (
     static_three,
     static_two,
 )
+from engine.parts.skeleton import CrankInput, Hinged, Sliding, Yoke
 from engine.scene.inertia import body_inertia, body_mass, centre_along
 from engine.scene.names import Problem, did_you_mean
-from engine.scene.parts import CrankInput, Hinged, Sliding, Yoke
 from engine.scene.scene import Numbers, Scene, scene_numbers
 
 Compute = Callable[[Numbers], float | np.ndarray]

@@ -4,13 +4,13 @@ import difflib
 import math
 from collections.abc import Iterable
 
-from engine.elastic.drives.machine_drive_element import MachineDrive
-from engine.governors.governor_elements import governs_machine
+from engine.elements.elastic_drives.machine_drive_element import MachineDrive
+from engine.elements.governors.governor_elements import governs_machine
 from engine.laws.tables import TableError, make_table
-from engine.mechanism.synthesis.wanted_motion import wrong_angles
-from engine.scene.actions import Carried, DCMotor, InductionMotor, Tabled, TorsionSpring
-from engine.scene.parts import FRAME, CrankInput, SliderInput, Sliding, Yoke
-from engine.scene.regimes import OF_CRANK, OF_SLIDER, Regime, run_keys
+from engine.parts.actions import Carried, DCMotor, InductionMotor, Tabled, TorsionSpring
+from engine.parts.regimes import OF_CRANK, OF_SLIDER, Regime, run_keys
+from engine.parts.skeleton import FRAME, CrankInput, SliderInput, Sliding, Yoke
+from engine.parts.wanted_motion import wrong_angles
 from engine.scene.scene import Scene, SceneError
 from engine.scene.structure.input_laws import drive_turns, law_rate
 

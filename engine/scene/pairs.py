@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 from typing import Literal, NamedTuple
 
+from engine.parts.pair_friction import PairFriction
+from engine.parts.skeleton import FRAME, CrankInput, Sliding, Yoke
 from engine.scene.names import Problem, did_you_mean, guide_of, joint_owners
-from engine.scene.pair_friction import PairFriction
-from engine.scene.parts import FRAME, CrankInput, Sliding, Yoke
 from engine.scene.scene import Scene
 
 OF_JOURNALS = ("diameter", "contact", "above_prismatic")

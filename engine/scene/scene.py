@@ -9,19 +9,19 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
 
-from engine.elastic.drives.machine_drive_element import MachineDrive
-from engine.governors.governor_elements import governs_machine
-from engine.higher_pairs.cams.driving_cams import DrivingCam
-from engine.higher_pairs.gears.driving_gears import NoncircularWheel, Pinion, Rack
-from engine.higher_pairs.second_inputs import SecondInput
-from engine.mechanism.synthesis.wanted_motion import WantedMotion
-from engine.motion.coupled.coupling_models import Coupling
-from engine.scene.actions import ForceAction, MomentAction, Spring
-from engine.scene.cylinders import CylinderAction
-from engine.scene.elements import MachineElement
-from engine.scene.formulas.by_formula import FormulaNumber
-from engine.scene.pair_friction import PairFriction
-from engine.scene.parts import (
+from engine.elements.elastic_drives.machine_drive_element import MachineDrive
+from engine.elements.element_models import MachineElement
+from engine.elements.governors.governor_elements import governs_machine
+from engine.parts.actions import ForceAction, MomentAction, Spring
+from engine.parts.couplings import Coupling
+from engine.parts.cylinders import CylinderAction
+from engine.parts.driving_cams import DrivingCam
+from engine.parts.driving_gears import NoncircularWheel, Pinion, Rack
+from engine.parts.formulas.by_formula import FormulaNumber
+from engine.parts.pair_friction import PairFriction
+from engine.parts.regimes import Regime
+from engine.parts.second_inputs import SecondInput
+from engine.parts.skeleton import (
     AcceleratedBase,
     Acceleration,
     Balance,
@@ -41,7 +41,7 @@ from engine.scene.parts import (
     Shaft,
     SliderInput,
 )
-from engine.scene.regimes import Regime
+from engine.parts.wanted_motion import WantedMotion
 
 
 class SceneError(ValueError):

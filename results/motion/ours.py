@@ -9,7 +9,7 @@ import numpy as np
 from cases import Case
 
 from engine import Machine, Scene
-from engine.scene.regimes import RunRegime
+from engine.parts.regimes import RunRegime
 
 # As a study asks for them, from coarse to fine.
 ACCURACIES = (0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)

@@ -12,8 +12,8 @@ from cases import CASES, sample
 
 from engine import Machine, Scene
 from engine.compiling.threads import set_threads
-from engine.scene.actions import TableMoment
-from engine.scene.regimes import RunRegime, SteadyRegime
+from engine.parts.actions import TableMoment
+from engine.parts.regimes import RunRegime, SteadyRegime
 
 HERE = Path(__file__).parent
 VARIANTS, ROUNDS, CYCLES = 2000, 5, 20.0

@@ -74,10 +74,11 @@ def _code_of(error: Exception) -> int:
 
 def _foreseen() -> tuple[type[Exception], ...]:
     """Errors whose text is meant for whoever gave the command; imported only when one occurs, as that is slow."""
-    from engine import AskError, BalanceError, SceneError, SynthesisError, TableError, UnitError
+    from engine import AskError, BalanceError, SceneError, TableError, UnitError
     from sweeps.pictures.picture_error import PictureError
     from sweeps.run.cluster.cluster_errors import ClusterError
     from sweeps.store import StoreError
+    from sweeps.synthesis.synthesis_error import SynthesisError
     from sweeps.text.input_files import InputError
 
     of_engine = (AskError, BalanceError, SceneError, SynthesisError, TableError, UnitError)

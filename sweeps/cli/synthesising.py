@@ -34,7 +34,7 @@ def synthesise() -> None:
 @errors_as_messages
 def slider_crank_command(stroke: str, ratio: float, rod: str | None, speed: str, out: Path | None) -> None:
     """Offset slider-crank of a stroke and a time ratio."""
-    from engine import quick_slider_crank
+    from sweeps.synthesis.quick_return import quick_slider_crank
     from sweeps.synthesis.synthesised_scenes import slider_crank_text
 
     wanted = _length("--stroke", stroke)
@@ -53,7 +53,7 @@ def crank_rocker_command(
     swing: str, rocker: str, ratio: float, coupler: str | None, speed: str, out: Path | None
 ) -> None:
     """Crank-rocker of a swing and a time ratio."""
-    from engine import quick_crank_rocker
+    from sweeps.synthesis.quick_return import quick_crank_rocker
     from sweeps.synthesis.synthesised_scenes import crank_rocker_text
 
     angle, given = _number("--swing", swing, "angle"), None if coupler is None else _length("--coupler", coupler)
@@ -69,7 +69,7 @@ def crank_rocker_command(
 @errors_as_messages
 def shaper_command(stroke: str, ratio: float, frame: str, speed: str, out: Path | None) -> None:
     """Crank-shaper, a swinging lever and a ram, of a stroke and a time ratio."""
-    from engine import quick_lever
+    from sweeps.synthesis.quick_return import quick_lever
     from sweeps.synthesis.synthesised_scenes import lever_text
 
     wanted = _length("--stroke", stroke)
@@ -102,8 +102,9 @@ def positions_command(
     Burmester's curves, each by its --turn from the first position to the second and which solution is meant, 1 or 2;
     without them the linkage of the best transmission angle on a grid of the curves.
     """
-    from engine import PlanePosition, best_four_bar_through, four_bar_through
+    from sweeps.synthesis.dyads import PlanePosition
     from sweeps.synthesis.position_links import chosen_links
+    from sweeps.synthesis.positioned import best_four_bar_through, four_bar_through
     from sweeps.synthesis.synthesised_scenes import positions_text
     from sweeps.text.numbers_in_row import numbers_in_row
 
@@ -126,8 +127,8 @@ def path_command(table: Path, seed: int, speed: str, out: Path | None) -> None:
 
     TABLE is a CSV with the columns `x [mm]` and `y [mm]`: places on the path in order.
     """
-    from engine import four_bar_along
     from sweeps.synthesis.path_table import path_places
+    from sweeps.synthesis.paths import four_bar_along
     from sweeps.synthesis.synthesised_scenes import path_text
 
     places, given = path_places(table), _speed(speed)

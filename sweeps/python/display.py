@@ -22,7 +22,7 @@ SHOWN = 12
 _TYPES = (
     ("engine.scene.scene", "Scene"),
     ("engine.machine.machine", "Machine"),
-    ("engine.elements.elements_alone", "ElementsAlone"),
+    ("engine.machine.elements.elements_alone", "ElementsAlone"),
     ("engine.machine.results", "Outcome"),
     ("sweeps.study.study", "Study"),
 )

@@ -3,7 +3,7 @@
 import cmath
 from collections.abc import Sequence
 
-from engine import PlaneDyad, PlanePosition, dyad_of_centre, dyad_of_circle, dyads_of_turn
+from sweeps.synthesis.dyads import PlaneDyad, PlanePosition, dyad_of_centre, dyad_of_circle, dyads_of_turn
 from sweeps.text.input_files import InputError
 from sweeps.text.numbers_in_row import numbers_in_row
 

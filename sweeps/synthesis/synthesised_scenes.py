@@ -2,7 +2,9 @@
 
 import math
 
-from engine import PathFourBar, PositionedFourBar, QuickCrankRocker, QuickLever, QuickSliderCrank
+from sweeps.synthesis.paths import PathFourBar
+from sweeps.synthesis.positioned import PositionedFourBar
+from sweeps.synthesis.quick_return import QuickCrankRocker, QuickLever, QuickSliderCrank
 
 _NEXT = """\
 # Kinematics only: add [bodies], [forces], [flywheel] for what it carries; `sweeps help bodies` tells how.

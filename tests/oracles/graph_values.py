@@ -20,7 +20,7 @@ from engine.graph.nodes import (
     TableMemory,
     reached,
 )
-from engine.scene.parts import CrankInput
+from engine.parts.skeleton import CrankInput
 from engine.scene.scene import Numbers, Scene, scene_numbers
 
 ARITHMETIC = {"+": np.add, "-": np.subtract, "*": np.multiply, "/": np.divide}

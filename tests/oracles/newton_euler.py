@@ -13,7 +13,7 @@ from oracle_dynamics import _characteristic, _pump_force, body_of
 from scipy.linalg import lu_factor, lu_solve
 
 from engine import Scene
-from engine.scene.parts import FRAME, CrankInput, Sliding, Yoke
+from engine.parts.skeleton import FRAME, CrankInput, Sliding, Yoke
 
 
 class Unknown(NamedTuple):

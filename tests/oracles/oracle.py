@@ -15,7 +15,7 @@ from collections.abc import Callable
 import numpy as np
 
 from engine import Scene
-from engine.scene.parts import FRAME, CrankInput, Sliding, Yoke
+from engine.parts.skeleton import FRAME, CrankInput, Sliding, Yoke
 
 REAL = np.longdouble
 EPS = float(np.finfo(float).eps)

@@ -4,8 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from engine.scene.actions import Force, Stiffness
-from engine.scene.parts import Angle, AngularSpeed, Inertia, Length, Mass, Number, Part, Speed, quantity
+from engine.parts.actions import Force, Stiffness
+from engine.parts.skeleton import Angle, AngularSpeed, Inertia, Length, Mass, Number, Part, Speed, quantity
 
 Positive = Annotated[Length, Field(gt=0)]
 Stress = quantity("pressure")

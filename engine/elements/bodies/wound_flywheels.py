@@ -22,7 +22,7 @@ import numpy as np
 
 from engine.elements.bodies.body_elements import WoundFlywheel
 from engine.elements.element_laws import ElementResult, LawOfArrays, with_nudges
-from engine.scene.inertia import ring_inertia
+from engine.laws.masses.moments_of_inertia import ring_inertia
 
 _KEYS = ("bore", "winding_diameter", "diameter", "width", "density", "poisson_ratio", "winding_stress", "speed")
 _PLACES, _ROUNDS = 65, 48

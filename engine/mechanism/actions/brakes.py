@@ -11,7 +11,7 @@ from engine.laws.brakes import (
     uniform_pressure_radius,
     uniform_wear_radius,
 )
-from engine.scene.actions import BandBrake, BlockBrake, Brake
+from engine.parts.actions import BandBrake, BlockBrake, Brake
 from engine.scene.scene import Numbers
 
 _LEVER = ("force", "lever_arm", "slack_arm", "tight_arm")

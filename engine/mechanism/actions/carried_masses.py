@@ -15,9 +15,9 @@ from engine.laws.loads import constant_against_motion, lifting_factor
 from engine.mechanism.acting import Characteristic
 from engine.mechanism.actions.paths import Along, input_sense
 from engine.mechanism.kinematics import Kinematics
-from engine.scene.actions import Carried, ConveyorMoment, HoistMoment
+from engine.parts.actions import Carried, ConveyorMoment, HoistMoment
+from engine.parts.skeleton import STANDARD_GRAVITY
 from engine.scene.inertia import carried_inertia, carried_on
-from engine.scene.parts import STANDARD_GRAVITY
 from engine.scene.scene import Numbers
 
 _Value = float | np.ndarray

@@ -18,8 +18,8 @@ from engine.mechanism.actions.formulas import formula_characteristics
 from engine.mechanism.actions.paths import Along, input_sense
 from engine.mechanism.actions.tables import tabled
 from engine.mechanism.kinematics import Kinematics
-from engine.scene import actions
-from engine.scene.formulas.load_formulas import LoadFormula
+from engine.parts import actions
+from engine.scene.load_formulas import LoadFormula
 
 _SENSES = {"along": 1.0, "against": -1.0}
 _Action = actions.ForceAction | actions.MomentAction

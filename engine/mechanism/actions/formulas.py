@@ -21,10 +21,10 @@ from engine.mechanism.actions.paths import Along, input_sense
 from engine.mechanism.actions.tables import time_per_input
 from engine.mechanism.assembly import Slide
 from engine.mechanism.kinematics import Kinematics
-from engine.scene.formulas.expressions import TextOperation, TextQuantity, Tree, evaluate_tree, names_in_tree
-from engine.scene.formulas.load_formulas import TIME, LoadFormula
-from engine.scene.formulas.speed_powers import NoPowerError, powers_of_speed
-from engine.scene.parts import CrankInput
+from engine.parts.formulas.expressions import TextOperation, TextQuantity, Tree, evaluate_tree, names_in_tree
+from engine.parts.formulas.speed_powers import NoPowerError, powers_of_speed
+from engine.parts.skeleton import CrankInput
+from engine.scene.load_formulas import TIME, LoadFormula
 
 # Powers up to this one are products.
 LARGEST_PRODUCT = 16

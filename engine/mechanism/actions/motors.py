@@ -1,11 +1,10 @@
-"""The motors of a scene: their constants, as given or from a nameplate, and their moment reduced to the input link."""
-
-from collections.abc import Mapping
+"""The motors of a scene: their moment reduced to the input link."""
 
 import numpy as np
 
-from engine.laws.motor_characteristics import dc_motor, dc_motor_from_nameplate, induction_motor, kloss_from_nameplate
-from engine.scene.actions import DCCharacteristic, DCMotor, InductionCharacteristic, InductionMotor
+from engine.laws.motor_characteristics import dc_motor, induction_motor
+from engine.parts.actions import DCMotor, InductionMotor
+from engine.parts.motor_constants import kloss_constants, stall_moment
 from engine.scene.scene import Numbers, Scene
 
 
@@ -30,20 +29,3 @@ def motor_moment(scene: Scene, motors: tuple[str, ...], numbers: Numbers) -> flo
 def motor_ratio(scene: Scene, motor: DCMotor | InductionMotor, numbers: Numbers) -> float | np.ndarray:
     """Speed of a motor over that of the input link, with its sign."""
     return 1.0 if motor.on == scene.input.link else numbers[f"shafts.{motor.on}.ratio"]
-
-
-def stall_moment(motor: DCCharacteristic, at: str, numbers: Mapping[str, float | np.ndarray]) -> float | np.ndarray:
-    """Stall moment of a DC motor, as given or from its nameplate."""
-    if motor.stall_moment is not None:
-        return numbers[f"{at}.stall_moment"]
-    return dc_motor_from_nameplate(*(numbers[f"{at}.{key}"] for key in ("power", "rated_speed", "no_load_speed")))
-
-
-def kloss_constants(motor: InductionCharacteristic, at: str, numbers: Mapping[str, float | np.ndarray]) -> tuple:
-    """Breakdown moment and slip, rotor ratio and synchronous speed, as given or from the motor's nameplate."""
-    synchronous = numbers[f"{at}.synchronous_speed"]
-    if motor.breakdown_moment is not None:
-        return numbers[f"{at}.breakdown_moment"], numbers[f"{at}.breakdown_slip"], 0.0, synchronous
-    keys = ["power", "rated_speed", "synchronous_speed", "breakdown_ratio"]
-    keys += ["starting_ratio"] if motor.starting_ratio is not None else []
-    return *kloss_from_nameplate(*(numbers[f"{at}.{key}"] for key in keys)), synchronous

@@ -16,8 +16,8 @@ from engine.laws.senses import sense
 from engine.mechanism.assembly import Slide
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.vectors import Vector
-from engine.scene.actions import ForceAction
-from engine.scene.parts import FRAME, SliderInput, Sliding, Yoke
+from engine.parts.actions import ForceAction
+from engine.parts.skeleton import FRAME, SliderInput, Sliding, Yoke
 from engine.scene.scene import Scene
 
 

@@ -21,8 +21,8 @@ from engine.laws.tables import (
     table_segment,
 )
 from engine.mechanism.kinematics import Kinematics
-from engine.scene.actions import Tabled
-from engine.scene.parts import CrankInput
+from engine.parts.actions import Tabled
+from engine.parts.skeleton import CrankInput
 
 # A table with more pieces is searched.
 MOST_LOOKED_THROUGH = 16

@@ -25,7 +25,7 @@ from engine.laws.elementary import direction_of
 from engine.mechanism.assembly import Assembly, MovingPoint, Slide, Turning
 from engine.mechanism.higher_pairs.motion_program import TURN, Displacement, Turned, add_program, turns_of_input
 from engine.mechanism.vectors import Vector, named
-from engine.scene.parts import CrankInput
+from engine.parts.skeleton import CrankInput
 from engine.scene.scene import Numbers, Scene
 
 

@@ -10,10 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.graph.nodes import Graph, Node, Number
-from engine.higher_pairs.cams.motion_programs import DwellSection, MotionProgram, RiseSection
 from engine.laws.cams.motion_laws import DWELL, LAW_BREAKS, LAW_KINDS, section_at, unit_motion
 from engine.laws.tables import in_memory, make_table, periods_before, table_segment
-from engine.scene.parts import CrankInput, SliderInput
+from engine.parts.motion_programs import DwellSection, MotionProgram, RiseSection
+from engine.parts.skeleton import CrankInput, SliderInput
 from engine.scene.scene import Numbers
 
 TURN = 2.0 * math.pi

@@ -7,7 +7,6 @@ import math
 from typing import NamedTuple
 
 from engine.graph.nodes import Graph, Node
-from engine.higher_pairs.gears.driving_gears import TabledLaw
 from engine.laws.elementary import direction_of
 from engine.laws.kinematics.noncircular_wheels import (
     driven_pitch_curve,
@@ -20,6 +19,7 @@ from engine.laws.kinematics.noncircular_wheels import (
 from engine.laws.tables import Table, in_memory, table_segment
 from engine.mechanism.assembly import Assembly, Turning
 from engine.mechanism.vectors import Vector, named
+from engine.parts.driving_gears import TabledLaw
 
 
 class NoncircularMotion(NamedTuple):

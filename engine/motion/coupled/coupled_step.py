@@ -12,13 +12,12 @@ from numba import types
 
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES
+from engine.laws.runge_kutta import DENSE_PARTS, ORDER_EIGHT
 from engine.motion.coupled.coupled_lanes import BY_FLUID, CLUTCH, NONE, found_rows, new_both_room, step_of_both
 from engine.motion.coupled.stiff_step import decay_rate, stiff_step
 from engine.motion.coupled.two_sides import CoupledSides, Joined
 from engine.motion.moments.at_speed import Drive
-from engine.motion.steppers.dormand_prince import ORDER_EIGHT
 from engine.motion.steppers.places import form_of, source_of
-from engine.motion.steppers.tableaux import DENSE_PARTS
 
 # How the sides are joined: held together, slipping forwards (the shaft is faster) or backwards, free of each other, or
 # by a fluid.

@@ -11,11 +11,11 @@ from scipy.interpolate import PPoly
 
 from engine.laws.couplings import fluid_coupling_moment, slip_of
 from engine.laws.tables import make_table
-from engine.motion.coupled.coupling_models import Coupling, FluidCoupling, FrictionClutch
 from engine.motion.moments.at_speed import POLYNOMIAL, Moments
 from engine.motion.moments.dynamics import Dynamics, Reduction, Rows, Variants
 from engine.motion.steppers.places import INVERSE, LOADS, Form
 from engine.motion.steppers.time_form import TimeForm
+from engine.parts.couplings import Coupling, FluidCoupling, FrictionClutch
 from engine.scene.scene import Numbers, Scene
 
 

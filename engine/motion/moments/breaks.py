@@ -12,7 +12,7 @@ import numpy as np
 from engine.graph.nodes import Constant, Crossing, Given, Held, Node, Operation, reached
 from engine.mechanism.acting import Load
 from engine.mechanism.actions.tables import kinks_of
-from engine.scene.formulas.load_formulas import load_formulas
+from engine.scene.load_formulas import load_formulas
 from engine.scene.scene import Numbers, Scene
 
 # Half the width of a jump [rad]: a node on either side. Beyond the rounding of the angle, and far below all else.

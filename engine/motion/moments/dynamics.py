@@ -9,7 +9,7 @@ from engine.graph.nodes import Node, reached
 from engine.laws.senses import sense
 from engine.mechanism.acting import Grip, Load
 from engine.mechanism.actions.brakes import braking_moment
-from engine.mechanism.actions.motors import kloss_constants, motor_ratio, stall_moment
+from engine.mechanism.actions.motors import motor_ratio
 from engine.mechanism.friction import relative_motion, rolling_rate
 from engine.mechanism.loads import Loads
 from engine.mechanism.mechanics import Mechanics
@@ -20,8 +20,9 @@ from engine.motion.moments.landmarks import Landmarks
 from engine.motion.moments.tabulation import Ends, Sums, Tabulation
 from engine.motion.regula_falsi import regula_falsi
 from engine.motion.steppers.energy_form import Tables
-from engine.scene.actions import Brake, DCMotor
-from engine.scene.formulas.load_formulas import load_formulas
+from engine.parts.actions import Brake, DCMotor
+from engine.parts.motor_constants import kloss_constants, stall_moment
+from engine.scene.load_formulas import load_formulas
 from engine.scene.pairs import contact_pairs, lossy_meshes, pairs
 from engine.scene.scene import Numbers
 

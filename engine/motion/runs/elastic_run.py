@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.laws.runge_kutta import ORDER_EIGHT
 from engine.motion.moments.at_speed import POLYNOMIAL, moments_at
-from engine.motion.steppers.dormand_prince import ORDER_EIGHT
 from engine.motion.steppers.time_form import TimeForm
 from engine.verdicts import Verdict
 

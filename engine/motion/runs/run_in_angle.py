@@ -8,18 +8,17 @@ from numba import types
 
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES
+from engine.laws.runge_kutta import ORDER_EIGHT, Method
 from engine.motion.moments.grid import edges_of
 from engine.motion.regula_falsi import regula_falsi
 from engine.motion.runs.run_progress import COARSER, Progress
 from engine.motion.runs.settled_runs import Carry, pass_mark
 from engine.motion.runs.watching import BetweenNodes, Piece
 from engine.motion.steppers.classical import ORDER_FOUR
-from engine.motion.steppers.dormand_prince import ORDER_EIGHT
 from engine.motion.steppers.energy_form import ABOVE, ANGLE, BELOW, NEAR_REST, STIFF, TIME
 from engine.motion.steppers.going import FOUND, IN_DOUBT, go_on_to_end, new_going_room
 from engine.motion.steppers.places import form_of, source_of
 from engine.motion.steppers.radau import ORDER_NINE, ORDER_THIRTEEN
-from engine.motion.steppers.tableaux import Method
 from engine.motion.steppers.time_form import State
 from engine.verdicts import Verdict
 

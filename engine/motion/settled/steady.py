@@ -14,9 +14,9 @@ from numba import types
 
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES
+from engine.laws.runge_kutta import ORDER_EIGHT, Method
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.grid import edges_of
-from engine.motion.steppers.dormand_prince import ORDER_EIGHT
 from engine.motion.steppers.places import form_of, source_of
 from engine.motion.steppers.radau import ORDER_NINE
 from engine.motion.steppers.settling import (
@@ -28,7 +28,6 @@ from engine.motion.steppers.settling import (
     new_block_room,
     settle,
 )
-from engine.motion.steppers.tableaux import Method
 from engine.verdicts import Verdict
 
 # Steps of a cycle besides those that end where moments jump or bend, at most: explicit ones, and implicit ones, for

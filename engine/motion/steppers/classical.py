@@ -7,7 +7,7 @@ Source: W. Kutta, Beitrag zur näherungsweisen Integration totaler Differentialg
 
 import numpy as np
 
-from engine.motion.steppers.tableaux import DENSE_PARTS, Method
+from engine.laws.runge_kutta import DENSE_PARTS, Method
 
 _WEIGHTS = np.array([1.0, 2.0, 2.0, 1.0]) / 6.0
 _MATRIX = np.zeros((5, 5))

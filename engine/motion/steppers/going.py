@@ -15,6 +15,7 @@ from engine.cycle.driver import gather
 from engine.cycle.panels.lanes import ASIDE, Memory, in_lanes, rows
 from engine.cycle.panels.series import larger, smaller
 from engine.laws.elementary import chosen, held
+from engine.laws.runge_kutta import DENSE_PARTS, Method
 from engine.motion.moments.at_speed import KLOSS, PER_MOTOR, POLYNOMIAL, add_power_slope, polynomial_slope
 from engine.motion.steppers.energy_form import ABOVE, ANGLE, BELOW, NEAR_REST, STIFF
 from engine.motion.steppers.energy_form import TIME as TIME_OVER
@@ -78,7 +79,6 @@ from engine.motion.steppers.settling import (
     look_for_extremes,
     record_within,
 )
-from engine.motion.steppers.tableaux import DENSE_PARTS, Method
 
 # Rows of a block's state beside those of a cycle that settles: cycles gone through, whole cycles and rest of one to go,
 # ends of time and speed, longest step, steps since the last cycle, whether the lane moves, why it stopped, whether its

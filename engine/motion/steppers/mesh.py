@@ -13,6 +13,7 @@ from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.lanes import Memory, in_lanes
 from engine.cycle.panels.series import larger, smaller
+from engine.laws.runge_kutta import Method
 from engine.motion.steppers.one_step import (
     FROM_MOTORS,
     MOMENT,
@@ -25,7 +26,6 @@ from engine.motion.steppers.one_step import (
     make_stages,
 )
 from engine.motion.steppers.places import INVERSE, Form, Source, fill_place
-from engine.motion.steppers.tableaux import Method
 
 # Rows of a block's state: crank angle at the begin, way, inertia of the flywheel, tolerance; energy, energy after the
 # step, errors of both integrals, error of the step by what is allowed, greatest work of a step taken, and with the step

@@ -11,10 +11,9 @@ from engine.compiling.decorators import inlined, routine
 from engine.cycle.panels.lanes import Memory
 from engine.cycle.panels.series import larger, smaller
 from engine.laws.elementary import chosen, held
-from engine.motion.steppers.dormand_prince import ORDER_EIGHT
+from engine.laws.runge_kutta import DENSE_PARTS, ORDER_EIGHT, Method
 from engine.motion.steppers.places import Form, add_share, moments_at_place, slopes_at_place
 from engine.motion.steppers.radau import ORDER_NINE, ORDER_THIRTEEN
-from engine.motion.steppers.tableaux import DENSE_PARTS, Method
 
 MOST_STAGES = max(method.dense_stages for method in (ORDER_EIGHT, ORDER_NINE, ORDER_THIRTEEN))
 # Rows of stages: speed, moment of the motors, moment of everything, ∂M/∂E of both, energy, 1/ω, motors' moment squared

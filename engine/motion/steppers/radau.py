@@ -14,7 +14,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.polynomial.legendre import legvander
 
-from engine.motion.steppers.tableaux import DENSE_PARTS, Method, Tableau, part_at
+from engine.laws.runge_kutta import DENSE_PARTS, Method, Tableau, part_at
 
 FIVE_NODES = np.array(
     [

@@ -17,8 +17,8 @@ from engine.compiling.tiles import LANES
 from engine.cycle.driver import gather, hand_out
 from engine.cycle.panels.lanes import ASIDE, Memory, any_positive, in_lanes, rows
 from engine.cycle.panels.series import larger, smaller
+from engine.laws.runge_kutta import DENSE_PARTS, ORDER_EIGHT, Method
 from engine.motion.moments.at_speed import KLOSS, PER_MOTOR, POLYNOMIAL, add_power, polynomial
-from engine.motion.steppers.dormand_prince import ORDER_EIGHT
 from engine.motion.steppers.mesh import (
     E_AFTER,
     ERROR,
@@ -76,7 +76,6 @@ from engine.motion.steppers.places import (
     slopes_at_place,
 )
 from engine.motion.steppers.radau import ORDER_NINE
-from engine.motion.steppers.tableaux import DENSE_PARTS, Method
 from engine.verdicts import Verdict
 
 # Rows of a block's state beside those of the mesh: what is given …

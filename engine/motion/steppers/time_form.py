@@ -16,9 +16,9 @@ from numba import types
 from engine.compiling.nothing import nothing
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
+from engine.laws.runge_kutta import ORDER_EIGHT
 from engine.motion.moments.at_speed import Moments
 from engine.motion.moments.dynamics import Dynamics, Rows, Variants
-from engine.motion.steppers.dormand_prince import ORDER_EIGHT
 from engine.motion.steppers.places import form_of, source_of
 from engine.motion.steppers.rubbing import Rubbing, new_rubbing_room
 from engine.motion.steppers.time_lanes import (

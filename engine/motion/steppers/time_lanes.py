@@ -13,6 +13,7 @@ from engine.compiling.tiles import LANES
 from engine.cycle.driver import gather, hand_out
 from engine.cycle.panels.lanes import ASIDE, Memory, in_lanes, rows
 from engine.cycle.panels.series import larger, smaller
+from engine.laws.runge_kutta import DENSE_PARTS, Method
 from engine.motion.moments.at_speed import KLOSS, PER_MOTOR, POLYNOMIAL, add_power, polynomial
 from engine.motion.steppers.one_step import (
     ROOTS,
@@ -26,7 +27,6 @@ from engine.motion.steppers.one_step import (
 )
 from engine.motion.steppers.places import INVERSE, LOADS, Form, Source, add_share, fill_place, moments_at_speed
 from engine.motion.steppers.rubbing import Rubbing, RubbingRoom, add_friction, begin_friction
-from engine.motion.steppers.tableaux import DENSE_PARTS, Method
 
 # What a step is given: crank angle at the begin, way, flywheel; angle turned, speed, time; length, the way the machine
 # moves, and an angle turned that no stage goes beyond.

@@ -2,7 +2,7 @@
 
 import math
 
-from engine.scene.parts import CrankInput
+from engine.parts.skeleton import CrankInput
 from engine.scene.scene import Scene, scene_numbers
 
 

@@ -7,8 +7,9 @@ degrees of freedom as input links. Lower pairs only: W = 3n − 2p₁ (Chebyshev
 from collections.abc import Container
 from typing import NamedTuple
 
-from engine.higher_pairs.gears.driving_gears import Pinion, Rack
-from engine.scene.formulas.load_formulas import formula_problems
+from engine.parts.driving_gears import Pinion, Rack
+from engine.parts.skeleton import FRAME, Sliding, Yoke
+from engine.scene.load_formulas import formula_problems
 from engine.scene.masses import replacement_problems
 from engine.scene.names import (
     acting,
@@ -22,7 +23,6 @@ from engine.scene.names import (
     sliders,
 )
 from engine.scene.pairs import friction_problems, pairs
-from engine.scene.parts import FRAME, Sliding, Yoke
 from engine.scene.scene import Scene, SceneError
 from engine.scene.structure.free_groups import FreeGroup, next_free_group, why_not_grouped
 from engine.scene.structure.meshes import mesh_problems, rides_along

@@ -6,9 +6,9 @@ crank and carried by what turns evenly itself turns evenly.
 
 import numpy as np
 
+from engine.parts.skeleton import FRAME, CrankInput, Shaft
 from engine.scene.masses import places_on
 from engine.scene.names import WHOLE, Problem, did_you_mean, still_links
-from engine.scene.parts import FRAME, CrankInput, Shaft
 from engine.scene.scene import Numbers, Scene
 from engine.scene.structure.meshes import has_known_angle, net_turns
 

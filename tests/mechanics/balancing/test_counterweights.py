@@ -11,9 +11,9 @@ from oracle import EPS
 from scipy.optimize import nnls
 
 from engine import Machine, Scene, Verdict, scene_numbers
-from engine.balancing import least_shaking
-from engine.balancing.counterweights import BalanceError, CounterweightPlace, balance
-from engine.balancing.least_shaking import GAP, DependentError, Unknown, least_peak, least_rms
+from engine.machine.balancing import least_shaking
+from engine.machine.balancing.counterweights import BalanceError, CounterweightPlace, balance
+from engine.machine.balancing.least_shaking import GAP, DependentError, Unknown, least_peak, least_rms
 from sweeps.optimising.optimum import front, objectives
 from sweeps.optimising.runner import optimise_study
 from sweeps.report.sweep_result import SweepResult

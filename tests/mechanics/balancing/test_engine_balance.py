@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from mpmath import mpf
 from numpy.testing import assert_allclose
 
-from engine.balancing.engines.engine_columns import ROUNDED_ORDERS
-from engine.balancing.engines.engine_layout import (
+from engine.elements.engines.engine_columns import ROUNDED_ORDERS
+from engine.elements.engines.engine_layout import (
     Engine,
     MasterRod,
     boxer_engine,
@@ -26,9 +26,9 @@ from engine.balancing.engines.engine_layout import (
     v_engine,
     w_engine,
 )
-from engine.balancing.engines.harmonics import crank_masses, piston_harmonics
-from engine.balancing.engines.shafts import crankshaft_counterweights, remaining_shaking
-from engine.balancing.engines.shaking import SHAKING_ORDERS, engine_shaking
+from engine.elements.engines.harmonics import crank_masses, piston_harmonics
+from engine.elements.engines.shafts import crankshaft_counterweights, remaining_shaking
+from engine.elements.engines.shaking import SHAKING_ORDERS, engine_shaking
 
 ratios = st.floats(0.02, 0.6)
 

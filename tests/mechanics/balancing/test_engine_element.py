@@ -12,8 +12,8 @@ from mpmath import mpf
 from numpy.testing import assert_allclose
 
 from engine import ElementsAlone, Scene, SceneError, Verdict
-from engine.balancing.engines.harmonics import piston_harmonics
-from engine.balancing.engines.shaking import SHAKING_ORDERS
+from engine.elements.engines.harmonics import piston_harmonics
+from engine.elements.engines.shaking import SHAKING_ORDERS
 from sweeps import SweepResult, read_study, run_study
 from sweeps.pictures.elements.order_picture import order_picture
 from sweeps.report.order_table import order_table, remaining_orders, well_known_engines

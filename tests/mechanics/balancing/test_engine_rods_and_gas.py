@@ -13,18 +13,18 @@ from numpy.testing import assert_allclose
 from sampled_torque import gas_torque, harmonics, inertia_harmonics
 
 from engine import ElementsAlone, Scene, SceneError, Verdict
-from engine.balancing.engines.engine_columns import (
+from engine.elements.engines.engine_columns import (
     TORQUE_ORDERS,
     engine_numbers,
     engine_torque,
     made_engine,
     torque_name,
 )
-from engine.balancing.engines.engine_layout import Engine, MasterRod, in_line_engine, radial_engine
-from engine.balancing.engines.firing import firing_angles
-from engine.balancing.engines.harmonics import crank_radius
-from engine.balancing.engines.shafts import crankshaft_counterweights, remaining_shaking
-from engine.balancing.engines.shaking import engine_shaking
+from engine.elements.engines.engine_layout import Engine, MasterRod, in_line_engine, radial_engine
+from engine.elements.engines.firing import firing_angles
+from engine.elements.engines.harmonics import crank_radius
+from engine.elements.engines.shafts import crankshaft_counterweights, remaining_shaking
+from engine.elements.engines.shaking import engine_shaking
 
 GAS = {"bore": 0.08, "clearance": 1 / 8.5, "intake": 0.9e5, "exhaust": 1.05e5, "peak": 50e5}
 FOUR = {
@@ -232,7 +232,7 @@ def test_torque_by_too_few_nodes__has_an_error_figure_that_says_so(nodes, monkey
         FOUR | {"cylinders": 1, "gas": GAS | {"clearance": c}, "rod": rod} for c in (0.05, 0.2) for rod in (0.05, 0.2)
     ]
     fine = [results(**k) for k in keys]
-    monkeypatch.setattr("engine.balancing.engines.engine_torque.NODES", nodes)
+    monkeypatch.setattr("engine.elements.engines.engine_torque.NODES", nodes)
     for exact, coarse in zip(fine, [results(**k) for k in keys], strict=True):
         for name in ("mean_torque", *map(torque_name, TORQUE_ORDERS)):
             assert abs(value(coarse, name)[0] - value(exact, name)[0]) <= value(coarse, name)[1], name

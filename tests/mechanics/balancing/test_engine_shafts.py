@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from engine.balancing.engines.engine_layout import Engine, in_line_engine, v_engine
-from engine.balancing.engines.harmonics import piston_harmonics
-from engine.balancing.engines.shafts import balance_shafts, crankshaft_counterweights, remaining_shaking
-from engine.balancing.engines.shaking import SHAKING_ORDERS, engine_shaking
+from engine.elements.engines.engine_layout import Engine, in_line_engine, v_engine
+from engine.elements.engines.harmonics import piston_harmonics
+from engine.elements.engines.shafts import balance_shafts, crankshaft_counterweights, remaining_shaking
+from engine.elements.engines.shaking import SHAKING_ORDERS, engine_shaking
 
 
 def test_counterweights_of_half_the_mass__halve_the_first_order_of_a_single_cylinder():

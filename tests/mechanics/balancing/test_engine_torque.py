@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from mpmath import mpf
 from numpy.testing import assert_allclose
 
-from engine.balancing.engines.engine_layout import LayoutError, boxer_engine, in_line_engine, radial_engine, v_engine
-from engine.balancing.engines.engine_torque import CylinderParts, Indicator, cylinder_torque
-from engine.balancing.engines.firing import (
+from engine.elements.engines.engine_layout import LayoutError, boxer_engine, in_line_engine, radial_engine, v_engine
+from engine.elements.engines.engine_torque import CylinderParts, Indicator, cylinder_torque
+from engine.elements.engines.firing import (
     FOUR_STROKE,
     even_firing_order,
     firing_angles,

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.special import gammaincinv
 
-from engine.balancing.rotors.influence import (
+from engine.elements.rotors.influence import (
     four_runs,
     influence_coefficients,
     influence_correction,

@@ -9,18 +9,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine.balancing.rotors.bearings import peak_forces, rotating_forces, static_forces
-from engine.balancing.rotors.correction import correct, corrected_unbalance, misplaced_share
-from engine.balancing.rotors.grades import (
+from engine.elements.rotors.bearings import peak_forces, rotating_forces, static_forces
+from engine.elements.rotors.correction import correct, corrected_unbalance, misplaced_share
+from engine.elements.rotors.grades import (
     GRADES,
     grade_needed,
     grade_reached,
     permissible_unbalance,
     tolerance_shares,
 )
-from engine.balancing.rotors.hole_pattern import PatternError, best_holes, split_on_neighbours
-from engine.balancing.rotors.knife_edges import residual_unbalance, resting_angle
-from engine.balancing.rotors.unbalance import (
+from engine.elements.rotors.hole_pattern import PatternError, best_holes, split_on_neighbours
+from engine.elements.rotors.knife_edges import residual_unbalance, resting_angle
+from engine.elements.rotors.unbalance import (
     Kind,
     about,
     kind,

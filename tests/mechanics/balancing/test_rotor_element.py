@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
 from engine import ElementsAlone, Scene, SceneError, Verdict, scene_numbers
-from engine.balancing.rotors.rotor_columns import rotor_columns, rotor_law, rotor_numbers
+from engine.elements.rotors.rotor_columns import rotor_columns, rotor_law, rotor_numbers
 from sweeps.pictures.elements.unbalance_plan import plan_of, unbalance_plan
 from sweeps.pictures.picture_error import PictureError
 from sweeps.study.bundled import STUDIES

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from train_samples import BRANCHED, chain, matrices, solved
 
 from engine import ElementsAlone, Scene, Verdict, engine_numbers, engine_torque
-from engine.elastic.trains.order_sums import extremes_of_orders
+from engine.elements.torsional_trains.order_sums import extremes_of_orders
 
 some = settings(deadline=None, max_examples=30)
 

@@ -9,7 +9,7 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from engine import ElementsAlone, Scene, scene_numbers
-from engine.elements.element_columns import law_of
+from engine.machine.elements.element_columns import law_of
 
 NUDGE = 2.0**-26
 some = settings(deadline=None, max_examples=30)

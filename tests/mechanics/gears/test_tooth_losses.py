@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine.higher_pairs.gears.tooth_laws import addendum_contact_ratios, mesh_efficiency
+from engine.elements.gears.tooth_laws import addendum_contact_ratios, mesh_efficiency
 
 ANGLE, NONE = np.array(math.radians(20)), np.array(0.0)
 

@@ -195,7 +195,7 @@ def test_isochronous_governor__comes_back_to_the_same_speed():
 
 
 def test_errors__cover_what_a_hundredth_of_the_tolerance_finds():
-    from engine.governors import transients
+    from engine.elements.governors import transients
 
     assert pytest.approx(transients.COARSE) == 100 * transients.FINE
     found, errors, _ = governor_results(CASES["friction"])

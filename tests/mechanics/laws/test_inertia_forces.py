@@ -10,7 +10,7 @@ from machines import changed, crank, evaluated, frame, on, rrp
 from oracle import EPS
 
 from engine import Machine, Scene
-from engine.laws.inertia_forces import (
+from engine.laws.masses.inertia_forces import (
     inertia_force,
     inertia_moment,
     inertia_offset,

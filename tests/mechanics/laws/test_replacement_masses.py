@@ -11,7 +11,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from oracle import EPS
 
-from engine.laws.replacement_masses import (
+from engine.laws.masses.replacement_masses import (
     coincident,
     dynamic_four,
     dynamic_in_line,

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from commands import refused, said
 
-from engine import Machine, SynthesisError, four_bar_along
+from engine import Machine
 from sweeps import read_scene
+from sweeps.synthesis.paths import four_bar_along
+from sweeps.synthesis.synthesis_error import SynthesisError
 
 
 def drawn(places):

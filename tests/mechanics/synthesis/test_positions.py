@@ -10,17 +10,11 @@ from commands import refused, said
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from engine import (
-    Machine,
-    PlaneDyad,
-    PlanePosition,
-    SynthesisError,
-    dyad_of_centre,
-    dyad_of_circle,
-    dyads_of_turn,
-    four_bar_through,
-)
+from engine import Machine
 from sweeps import read_scene
+from sweeps.synthesis.dyads import PlaneDyad, PlanePosition, dyad_of_centre, dyad_of_circle, dyads_of_turn
+from sweeps.synthesis.positioned import four_bar_through
+from sweeps.synthesis.synthesis_error import SynthesisError
 
 COORDINATES = st.builds(complex, st.floats(-1, 1), st.floats(-1, 1))
 POSITIONS = st.builds(PlanePosition, COORDINATES, st.floats(-3, 3))

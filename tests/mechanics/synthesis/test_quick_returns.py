@@ -10,15 +10,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 
-from engine import (
-    Machine,
-    SynthesisError,
-    quick_crank_rocker,
-    quick_lever,
-    quick_return_angle,
-    quick_slider_crank,
-)
+from engine import Machine
 from sweeps import read_scene
+from sweeps.synthesis.quick_return import quick_crank_rocker, quick_lever, quick_return_angle, quick_slider_crank
+from sweeps.synthesis.synthesis_error import SynthesisError
 
 RATIOS = st.floats(1.02, 2.5)
 LENGTHS = st.floats(1e-3, 1e3)

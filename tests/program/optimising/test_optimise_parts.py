@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from searches import CRANK, NEAREST, RANGES, ROD, SCENE, TWO, searched, study_of
 
 from engine import Verdict
-from engine.scene.formulas.expressions import parse
+from engine.parts.formulas.expressions import parse
 from sweeps.optimising.optimum import choices, front
 from sweeps.optimising.trials import Trials
 from sweeps.pictures.picture_error import PictureError

@@ -5,7 +5,7 @@ import pytest
 from machines import crank, frame, rrp
 
 from engine import Machine, Scene
-from engine.balancing.counterweights import balance
+from engine.machine.balancing.counterweights import balance
 from sweeps.pictures.machine.hodographs import hodographs, order_sizes, shaking_force
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import new_figure

@@ -19,8 +19,8 @@ from matplotlib.textpath import TextPath
 from plan_machines import MACHINES, MECHANISMS, cycle_of
 
 from engine import Scene
+from engine.parts.skeleton import FRAME
 from engine.scene.pairs import pairs
-from engine.scene.parts import FRAME
 from sweeps.cli import main
 from sweeps.pictures.drawing.racks import rack_bar
 from sweeps.pictures.picture_error import PictureError

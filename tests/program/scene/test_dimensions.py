@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine.scene.dimensions import DIMENSIONS
-from engine.scene.formulas.dimension_check import (
+from engine.parts.dimensions import DIMENSIONS
+from engine.parts.formulas.dimension_check import (
     check_yields,
     dimension_in_words,
     dimension_of,
@@ -15,8 +15,8 @@ from engine.scene.formulas.dimension_check import (
     dimensions_by_unit,
     unit_of_dimension,
 )
-from engine.scene.formulas.expressions import ExpressionError, parse
-from engine.scene.units import any_quantity
+from engine.parts.formulas.expressions import ExpressionError, parse
+from engine.parts.units import any_quantity
 from sweeps.text.conditions import Condition
 
 UNITS = {

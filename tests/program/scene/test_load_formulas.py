@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from engine import Scene, SceneError, order_groups, scene_numbers
-from engine.scene.formulas.expressions import evaluate_tree, parse
-from engine.scene.formulas.speed_powers import NoPowerError, powers_of_speed
-from engine.scene.units import any_quantity
+from engine.parts.formulas.expressions import evaluate_tree, parse
+from engine.parts.formulas.speed_powers import NoPowerError, powers_of_speed
+from engine.parts.units import any_quantity
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import read_scene, with_values, write_scene
 

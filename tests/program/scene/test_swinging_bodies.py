@@ -11,8 +11,8 @@ from pydantic import ValidationError
 from scipy.integrate import quad
 
 from engine import Machine, Scene, Verdict
-from engine.scene.inertia import bifilar_inertia, compound_inertia, trifilar_inertia
-from engine.scene.parts import STANDARD_GRAVITY
+from engine.laws.masses.moments_of_inertia import bifilar_inertia, compound_inertia, trifilar_inertia
+from engine.parts.skeleton import STANDARD_GRAVITY
 
 EPS = np.finfo(float).eps
 few = settings(deadline=None, max_examples=60)

@@ -18,8 +18,8 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from engine.scene.dimensions import DIMENSIONS
-from engine.scene.units import UnitError, column_in_text, in_any_unit, in_text, to_si
+from engine.parts.dimensions import DIMENSIONS
+from engine.parts.units import UnitError, column_in_text, in_any_unit, in_text, to_si
 
 with mpmath.workdps(60):
     PI = Fraction(mpmath.nstr(+mpmath.pi, 55))
@@ -298,7 +298,7 @@ def test_unknown_dimension__is_a_key_error():
 
 
 def test_import__does_not_load_pint():
-    code = "import sys, engine.scene.units; sys.exit('pint' in sys.modules)"
+    code = "import sys, engine.parts.units; sys.exit('pint' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from engine import any_quantity
-from engine.scene.formulas.dimension_check import dimension_of_unit, dimensions_by_unit
-from engine.scene.formulas.expressions import ExpressionError, parse
+from engine.parts.formulas.dimension_check import dimension_of_unit, dimensions_by_unit
+from engine.parts.formulas.expressions import ExpressionError, parse
 from sweeps.text.conditions import Condition, UnknownNameError, errors_in, value_with_error
 
 UNITS = {"stroke": "m", "rod": "m", "mass": "kg", "count": "1", "reach": ""}

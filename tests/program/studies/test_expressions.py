@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine.scene.formulas.expressions import DEEPEST, LONGEST, ExpressionError, joined_by_and, parse
-from engine.scene.formulas.unknown_names import unknown_name_message
+from engine.parts.formulas.expressions import DEEPEST, LONGEST, ExpressionError, joined_by_and, parse
+from engine.parts.formulas.unknown_names import unknown_name_message
 
 # --- random trees, evaluated by the test itself ------------------------------------------------------------
 

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import settings
 from hypothesis import strategies as st
 
-from engine.balancing.engines.engine_layout import Engine, EngineLayout
+from engine.elements.engines.engine_layout import Engine, EngineLayout
 
 EPS = np.finfo(float).eps
 RIGHT = math.pi / 2

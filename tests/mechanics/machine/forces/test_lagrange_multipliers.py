@@ -28,8 +28,8 @@ from scipy.linalg import lstsq
 
 from engine import Machine, Scene
 from engine.mechanism.input_motion import InputMotion
+from engine.parts.skeleton import FRAME, CrankInput, Hinged, Sliding, Yoke
 from engine.scene.pairs import pairs
-from engine.scene.parts import FRAME, CrankInput, Hinged, Sliding, Yoke
 
 ROUNDINGS = 200
 

@@ -11,9 +11,9 @@ from mpmath import mpf
 
 from engine import Machine, Scene, Verdict
 from engine.laws.tables import make_table, table_value
-from engine.mechanism.actions.motors import kloss_constants
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import MomentLaw, regime_text
+from engine.parts.motor_constants import kloss_constants
 from engine.scene.scene import Numbers, scene_numbers
 
 INERTIA = 0.4

@@ -8,10 +8,9 @@ from itertools import combinations_with_replacement, pairwise
 import numpy as np
 import pytest
 
-from engine.motion.steppers.dormand_prince import DORMAND_PRINCE, ERRORS, MATRIX, NODES, ORDER_EIGHT
+from engine.laws.runge_kutta import DORMAND_PRINCE, ERRORS, MATRIX, NODES, ORDER_EIGHT, Method, Tableau, part_at
 from engine.motion.steppers.one_step import DOUBLE, FADES_FASTER
 from engine.motion.steppers.radau import ORDER_NINE, ORDER_THIRTEEN, RADAU, RADAU_THIRTEEN
-from engine.motion.steppers.tableaux import Method, Tableau, part_at
 
 # A rooted tree is the tuple of the trees that grow from its root.
 Tree = tuple

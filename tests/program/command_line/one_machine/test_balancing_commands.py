@@ -11,7 +11,7 @@ from drawn_machines import sliding_input
 from matplotlib.figure import Figure
 
 from engine import ElementsAlone, Scene
-from engine.balancing.engines.engine_layout import in_line_engine
+from engine.elements.engines.engine_layout import in_line_engine
 from sweeps import SweepResult, read_scene
 from sweeps.cli import main
 from sweeps.pictures.elements.engine_sheet import engine_sheet, engine_table, shaken

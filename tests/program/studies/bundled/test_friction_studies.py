@@ -9,7 +9,7 @@ from test_studies import FRICTION_STUDY_NAMES, as_it_is, otto_work, sample, stud
 from engine import any_quantity
 from engine.laws.friction.coefficients import WORN_IN
 from engine.laws.friction.journals import friction_circle
-from engine.scene.formulas.expressions import parse
+from engine.parts.formulas.expressions import parse
 
 
 @pytest.mark.parametrize("name", FRICTION_STUDY_NAMES)

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from engine import Verdict, any_quantity
-from engine.scene.formulas.expressions import parse
+from engine.parts.formulas.expressions import parse
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run.runner import run_study
 from sweeps.study.bundled import bundled_studies

@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import brentq
 
 from engine import Machine, Verdict, any_quantity, scene_numbers
-from engine.scene.formulas.expressions import parse
+from engine.parts.formulas.expressions import parse
 from sweeps.study.bundled import bundled_studies
 from sweeps.study.study import read_study
 from sweeps.text.scene_text import read_scene

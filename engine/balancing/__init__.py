@@ -1,1 +1,0 @@
-"""Balancing of rotors and engines: unbalance, correction, grades, trial runs, balancing machines, orders, shafts."""

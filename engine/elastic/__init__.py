@@ -1,1 +1,0 @@
-"""Elastic links: vibration of one mass, compliance of drives, torsional trains, transients of elastic drives."""

@@ -1,0 +1,132 @@
+"""Parts of a drive that give way to a moment, one by one, in series and in parallel, as a scene has them."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from engine.parts.actions import Moment, Stiffness, TorsionalDamping, TorsionalStiffness
+from engine.parts.skeleton import Area, Length, Name, Number, Part, quantity
+
+PartLength = Annotated[Length, Field(gt=0)]
+PartModulus = Annotated[quantity("pressure"), Field(gt=0)]
+
+
+class _TurningPart(Part):
+    """What all parts have: `ratio`, the speed of the part's own axis over that of the shaft that all is reduced to.
+
+    Its damper is given by `damping`, about its own axis, or by `energy_absorption`, the share of its greatest energy
+    dissipated in a cycle.
+    """
+
+    ratio: Annotated[Number, Field(gt=0)] = 1.0
+    damping: Annotated[TorsionalDamping, Field(ge=0)] | None = None
+    energy_absorption: Annotated[Number, Field(ge=0)] | None = None
+
+    @model_validator(mode="after")
+    def _one_damper(self) -> "_TurningPart":
+        if self.damping is not None and self.energy_absorption is not None:
+            raise ValueError("damping and energy_absorption are given; a part has one of the two, or none")
+        return self
+
+
+class ShaftPart(_TurningPart):
+    """A round shaft between two steps of its diameter."""
+
+    type: Literal["shaft"]
+    diameter: PartLength
+    bore: Annotated[Length, Field(ge=0)] = 0.0
+    length: PartLength
+    shear_modulus: PartModulus
+
+    @model_validator(mode="after")
+    def _has_a_wall(self) -> "ShaftPart":
+        if self.bore >= self.diameter:
+            raise ValueError(f"bore = {self.bore:g} m: it must be less than the diameter, {self.diameter:g} m")
+        return self
+
+
+class RodPart(_TurningPart):
+    """A rod in tension, or a strand of a belt, whose force acts at a `radius`; `strands` of them side by side."""
+
+    type: Literal["rod"]
+    area: Annotated[Area, Field(gt=0)]
+    length: PartLength
+    elastic_modulus: PartModulus
+    radius: PartLength
+    strands: Annotated[Number, Field(ge=1)] = 1.0
+
+
+class StrandPart(_TurningPart):
+    """A belt, chain, rack or thread whose stiffness is known by data, and which acts at a `radius`."""
+
+    type: Literal["strand"]
+    stiffness: Annotated[Stiffness, Field(gt=0)]
+    radius: PartLength
+
+
+class MeshPart(_TurningPart):
+    """Teeth in mesh, seen from the axis of the wheel with this `base_radius`; `mesh_stiffness` is that of a width of 1.
+
+    ISO 6336 has 20 N/(mm µm) for usual spur gears of steel; 14 is nearer to what heavy loads leave of it.
+    """
+
+    type: Literal["gear_mesh"]
+    mesh_stiffness: PartModulus
+    width: PartLength
+    base_radius: PartLength
+
+
+class CouplingPart(_TurningPart):
+    """A coupling, key, spline or anything else whose torsional stiffness is known by data."""
+
+    type: Literal["coupling"]
+    stiffness: Annotated[TorsionalStiffness, Field(gt=0)]
+
+
+class SeriesPart(_TurningPart):
+    """Parts one after another: each carries the whole moment."""
+
+    type: Literal["series"]
+    parts: Annotated[dict[Name, "ElasticPart"], Field(min_length=1)]
+
+    @model_validator(mode="after")
+    def _dampers_are_theirs(self) -> "SeriesPart":
+        return _without_damper(self)
+
+
+class ParallelPart(_TurningPart):
+    """Parts side by side: each is twisted by the whole angle."""
+
+    type: Literal["parallel"]
+    parts: Annotated[dict[Name, "ElasticPart"], Field(min_length=1)]
+
+    @model_validator(mode="after")
+    def _dampers_are_theirs(self) -> "ParallelPart":
+        return _without_damper(self)
+
+
+ElasticPart = Annotated[
+    ShaftPart | RodPart | StrandPart | MeshPart | CouplingPart | SeriesPart | ParallelPart, Field(discriminator="type")
+]
+SeriesPart.model_rebuild()
+ParallelPart.model_rebuild()
+
+
+def _without_damper(group: SeriesPart | ParallelPart) -> SeriesPart | ParallelPart:
+    for key in ("damping", "energy_absorption"):
+        if getattr(group, key) is not None:
+            raise ValueError(f"{key}: parts in {group.type} have their own dampers; give it to them")
+    return group
+
+
+class ComplianceElement(Part):
+    """Parts of a drive in series, reduced to one shaft: that whose speed the parts' ratios are counted from.
+
+    With a `moment` on that shaft every part has its moment and twist; with the `frequency` of a vibration, energy
+    absorption and damping follow from each other.
+    """
+
+    type: Literal["compliance"]
+    parts: Annotated[dict[Name, ElasticPart], Field(min_length=1)]
+    moment: Annotated[Moment, Field(gt=0)] | None = None
+    frequency: Annotated[quantity("angular_speed"), Field(gt=0)] | None = None

@@ -1,0 +1,146 @@
+"""Harmonics of the slider-crank: the piston's acceleration, to any order.
+
+The crank r stands at the angle theta from the cylinder's axis, the piston runs at the distance e beside that axis
+(0 in most engines; a désaxé engine has one). With λ = r/l and ε = e/l the piston is at
+
+    x = r cos theta + l √(1 − (λ sin theta − ε)²),   −ẍ/(r ω²) = Re Σ c_n exp(i n theta)
+
+and without an offset c_n = A_n is real, A_1 = 1, no other odd order exists, and
+
+    A_2 = λ + λ³/4 + 15 λ⁵/128 + …,  A_4 = −λ³/4 − 3 λ⁵/16 − …,  A_6 = 9 λ⁵/128 + …
+
+The series are not summed: x is smooth and periodic, so a discrete Fourier transform over N positions is off
+by terms of the order of exp(−(N − n) a) alone, with cosh a = (1 − |ε|)/λ, where the motion's nearest singularity in
+the complex plane lies. N is chosen by that bound; what is left is rounding, some n² ulp of x/r.
+
+Sources: C. F. Taylor, The Internal-Combustion Engine in Theory and Practice, vol. 2 (engine balance and vibration);
+J. P. Den Hartog, Mechanical Vibrations (multicylinder engines).
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from engine.laws.masses.replacement_masses import inertia_error, static_two
+
+# −ln(eps), and the most positions: λ + |ε| up to 1 − 3e-6, beyond which there are no harmonics to rounding.
+_DIGITS = 37.0
+FEWEST, MOST = 32, 2**14
+# Numbers in memory at a time.
+_BLOCK = 2**18
+
+
+class CrankMasses(NamedTuple):
+    """A crank throw, rod and piston as masses at the crankpin and at the piston pin.
+
+    Attributes
+    ----------
+    reciprocating, rotating : ndarray (...)
+        At the piston pin and at the crankpin [kg].
+    rod_correction : ndarray (...)
+        J_S − m a b of the rod, by which the two masses miss its moment of inertia [kg·m²].
+    """
+
+    reciprocating: np.ndarray
+    rotating: np.ndarray
+    rod_correction: np.ndarray
+
+
+def crank_masses(
+    piston: ArrayLike,
+    rod_mass: ArrayLike = 0.0,
+    rod: ArrayLike = 1.0,
+    rod_centre: ArrayLike = 0.0,
+    rod_inertia: ArrayLike | None = None,
+    throw: ArrayLike = 0.0,
+) -> CrankMasses:
+    """The conventional two masses of one cylinder.
+
+    Parameters
+    ----------
+    piston : array_like (...)
+        Mass of piston, rings and pin [kg].
+    rod_mass, rod, rod_centre : array_like (...)
+        The rod's mass [kg], its length, and the distance of its centre of mass from the crankpin [m].
+    rod_inertia : array_like (...), optional
+        J_S of the rod [kg·m²]; without it the rod counts as its two masses and the correction is 0.
+    throw : array_like (...)
+        Mass of the throw, reduced to the crankpin [kg].
+    """
+    piston, rod_mass, rod, arm, throw = (np.asarray(x, dtype=float) for x in (piston, rod_mass, rod, rod_centre, throw))
+    shares = static_two(rod_mass, (-arm, 0.0), (rod - arm, 0.0))
+    error = 0.0 if rod_inertia is None else -inertia_error(shares, np.asarray(rod_inertia, dtype=float))
+    at_crankpin, at_piston = shares.masses
+    return CrankMasses(piston + at_piston, throw + at_crankpin, np.asarray(error))
+
+
+@np.errstate(divide="ignore", invalid="ignore")
+def crank_radius(stroke: ArrayLike, rod: ArrayLike, offset: ArrayLike = 0.0) -> np.ndarray:
+    """Radius of the crank that gives a stroke: half of it, a little less with an offset.
+
+    From s = √((l + r)² − e²) − √((l − r)² − e²): r² = ¼ s² (l² − e² − ¼ s²)/(l² − ¼ s²).
+
+    Parameters
+    ----------
+    stroke, rod, offset : array_like (...)
+        s, l and e [m].
+
+    Returns
+    -------
+    ndarray (...)
+        [m]; NaN where there is none.
+    """
+    half, rod, offset = np.divide(stroke, 2.0), np.asarray(rod, float), np.asarray(offset, float)
+    left = rod**2 - half**2
+    return half * np.sqrt((left - offset**2) / left)
+
+
+def piston_harmonics(ratio: ArrayLike, orders: Sequence[int], offset: ArrayLike = 0.0) -> np.ndarray:
+    """Harmonics c_n of the piston's acceleration, −ẍ/(r ω²) = Re Σ c_n exp(i n theta).
+
+    Parameters
+    ----------
+    ratio, offset : array_like (...)
+        λ = r/l and ε = e/l; the crank turns where λ + |ε| < 1.
+    orders : sequence of int
+        From 1 on.
+
+    Returns
+    -------
+    ndarray of complex (..., orders)
+        NaN where the crank doesn't turn, or all but doesn't (see the module's text).
+    """
+    return _transformed(ratio, offset, orders) * np.square(orders)
+
+
+def _piston(cosine: np.ndarray, sine: np.ndarray, ratio: np.ndarray, offset: np.ndarray) -> np.ndarray:
+    """x/r less a constant; the rod's part as a quotient, which doesn't cancel where the rod is long."""
+    root, middle = np.sqrt(1 - (ratio * sine - offset) ** 2), np.sqrt(1 - offset**2)
+    return cosine - sine * (ratio * sine - 2 * offset) / (root + middle)
+
+
+def _transformed(ratio: ArrayLike, offset: ArrayLike, orders: Sequence[int]) -> np.ndarray:
+    """Complex amplitudes of x/r, with as many positions as each variant needs."""
+    ratio, offset = np.broadcast_arrays(np.asarray(ratio, float), np.asarray(offset, float))
+    flat_ratio, flat_offset = ratio.ravel(), offset.ravel()
+    with np.errstate(invalid="ignore", divide="ignore"):
+        decay = np.arccosh((1 - np.abs(flat_offset)) / np.abs(flat_ratio))
+        needed = np.maximum(max(orders) + _DIGITS / decay, 2 * max(orders) + 1)
+    found = np.full((flat_ratio.size, len(orders)), complex(np.nan, np.nan))
+    positions = FEWEST
+    left = np.isfinite(needed)
+    while positions <= MOST and left.any():
+        here = left & (needed <= positions)
+        left &= ~here
+        theta = 2 * np.pi * np.arange(positions) / positions
+        for some in _blocks(np.flatnonzero(here), positions):
+            rows = _piston(np.cos(theta), np.sin(theta), flat_ratio[some, None], flat_offset[some, None])
+            found[some] = (np.fft.rfft(rows, axis=-1) * (2 / positions))[:, list(orders)]
+        positions *= 2
+    return found.reshape(*ratio.shape, len(orders))
+
+
+def _blocks(variants: np.ndarray, positions: int) -> list[np.ndarray]:
+    return np.array_split(variants, -(-variants.size * positions // _BLOCK)) if variants.size else []

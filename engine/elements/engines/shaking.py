@@ -1,0 +1,107 @@
+"""Shaking forces and couples of an engine by orders of the crank, over ω².
+
+A piston of the mass m on the axis beta pulls the engine along it with −m ẍ. With its harmonics c_n and the crank at
+theta = phi + alpha − beta that is, as a complex number across the crank, m r ω² times the sum over n of
+
+    ½ c_n exp(i(n alpha − (n − 1) beta)) exp(i n phi) + ½ c_n* exp(−i(n alpha − (n + 1) beta)) exp(−i n phi),
+
+half of it turning with the crank and half against it. Rotating masses add m_rot r exp(i alpha) to the first order that
+turns with the crank. Couples are the same with each cylinder's position as its arm, about the crank's middle, drawn in
+the direction of the forces; the couple's axis stands a quarter turn before it. Gas forces are within the engine and
+shake it only by the reaction to its torque.
+
+Everything is over ω², a force in kg·m and a couple in kg·m²: an unbalance, as that of a rotor.
+
+Sources: C. F. Taylor, The Internal-Combustion Engine in Theory and Practice, vol. 2 (engine balance); J. P. Den Hartog,
+Mechanical Vibrations, §5.2 (multicylinder engines); H. Maass, H. Klier, Kräfte, Momente und deren Ausgleich in der
+Verbrennungskraftmaschine (method of the two star-shaped vectors, one turning each way).
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.elements.engines.engine_layout import Engine
+from engine.elements.engines.harmonics import piston_harmonics
+from engine.elements.engines.hodograph import Hodograph
+from engine.elements.engines.master_rod import master_rod_harmonics
+
+SHAKING_ORDERS = (1, 2, 4, 6)
+
+
+class EngineShaking(NamedTuple):
+    """What shakes an engine's frame, over ω², without counterweights and shafts.
+
+    Attributes
+    ----------
+    forces, couples : Hodograph
+        [kg·m]; about the crank's middle [kg·m²].
+    force_terms, couple_terms : ndarray (..., orders)
+        Sums of the sizes of what the cylinders contribute: what is no greater than some roundings of them is balanced.
+    """
+
+    forces: Hodograph
+    couples: Hodograph
+    force_terms: np.ndarray
+    couple_terms: np.ndarray
+
+
+def engine_shaking(engine: Engine, orders: Sequence[int] = SHAKING_ORDERS) -> EngineShaking:
+    """Inertia forces and couples on the engine's frame.
+
+    Parameters
+    ----------
+    engine : Engine
+    orders : sequence of int
+        From 1 on.
+    """
+    pistons = piston_motions(engine, orders)
+    pins = None if engine.master is None else master_rod_harmonics(engine, orders)[1:]
+    forces, force_terms = _summed(engine, orders, pistons, pins, np.ones(1))
+    couples, couple_terms = _summed(engine, orders, pistons, pins, engine.layout.positions)
+    return EngineShaking(forces, couples, force_terms, couple_terms)
+
+
+def piston_motions(engine: Engine, orders: Sequence[int]) -> np.ndarray:
+    """Harmonics of each piston's acceleration in the crank angle of the engine, −ẍ/ω² = Re Σ exp(i n phi).
+
+    Parameters
+    ----------
+    engine : Engine
+    orders : sequence of int
+        From 1 on.
+
+    Returns
+    -------
+    ndarray of complex (..., cylinders, orders)
+        [m].
+    """
+    if engine.master is not None:
+        return master_rod_harmonics(engine, orders)[0]
+    rod = np.asarray(engine.rod, float)
+    one = piston_harmonics(engine.radius / rod, orders, engine.offset / rod)
+    ahead = (engine.layout.throws - engine.layout.banks)[..., None] * np.array(orders)
+    return np.asarray(engine.radius, float)[..., None, None] * one[..., None, :] * np.exp(1j * ahead)
+
+
+def _summed(
+    engine: Engine,
+    orders: Sequence[int],
+    pistons: np.ndarray,
+    pins: tuple[np.ndarray, np.ndarray] | None,
+    arms: np.ndarray,
+) -> tuple[Hodograph, np.ndarray]:
+    """Sums over the cylinders, weighted with their arms: vectors and sizes."""
+    axes = np.exp(1j * engine.layout.banks)[..., None]
+    pull = (np.asarray(engine.reciprocating_mass, float) * arms)[..., None] * axes
+    crankpins = np.asarray(engine.radius, float)[..., None] * np.exp(1j * engine.layout.throws)
+    turning = (np.asarray(engine.rotating_mass, float) * arms * crankpins)[..., None] * (np.array(orders) == 1)
+    forward, backward = pull * pistons / 2 + turning, pull * np.conj(pistons) / 2
+    terms = np.abs(pull * pistons) + np.abs(turning)
+    if pins is not None:
+        knuckles = (np.asarray(engine.master.knuckle_mass, float)[..., None] * arms)[..., None]
+        forward, backward = forward + knuckles * pins[0], backward + knuckles * pins[1]
+        terms = terms + np.abs(knuckles * pins[0]) + np.abs(knuckles * pins[1])
+    vectors = Hodograph(tuple(orders), forward.sum(axis=-2), backward.sum(axis=-2))
+    return vectors, terms.sum(axis=-2)

@@ -1,0 +1,175 @@
+"""Whether the wheels of a train fit: whole teeth, equal centre distances, planets that mesh and pass each other."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.elements.gears.gear_elements import GearTrain
+from engine.elements.gears.gear_structure import MeshPlace
+from engine.elements.gears.tooth_laws import pitch_diameter
+from engine.elements.gears.train_speeds import Numbers, stages, teeth_of
+
+# Centre distances that differ by less are the same but for rounding.
+_SAME = 1e-9
+
+
+class MeshSizes(NamedTuple):
+    """Sizes of a mesh (variants,): normal module, helix angle, pitch diameters, distance of the axes [m].
+
+    Without modules all of them are counted in modules.
+    """
+
+    module: np.ndarray
+    helix_angle: np.ndarray
+    diameters: tuple[np.ndarray, np.ndarray]
+    distance: np.ndarray
+
+
+class AssemblyConditions(NamedTuple):
+    """How far a train fits (variants,).
+
+    Attributes
+    ----------
+    fits : ndarray of bool
+    distance_errors : dict of str to ndarray
+        By meshes: difference of their centre distance from that of another one on the same axes, over it.
+    spacing_remainders : dict of str to ndarray
+        By carriers: what is left over where an assembled train needs a whole multiple of the number of planets.
+    clearances : dict of str to ndarray
+        By planets: gap between the tips of neighbours, over the diameter of their tips.
+    """
+
+    fits: np.ndarray
+    distance_errors: dict[str, np.ndarray]
+    spacing_remainders: dict[str, np.ndarray]
+    clearances: dict[str, np.ndarray]
+
+
+def mesh_sizes(train: GearTrain, n: Numbers) -> dict[str, MeshSizes]:
+    """Sizes of all meshes.
+
+    Parameters
+    ----------
+    train : GearTrain
+    n : mapping of str to ndarray (variants,)
+    """
+    found = {}
+    for place in train.structure.meshes:
+        z_a, z_b = teeth_of(place, n)
+        helix = n[f"meshes.{place.name}.helix_angle"]
+        module = module_of(train, place.name, n)
+        diameters = pitch_diameter(z_a, module, helix), pitch_diameter(np.abs(z_b), module, helix)
+        found[place.name] = MeshSizes(module, helix, diameters, 0.5 * (place.sense * diameters[0] + diameters[1]))
+    return found
+
+
+def module_of(train: GearTrain, mesh: str, n: Numbers) -> np.ndarray:
+    """Normal module of a mesh [m]; 1 in a train without modules."""
+    if train.meshes[mesh].module is not None:
+        return n[f"meshes.{mesh}.module"]
+    return n["module"] if train.module is not None else np.ones(next(iter(n.values())).size)
+
+
+def assembly_conditions(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes]) -> AssemblyConditions:
+    """Judge whether a train can be put together.
+
+    Parameters
+    ----------
+    train : GearTrain
+    n : mapping of str to ndarray (variants,)
+    sizes : dict of str to MeshSizes
+    """
+    structure = train.structure
+    fits = np.ones(next(iter(n.values())).size, bool)
+    for wheel in train.wheels:
+        fits &= n[f"wheels.{wheel}.teeth"] == np.round(n[f"wheels.{wheel}.teeth"])
+    for size in sizes.values():
+        fits &= size.distance > 0
+    fits &= _equal_modules(train, sizes) & _bores_leave_a_rim(train, n, sizes)
+    errors = {}
+    for one, other in structure.same_distance:
+        at, name = (sizes[structure.meshes[j].name].distance for j in (one, other)), structure.meshes[other].name
+        first, second = at
+        errors[name] = (second - first) / first
+        fits &= np.abs(errors[name]) <= _SAME
+    remainders: dict[str, np.ndarray] = {}
+    for carrier, _, _, path in stages(train):
+        if train.shafts[carrier].planets is None:
+            continue
+        count = n[f"shafts.{carrier}.planets"]
+        left = _spacing_remainder([structure.meshes[j] for j in path], n, count)
+        remainders[carrier] = np.maximum(remainders.get(carrier, 0.0), left)
+    for name, left in remainders.items():
+        fits &= (left == 0) & (n[f"shafts.{name}.planets"] == np.round(n[f"shafts.{name}.planets"]))
+    clearances = _clearances(train, n, sizes)
+    for gap in clearances.values():
+        fits &= gap > 0
+    return AssemblyConditions(fits, errors, remainders, clearances)
+
+
+def _equal_modules(train: GearTrain, sizes: dict[str, MeshSizes]) -> np.ndarray:
+    """Whether all meshes of a wheel have the same module and helix angle."""
+    first: dict[str, MeshSizes] = {}
+    equal = np.array(True)
+    for name, mesh in train.meshes.items():
+        for wheel in mesh.between:
+            known = first.setdefault(wheel, sizes[name])
+            equal = equal & (np.abs(known.module - sizes[name].module) <= _SAME * known.module)
+            equal = equal & (np.abs(known.helix_angle - sizes[name].helix_angle) <= _SAME)
+    return equal
+
+
+def _bores_leave_a_rim(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes]) -> np.ndarray:
+    """Whether the bores of discs end below the roots of the teeth."""
+    left = np.array(True)
+    for name, mesh in train.meshes.items():
+        for wheel, diameter in zip(mesh.between, sizes[name].diameters, strict=True):
+            if train.wheels[wheel].width is not None:
+                left = left & (n[f"wheels.{wheel}.bore"] < diameter - 2.5 * sizes[name].module)
+    return left
+
+
+def _spacing_remainder(path: list[MeshPlace], n: Numbers, count: np.ndarray) -> np.ndarray:
+    """What is left of the condition that each of the planets meshes where it stands, in steps of one; 0 fits.
+
+    Seen from a set of planets that is turned on by 2π/k with all phases kept, both central wheels are turned back by
+    that. Every mesh may slip by whole teeth only: whole numbers y with y · (coefficients of each planet) = 0 combine
+    the meshes so that no planet's own angle is left, and what the central wheels contribute has to be divisible by k.
+    With one planet of one wheel this is (z_a ± z_b)/k, with two wheels (z_a z₂ ± z_b z₁)/(k gcd(z₁, z₂)).
+    """
+    ends = [[np.rint(z).astype(np.int64) for z in teeth_of(place, n)] for place in path]
+    start = path[0]
+    y = [np.ones_like(ends[0][0])]
+    at = (start.second, start.first)[start.central]
+    into = ends[0][1 - start.central]
+    for place, (z_a, z_b) in zip(path[1:], ends[1:], strict=True):
+        forwards = (1 - place.central) == 0 if place.central is not None else place.first == at
+        here, there = (z_a, z_b) if forwards else (z_b, z_a)
+        shared = np.gcd(y[-1] * into, here)
+        shared = np.where(shared == 0, 1, shared)
+        y = [value * (here // shared) for value in y] + [-(y[-1] * into) // shared]
+        at, into = (place.second if forwards else place.first), there
+    total = y[0] * ends[0][start.central] + y[-1] * ends[-1][path[-1].central]
+    k = np.maximum(np.rint(count), 1).astype(np.int64)
+    return (np.abs(total) % k).astype(float)
+
+
+def _clearances(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes]) -> dict[str, np.ndarray]:
+    """Gap between neighbouring planets, over the diameter of their tips: 2a sin(π/k)/d_a − 1."""
+    structure, found = train.structure, {}
+    for planet, j in structure.pin_meshes.items():
+        carrier = structure.name_of(structure.meshes[j].carrier)
+        if train.shafts[carrier].planets is None:
+            continue
+        tips = []
+        for place in structure.meshes:
+            for end, shaft in enumerate((place.first, place.second)):
+                if structure.name_of(shaft) == planet and not (end == 1 and place.sense < 0):
+                    size = sizes[place.name]
+                    tips.append(size.diameters[end] + 2.0 * size.module)
+        chord = 2.0 * sizes[structure.meshes[j].name].distance * np.sin(np.pi / n[f"shafts.{carrier}.planets"])
+        with np.errstate(divide="ignore"):
+            gap = chord / np.max(tips, axis=0) - 1.0
+        # A single planet has no neighbour.
+        found[planet] = np.where(n[f"shafts.{carrier}.planets"] < 2, np.inf, gap)
+    return found

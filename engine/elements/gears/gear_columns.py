@@ -1,0 +1,234 @@
+"""What is computed of a gear train: speeds and ratios, whether it fits, moments, losses, tooth forces, inertia."""
+
+from collections.abc import Iterator, Mapping
+from functools import partial
+
+import numpy as np
+
+from engine.elements.element_laws import ROUNDING, ElementResult, LawOfArrays
+from engine.elements.gears.assembly_conditions import (
+    AssemblyConditions,
+    MeshSizes,
+    assembly_conditions,
+    mesh_sizes,
+)
+from engine.elements.gears.gear_elements import GearTrain
+from engine.elements.gears.load_columns import TOOTH_FORCES, Pairs, load_results, pinned_planets
+from engine.elements.gears.train_inertia import kinetic_energy
+from engine.elements.gears.train_speeds import (
+    EPS,
+    Numbers,
+    TrainSpeeds,
+    basic_ratios,
+    speed_ratio,
+    stages,
+    train_speeds,
+)
+from engine.verdicts import Verdict
+
+# What stays of a variant whose wheels don't fit: why they don't.
+_OF_ASSEMBLY = (".spacing_remainder", ".neighbour_clearance", ".distance_error")
+
+
+def gear_law(train: GearTrain) -> LawOfArrays:
+    """The law of a gear train: its numbers in an order of their own, and its results, by what it is made of.
+
+    Parameters
+    ----------
+    train : GearTrain
+    """
+    keys, results = tuple(_keys(train)), tuple(_results(train))
+    return LawOfArrays(
+        partial(_rows, train, keys, results),
+        lambda element, given: tuple(given(key) for key in keys),
+        results,
+    )
+
+
+def gear_numbers(train: GearTrain) -> dict[str, np.ndarray]:
+    """A gear train's own numbers by their keys, as one variant."""
+
+    def own(key: str) -> float:
+        part: object = train
+        for name in key.split("."):
+            part = part[name] if isinstance(part, Mapping) else getattr(part, name)
+        return part
+
+    return {key: np.array([own(key)], float) for key in _keys(train)}
+
+
+def _keys(train: GearTrain) -> Iterator[str]:
+    """Keys of all numbers that a train is given."""
+    if train.module is not None:
+        yield "module"
+    optional = {
+        "wheels": ("width",),
+        "shafts": ("planets", "speed", "moment", "mass", "inertia"),
+        "meshes": ("module", "efficiency", "friction"),
+    }
+    always = {"wheels": ("teeth", "bore", "density"), "shafts": (), "meshes": ("pressure_angle", "helix_angle")}
+    for table in ("wheels", "shafts", "meshes"):
+        for name, part in getattr(train, table).items():
+            yield from (f"{table}.{name}.{key}" for key in always[table])
+            yield from (f"{table}.{name}.{key}" for key in optional[table] if getattr(part, key) is not None)
+
+
+def driver_of(train: GearTrain) -> str | None:
+    """The shaft that alone is driven; None where several are, or none."""
+    driven = train.structure.driven
+    return driven[0] if len(driven) == 1 else None
+
+
+def _free_shafts(train: GearTrain) -> list[str]:
+    """Shafts in the frame that aren't held: those that ratios and reduced inertias are told of."""
+    return [n for n in train.shafts if n not in train.structure.planets and not train.shafts[n].held]
+
+
+def _results(train: GearTrain) -> Iterator[ElementResult]:
+    structure, driver = train.structure, driver_of(train)
+    yield ElementResult("mobility", "degrees of freedom W = 3n - 2p1 - p2", "1", exact=True)
+    for _, other in structure.same_distance:
+        name = structure.meshes[other].name
+        yield ElementResult(
+            f"{name}.distance_error", f"difference of the centre distance of {name} from that of its axes, over it", "1"
+        )
+    for carrier in dict.fromkeys(stage[0] for stage in stages(train)):
+        if train.shafts[carrier].planets is not None:
+            words = f"what is left over where planets spaced equally on {carrier} need a whole multiple (0 fits)"
+            yield ElementResult(f"{carrier}.spacing_remainder", words, "1", exact=True)
+    for planet, j in structure.pin_meshes.items():
+        if train.shafts[structure.name_of(structure.meshes[j].carrier)].planets is not None:
+            words = f"gap between the tips of neighbouring {planet} planets, over the diameter of the tips"
+            yield ElementResult(f"{planet}.neighbour_clearance", words, "1", None, True)
+    for name in train.shafts:
+        yield ElementResult(f"{name}.speed", f"angular speed of {name}", "rad s-1")
+    if driver is not None:
+        for name in _free_shafts(train):
+            if name != driver:
+                yield ElementResult(f"{name}.ratio", f"speed of {driver} over that of {name}", "1", None, True)
+    for carrier, a, b, _ in stages(train):
+        yield ElementResult(
+            f"{carrier}.basic_ratio_of_{a}_to_{b}", f"speed of {a} over that of {b}, seen from {carrier}", "1"
+        )
+    if train.has_inertia:
+        yield ElementResult("kinetic_energy", "kinetic energy of all members", "J")
+        for name in _free_shafts(train):
+            yield ElementResult(f"{name}.reduced_inertia", f"inertia reduced to {name}", "kg m2", None, True)
+    if train.has_loads:
+        yield from _results_of_loads(train)
+
+
+def _results_of_loads(train: GearTrain) -> Iterator[ElementResult]:
+    structure = train.structure
+    for name in structure.shafts:
+        if name in structure.unknown_moments or train.shafts[name].moment is not None:
+            yield ElementResult(f"{name}.moment", f"moment from outside on {name}", "N m")
+            yield ElementResult(f"{name}.power", f"power put in at {name}", "W")
+    yield ElementResult("frame.moment", "moment that holds the frame with all held shafts", "N m")
+    yield ElementResult("input_power", "power put in", "W")
+    yield ElementResult("loss", "power lost in all meshes", "W")
+    yield ElementResult("efficiency", "power that comes out over power put in", "1", None, True)
+    yield ElementResult("backward_efficiency", "efficiency turning backwards under the same moments", "1", None, True)
+    yield ElementResult(
+        "self_locking", "the same moments can't turn the train backwards (1) or can (0)", "1", exact=True
+    )
+    yield ElementResult("circulating_power", "power that circulates in shafts, over power put in", "1", None, True)
+    for place in structure.meshes:
+        name, (a, b) = place.name, place.wheels
+        yield ElementResult(f"{name}.efficiency", f"efficiency of {name}, its axes at rest", "1")
+        yield ElementResult(f"{name}.rolling_power", f"power that {a} gives {b}, seen from the carrier", "W")
+        yield ElementResult(f"{name}.rolling_share", f"power rolling through {name} over power put in", "1", None, True)
+        if train.meshes[name].friction is not None:
+            yield ElementResult(f"{name}.contact_ratio", f"transverse contact ratio of {name}", "1")
+        if train.has_modules:
+            for part in TOOTH_FORCES:
+                yield ElementResult(f"{name}.{part}_force", f"{part} force between the teeth of {name}", "N")
+    for planet in pinned_planets(train):
+        yield ElementResult(f"{planet}.pin_force", f"force on the bearing of each {planet}", "N")
+
+
+def _rows(
+    train: GearTrain, keys: tuple[str, ...], results: tuple[ElementResult, ...], table: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Results, the sizes they carry the rounding of (results, variants), and verdicts, from (numbers, variants)."""
+    n = dict(zip(keys, table, strict=True))
+    with np.errstate(all="ignore"):
+        sizes = mesh_sizes(train, n)
+        fit = assembly_conditions(train, n, sizes)
+        told = _assembly(fit)
+        here = np.flatnonzero(fit.fits)
+        found, verdicts = gear_results(train, {key: row[here] for key, row in n.items()})
+    values, errors = np.full((2, len(results), table.shape[1]), np.nan)
+    for i, result in enumerate(results):
+        if result.name.endswith(_OF_ASSEMBLY):
+            values[i], errors[i] = told[result.name]
+        else:
+            values[i, here], errors[i, here] = found[result.name]
+    verdict = np.full(table.shape[1], Verdict.DOES_NOT_FIT, np.uint8)
+    verdict[here] = verdicts
+    return values, errors / (ROUNDING * EPS), verdict
+
+
+def _assembly(fit: AssemblyConditions) -> Pairs:
+    none = 0.0 * fit.fits
+    found = {f"{name}.distance_error": (value, none + 8.0 * EPS) for name, value in fit.distance_errors.items()}
+    found |= {f"{name}.spacing_remainder": (value, none) for name, value in fit.spacing_remainders.items()}
+    return found | {
+        f"{name}.neighbour_clearance": (value, 16.0 * EPS * (1.0 + np.abs(value)))
+        for name, value in fit.clearances.items()
+    }
+
+
+def gear_results(train: GearTrain, n: Numbers) -> tuple[Pairs, np.ndarray]:
+    """All results of trains whose wheels fit, but for the conditions of that, with their errors.
+
+    Parameters
+    ----------
+    train : GearTrain
+        How it hangs together; its numbers are not used.
+    n : mapping of str to ndarray (variants,)
+        Its numbers by their keys, such as "wheels.sun.teeth".
+
+    Returns
+    -------
+    results : dict of str to (ndarray (variants,), ndarray (variants,))
+        Values and what they may be off by, as named by `gear_law`.
+    verdicts : ndarray (variants,) of uint8
+        NOT_FINITE where a basic ratio lets no speeds follow, SELF_LOCKS or STANDS where losses take all power.
+    """
+    structure, driver = train.structure, driver_of(train)
+    variants = next(iter(n.values())).size
+    sizes, speeds = mesh_sizes(train, n), train_speeds(train, n)
+    found: Pairs = {"mobility": (np.full(variants, float(structure.mobility)), np.zeros(variants))}
+    for i, name in enumerate(structure.shafts):
+        found[f"{name}.speed"] = speeds.speeds[i], speeds.errors[i]
+    if driver is not None:
+        first = structure.shafts.index(driver)
+        for name in _free_shafts(train):
+            i = structure.shafts.index(name)
+            ratio = speed_ratio(speeds.speeds, first, i)
+            off = speeds.errors[first] / np.abs(speeds.speeds[first]) + speeds.errors[i] / np.abs(speeds.speeds[i])
+            found[f"{name}.ratio"] = ratio, np.abs(ratio) * (off + EPS)
+    found |= basic_ratios(train, n)
+    if train.has_inertia:
+        found |= _inertias(train, n, speeds, sizes)
+    verdicts = np.where(np.isnan(speeds.speeds).any(axis=0), Verdict.NOT_FINITE, Verdict.OK).astype(np.uint8)
+    if train.has_loads:
+        loads, moves = load_results(train, n, speeds, sizes)
+        found |= loads
+        unknown = structure.unknown_moments
+        driven = any(train.shafts[name].speed is not None and not train.shafts[name].loaded for name in unknown)
+        verdicts[(verdicts == Verdict.OK) & ~moves] = Verdict.SELF_LOCKS if driven else Verdict.STANDS
+    return found, verdicts
+
+
+def _inertias(train: GearTrain, n: Numbers, speeds: TrainSpeeds, sizes: dict[str, MeshSizes]) -> Pairs:
+    energy, error = kinetic_energy(train, n, speeds, sizes)
+    found: Pairs = {"kinetic_energy": (energy, error)}
+    for name in _free_shafts(train):
+        i = train.structure.shafts.index(name)
+        speed = speeds.speeds[i]
+        reduced = 2.0 * energy / speed**2
+        off = error / energy + 2.0 * speeds.errors[i] / np.abs(speed) + 2.0 * EPS
+        found[f"{name}.reduced_inertia"] = reduced, np.where(energy > 0, reduced * off, 0.0)
+    return found

@@ -1,0 +1,210 @@
+"""A gear train as a machine element of a scene: its wheels, the shafts they sit on, and their meshes."""
+
+import math
+from functools import cached_property
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from engine.elements.gears.gear_structure import (
+    GearStructure,
+    MeshEnds,
+    ShaftPlace,
+    TrainRefused,
+    gear_structure,
+)
+from engine.parts.actions import Moment
+from engine.parts.skeleton import FRAME, Angle, AngularSpeed, Density, Inertia, Length, Mass, Name, Number, Part
+
+# Beyond this the patterns of power flow that a variant may have are too many to be tried.
+MOST_MESHES = 12
+MOST_TEETH = 100_000
+
+
+class GearWheel(Part):
+    """A toothed wheel on a shaft, or on the `frame`; with a `width` it counts as a disc of its pitch diameter."""
+
+    shaft: Name
+    teeth: Annotated[Number, Field(gt=0, le=MOST_TEETH)]
+    width: Annotated[Length, Field(gt=0)] | None = None
+    bore: Annotated[Length, Field(ge=0)] = 0.0
+    density: Annotated[Density, Field(gt=0)] = 7850.0
+
+
+class GearShaft(Part):
+    """A shaft that turns in the frame or, as that of a planet, in its `carrier`, which is a shaft too.
+
+    `planets` is how many equally spaced sets of planets a carrier has; the train names one. Shafts of the same `axis`
+    are coaxial; a carrier and the wheels about which its planets roll are so anyway. A driven shaft has a `speed`, a
+    shaft that is stopped is `held`. A `moment` acts on the shaft from outside, counter-clockwise; held shafts, driven
+    ones without a moment and those that are `loaded` get theirs from equilibrium, all others have none. `mass` and
+    `inertia`, about its own axis, are those of the shaft with all on it but wheels with a width; of a planet, of each.
+    """
+
+    carrier: Name | None = None
+    planets: Annotated[Number, Field(ge=1, le=MOST_TEETH)] | None = None
+    axis: Name | None = None
+    speed: AngularSpeed | None = None
+    held: bool = False
+    moment: Moment | None = None
+    loaded: bool = False
+    mass: Annotated[Mass, Field(ge=0)] | None = None
+    inertia: Annotated[Inertia, Field(ge=0)] | None = None
+
+    @model_validator(mode="after")
+    def _one_role(self) -> "GearShaft":
+        if self.held and (self.speed is not None or self.moment is not None):
+            raise ValueError("held: a shaft that is stopped has no speed, and its moment follows; leave those out")
+        if self.loaded and (self.held or self.moment is not None):
+            raise ValueError("loaded: the shaft's moment is to follow from the others; leave out moment and held")
+        return self
+
+
+class GearMesh(Part):
+    """Two wheels in mesh; if it is `internal`, the second is the ring with teeth inside.
+
+    Its `module` is the normal one, that of the train unless given here. What is lost is told by the `efficiency` of the
+    mesh with its carrier at rest, or by the mean coefficient of `friction` of its teeth; without both, nothing.
+    """
+
+    between: tuple[Name, Name]
+    type: Literal["external", "internal"] = "external"
+    module: Annotated[Length, Field(gt=0)] | None = None
+    pressure_angle: Annotated[Angle, Field(gt=0, lt=math.pi / 4)] = math.radians(20)
+    helix_angle: Annotated[Angle, Field(ge=0, lt=math.pi / 3)] = 0.0
+    efficiency: Annotated[Number, Field(gt=0, le=1)] | None = None
+    friction: Annotated[Number, Field(ge=0, lt=1)] | None = None
+
+    @model_validator(mode="after")
+    def _one_loss(self) -> "GearMesh":
+        if self.efficiency is not None and self.friction is not None:
+            raise ValueError("give efficiency or friction, one of the two")
+        if self.between[0] == self.between[1]:
+            raise ValueError(f"between: a wheel doesn't mesh with itself; name two, not {self.between[0]!r} twice")
+        return self
+
+
+class GearTrain(Part):
+    """Wheels on shafts, in mesh: a fixed train, a planetary one or a differential, of any number of stages."""
+
+    type: Literal["gear_train"]
+    module: Annotated[Length, Field(gt=0)] | None = None
+    wheels: Annotated[dict[Name, GearWheel], Field(min_length=2)]
+    shafts: Annotated[dict[Name, GearShaft], Field(min_length=1)]
+    meshes: Annotated[dict[Name, GearMesh], Field(min_length=1, max_length=MOST_MESHES)]
+
+    @model_validator(mode="after")
+    def _is_a_train(self) -> "GearTrain":
+        names = [*self.wheels, *self.shafts, *self.meshes]
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            raise ValueError(f"{twice[0]} stands for two things; wheels, shafts and meshes need names of their own")
+        if FRAME in names:
+            raise ValueError(f"{FRAME}: this name is that of the frame, which needs no table; choose another")
+        try:
+            structure = self.structure
+        except TrainRefused as problem:
+            raise ValueError(str(problem)) from None
+        self._check_modules()
+        self._check_roles(structure)
+        return self
+
+    def _check_modules(self) -> None:
+        given = [mesh.module is not None or self.module is not None for mesh in self.meshes.values()]
+        if any(given) and not all(given):
+            missing = list(self.meshes)[given.index(False)]
+            raise ValueError(f"meshes.{missing}.module is missing: give it, or module once for the whole train")
+        rings = {mesh.between[1] for mesh in self.meshes.values() if mesh.type == "internal"}
+        for name, wheel in self.wheels.items():
+            if wheel.width is not None and name in rings:
+                raise ValueError(f"wheels.{name}.width: a ring is no disc; give its shaft the inertia instead")
+            if wheel.width is not None and not self.has_modules:
+                raise ValueError(f"wheels.{name}.width needs a module: without it the wheel has no diameter")
+        self._check_orbits()
+
+    def _check_orbits(self) -> None:
+        """A planet with mass needs a known circle to go round on."""
+        structure = self.structure
+        wide = {wheel.shaft for wheel in self.wheels.values() if wheel.width is not None}
+        for name in structure.planets:
+            if self.shafts[name].mass is None and name not in wide:
+                continue
+            carrier = self.shafts[name].carrier
+            if name not in structure.pin_meshes or self.shafts[carrier].carrier is not None:
+                raise ValueError(
+                    f"shafts.{name}: this planet has mass, but its circle isn't known: its carrier has to turn in the "
+                    "frame, and one of its meshes has to be with a central wheel"
+                )
+            if not self.has_modules:
+                raise ValueError(f"shafts.{name}.mass needs a module: without it the planet's circle has no radius")
+
+    def _check_roles(self, structure: GearStructure) -> None:
+        if len(structure.driven) != structure.mobility:
+            raise ValueError(
+                f"{structure.words}, and as many shafts need a speed, or further ones are held; "
+                f"{_told(structure.driven, 'a speed')}"
+            )
+        if not structure.speeds_follow:
+            raise ValueError(
+                f"the speeds of {', '.join((*structure.driven, *structure.held))} aren't independent: meshes tie them "
+                "to each other; give speed or held to other shafts"
+            )
+        if not self.has_loads:
+            loaded = [name for name, shaft in self.shafts.items() if shaft.loaded]
+            if loaded:
+                raise ValueError(f"shafts.{loaded[0]}.loaded: no shaft has a moment that it could follow from")
+            return
+        follow = tuple(name for name in structure.unknown_moments if name not in structure.held)
+        if len(follow) != structure.mobility:
+            raise ValueError(
+                f"W = {structure.mobility}: so many moments follow from the others, those of driven shafts without a "
+                f"moment and of loaded ones; {_told(follow, 'such a role')}"
+            )
+        if not structure.moments_follow:
+            raise ValueError(
+                f"the moments of {', '.join(structure.unknown_moments)} don't follow from those given: a moment acts "
+                "on what nothing supports; let other shafts be loaded"
+            )
+
+    @cached_property
+    def structure(self) -> GearStructure:
+        """How wheels, shafts and meshes hang together.
+
+        Raises
+        ------
+        TrainRefused
+            They make no train.
+        """
+        places = {
+            name: ShaftPlace(
+                s.carrier,
+                s.axis,
+                s.held,
+                s.speed is not None,
+                s.held or s.loaded or (s.speed is not None and s.moment is None),
+                s.planets is not None,
+            )
+            for name, s in self.shafts.items()
+        }
+        ends = {name: MeshEnds(*mesh.between, mesh.type == "internal") for name, mesh in self.meshes.items()}
+        return gear_structure({name: wheel.shaft for name, wheel in self.wheels.items()}, places, ends)
+
+    @property
+    def has_modules(self) -> bool:
+        """Whether the sizes of the wheels are known."""
+        return all(mesh.module is not None or self.module is not None for mesh in self.meshes.values())
+
+    @property
+    def has_loads(self) -> bool:
+        """Whether a moment acts."""
+        return any(shaft.moment is not None for shaft in self.shafts.values())
+
+    @property
+    def has_inertia(self) -> bool:
+        """Whether anything has mass."""
+        heavy = any(shaft.mass is not None or shaft.inertia is not None for shaft in self.shafts.values())
+        return heavy or any(wheel.width is not None for wheel in self.wheels.values())
+
+
+def _told(names: tuple[str, ...], role: str) -> str:
+    return f"those with {role} are {len(names)}: {', '.join(names)}" if names else f"no shaft has {role}"

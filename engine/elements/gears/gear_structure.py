@@ -1,0 +1,314 @@
+"""How a gear train hangs together: which carrier each mesh rolls on, what is coaxial, how many speeds are free.
+
+A shaft turns in the frame or in a carrier. Two wheels can stay in mesh where both turn in the same carrier (the frame
+too), or where one is a planet and the other is coaxial with the planet's carrier. Relative to that carrier a mesh is
+one of a fixed train: z_a (ω_a − ω_h) = ∓ z_b (ω_b − ω_h), − external (Willis).
+"""
+
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.parts.skeleton import FRAME
+
+STANDS_STILL = -1
+
+
+class TrainRefused(ValueError):
+    """Wheels, shafts and meshes that make no train."""
+
+
+class ShaftPlace(NamedTuple):
+    """A shaft: its carrier and axis; whether it is held, is driven, its moment follows, it carries sets of planets."""
+
+    carrier: str | None
+    axis: str | None
+    held: bool
+    driven: bool
+    moment_follows: bool
+    has_planets: bool
+
+
+class MeshEnds(NamedTuple):
+    """A mesh: its wheels, and whether the second has its teeth inside."""
+
+    first: str
+    second: str
+    internal: bool
+
+
+class MeshPlace(NamedTuple):
+    """A mesh in its train: numbers of the shafts of both wheels and of the carrier, −1 for the frame.
+
+    `sense` is that of the second teeth in z_a (ω_a − ω_h) + sense z_b (ω_b − ω_h) = 0: 1 external, −1 internal.
+    `central` is the end, 0 or 1, whose wheel is coaxial with the carrier, None where both turn in it.
+    """
+
+    name: str
+    wheels: tuple[str, str]
+    first: int
+    second: int
+    carrier: int
+    sense: int
+    central: int | None
+
+
+class GearStructure(NamedTuple):
+    """What the structure of a train says before there are numbers.
+
+    Attributes
+    ----------
+    shafts : tuple of str
+    carriers : tuple of int
+        Number of the shaft that each turns in; −1 for the frame.
+    meshes : tuple of MeshPlace
+    axes : dict of str to str
+        One name for the axis of every shaft and wheel: coaxial ones have the same.
+    same_distance : tuple of (int, int)
+        Meshes between the same two axes: their centre distances must agree.
+    pin_meshes : dict of str to int
+        For every planet that rolls about a central wheel a mesh with it: their distance is that of the planet's pin.
+    central_paths : dict of str to tuple of tuple of int
+        For every carrier the meshes on the way from one of its central wheels to another, planets between.
+    held, driven, unknown_moments : tuple of str
+        Shafts that are stopped; whose speeds are given; whose moments follow from equilibrium, held ones among them.
+    speeds_follow, moments_follow : bool
+        Whether all others follow from these, whatever the numbers of teeth but for special ones.
+    """
+
+    shafts: tuple[str, ...]
+    carriers: tuple[int, ...]
+    meshes: tuple[MeshPlace, ...]
+    axes: dict[str, str]
+    same_distance: tuple[tuple[int, int], ...]
+    pin_meshes: dict[str, int]
+    central_paths: dict[str, tuple[tuple[int, ...], ...]]
+    held: tuple[str, ...]
+    driven: tuple[str, ...]
+    unknown_moments: tuple[str, ...]
+    speeds_follow: bool
+    moments_follow: bool
+
+    @property
+    def mobility(self) -> int:
+        """Degrees of freedom W = 3n − 2p₁ − p₂ (Chebyshev) of one set of planets; held shafts belong to the frame."""
+        return len(self.shafts) - len(self.held) - len(self.meshes)
+
+    @property
+    def words(self) -> str:
+        """The mobility as one reckons it by hand."""
+        n, p2 = len(self.shafts) - len(self.held), len(self.meshes)
+        return (
+            f"n = {n} shafts that move, p1 = {n} bearings, p2 = {p2} meshes: W = 3·{n} − 2·{n} − {p2} = {self.mobility}"
+        )
+
+    @property
+    def planets(self) -> tuple[str, ...]:
+        """Shafts that turn in a carrier."""
+        return tuple(name for name, h in zip(self.shafts, self.carriers, strict=True) if h != STANDS_STILL)
+
+    def number_of(self, names: Sequence[str]) -> list[int]:
+        """Numbers of the shafts with these names."""
+        return [self.shafts.index(name) for name in names]
+
+    def name_of(self, shaft: int) -> str:
+        """Name of a shaft by its number, or of the frame."""
+        return FRAME if shaft == STANDS_STILL else self.shafts[shaft]
+
+
+def gear_structure(
+    wheels: Mapping[str, str], shafts: Mapping[str, ShaftPlace], meshes: Mapping[str, MeshEnds]
+) -> GearStructure:
+    """Find out how a train hangs together.
+
+    Parameters
+    ----------
+    wheels : mapping of str to str
+        Shaft of each wheel.
+    shafts : mapping of str to ShaftPlace
+    meshes : mapping of str to MeshEnds
+
+    Raises
+    ------
+    TrainRefused
+        A name is unknown, wheels don't stay in mesh, nothing can move, or a mesh closes a loop.
+    """
+    names = tuple(shafts)
+    number = {FRAME: STANDS_STILL} | {name: i for i, name in enumerate(names)}
+    carriers = _carriers(shafts, number)
+    for wheel, shaft in wheels.items():
+        if shaft not in number:
+            raise TrainRefused(f"wheels.{wheel}.shaft: there is no shaft {shaft!r}; shafts are {', '.join(number)}")
+    places = tuple(_mesh_place(name, ends, wheels, number, names, carriers) for name, ends in meshes.items())
+    axes = _axes(wheels, shafts, number, places)
+    turning = {i for place in places for i in (place.first, place.second, place.carrier)}
+    idle = [name for name in names if number[name] not in turning]
+    if idle:
+        raise TrainRefused(f"shafts.{idle[0]} has no wheel in mesh and carries no planet; leave it out")
+    carrying = {place.carrier for place in places if place.central is not None}
+    wrong = [name for name, shaft in shafts.items() if shaft.has_planets and number[name] not in carrying]
+    if wrong:
+        raise TrainRefused(f"shafts.{wrong[0]}.planets: no planet turns in this shaft; leave it out")
+    same, distances = [], {}
+    pins: dict[str, int] = {}
+    for j, place in enumerate(places):
+        between = frozenset(axes[wheel] for wheel in place.wheels)
+        same += [(distances[between], j)] if between in distances else []
+        distances.setdefault(between, j)
+        if place.central is not None:
+            pins.setdefault(names[(place.second, place.first)[place.central]], j)
+    held = tuple(name for name, shaft in shafts.items() if shaft.held)
+    driven = tuple(name for name, shaft in shafts.items() if shaft.driven)
+    unknown = tuple(name for name, shaft in shafts.items() if shaft.moment_follows)
+    paths = _central_paths(names, places)
+    structure = GearStructure(
+        names, carriers, places, axes, tuple(same), pins, paths, held, driven, unknown, True, True
+    )
+    rank, follow = _generic_ranks(structure)
+    if rank < len(places):
+        raise TrainRefused(
+            f"{structure.words}; but a mesh only repeats what others say, or closes a loop that can't turn: leave one "
+            f"of {', '.join(meshes)} out"
+        )
+    if structure.mobility < 1:
+        raise TrainRefused(f"nothing can turn: {structure.words}; leave a mesh out, or give a wheel a shaft of its own")
+    return structure._replace(speeds_follow=follow[0], moments_follow=follow[1])
+
+
+def _carriers(shafts: Mapping[str, ShaftPlace], number: Mapping[str, int]) -> tuple[int, ...]:
+    found = []
+    for name, shaft in shafts.items():
+        carrier = FRAME if shaft.carrier is None else shaft.carrier
+        if carrier not in number:
+            raise TrainRefused(f"shafts.{name}.carrier: there is no shaft {carrier!r}; shafts are {', '.join(number)}")
+        found.append(number[carrier])
+    for i, name in enumerate(shafts):
+        at, passed = found[i], {i}
+        while at != STANDS_STILL:
+            if at in passed:
+                raise TrainRefused(
+                    f"shafts.{name}.carrier: {name} would turn in itself; let a carrier turn in the frame"
+                )
+            passed.add(at)
+            at = found[at]
+    return tuple(found)
+
+
+def _mesh_place(
+    name: str,
+    ends: MeshEnds,
+    wheels: Mapping[str, str],
+    number: Mapping[str, int],
+    names: tuple[str, ...],
+    carriers: tuple[int, ...],
+) -> MeshPlace:
+    for wheel in ends[:2]:
+        if wheel not in wheels:
+            raise TrainRefused(f"meshes.{name}.between: there is no wheel {wheel!r}; wheels are {', '.join(wheels)}")
+    first, second = (number[wheels[wheel]] for wheel in ends[:2])
+    if first == second:
+        where = FRAME if first == STANDS_STILL else names[first]
+        raise TrainRefused(f"meshes.{name}.between: both wheels are fixed to {where}, so that they can't roll")
+    sense = -1 if ends.internal else 1
+    # The frame turns about every axis that it has a wheel on, in whatever the planet's carrier turns in.
+    held_by = [None if shaft == STANDS_STILL else carriers[shaft] for shaft in (first, second)]
+    if held_by[0] == held_by[1]:
+        return MeshPlace(name, ends[:2], first, second, held_by[0], sense, None)
+    for central, planet in ((0, 1), (1, 0)):
+        carrier, shaft = held_by[planet], (first, second)[central]
+        if carrier in (None, STANDS_STILL, shaft):
+            continue
+        about = STANDS_STILL if held_by[central] is None else held_by[central]
+        if carriers[carrier] == about:
+            return MeshPlace(name, ends[:2], first, second, carrier, sense, central)
+    raise TrainRefused(
+        f"meshes.{name}.between: {ends.first} and {ends.second} don't keep their distance: both have to turn in the "
+        "same carrier, or one is a planet and the other coaxial with the planet's carrier"
+    )
+
+
+def _axes(
+    wheels: Mapping[str, str],
+    shafts: Mapping[str, ShaftPlace],
+    number: Mapping[str, int],
+    places: Sequence[MeshPlace],
+) -> dict[str, str]:
+    """One name for the axis of every shaft and wheel: coaxial ones have the same."""
+    # A wheel fixed to the frame has an axis of its own, as long as no planet rolls about it.
+    node = {wheel: shaft if shaft != FRAME else f"{FRAME} {wheel}" for wheel, shaft in wheels.items()}
+    root: dict[str, str] = {}
+
+    def found(name: str) -> str:
+        while name in root:
+            name = root[name]
+        return name
+
+    def join(one: str, other: str) -> None:
+        one, other = found(one), found(other)
+        if one != other:
+            root[one] = other
+
+    names = {i: name for name, i in number.items()}
+    for place in places:
+        if place.central is not None:
+            join(node[place.wheels[place.central]], names[place.carrier])
+    for name, shaft in shafts.items():
+        if shaft.axis is not None:
+            join(name, f"axis {shaft.axis} in {shaft.carrier or FRAME}")
+    return {wheel: found(name) for wheel, name in node.items()} | {name: found(name) for name in shafts}
+
+
+def _central_paths(names: tuple[str, ...], places: Sequence[MeshPlace]) -> dict[str, tuple[tuple[int, ...], ...]]:
+    """Meshes from one central wheel to another, for every pair of each carrier."""
+    paths: dict[str, tuple[tuple[int, ...], ...]] = {}
+    for carrier in dict.fromkeys(place.carrier for place in places if place.central is not None):
+        own = [j for j, place in enumerate(places) if place.carrier == carrier]
+        centrals = [j for j in own if places[j].central is not None]
+        found = [_path(places, own, start, end) for start, end in combinations(centrals, 2)]
+        paths[names[carrier]] = tuple(path for path in found if path)
+    return paths
+
+
+def planet_end(place: MeshPlace) -> int:
+    """Number of the planet's shaft in a mesh with a central wheel."""
+    return (place.second, place.first)[place.central]
+
+
+def _path(places: Sequence[MeshPlace], own: Sequence[int], start: int, end: int) -> tuple[int, ...]:
+    """Meshes from one with a central wheel to another one, over meshes between planets; () where there is no way."""
+    goal = planet_end(places[end])
+    waiting, seen = [(planet_end(places[start]), (start,))], set()
+    while waiting:
+        planet, way = waiting.pop(0)
+        if planet == goal:
+            return (*way, end)
+        seen.add(planet)
+        for j in own:
+            place = places[j]
+            if place.central is None and planet in (place.first, place.second):
+                other = place.second if planet == place.first else place.first
+                if other not in seen:
+                    waiting.append((other, (*way, j)))
+    return ()
+
+
+def _generic_ranks(structure: GearStructure) -> tuple[int, tuple[bool, bool]]:
+    """Rank of the meshes' equations with numbers of teeth that nothing ties, and whether what isn't given follows."""
+    rng = np.random.default_rng(1)
+    teeth = {wheel: rng.uniform(10, 100) for place in structure.meshes for wheel in place.wheels}
+    equations = np.zeros((len(structure.meshes), len(structure.shafts) + 1))
+    for j, place in enumerate(structure.meshes):
+        z_a, z_b = teeth[place.wheels[0]], place.sense * teeth[place.wheels[1]]
+        for shaft, value in ((place.first, z_a), (place.second, z_b), (place.carrier, -z_a - z_b)):
+            equations[j, shaft] += value
+    # The last column is that of the frame, which number −1 stands for.
+    equations = equations[:, :-1]
+
+    def follows(given: Sequence[str]) -> bool:
+        rest = [i for i, name in enumerate(structure.shafts) if name not in given]
+        return bool(np.linalg.matrix_rank(equations[:, rest]) == len(rest))
+
+    rank = int(np.linalg.matrix_rank(equations))
+    return rank, (follows((*structure.held, *structure.driven)), follows(structure.unknown_moments))

@@ -1,0 +1,72 @@
+"""Kinetic energy of a gear train and its inertia reduced to any of its shafts."""
+
+import math
+
+import numpy as np
+
+from engine.elements.gears.assembly_conditions import MeshSizes
+from engine.elements.gears.gear_elements import GearTrain
+from engine.elements.gears.train_speeds import EPS, Numbers, TrainSpeeds
+
+
+def kinetic_energy(
+    train: GearTrain, n: Numbers, speeds: TrainSpeeds, sizes: dict[str, MeshSizes]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Kinetic energy ½ Σ (I ω² + m (ω_h a)²) of all shafts and planets, and its error (variants,) [J].
+
+    Parameters
+    ----------
+    train : GearTrain
+    n : mapping of str to ndarray (variants,)
+    speeds : TrainSpeeds
+    sizes : dict of str to MeshSizes
+    """
+    structure = train.structure
+    energy, error = np.zeros((2, speeds.speeds.shape[1]))
+    for i, name in enumerate(structure.shafts):
+        mass, inertia = mass_and_inertia(train, n, name, sizes)
+        carrier = structure.carriers[i]
+        count = 1.0
+        parts = [(inertia, speeds.speeds[i], speeds.errors[i])]
+        if name in structure.planets:
+            count = planet_sets(train, n, structure.name_of(carrier))
+            if name in structure.pin_meshes:
+                radius = sizes[structure.meshes[structure.pin_meshes[name]].name].distance
+                parts.append((mass * radius**2, speeds.speeds[carrier], speeds.errors[carrier]))
+        for moved, speed, off in parts:
+            energy += 0.5 * count * moved * speed**2
+            error += count * moved * np.abs(speed) * (off + 8.0 * EPS * np.abs(speed))
+    return energy, error
+
+
+def planet_sets(train: GearTrain, n: Numbers, carrier: str) -> np.ndarray:
+    """How many sets of planets a carrier has (variants,)."""
+    if carrier in train.shafts and train.shafts[carrier].planets is not None:
+        return n[f"shafts.{carrier}.planets"]
+    return np.ones(next(iter(n.values())).size)
+
+
+def mass_and_inertia(
+    train: GearTrain, n: Numbers, shaft: str, sizes: dict[str, MeshSizes]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Mass and inertia about its own axis of a shaft with its wheels (variants,).
+
+    Parameters
+    ----------
+    train : GearTrain
+    n : mapping of str to ndarray (variants,)
+    shaft : str
+    sizes : dict of str to MeshSizes
+    """
+    own = train.shafts[shaft]
+    zero = np.zeros(next(iter(n.values())).size)
+    mass = n[f"shafts.{shaft}.mass"] if own.mass is not None else zero
+    inertia = n[f"shafts.{shaft}.inertia"] if own.inertia is not None else zero
+    for name, wheel in train.wheels.items():
+        if wheel.shaft != shaft or wheel.width is None:
+            continue
+        mesh, end = next((m, mesh.between.index(name)) for m, mesh in train.meshes.items() if name in mesh.between)
+        diameter, bore = sizes[mesh].diameters[end], n[f"wheels.{name}.bore"]
+        disc = n[f"wheels.{name}.density"] * n[f"wheels.{name}.width"] * math.pi / 4.0 * (diameter**2 - bore**2)
+        mass, inertia = mass + disc, inertia + disc * (diameter**2 + bore**2) / 8.0
+    return mass, inertia

@@ -1,0 +1,201 @@
+"""Moments on the members of a gear train with losses in its meshes, and whether it moves at all.
+
+A mesh takes a moment from one wheel and gives the other what is due by their teeth, times η where that one is driven as
+seen from the carrier; the carrier carries the rest. Which one drives follows from the moments: directions are assumed,
+solved, checked.
+"""
+
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.elements.gears.exact_solving import solve_exactly
+from engine.elements.gears.gear_elements import GearTrain
+from engine.elements.gears.train_speeds import EPS, Numbers, TrainSpeeds, teeth_of
+
+# Powers below this share of the mesh's largest terms are nothing but rounding.
+_NOTHING = 64 * EPS
+
+
+class TrainMoments(NamedTuple):
+    """Equilibrium of a train (shafts or meshes, variants); NaN where it doesn't move.
+
+    Attributes
+    ----------
+    moments, moment_errors : ndarray (shafts, variants)
+        From outside on every shaft [N·m].
+    tooth_moments : ndarray (meshes, 2, variants)
+        Of the mesh on its two wheels [N·m].
+    tooth_moment_errors : ndarray (meshes, variants)
+        As a share of them.
+    rolling_powers : ndarray (meshes, variants)
+        What the first wheel gives the second, as seen from the carrier [W].
+    moves : ndarray (variants,) of bool
+        Whether what is given moves the train, so that power comes out of it.
+    """
+
+    moments: np.ndarray
+    moment_errors: np.ndarray
+    tooth_moments: np.ndarray
+    tooth_moment_errors: np.ndarray
+    rolling_powers: np.ndarray
+    moves: np.ndarray
+
+
+def train_moments(
+    train: GearTrain, n: Numbers, speeds: TrainSpeeds, efficiencies: np.ndarray, backwards: bool = False
+) -> TrainMoments:
+    """Moments from equilibrium, with the directions in which power flows.
+
+    Several sets of directions may agree with what follows from them where losses are large: that one counts in which
+    power comes out of the train; if there is none the train stands.
+
+    Parameters
+    ----------
+    train : GearTrain
+    n : mapping of str to ndarray (variants,)
+        Its numbers.
+    speeds : TrainSpeeds
+    efficiencies : ndarray (meshes, variants)
+        Of the meshes with their carriers at rest.
+    backwards : bool
+        Whether the train turns the other way under the same moments.
+    """
+    structure = train.structure
+    loads = np.zeros_like(speeds.speeds)
+    for i, name in enumerate(structure.shafts):
+        if train.shafts[name].moment is not None:
+            loads[i] = n[f"shafts.{name}.moment"]
+    turned = TrainSpeeds((-1.0 if backwards else 1.0) * speeds.speeds, speeds.errors)
+    teeth = np.array([teeth_of(place, n) for place in structure.meshes])
+    equilibrium = _Equilibrium(train, teeth, turned, loads, efficiencies)
+    senses = np.zeros(efficiencies.shape)
+    found = equilibrium.solved(senses)
+    for _ in range(len(structure.meshes) + 2):
+        again = ~found.agrees
+        if not again.any():
+            break
+        senses = np.where(again, found.senses, senses)
+        found = equilibrium.solved(senses)
+    doubtful = np.flatnonzero(~(found.agrees & found.gives))
+    if doubtful.size and (efficiencies[:, doubtful] < 1.0).any():
+        best = equilibrium.of(doubtful).best()
+        for whole, part in zip(found, best, strict=True):
+            whole[..., doubtful] = part
+    moves = found.agrees & found.gives
+    with np.errstate(invalid="ignore"):
+        hidden = np.where(moves, 1.0, np.nan)
+    return TrainMoments(
+        found.moments * hidden,
+        found.moment_errors * hidden,
+        found.tooth_moments * hidden,
+        found.share_errors * hidden,
+        found.powers * hidden,
+        moves,
+    )
+
+
+class _Solved(NamedTuple):
+    """Equilibrium under assumed directions; which directions follow, whether they agree, whether power comes out."""
+
+    moments: np.ndarray
+    moment_errors: np.ndarray
+    tooth_moments: np.ndarray
+    share_errors: np.ndarray
+    powers: np.ndarray
+    senses: np.ndarray
+    agrees: np.ndarray
+    gives: np.ndarray
+
+
+class _Equilibrium(NamedTuple):
+    """What equilibrium follows from."""
+
+    train: GearTrain
+    teeth: np.ndarray
+    speeds: TrainSpeeds
+    loads: np.ndarray
+    efficiencies: np.ndarray
+
+    def of(self, chosen: np.ndarray) -> "_Equilibrium":
+        """That of some of the variants."""
+        speeds = TrainSpeeds(self.speeds.speeds[:, chosen], self.speeds.errors[:, chosen])
+        return self._replace(
+            teeth=self.teeth[..., chosen],
+            speeds=speeds,
+            loads=self.loads[:, chosen],
+            efficiencies=self.efficiencies[:, chosen],
+        )
+
+    def solved(self, senses: np.ndarray) -> _Solved:
+        """Equilibrium with first wheels driving where `senses` is 1, second ones where −1, no losses where 0."""
+        structure = self.train.structure
+        count, meshes = len(structure.shafts), len(structure.meshes)
+        variants = senses.shape[1]
+        # What each mesh does to every shaft for a tooth force of one; the last row is the frame's.
+        acts = np.zeros((count + 1, meshes, variants))
+        ends = self.teeth * np.where(
+            np.array([senses < 0, senses > 0]).transpose(1, 0, 2), self.efficiencies[:, None], 1.0
+        )
+        for j, place in enumerate(structure.meshes):
+            acts[place.first, j] += ends[j, 0]
+            acts[place.second, j] += ends[j, 1]
+            acts[place.carrier, j] -= ends[j].sum(axis=0)
+        acts = acts[:count]
+        unknown = structure.number_of(structure.unknown_moments)
+        known = [i for i in range(count) if i not in unknown]
+        solution = solve_exactly(acts[known], -self.loads[known][:, None])
+        force = solution.values[:, 0]
+        moments, errors = self.loads.copy(), EPS * np.abs(self.loads)
+        with np.errstate(invalid="ignore"):
+            # Efficiencies are as good as the numbers they are made of.
+            rounding = (acts[known] != np.rint(acts[known])) * (8.0 * EPS * np.abs(acts[known]))
+            off = np.einsum("kjv,jv->kv", rounding, np.abs(force)) + EPS * np.abs(self.loads[known])
+            force_errors = np.einsum("jkv,kv->jv", solution.inverse, off) + 4.0 * EPS * np.abs(force)
+            force_errors += solution.errors[:, 0]
+            moments[unknown] = -np.einsum("ujv,jv->uv", acts[unknown], force)
+            errors[unknown] = np.einsum("ujv,jv->uv", np.abs(acts[unknown]), force_errors + 8.0 * EPS * np.abs(force))
+            powers = np.stack(
+                [
+                    -force[j] * self.teeth[j, 0] * self.speeds.relative(place.first, place.carrier)
+                    for j, place in enumerate(structure.meshes)
+                ]
+            )
+            largest = np.stack(
+                [
+                    np.abs(force[j] * self.teeth[j, 0])
+                    * (np.abs(self.speeds.of(place.first)) + np.abs(self.speeds.of(place.carrier)))
+                    for j, place in enumerate(structure.meshes)
+                ]
+            )
+            follows = np.where(np.abs(powers) > _NOTHING * largest, np.sign(powers), 0.0)
+            agrees = ((follows == senses) | (follows == 0) | (self.efficiencies == 1.0)).all(axis=0)
+            shares = np.where(force == 0, 0.0, force_errors / np.abs(force))
+            given = moments * self.speeds.speeds
+            figure = errors * np.abs(self.speeds.speeds) + np.abs(moments) * self.speeds.errors
+            out, into = np.minimum(given + figure, 0.0).sum(axis=0), np.maximum(given - figure, 0.0).sum(axis=0)
+        # Where nothing goes in nothing need come out: moments that do no work are in equilibrium.
+        gives = (out < 0) | (into <= 0)
+        return _Solved(moments, errors, ends * force[:, None], shares, powers, follows, agrees, gives)
+
+    def best(self) -> _Solved:
+        """Of all directions that agree with what follows from them those in which most power comes out."""
+        found = None
+        for signs in product((1.0, -1.0), repeat=len(self.teeth)):
+            senses = np.broadcast_to(np.array(signs)[:, None], self.efficiencies.shape)
+            tried = self.solved(senses)
+            if found is None:
+                found = tried
+                continue
+            better = _quality(self, tried) > _quality(self, found)
+            found = _Solved(*(np.where(better, new, old) for new, old in zip(tried, found, strict=True)))
+        return found
+
+
+def _quality(equilibrium: _Equilibrium, solved: _Solved) -> np.ndarray:
+    """The share of the power put in that comes out; −1 where directions don't agree or nothing comes out."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        given = solved.moments * equilibrium.speeds.speeds
+        share = -np.minimum(given, 0.0).sum(axis=0) / np.maximum(given, 0.0).sum(axis=0)
+    return np.where(solved.agrees & solved.gives, np.nan_to_num(share, nan=1.0), -1.0)

@@ -1,0 +1,179 @@
+"""What one mass does under a force, or on a support, that is given over time: greatest values, and its history."""
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numba
+import numpy as np
+from numba import types
+
+from engine.compiling.running import prepare, spread
+from engine.elements.element_laws import ElementResult
+from engine.elements.oscillators.forced_pieces import (
+    CARRIED,
+    END,
+    END_RATE,
+    FOUND,
+    GREATEST,
+    GREATEST_AT,
+    STRETCH,
+    STRETCH_AT,
+    follow_pieces,
+)
+from engine.elements.oscillators.one_mass import free_motion
+from engine.elements.oscillators.oscillator_element import OscillatorElement, OverTime, SupportOverTime
+
+Numbers = Mapping[str, np.ndarray]
+Columns = dict[str, np.ndarray]
+
+# Straight pieces that a formula is made of; the half of them tells what they miss.
+PIECES = 4096
+OVER_TIME_RESULTS = (
+    ElementResult("greatest_displacement", "greatest displacement, by magnitude", "m"),
+    ElementResult("greatest_displacement_at", "when the displacement is greatest", "s"),
+    ElementResult("spring_force", "greatest force in the spring, by magnitude", "N"),
+    ElementResult("spring_force_at", "when the force in the spring is greatest", "s"),
+    ElementResult("dynamic_factor", "greatest displacement over that of a mass that follows at rest", "1", None, True),
+    ElementResult("end_displacement", "displacement at the end", "m"),
+    ElementResult("end_velocity", "velocity at the end", "m s-1"),
+)
+
+
+def over_time_keys(excitation: OverTime) -> tuple[str, ...]:
+    """Keys, below those of the excitation, of all numbers that it is given."""
+    time = () if excitation.time is None else ("time",)
+    return (*time, *(f"numbers.{name}" for name in excitation.numbers))
+
+
+def _given_over_time(excitation: OverTime, n: Numbers, pieces: int) -> tuple[np.ndarray, np.ndarray]:
+    """Rows (1 or variants, 2, rows) of what drives the mass, and for how long it is followed (variants or 1,)."""
+    if excitation.formula is None:
+        drives = excitation.displacement if isinstance(excitation, SupportOverTime) else excitation.force
+        rows = np.array([[excitation.over_time, drives]], float)
+        return rows, n["excitation.time"] if excitation.time is not None else rows[0, 0, -1:]
+    horizon = n["excitation.time"]
+    time = horizon[:, None] * np.linspace(0.0, 1.0, pieces + 1)
+    numbers = {name: n[f"excitation.numbers.{name}"][:, None] for name in excitation.numbers}
+    drives = excitation.expression.evaluate({"t": time, **numbers})
+    return np.stack([time, np.broadcast_to(drives, time.shape)], axis=1), horizon
+
+
+def _followed(
+    element: OscillatorElement, n: Numbers, stiffness: np.ndarray, ratio: np.ndarray, pieces: int, kept: int = 0
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """What `follow_pieces` finds, the states it keeps, and the rows and horizons it was given."""
+    rows, horizon = _given_over_time(element.excitation, n, pieces)
+    none = np.zeros_like(stiffness)
+    start = (none, none) if element.start is None else (n["start.displacement"], n["start.velocity"])
+    given = np.array([np.broadcast_to(a, none.shape) for a in (stiffness, n["mass"], ratio, *start, horizon)])
+    rows = np.ascontiguousarray(rows)
+    found, states = np.empty((FOUND, none.size)), np.empty((none.size, kept, 3))
+    arguments = (isinstance(element.excitation, SupportOverTime), given, rows, found, states)
+    prepare(follow_pieces, [types.intp, types.intp, *(numba.typeof(a) for a in arguments)])
+    spread(follow_pieces, none.size, lambda: arguments)
+    return found, states, rows, given[-1]
+
+
+def over_time_columns(
+    element: OscillatorElement, n: Numbers, stiffness: np.ndarray, ratio: np.ndarray, pieces: int = PIECES
+) -> tuple[Columns, Columns]:
+    """Results of an oscillator under an excitation over time, and the rounding that they carry beside that of numbers.
+
+    Parameters
+    ----------
+    element : OscillatorElement
+    n : mapping of str to ndarray (variants,)
+        Its numbers by their keys.
+    stiffness, ratio : ndarray (variants,)
+        [N/m]; damping ratio.
+    pieces : int
+        Of which a formula is made.
+
+    Returns
+    -------
+    columns, carried : dict of str to ndarray (variants,)
+        As named by OVER_TIME_RESULTS.
+    """
+    found, _, rows, horizon = _followed(element, n, stiffness, ratio, pieces)
+    every = np.broadcast_to(rows, (horizon.size, *rows.shape[1:]))
+    ends = np.array([np.interp(until, *row) for until, row in zip(horizon, every, strict=True)])
+    reached = np.where(rows[:, 0] <= horizon[:, None], np.abs(rows[:, 1]), 0.0).max(axis=1)
+    drives = np.maximum(reached, np.abs(ends))
+    at_rest = drives if isinstance(element.excitation, SupportOverTime) else drives / stiffness
+    with np.errstate(all="ignore"):
+        factor = np.where(at_rest > 0.0, found[GREATEST] / at_rest, math.nan)
+        carried = found[CARRIED] / 4.0
+        rate = carried * np.sqrt(stiffness / n["mass"]) * np.maximum(1.0, 2.0 * ratio)
+    columns = {
+        "greatest_displacement": found[GREATEST],
+        "greatest_displacement_at": found[GREATEST_AT],
+        "spring_force": stiffness * found[STRETCH],
+        "spring_force_at": found[STRETCH_AT],
+        "dynamic_factor": factor,
+        "end_displacement": found[END],
+        "end_velocity": found[END_RATE],
+    }
+    sizes = {
+        "greatest_displacement": carried,
+        "spring_force": stiffness * carried,
+        "dynamic_factor": carried / at_rest,
+        "end_displacement": carried,
+        "end_velocity": rate,
+    }
+    return columns, sizes
+
+
+class OscillatorHistory(NamedTuple):
+    """One mass over time; every attribute is an ndarray (instants,).
+
+    Attributes
+    ----------
+    time : ndarray
+        [s].
+    displacement, velocity : ndarray
+        [m], [m/s].
+    spring_force : ndarray
+        [N].
+    drives : ndarray
+        Force on the mass [N] or displacement of the support [m].
+    """
+
+    time: np.ndarray
+    displacement: np.ndarray
+    velocity: np.ndarray
+    spring_force: np.ndarray
+    drives: np.ndarray
+
+
+def oscillator_history(element: OscillatorElement, n: Numbers, columns: Columns, instants: int) -> OscillatorHistory:
+    """An oscillator under an excitation over time, at equally spaced instants.
+
+    Parameters
+    ----------
+    element : OscillatorElement
+    n, columns : mapping of str to ndarray (1,)
+        Its numbers by their keys and its results, from `oscillator_numbers` and `oscillator_columns`.
+    instants : int
+    """
+    excitation = element.excitation
+    kept = PIECES + 1 if excitation.formula is not None else len(excitation.over_time)
+    stiffness, ratio = columns["stiffness"], columns["damping_ratio"]
+    _, states, rows, horizon = _followed(element, n, stiffness, ratio, PIECES, kept)
+    states = states[0][~np.isnan(states[0, :, 0])]
+    k, w, z = float(stiffness[0]), float(columns["natural_frequency"][0]), float(ratio[0])
+    time = np.linspace(0.0, float(horizon[0]), instants)
+    begins, q, rate = states[np.searchsorted(states[:, 0], time, side="right") - 1].T
+    piece = np.searchsorted(rows[0, 0], begins, side="right") - 1
+    ahead = np.minimum(piece + 1, rows.shape[2] - 1)
+    (t0, x0), (t1, x1) = rows[0][:, piece], rows[0][:, ahead]
+    slope = np.divide(x1 - x0, t1 - t0, out=np.zeros_like(x0), where=t1 > t0)
+    drives = x0 + slope * (time - t0)
+    moves_support = isinstance(excitation, SupportOverTime)
+    drift = slope if moves_support else slope / k
+    level = x0 if moves_support else x0 / k - float(columns["damping"][0]) / k * drift
+    full = np.full(time.shape, w), np.full(time.shape, z)
+    moved, moving = free_motion(*full, q - level, rate - drift, time - begins)
+    displacement = level + drift * (time - begins) + moved
+    stretch = displacement - drives if moves_support else displacement
+    return OscillatorHistory(time, displacement, drift + moving, k * stretch, drives)

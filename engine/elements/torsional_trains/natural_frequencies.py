@@ -1,0 +1,263 @@
+"""Natural frequencies and modes of a tree of masses and shafts, every frequency between two counted bounds.
+
+Eliminating the masses from the ends of the tree towards its root, a mass with all that hangs on it acts as a spring of
+the dynamic stiffness s = Σ t − ω² J against its parent's shaft, and through the shaft as t = k s/(k + s). The signs of
+all k + s, and of s at the root, are those of the pivots of an LDLᵀ factorisation of K − ω² M: as many are negative as
+there are natural frequencies below ω. Whatever rounding does in this is the same as a change of every inertia and
+stiffness by a few roundings for each mass on the way to the root, so that the count is right for a train so near, and
+its frequencies, whatever the ratios of its numbers, are those of the given one but for as many roundings.
+
+Each frequency is enclosed by bisection between two squares with different counts. Modes follow by inverse iteration.
+
+Sources: J. W. Demmel and W. Gragg, On computing accurate singular values and eigenvalues of matrices with acyclic
+graphs, Linear Algebra Appl. 185 (1993); B. N. Parlett, The Symmetric Eigenvalue Problem (counts of pivots, inverse
+iteration); R.-C. Li, Relative perturbation theory II, SIAM J. Matrix Anal. Appl. 20 (1998), for the modes' figures.
+"""
+
+import math
+from typing import NamedTuple
+
+import numba
+import numpy as np
+from numba import types
+
+from engine.compiling.decorators import driver, routine
+from engine.compiling.running import prepare, spread
+from engine.compiling.tiles import LANES
+from engine.elements.torsional_trains.reduced_train import ReducedTrain
+
+EPS = float(np.finfo(float).eps)
+# Relative distance of the bounds of a frequency's square when bisection ends.
+ENCLOSED = 2.0**-50
+# Below the greatest square by this, there are no squares but 0.
+_LOWEST = 2.0**-400
+# Where a pivot would be 0, this share of the stiffness with a minus sign.
+_NO_PIVOT = -(2.0**-60)
+_ITERATIONS = 2
+# Rows for all nodes, and single ones, that a block is worked on in.
+_ROWS, _SINGLE = 7, 5
+# Roundings of every inertia and stiffness that a mass on the way to the root stands for.
+_PER_MASS = 5.0
+
+
+class NaturalVibration(NamedTuple):
+    """Natural frequencies and modes of a reduced train.
+
+    Attributes
+    ----------
+    frequencies, frequency_errors : ndarray (modes, variants)
+        Rising, above 0 [rad/s]; NaN where numbers aren't finite.
+    modes, mode_errors : ndarray (modes, nodes, variants)
+        Amplitudes of the nodes, with Σ J q² = 1; NaN where two frequencies are so near that modes mix.
+    """
+
+    frequencies: np.ndarray
+    frequency_errors: np.ndarray
+    modes: np.ndarray
+    mode_errors: np.ndarray
+
+
+def natural_vibration(train: ReducedTrain, count: int) -> NaturalVibration:
+    """The lowest natural frequencies above 0, and their modes.
+
+    Parameters
+    ----------
+    train : ReducedTrain
+    count : int
+        How many; no more than there are.
+    """
+    nodes, variants = train.inertias.shape
+    free = 0 if train.ground.any() else 1
+    # One more, to tell how far the last mode is from the next.
+    found = min(count + 1, nodes - free)
+    squares, modes = np.empty((found, variants)), np.empty((found, nodes, variants))
+    arrays = (train.parents, train.inertias, train.ground, train.stiffnesses, squares, modes)
+    arrays = tuple(np.ascontiguousarray(a) for a in arrays[:4]) + arrays[4:]
+
+    def arguments() -> tuple:
+        return (free, *arrays, np.empty((_ROWS, nodes, LANES)), np.empty((_SINGLE, LANES)))
+
+    prepare(_enclose, [types.intp, types.intp, types.intp, *(numba.typeof(a) for a in arguments()[1:])])
+    spread(_enclose, -(-variants // LANES), arguments)
+    # Each square is off by twice as many roundings as inertias and stiffnesses are, together, and the root by half.
+    rounded = EPS * (train.roundings + _PER_MASS * nodes + 1.0)
+    frequencies = np.sqrt(squares)
+    errors = frequencies * (rounded + ENCLOSED)
+    mode_errors = _mode_errors(train, squares, modes, rounded)
+    mixed = np.isnan(mode_errors)
+    return NaturalVibration(
+        frequencies[:count],
+        errors[:count],
+        np.where(mixed, math.nan, modes)[:count],
+        mode_errors[:count],
+    )
+
+
+def _mode_errors(train: ReducedTrain, squares: np.ndarray, modes: np.ndarray, rounded: np.ndarray) -> np.ndarray:
+    """What modes may be off by, from how far their squares are from each other; NaN where nothing is known."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # Of two that are the same, the bounds may be in either order.
+        gaps = np.abs(np.diff(squares, axis=0)) / (squares[1:] + squares[:-1])
+        # Of the zero of a free train, and of the frequencies above those found, every square is far away.
+        far = np.ones_like(squares[:1])
+        nearest = np.minimum(np.concatenate([far, gaps]), np.concatenate([gaps, far]))
+        turned = 4.0 * (rounded + ENCLOSED) / nearest
+        turned = np.where(turned < 0.1, turned, math.nan)
+        return turned[:, None] / np.sqrt(train.inertias) + 8.0 * EPS * np.abs(modes)
+
+
+@routine
+def _count_below(
+    parents: np.ndarray,
+    inertias: np.ndarray,
+    ground: np.ndarray,
+    stiffnesses: np.ndarray,
+    squares: np.ndarray,
+    dynamic: np.ndarray,
+    below: np.ndarray,
+) -> None:
+    """How many natural frequencies are below √squares, lane by lane; dynamic stiffnesses s of all nodes on the way."""
+    nodes = inertias.shape[0]
+    for node in range(nodes):
+        for lane in range(LANES):
+            dynamic[node, lane] = ground[node, lane] - squares[lane] * inertias[node, lane]
+    for lane in range(LANES):
+        below[lane] = 0.0
+    for node in range(nodes - 1, 0, -1):
+        parent = parents[node]
+        for lane in range(LANES):
+            k, s = stiffnesses[node, lane], dynamic[node, lane]
+            pivot = k + s
+            pivot = _NO_PIVOT * k if pivot == 0.0 else pivot
+            below[lane] += 1.0 if pivot < 0.0 else 0.0
+            dynamic[parent, lane] += k * s / pivot
+    for lane in range(LANES):
+        below[lane] += 1.0 if dynamic[0, lane] < 0.0 else 0.0
+
+
+@routine
+def _iterate(
+    parents: np.ndarray,
+    inertias: np.ndarray,
+    stiffnesses: np.ndarray,
+    squares: np.ndarray,
+    dynamic: np.ndarray,
+    pushed: np.ndarray,
+    mode: np.ndarray,
+    size: np.ndarray,
+) -> None:
+    """One step of inverse iteration, (K − ω² M) q = M q_before, by the dynamic stiffnesses of the tree; Σ J q² = 1."""
+    nodes = inertias.shape[0]
+    for node in range(nodes):
+        for lane in range(LANES):
+            pushed[node, lane] = inertias[node, lane] * mode[node, lane]
+    for node in range(nodes - 1, 0, -1):
+        parent = parents[node]
+        for lane in range(LANES):
+            k = stiffnesses[node, lane]
+            pivot = k + dynamic[node, lane]
+            pivot = _NO_PIVOT * k if pivot == 0.0 else pivot
+            pushed[parent, lane] += k / pivot * pushed[node, lane]
+    for lane in range(LANES):
+        s = dynamic[0, lane]
+        s = _NO_PIVOT * inertias[0, lane] * squares[lane] if s == 0.0 else s
+        mode[0, lane] = pushed[0, lane] / s
+        size[lane] = inertias[0, lane] * mode[0, lane] ** 2
+    for node in range(1, nodes):
+        parent = parents[node]
+        for lane in range(LANES):
+            k = stiffnesses[node, lane]
+            pivot = k + dynamic[node, lane]
+            pivot = _NO_PIVOT * k if pivot == 0.0 else pivot
+            mode[node, lane] = (pushed[node, lane] + k * mode[parent, lane]) / pivot
+            size[lane] += inertias[node, lane] * mode[node, lane] ** 2
+    for lane in range(LANES):
+        size[lane] = 1.0 / math.sqrt(size[lane])
+    for node in range(nodes):
+        for lane in range(LANES):
+            mode[node, lane] *= size[lane]
+
+
+@driver
+def _enclose(
+    begin: int,
+    end: int,
+    free: int,
+    parents: np.ndarray,
+    all_inertias: np.ndarray,
+    all_ground: np.ndarray,
+    all_stiffnesses: np.ndarray,
+    squares: np.ndarray,
+    modes: np.ndarray,
+    room: np.ndarray,
+    lanes: np.ndarray,
+) -> None:
+    """Squares of natural frequencies, and modes, of blocks `begin` … `end` − 1 of LANES variants.
+
+    `room` (_ROWS, nodes, LANES) and `lanes` (_SINGLE, LANES) are used meanwhile.
+    """
+    nodes, variants = all_inertias.shape
+    inertias, ground, stiffnesses, dynamic = room[0], room[1], room[2], room[3]
+    pushed, mode, rows = room[4], room[5], room[6]
+    low, high, middle, below, greatest = lanes[0], lanes[1], lanes[2], lanes[3], lanes[4]
+    for block in range(begin, end):
+        first = block * LANES
+        count = min(LANES, variants - first)
+        for node in range(nodes):
+            for lane in range(LANES):
+                place = first + min(lane, count - 1)
+                inertias[node, lane] = all_inertias[node, place]
+                ground[node, lane] = all_ground[node, place]
+                stiffnesses[node, lane] = all_stiffnesses[node, place]
+        # No square is greater than the greatest sum of magnitudes in a row of M⁻¹ K.
+        for node in range(nodes):
+            for lane in range(LANES):
+                rows[node, lane] = ground[node, lane] + 2.0 * stiffnesses[node, lane]
+        for node in range(1, nodes):
+            for lane in range(LANES):
+                rows[parents[node], lane] += 2.0 * stiffnesses[node, lane]
+        for lane in range(LANES):
+            greatest[lane] = below[lane] = 0.0
+        for node in range(nodes):
+            for lane in range(LANES):
+                bound = 2.0 * rows[node, lane] / inertias[node, lane]
+                greatest[lane] = bound if bound > greatest[lane] else greatest[lane]
+                below[lane] += bound
+        for lane in range(LANES):
+            # What isn't a number must not be passed over.
+            greatest[lane] = greatest[lane] if below[lane] < math.inf else math.nan
+            low[lane] = _LOWEST * greatest[lane]
+        for k in range(squares.shape[0]):
+            for lane in range(LANES):
+                high[lane] = greatest[lane]
+            wide, found_before = 1.0, float(free + k)
+            while wide > 0.0:
+                for lane in range(LANES):
+                    a, b = low[lane], high[lane]
+                    middle[lane] = math.sqrt(a) * math.sqrt(b) if b > 4.0 * a else 0.5 * (a + b)
+                _count_below(parents, inertias, ground, stiffnesses, middle, dynamic, below)
+                wide = 0.0
+                for lane in range(LANES):
+                    # Lanes that are done wait for the others as they are.
+                    a, b, m, count_below = low[lane], high[lane], middle[lane], below[lane]
+                    lower = a if count_below > found_before else m
+                    upper = m if count_below > found_before else b
+                    lower = lower if b - a > ENCLOSED * b else a
+                    upper = upper if b - a > ENCLOSED * b else b
+                    low[lane], high[lane] = lower, upper
+                    wide += 1.0 if upper - lower > ENCLOSED * upper else 0.0
+            for lane in range(LANES):
+                middle[lane] = 0.5 * (low[lane] + high[lane])
+            _count_below(parents, inertias, ground, stiffnesses, middle, dynamic, below)
+            for node in range(nodes):
+                # Any start will do that isn't at right angles to the mode: numbers without a pattern.
+                start = 1.0 + (0.618 * (node + 1)) % 1.0
+                for lane in range(LANES):
+                    mode[node, lane] = start / math.sqrt(inertias[node, lane])
+            for _ in range(_ITERATIONS):
+                _iterate(parents, inertias, stiffnesses, middle, dynamic, pushed, mode, below)
+            for lane in range(count):
+                squares[k, first + lane] = middle[lane]
+            for node in range(nodes):
+                for lane in range(count):
+                    modes[k, node, first + lane] = mode[node, lane]

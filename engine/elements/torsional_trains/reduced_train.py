@@ -1,0 +1,143 @@
+"""A train's numbers reduced to the shaft of its first mass, node by node."""
+
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.elements.compliances.reduction import in_series, part_keys, reduced_part
+from engine.elements.torsional_trains.train_element import TorsionalTrain
+
+Numbers = Mapping[str, np.ndarray]
+
+
+class ReducedTrain(NamedTuple):
+    """A train as its first mass feels it, for a set of variants.
+
+    Attributes
+    ----------
+    parents : ndarray of int (nodes,)
+        Node before each node, lower than its own number; -1 for the first.
+    inertias : ndarray (nodes, variants)
+        [kg·m²].
+    mass_damping : ndarray (nodes, variants)
+        Against the frame [N·m·s/rad].
+    stiffnesses, dampings, absorptions : ndarray (nodes, variants)
+        Of the shaft to the parent; 0 for the first node [N·m/rad], [N·m·s/rad], [1].
+    ground, ground_damping, ground_loss : ndarray (nodes, variants)
+        Of all shafts to the frame [N·m/rad], [N·m·s/rad], and stiffness times energy absorption [N·m/rad].
+    ground_shafts : dict of str to tuple of ndarray (variants,)
+        The same of each shaft to the frame.
+    ratios : dict of str to ndarray (variants,)
+        Speed of each mass over that of the first one, were all shafts rigid.
+    shaft_ratios : dict of str to ndarray (variants,)
+        The same of each shaft's first end.
+    roundings : ndarray (variants,)
+        What any of the inertias and stiffnesses may be off by, over eps of it.
+    """
+
+    parents: np.ndarray
+    inertias: np.ndarray
+    mass_damping: np.ndarray
+    stiffnesses: np.ndarray
+    dampings: np.ndarray
+    absorptions: np.ndarray
+    ground: np.ndarray
+    ground_damping: np.ndarray
+    ground_loss: np.ndarray
+    ground_shafts: dict[str, tuple[np.ndarray, np.ndarray, np.ndarray]]
+    ratios: dict[str, np.ndarray]
+    shaft_ratios: dict[str, np.ndarray]
+    roundings: np.ndarray
+
+
+def train_keys(train: TorsionalTrain) -> Iterator[str]:
+    """Keys of all numbers that masses, shafts and gears are given."""
+    for name in train.masses:
+        if train.masses[name].inertia is not None:
+            yield f"masses.{name}.inertia"
+        yield f"masses.{name}.damping"
+    for name, shaft in train.shafts.items():
+        yield f"shafts.{name}.ratio"
+        for key in ("stiffness", "damping", "energy_absorption"):
+            if getattr(shaft, key) is not None:
+                yield f"shafts.{name}.{key}"
+        for part_name, part in (shaft.parts or {}).items():
+            yield from part_keys(part, f"shafts.{name}.parts.{part_name}")
+    yield from (f"gears.{name}.ratio" for name in train.gears)
+
+
+def reduced_train(train: TorsionalTrain, n: Numbers) -> ReducedTrain:
+    """Reduce a train to the shaft of its first mass.
+
+    Parameters
+    ----------
+    train : TorsionalTrain
+        How it hangs together; its numbers are not used.
+    n : mapping of str to ndarray (variants,)
+        Its numbers by their keys, such as "masses.flywheel.inertia".
+    """
+    layout = train.layout
+    one = np.ones_like(n[f"masses.{layout.masses[0]}.damping"])
+    ratios = {layout.masses[0]: one}
+    for mass, before, joint, forwards in layout.path:
+        ratio = n[f"{'gears' if joint in train.gears else 'shafts'}.{joint}.ratio"]
+        ratios[mass] = ratios[before] * ratio if forwards else ratios[before] / ratio
+    nodes = len(layout.parents)
+    inertias, mass_damping, stiffnesses, dampings, absorptions, ground, ground_damping, ground_loss = np.zeros(
+        (8, nodes, *one.shape)
+    )
+    for mass, node in zip(layout.masses, layout.node_of, strict=True):
+        key = f"masses.{mass}.inertia" if train.masses[mass].inertia is not None else "machine.inertia"
+        inertias[node] += ratios[mass] ** 2 * n[key]
+        mass_damping[node] += ratios[mass] ** 2 * n[f"masses.{mass}.damping"]
+    shaft_ratios, ground_shafts, roundings = {}, {}, np.zeros_like(one)
+    grounded, node_of = dict(layout.grounded), dict(zip(layout.masses, layout.node_of, strict=True))
+    for name, shaft in train.shafts.items():
+        stiffness, damping, absorption, rounded = _shaft(train, name, n)
+        first = shaft.between[0] if shaft.between[0] in ratios else shaft.between[1]
+        g = shaft_ratios[name] = ratios[first]
+        roundings = np.maximum(roundings, rounded)
+        if name in grounded:
+            node = node_of[grounded[name]]
+            held = ground_shafts[name] = g**2 * stiffness, g**2 * damping, g**2 * stiffness * absorption
+            for total, part in zip((ground, ground_damping, ground_loss), held, strict=True):
+                total[node] += part
+        else:
+            node = layout.shaft_to.index(name)
+            stiffnesses[node], dampings[node], absorptions[node] = g**2 * stiffness, g**2 * damping, absorption
+    if train.takes_machine_inertia:
+        roundings = np.maximum(roundings, n["machine.inertia_error"] / n["machine.inertia"] / np.finfo(float).eps)
+    # Every joint on the way multiplies by its ratio, rounded as given and once more.
+    roundings = roundings + 4.0 * (len(layout.path) if any_ratio(train) else 0) + 8.0 + 2.0 * len(train.gears)
+    return ReducedTrain(
+        np.array(layout.parents),
+        inertias,
+        mass_damping,
+        stiffnesses,
+        dampings,
+        absorptions,
+        ground,
+        ground_damping,
+        ground_loss,
+        ground_shafts,
+        ratios,
+        shaft_ratios,
+        roundings,
+    )
+
+
+def any_ratio(train: TorsionalTrain) -> bool:
+    """Whether any of a train's masses turns at another speed than the first."""
+    return bool(train.gears) or any(shaft.ratio != 1.0 for shaft in train.shafts.values())
+
+
+def _shaft(train: TorsionalTrain, name: str, n: Numbers) -> tuple[np.ndarray, ...]:
+    """Stiffness, damping, energy absorption and roundings of a shaft about the axis of its first end."""
+    shaft, path = train.shafts[name], f"shafts.{name}"
+    if shaft.parts is not None:
+        whole = in_series({key: reduced_part(part, n, f"{path}.parts.{key}") for key, part in shaft.parts.items()})
+        return whole.stiffness, whole.damping, whole.absorption, whole.roundings
+    stiffness = n[f"{path}.stiffness"]
+    none = np.zeros_like(stiffness)
+    return stiffness, n.get(f"{path}.damping", none), n.get(f"{path}.energy_absorption", none), none + 1.0

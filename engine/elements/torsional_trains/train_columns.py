@@ -1,0 +1,242 @@
+"""What is computed of a torsional train: natural frequencies and modes, distance from resonances, forced vibration."""
+
+import math
+from collections.abc import Iterator, Mapping
+from functools import partial
+
+import numpy as np
+
+from engine.elements.element_laws import ROUNDING, ElementResult, LawOfArrays
+from engine.elements.engines.engine_columns import engine_keys
+from engine.elements.torsional_trains.excitation import (
+    MACHINE_KEYS,
+    TrainExcitation,
+    excitation_orders,
+    train_excitation,
+)
+from engine.elements.torsional_trains.forced_vibration import ForcedVibration, forced_vibration, under_mean_moments
+from engine.elements.torsional_trains.natural_frequencies import NaturalVibration, natural_vibration
+from engine.elements.torsional_trains.order_sums import extremes_of_orders
+from engine.elements.torsional_trains.reduced_train import ReducedTrain, reduced_train, train_keys
+from engine.elements.torsional_trains.train_element import TorsionalTrain
+from engine.verdicts import Verdict
+
+Numbers = Mapping[str, np.ndarray]
+Pairs = dict[str, tuple[np.ndarray, np.ndarray]]
+EPS = float(np.finfo(float).eps)
+# Complex numbers in memory at a time.
+_BLOCK = 2**17
+
+
+def train_law(train: TorsionalTrain) -> LawOfArrays:
+    """The law of a torsional train: its numbers in an order of their own, and its results, by what it is made of.
+
+    Parameters
+    ----------
+    train : TorsionalTrain
+    """
+    keys, results = tuple(_keys(train)), tuple(_results(train))
+    size = len(train.layout.parents) * max(train.reported_modes, len(excitation_orders(train)), 1)
+    return LawOfArrays(
+        partial(_rows, train, keys, tuple(r.name for r in results)),
+        lambda element, given: tuple(given(key) for key in keys),
+        results,
+        max(64, min(4096, _BLOCK // size)),
+        Verdict.RESONANCE,
+    )
+
+
+def is_excited(train: TorsionalTrain) -> bool:
+    """Whether anything excites a train."""
+    return bool(train.excitations) or train.engine is not None or train.machine_at is not None
+
+
+def _keys(train: TorsionalTrain) -> Iterator[str]:
+    yield from train_keys(train)
+    if train.speed is not None:
+        yield "speed"
+    for name in train.excitations:
+        yield from (f"excitations.{name}.{key}" for key in ("amplitude", "phase"))
+    if train.engine is not None:
+        yield from (f"engine.{key}" for key in engine_keys(train.engine))
+    if train.machine_at is not None:
+        yield from MACHINE_KEYS
+
+
+def _results(train: TorsionalTrain) -> Iterator[ElementResult]:
+    yield ElementResult("rigid_body_modes", "natural frequencies of zero: the whole train turns", "1", exact=True)
+    modes = range(1, train.reported_modes + 1)
+    for k in modes:
+        yield ElementResult(f"frequency_{k}", f"natural frequency {k} above zero", "rad s-1")
+    for k in modes:
+        for mass in train.masses:
+            yield ElementResult(
+                f"mode_{k}.{mass}", f"amplitude of {mass} in mode {k}, over the greatest of all", "1", None, True
+            )
+    if not is_excited(train):
+        return
+    if excitation_orders(train):
+        for k in modes:
+            yield ElementResult(
+                f"margin_{k}", f"distance of the nearest order from natural frequency {k}, over it", "1"
+            )
+            yield ElementResult(f"nearest_order_{k}", f"order nearest to natural frequency {k}", "1", exact=True)
+    for shaft in train.shafts:
+        yield ElementResult(f"{shaft}.mean_moment", f"mean moment of {shaft}, at its first end", "N m")
+        yield ElementResult(f"{shaft}.alternating_moment", f"half the range of the moment of {shaft}", "N m")
+        yield ElementResult(f"{shaft}.greatest_moment", f"greatest magnitude of the moment of {shaft}", "N m")
+    for mass in train.masses:
+        yield ElementResult(f"{mass}.amplitude", f"half the range of the vibration of {mass}", "rad")
+    yield ElementResult("dissipated_power", "mean power that all dampers dissipate", "W")
+
+
+def train_numbers(train: TorsionalTrain) -> dict[str, np.ndarray]:
+    """A train's own numbers by their keys, as one variant; without those of a machine that excites it."""
+
+    def own(key: str) -> float:
+        part: object = train
+        for name in key.split("."):
+            part = part[name] if isinstance(part, Mapping) else getattr(part, name)
+        return part
+
+    return {key: np.array([own(key)], float) for key in _keys(train) if key not in MACHINE_KEYS}
+
+
+def _rows(
+    train: TorsionalTrain, keys: tuple[str, ...], names: tuple[str, ...], table: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Results and the sizes they carry the rounding of (results, variants) from numbers (numbers, variants)."""
+    found = train_results(train, dict(zip(keys, table, strict=True)))
+    values, errors = np.empty((2, len(names), table.shape[1]))
+    for i, name in enumerate(names):
+        values[i], errors[i] = found[name]
+    return values, errors / (ROUNDING * EPS)
+
+
+def train_results(train: TorsionalTrain, n: Numbers) -> Pairs:
+    """All results of a torsional train for a set of variants, with their errors.
+
+    Parameters
+    ----------
+    train : TorsionalTrain
+        How it hangs together and what excites it; its numbers are not used.
+    n : mapping of str to ndarray (variants,)
+        Its numbers by their keys, such as "shafts.tail.stiffness".
+
+    Returns
+    -------
+    dict of str to (ndarray (variants,), ndarray (variants,))
+        Values and what they may be off by, as named by `train_law`; infinite at a resonance without damping.
+    """
+    reduced = reduced_train(train, n)
+    natural = natural_vibration(reduced, train.reported_modes)
+    found: Pairs = {"rigid_body_modes": (1.0 if train.layout.is_free else 0.0, 0.0)}
+    for k in range(train.reported_modes):
+        found[f"frequency_{k + 1}"] = natural.frequencies[k], natural.frequency_errors[k]
+        found |= _shape(train, reduced, natural, k)
+    if is_excited(train):
+        excitation = train_excitation(train, reduced, n)
+        if excitation.orders:
+            found |= _margins(natural, excitation)
+        found |= _vibration(train, reduced, excitation)
+    return found
+
+
+def _shape(train: TorsionalTrain, reduced: ReducedTrain, natural: NaturalVibration, k: int) -> Pairs:
+    """A mode as its masses swing about their own axes, over the greatest amplitude."""
+    layout = train.layout
+    own = np.stack([reduced.ratios[mass] for mass in layout.masses])
+    q = own * natural.modes[k, list(layout.node_of)]
+    e = np.abs(own) * natural.mode_errors[k, list(layout.node_of)]
+    greatest = np.abs(q).argmax(axis=0)[None]
+    top, top_error = np.take_along_axis(q, greatest, axis=0)[0], np.take_along_axis(e, greatest, axis=0)[0]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        values = q / top
+        errors = (e + np.abs(values) * top_error) / np.abs(top)
+    return {f"mode_{k + 1}.{mass}": (values[i], errors[i]) for i, mass in enumerate(layout.masses)}
+
+
+def _margins(natural: NaturalVibration, excitation: TrainExcitation) -> Pairs:
+    """How far the nearest order is from each natural frequency."""
+    found: Pairs = {}
+    orders = np.array(excitation.orders)
+    for k, (frequency, error) in enumerate(zip(natural.frequencies, natural.frequency_errors, strict=True), 1):
+        with np.errstate(invalid="ignore"):
+            away = np.abs(orders[:, None] * excitation.speed / frequency - 1.0)
+        nearest = away.argmin(axis=0)
+        margin = np.take_along_axis(away, nearest[None], axis=0)[0]
+        found[f"margin_{k}"] = margin, (1.0 + margin) * (error / frequency + 4.0 * EPS)
+        found[f"nearest_order_{k}"] = orders[nearest], np.zeros_like(margin)
+    return found
+
+
+def _vibration(train: TorsionalTrain, reduced: ReducedTrain, excitation: TrainExcitation) -> Pairs:
+    """Moments of the shafts, amplitudes of the masses, and what is dissipated."""
+    layout, orders = train.layout, excitation.orders
+    frequencies = np.array(orders).reshape(-1, 1) * excitation.speed
+    swings = forced_vibration(reduced, frequencies, excitation.moments, excitation.moment_errors)
+    mean = under_mean_moments(reduced, excitation.means, excitation.mean_errors)
+    still = np.zeros((1, excitation.speed.size))
+    found: Pairs = {}
+    # What is infinite stays so whatever it is multiplied by.
+    with np.errstate(invalid="ignore"):
+        for name in train.shafts:
+            own = reduced.shaft_ratios[name]
+            alternating, off = _shaft_moment(train, reduced, name, swings, frequencies)
+            constant, constant_off = _shaft_moment(train, reduced, name, mean, still)
+            constant_off = np.abs(constant_off[0] / own)
+            constant = constant[0].real / own
+            (least, greatest), off = _range(excitation, alternating / own, off / own)
+            found[f"{name}.mean_moment"] = constant, constant_off
+            found[f"{name}.alternating_moment"] = 0.5 * (greatest - least), off
+            total = np.maximum(np.abs(constant + greatest), np.abs(constant + least))
+            found[f"{name}.greatest_moment"] = total, constant_off + off
+        for mass, node in zip(layout.masses, layout.node_of, strict=True):
+            own = reduced.ratios[mass]
+            (least, greatest), off = _range(excitation, own * swings.angles[node], own * swings.angle_errors[node])
+            found[f"{mass}.amplitude"] = 0.5 * (greatest - least), off
+        found["dissipated_power"] = swings.dissipated, _dissipation_error(reduced, swings)
+    return found
+
+
+def _shaft_moment(
+    train: TorsionalTrain, reduced: ReducedTrain, name: str, swings: ForcedVibration, frequencies: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Reduced moment k (θ_first − θ_second) of a shaft and what it may be off by (orders, variants)."""
+    layout, first = train.layout, train.shafts[name].between[0]
+    if name in layout.shaft_to:
+        node = layout.shaft_to.index(name)
+        forwards = layout.node_of[layout.masses.index(first)] == layout.parents[node]
+        return (1.0 if forwards else -1.0) * swings.moments[node], swings.moment_errors[node]
+    mass = dict(layout.grounded)[name]
+    node = layout.node_of[layout.masses.index(mass)]
+    stiffness, damping, loss = reduced.ground_shafts[name]
+    held = stiffness + 1j * (loss / math.tau + frequencies * damping)
+    moment = held * swings.angles[node]
+    off = np.abs(held) * swings.angle_errors[node] + EPS * (reduced.roundings + 8.0) * np.abs(moment)
+    return (1.0 if first == mass else -1.0) * moment, off
+
+
+def _range(
+    excitation: TrainExcitation, amplitudes: np.ndarray, errors: np.ndarray
+) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:
+    """Least and greatest value of a sum of orders over time, and what both may be off by."""
+    if not excitation.orders:
+        nothing = np.zeros(excitation.speed.size)
+        return (nothing, nothing), nothing
+    infinite = np.isinf(errors).any(axis=0)
+    sound = np.where(infinite, 0.0, amplitudes)
+    least, greatest = extremes_of_orders(excitation.orders, sound)
+    rounded = EPS * (8.0 + 24.0 * max(excitation.orders)) * np.abs(sound)
+    off = (np.where(infinite, 0.0, np.abs(errors)) + rounded).sum(axis=0)
+    return (np.where(infinite, -math.inf, least), np.where(infinite, math.inf, greatest)), off
+
+
+def _dissipation_error(reduced: ReducedTrain, swings: ForcedVibration) -> np.ndarray:
+    """What the dissipated power may be off by: twice the share that the worst of the amplitudes is."""
+    # Orders that are rounding alone dissipate nothing that counts.
+    sizes = np.abs(swings.angles).max(axis=0)
+    shares = np.where(sizes > 0.0, swings.angle_errors.max(axis=0) / np.where(sizes > 0.0, sizes, 1.0), 0.0)
+    heaviest = np.where(sizes >= 1e-6 * sizes.max(axis=0, initial=0.0), shares, 0.0).max(axis=0, initial=0.0)
+    spread = 2.0 * heaviest + EPS * (reduced.roundings + 32.0) + 1e-12
+    return spread * np.abs(swings.dissipated)

@@ -1,1 +1,0 @@
-"""Gears and cams: motion handed on by higher pairs."""

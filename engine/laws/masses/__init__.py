@@ -1,0 +1,1 @@
+"""Moments of inertia, inertia forces, replacement masses."""

@@ -1,0 +1,148 @@
+"""Runge–Kutta methods as data, and the method of Dormand and Prince of order eight.
+
+Stages 0 to 11 of that method make a step. Stage 12 stands at its end, and with it and three more a polynomial of order
+seven follows the motion within the step.
+
+Source: E. Hairer, S. P. Nørsett and G. Wanner, Solving Ordinary Differential Equations I, second edition, section
+II.10; coefficients as in SciPy.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.integrate import DOP853
+
+
+class Tableau(NamedTuple):
+    """A Runge–Kutta method, by its Butcher tableau.
+
+    Attributes
+    ----------
+    nodes : ndarray (stages,)
+        c, shares of the step.
+    matrix : ndarray (stages, stages)
+        A; strictly lower triangular of an explicit method.
+    weights : ndarray (stages,)
+        b.
+    """
+
+    nodes: np.ndarray
+    matrix: np.ndarray
+    weights: np.ndarray
+
+    @property
+    def stages(self) -> int:
+        """How many."""
+        return self.weights.size
+
+
+class Method(NamedTuple):
+    """A method with everything that steps of lengths of their own need of it.
+
+    Attributes
+    ----------
+    implicit : bool
+        Whether it is a collocation method, whose last stage is the end of the step.
+    newton : bool
+        Whether its stages are found by Newton's method to the last digits, however steep a moment is by the speed;
+        those of other collocation methods are found by fewer corrections, as exactly as a step has to be.
+    stages, dense_stages : int
+        How many stages a step has, and with those of its polynomial.
+    matrix : ndarray (dense stages, dense stages)
+        A.
+    inverse : ndarray (stages, stages)
+        That of A, of an implicit method.
+    weights : ndarray (stages,)
+        b.
+    shares : ndarray (places,)
+        Where the places of stages lie, shares of the step.
+    place_of : ndarray (dense stages,) of int
+        The place of each stage.
+    fine, coarse, coarsest : ndarray (formulas, stages)
+        Formulas that vanish up to some order, up to a lower one, and up to a still lower one, if there are any: their
+        sizes tell how much what they find fades from order to order.
+    exponent : float
+        To which power of what a step misses its length goes.
+    parts : ndarray (DENSE_PARTS, dense stages)
+        Weights of the parts of the polynomial p within the step,
+        p(θ) = p₀θ + p₁θ(1−θ) + p₂θ²(1−θ) + p₃θ²(1−θ)² + …
+    looked_at : ndarray of int
+        Some of the places, in order from the begin to the end, between which extremes are searched.
+    """
+
+    implicit: bool
+    newton: bool
+    stages: int
+    dense_stages: int
+    matrix: np.ndarray
+    inverse: np.ndarray
+    weights: np.ndarray
+    shares: np.ndarray
+    place_of: np.ndarray
+    fine: np.ndarray
+    coarse: np.ndarray
+    coarsest: np.ndarray
+    exponent: float
+    parts: np.ndarray
+    looked_at: np.ndarray
+
+
+# Parts of the polynomial within a step.
+DENSE_PARTS = 7
+
+
+def part_at(part: int, theta: np.ndarray) -> np.ndarray:
+    """One of the functions θ, θ(1−θ), θ²(1−θ), θ²(1−θ)², … that the polynomial within a step is made of."""
+    return theta ** ((part + 2) // 2) * (1.0 - theta) ** ((part + 1) // 2)
+
+
+# Stages of a step of order eight, and with those of the polynomial within it.
+STAGES, DENSE_STAGES = 12, 16
+MATRIX = np.zeros((DENSE_STAGES, DENSE_STAGES))
+MATRIX[:STAGES, :STAGES] = DOP853.A
+MATRIX[STAGES, :STAGES] = DOP853.B
+MATRIX[STAGES + 1 :] = DOP853.A_EXTRA
+NODES = np.concatenate([DOP853.C, [1.0], DOP853.C_EXTRA])
+DORMAND_PRINCE = Tableau(NODES[:STAGES], MATRIX[:STAGES, :STAGES], MATRIX[STAGES, :STAGES])
+# Differences of the formula of order eight from those of orders five and three.
+ERRORS = np.array([DOP853.E5[:STAGES], DOP853.E3[:STAGES]])
+SHARE_OF_COARSE = 0.1
+# A second formula that vanishes up to order five. Its error of order six, over all rooted trees of six vertices
+# weighted by their symmetry, is as large as that of the first and orthogonal to it: both hardly ever vanish together.
+_SECOND_ERROR = np.zeros(STAGES)
+_SECOND_ERROR[[0, *range(5, STAGES)]] = [
+    -2.16575624753399913e-2,
+    -2.87929616619069517e-1,
+    4.68800979560341058e-1,
+    -3.71761606355259955e-1,
+    -1.24189137504977531,
+    1.32421205179734280,
+    1.59378222181324636e-1,
+    -2.91510930395638204e-2,
+]
+
+
+def _parts() -> np.ndarray:
+    """Weights of the parts of the polynomial: the first three from values and slopes at both ends."""
+    weights, first, last = MATRIX[STAGES], np.eye(DENSE_STAGES)[0], np.eye(DENSE_STAGES)[STAGES]
+    return np.array([weights, first - weights, 2.0 * weights - first - last, *DOP853.D])
+
+
+ORDER_EIGHT = Method(
+    implicit=False,
+    newton=False,
+    stages=STAGES,
+    dense_stages=DENSE_STAGES,
+    matrix=MATRIX,
+    inverse=np.zeros((0, 0)),
+    weights=DORMAND_PRINCE.weights.copy(),
+    # The last stage of the step and the first of the polynomial share a place.
+    shares=np.delete(NODES, STAGES),
+    place_of=np.array([s - (s >= STAGES) for s in range(DENSE_STAGES)]),
+    fine=np.array([ERRORS[0], _SECOND_ERROR]),
+    coarse=SHARE_OF_COARSE * ERRORS[1:],
+    coarsest=np.zeros((0, STAGES)),
+    exponent=1.0 / 8.0,
+    parts=_parts(),
+    looked_at=np.array([0, 3, 5, 9, 10, 11]),
+)

@@ -1,0 +1,1 @@
+"""Counterweights that balance a machine best."""

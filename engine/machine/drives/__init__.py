@@ -1,0 +1,1 @@
+"""A machine on an elastic shaft, under a governor, or exciting a torsional train."""

@@ -1,0 +1,383 @@
+"""The scene's machine on an elastic shaft: its curves for the drives that its motors drive it through."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.elements.elastic_drives.elastic_cycle import (
+    ELASTIC,
+    ENERGY,
+    INERTIA,
+    LAWS,
+    MOTOR_SPEED,
+    POINTS,
+    STAGES,
+    STATE,
+)
+from engine.elements.elastic_drives.machine_drive_columns import (
+    RESULTS,
+    RUN_RESULTS,
+    VERDICT_KEY,
+    DrivenMachine,
+    ElasticCycle,
+    drive_results,
+    elastic_cycle,
+    least_and_greatest,
+    machine_keys,
+    steps_needed,
+)
+from engine.elements.elastic_drives.machine_drive_element import MachineDrive
+from engine.elements.elastic_drives.two_mass_columns import drive_shaft, shaft_keys
+from engine.mechanism.mechanics import Mechanics
+from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.moments.grid import GAP
+from engine.motion.regimes_in_order import TOLERANCE, Schedule
+from engine.motion.runs.elastic_run import ElasticRun, run_on_shaft
+from engine.motion.settled.steady import steady_motion
+from engine.motion.steppers.time_form import TimeForm
+from engine.scene.scene import Numbers, Scene, scene_numbers
+from engine.verdicts import Verdict
+
+# Numbers of the curves of variants that are solved together.
+TOGETHER = 4_000_000
+# Crank angles at which the machine's inertia is looked at.
+LOOKED_AT = 256
+# Shares of a result that it may be off by besides the change from half as many steps; of a multiplier, to be judged by.
+ROUNDING = 1e-13
+SURE_OF_MULTIPLIER = 1e-9
+
+
+def drives_on_machine(scene: Scene, elements: Sequence[str]) -> tuple[str, ...]:
+    """Those of some elements of a scene through which its motors drive its machine."""
+    return tuple(name for name in elements if isinstance(scene.elements[name], MachineDrive))
+
+
+class ElasticDrives:
+    """Drives of a scene's machine through elastic shafts.
+
+    Parameters
+    ----------
+    mechanics : Mechanics
+    drives : sequence of str
+        Elements.
+    """
+
+    def __init__(self, mechanics: Mechanics, drives: Sequence[str]) -> None:
+        self.scene = mechanics.scene
+        self.drives: dict[str, MachineDrive] = {name: self.scene.elements[name] for name in drives}
+        self._schedule = Schedule(mechanics, set(), 2)
+        reduction = self._schedule.reduction
+        self.dynamics = {name: Dynamics(reduction, frozenset(drive.off)) for name, drive in self.drives.items()}
+        runs = {name: drive.run for name, drive in self.drives.items() if drive.run is not None}
+        self.runs = {name: Dynamics(reduction, frozenset(run.off)) for name, run in runs.items()}
+        self.nodes = reduction.nodes
+
+    def numbers(self, numbers: Numbers, sound: np.ndarray) -> dict[str, np.ndarray]:
+        """Results of the drives, as numbers of the elements by their paths.
+
+        Parameters
+        ----------
+        numbers : Numbers
+        sound : ndarray (variants,) of bool
+            Which variants can be assembled; the others have no results.
+        """
+        found, who = {}, np.flatnonzero(sound)
+        variants = self._schedule.variants(numbers.of_variants(who), who.size) if who.size else None
+        for name in self.drives:
+            values, errors = np.full((2, len(RESULTS) + len(RUN_RESULTS), sound.size), np.nan)
+            verdict = np.full(sound.size, float(Verdict.OK))
+            if variants is not None:
+                with np.errstate(all="ignore"):
+                    values[:, who], errors[:, who], verdict[who] = self._of(name, variants)
+            # What isn't computed must not be called infinite or undefined, as another verdict has been given.
+            values[:, ~sound] = errors[:, ~sound] = 0.0
+            rows = dict(zip(machine_keys("value"), values, strict=True)) | {VERDICT_KEY: verdict}
+            rows |= zip(machine_keys("error"), errors, strict=True)
+            found |= {f"elements.{name}.{key}": row for key, row in rows.items()}
+        return found
+
+    def _of(self, name: str, variants: Variants) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Results (results, variants) of a drive, their error figures, and verdicts."""
+        values, errors = np.full((2, len(RESULTS) + len(RUN_RESULTS), variants.count), np.nan)
+        begin = np.full((4, variants.count), np.nan)
+        ready, steps, verdict = self._ready(name, variants)
+        for count in np.unique(steps):
+            same = np.flatnonzero(steps == count)
+            together = max(1, TOGETHER // (count * STAGES * (LAWS + 2 * STATE)))
+            for some in np.array_split(same, -(-same.size // together)):
+                part, who = ready.some(some), ready.which[some]
+                (fine, cycle), (coarse, _) = (_settled(part, int(n)) for n in (count, count // 2))
+                values[: len(RESULTS), who] = fine
+                errors[: len(RESULTS), who] = np.abs(fine - coarse) + ROUNDING * np.abs(fine)
+                verdict[who] = cycle.verdict
+                begin[:, who] = cycle.begin
+        if name in self.runs:
+            self._add_run(name, ready, begin, values, errors, verdict)
+        return values, errors, self._judged(values, errors, verdict)
+
+    def _add_run(
+        self,
+        name: str,
+        ready: "Ready",
+        steady: np.ndarray,
+        values: np.ndarray,
+        errors: np.ndarray,
+        verdict: np.ndarray,
+    ) -> None:
+        """Write the results of a run, and the verdicts on those without a complaint so far."""
+        well = np.flatnonzero(verdict[ready.which] == Verdict.OK)
+        if not well.size:
+            return
+        part = ready.some(well)
+        fine, coarse = (self._run(name, part, steady[:, part.which], coarser) for coarser in (1.0, 2.0))
+        rows, rough = (
+            np.stack([run.greatest, run.greatest_at, run.state[1], run.state[3], run.state[2], run.stops, run.closings])
+            for run in (fine, coarse)
+        )
+        # What hasn't come to its end has none.
+        rows[:, fine.verdict != Verdict.OK] = np.nan
+        values[len(RESULTS) :, part.which] = rows
+        errors[len(RESULTS) :, part.which] = np.abs(rows - rough) + ROUNDING * np.abs(rows)
+        verdict[part.which] = fine.verdict
+
+    def _run(
+        self, name: str, ready: "Ready", steady: np.ndarray, coarser: float = 1.0, record: bool = False
+    ) -> ElasticRun:
+        """Follow a drive's run, from its own begin or out of a steady motion, (4, variants)."""
+        n, at, run = ready.bare.numbers, f"elements.{name}.run", self.drives[name].run
+        angle, duration, backlash = (
+            np.broadcast_to(n[f"{at}.{key}"], (ready.which.size,)).astype(float)
+            for key in ("angle", "time", "backlash")
+        )
+        form = TimeForm(self.runs[name], self.runs[name].driven(ready.bare), angle)
+        begin = steady if run.begin == "steady" else np.zeros_like(steady)
+        return run_on_shaft(form, ready.given.T, ready.frequency, begin, duration, backlash, coarser, record)
+
+    def _ready(self, name: str, variants: Variants) -> "tuple[Ready, np.ndarray, np.ndarray]":
+        """Those of some variants that have a steady motion with a rigid shaft; their steps, and verdicts on all."""
+        dynamics = self.dynamics[name]
+        driven = dynamics.driven(variants)
+        own, added = self._inertias(name, driven)
+        rigid = driven._replace(flywheel=driven.flywheel + added, kept=None)
+        bare = driven._replace(flywheel=rigid.flywheel - own, kept=None)
+        steady = steady_motion(dynamics, rigid, TOLERANCE)[0]
+        verdict = np.where(dynamics.locked(driven), Verdict.LOCKS, steady.verdict)
+        bare_somewhere = dynamics.reduction.without_inertia(bare)
+        verdict = np.where((verdict == Verdict.OK) & bare_somewhere, Verdict.NO_INERTIA, verdict)
+        who = np.flatnonzero(verdict == Verdict.OK)
+        drive, paths = self.drives[name], {key: f"elements.{name}.{key}" for key in shaft_keys(self.drives[name])}
+        n = {key: np.broadcast_to(variants.numbers[path], own.shape) for key, path in paths.items()}
+        shaft = drive_shaft(drive, n | {"motor_inertia": own, "load_inertia": _mean_inertia(dynamics, bare)})
+        given = np.stack([shaft.stiffness, shaft.damping, own], axis=1)[who]
+        ready = Ready(dynamics, rigid.some(who), bare.some(who), given, shaft.frequency[who], who)
+        steps = steps_needed(ready.frequency, dynamics.cycle / steady.period[who], dynamics.cycle)
+        return ready, steps, verdict.astype(np.uint8)
+
+    def as_is(self, name: str) -> "tuple[Ready, ElasticCycle, DrivenMachine, RigidCycle] | None":
+        """The scene as it is on one of the shafts, in its steady motion; None where it has none."""
+        ready, steps, _ = self._ready(name, self._schedule.variants(Numbers(scene_numbers(self.scene), {}), 1))
+        if not steps.size:
+            return None
+        machine, guess, rigid = _machine_over_cycle(ready, int(steps[0]))
+        found = elastic_cycle(machine, ready.given, guess)
+        return None if found.verdict[0] != Verdict.OK else (ready, found, machine, rigid)
+
+    def history(self, name: str) -> np.ndarray | None:
+        """History of the run of the scene as it is, as in `ElasticRun`; None where there is none."""
+        found = self.as_is(name) if name in self.runs else None
+        return None if found is None else self._run(name, found[0], found[1].begin, record=True).history
+
+    @staticmethod
+    def _judged(values: np.ndarray, errors: np.ndarray, verdict: np.ndarray) -> np.ndarray:
+        """Verdicts, with that on motions from which disturbances grow."""
+        k = [result.name for result in RESULTS].index("multiplier")
+        grows = values[k] > 1.0 + errors[k] + SURE_OF_MULTIPLIER
+        return np.where((verdict == Verdict.OK) & grows, Verdict.GROWS, verdict)
+
+    def _inertias(self, name: str, variants: Variants) -> tuple[np.ndarray, np.ndarray]:
+        """Inertia at the motors' end, reduced to the crank, and how much of it the scene doesn't have."""
+        n, drive = variants.numbers, self.drives[name]
+        if drive.driver is None:
+            own = np.broadcast_to(n[f"elements.{name}.motor_inertia"], (variants.count,)).astype(float)
+            return own, own
+        own = n[f"shafts.{drive.driver}.inertia"] * n[f"shafts.{drive.driver}.ratio"] ** 2
+        return np.broadcast_to(own, (variants.count,)).astype(float), np.zeros(variants.count)
+
+
+class DriveCycle(NamedTuple):
+    """Steady motion of a machine on an elastic shaft over its cycle, (places,): the ends of every step.
+
+    Attributes
+    ----------
+    angle : ndarray
+        Crank angle turned [rad].
+    moment, rigid_moment : ndarray
+        Of the shaft, and of a rigid one in the steady motion that it has [N·m].
+    motor_speed, machine_speed, rigid_speed : ndarray
+        At the motors' end, of the crank, and with a rigid shaft [rad/s].
+    twist : ndarray
+        By which the crank lags behind [rad].
+    """
+
+    angle: np.ndarray
+    moment: np.ndarray
+    rigid_moment: np.ndarray
+    motor_speed: np.ndarray
+    machine_speed: np.ndarray
+    rigid_speed: np.ndarray
+    twist: np.ndarray
+
+
+def drive_cycle(scene: Scene, name: str) -> DriveCycle | None:
+    """Steady motion of a scene's machine on the elastic shaft that an element is.
+
+    Parameters
+    ----------
+    scene : Scene
+    name : str
+        Of the element.
+
+    Returns
+    -------
+    DriveCycle or None
+        None where there is no steady motion.
+    """
+    with np.errstate(all="ignore"):
+        found = ElasticDrives(Mechanics(scene), (name,)).as_is(name)
+    if found is None:
+        return None
+    _, cycle, machine, rigid = found
+    ends = np.cumsum(machine.steps[0])
+    angle = np.concatenate([(ends - machine.steps[0])[:, None], ends[:, None]], axis=1)
+    rows = (cycle.moment, rigid.moment, cycle.motor_speed, cycle.machine_speed, rigid.speed, cycle.twist)
+    return DriveCycle(angle.ravel(), *(row[0][:, [0, -1]].ravel() for row in rows))
+
+
+class DriveRun(NamedTuple):
+    """A run of a machine on an elastic shaft, (instants,).
+
+    Attributes
+    ----------
+    time : ndarray
+        [s].
+    twist : ndarray
+        By which the crank lags behind [rad].
+    motor_speed : ndarray
+        At the motors' end [rad/s].
+    angle, machine_speed : ndarray
+        That the crank turned [rad], and its speed [rad/s].
+    moment : ndarray
+        Of the shaft [N·m].
+    """
+
+    time: np.ndarray
+    twist: np.ndarray
+    motor_speed: np.ndarray
+    angle: np.ndarray
+    machine_speed: np.ndarray
+    moment: np.ndarray
+
+
+def drive_run(scene: Scene, name: str) -> DriveRun | None:
+    """The run of a scene's machine on the elastic shaft that an element is.
+
+    Parameters
+    ----------
+    scene : Scene
+    name : str
+        Of the element.
+
+    Returns
+    -------
+    DriveRun or None
+        None where there is no run, or no steady motion.
+    """
+    with np.errstate(all="ignore"):
+        found = ElasticDrives(Mechanics(scene), (name,)).history(name)
+    return None if found is None else DriveRun(*found)
+
+
+class Ready(NamedTuple):
+    """Variants of a drive that can be solved: machines with and without the inertia at the motors' end, shafts.
+
+    Attributes
+    ----------
+    dynamics : Dynamics
+    rigid, bare : Variants
+    given : ndarray (variants, 3)
+        As for `elastic_cycle`.
+    frequency : ndarray (variants,)
+        Natural frequency [rad/s].
+    which : ndarray (variants,) of int
+        Which of all variants they are.
+    """
+
+    dynamics: Dynamics
+    rigid: Variants
+    bare: Variants
+    given: np.ndarray
+    frequency: np.ndarray
+    which: np.ndarray
+
+    def some(self, chosen: np.ndarray) -> "Ready":
+        """Some of them, by index."""
+        rest = (part[chosen] for part in (self.given, self.frequency, self.which))
+        return Ready(self.dynamics, self.rigid.some(chosen), self.bare.some(chosen), *rest)
+
+
+class RigidCycle(NamedTuple):
+    """Moment of a rigid shaft [N·m] and its speed [rad/s] at the points of every step, (variants, steps, points)."""
+
+    moment: np.ndarray
+    speed: np.ndarray
+
+
+def _mean_inertia(dynamics: Dynamics, variants: Variants) -> np.ndarray:
+    """Mean inertia over the crank angle, (variants,)."""
+    places = np.arange(LOOKED_AT)[:, None] * (dynamics.cycle / LOOKED_AT) + np.zeros(variants.count)
+    return dynamics.rows(variants, places).inertia.mean(axis=0)
+
+
+def _settled(ready: Ready, count: int) -> tuple[np.ndarray, ElasticCycle]:
+    """Results (results, variants) with so many steps, and the motion."""
+    machine, guess, rigid = _machine_over_cycle(ready, count)
+    found = elastic_cycle(machine, ready.given, guess)
+    # Within a jump nothing is to be read between the points of a step.
+    jumps = machine.steps[..., None] < GAP
+    least, greatest = least_and_greatest(np.where(jumps, rigid.moment[..., :1], rigid.moment))
+    most = np.fmax(np.abs(least), np.abs(greatest))
+    return drive_results(found, ready.given, ready.frequency, ready.dynamics.cycle, most), found
+
+
+def _machine_over_cycle(ready: Ready, count: int) -> tuple[DrivenMachine, np.ndarray, RigidCycle]:
+    """Machines over their cycle in so many steps, a first guess of their motion, and their motion on a rigid shaft."""
+    dynamics, bare, own = ready.dynamics, ready.bare, ready.given[:, 2]
+    grid = dynamics.grid(bare, np.zeros(bare.count), dynamics.cycle, count)
+    steps, variants = grid.steps, bare.count
+    turned = np.concatenate([np.zeros((1, variants)), np.cumsum(steps, axis=0)])
+    within = turned[:-1, None] + steps[:, None] * np.array([0.0, *POINTS])[:, None]
+    every = np.concatenate([within.reshape(-1, variants), turned[-1:]])
+    rows = dynamics.rows(bare, bare.direction * every)
+    whole = rows.inertia + own
+    energy = steady_motion(dynamics, ready.rigid, TOLERANCE, every)[0].record[0]
+    omega = np.sqrt(2.0 * energy / whole)
+    moments = dynamics.moments(ready.rigid, rows, omega)
+    epsilon = (moments.total - 0.5 * omega**2 * rows.inertia_phi) / whole
+
+    def points(values: np.ndarray) -> np.ndarray:
+        """Values at the points of every step, its ends among them: (variants, steps, points)."""
+        begins = values[:-1].reshape(-1, STAGES + 1, variants)
+        return np.moveaxis(np.concatenate([begins, values[STAGES + 1 :: STAGES + 1, None]], axis=1), 2, 0)
+
+    rigid = RigidCycle(points(moments.motors - own * epsilon), points(omega))
+    columns = (rows.inertia, *rows.loads.sum(axis=0), *rows.powers)
+    places = np.stack([points(column)[..., 1:-1] for column in columns], axis=3)
+    guess = np.empty((*places.shape[:3], STATE))
+    guess[..., ELASTIC], guess[..., MOTOR_SPEED] = rigid.moment[..., 1:-1], rigid.speed[..., 1:-1]
+    guess[..., ENERGY] = 0.5 * places[..., INERTIA] * guess[..., MOTOR_SPEED] ** 2
+    drive = ready.rigid.drive
+    machine = DrivenMachine(
+        np.ascontiguousarray(steps.T), places, rows.inertia[:: STAGES + 1].T, drive.rows.T, drive.exponents.T
+    )
+    return machine, guess, rigid

@@ -1,0 +1,73 @@
+"""What a mechanism is to the governors that govern it: an inertia, and moments over its cycle."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from engine.elements.governors.governor_columns import cycle_key
+from engine.elements.governors.places import NUMBERS
+from engine.machine.results import Outcome
+from engine.scene.scene import Numbers, Scene
+
+# Of the mechanism alone, without a flywheel.
+MEAN_INERTIA = "reduced_inertia.mean"
+_CYCLE_FIELDS = ("reduced_inertia", "reduced_inertia_phi", "reduced_moment")
+
+
+class GovernedEngines:
+    """What governors of a mechanism need of it: its mean inertia, and its curves where a change of load is followed.
+
+    Parameters
+    ----------
+    scene : Scene
+    governing : sequence of str
+        The governors.
+
+    Attributes
+    ----------
+    summaries, fields : tuple of str
+        What the mechanism is to be asked, at CYCLE_POSITIONS positions.
+    """
+
+    summaries = (MEAN_INERTIA,)
+
+    def __init__(self, scene: Scene, governing: Sequence[str]) -> None:
+        self._engines = {name: scene.elements[name].engine for name in governing}
+        followed = [engine for engine in self._engines.values() if engine.duration is not None]
+        throttled = dict.fromkeys(f"{action}.moment" for engine in followed for action in engine.throttled)
+        self.fields = (*_CYCLE_FIELDS, *throttled) if followed else ()
+        self._length = math.tau * scene.input.revolutions
+
+    def numbers(self, outcome: Outcome, numbers: Numbers) -> dict[str, np.ndarray]:
+        """Numbers of the governors' engines, by their paths.
+
+        Parameters
+        ----------
+        outcome : Outcome
+            Of the mechanism, with what it is to be asked.
+        numbers : Numbers
+            Of the same variants.
+        """
+        found = {}
+        mean = outcome.summaries[MEAN_INERTIA]
+        for name, engine in self._engines.items():
+            path = f"elements.{name}.engine.inertia"
+            found[path] = numbers[path] + mean + numbers.get("flywheel.inertia", 0.0)
+            if engine.duration is not None:
+                rows = self._curves(outcome, engine.throttled, mean)
+                found |= {f"elements.{name}.{cycle_key(NUMBERS + k)}": row for k, row in enumerate(rows)}
+        return found
+
+    def _curves(self, outcome: Outcome, throttled: Sequence[str], mean: np.ndarray) -> np.ndarray:
+        """Curves of the variants in the order that governors have them, and the cycle's length: (numbers, variants)."""
+        inertia, slope, moment = (outcome.fields[name] for name in _CYCLE_FIELDS)
+        driving = sum((outcome.fields[f"{action}.moment"] for action in throttled), np.zeros_like(moment))
+        other = moment - driving
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = driving / driving.mean(axis=1, keepdims=True) if throttled else np.ones_like(moment)
+        # What is throttled has to drive: otherwise no throttle governs it.
+        share = np.where(driving.mean(axis=1, keepdims=True) > 0.0, share, np.nan) if throttled else share
+        parts = (inertia - mean[:, None], slope, share, other - other.mean(axis=1, keepdims=True))
+        length = np.full((1, moment.shape[0]), self._length)
+        return np.concatenate([*(part.T for part in parts), length])

@@ -1,0 +1,46 @@
+"""A scene in which governors of its mechanism are given what they need of it, to be looked at one by one."""
+
+import math
+
+import numpy as np
+
+from engine.elements.governors.governor_columns import cycle_key
+from engine.elements.governors.governor_elements import governs_machine
+from engine.elements.governors.places import CYCLE_LENGTH, CYCLE_POSITIONS, NUMBERS
+from engine.machine.drives.governed_engines import GovernedEngines
+from engine.machine.machine import Machine
+from engine.scene.scene import Numbers, Scene, scene_numbers
+
+
+def governed_scene(scene: Scene) -> tuple[Scene, dict[str, np.ndarray]]:
+    """A scene whose governors' engines have what the scene's mechanism gives them, where that is the engine.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    scene : Scene
+        With the whole inertia of these engines; the same where no governor governs the mechanism, or where that can't
+        be evaluated.
+    cycles : dict of str to ndarray
+        Curves of the mechanism by the names of the governors that need them, for `load_change`.
+    """
+    governing = [name for name, element in scene.elements.items() if governs_machine(element)]
+    if not governing:
+        return scene, {}
+    engines = GovernedEngines(scene, governing)
+    outcome = Machine(scene, engines.summaries, engines.fields, positions=CYCLE_POSITIONS).evaluate({})
+    found = engines.numbers(outcome, Numbers(scene_numbers(scene), {}))
+    elements, cycles = dict(scene.elements), {}
+    for name in governing:
+        inertia = float(found[f"elements.{name}.engine.inertia"][0])
+        if not math.isfinite(inertia):
+            return scene, {}
+        engine = elements[name].engine.model_copy(update={"machine": False, "inertia": inertia})
+        elements[name] = elements[name].model_copy(update={"engine": engine})
+        if engine.duration is not None:
+            keys = [f"elements.{name}.{cycle_key(k)}" for k in range(NUMBERS, CYCLE_LENGTH + 1)]
+            cycles[name] = np.array([found[key][0] for key in keys])
+    return scene.model_copy(update={"elements": elements}), cycles

@@ -1,0 +1,1 @@
+"""Elements evaluated beside a machine, or alone."""

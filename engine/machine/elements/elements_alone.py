@@ -1,0 +1,151 @@
+"""A scene of machine elements alone, made ready to answer what is asked; and the choice between it and a machine."""
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from engine.machine.checks import given_numbers
+from engine.machine.elements.element_columns import ElementColumns, element_summaries
+from engine.machine.machine import Machine
+from engine.machine.results import AskError, Outcome, asked_text, blank
+from engine.quantities.quantity import Quantity
+from engine.scene.names import did_you_mean
+from engine.scene.scene import Numbers, Scene, scene_numbers
+from engine.verdicts import Verdict
+
+
+def made_ready(
+    scene: Scene,
+    summaries: Iterable[str] = (),
+    fields: Iterable[str] = (),
+    varied: Iterable[str] = (),
+    positions: int = 720,
+    dtype: type = np.float64,
+    accuracy: float | None = None,
+) -> "Machine | ElementsAlone":
+    """A scene with what is asked of it, whether it has a mechanism or machine elements alone.
+
+    Parameters
+    ----------
+    scene : Scene
+    summaries, fields, varied : iterable of str
+    positions : int
+    dtype : float64 or float32
+        All as for `Machine`; elements are computed in float64, once for each variant.
+    accuracy : float, optional
+        Allowed error of every summary, as a share of its magnitude, instead of a number of positions.
+
+    Raises
+    ------
+    SceneError, AskError
+        As for `Machine`.
+    """
+    if scene.input is None:
+        return ElementsAlone(scene, summaries, fields, varied)
+    return Machine(scene, summaries, fields, varied, positions, dtype, accuracy)
+
+
+class ElementsAlone:
+    """Machine elements without a mechanism; to be asked as a `Machine` is, but for fields.
+
+    Parameters
+    ----------
+    scene : Scene
+        Without an input.
+    summaries, fields : iterable of str
+        Names from `available_summaries`; there are no fields.
+    varied : iterable of str
+        Paths of the scene's numbers that `evaluate` will be given.
+
+    Raises
+    ------
+    AskError
+        Something asked doesn't exist.
+
+    Examples
+    --------
+    >>> from engine import ElementsAlone, Scene
+    >>> scene = Scene.model_validate({"elements": {"jack": {
+    ...     "type": "screw", "load": "6.4 kN", "mean_diameter": "30 mm", "pitch": "4 mm", "starts": 2,
+    ...     "thread": "square", "friction": 0.08, "collar_diameter": "40 mm", "collar_friction": 0.08,
+    ... }}})
+    >>> outcome = ElementsAlone(scene, ["jack.raise_moment"]).evaluate({})
+    >>> round(float(outcome.summaries["jack.raise_moment"][0]), 2)
+    26.18
+    """
+
+    dtype = np.dtype(np.float64)
+    groups = ()
+    schedule = None
+    available_fields: Mapping[str, Quantity] = {}
+    # Elements have no positions; one stands for all.
+    nodes = np.zeros(1)
+
+    def __init__(
+        self, scene: Scene, summaries: Iterable[str] = (), fields: Iterable[str] = (), varied: Iterable[str] = ()
+    ) -> None:
+        self.scene, self.varied = scene, tuple(varied)
+        self.asked_summaries, self.asked_fields = list(summaries), []
+        self._limits = scene_numbers(scene)
+        for path in self.varied:
+            if path not in self._limits:
+                raise AskError(f"{path!r} is not a number of this scene; {did_you_mean(path, self._limits)}")
+        for name in fields:
+            raise AskError(f"{name!r}: machine elements have no fields; a scene with an [input] has")
+        known = self.available_summaries
+        for name in self.asked_summaries:
+            if name not in known:
+                hint = did_you_mean(name, known)
+                raise AskError(f"{name!r} is not a summary of this scene, which has machine elements alone; {hint}")
+        self._columns = ElementColumns(scene, self.asked_summaries)
+
+    def __repr__(self) -> str:
+        return asked_text(self)
+
+    @property
+    def elements(self) -> tuple[str, ...]:
+        """Elements of which something is asked."""
+        return self._columns.elements
+
+    @property
+    def available_summaries(self) -> dict[str, Quantity]:
+        """Every summary one may ask."""
+        return {q.name: q for q in element_summaries(self.scene)}
+
+    @property
+    def numbers_kept(self) -> int:
+        """Numbers of each variant that are kept while it is evaluated."""
+        return len(self._limits)
+
+    def source(self) -> str:
+        """Source of the kernel, to be read."""
+        return self._columns.text
+
+    def new_buffer(self, variants: int) -> np.ndarray:
+        """Memory for no fields of a number of variants."""
+        return np.empty((0, variants, self.nodes.size))
+
+    def evaluate(
+        self, varied: Mapping[str, np.ndarray], drop: np.ndarray | None = None, buffer: np.ndarray | None = None
+    ) -> Outcome:
+        """Evaluate a set of variants.
+
+        Parameters
+        ----------
+        varied : mapping of path to ndarray (variants,)
+            Values (SI) of the paths named as varied; empty for the scene as it is, one variant.
+        drop : ndarray (variants,) of bool, optional
+            Variants not to evaluate; their status is DROPPED.
+        buffer : ndarray, optional
+            Not used, as there are no fields.
+
+        Raises
+        ------
+        AskError
+            The paths are not those the elements were made ready for.
+        """
+        arrays, status = given_numbers(self._limits, self.varied, varied, drop)
+        keep, outcome = np.flatnonzero(status == Verdict.OK), blank(status, self.asked_summaries, {})
+        numbers = Numbers(self._limits, arrays).of_variants(keep)
+        self._columns.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
+        return outcome

@@ -1,1 +1,0 @@
-"""Mechanisms found from what is wanted of them: quick returns by their time ratio, dyads through given positions."""

@@ -1,0 +1,1 @@
+"""What a scene may hold: models of its parts, with their quantities, units and formulas."""

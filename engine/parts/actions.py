@@ -1,0 +1,499 @@
+"""What acts on a machine: forces on points, moments on links, springs, and gas or liquid in cylinders.
+
+Conventions
+-----------
+A force acts at a point along `angle`, measured from the x axis of the link it turns with (the frame's unless
+`turns_with` names another); a positive value acts along that direction. A moment acts on a link, positive
+counter-clockwise. `acts` limits an action to the part of the cycle in which its point moves "along" or
+"against" its direction. `role` sorts the work: "driving", "useful" (the resistance the machine is for) or
+"harmful" (losses).
+"""
+
+import math
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field, field_validator, model_validator
+
+from engine.laws.motor_characteristics import nameplate_trouble
+from engine.laws.tables import TableError, make_table
+from engine.parts.formulas.by_formula import ByFormula, FormulaText
+from engine.parts.skeleton import (
+    FRAME,
+    Acceleration,
+    Angle,
+    AngularSpeed,
+    Area,
+    Density,
+    Length,
+    Mass,
+    Name,
+    Number,
+    Part,
+    Time,
+    quantity,
+)
+
+Force = quantity("force")
+Moment = quantity("moment")
+Power = quantity("power")
+Speed = quantity("speed")
+Stiffness = quantity("stiffness")
+Damping = quantity("damping")
+QuadraticDrag = quantity("quadratic_drag")
+TorsionalStiffness = quantity("torsional_stiffness")
+TorsionalDamping = quantity("torsional_damping")
+TorsionalQuadraticDrag = quantity("torsional_quadratic_drag")
+
+Role = Literal["driving", "useful", "harmful"]
+Interpolation = Literal["linear", "pchip", "spline"]
+
+
+class OnPoint(Part):
+    """A force at a point, along a fixed direction of the frame or of a link."""
+
+    on: Name
+    angle: Angle
+    turns_with: Name = FRAME
+    acts: Literal["always", "along", "against"] = "always"
+    role: Role = "useful"
+
+
+class ResistingOnPoint(Part):
+    """A force that opposes the velocity of a point: all of it, or its component along `angle` when given."""
+
+    on: Name
+    angle: Angle | None = None
+    turns_with: Name = FRAME
+    acts: Literal["always", "along", "against"] = "always"
+    role: Role = "harmful"
+
+    @model_validator(mode="after")
+    def _direction_is_known(self) -> "ResistingOnPoint":
+        if self.angle is None and (self.acts != "always" or self.turns_with != FRAME):
+            raise ValueError("acts and turns_with refer to a direction: give angle")
+        return self
+
+
+class OnLink(Part):
+    """A moment on a link or shaft."""
+
+    on: Name
+    acts: Literal["always", "along", "against"] = "always"
+    role: Role = "useful"
+
+
+class ResistingOnLink(OnLink):
+    """A moment that opposes the rotation of a link or shaft."""
+
+    role: Role = "harmful"
+
+
+class Tabled(Part):
+    """A characteristic given by a table over the crank angle, a slider's stroke, or time.
+
+    Exactly one of `over_angle`, `over_stroke`, `over_time` holds the abscissae. Over a stroke, `slider` names
+    the slider and `measured_from` the zero: the guide's point, or the low or high end of the stroke (then the
+    distance from that end, positive inwards). Over the angle the table repeats with the cycle.
+    """
+
+    over_angle: list[Angle] | None = None
+    over_stroke: list[Length] | None = None
+    over_time: list[Time] | None = None
+    slider: Name | None = None
+    measured_from: Literal["guide", "low end", "high end"] = "guide"
+    interpolation: Interpolation
+    outside: Literal["hold", "zero"] = "hold"
+    scale: Number = 1.0
+
+    @property
+    def abscissae(self) -> list[float]:
+        """The abscissae given, whichever they are."""
+        return next(t for t in (self.over_angle, self.over_stroke, self.over_time) if t is not None)
+
+    @property
+    def ordinates(self) -> list[float]:
+        """The forces or moments of the table."""
+        return self.force if hasattr(self, "force") else self.moment
+
+    @model_validator(mode="after")
+    def _table_is_sound(self) -> "Tabled":
+        given = [k for k in ("over_angle", "over_stroke", "over_time") if getattr(self, k) is not None]
+        if len(given) != 1:
+            raise ValueError("give exactly one of over_angle, over_stroke, over_time")
+        if (given == ["over_stroke"]) != (self.slider is not None):
+            raise ValueError("over_stroke and slider belong together: name the slider whose stroke is meant")
+        try:
+            names = (given[0], "force" if hasattr(self, "force") else "moment")
+            make_table(self.abscissae, self.ordinates, self.interpolation, outside=self.outside, names=names)
+        except TableError as error:
+            raise ValueError(str(error)) from None
+        return self
+
+
+class ConstantForce(OnPoint):
+    """A force of constant value."""
+
+    type: Literal["constant"]
+    force: Force
+
+
+class TableForce(OnPoint, Tabled):
+    """A force by a table."""
+
+    type: Literal["table"]
+    force: list[Force]
+
+
+class ForceAgainstMotion(ResistingOnPoint):
+    """A resistance of constant value against the motion."""
+
+    type: Literal["against_motion"]
+    force: Annotated[Force, Field(ge=0)]
+
+
+class LinearDragForce(ResistingOnPoint):
+    """Viscous resistance −c v."""
+
+    type: Literal["linear_drag"]
+    coefficient: Annotated[Damping, Field(ge=0)]
+
+
+class QuadraticDragForce(ResistingOnPoint):
+    """Aerodynamic or hydraulic resistance −c v|v|."""
+
+    type: Literal["quadratic_drag"]
+    coefficient: Annotated[QuadraticDrag, Field(ge=0)]
+
+
+class PowerDragForce(ResistingOnPoint):
+    """Resistance that grows with a power of the speed: `force` at `at_speed`, times (v/at_speed)^exponent."""
+
+    type: Literal["power_drag"]
+    force: Annotated[Force, Field(ge=0)]
+    at_speed: Annotated[Speed, Field(gt=0)]
+    exponent: Annotated[Number, Field(ge=0)]
+
+
+class FormulaForce(ResistingOnPoint, ByFormula):
+    """A force by a formula, positive along `angle`, or along the motion of the point where no angle is given.
+
+    Beside its own `numbers` the formula may use the crank angle `phi`, the velocity `v` of the point along the force,
+    the crank's angular velocity `omega`, the time `t`, the motion of the machine, such as `ram.slide`, and numbers of
+    the scene by their paths: see `engine.scene.load_formulas`.
+    """
+
+    type: Literal["formula"]
+    force: FormulaText
+    role: Role = "useful"
+
+
+class ConstantMoment(OnLink):
+    """A moment of constant value."""
+
+    type: Literal["constant"]
+    moment: Moment
+
+
+class TableMoment(OnLink, Tabled):
+    """A moment by a table."""
+
+    type: Literal["table"]
+    moment: list[Moment]
+
+
+class FormulaMoment(OnLink, ByFormula):
+    """A moment by a formula, as for forces; `omega` is the angular velocity of the link that it acts on."""
+
+    type: Literal["formula"]
+    moment: FormulaText
+
+
+class MomentAgainstMotion(ResistingOnLink):
+    """A resisting moment of constant value against the rotation."""
+
+    type: Literal["against_motion"]
+    moment: Annotated[Moment, Field(ge=0)]
+
+
+class LinearDragMoment(ResistingOnLink):
+    """Viscous resistance −c ω."""
+
+    type: Literal["linear_drag"]
+    coefficient: Annotated[TorsionalDamping, Field(ge=0)]
+
+
+class QuadraticDragMoment(ResistingOnLink):
+    """Fan or hydraulic resistance −c ω|ω|."""
+
+    type: Literal["quadratic_drag"]
+    coefficient: Annotated[TorsionalQuadraticDrag, Field(ge=0)]
+
+
+class PowerDragMoment(ResistingOnLink):
+    """Resistance that grows with a power of the speed: `moment` at `at_speed`, times (ω/at_speed)^exponent."""
+
+    type: Literal["power_drag"]
+    moment: Annotated[Moment, Field(ge=0)]
+    at_speed: Annotated[AngularSpeed, Field(gt=0)]
+    exponent: Annotated[Number, Field(ge=0)]
+
+
+class Brake(Part):
+    """A brake on a link or shaft, against the rotation: in regimes that don't name it as `off`, and only there."""
+
+    on: Name
+
+    @property
+    def role(self) -> str:
+        """Its work is heat in the brake."""
+        return "braking"
+
+
+class BlockBrake(Brake):
+    """Blocks pressed on a drum, M = n f N R; `force` on each of the `blocks`.
+
+    Long blocks that embrace the angle `embrace` each hold a little better than short ones.
+    """
+
+    type: Literal["block_brake"]
+    force: Annotated[Force, Field(ge=0)]
+    friction: Annotated[Number, Field(ge=0)]
+    radius: Annotated[Length, Field(gt=0)]
+    blocks: Annotated[int, Field(ge=1)] = 1
+    embrace: Annotated[Angle, Field(ge=0, le=3.2)] = 0.0
+
+
+class DiscBrake(Brake):
+    """A disc or plates between linings, M = n f P r_m; `faces` rub, worn in (uniform wear) or new (pressure)."""
+
+    type: Literal["disc_brake"]
+    force: Annotated[Force, Field(ge=0)]
+    friction: Annotated[Number, Field(ge=0)]
+    inner_radius: Annotated[Length, Field(ge=0)]
+    outer_radius: Annotated[Length, Field(gt=0)]
+    faces: Annotated[int, Field(ge=1)] = 2
+    linings: Literal["worn in", "new"] = "worn in"
+
+    @model_validator(mode="after")
+    def _inner_inside_outer(self) -> "DiscBrake":
+        if not self.inner_radius < self.outer_radius:
+            raise ValueError("inner_radius must be less than outer_radius")
+        return self
+
+
+class BandBrake(Brake):
+    """A band round a drum, by Euler; a lever of `lever_arm` pulls its ends on arms of `slack_arm` and `tight_arm`.
+
+    Arms are those of the band's slack and tight end about the lever's fulcrum; one of them 0 for a simple band,
+    of opposite signs for a differential band. A band lined with `blocks`, each embracing `block_angle` of the drum, has
+    these in place of `wrap`; its `radius` is that of the band.
+    """
+
+    type: Literal["band_brake"]
+    force: Annotated[Force, Field(ge=0)]
+    friction: Annotated[Number, Field(ge=0)]
+    radius: Annotated[Length, Field(gt=0)]
+    wrap: Annotated[Angle, Field(gt=0)] | None = None
+    blocks: Annotated[int, Field(ge=1)] | None = None
+    block_angle: Annotated[Angle, Field(gt=0, lt=3.14)] | None = None
+    lever_arm: Annotated[Length, Field(gt=0)]
+    slack_arm: Length = 0.0
+    tight_arm: Length = 0.0
+
+    @model_validator(mode="after")
+    def _holds_an_end(self) -> "BandBrake":
+        if self.slack_arm == 0.0 and self.tight_arm == 0.0:
+            raise ValueError("give slack_arm or tight_arm: the lever must pull an end of the band")
+        if not self.slack_arm + self.tight_arm > 0.0:
+            raise ValueError(
+                "slack_arm + tight_arm must be above 0, or the force on the lever slackens the band: turn a sign "
+                "round, or give the end that the lever draws the longer arm"
+            )
+        if (self.blocks is None) != (self.block_angle is None):
+            raise ValueError("blocks and block_angle belong together: give both, or neither")
+        if (self.wrap is None) == (self.blocks is None):
+            raise ValueError("give wrap, or blocks with block_angle for a band lined with blocks")
+        return self
+
+
+class TorsionSpring(Part):
+    """A torsion spring between a link and the frame: −k (θ − free_angle), θ in (−π, π]."""
+
+    type: Literal["torsion_spring"]
+    on: Name
+    stiffness: TorsionalStiffness
+    free_angle: Angle = 0.0
+
+
+class Carried(Part):
+    """Masses that a drum or wheel on the crank or on a shaft moves along a straight way, at the speed of its rim.
+
+    With `forwards` the way that the drum turns as they go forward is said: up, where the way rises. Their `gravity` is
+    the scene's if nothing else is said, and 9.80665 m/s² where the scene has none.
+    """
+
+    masses: ClassVar[tuple[str, ...]] = ("mass",)
+    radius: ClassVar[str] = "drum_radius"
+    on: Name
+    forwards: Literal["counter-clockwise", "clockwise"] = "counter-clockwise"
+    gravity: Annotated[Acceleration, Field(gt=0)] | None = None
+    role: Role = "useful"
+
+
+class HoistMoment(Carried):
+    """A load on the rope of a drum: its weight m g r, and its mass as the inertia m r².
+
+    `efficiency` is that of all between the load and the drum: lifting takes m g r/η, lowering gives back m g r η.
+    What is lost is harmful work, whatever the `role` of the load.
+    """
+
+    type: Literal["hoist"]
+    mass: Annotated[Mass, Field(ge=0)]
+    drum_radius: Annotated[Length, Field(gt=0)]
+    efficiency: Annotated[Number, Field(gt=0, le=1)] = 1.0
+
+
+class VehicleMoment(Carried):
+    """A vehicle on its driven wheels: rolling resistance f m g cos α, slope m g sin α, drag ½ ρ c A v², inertia m r².
+
+    `rolling` is the coefficient f, `slope` the angle α, positive where it rises forwards; `drag_area` is c A of the
+    body, in air of the density `air_density`.
+    """
+
+    radius: ClassVar[str] = "wheel_radius"
+    type: Literal["vehicle"]
+    mass: Annotated[Mass, Field(ge=0)]
+    wheel_radius: Annotated[Length, Field(gt=0)]
+    rolling: Annotated[Number, Field(ge=0)] = 0.0
+    slope: Annotated[Angle, Field(gt=-math.pi / 2, lt=math.pi / 2)] = 0.0
+    drag_area: Annotated[Area, Field(ge=0)] = 0.0
+    air_density: Annotated[Density, Field(ge=0)] = 1.204
+
+
+class ConveyorMoment(Carried):
+    """A belt conveyor on its drum: friction C f (m_b + m_l) g cos δ, lift m_l g sin δ, inertia (m_b + m_l) r².
+
+    `load_mass` m_l lies on the belt, `belt_mass` m_b counts the belt and what turns of its idlers; `friction` is the
+    coefficient f, `length_coefficient` C what the ends of a short conveyor add to it, `incline` the angle δ.
+    """
+
+    masses: ClassVar[tuple[str, ...]] = ("load_mass", "belt_mass")
+    type: Literal["conveyor"]
+    load_mass: Annotated[Mass, Field(ge=0)]
+    belt_mass: Annotated[Mass, Field(ge=0)] = 0.0
+    drum_radius: Annotated[Length, Field(gt=0)]
+    friction: Annotated[Number, Field(ge=0)] = 0.0
+    length_coefficient: Annotated[Number, Field(ge=1)] = 1.0
+    incline: Annotated[Angle, Field(gt=-math.pi / 2, lt=math.pi / 2)] = 0.0
+
+
+class DCCharacteristic(Part):
+    """The straight characteristic of a DC motor, M = stall_moment (1 − ω/no_load_speed)."""
+
+    no_load_speed: Annotated[AngularSpeed, Field(gt=0)]
+    stall_moment: Annotated[Moment, Field(gt=0)] | None = None
+    power: Annotated[Power, Field(gt=0)] | None = None
+    rated_speed: Annotated[AngularSpeed, Field(gt=0)] | None = None
+
+    @model_validator(mode="after")
+    def _one_description(self) -> "DCCharacteristic":
+        nameplate = (self.power, self.rated_speed)
+        if (self.stall_moment is None) == (None in nameplate) or (None in nameplate and any(nameplate)):
+            raise ValueError("give either stall_moment, or power and rated_speed (nameplate)")
+        if self.rated_speed is not None and not self.rated_speed < self.no_load_speed:
+            raise ValueError("rated_speed must be below no_load_speed")
+        return self
+
+
+class DCMotor(DCCharacteristic):
+    """A DC motor, M = stall_moment (1 − ω/no_load_speed), on the crank or a shaft geared to it.
+
+    Instead of the stall moment, the nameplate's power and rated speed may be given.
+    """
+
+    type: Literal["dc_motor"]
+    on: Name
+
+
+class InductionCharacteristic(Part):
+    """The characteristic of an induction motor, by Kloss' formula or from its nameplate."""
+
+    synchronous_speed: Annotated[AngularSpeed, Field(gt=0)]
+    breakdown_moment: Annotated[Moment, Field(gt=0)] | None = None
+    breakdown_slip: Annotated[Number, Field(gt=0)] | None = None
+    power: Annotated[Power, Field(gt=0)] | None = None
+    rated_speed: Annotated[AngularSpeed, Field(gt=0)] | None = None
+    breakdown_ratio: Annotated[Number, Field(gt=1)] | None = None
+    starting_ratio: Annotated[Number, Field(gt=0)] | None = None
+
+    @model_validator(mode="after")
+    def _one_description(self) -> "InductionCharacteristic":
+        kloss = (self.breakdown_moment, self.breakdown_slip)
+        nameplate = (self.power, self.rated_speed, self.breakdown_ratio)
+        if None not in kloss and all(v is None for v in (*nameplate, self.starting_ratio)):
+            return self
+        if None not in nameplate and all(v is None for v in kloss):
+            trouble = nameplate_trouble(
+                self.power, self.rated_speed, self.synchronous_speed, self.breakdown_ratio, self.starting_ratio
+            )
+            if trouble:
+                raise ValueError(trouble)
+            return self
+        raise ValueError(
+            "give either breakdown_moment and breakdown_slip (Kloss), or power, rated_speed and "
+            "breakdown_ratio, with starting_ratio if known (nameplate)"
+        )
+
+
+class InductionMotor(InductionCharacteristic):
+    """An induction motor by Kloss or by its nameplate, on the crank or a shaft geared to it."""
+
+    type: Literal["induction_motor"]
+    on: Name
+
+
+ForceAction = Annotated[
+    ConstantForce
+    | TableForce
+    | FormulaForce
+    | ForceAgainstMotion
+    | LinearDragForce
+    | QuadraticDragForce
+    | PowerDragForce,
+    Field(discriminator="type"),
+]
+MomentAction = Annotated[
+    ConstantMoment
+    | TableMoment
+    | FormulaMoment
+    | MomentAgainstMotion
+    | LinearDragMoment
+    | QuadraticDragMoment
+    | PowerDragMoment
+    | BlockBrake
+    | DiscBrake
+    | BandBrake
+    | TorsionSpring
+    | HoistMoment
+    | VehicleMoment
+    | ConveyorMoment
+    | DCMotor
+    | InductionMotor,
+    Field(discriminator="type"),
+]
+
+
+class Spring(Part):
+    """A spring with an optional damper between two points: pulls with k (L − free_length) + c dL/dt."""
+
+    between: tuple[Name, Name]
+    stiffness: Stiffness = 0.0
+    free_length: Annotated[Length, Field(ge=0)] = 0.0
+    damping: Annotated[Damping, Field(ge=0)] = 0.0
+
+    @field_validator("between")
+    @classmethod
+    def _has_two_ends(cls, between: tuple[Name, Name]) -> tuple[Name, Name]:
+        if between[0] == between[1]:
+            raise ValueError(f"both ends are {between[0]!r}: name two points")
+        return between

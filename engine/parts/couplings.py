@@ -1,0 +1,75 @@
+"""Couplings as a scene describes them, between a shaft and all that turns with the crank.
+
+Conventions
+-----------
+The shaft is geared to the crank; while its coupling slips it turns at a speed of its own, with the inertia, the motors
+and the moments that are on it. Slip is the shaft's speed less the one at which the crank would turn it. In regimes that
+name the coupling as `off` it is open.
+"""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from engine.parts.actions import Interpolation, Moment, Time
+from engine.parts.skeleton import Density, Length, Name, Number, Part
+
+Share = Annotated[Number, Field(ge=0)]
+
+
+class FrictionClutch(Part):
+    """A friction clutch: it transmits up to `capacity` [N·m of its shaft], and slips beyond.
+
+    From when it is engaged on, the capacity grows evenly within the time `engagement`, or by a table of its `share`
+    `over_time`, linear between its rows and held after the last; without either it is there at once.
+    """
+
+    type: Literal["friction_clutch"]
+    shaft: Name
+    capacity: Annotated[Moment, Field(gt=0)]
+    engagement: Annotated[Time, Field(gt=0)] | None = None
+    over_time: Annotated[list[Time], Field(min_length=2)] | None = None
+    share: list[Share] | None = None
+
+    @model_validator(mode="after")
+    def _grows_one_way(self) -> "FrictionClutch":
+        if (self.over_time is None) != (self.share is None):
+            raise ValueError("over_time and share belong together: give both, or neither")
+        if self.over_time is None:
+            return self
+        if self.engagement is not None:
+            raise ValueError("engagement and a table over_time are given: give one of the two")
+        if len(self.over_time) != len(self.share):
+            raise ValueError(f"over_time has {len(self.over_time)} rows, share {len(self.share)}: give as many of both")
+        steps = zip(self.over_time, self.over_time[1:], strict=False)
+        if self.over_time[0] < 0.0 or not all(before < after for before, after in steps):
+            raise ValueError("over_time counts from when the clutch is engaged: its rows must rise from 0 s or later")
+        return self
+
+
+class FluidCoupling(Part):
+    """A fluid coupling: the faster side drives the slower one with the moment λ(s) ρ ω² D⁵, ω being its own speed.
+
+    `coefficient` λ by a table over the `slip` s = 1 − ω₂/ω₁, held after its last row; it begins with 0 at no slip.
+    """
+
+    type: Literal["fluid_coupling"]
+    shaft: Name
+    diameter: Annotated[Length, Field(gt=0)]
+    density: Annotated[Density, Field(gt=0)]
+    slip: Annotated[list[Number], Field(min_length=2)]
+    coefficient: list[Share]
+    interpolation: Interpolation
+
+    @model_validator(mode="after")
+    def _table_is_sound(self) -> "FluidCoupling":
+        if len(self.slip) != len(self.coefficient):
+            raise ValueError(f"slip has {len(self.slip)} rows, coefficient {len(self.coefficient)}: give as many")
+        if self.slip[0] != 0.0 or self.coefficient[0] != 0.0:
+            raise ValueError("the table must begin with slip 0 and coefficient 0: without slip nothing is transmitted")
+        if not all(before < after for before, after in zip(self.slip, self.slip[1:], strict=False)):
+            raise ValueError("the rows of slip must rise")
+        return self
+
+
+Coupling = Annotated[FrictionClutch | FluidCoupling, Field(discriminator="type")]

@@ -1,0 +1,81 @@
+"""Cylinders of a scene: gas or liquid that presses on a piston."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from engine.parts.actions import Role
+from engine.parts.skeleton import Angle, Length, Name, Number, Part, Pressure
+
+
+class Cylinder(Part):
+    """Gas or liquid behind a piston: a slider, its bore, and at which end of the stroke the cylinder head is.
+
+    `head` "high": the head lies beyond the high end of the slide coordinate, and pressure pushes the piston
+    towards the low end. `ambient` is the pressure on the other side of the piston. `clearance` is the
+    clearance volume over the swept volume.
+    """
+
+    piston: Name
+    bore: Annotated[Length, Field(gt=0)]
+    head: Literal["high", "low"] = "high"
+    ambient: Pressure = 101_325.0
+
+
+class Compressor(Cylinder):
+    """A reciprocating compressor: polytropic compression and expansion between two pressures."""
+
+    type: Literal["compressor"]
+    clearance: Annotated[Number, Field(gt=0)]
+    suction: Annotated[Pressure, Field(gt=0)]
+    discharge: Annotated[Pressure, Field(gt=0)]
+    n_compression: Annotated[Number, Field(gt=0)] = 1.3
+    n_expansion: Annotated[Number, Field(gt=0)] = 1.3
+    role: Role = "useful"
+
+    @model_validator(mode="after")
+    def _compresses(self) -> "Compressor":
+        if not self.suction < self.discharge:
+            raise ValueError("suction must be below discharge: a compressor raises the pressure")
+        return self
+
+
+class Pump(Cylinder):
+    """A piston pump: suction pressure away from the head, discharge pressure towards it."""
+
+    type: Literal["pump"]
+    suction: Annotated[Pressure, Field(ge=0)]
+    discharge: Annotated[Pressure, Field(ge=0)]
+    role: Role = "useful"
+
+
+class EngineCylinder(Cylinder):
+    """The cylinder of an engine: polytropic expansion from `peak`, and compression from `intake`."""
+
+    clearance: Annotated[Number, Field(gt=0)]
+    intake: Annotated[Pressure, Field(gt=0)]
+    exhaust: Annotated[Pressure, Field(gt=0)]
+    peak: Annotated[Pressure, Field(gt=0)]
+    n_compression: Annotated[Number, Field(gt=0)] = 1.32
+    n_expansion: Annotated[Number, Field(gt=0)] = 1.28
+    role: Role = "driving"
+
+
+class FourStroke(EngineCylinder):
+    """A four-stroke engine: expansion, exhaust, intake, compression.
+
+    The power stroke begins at the head-end dead centre that follows φ = `firing_angle` (needs 2 revolutions a cycle).
+    """
+
+    type: Literal["four_stroke"]
+    firing_angle: Angle = 0.0
+
+
+class TwoStroke(EngineCylinder):
+    """A two-stroke engine: expansion until the ports open after the fraction `port` of the stroke."""
+
+    type: Literal["two_stroke"]
+    port: Annotated[Number, Field(gt=0, le=1)]
+
+
+CylinderAction = Annotated[Compressor | Pump | FourStroke | TwoStroke, Field(discriminator="type")]

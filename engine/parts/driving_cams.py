@@ -1,0 +1,73 @@
+"""Cams that drive a mechanism: on the crank or a shaft geared to it, their followers links of the mechanism."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from engine.parts.motion_programs import CamProgram, Positive, check_roller
+from engine.parts.skeleton import Angle, Mode, Name, Part
+
+
+class SlidingFollower(Part):
+    """A link that slides on a guide of the frame and moves away from the cam in the guide's direction.
+
+    Its origin is the centre of the roller or the knife edge; on a flat face, which is square to the guide, it lies on
+    the guide too. The guide may pass beside the cam's axis.
+    """
+
+    type: Literal["translating"]
+    link: Name
+    guide: Name
+    contact: Literal["roller", "flat", "knife edge"]
+    roller_radius: Positive | None = None
+
+    @model_validator(mode="after")
+    def _contact_fits(self) -> "SlidingFollower":
+        check_roller(self.contact, self.roller_radius)
+        return self
+
+
+class SwingingFollower(Part):
+    """A link that turns about a point of the frame, its x axis from there to the roller or edge, or along the face.
+
+    The roller or edge is `arm` away from the pivot; a flat face goes through it. Mode +1: as one looks from the pivot
+    to the cam's axis, the arm lies to the left.
+    """
+
+    type: Literal["oscillating"]
+    link: Name
+    pivot: Name
+    contact: Literal["roller", "flat", "knife edge"]
+    roller_radius: Positive | None = None
+    arm: Positive | None = None
+    mode: Mode = 1
+
+    @model_validator(mode="after")
+    def _contact_fits(self) -> "SwingingFollower":
+        check_roller(self.contact, self.roller_radius)
+        if (self.arm is None) != (self.contact == "flat"):
+            raise ValueError("arm is the distance of a roller or knife edge from the pivot; a flat face has none")
+        return self
+
+
+class DrivingCam(CamProgram):
+    """A cam on the crank, or on a shaft with a pivot that is geared to it; its follower is a link of the mechanism.
+
+    The first section begins at the crank angle `begin`; sections follow each other as the crank's angle grows,
+    whichever way the cam turns. `base_radius` is the least of the cam's surface where the displacement is zero. With
+    `closure` by a spring or other loads a follower that they don't press on the cam lifts off; a groove drives it both
+    ways.
+    """
+
+    on: Name
+    begin: Angle = 0.0
+    base_radius: Positive
+    follower: Annotated[SlidingFollower | SwingingFollower, Field(discriminator="type")]
+    closure: Literal["spring", "form"] = "spring"
+
+    @model_validator(mode="after")
+    def _moves_masses(self) -> "DrivingCam":
+        self._check_no_jumps()
+        if self.closure == "form" and self.follower.contact != "roller":
+            raise ValueError("closure = 'form' is a groove, in which a roller runs; give contact = 'roller'")
+        return self

@@ -1,0 +1,187 @@
+"""Racks, pinions and non-circular wheels that drive a mechanism, as a scene describes them."""
+
+import math
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field, field_validator, model_validator
+
+from engine.laws.tables import Table, TableError, make_table
+from engine.parts.skeleton import Angle, Length, Name, Number, Part
+
+# Lobes of a wheel, and harmonics of a law: more would be teeth.
+MOST_LOBES, MOST_HARMONICS = 8, 12
+
+
+class ToothedBar(Part):
+    """What a rack that is driven and a pinion that is driven have in common.
+
+    `pivot` is the pinion's axis: a point of what carries the rack's guide, or of a slider on that guide. With a
+    positive `radius` of the pinion's pitch circle the rack moves along the guide's direction as the pinion turns
+    counter-clockwise, and lies to the right of the axis; with a negative one it is the other way round. `efficiency`
+    is that of the mesh, the pinion's axis held, whichever drives.
+    """
+
+    pivot: Name
+    radius: Length
+    pressure_angle: Annotated[Angle, Field(ge=0, lt=math.pi / 2)] = 0.0
+    efficiency: Annotated[Number, Field(gt=0, le=1)] | None = None
+
+    @field_validator("radius")
+    @classmethod
+    def _has_a_size(cls, radius: float) -> float:
+        if radius == 0.0:
+            raise ValueError("a pinion with the radius 0 moves no rack: give the radius of its pitch circle")
+        return radius
+
+
+class Rack(ToothedBar):
+    """A link that slides on a `guide`, driven by a `pinion`: the crank, a shaft with a pivot, or another pinion.
+
+    Its origin lies on the guide, `start` beyond the pinion's axis where the pinion's angle against what carries the
+    guide is zero; its x axis lies along the guide.
+    """
+
+    pinion: Name
+    guide: Name
+    start: Length = 0.0
+
+
+class Pinion(ToothedBar):
+    """A link that turns about its `pivot`, driven by a `rack`, which is any slider on a guide.
+
+    Without a rack that moves, it rolls on one that lies along the `guide` on which its axis slides. Its angle against
+    what carries the guide is `phase` where the rack's origin, or the guide's point, is beside the axis.
+    """
+
+    rack: Name | None = None
+    guide: Name | None = None
+    phase: Angle = 0.0
+
+    @model_validator(mode="after")
+    def _has_one_rack(self) -> "Pinion":
+        if (self.rack is None) == (self.guide is None):
+            raise ValueError("give either rack, the slider that drives it, or guide, along which a fixed rack lies")
+        return self
+
+
+class EllipticalLaw(Part):
+    """Ellipses that turn about their foci; with lobes, their like of higher order.
+
+    The driven wheel turns fastest where the law begins. With equal numbers of lobes `eccentricity` is the ellipse's.
+    """
+
+    type: Literal["elliptical"]
+    eccentricity: Annotated[Number, Field(ge=0, lt=1)]
+
+
+class RateHarmonic(Part):
+    """A harmonic of the driven wheel's speed over a lobe of the driver: coefficients as shares of the mean."""
+
+    order: Annotated[int, Field(ge=1, le=MOST_HARMONICS)]
+    cosine: Number = 0.0
+    sine: Number = 0.0
+
+
+class HarmonicLaw(Part):
+    """The driven wheel's speed is 1 + Σ c cos kθ + s sin kθ of its mean, θ the driver's angle times its lobes."""
+
+    type: Literal["harmonic"]
+    harmonics: Annotated[dict[Name, RateHarmonic], Field(min_length=1)]
+
+    @model_validator(mode="after")
+    def _goes_on(self) -> "HarmonicLaw":
+        # Thirty steps to a period of the highest harmonic.
+        angles = np.linspace(0.0, 2.0 * math.pi, 30 * MOST_HARMONICS + 1)
+        terms = [
+            h.cosine * np.cos(h.order * angles) + h.sine * np.sin(h.order * angles) for h in self.harmonics.values()
+        ]
+        speeds = 1.0 + sum(terms)
+        if speeds.min() <= 0.0:
+            place = math.degrees(angles[speeds.argmin()])
+            raise ValueError(
+                f"harmonics: the driven wheel would stand or turn back {place:.0f}° after the law's beginning, where "
+                f"its speed is {speeds.min():.3g} of the mean; wheels in mesh can't do that: make coefficients smaller"
+            )
+        return self
+
+
+class TabledLaw(Part):
+    """The driven wheel's speed by rows over a lobe of the driver, through which a periodic spline goes.
+
+    `over_angle` is the driver's angle times its lobes, over at most 360 deg. Only proportions of `ratio` count: numbers
+    of lobes say what the mean is.
+    """
+
+    type: Literal["table"]
+    over_angle: list[Angle]
+    ratio: list[Number]
+
+    @model_validator(mode="after")
+    def _goes_on(self) -> "TabledLaw":
+        try:
+            rows = self._spline()
+        except TableError as error:
+            raise ValueError(str(error)) from None
+        lows = [_least(piece, length) for piece, length in zip(rows.coefficients, np.diff(rows.breaks), strict=True)]
+        if min(lows) <= 0.0:
+            place = math.degrees(rows.breaks[int(np.argmin(lows))])
+            raise ValueError(
+                f"ratio: the driven wheel would stand or turn back after the row at {place:.4g}°, where the curve "
+                f"through the rows comes down to {min(lows):.3g}; wheels in mesh can't do that: make rows more alike"
+            )
+        return self
+
+    def _spline(self) -> Table:
+        return make_table(self.over_angle, self.ratio, "spline", 2.0 * math.pi, names=("over_angle", "ratio"))
+
+    def speed_and_lead(self) -> tuple[Table, Table]:
+        """The speed as a share of its mean, and how far the wheel leads an even motion where each piece begins [rad].
+
+        The lead is zero where the law begins, at the angle 0.
+        """
+        rows = self._spline()
+        lengths = np.diff(rows.breaks)
+        gained = _integrals(rows.coefficients, lengths)
+        share = 2.0 * math.pi / gained.sum()
+        before = np.cumsum(np.append(0.0, share * gained - lengths))[:-1]
+        # In the period that the rows describe the law begins here.
+        begin = rows.start + (-rows.start) % rows.period
+        piece = int(np.searchsorted(rows.breaks, begin, "right")) - 1
+        t = begin - rows.breaks[piece]
+        before = before - (before[piece] + share * _integrals(rows.coefficients[piece], t) - t)
+        leads = np.column_stack((np.zeros((before.size, 3)), before))
+        return rows._replace(coefficients=share * rows.coefficients), rows._replace(coefficients=leads)
+
+
+def _least(piece: np.ndarray, length: float) -> float:
+    """Least value of a cubic between 0 and a length."""
+    turns = np.roots(np.polyder(piece))
+    inside = turns.real[(np.abs(turns.imag) < 1e-9 * length) & (turns.real > 0.0) & (turns.real < length)]
+    return float(np.polyval(piece, np.array([0.0, length, *inside])).min())
+
+
+def _integrals(pieces: np.ndarray, t: np.ndarray | float) -> np.ndarray | float:
+    """Of cubics, each from 0 to its t."""
+    c3, c2, c1, c0 = np.moveaxis(pieces, -1, 0)
+    return (((c3 / 4.0 * t + c2 / 3.0) * t + c1 / 2.0) * t + c0) * t
+
+
+class NoncircularWheel(Part):
+    """A link that turns about a `pivot` of the frame, in mesh with a wheel on the crank, a shaft or another such wheel.
+
+    They turn against each other, `driver_lobes` turns of it to `lobes` of the driver's on average; within a lobe of
+    the driver the `law` says how unevenly. `begin` is the driver's angle at which the law begins, and `phase` this
+    wheel's angle there. With the `pressure_angle` of the teeth, forces between them are part of reactions.
+    `efficiency` is that of the mesh, whichever wheel drives.
+    """
+
+    geared_to: Name
+    pivot: Name
+    law: Annotated[EllipticalLaw | HarmonicLaw | TabledLaw, Field(discriminator="type")]
+    lobes: Annotated[int, Field(ge=1, le=MOST_LOBES)] = 1
+    driver_lobes: Annotated[int, Field(ge=1, le=MOST_LOBES)] = 1
+    begin: Angle = 0.0
+    phase: Angle = 0.0
+    pressure_angle: Annotated[Angle, Field(ge=0, lt=math.pi / 2)] | None = None
+    efficiency: Annotated[Number, Field(gt=0, le=1)] | None = None

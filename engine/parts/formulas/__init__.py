@@ -1,0 +1,1 @@
+"""The language of formulas: expressions, their names, dimensions and switches."""

@@ -1,0 +1,502 @@
+"""Arithmetic and conditions over names and dotted paths, as the texts of scenes and studies may hold them.
+
+Two things are written as engineers write them: a quantity, `12 N m`, and a power, `omega^2`. Both are first put into
+Python's spelling; then the text is parsed by Python's own parser and translated, construct by construct, into a tree of
+arithmetic. Whatever isn't on the list is refused. It is never evaluated as Python.
+"""
+
+import ast
+import functools
+import itertools
+import keyword
+import math
+import re
+import warnings
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.parts.formulas.unknown_names import unknown_name_message
+from engine.parts.units import UNIT_NAMES
+
+LONGEST = 2000
+DEEPEST = 50
+
+# How many operands a function takes: (fewest, most).
+FUNCTIONS = {
+    "sqrt": (np.sqrt, 1, 1),
+    "sin": (np.sin, 1, 1),
+    "cos": (np.cos, 1, 1),
+    "tan": (np.tan, 1, 1),
+    "asin": (np.arcsin, 1, 1),
+    "acos": (np.arccos, 1, 1),
+    "atan": (np.arctan, 1, 1),
+    "atan2": (np.arctan2, 2, 2),
+    "abs": (np.abs, 1, 1),
+    "sign": (np.sign, 1, 1),
+    "min": (np.minimum, 2, LONGEST),
+    "max": (np.maximum, 2, LONGEST),
+    "exp": (np.exp, 1, 1),
+    "log": (np.log, 1, 1),
+    "radians": (np.radians, 1, 1),
+    "degrees": (np.degrees, 1, 1),
+}
+
+ALLOWED = (
+    "numbers, pi, quantities such as 300 mm or '6 %', dotted paths such as bodies.rod.center[0], "
+    "+ - * / ^, comparisons, and, or, not, A if CONDITION else B, parentheses, " + ", ".join(FUNCTIONS)
+)
+
+_ARITHMETIC = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "**"}
+_COMPARISONS = {ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "==", ast.NotEq: "!="}
+
+_UFUNCS = {
+    "+": np.add,
+    "-": np.subtract,
+    "*": np.multiply,
+    "/": np.divide,
+    "**": np.power,
+    "negative": np.negative,
+    "<": np.less,
+    "<=": np.less_equal,
+    ">": np.greater,
+    ">=": np.greater_equal,
+    "==": np.equal,
+    "!=": np.not_equal,
+    "and": np.logical_and,
+    "or": np.logical_or,
+    "not": np.logical_not,
+    "if": np.where,
+} | {name: ufunc for name, (ufunc, _, _) in FUNCTIONS.items()}
+
+_REPEATED = {"and", "or", "min", "max"}
+
+_HINTS = {
+    ast.Tuple: "a comma is allowed between a function's operands only; decimals are written with a point",
+    ast.BitAnd: "conditions are joined by 'and'",
+    ast.BitOr: "conditions are joined by 'or'",
+    ast.Invert: "a condition is negated by 'not'",
+    ast.UAdd: "leave the leading + out",
+    ast.Mod: "a percentage is written in quotes, '6 %'",
+    ast.Lambda: "functions can't be defined here",
+    ast.JoinedStr: "text with {} can't be used here",
+}
+
+
+class ExpressionError(ValueError):
+    """An expression that can't be used; the message shows the place and what is allowed."""
+
+
+class TextQuantity(NamedTuple):
+    """A quantity with its unit: its value (SI) and its text."""
+
+    value: float
+    text: str
+
+
+class TextOperation(NamedTuple):
+    """An operation, a comparison or a function with its operands, and the column where it stands in the text.
+
+    Of an "if" the operands are the condition, the number where it holds, and the other.
+    """
+
+    name: str
+    operands: tuple["Tree", ...]
+    column: int
+
+
+# A number, a quantity, a name, or an operation on others.
+Tree = float | TextQuantity | str | TextOperation
+
+
+@dataclass(frozen=True)
+class TextExpression:
+    """A parsed expression, made by `parse`.
+
+    Attributes
+    ----------
+    text : str
+        The expression as written.
+    names : tuple of str
+        The dotted paths it uses, each once, in order of first appearance.
+    is_condition : bool
+        Whether it yields true or false (a comparison) instead of a number.
+    tree : float, TextQuantity, str or TextOperation
+        Its structure.
+    """
+
+    text: str
+    names: tuple[str, ...]
+    is_condition: bool
+    tree: Tree = field(repr=False)
+
+    def evaluate(self, values: Mapping[str, float | np.ndarray]) -> float | bool | np.ndarray:
+        """Evaluate in float64, element by element.
+
+        Division by zero gives an infinity or NaN, a root of a negative number NaN, silently. A comparison
+        with NaN is false (so `not (x < 1)` is true for NaN).
+
+        Parameters
+        ----------
+        values : mapping of str to float or ndarray
+            A value for each of `names`, of shapes that broadcast together; others are ignored.
+
+        Returns
+        -------
+        float, bool or ndarray
+            An array if any of the values used is one; of bool if `is_condition`.
+
+        Raises
+        ------
+        ExpressionError
+            If one of `names` has no value.
+        """
+        for name in self.names:
+            if name not in values:
+                raise ExpressionError(f"in '{self.text}': {unknown_name_message(name, values)}")
+        with np.errstate(all="ignore"):
+            result = evaluate_tree(self.tree, values)
+        return result if np.ndim(result) else result.item()
+
+
+def parse(text: str, quantity: Callable[[str], float] | None = None) -> TextExpression:
+    """Parse an expression.
+
+    Parameters
+    ----------
+    text : str
+        For instance ``groups.rod.first.length > 300 mm and 2 * input.length < groups.rod.second.length``.
+    quantity : callable, optional
+        Converts the text of a quantity, 300 mm, to a number in SI; it raises ValueError for what it can't
+        convert. Without it, quantities are refused.
+
+    Returns
+    -------
+    TextExpression
+
+    Raises
+    ------
+    ExpressionError
+        If the text is no expression, holds anything that isn't allowed, is longer than 2000 characters or
+        nested deeper than 50.
+    """
+    line = _one_line(text)
+    if len(line) > LONGEST:
+        raise _refusal(line, LONGEST, f"longer than {LONGEST} characters")
+    if not line.strip():
+        raise _refusal(line, 0, "an expression is missing")
+    # A comment would swallow the lines after it, as they have become one.
+    if "#" in line:
+        raise _refusal(line, line.index("#"), "comments can't be used here")
+    code = _code_of(line)
+    translator = _Translator(code, quantity)
+    tree, is_condition = translator.translate(_syntax_tree(code), depth=1)
+    return TextExpression(text, tuple(translator.names), is_condition, tree)
+
+
+def joined_by_and(text: str) -> list[str]:
+    """Texts of the conditions that `and` joins in one that can be parsed."""
+    code = _code_of(_one_line(text))
+    tree = _syntax_tree(code)
+    if not (isinstance(tree, ast.BoolOp) and isinstance(tree.op, ast.And)):
+        return [text]
+    parts = (code.line[code.column(value.col_offset) : code.column(value.end_col_offset)] for value in tree.values)
+    return [inner for part in parts for inner in joined_by_and(part)]
+
+
+def pointed_out(text: str, column: int) -> str:
+    """The expression's text, or an excerpt of a long one, with a caret below a column."""
+    first = max(0, column - 60)
+    shown = _one_line(text)[first : column + 40]
+    shown = "".join(character if character.isprintable() else "?" for character in shown)
+    return f"    {shown}\n    {' ' * (column - first)}^"
+
+
+def _one_line(text: str) -> str:
+    """The text on one line, so that a column is enough to show a place; each character keeps its column."""
+    return "".join(" " if character.isspace() else character for character in text)
+
+
+def evaluate_tree(tree: Tree, values: Mapping[str, float | np.ndarray]) -> np.ndarray:
+    """Evaluate a part of an expression, or all of it, in float64; as for `TextExpression.evaluate`."""
+    if isinstance(tree, float):
+        return np.float64(tree)
+    if isinstance(tree, TextQuantity):
+        return np.float64(tree.value)
+    if isinstance(tree, str):
+        return np.asarray(values[tree], dtype=np.float64)
+    results = [evaluate_tree(operand, values) for operand in tree.operands]
+    ufunc = _UFUNCS[tree.name]
+    return functools.reduce(ufunc, results) if tree.name in _REPEATED else ufunc(*results)
+
+
+def names_in_tree(tree: Tree) -> dict[str, None]:
+    """Names that a part of an expression uses, each once, in order."""
+    if isinstance(tree, TextOperation):
+        return {name: None for operand in tree.operands for name in names_in_tree(operand)}
+    return {tree: None} if isinstance(tree, str) else {}
+
+
+def is_zero(tree: Tree) -> bool:
+    """Whether a part of an expression is a bare 0, which has whatever dimension is needed."""
+    if isinstance(tree, TextOperation) and tree.name == "negative":
+        return is_zero(tree.operands[0])
+    return isinstance(tree, float) and tree == 0
+
+
+class _Code(NamedTuple):
+    """An expression in Python's spelling.
+
+    Attributes
+    ----------
+    line : str
+        The expression as written, on one line.
+    text : str
+        As Python's parser takes it; it would take leading blanks for an indentation, so there are none.
+    columns : list of int
+        Column of the line for each character of the text, and for its end.
+    """
+
+    line: str
+    text: str
+    columns: list[int]
+
+    def column(self, offset: int) -> int:
+        """Column of the line for the parser's offset, which counts bytes."""
+        return self.columns[len(self.text.encode()[:offset].decode())]
+
+
+_BLANKS = r"\ *"
+# What begins like a number; a name, the digits in it included; a text in quotes; a power.
+_TOKEN = re.compile(
+    r"(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)|(?P<word>[^\W\d]\w*)|"
+    r"(?P<quoted>'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\")|(?P<power>\^)"
+)
+_UNIT_POWER = r"(?:(?:\^|\*\*)-?[1-9]|[1-9])?(?![\w.(])"
+_UNIT = re.compile(rf"([^\W\d_]+){_UNIT_POWER}")
+# Brackets below a bar: "/(m s)".
+_UNITS_IN_BRACKETS = re.compile(rf"\(([^\W\d_]+{_UNIT_POWER}(?:[ *][^\W\d_]+{_UNIT_POWER})*)\)")
+
+
+def _code_of(line: str) -> _Code:
+    """An expression in Python's spelling: quantities in quotes, powers as `**`."""
+    pieces: list[tuple[str, int]] = []
+    place = len(line) - len(line.lstrip())
+    while place < len(line):
+        token = _TOKEN.match(line, place)
+        end = token.end() if token else place + 1
+        if token and token["number"] and (after := _end_of_units(line, end)) > end:
+            pieces += [("'", place), *((line[i], i) for i in range(place, after)), ("'", after - 1)]
+            end = after
+        elif token and token["power"]:
+            pieces += [("*", place), ("*", place)]
+        else:
+            pieces += [(line[i], i) for i in range(place, end)]
+        if token and (token["number"] or token["quoted"]):
+            _no_stray_word(line, end)
+        place = end
+    return _Code(line, "".join(text for text, _ in pieces), [*(column for _, column in pieces), len(line)])
+
+
+def _end_of_units(line: str, place: int) -> int:
+    """Where the unit ends that follows a number; where the number does, if there is none.
+
+    Blanks join units, as in "N m"; a bar does so without blanks, as in "N/mm" or "N/(m s)", and else divides.
+    """
+    end, divided = place, False
+    while True:
+        bar = line.startswith("/", end) and end > place
+        if bar and (brackets := _UNITS_IN_BRACKETS.match(line, end + 1)) and _are_units(brackets[1]):
+            end = brackets.end()
+            divided = True
+            continue
+        unit = _UNIT.match(line, end + 1) if bar else _UNIT.match(line, _after_blanks(line, end))
+        if not unit or unit[1] not in UNIT_NAMES or (unit[1] != "in" and keyword.iskeyword(unit[1])):
+            return end
+        if divided and not bar:
+            return end
+        end, divided = unit.end(), divided or bar
+
+
+def _after_blanks(line: str, place: int) -> int:
+    while place < len(line) and line[place] == " ":
+        place += 1
+    return place
+
+
+def _are_units(text: str) -> bool:
+    return all(unit[1] in UNIT_NAMES for unit in _UNIT.finditer(text))
+
+
+def _no_stray_word(line: str, end: int) -> None:
+    """Refuse a word that follows a quantity after a blank: an operator is missing, or it is no unit."""
+    place = _after_blanks(line, end)
+    word = re.compile(r"[^\W\d]\w*").match(line, place)
+    if place == end or not word or keyword.iskeyword(word[0]):
+        return
+    raise _refusal(line, place, f"{word[0]!r} is no unit that can stand here, or an operator is missing before it")
+
+
+def _syntax_tree(code: _Code) -> ast.expr:
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            tree = ast.parse(code.text, mode="eval")
+    except SyntaxError as error:
+        column = min(max(error.offset or 1, 1) - 1, len(code.text))
+        raise _refusal(code.line, code.columns[column], error.msg) from None
+    except (ValueError, RecursionError, MemoryError):
+        what = "this can't be read (nested too deep, or with characters that aren't text)"
+        raise _refusal(code.line, 0, what) from None
+    return tree.body
+
+
+def _refusal(line: str, column: int, what: str) -> ExpressionError:
+    """Make the error to raise, with a caret under the place."""
+    return ExpressionError(f"{what}:\n{pointed_out(line, column)}\nallowed: {ALLOWED}")
+
+
+class _Translator:
+    """Translates Python's syntax tree into ours."""
+
+    def __init__(self, code: _Code, quantity: Callable[[str], float] | None) -> None:
+        self.code, self.quantity = code, quantity
+        self.names: dict[str, None] = {}
+
+    def translate(self, node: ast.expr, depth: int) -> tuple[Tree, bool]:
+        """Return the tree and whether it is a condition."""
+        if depth > DEEPEST:
+            raise self.refusal(node, f"nested, or chained by + - * /, deeper than {DEEPEST}")
+        match node:
+            case ast.Constant():
+                return self.constant(node), False
+            case ast.Name() | ast.Attribute() | ast.Subscript():
+                return self.name(node), False
+            case ast.Call():
+                return self.call(node, depth), False
+            case ast.UnaryOp(op=ast.USub()):
+                return self.operation("negative", [self.number(node.operand, depth)], node), False
+            case ast.BinOp() if type(node.op) in _ARITHMETIC:
+                left, right = self.number(node.left, depth), self.number(node.right, depth)
+                return TextOperation(_ARITHMETIC[type(node.op)], (left, right), self.after(node.left)), False
+            case ast.UnaryOp(op=ast.Not()):
+                return self.operation("not", [self.condition(node.operand, depth)], node), True
+            case ast.IfExp():
+                condition = self.condition(node.test, depth)
+                numbers = (self.number(part, depth) for part in (node.body, node.orelse))
+                return TextOperation("if", (condition, *numbers), self.after(node.body)), False
+            case ast.BoolOp():
+                word = "and" if isinstance(node.op, ast.And) else "or"
+                return self.operation(word, (self.condition(value, depth) for value in node.values), node), True
+            case ast.Compare():
+                return self.comparison(node, depth), True
+            case _:
+                kind = type(getattr(node, "op", node))
+                place = self.after(node.left) if isinstance(node, ast.BinOp) else node
+                raise self.refusal(place, _HINTS.get(kind, f"{kind.__name__} can't be used here"))
+
+    def operation(self, name: str, operands: Iterable[Tree], node: ast.expr) -> TextOperation:
+        return TextOperation(name, tuple(operands), self.column(node.col_offset))
+
+    def number(self, node: ast.expr, depth: int) -> Tree:
+        tree, is_condition = self.translate(node, depth + 1)
+        if is_condition:
+            raise self.refusal(node, "a number is needed here, this is a condition")
+        return tree
+
+    def condition(self, node: ast.expr, depth: int) -> Tree:
+        tree, is_condition = self.translate(node, depth + 1)
+        if not is_condition:
+            raise self.refusal(node, "a condition is needed here, this is a number; compare it with something")
+        return tree
+
+    def comparison(self, node: ast.Compare, depth: int) -> TextOperation:
+        nodes = (node.left, *node.comparators)
+        for operator, left in zip(node.ops, nodes, strict=False):
+            if type(operator) not in _COMPARISONS:
+                raise self.refusal(self.after(left), f"{type(operator).__name__} is no comparison of numbers")
+        operands = [self.number(operand, depth) for operand in nodes]
+        pairs = [
+            TextOperation(_COMPARISONS[type(operator)], pair, self.after(left))
+            for operator, pair, left in zip(node.ops, itertools.pairwise(operands), nodes, strict=False)
+        ]
+        return pairs[0] if len(pairs) == 1 else self.operation("and", pairs, node)
+
+    def call(self, node: ast.Call, depth: int) -> TextOperation:
+        name = node.func.id if isinstance(node.func, ast.Name) else None
+        if name not in FUNCTIONS:
+            raise self.refusal(node, "no such function")
+        if node.keywords:
+            raise self.refusal(node.keywords[0].value, "operands have no names here")
+        _, fewest, most = FUNCTIONS[name]
+        if not fewest <= len(node.args) <= most:
+            needed = f"{fewest} or more" if most > fewest else str(fewest)
+            raise self.refusal(node, f"{name} takes {needed} operand(s), not {len(node.args)}")
+        return self.operation(name, (self.number(operand, depth) for operand in node.args), node)
+
+    def constant(self, node: ast.Constant) -> float | TextQuantity:
+        is_quantity = isinstance(node.value, str)
+        value = self.converted(node) if is_quantity else node.value
+        if type(value) not in (int, float):
+            raise self.refusal(node, f"{value!r} is no real number")
+        # Integers would be exact, and 9**9**9**9 would take all memory.
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+        if not math.isfinite(number):
+            raise self.refusal(node, "this number is not finite")
+        return TextQuantity(number, node.value) if is_quantity else number
+
+    def converted(self, node: ast.Constant) -> float:
+        if self.quantity is None:
+            raise self.refusal(node, "a quantity can't be used here")
+        try:
+            return float(self.quantity(node.value))
+        except ValueError as error:
+            raise self.refusal(node, f"{node.value!r} is no quantity: {error}") from error
+
+    def name(self, node: ast.expr) -> float | str:
+        path = self.path(node)
+        if path == "pi":
+            return math.pi
+        if path in FUNCTIONS:
+            raise self.refusal(node, f"{path} is a function: write {path}(...)")
+        self.names[path] = None
+        return path
+
+    def path(self, node: ast.expr) -> str:
+        parts = []
+        while not isinstance(node, ast.Name):
+            match node:
+                case ast.Attribute(value=value, attr=word) if not word.startswith("__"):
+                    parts.append(f".{word}")
+                case ast.Subscript(value=value, slice=ast.Constant(value=index)) if type(index) is int:
+                    parts.append(f"[{index}]")
+                case ast.Attribute() | ast.Subscript():
+                    raise self.refusal(node, "a path is made of words, dots and numbers in brackets")
+                case _:
+                    raise self.refusal(node, "only a path can have a dot or a bracket after it")
+            node = value
+        if node.id.startswith("__"):
+            raise self.refusal(node, "a path is made of words, dots and numbers in brackets")
+        return node.id + "".join(reversed(parts))
+
+    def refusal(self, place: ast.AST | int, what: str) -> ExpressionError:
+        """Make the error to raise, with a caret under the place (a node or a column)."""
+        if isinstance(place, ast.AST):
+            place = self.column(place.col_offset)
+        return _refusal(self.code.line, place, what)
+
+    def after(self, operand: ast.expr) -> int:
+        """Return the column of the operator that follows."""
+        column = self.column(operand.end_col_offset)
+        while self.code.line[column] in " )":
+            column += 1
+        return column
+
+    def column(self, offset: int) -> int:
+        """Return the column of the parser's offset, which counts bytes."""
+        return self.code.column(offset)

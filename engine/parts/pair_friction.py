@@ -1,0 +1,55 @@
+"""Friction in the pairs of a mechanism as a scene describes it, `[friction.NAME]`."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from engine.laws.friction.coefficients import SLIDING, STATIC_AND_KINETIC
+from engine.parts.skeleton import Angle, Length, Number, Part, Speed
+
+# Kinetic coefficients; of a range its middle.
+MATERIALS = {name: (pair.low + pair.high) / 2 for name, pair in SLIDING.items()}
+MATERIALS |= {name: pair.kinetic for name, pair in STATIC_AND_KINETIC.items()}
+
+Positive = Annotated[Length, Field(gt=0)]
+
+
+class PairFriction(Part):
+    """Friction in a pair, dry, or with a `coefficient` that accounts for its lubrication.
+
+    `pair` is GROUP.first, GROUP.inner or GROUP.second, LINK.JOINT or LINK.GUIDE of a free link, input, a shaft with a
+    pivot, CAM.guide or CAM.pivot of a cam's follower, or CAM.contact. At a contact a flat face or a knife edge slides;
+    a roller rubs on its pin, which has the `diameter`. A revolute pair has the `diameter` of its journal, in `contact`
+    with its bush on a line, or on half of it, new or worn in; or, by a rule of practice, a coefficient that is
+    `above_prismatic` by 25 % (worn in) to 50 % (new). A prismatic pair may have a `form` of its guide and the `length`
+    of its slider, whose middle lies in the slider's first joint (without one in its origin): where the moment on it is
+    large it tilts and bears with its edges; without a length the normal force alone presses.
+
+    `static_coefficient` with `stribeck_speed` raises the coefficient at low speeds of sliding.
+    """
+
+    pair: str
+    coefficient: Annotated[Number, Field(ge=0)] | None = None
+    material: str | None = None
+    diameter: Positive | None = None
+    contact: Literal["line", "new", "worn in"] | None = None
+    above_prismatic: Annotated[Number, Field(ge=0.25, le=0.5)] | None = None
+    form: Literal["flat", "vee", "half-round, new", "half-round, worn in"] | None = None
+    vee_angle: Annotated[Angle, Field(gt=0, le=3.141592653589793)] | None = None
+    length: Positive | None = None
+    static_coefficient: Annotated[Number, Field(ge=0)] | None = None
+    stribeck_speed: Annotated[Speed, Field(gt=0)] | None = None
+
+    @model_validator(mode="after")
+    def _coefficient_is_known(self) -> "PairFriction":
+        if (self.coefficient is None) == (self.material is None):
+            raise ValueError("give coefficient or material, one of the two")
+        if self.material is not None and self.material not in MATERIALS:
+            raise ValueError(f"material {self.material!r} is not known; known are: {', '.join(sorted(MATERIALS))}")
+        if (self.static_coefficient is None) != (self.stribeck_speed is None):
+            raise ValueError("static_coefficient and stribeck_speed belong together: give both, or neither")
+        if self.contact is not None and self.above_prismatic is not None:
+            raise ValueError("contact and above_prismatic both say how much a journal rubs: give one of the two")
+        if (self.form == "vee") != (self.vee_angle is not None):
+            raise ValueError("vee_angle goes with form = 'vee': give both, or neither")
+        return self

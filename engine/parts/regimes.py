@@ -1,0 +1,156 @@
+"""The regimes of a machine as a scene describes them: what it does, one after another, and what acts meanwhile.
+
+Conventions
+-----------
+Regimes follow one another in the order of the text: each begins where the one before it ended, the first one at rest
+at φ = 0, or where the range of an input that doesn't turn fully begins. Everything in the scene acts, but for what a
+regime names as `off`: motors, forces, moments, springs, cylinders, brakes, "gravity", or a coupling, which is then
+open. Speeds are magnitudes, in the direction of `input.speed`.
+
+An end of the range of an input stops it: a run that arrives there ends, and the next one begins there at rest.
+"""
+
+import math
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Annotated, Literal, NamedTuple
+
+import numpy as np
+from pydantic import BeforeValidator, Field, field_validator, model_validator
+
+from engine.parts.actions import Time
+from engine.parts.skeleton import Angle, AngularSpeed, CrankInput, Length, Name, Number, Part, SliderInput, Speed
+from engine.parts.units import even_steps, first_last_count, in_text
+
+ENDS = ("cycles", "time", "speed", "velocity", "rest", "end_of_range", "lock_up")
+MOST_INSTANTS = 100_000
+
+
+def _spaced(dimension: str, unit: str) -> Callable[[object], object]:
+    """What makes a list of equally spaced values of a text such as "0 s to 2 s, 201"; a list stays as it is."""
+
+    def read(value: object) -> object:
+        if not isinstance(value, str):
+            return value
+        found = first_last_count(value)
+        if found is None:
+            raise ValueError(
+                f"{value!r}: write a list, or 'FIRST to LAST, HOW MANY' such as '0 {unit} to 2 {unit}, 201'"
+            )
+        first, last = (in_text(end, dimension) for end in found[:2])
+        count = found[2]
+        if not 2 <= count <= MOST_INSTANTS:
+            raise ValueError(f"{value!r}: from 2 to {MOST_INSTANTS} values are kept, not {count}")
+        return [f"{number!r} {unit}" for number in even_steps(first, last, count, np.arange(count)).tolist()]
+
+    return read
+
+
+class Instants(Part):
+    """Where fields of a run are kept: at `times` since it began, or at `angles` turned since then.
+
+    Each a list that rises, or a text such as "0 s to 2 s, 201": the first, the last, how many. Beyond the end of a run
+    its rows are NaN.
+    """
+
+    times: Annotated[list[Time], BeforeValidator(_spaced("time", "s"))] | None = None
+    angles: Annotated[list[Angle], BeforeValidator(_spaced("angle", "rad"))] | None = None
+
+    @field_validator("times", "angles")
+    @classmethod
+    def _rises(cls, values: list[float] | None) -> list[float] | None:
+        if values is None:
+            return None
+        if not 1 <= len(values) <= MOST_INSTANTS:
+            raise ValueError(f"from 1 to {MOST_INSTANTS} values are kept, not {len(values)}")
+        rising = all(a < b for a, b in pairwise(values))
+        if values[0] < 0.0 or not rising or not math.isfinite(values[-1]):
+            raise ValueError("counted from the begin of the run, each value is greater than the one before it")
+        return values
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> "Instants":
+        if (self.times is None) == (self.angles is None):
+            raise ValueError("give either times or angles, such as times = '0 s to 2 s, 201'")
+        return self
+
+
+class SteadyRegime(Part):
+    """The motion that repeats itself every cycle, found directly."""
+
+    type: Literal["steady"]
+    off: tuple[Name, ...] = ()
+
+
+class RunRegime(Part):
+    """Motion until one of: a number of `cycles`, a `time`, a `speed` reached from below or above, `rest` = true.
+
+    With an input that doesn't turn fully, `end_of_range` = true: until it arrives at an end of its range. A sliding
+    input has a `velocity` for its speed, and begins by `from_velocity` and `from_position`, its displacement.
+
+    With a clutch, `lock_up` = true: until it holds both sides together. `from_speed` and `from_angle` set the begin,
+    instead of where the regime before ended, and both together set the clock of loads over time to zero;
+    `from_shaft_speed` sets that of a shaft behind a coupling, which otherwise turns along with from_speed. A run that
+    hasn't ended after `at_most` cycles is given up. `at` says where fields of the run are kept.
+
+    Steps are as long as their errors allow; with `method` = "rk4" they are `steps_per_turn` equal ones a turn of the
+    crank, by the classical method of Runge and Kutta of order four, but near rest. The error figure is then what steps
+    of twice the length change.
+    """
+
+    type: Literal["run"]
+    off: tuple[Name, ...] = ()
+    from_speed: Annotated[AngularSpeed, Field(ge=0)] | None = None
+    from_angle: Angle | None = None
+    from_velocity: Annotated[Speed, Field(ge=0)] | None = None
+    from_position: Length | None = None
+    from_shaft_speed: Annotated[AngularSpeed, Field(ge=0)] | None = None
+    cycles: Annotated[Number, Field(gt=0)] | None = None
+    time: Annotated[Time, Field(gt=0)] | None = None
+    speed: Annotated[AngularSpeed, Field(gt=0)] | None = None
+    velocity: Annotated[Speed, Field(gt=0)] | None = None
+    rest: Literal[True] | None = None
+    end_of_range: Literal[True] | None = None
+    lock_up: Literal[True] | None = None
+    at_most: Annotated[Number, Field(gt=0)] = 10_000.0
+    at: Instants | None = None
+    method: Literal["rk4"] | None = None
+    steps_per_turn: Annotated[int, Field(ge=8, le=4096)] | None = None
+
+    @model_validator(mode="after")
+    def _steps_of_a_method(self) -> "RunRegime":
+        if (self.method is None) != (self.steps_per_turn is None):
+            raise ValueError("method = 'rk4' and steps_per_turn, such as 64, go together: give both or neither")
+        return self
+
+    @model_validator(mode="after")
+    def _ends_once(self) -> "RunRegime":
+        given = [key for key in ENDS if getattr(self, key) is not None]
+        if len(given) != 1:
+            what = "none is" if not given else f"{' and '.join(given)} are"
+            raise ValueError(
+                f"a run ends after cycles, after a time, at a speed or at rest: {what} given; give exactly one of "
+                "cycles, time, speed, rest = true, velocity of a sliding input, end_of_range = true of an input that "
+                "doesn't turn fully, or with a clutch lock_up = true"
+            )
+        return self
+
+
+class RunKeys(NamedTuple):
+    """Keys of a run for the speed at its end, and for speed and place at its begin, by the kind of the input."""
+
+    speed: str
+    from_speed: str
+    from_place: str
+
+
+OF_CRANK = RunKeys("speed", "from_speed", "from_angle")
+OF_SLIDER = RunKeys("velocity", "from_velocity", "from_position")
+
+
+def run_keys(drive: CrankInput | SliderInput) -> RunKeys:
+    """Keys of runs with a crank, or with a sliding input."""
+    return OF_CRANK if isinstance(drive, CrankInput) else OF_SLIDER
+
+
+Regime = Annotated[SteadyRegime | RunRegime, Field(discriminator="type")]

@@ -1,0 +1,544 @@
+"""The parts of a machine as a scene describes them: points, guides, the input, structural groups, bodies, shafts.
+
+Conventions
+-----------
+A point, a guide and a body belong to a link; the frame is the link called "frame". Coordinates on a link are in
+its own axes: origin and x axis of
+
+- a crank or shaft: its pivot, towards the pin (a shaft: along its angle);
+- a link of RRR and the rod of RRP: its outer joint, towards the inner joint;
+- a slider: its joint (the outer joint of a block of RPR or RPP), along the guide or slot it slides on;
+- the rocker of RPR: its pivot, along the slot;
+- the sliding link of RPP: the crossing of slot and guide, along the guide;
+- a free link: its first joint, towards the second; on a guide along that; see `FreeLink`.
+
+Numbers are SI when given as numbers and take units when given as text ("80 mm").
+"""
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    StringConstraints,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
+
+from engine.parts.units import in_text, to_si, unit_in
+
+FRAME = "frame"
+
+Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*$")]
+
+
+def _printable(text: str) -> str:
+    """A text that may be shown anywhere: without control characters, which terminals and files take as commands."""
+    for character in text:
+        if not character.isprintable() and character not in "\n\t":
+            raise ValueError(f"contains the control character {character!r}; write plain text")
+    return text
+
+
+PlainText = Annotated[str, AfterValidator(_printable)]
+
+
+class DimensionMark(str):
+    """Marks a number of a scene with its dimension, a key of `engine.parts.dimensions.DIMENSIONS`."""
+
+
+def quantity(dimension: str) -> type:
+    """Type of a number of the given dimension: SI as a number, any known unit as text."""
+
+    def read(value: object, info: ValidationInfo) -> float:
+        from_text = bool(info.context and info.context.get("text"))
+        if from_text and isinstance(value, str):
+            info.context.setdefault("units", []).append((dimension, unit_in(value)))
+        return in_text(value, dimension) if from_text else to_si(value, dimension)
+
+    return Annotated[float, BeforeValidator(read), DimensionMark(dimension)]
+
+
+Length = quantity("length")
+Angle = quantity("angle")
+Mass = quantity("mass")
+Inertia = quantity("inertia")
+Density = quantity("density")
+Area = quantity("area")
+Speed = quantity("speed")
+AngularSpeed = quantity("angular_speed")
+Acceleration = quantity("acceleration")
+Number = quantity("number")
+Time = quantity("time")
+Pressure = quantity("pressure")
+Mode = Literal[1, -1]
+
+
+class Part(BaseModel):
+    """Base of everything in a scene: unknown keys are refused, values can't be changed afterwards."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Point(Part):
+    """A point of a link (of the frame when no link is named), in the link's axes."""
+
+    link: Name = FRAME
+    x: Length
+    y: Length
+
+
+class Guide(Part):
+    """A straight guide on a link (the frame when none is named), through a point, at an angle to the link's x axis."""
+
+    link: Name = FRAME
+    x: Length = 0.0
+    y: Length = 0.0
+    angle: Angle = 0.0
+
+
+def _not_at_rest(speed: float) -> float:
+    if speed == 0.0:
+        raise ValueError("the input is at rest: give its mean speed, such as '60 rpm' (negative: the other way)")
+    return speed
+
+
+# Turns of the crank in a cycle: more would be looked at too coarsely.
+MOST_REVOLUTIONS = 24
+
+
+class CrankInput(Part):
+    """Rotating input link: a crank from a pivot on the frame to a pin; the generalised coordinate is its angle.
+
+    `start` and `stop` limit a crank that doesn't turn fully; without them a cycle is `revolutions` turns.
+    """
+
+    type: Literal["crank"]
+    link: Name = "crank"
+    pivot: Name
+    pin: Name
+    length: Annotated[Length, Field(gt=0)]
+    speed: AngularSpeed
+    revolutions: Annotated[int, Field(ge=1, le=MOST_REVOLUTIONS)] = 1
+    start: Angle | None = None
+    stop: Angle | None = None
+
+    @field_validator("speed")
+    @classmethod
+    def _runs(cls, speed: float) -> float:
+        return _not_at_rest(speed)
+
+    @model_validator(mode="after")
+    def _limits_come_together(self) -> "CrankInput":
+        if (self.start is None) != (self.stop is None):
+            raise ValueError("start and stop belong together: give both, or neither for full revolutions")
+        if self.start is not None and not self.stop > self.start:
+            raise ValueError("stop must be greater than start")
+        return self
+
+
+class SliderInput(Part):
+    """Sliding input link on a guide of the frame; the generalised coordinate is its displacement along the guide."""
+
+    type: Literal["slider"]
+    link: Name
+    guide: Name
+    point: Name
+    start: Length
+    stop: Length
+    speed: Speed
+
+    @field_validator("speed")
+    @classmethod
+    def _runs(cls, speed: float) -> float:
+        return _not_at_rest(speed)
+
+    @model_validator(mode="after")
+    def _travels(self) -> "SliderInput":
+        if self.start == self.stop:
+            raise ValueError("start and stop are the same: give the two ends of its travel")
+        return self
+
+
+class Hinged(Part):
+    """A link of a group between its outer joint (a known point) and the inner joint, at a distance of `length`."""
+
+    link: Name
+    joint: Name
+    length: Annotated[Length, Field(gt=0)]
+
+
+class Sliding(Part):
+    """A slider of a group on a known guide, its joint at `offset` to the left of the guide."""
+
+    link: Name
+    guide: Name
+    offset: Length = 0.0
+
+
+class Block(Part):
+    """A sliding block of a group, pivoted at a known point."""
+
+    link: Name
+    joint: Name
+
+
+class Rocker(Part):
+    """The slotted link of RPR, pivoted at a known point; the block's pivot lies `offset` to the left of the slot."""
+
+    link: Name
+    joint: Name
+    offset: Length = 0.0
+
+
+class Yoke(Part):
+    """The slotted link of RPP: slides on a known guide, its slot at `slot_angle` to that guide."""
+
+    link: Name
+    guide: Name
+    slot_angle: Angle
+
+
+class RRR(Part):
+    """Dyad of two bars; mode +1: the inner joint lies to the left of the line first joint → second joint."""
+
+    type: Literal["RRR"]
+    inner: Name
+    first: Hinged
+    second: Hinged
+    mode: Mode = 1
+
+
+class RRP(Part):
+    """Dyad of a rod and a slider; mode +1: of two places for the slider, the one farther along the guide."""
+
+    type: Literal["RRP"]
+    inner: Name
+    first: Hinged
+    second: Sliding
+    mode: Mode = 1
+
+
+class RPR(Part):
+    """Dyad of a pivoted block and a slotted rocker; mode +1: the rocker points from its pivot to the block."""
+
+    type: Literal["RPR"]
+    first: Block
+    second: Rocker
+    mode: Mode = 1
+
+
+class PRP(Part):
+    """Dyad of two sliders on two guides, hinged together; it has a single assembly."""
+
+    type: Literal["PRP"]
+    inner: Name
+    first: Sliding
+    second: Sliding
+
+
+class RPP(Part):
+    """Dyad of a pivoted block in the slot of a link that slides on a guide (Scotch yoke); a single assembly."""
+
+    type: Literal["RPP"]
+    first: Block
+    second: Yoke
+
+
+Group = Annotated[RRR | RRP | RPR | PRP | RPP, Field(discriminator="type")]
+
+
+class FreeLink(Part):
+    """A link whose group the program finds by itself: the joints it is hinged at, or the guide it slides on.
+
+    A point of another link is a joint by being named here. With two joints, `length` apart, the link's origin is the
+    first of them and its x axis goes to the second; with one that is the origin. On a `guide` its x axis lies along
+    the guide and its origin at `offset` to the guide's left. A link that others are hinged at, by points of its own,
+    needs none: its axes are then free.
+    """
+
+    joints: tuple[Name, ...] = ()
+    length: Annotated[Length, Field(gt=0)] | None = None
+    guide: Name | None = None
+    offset: Length = 0.0
+
+    @model_validator(mode="after")
+    def _is_a_bar_or_slides(self) -> "FreeLink":
+        allowed = 2 if self.guide is None else 1
+        if len(self.joints) > allowed:
+            on_guide = "" if self.guide is None else " on a guide"
+            raise ValueError(
+                f"joints names {len(self.joints)} points; a link{on_guide} takes up to {allowed}: make the others "
+                'points of this link, [points] NAME = { link = "…", x = …, y = … }, and name them at the other links'
+            )
+        if len(set(self.joints)) < len(self.joints):
+            raise ValueError(f"joints names {self.joints[0]!r} twice; name two points")
+        if (len(self.joints) == 2) != (self.length is not None):
+            raise ValueError("length is the distance of two joints: give both, or neither")
+        if self.guide is None and self.offset != 0.0:
+            raise ValueError("offset is the distance from a guide; give guide, or leave offset out")
+        return self
+
+
+class Near(Part):
+    """About where a point of a free link lies at the first position: it tells assembly modes apart."""
+
+    x: Length
+    y: Length
+
+
+class Rod(Part):
+    """Uniform thin rod along the link's x axis from the origin: J = mL²/12 about its middle; mass = ρAL."""
+
+    type: Literal["rod"]
+    length: Annotated[Length, Field(gt=0)]
+    area: Annotated[Area, Field(gt=0)] | None = None
+
+
+class Disc(Part):
+    """Uniform disc: J = mR²/2; mass = ρπR²t."""
+
+    type: Literal["disc"]
+    diameter: Annotated[Length, Field(gt=0)]
+    thickness: Annotated[Length, Field(gt=0)] | None = None
+
+
+class Ring(Part):
+    """Uniform ring: J = m(R² + r²)/2; mass = ρπ(R² − r²)t."""
+
+    type: Literal["ring"]
+    diameter: Annotated[Length, Field(gt=0)]
+    inner_diameter: Annotated[Length, Field(gt=0)]
+    thickness: Annotated[Length, Field(gt=0)] | None = None
+
+    @model_validator(mode="after")
+    def _inner_inside_outer(self) -> "Ring":
+        if not self.inner_diameter < self.diameter:
+            raise ValueError("inner_diameter must be less than diameter")
+        return self
+
+
+class Plate(Part):
+    """Uniform rectangular plate: J = m(a² + b²)/12; mass = ρabt."""
+
+    type: Literal["plate"]
+    length: Annotated[Length, Field(gt=0)]
+    width: Annotated[Length, Field(gt=0)]
+    thickness: Annotated[Length, Field(gt=0)] | None = None
+
+
+Shape = Annotated[Rod | Disc | Ring | Plate, Field(discriminator="type")]
+
+
+STANDARD_GRAVITY = 9.80665
+
+
+class Swinging(Part):
+    """Small swings of a body in the field of gravity, that of the earth unless given; `period` is there and back."""
+
+    period: Annotated[Time, Field(gt=0)]
+    gravity: Annotated[Acceleration, Field(gt=0)] = STANDARD_GRAVITY
+
+
+class CompoundPendulum(Swinging):
+    """Swings about a knife edge at a `distance` h from the centre of mass: J = mgh T²/4π² − mh²."""
+
+    type: Literal["compound"]
+    distance: Annotated[Length, Field(gt=0)]
+
+    @model_validator(mode="after")
+    def _slower_than_a_point(self) -> "CompoundPendulum":
+        least = 2 * math.pi * math.sqrt(self.distance / self.gravity)
+        if self.period < least:
+            raise ValueError(
+                f"period = {self.period:g} s: no body swings faster than a point mass at distance = "
+                f"{self.distance:g} m, in {least:.4g} s; give a longer period (there and back) or a shorter distance"
+            )
+        return self
+
+
+class BifilarSuspension(Swinging):
+    """Turning swings on two parallel wires `spacing` d apart and `length` L long: J = mg d² T²/(16π² L)."""
+
+    type: Literal["bifilar"]
+    spacing: Annotated[Length, Field(gt=0)]
+    length: Annotated[Length, Field(gt=0)]
+
+
+class TrifilarSuspension(Swinging):
+    """Turning swings on three parallel wires on a circle of `radius` r, `length` L long: J = mg r² T²/(4π² L)."""
+
+    type: Literal["trifilar"]
+    radius: Annotated[Length, Field(gt=0)]
+    length: Annotated[Length, Field(gt=0)]
+
+
+Swing = Annotated[CompoundPendulum | BifilarSuspension | TrifilarSuspension, Field(discriminator="type")]
+
+
+class Replacement(Part):
+    """Point masses that stand for a body, at named points of its link; "centre" is the body's centre of mass.
+
+    `static` keeps the mass and the centre: two points on a line through the centre, or any three. `dynamic` keeps
+    the moment of inertia too: one point, its conjugate is found; two and the `mass` at the first, a third is found;
+    three on a line through the centre; or four.
+    """
+
+    type: Literal["static", "dynamic"]
+    at: tuple[Name, ...]
+    mass: Mass | None = None
+
+    @model_validator(mode="after")
+    def _points_suffice(self) -> "Replacement":
+        allowed = {"static": (2, 3), "dynamic": (1, 2, 3, 4)}[self.type]
+        if len(self.at) not in allowed:
+            listed = f"{', '.join(map(str, allowed[:-1]))} or {allowed[-1]}"
+            raise ValueError(f"at names {len(self.at)} points; a {self.type} replacement takes {listed}")
+        if len(set(self.at)) < len(self.at):
+            raise ValueError(f"at names a point twice: {', '.join(self.at)}; name each once")
+        by_mass = self.type == "dynamic" and len(self.at) == 2
+        if by_mass and self.mass is None:
+            raise ValueError(f"two points need the mass at the first, {self.at[0]!r}: give mass; or name one point")
+        if self.mass is not None and not by_mass:
+            raise ValueError("mass belongs to a dynamic replacement at two points; leave it out, masses are found")
+        return self
+
+
+class Body(Part):
+    """A mass on a link: mass, centre of mass in the link's axes and moment of inertia about it, or a shape.
+
+    With a shape, the inertia follows from it; the mass is given, or follows from `density` and the shape's
+    thickness (a rod's area). A rod's centre is its middle unless x, y say otherwise. With `replace`, point masses
+    stand for the body in everything that is computed. Instead of `inertia`, `swing` gives the time in which the body
+    was seen to swing as a pendulum or on wires: as a pendulum about an axis normal to the plane of motion, on wires
+    about an upright axis through its centre of mass that is normal to that plane in the machine.
+    """
+
+    link: Name
+    mass: Annotated[Mass, Field(ge=0)] | None = None
+    x: Length | None = None
+    y: Length = 0.0
+    inertia: Annotated[Inertia, Field(ge=0)] | None = None
+    shape: Shape | None = None
+    density: Annotated[Density, Field(gt=0)] | None = None
+    swing: Swing | None = None
+    replace: Replacement | None = None
+
+    @model_validator(mode="after")
+    def _mass_is_known(self) -> "Body":
+        if self.swing is not None and (self.inertia is not None or self.shape is not None):
+            other = "inertia" if self.shape is None else "shape"
+            raise ValueError(f"inertia follows from the swing; give swing or {other}, one of the two")
+        if self.shape is None:
+            if self.density is not None:
+                raise ValueError("density needs a shape; give shape, or mass instead of density")
+            if self.mass is None:
+                raise ValueError("give mass (with inertia), or a shape with density")
+            return self
+        if self.inertia is not None:
+            raise ValueError("inertia follows from the shape; give one of the two")
+        if (self.mass is None) == (self.density is None):
+            raise ValueError("with a shape, give either mass or density")
+        thickness = "area" if self.shape.type == "rod" else "thickness"
+        if self.density is not None and getattr(self.shape, thickness) is None:
+            raise ValueError(f"density needs shape.{thickness}; give it, or give mass instead of density")
+        return self
+
+
+class AcceleratedBase(Part):
+    """The frame moves with a constant acceleration, as in a vehicle that brakes or a lift that starts.
+
+    The machine's own motion is that against the frame. On every mass acts −m a besides its weight, and counts as
+    "gravity" in all that is told by names.
+    """
+
+    acceleration_x: Acceleration = 0.0
+    acceleration_y: Acceleration = 0.0
+
+
+class Balance(Part):
+    """What the shaking of the machine refers to: the point of the frame about which its moment is taken."""
+
+    about: Name
+
+
+class Shaft(Part):
+    """A shaft geared to a link that turns: its speed is `ratio` times that link's (negative: reversed).
+
+    With a `pivot` it is a link like another, and can carry points and bodies: with a point of the frame, at which what
+    it is geared to is hinged too, or with a `carrier`, a point of that; then what it is geared to has its wheel about
+    another joint or point of the carrier, or is the frame, with its wheel about the carrier's pivot. The `ratio` is
+    that of the speeds relative to the carrier (negative: external teeth), and `phase` the angle at the crank angle 0,
+    or, geared to what turns unevenly, against the carrier where that link and the carrier have one direction. Unless
+    the ratio is whole, a link of a group has to swing by less than half a turn to either side of the angle `around`
+    against the carrier. With the `pressure_angle` of its teeth, forces between them are part of reactions.
+    `efficiency` is that of the mesh, the carrier held, whichever wheel drives.
+    """
+
+    geared_to: Name
+    ratio: Number
+    carrier: Name | None = None
+    pressure_angle: Annotated[Angle, Field(ge=0, lt=math.pi / 2)] | None = None
+    efficiency: Annotated[Number, Field(gt=0, le=1)] | None = None
+    inertia: Annotated[Inertia, Field(ge=0)] = 0.0
+    pivot: Name | None = None
+    phase: Angle = 0.0
+    around: Angle = 0.0
+
+    @field_validator("ratio")
+    @classmethod
+    def _is_geared(cls, ratio: float) -> float:
+        if ratio == 0.0:
+            raise ValueError("a shaft with the ratio 0 never turns: give the ratio of its speed to that of its link")
+        return ratio
+
+
+class WheelForm(Part):
+    """What the flywheel is to be made as.
+
+    `rim`: a rim of radial thickness `thickness_ratio` × diameter; `disc`: a solid disc; `arms`: a rim with
+    `arms` straight arms of section `arm_area` and a hub; `mean rim`: the textbook's rim, all of its mass at half the
+    `mean_diameter`, as wide as `width_ratio` × its thickness. Without a diameter, the largest that the rim speed
+    allows is taken. The wheel sits on a shaft turning `ratio` times as fast as the input link. With the `strength` of
+    its material, a speed at which it bursts is told.
+    """
+
+    type: Literal["rim", "disc", "arms", "mean rim"]
+    material: Literal["cast iron", "steel"] = "cast iron"
+    density: Annotated[Density, Field(gt=0)] | None = None
+    rim_speed_limit: Annotated[Speed, Field(gt=0)] | None = None
+    diameter: Annotated[Length, Field(gt=0)] | None = None
+    mean_diameter: Annotated[Length, Field(gt=0)] | None = None
+    thickness_ratio: Annotated[Number, Field(gt=0, lt=0.5)] = 0.1
+    width_ratio: Annotated[Number, Field(gt=0)] = 2.0
+    strength: Annotated[Pressure, Field(gt=0)] | None = None
+    ratio: Annotated[Number, Field(gt=0)] = 1.0
+    arms: Annotated[int, Field(ge=2)] = 6
+    arm_area: Annotated[Area, Field(gt=0)] | None = None
+    hub_diameter: Annotated[Length, Field(gt=0)] | None = None
+    hub_width: Annotated[Length, Field(gt=0)] | None = None
+
+    @model_validator(mode="after")
+    def _arms_are_described(self) -> "WheelForm":
+        missing = [k for k in ("arm_area", "hub_diameter", "hub_width") if getattr(self, k) is None]
+        if self.type == "arms" and missing:
+            raise ValueError(f"a wheel with arms needs {', '.join(missing)}")
+        mean = self.type == "mean rim"
+        wrong = "diameter" if mean else "mean_diameter"
+        if getattr(self, wrong) is not None:
+            right = "mean_diameter" if mean else "diameter"
+            raise ValueError(f"{wrong} doesn't belong to a wheel of type {self.type!r}; give {right}, or neither")
+        return self
+
+
+class Flywheel(Part):
+    """The flywheel: `inertia` on the input link if there is one, `speed_fluctuation` δ asked for, and its make."""
+
+    inertia: Annotated[Inertia, Field(ge=0)] | None = None
+    speed_fluctuation: Annotated[Number, Field(gt=0, lt=2)] | None = None
+    wheel: WheelForm | None = None

@@ -1,0 +1,560 @@
+"""Quantities with units in texts: "80 mm", "1450 rpm", "12 kN" become SI numbers.
+
+A text is one number and one unit. Both are read by a strict grammar of our own, so that a text is never
+evaluated and never guessed at; Pint, loaded only with the definitions below, checks the dimension and
+supplies the factor. Pint's default registry is not used: it reads "7 Nm" as 7000 m/kg, "1,5 mm" as 15 mm
+and "60 1/min" as 1 rad/s without a word.
+
+Of numbers in even steps a text says the first, the last and how many: "40 mm to 80 mm, 5".
+"""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import math
+import numbers
+import re
+from collections import deque
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from decimal import Context, Decimal, localcontext
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from engine.parts.dimensions import DIMENSIONS, common_units, described, in_words, with_example
+
+if TYPE_CHECKING:
+    import pint
+
+__all__ = [
+    "UNIT_NAMES",
+    "UnitError",
+    "any_quantity",
+    "base_powers",
+    "column_in_text",
+    "even_steps",
+    "first_last_count",
+    "in_any_unit",
+    "in_text",
+    "recognised",
+    "to_si",
+    "unit_in",
+]
+
+
+# Whole numbers up to this are numbers of float64.
+COUNTED = 2**53
+
+
+class UnitError(ValueError):
+    """A quantity that cannot be read, or whose unit does not fit; the message says how to correct it."""
+
+
+_TWO_PI = "6.283185307179586476925286766559005768394"
+
+# hp is the mechanical horsepower, 550 ft lbf/s; PS the metric one, 75 kgf m/s. The pound is 0.45359237 kg, standard
+# gravity 9.80665 m/s². Left out is what may be taken for something else: nm and kn (N m and kN in small letters), ton
+# (three of them), cal (several), P, c and d.
+_DEFINITIONS = f"""
+m = [length]
+um = 1e-6 m
+mm = 1e-3 m
+cm = 1e-2 m
+dm = 0.1 m
+km = 1e3 m
+in = 0.0254 m
+inch = 0.0254 m
+mil = 2.54e-5 m
+thou = 2.54e-5 m
+ft = 0.3048 m
+yd = 0.9144 m
+l = 1e-3 m**3
+L = 1e-3 m**3
+ml = 1e-6 m**3
+mL = 1e-6 m**3
+cc = 1e-6 m**3
+rad = [angle]
+mrad = 1e-3 rad
+rev = {_TWO_PI} rad
+deg = {_TWO_PI} / 360 rad
+gon = {_TWO_PI} / 400 rad
+arcmin = {_TWO_PI} / 21600 rad
+arcsec = {_TWO_PI} / 1296000 rad
+s = [time]
+us = 1e-6 s
+ms = 1e-3 s
+min = 60 s
+h = 3600 s
+Hz = 1 / s
+kHz = 1e3 / s
+rps = {_TWO_PI} rad / s
+rpm = {_TWO_PI} / 60 rad / s
+kg = [mass]
+mg = 1e-6 kg
+g = 1e-3 kg
+t = 1e3 kg
+lb = 0.45359237 kg
+lbm = 0.45359237 kg
+oz = 0.028349523125 kg
+slug = 4.4482216152605 / 0.3048 kg
+N = kg m / s**2
+mN = 1e-3 N
+kN = 1e3 N
+MN = 1e6 N
+daN = 10 N
+lbf = 4.4482216152605 N
+ozf = 0.27801385095378125 N
+kip = 4448.2216152605 N
+kgf = 9.80665 N
+kp = 9.80665 N
+gf = 9.80665e-3 N
+Nmm = 1e-3 N m
+Nm = N m
+kNm = 1e3 N m
+MNm = 1e6 N m
+Pa = N / m**2
+kPa = 1e3 Pa
+MPa = 1e6 Pa
+GPa = 1e9 Pa
+hPa = 100 Pa
+bar = 1e5 Pa
+mbar = 100 Pa
+atm = 101325 Pa
+psi = 4.4482216152605 / 0.00064516 Pa
+ksi = 4448.2216152605 / 0.00064516 Pa
+J = N m
+kJ = 1e3 J
+MJ = 1e6 J
+mJ = 1e-3 J
+Wh = 3600 J
+kWh = 3.6e6 J
+W = J / s
+kW = 1e3 W
+MW = 1e6 W
+mW = 1e-3 W
+hp = 745.69987158227022 W
+PS = 735.49875 W
+mph = 0.44704 m / s
+percent = 0.01
+""".strip().splitlines()
+
+UNIT_NAMES = tuple(line.partition(" ")[0] for line in _DEFINITIONS)
+
+# Every legitimate quantity is far shorter; the bound keeps hostile texts cheap.
+_LONGEST = 100
+# Decimal arithmetic keeps "9 mm" at 0.009, where binary 9 * 1e-3 gives 0.009000000000000001; 40 digits leave
+# the one rounding to float64 as the only error.
+_DIGITS = 40
+
+_NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+_QUANTITY = re.compile(rf"({_NUMBER})\s*(.*)", re.DOTALL)
+_FRACTION = re.compile(rf"({_NUMBER})\s*/\s*([0-9]+\.?[0-9]*)")
+_FACTOR = re.compile(r"([A-Za-z]+)(?:(?:\^|\*\*)?(-?[1-9]))?")
+_TOKEN = re.compile(rf"\s*({_FACTOR.pattern}(?![0-9A-Za-z^])|[*/()]|1(?=\s*/))\s*")
+# Characters of numbers in columns.
+_OF_NUMBERS = frozenset("0123456789+-.eE \t")
+_SYMBOLS = {"[mass]": "kg", "[length]": "m", "[time]": "s", "[angle]": "rad"}
+_SPELLINGS = str.maketrans(
+    {"·": "*", "⋅": "*", "×": "*", "µ": "u", "μ": "u", "°": "deg", "%": "percent"}
+    | dict(zip("⁻¹²³⁴⁵⁶⁷⁸⁹", "-123456789", strict=True))
+)
+
+
+def to_si(value: str | float | int, dimension: str) -> float:
+    """Convert a quantity to SI.
+
+    Parameters
+    ----------
+    value : str, float or int
+        A number is taken as SI already. A text is a number and a unit: ``"80 mm"``, ``"0.5 kg*m^2"``,
+        ``"40 N s/m"``, ``"40 N/(m/s)"``. For ``"number"`` a text is a plain number, a fraction ``"1/30"`` or
+        a percentage ``"2 %"``. As a speed of rotation, ``1/min`` means revolutions per minute.
+    dimension : str
+        A key of `DIMENSIONS`, or an SI unit without a name in it.
+
+    Returns
+    -------
+    float
+        The value in SI, finite and correctly rounded.
+
+    Raises
+    ------
+    UnitError
+        If the value is neither number nor text, is not finite, cannot be read, or its unit does not fit.
+    KeyError
+        If `dimension` is neither.
+    """
+    described(dimension)
+    if isinstance(value, str):
+        return _read_text(value, dimension)
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        raise UnitError(f"expected {with_example(dimension)}, got a value of type {type(value).__name__}")
+    return _in_range(value, "the number", in_words(dimension))
+
+
+def in_text(value: str | float | int, dimension: str) -> float:
+    """Convert a value read from a text file to SI; a bare number is refused unless it needs no unit.
+
+    Parameters
+    ----------
+    value : str, float or int
+        As in `to_si`, but a number is accepted only for the dimension ``"number"`` or if it is exactly 0.
+    dimension : str
+        As in `to_si`.
+
+    Returns
+    -------
+    float
+        The value in SI.
+
+    Raises
+    ------
+    UnitError
+        As `to_si`, and for a bare number; the message proposes texts with a unit.
+    KeyError
+        As `to_si`.
+    """
+    number = to_si(value, dimension)
+    if not isinstance(value, str) and number != 0 and dimension != "number":
+        raise _no_unit(str(value), dimension)
+    return number
+
+
+def column_in_text(cells: Sequence[str] | np.ndarray, unit: str, dimension: str) -> list[float]:
+    """Convert a column of numbers that have one unit to SI.
+
+    Parameters
+    ----------
+    cells : sequence of str, or ndarray
+        Numbers without units; of texts each is rounded correctly, like "80 mm" by `in_text`.
+    unit : str
+        Of all of them, "" for none.
+    dimension : str
+        As in `to_si`.
+
+    Returns
+    -------
+    list of float
+        In SI.
+
+    Raises
+    ------
+    UnitError
+        As `in_text`, for the first cell that is wrong.
+    KeyError
+        As `to_si`.
+    """
+    if not unit and dimension != "number":
+        return [in_text(cell if isinstance(cell, str) else float(cell), dimension) for cell in cells]
+    expected = with_example(dimension)
+    factor = _factor(unit, dimension) if unit else Decimal(1)
+    if isinstance(cells, np.ndarray):
+        found = (cells * float(factor)).tolist()
+        texts = [repr(cell) for cell in cells.tolist()] if not all(map(math.isfinite, found)) else []
+    else:
+        with localcontext(Context(prec=_DIGITS)):
+            # Whatever else Decimal reads, such as "nan" or "1_000", has other characters.
+            if set("".join(cells)) <= _OF_NUMBERS:
+                with suppress(ArithmeticError, OverflowError):
+                    found = [float(Decimal(cell) * factor) for cell in cells]
+                    if all(map(math.isfinite, found)):
+                        return found
+        found, texts = [], list(cells)
+    for cell in texts:
+        _number_and_unit(_stripped(cell, expected), expected)
+        found.append(in_text(f"{cell.strip()} {unit}".strip(), dimension))
+    return found
+
+
+def _read_text(text: str, dimension: str) -> float:
+    stripped = _stripped(text, with_example(dimension))
+    with localcontext(Context(prec=_DIGITS)):
+        try:
+            return _in_range(_evaluate(stripped, dimension), f"{text!r}", in_words(dimension))
+        except ArithmeticError:
+            raise UnitError(f"{text!r} is not a finite {in_words(dimension)}") from None
+
+
+def _stripped(text: str, expected: str) -> str:
+    if len(text) > _LONGEST:
+        begin = text[:20] + "..."
+        raise UnitError(f"expected {expected}, got a text of {len(text)} characters: {begin!r}")
+    return text.strip().replace("\N{MINUS SIGN}", "-")
+
+
+def _evaluate(text: str, dimension: str) -> Decimal:
+    if dimension == "number" and (fraction := _FRACTION.fullmatch(text)):
+        return Decimal(fraction[1]) / Decimal(fraction[2])
+    number, unit = _number_and_unit(text, with_example(dimension))
+    if unit:
+        return number * _factor(unit, dimension)
+    if number != 0 and dimension != "number":
+        raise _no_unit(text, dimension)
+    return number
+
+
+def _number_and_unit(text: str, expected: str) -> tuple[Decimal, str]:
+    quantity = _QUANTITY.fullmatch(text)
+    if quantity is None:
+        raise UnitError(f"expected {expected}, got {text!r}, which does not begin with a number")
+    unit = quantity[2]
+    if unit.startswith(","):
+        raise UnitError(f"{text!r}: use a decimal point, not a comma, as in '1.5'")
+    if re.match(r"[0-9.](?!\s*/)", unit):
+        raise UnitError(f"{text!r}: write the number in one piece, without gaps, as in '1000'")
+    return Decimal(quantity[1]), unit
+
+
+def _in_range(value: numbers.Real | Decimal, shown: str, words: str) -> float:
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number) or (number == 0 and value != 0):
+        raise UnitError(f"{shown} is not a finite {words} within the range of float64")
+    return number
+
+
+def _factor(unit: str, dimension: str) -> Decimal:
+    """Return what 1 `unit` is in the SI unit of `dimension`."""
+    expected = with_example(dimension)
+    powers = _read_unit(unit, expected)
+    if dimension == "angular_speed" and powers == {"min": -1}:
+        powers = {"rpm": 1}
+    factor, kind = _factor_and_kind(powers)
+    target = {} if dimension == "number" else _read_unit(described(dimension).unit, expected)
+    _, wanted = _factor_and_kind(target)
+    if kind == wanted:
+        return factor
+    if "[angle]" in wanted and kind == {base: power for base, power in wanted.items() if base != "[angle]"}:
+        units = " or ".join(common_units(dimension))
+        raise UnitError(f"{unit!r} is ambiguous for {in_words(dimension, article=True)}: write {units}")
+    raise UnitError(f"expected {expected}, got {unit!r}")
+
+
+def _factor_and_kind(powers: Mapping[str, int]) -> tuple[Decimal, dict[str, int]]:
+    """Return the SI value of a product of units and its powers of length, mass, time and angle."""
+    registry = _registry()
+    units = registry.UnitsContainer({name: power for name, power in powers.items() if power})
+    factor, _ = registry.get_root_units(units)
+    return Decimal(factor), dict(registry.get_dimensionality(units))
+
+
+@functools.cache
+def _registry() -> pint.UnitRegistry:
+    import pint
+
+    return pint.UnitRegistry(_DEFINITIONS, non_int_type=Decimal)
+
+
+def _read_unit(unit: str, expected: str) -> dict[str, int]:
+    """Read "N m/rad" as {"N": 1, "m": 1, "rad": -1}."""
+    rest, tokens = unit.translate(_SPELLINGS), deque()
+    while rest:
+        token = _TOKEN.match(rest)
+        if token is None:
+            raise _unreadable(unit, expected)
+        tokens.append(token[1])
+        rest = rest[token.end() :]
+    powers = _read_product(tokens, unit, expected)
+    if tokens or ("percent" in powers and powers != {"percent": 1}):
+        raise _unreadable(unit, expected)
+    return powers
+
+
+def _read_product(tokens: deque[str], unit: str, expected: str) -> dict[str, int]:
+    """Consume tokens up to a closing bracket or the end; return the power of each unit name."""
+    powers: dict[str, int] = {}
+    divided = False
+    if tokens and tokens[0] == "1":
+        tokens.popleft()
+    while tokens and tokens[0] != ")":
+        divides = tokens[0] == "/"
+        if divided and not divides:
+            # UDUNITS would read "N/m s" as (N/m)*s, a hand-written formula often means N/(m s).
+            raise UnitError(f"{unit!r} is ambiguous after the '/': use brackets, as in 'N/(m s)'")
+        divided = divides
+        if divides or tokens[0] == "*":
+            tokens.popleft()
+        for name, power in _read_factor(tokens, unit, expected).items():
+            powers[name] = powers.get(name, 0) + (-power if divides else power)
+    if not powers:
+        raise _unreadable(unit, expected)
+    return powers
+
+
+def _read_factor(tokens: deque[str], unit: str, expected: str) -> dict[str, int]:
+    token = tokens.popleft() if tokens else ""
+    if token == "(":
+        powers = _read_product(tokens, unit, expected)
+        if not tokens:
+            raise _unreadable(unit, expected)
+        tokens.popleft()
+        return powers
+    factor = _FACTOR.fullmatch(token)
+    if factor is None:
+        raise _unreadable(unit, expected)
+    name, power = factor.groups()
+    if name not in UNIT_NAMES:
+        raise UnitError(f"unknown unit {name!r}{_did_you_mean(name)} (expected {expected})")
+    return {name: int(power or 1)}
+
+
+def _did_you_mean(name: str) -> str:
+    folded = [known.lower() for known in UNIT_NAMES]
+    # Of "mN" and "MN" for "mn" neither is likelier, so every spelling of a match is shown.
+    close = [name.lower()] if name.lower() in folded else difflib.get_close_matches(name.lower(), folded, n=2)
+    names = [repr(known) for match in dict.fromkeys(close) for known in UNIT_NAMES if known.lower() == match]
+    return f": did you mean {' or '.join(names)}?" if names else ""
+
+
+def _unreadable(unit: str, expected: str) -> UnitError:
+    return UnitError(f"cannot read the unit {unit!r}; expected {expected}")
+
+
+def _no_unit(number: str, dimension: str) -> UnitError:
+    common, *si = common_units(dimension)
+    other = f', or "{number} {si[0]}" if the SI unit is meant' if si else ""
+    return UnitError(f'{number} has no unit: write "{number} {common}"{other}')
+
+
+def base_powers(unit: str) -> dict[str, int]:
+    """Powers of length, mass, time and angle in a unit.
+
+    Parameters
+    ----------
+    unit : str
+        As texts or the CF conventions spell it: "N m", "kg m2 rad-1", "1" for plain numbers.
+
+    Returns
+    -------
+    dict of str to int
+        For instance {"[mass]": 1, "[length]": 2, "[time]": -2}; empty for plain numbers.
+
+    Raises
+    ------
+    UnitError
+        The unit is not known.
+    """
+    powers = {} if unit == "1" else _read_unit(unit, "a unit such as 'N m'")
+    return {base: int(power) for base, power in _factor_and_kind(powers)[1].items()}
+
+
+def recognised(value: float | str) -> tuple[float, str]:
+    """SI value and dimension of a quantity in whatever unit, as for `to_si`; of several that fit it, the plainest.
+
+    Raises
+    ------
+    UnitError
+        The text is not a number with a known unit.
+    """
+    for dimension in ("number", *DIMENSIONS):
+        try:
+            return in_text(value, dimension), dimension
+        except UnitError:
+            continue
+    if not isinstance(value, str):
+        raise UnitError(f"{value!r} is not a quantity with a known unit, such as '80 mm'")
+    try:
+        number, powers = in_any_unit(value)
+    except UnitError as error:
+        raise UnitError(f"{value!r} is not a quantity with a known unit: {error}") from None
+    return number, " ".join(f"{_SYMBOLS[base]}{'' if power == 1 else power}" for base, power in powers.items())
+
+
+def in_any_unit(text: str) -> tuple[float, dict[str, int]]:
+    """SI value of a quantity in whatever unit, and the powers of length, mass, time and angle that it has.
+
+    Parameters
+    ----------
+    text : str
+        As for `to_si`; what `1/min` measures is a speed of rotation.
+
+    Returns
+    -------
+    value : float
+    powers : dict of str to int
+        As from `base_powers`.
+
+    Raises
+    ------
+    UnitError
+        The text is not a number with a known unit.
+    """
+    expected = "a quantity such as '80 mm'"
+    stripped = _stripped(text, expected)
+    with localcontext(Context(prec=_DIGITS)):
+        try:
+            if (fraction := _FRACTION.fullmatch(stripped)) is not None:
+                number, kind = Decimal(fraction[1]) / Decimal(fraction[2]), {}
+            else:
+                number, unit = _number_and_unit(stripped, expected)
+                powers = _read_unit(unit, expected) if unit else {}
+                factor, kind = _factor_and_kind({"rpm": 1} if powers == {"min": -1} else powers)
+                number *= factor
+            return _in_range(number, f"{text!r}", "quantity"), {base: int(power) for base, power in kind.items()}
+        except ArithmeticError:
+            raise UnitError(f"{text!r} is not a finite quantity") from None
+
+
+def unit_in(text: str) -> str:
+    """The unit of a quantity's text as it is written; "" where there is none."""
+    found = _QUANTITY.fullmatch(text.strip())
+    return found[2] if found else ""
+
+
+def any_quantity(text: str) -> float:
+    """SI value of a quantity in whatever unit, in an expression."""
+    return in_any_unit(text)[0]
+
+
+# Numbers in even steps
+
+# More than any count has; Python converts no more than some thousands.
+_MOST_DIGITS = 100
+
+
+def first_last_count(text: str) -> tuple[str, str, int] | None:
+    """The first number, the last and how many there are in a text such as "40 mm to 80 mm, 5"; None if it isn't one."""
+    ends, _, count = text.rpartition(",")
+    # Blanks are stripped afterwards: patterns for runs of them take time that grows with the square of their length.
+    first, *others = re.split(r"\sto\s", ends, maxsplit=1)
+    last, count = "".join(others).strip(), count.strip()
+    if not (first.strip() and last and count.isdecimal() and len(count) <= _MOST_DIGITS):
+        return None
+    return first.strip(), last, int(count)
+
+
+def even_steps(first: float, last: float, count: int, indices: np.ndarray) -> np.ndarray:
+    """Some of `count` numbers in even steps from one number to another, both hit exactly.
+
+    Ends that are short as decimal numbers have numbers between them that are rounded once, as if each were written
+    down: from 0.04 to 0.08 in five there is 0.06, where sums of steps come to 0.060000000000000005.
+
+    Parameters
+    ----------
+    first, last : float
+    count : int
+    indices : ndarray
+        Whole numbers from 0 to `count` − 1.
+    """
+    whole = _in_whole_numbers(first, last, count)
+    if whole is not None:
+        begin, rise, denominator = whole
+        return (begin + rise * indices) / denominator
+    step = (last - first) / max(count - 1, 1)
+    return np.where(indices == count - 1, last, first + indices * step)
+
+
+def _in_whole_numbers(first: float, last: float, count: int) -> tuple[int, int, int] | None:
+    """Numerator of the first number, its rise, and the denominator of all, where none is beyond what is counted."""
+    steps = max(count - 1, 1)
+    ends = [Decimal(repr(end)) for end in (float(first), float(last))]
+    places = max(0, *(-end.as_tuple().exponent for end in ends))
+    denominator = steps * 10**places
+    if denominator > COUNTED or max(map(abs, ends)) * denominator > COUNTED:
+        return None
+    begin, end = (int(end * 10**places) for end in ends)
+    return begin * steps, (end - begin if count > 1 else 0), denominator

@@ -1,0 +1,102 @@
+"""What a scene's motion is compared with: a path wanted of a point, or a motion wanted over the crank angle."""
+
+import math
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field, model_validator
+
+from engine.laws.tables import TableError, make_table
+from engine.parts.actions import Interpolation
+from engine.parts.skeleton import Angle, CrankInput, Length, Name, Part, SliderInput
+
+# Each place is a curve of its own, whose least value is sought.
+MOST_PLACES = 100
+
+
+class WantedPath(Part):
+    """Places that the path of a point is to pass through, at whatever positions of the input.
+
+    The deviation at a place is its distance from the path.
+    """
+
+    type: Literal["path"]
+    point: Name
+    x: list[Length]
+    y: list[Length]
+
+    @model_validator(mode="after")
+    def _has_places(self) -> "WantedPath":
+        if len(self.x) != len(self.y):
+            raise ValueError(f"x has {len(self.x)} rows, y has {len(self.y)}; give one y for every x")
+        if not 1 <= len(self.x) <= MOST_PLACES:
+            raise ValueError(f"x has {len(self.x)} rows; give 1 to {MOST_PLACES} places")
+        return self
+
+
+class _OverAngle(Part):
+    """A motion wanted over the crank angle, from the first row to the last; elsewhere anything goes.
+
+    The deviation is what the motion is beyond `offset` and the curve through the rows.
+    """
+
+    rows: ClassVar[str]
+    over_angle: list[Angle]
+    interpolation: Interpolation = "spline"
+
+    @property
+    def wanted(self) -> list[float]:
+        """Displacements [m] or angles [rad] of the rows."""
+        return getattr(self, self.rows)
+
+    @model_validator(mode="after")
+    def _rows_make_a_table(self) -> "_OverAngle":
+        try:
+            make_table(self.over_angle, self.wanted, self.interpolation, names=("over_angle", self.rows))
+        except TableError as error:
+            raise ValueError(str(error)) from None
+        return self
+
+
+class WantedSlide(_OverAngle):
+    """Displacement of a slider."""
+
+    rows: ClassVar[str] = "slide"
+    type: Literal["slider"]
+    of: Name
+    slide: list[Length]
+    offset: Length = 0.0
+
+
+class WantedAngle(_OverAngle):
+    """Angle of a link; the deviation is at most half a turn either way."""
+
+    rows: ClassVar[str] = "angle"
+    type: Literal["link"]
+    of: Name
+    angle: list[Angle]
+    offset: Angle = 0.0
+
+
+WantedMotion = Annotated[WantedPath | WantedSlide | WantedAngle, Field(discriminator="type")]
+
+
+def wrong_angles(name: str, wanted: WantedMotion, drive: CrankInput | SliderInput) -> list[tuple[str, str]]:
+    """What is wrong with the crank angles of a wanted motion, as (path, message).
+
+    Parameters
+    ----------
+    name : str
+    wanted : WantedMotion
+    drive : CrankInput or SliderInput
+    """
+    if isinstance(wanted, WantedPath):
+        return []
+    path = f"wanted.{name}.over_angle"
+    if not isinstance(drive, CrankInput):
+        return [(path, "a sliding input has no crank angle; a path can be wanted of a point")]
+    first, last = wanted.over_angle[0], wanted.over_angle[-1]
+    low, high = (0.0, 2.0 * math.pi * drive.revolutions) if drive.start is None else (drive.start, drive.stop)
+    if first < low - 1e-9 or last > high + 1e-9:
+        rows, cycle = (f"{math.degrees(a):g} deg to {math.degrees(b):g} deg" for a, b in ((first, last), (low, high)))
+        return [(path, f"{rows} isn't within the range of the crank, {cycle}; give angles in it")]
+    return []

@@ -1,0 +1,260 @@
+"""What the formulas of a scene's loads may use, and whether they give forces and moments.
+
+A formula may use
+
+- its own numbers, which stand beside it;
+- `phi`, the crank angle from 0 on, within a cycle; `t`, the time;
+- `v`, the velocity of a force's point along the force; `omega`, the angular velocity of the link that a moment acts
+  on, in a force that of the crank;
+- the motion of points, links and sliders: `A.x`, `A.y`, `A.vx`, `A.vy`; `rod.angle` in (−π, π], `rod.angular_velocity`;
+  `ram.slide`, `ram.velocity`;
+- of the stroke of a slider the length and the ends, `ram.stroke`, `ram.stroke_low`, `ram.stroke_high`, and how far the
+  slider is from these, `ram.from_low`, `ram.from_high`;
+- numbers of the scene by their paths, such as `input.length`.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from engine.elements.elastic_drives.machine_drive_element import MachineDrive, MachineRun
+from engine.parts.actions import FormulaForce, FormulaMoment
+from engine.parts.dimensions import described
+from engine.parts.formulas.expressions import (
+    ExpressionError,
+    TextExpression,
+    TextOperation,
+    Tree,
+    evaluate_tree,
+    names_in_tree,
+    parse,
+    pointed_out,
+)
+from engine.parts.formulas.speed_powers import NoPowerError, powers_of_speed
+from engine.parts.formulas.switching import MOST_TURNS, compared, operations, turns
+from engine.parts.formulas.unknown_names import unknown_name_message
+from engine.parts.regimes import RunRegime
+from engine.parts.skeleton import FRAME, CrankInput
+from engine.parts.units import UNIT_NAMES, any_quantity
+from engine.scene.names import Problem, definitions, sliders
+from engine.scene.scene import Numbers, Scene, scene_numbers
+
+if TYPE_CHECKING:
+    from pint.util import UnitsContainer
+
+TIME = "t"
+# Velocities: they grow with the input's speed.
+_RATES = {"v", "omega", "vx", "vy", "velocity", "angular_velocity"}
+_OF_POINT = {"x": "m", "y": "m", "vx": "m s-1", "vy": "m s-1"}
+_OF_LINK = {"angle": "rad", "angular_velocity": "rad s-1"}
+_OF_SLIDER = {"slide": "m", "velocity": "m s-1", "stroke": "m", "stroke_low": "m", "stroke_high": "m"}
+_OF_SLIDER |= {"from_low": "m", "from_high": "m"}
+# Of how many sets of values some have to be finite.
+_DRAWS = 32
+# Accelerations follow from the loads.
+_ACCELERATIONS = {"ax", "ay", "acceleration", "angular_acceleration"}
+
+
+class LoadFormula(NamedTuple):
+    """A formula of a scene.
+
+    Attributes
+    ----------
+    action : FormulaForce or FormulaMoment
+    at : str
+        Path of the action in the scene.
+    """
+
+    action: FormulaForce | FormulaMoment
+    at: str
+
+    @property
+    def key(self) -> str:
+        """Path of its text."""
+        return f"{self.at}.{'force' if isinstance(self.action, FormulaForce) else 'moment'}"
+
+    @property
+    def expression(self) -> TextExpression:
+        """What it says."""
+        text = self.action.force if isinstance(self.action, FormulaForce) else self.action.moment
+        return parse(text, any_quantity)
+
+    @property
+    def velocities(self) -> set[str]:
+        """Those of its names that stand for velocities."""
+        names = set(self.expression.names) - set(self.action.numbers)
+        return {name for name in names if name.rpartition(".")[2] in _RATES}
+
+    @property
+    def depends_on_time(self) -> bool:
+        """Whether it does by name."""
+        return TIME in self.expression.names
+
+    def switching_times(self, numbers: Numbers) -> list[float | np.ndarray]:
+        """Times at which it switches because time by itself passes a number of the variants [s]."""
+        known = {path: numbers[path] for path in numbers}
+        known |= {name: numbers[f"{self.at}.numbers.{name}"] for name in self.action.numbers}
+        found = []
+        for tree in operations(self.expression.tree):
+            for one, other in compared(tree):
+                for passing, passed in ((one, other), (other, one)):
+                    if passing == TIME and known.keys() >= names_in_tree(passed).keys():
+                        with np.errstate(all="ignore"):
+                            found.append(evaluate_tree(passed, known))
+        return found
+
+
+def load_formulas(scene: Scene) -> dict[str, LoadFormula]:
+    """The formulas of a scene, by the names of their loads."""
+    tables = (("forces", scene.forces), ("moments", scene.moments))
+    return {
+        name: LoadFormula(action, f"{table}.{name}")
+        for table, actions in tables
+        for name, action in actions.items()
+        if isinstance(action, (FormulaForce, FormulaMoment))
+    }
+
+
+def units_of_names(scene: Scene, formula: LoadFormula) -> dict[str, str]:
+    """SI units of all names that a formula may use, the plainest first."""
+    crank = isinstance(scene.input, CrankInput)
+    force = isinstance(formula.action, FormulaForce)
+    units = {name: described(number.dimension).unit for name, number in formula.action.numbers.items()}
+    units |= {"phi": "rad"} if crank else {}
+    units |= {"v": "m s-1"} if force else {}
+    units |= {"omega": "rad s-1"} if crank or not force else {}
+    units |= {TIME: "s"}
+    points, _, links = definitions(scene)
+    moving = [name for name in points if name not in scene.points or scene.points[name].link != FRAME]
+    kinds = ((moving, _OF_POINT), (set(links) - {FRAME}, _OF_LINK), (sliders(scene), _OF_SLIDER))
+    for names, of in kinds:
+        units |= {f"{name}.{quantity}": unit for name in sorted(names) for quantity, unit in of.items()}
+    for name, shaft in scene.shafts.items():
+        if shaft.pivot is None:
+            del units[f"{name}.angle"]
+    paths = {path: described(number.dimension).unit for path, number in scene_numbers(scene).items()}
+    del paths["input.speed"]
+    return units | paths
+
+
+def formula_problems(scene: Scene) -> list[Problem]:
+    """What is wrong with the formulas of a scene: names, dimensions, and what true motion can't take."""
+    formulas = load_formulas(scene)
+    return [problem for name, formula in formulas.items() for problem in _problems(scene, name, formula)]
+
+
+def _problems(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem]:
+    # Units are checked by what only texts need otherwise.
+    from engine.parts.formulas.dimension_check import check_yields, dimension_of_unit
+
+    units = units_of_names(scene, formula)
+    taken = [n for n in formula.action.numbers if n in {"phi", "v", "omega", TIME, "pi", "gravity"}]
+    for number in taken:
+        yield f"{formula.at}.numbers.{number}", f"{number!r} has a meaning of its own in formulas; choose another name"
+    expression = formula.expression
+    unknown = [n for n in expression.names if n not in units]
+    for wrong in unknown:
+        yield formula.key, _unknown(wrong, units, formula)
+    if taken or unknown:
+        return
+    try:
+        known: Mapping[str, UnitsContainer] = {n: dimension_of_unit(units[n]) for n in expression.names}
+        wanted = dimension_of_unit("N" if isinstance(formula.action, FormulaForce) else "N m")
+        check_yields(expression, wanted, known)
+        _check_curves(expression)
+        _check_finite(expression, expression.tree)
+        _check_turns(scene, formula)
+    except ExpressionError as error:
+        yield formula.key, str(error)
+        return
+    own_speed = {f"{coupling.shaft}.angular_velocity": coupling.shaft for coupling in scene.couplings.values()}
+    for read, shaft in own_speed.items():
+        if read in expression.names:
+            yield formula.key, f"{read!r} can't be used: shaft {shaft!r} turns at a speed of its own, by a coupling"
+    yield from _wrong_in_motion(scene, name, formula)
+
+
+def _unknown(name: str, units: Mapping[str, str], formula: LoadFormula) -> str:
+    """What is wrong with a name, and what is allowed."""
+    quantity = name.rpartition(".")[2]
+    if name == "input.speed":
+        return "'input.speed' is the mean speed alone; a formula takes the true one, omega, v or NAME.velocity"
+    if name in UNIT_NAMES:
+        return f"{name!r} is a unit: units follow a number, and a bar in them stands without blanks, as in 3 N/mm"
+    if quantity in _ACCELERATIONS:
+        return f"{name!r} can't be used: accelerations follow from the loads"
+    own = [n for n in units if "." not in n]
+    listed = ", ".join(own)
+    what = unknown_name_message(name, units).rstrip("?")
+    return (
+        f"{what}; a formula may use {listed}, numbers given in [{formula.at}.numbers], "
+        f"POINT.x, .y, .vx, .vy, LINK.angle, .angular_velocity, SLIDER.{', .'.join(_OF_SLIDER)}, "
+        "and numbers of the scene by their paths"
+    )
+
+
+def _check_curves(expression: TextExpression) -> None:
+    """Refuse comparisons that hold in single places."""
+    for tree in operations(expression.tree):
+        if tree.name in ("==", "!="):
+            raise _refused(expression, tree, f"{tree.name} holds in single places at most; compare by < or >")
+
+
+def _check_turns(scene: Scene, formula: LoadFormula) -> None:
+    """Refuse what switches so often in a cycle, or nobody knows how often, that some of it would be missed."""
+    expression, cycles = formula.expression, dict.fromkeys([*formula.action.numbers, *scene_numbers(scene)], 0.0)
+    if isinstance(scene.input, CrankInput):
+        cycles["phi"] = float(scene.input.revolutions)
+        cycles[TIME] = scene.input.revolutions / abs(scene.input.speed)
+    else:
+        cycles[TIME] = abs((scene.input.stop - scene.input.start) / scene.input.speed) / (2.0 * np.pi)
+    for tree in operations(expression.tree):
+        if any(turns(part, cycles) > MOST_TURNS for pair in compared(tree) for part in pair):
+            what = (
+                f"{tree.name} may switch oftener in a cycle than is looked for: take lower powers, and sines of phi "
+                f"(or t) times a number that is written out, up to {MOST_TURNS / 2:g} periods in a cycle"
+            )
+            raise _refused(expression, tree, what)
+
+
+def _check_finite(expression: TextExpression, tree: Tree) -> None:
+    """Refuse what isn't finite whatever the values of its names, such as 1 / 0 or 1 / (phi - phi)."""
+    if isinstance(tree, TextOperation):
+        for operand in tree.operands:
+            _check_finite(expression, operand)
+        draws = np.random.default_rng(0)
+        names = names_in_tree(tree)
+        values = {name: draws.choice((-1.0, 1.0), _DRAWS) * 10.0 ** draws.uniform(-3.0, 2.0, _DRAWS) for name in names}
+        with np.errstate(all="ignore"):
+            value = evaluate_tree(tree, values)
+        if not np.isfinite(value).any():
+            ever = ", whatever its names mean" if names else ""
+            raise _refused(expression, tree, f"this is no finite number{ever}")
+
+
+def _wrong_in_motion(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem]:
+    """What true motion can't take: a steady one no time, none of them a speed but by its powers."""
+    at_work = {f"regimes.{n}": regime for n, regime in scene.regimes.items() if name not in regime.off}
+    drives = {f"elements.{n}": e for n, e in scene.elements.items() if isinstance(e, MachineDrive)}
+    at_work |= {path: drive for path, drive in drives.items() if name not in drive.off}
+    runs = {f"{path}.run": drive.run for path, drive in drives.items() if drive.run is not None}
+    at_work |= {path: run for path, run in runs.items() if name not in run.off}
+    for path, what in at_work.items():
+        if not isinstance(what, (RunRegime, MachineRun)) and formula.depends_on_time:
+            message = f"{name!r} depends on time: no motion repeats itself; switch it off here, or use a run"
+            yield f"{path}.off", message
+    if not at_work:
+        return
+    try:
+        powers_of_speed(formula.expression.tree, formula.velocities)
+    except NoPowerError as error:
+        what = (
+            f"depends on the speed otherwise than by fixed powers of it, which true motion can't take; switch {name!r} "
+            f"off in {', '.join(at_work)}, or write it by products, sums, powers, abs and sign"
+        )
+        yield formula.key, str(_refused(formula.expression, error.operation, what))
+
+
+def _refused(expression: TextExpression, tree: TextOperation, what: str) -> ExpressionError:
+    return ExpressionError(f"{what}:\n{pointed_out(expression.text, tree.column)}")

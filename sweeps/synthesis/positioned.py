@@ -1,0 +1,165 @@
+"""Four-bar linkages whose coupler passes through given positions, in one movement."""
+
+import cmath
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from sweeps.synthesis.dyads import PlaneDyad, PlanePosition, dyads_of_turn
+from sweeps.synthesis.synthesis_error import SynthesisError
+
+_FULL_TURN = 2.0 * math.pi
+# Steps of a turn in which the curve of four positions is looked over.
+_STEPS = 72
+# Links longer than so many times the greatest distance of the positions aren't taken.
+_LONGEST = 8.0
+
+
+class PositionedFourBar(NamedTuple):
+    """A four-bar linkage with a plane on its coupler that passes through given positions.
+
+    Attributes
+    ----------
+    crank_pivot, rocker_pivot : complex
+        x + iy [m].
+    crank, coupler, rocker : float
+        Lengths [m].
+    mode : int
+        Assembly mode: +1 where the rocker's joint lies to the left of the line from the crank's pin to its bearing.
+    crank_angles : tuple of float
+        At the positions, growing or falling all along [rad].
+    point : complex
+        The plane's point P from the crank's pin, along the coupler and to its left [m].
+    angle : float
+        By how much the plane is turned against the coupler [rad].
+    turns : bool
+        Whether the crank turns fully.
+    least_transmission : float
+        Least angle between coupler and rocker on the way, as an acute one [rad].
+    """
+
+    crank_pivot: complex
+    rocker_pivot: complex
+    crank: float
+    coupler: float
+    rocker: float
+    mode: int
+    crank_angles: tuple[float, ...]
+    point: complex
+    angle: float
+    turns: bool
+    least_transmission: float
+
+
+def four_bar_through(positions: Sequence[PlanePosition], driven: PlaneDyad, other: PlaneDyad) -> PositionedFourBar:
+    """Four-bar linkage of two dyads, if it passes through the positions in one movement.
+
+    Parameters
+    ----------
+    positions : sequence of PlanePosition
+    driven, other : PlaneDyad
+        That of the crank, and that of the rocker.
+
+    Raises
+    ------
+    SynthesisError
+        It would have to be taken apart between two positions (branch defect), or its crank has to go to and fro
+        (order defect), or it can't move all the way between them.
+    """
+    pins = np.array([driven.joint(place) for place in positions])
+    joints = np.array([other.joint(place) for place in positions])
+    links = (pins[0] - driven.centre, joints[0] - pins[0], joints[0] - other.centre)
+    crank, coupler, rocker = (float(abs(link)) for link in links)
+    if min(crank, coupler, rocker) <= 1e-9 * max(crank, coupler, rocker, abs(other.centre - driven.centre)):
+        raise SynthesisError("both joints of a link fall together: choose other joints")
+    sides = np.sign(((other.centre - pins).conj() * (joints - pins)).imag)
+    if abs(sides.sum()) != len(positions):
+        raise SynthesisError(
+            "the linkage has to be taken apart between the positions (branch defect): choose other joints"
+        )
+    angles = _in_order(np.angle(pins - driven.centre))
+    plane, along = cmath.exp(1j * positions[0].angle), complex(joints[0] - pins[0]) / coupler
+    least = _least_on_the_way(crank, coupler, rocker, other.centre - driven.centre, angles)
+    if least is None:
+        raise SynthesisError("the linkage can't move all the way between the positions: choose other joints")
+    whole = _least_on_the_way(crank, coupler, rocker, other.centre - driven.centre, (0.0, _FULL_TURN))
+    return PositionedFourBar(
+        crank_pivot=driven.centre,
+        rocker_pivot=other.centre,
+        crank=crank,
+        coupler=coupler,
+        rocker=rocker,
+        mode=int(sides[0]),
+        crank_angles=angles,
+        point=complex(positions[0].point - pins[0]) / along,
+        angle=cmath.phase(plane / along),
+        turns=whole is not None,
+        least_transmission=least if whole is None else whole,
+    )
+
+
+def best_four_bar_through(positions: Sequence[PlanePosition]) -> PositionedFourBar:
+    """The four-bar linkage of the best transmission angle through four positions, of those on a grid of the curve.
+
+    One whose crank turns fully is preferred.
+
+    Parameters
+    ----------
+    positions : sequence of PlanePosition
+        Four.
+
+    Raises
+    ------
+    SynthesisError
+        There are more or fewer positions, or no linkage without defects among those tried.
+    """
+    size = max(abs(a.point - b.point) for a in positions for b in positions)
+    dyads = [d for i in range(1, _STEPS) for d in dyads_of_turn(positions, _FULL_TURN * i / _STEPS)]
+    dyads = [d for d in dyads if 1e-3 * size < abs(d.joint(positions[0]) - d.centre) < _LONGEST * size]
+    dyads = [d for d in dyads if max(abs(d.centre - positions[0].point), abs(d.circle)) < _LONGEST * size]
+    found = []
+    for driven in dyads:
+        for other in dyads:
+            try:
+                found.append(four_bar_through(positions, driven, other))
+            except SynthesisError:
+                continue
+    if not found:
+        raise SynthesisError(
+            "no four-bar linkage passes through these four positions in one movement; change one of them"
+        )
+    return max(found, key=lambda four_bar: (four_bar.turns, four_bar.least_transmission))
+
+
+def _in_order(angles: np.ndarray) -> tuple[float, ...]:
+    """Angles that go on all along, counter-clockwise or clockwise, whichever is the shorter way."""
+    ways = []
+    for sense in (1.0, -1.0):
+        turned = np.cumsum(np.mod(sense * np.diff(angles), _FULL_TURN))
+        if turned[-1] < _FULL_TURN and (np.diff(turned, prepend=0.0) > 0.0).all():
+            ways.append((float(turned[-1]), tuple(float(angles[0] + sense * t) for t in (0.0, *turned))))
+    if not ways:
+        raise SynthesisError(
+            "the crank would have to go to and fro between the positions (order defect): choose other joints"
+        )
+    return min(ways)[1]
+
+
+def _least_on_the_way(
+    crank: float, coupler: float, rocker: float, frame: complex, angles: Sequence[float]
+) -> float | None:
+    """Least transmission angle between the first and the last crank angle; None where the links don't reach.
+
+    The distance from the crank's pin to the rocker's bearing, which decides it, is extreme where crank and frame are in
+    line.
+    """
+    low, high = min(angles[0], angles[-1]), max(angles[0], angles[-1])
+    base = cmath.phase(frame)
+    turns = np.arange(math.ceil((low - base) / math.pi), math.floor((high - base) / math.pi) + 1)
+    apart = np.abs(frame - crank * np.exp(1j * np.concatenate(([low, high], base + math.pi * turns))))
+    if (apart <= abs(coupler - rocker)).any() or (apart >= coupler + rocker).any():
+        return None
+    cosines = np.abs(coupler * coupler + rocker * rocker - apart * apart) / (2.0 * coupler * rocker)
+    return float(np.arccos(cosines.max()))
