@@ -512,11 +512,19 @@ def any_quantity(text: str) -> float:
 
 # Numbers in even steps
 
+# More than any count has; Python converts no more than some thousands.
+_MOST_DIGITS = 100
+
 
 def first_last_count(text: str) -> tuple[str, str, int] | None:
     """The first number, the last and how many there are in a text such as "40 mm to 80 mm, 5"; None if it isn't one."""
-    parts = re.fullmatch(r"\s*(.+?)\s+to\s+(.+?)\s*,\s*(\d+)\s*", text)
-    return None if parts is None else (parts[1], parts[2], int(parts[3]))
+    ends, _, count = text.rpartition(",")
+    # Blanks are stripped afterwards: patterns for runs of them take time that grows with the square of their length.
+    first, *others = re.split(r"\sto\s", ends, maxsplit=1)
+    last, count = "".join(others).strip(), count.strip()
+    if not (first.strip() and last and count.isdecimal() and len(count) <= _MOST_DIGITS):
+        return None
+    return first.strip(), last, int(count)
 
 
 def even_steps(first: float, last: float, count: int, indices: np.ndarray) -> np.ndarray:

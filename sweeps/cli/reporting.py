@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import errors_as_messages, make_folder
+from sweeps.cli.shared import errors_as_messages, make_folder, tell
 from sweeps.cli.waiting import doing
 
 
@@ -38,4 +38,4 @@ def report(file: str, out: Path | None) -> None:
             raise InputError(file, [(None, "", f"is a study of {study.design.size} variants: {mend}")])
         with tempfile.TemporaryDirectory() as folder, doing("Writing the page"):
             write_page(run_study(study, Path(folder, f"{study.name}.h5")), out)
-    click.echo(f"Wrote {out}")
+    tell(f"Wrote {out}")

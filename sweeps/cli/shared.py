@@ -1,7 +1,6 @@
 """What the commands have in common: options, messages, files and threads."""
 
 import json
-import re
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from sweeps.cli.waiting import clear_the_line, doing, waiting_told
+from sweeps.text.visible import visible
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -23,25 +23,19 @@ NOT_ALL_DONE = 1
 DIFFERENT = 1
 
 LONGEST_MESSAGE, LONGEST_WORD = 2900, 200
-# All but line breaks and tabs.
-_CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 
 Command = Callable[..., None]
 
 
 def tell(text: str, err: bool = False) -> None:
-    """Write a text to the terminal; control characters in it, which may come from files, are spelt out."""
+    """Write a text to the terminal as `visible` shows it."""
     clear_the_line()
-    click.echo(_spelt_out(text), err=err)
-
-
-def _spelt_out(text: str) -> str:
-    return _CONTROL.sub(lambda found: repr(found[0])[1:-1], text)
+    click.echo(visible(text), err=err)
 
 
 def shown_message(message: str) -> str:
     """What a terminal is shown of a message: control characters are spelt out, a long one ends early."""
-    message = _spelt_out(message)
+    message = visible(message)
     if len(message) <= LONGEST_MESSAGE:
         return message
     begin, _, cut_word = message[:LONGEST_MESSAGE].rpartition(" ")
@@ -94,7 +88,9 @@ def _foreseen() -> tuple[type[Exception], ...]:
 CLUSTER = click.option(
     "--cluster",
     metavar="ADDRESS",
-    help="Compute on the Dask cluster of this scheduler, tcp://node1:8786; local:8 starts eight processes here.",
+    help="Compute on the Dask cluster of this scheduler, tls://node1:8786 or tcp://node1:8786; local:8 starts eight "
+    "processes here. Whoever reaches a scheduler at tcp:// can run programs on its workers, and its workers can run "
+    "programs as you: name only those that you trust.",
 )
 
 
@@ -143,12 +139,9 @@ def stop_if_all_failed(status: Iterable[int]) -> None:
 def tell_version(context: click.Context, _: click.Parameter, asked: bool) -> None:
     """Say which version this is, and stop."""
     if asked:
-        from importlib.metadata import PackageNotFoundError, version
+        from sweeps.text.versions import own_version
 
-        try:
-            tell(f"sweeps, version {version('machine-sweeps')}")
-        except PackageNotFoundError:
-            tell("sweeps, not installed")
+        tell(f"sweeps, version {own_version()}")
         context.exit()
 
 
@@ -211,11 +204,11 @@ def cluster_client(address: str | None, jobs: int | None = None) -> Iterator["Cl
 
 
 def workers_text(client: "Client | None") -> str:
-    """How many workers a cluster has just now; nothing without one, or where that can't be had."""
+    """How many workers of a cluster compute for this program; nothing without one, or where that can't be had."""
     if client is None:
         return ""
     try:
-        count = len(client.nthreads())
+        count = sum(any(key in client.futures for key in keys) for keys in client.processing().values())
     except OSError:
         # That the scheduler is lost is told where something is asked of it.
         return ""

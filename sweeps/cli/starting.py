@@ -56,7 +56,7 @@ def modes(scene: str, out: Path | None, no_plots: bool) -> None:
 
     machine, _, name = machine_of(scene, None)
     found = assembly_modes(machine)
-    click.echo(mode_table(machine, found))
+    tell(mode_table(machine, found))
     if found and not no_plots:
         made = mode_pictures(machine, found, out or Path(f"{name}_modes.png"))
         for path, refusal in made.items():

@@ -36,8 +36,9 @@ def import_scene(path: Path | str, unit: float | None = None, speed: str | None 
         return chain_scene(pmks_chain(text, str(path), unit, speed))
     try:
         data = json.loads(text)
-    except ValueError as error:
-        raise InputError(str(path), [(None, "", f"is no JSON: {error}")]) from None
+    except (ValueError, RecursionError) as error:
+        why = "it is nested too deep" if isinstance(error, RecursionError) else error
+        raise InputError(str(path), [(None, "", f"is no JSON: {why}")]) from None
     if not isinstance(data, dict) or "joints" not in data:
         raise InputError(str(path), [(None, "", "has no list of joints, as files of pylinkage have")])
     return chain_scene(pylinkage_chain(data, str(path), unit, speed))

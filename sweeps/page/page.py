@@ -21,6 +21,7 @@ from sweeps.page.page_tables import (
 from sweeps.report.regime_words import MOTION_VERDICTS, failure_text
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import with_values
+from sweeps.text.visible import visible
 from sweeps.text.whole_files import whole_file
 
 
@@ -52,7 +53,7 @@ def write_page(path: Path, out: Path) -> None:
     digest = digest_of(path)
     here = files("sweeps.page")
     css, script = (Markup((here / name).read_text("utf8")) for name in ("page.css", "linked.js"))
-    template = jinja2.Environment(autoescape=True).from_string((here / "page.html").read_text("utf8"))
+    template = jinja2.Environment(autoescape=True, finalize=_shown).from_string((here / "page.html").read_text("utf8"))
     parts = _parts(digest)
     plotly_source = Markup(plotly.offline.get_plotlyjs()) if parts["linked"] else ""
     text = template.render(**parts, css=css, script=script, plotly=plotly_source)
@@ -61,6 +62,11 @@ def write_page(path: Path, out: Path) -> None:
             draft.write_text(text, encoding="utf8")
     except OSError as error:
         raise InputError(str(out), [(None, "", f"can't be written: {error.strerror}")]) from None
+
+
+def _shown(part: object) -> object:
+    """A part of the page; markup has been made of visible texts."""
+    return visible(part) if type(part) is str else part
 
 
 def _parts(digest: Digest) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from sweeps.pictures.sweep.maps import plot_result
 from sweeps.pictures.sweep.parallel_coordinates import chosen_columns
 from sweeps.pictures.sweep.sweep_data import SweepData, wrapped
 from sweeps.study.sensitivity import RSS, WORST_CASE
+from sweeps.text.visible import visible
 
 if TYPE_CHECKING:
     from markupsafe import Markup
@@ -145,7 +146,7 @@ def linked_data(digest: Digest) -> dict[str, Any] | None:
     columns = []
     for values, label, _ in shown.values():
         # Symbols are in TeX, which a browser doesn't set.
-        label = re.sub(r" *\$[^$]*\$", "", label).replace(".\n", ".").replace("\n", " ")
+        label = visible(re.sub(r" *\$[^$]*\$", "", label)).replace(".\n", ".").replace("\n", " ")
         lines = "<br>".join(html.escape(line) for line in wrapped(label, 16))
         rounded = [float(f"{value:.6g}") for value in values[finite]]
         columns.append({"label": label, "lines": lines, "markup": html.escape(label), "values": rounded})

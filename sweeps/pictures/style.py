@@ -7,9 +7,11 @@ from pathlib import Path
 
 from matplotlib import rc_context
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from matplotlib.ticker import ScalarFormatter
 
 from sweeps.pictures.picture_error import PictureError
+from sweeps.text.visible import visible
 from sweeps.text.whole_files import whole_file
 
 MM_PER_INCH = 25.4
@@ -99,7 +101,10 @@ def new_figure(width: float, height: float) -> Figure:
 
 
 def _lettered(figure: Figure) -> None:
-    """A title is the user's own, and a $ in it begins no formula; numbers along axes are plain."""
+    """A title is the user's own, and a $ in it begins no formula; numbers along axes are plain, all texts visible."""
+    for text in figure.findobj(Text):
+        if (shown := visible(text.get_text())) != text.get_text():
+            text.set_text(shown)
     for text in figure.texts:
         if text.get_text() == figure.get_suptitle():
             text.set_parse_math(False)

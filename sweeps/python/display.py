@@ -14,6 +14,7 @@ from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import house_style
 from sweeps.study.study import Study
 from sweeps.text.engineer_units import figure_text, quantity_text
+from sweeps.text.visible import visible
 
 # Rows of a table that are seen at once; more are folded.
 SHOWN = 12
@@ -128,7 +129,7 @@ def _drawing(scene: Scene) -> str:
 
 
 def _page(title: str, *parts: str) -> str:
-    return f"<div><p><b>{escape(title)}</b></p>{''.join(parts)}</div>"
+    return visible(f"<div><p><b>{escape(title)}</b></p>{''.join(parts)}</div>")
 
 
 def _table(rows: Iterable[Sequence[str]], heads: Sequence[str] = ()) -> str:

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ValidationError
 from engine import ExpressionError, Scene, any_quantity, parse_expression
 from sweeps.store import DamagedError, Description
 from sweeps.study.study_text import Best
+from sweeps.text.versions import origin_text
 
 
 class _Axis(BaseModel):
@@ -71,7 +72,7 @@ def recorded_study(described: Description) -> dict[str, Any]:
         first = error.errors()[0]
         place = ".".join(map(str, first["loc"])) or "it"
         raise _wrong(described, f"has no such {place} as results have ({first['msg']})") from None
-    except (ValueError, TypeError):
+    except (ValueError, TypeError, RecursionError):
         raise _wrong(described, "can't be read") from None
     if wrong := _mismatch(record, described):
         raise _wrong(described, wrong)
@@ -120,7 +121,7 @@ def _mismatch(record: _Record, described: Description) -> str:
 
 
 def _wrong(described: Description, what: str) -> DamagedError:
+    origin = origin_text(str(described.attributes.get("versions", "")))
     return DamagedError(
-        f"{described.path}: its attribute study_json {what}: it was edited, or made by another program. Run its study "
-        f"again to have it whole."
+        f"{described.path}: its attribute study_json {what}: {origin}. Run its study again to have it whole."
     )

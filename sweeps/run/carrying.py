@@ -48,7 +48,7 @@ class Earlier:
             ours = json.loads(layout.attributes["study_json"])
             if not self._file.edited_decisively and self._file.has_checksums:
                 self.names = _shared(theirs, ours, described.columns, layout.columns)
-        except (StoreError, KeyError, ValueError, TypeError):
+        except (StoreError, KeyError, ValueError, TypeError, RecursionError):
             # Nothing that can be relied on.
             return
 

@@ -4,7 +4,6 @@ import json
 import platform
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -34,6 +33,7 @@ from sweeps.study.study import Study
 from sweeps.study.study_record import numbers_record, study_record
 from sweeps.text.engineer_units import units_shown, units_written
 from sweeps.text.scene_text import write_scene
+from sweeps.text.versions import own_version
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -93,11 +93,7 @@ def _parameter_column(study: Study, name: str) -> Column:
 
 
 def _attributes(study: Study, machine: Machine) -> dict[str, str]:
-    try:
-        package = version("machine-sweeps")
-    except PackageNotFoundError:
-        package = "not installed"
-    versions = {"machine-sweeps": package, "numba": numba.__version__, "llvmlite": llvmlite.__version__}
+    versions = {"machine-sweeps": own_version(), "numba": numba.__version__, "llvmlite": llvmlite.__version__}
     units = {"units": units_shown(), "units_written": units_written()}
     versions |= {"numpy": np.__version__, "h5py": h5py.__version__, "python": platform.python_version()}
     return {
@@ -277,7 +273,7 @@ def _stands(path: Path, layout: FileLayout, tell: Callable[[str], None]) -> bool
             ours = json.loads(layout.attributes["study_json"])
             mapped = MappedResult(found)
             same = numbers_record(record) == numbers_record(ours)
-        except (StoreError, KeyError, ValueError, TypeError):
+        except (StoreError, KeyError, ValueError, TypeError, RecursionError):
             continue
         words = {name: layout.attributes[name] for name in WORDS}
         if same and not mapped.edited and record.get("engine") == ours["engine"]:

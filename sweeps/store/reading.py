@@ -13,6 +13,7 @@ import h5py
 import numpy as np
 
 from sweeps.text.input_files import HDF5_SIGNATURE
+from sweeps.text.versions import origin_text
 
 from .checksums import checksum, texts_checksums
 from .creating import part_path, texts_of
@@ -397,7 +398,8 @@ def layout_record(file: h5py.File) -> dict[str, Any]:
     with explained(Path(file.filename), "read", _DAMAGED, DamagedError):
         record = json.loads(_shown_text(file["progress"].attrs["layout"]))
     if not isinstance(record, dict) or not {"variants", "block", "position", "columns"} <= record.keys():
-        raise DamagedError(f"cannot read {file.filename}: {_DAMAGED}")
+        maker = origin_text(str(file.attrs.get("versions", "")))
+        raise DamagedError(f"cannot read {file.filename}: it is damaged, or {maker}")
     return record
 
 

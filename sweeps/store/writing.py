@@ -13,7 +13,7 @@ from typing import Self
 import h5py
 import numpy as np
 
-from sweeps.text.whole_files import whole_file
+from sweeps.text.whole_files import refuse_foreign_link, whole_file
 
 from .checksums import checksum
 from .creating import (
@@ -100,6 +100,8 @@ class Store:
         if Path(path).is_dir():
             raise StoreError(f"{path} is a folder. Give a file name as --out.")
         store = cls(Path(path), layout)
+        with explained(store.part, "write"):
+            refuse_foreign_link(store.part)
         store._hold()
         try:
             if restart:

@@ -36,7 +36,10 @@ from sweeps.study.variant_tables import read_variant_table
 from sweeps.text.conditions import Condition
 from sweeps.text.input_files import InputError, read_text
 from sweeps.text.scene_text import scene_from
-from sweeps.text.toml_text import line_of, parse_toml, validate
+from sweeps.text.toml_text import MOST_PROBLEMS, line_of, parse_toml, validate
+
+# A result of more variants fits on no disk.
+MOST_VARIANTS = 10**12
 
 
 class StudyReader:
@@ -148,6 +151,8 @@ class StudyReader:
     def _problem(self, keys: list[str], message: str, line: int | None = None) -> None:
         line = line or line_of(self.text, keys) or line_of(self.text, _split(keys))
         self.problems.append((line, ".".join(keys), message))
+        if len(self.problems) >= MOST_PROBLEMS:
+            raise InputError(self.path.name, self.problems)
 
     # What varies
 
@@ -168,10 +173,14 @@ class StudyReader:
         elif self.raw.sampling is not None:
             self._problem(["sampling"], "nothing is sampled; give low and high for what varies, or leave this out")
         try:
-            return Design(tuple(axes))
+            design = Design(tuple(axes))
         except SamplingError as error:
             self._problem(["vary"], str(error))
             return None
+        if design.size > MOST_VARIANTS:
+            message = f"{design.size} variants, at most {MOST_VARIANTS}; reduce a count, or sample with low and high"
+            self._problem(["vary"], message)
+        return design
 
     def _is_variable(self, path: str, keys: list[str]) -> bool:
         if path in self.numbers or (path.isidentifier() and path in self._names_used):
@@ -294,11 +303,11 @@ class StudyReader:
         return True
 
     def _condition(self, text: str, entry: int) -> Condition | None:
-        start = line_of(self.text, ["require"])
-        within = (n for n, line in enumerate(self.text.splitlines(), 1) if n >= (start or 1) and text in line)
         try:
             return Condition.read(text, self.dimensions)
         except ExpressionError as error:
+            start = line_of(self.text, ["require"])
+            within = (n for n, line in enumerate(self.text.splitlines(), 1) if n >= (start or 1) and text in line)
             self._problem(["require"], f"entry {entry + 1}, {error}", next(within, start))
             return None
 

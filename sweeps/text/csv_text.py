@@ -10,7 +10,7 @@ from sweeps.text.input_files import InputError, read_text
 # Bytes that a table may have; a million rows of ten columns fit in.
 LARGEST_TABLE = 256_000_000
 _HEADER = re.compile(r"^\s*(?P<key>[\w.\[\]]+)\s*(?:\[(?P<unit>[^\]]*)\])?\s*$")
-# Characters that a number may have.
+# Characters that a number or a header may have.
 _LONGEST = 100
 # Endings of files of which a message may quote what doesn't look like a table; /etc/passwd has none of them.
 _TABLES = (".csv", ".tsv", ".txt", ".dat")
@@ -76,7 +76,7 @@ def _is_remark(line: str) -> bool:
 
 
 def _header(path: Path, line: int, cells: Sequence[str]) -> tuple[list[str], list[str]]:
-    headers = [_HEADER.match(cell) for cell in cells]
+    headers = [_HEADER.match(cell) if len(cell) <= _LONGEST else None for cell in cells]
     if None in headers:
         shown = _quoted(path, cells[headers.index(None)])
         message = f"header{shown}: write a name and a unit for each column, such as 'force [kN]'"

@@ -10,6 +10,13 @@ from engine import in_text, nearest_names
 from sweeps.text.engineer_units import show_in_units
 from sweeps.text.input_files import InputError
 
+# Problems that are told together; a message of more would be cut.
+MOST_PROBLEMS = 20
+# Characters of a line in which slips are looked for, and parts that a key may have.
+_LINE_LOOKED_AT, _LONGEST_KEY = 300, 100
+# What parts keys from each other and from values, and a full stop within a key.
+_APART, _DOT_IN_KEY = re.compile(r"[=\[\]{},#]"), re.compile(r"[\w\"'-]\s*\.(?=\s*[\w\"'-])")
+
 
 def parse_toml(text: str, source: str) -> dict[str, Any]:
     """Tables of a TOML text.
@@ -19,6 +26,10 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
     InputError
         The text is not TOML; the message tells line and column.
     """
+    for number, line in enumerate(text.splitlines(), 1):
+        # A reader of TOML keeps every beginning of a dotted key.
+        if len(line) > _LONGEST_KEY and any(_parts(piece) > _LONGEST_KEY for piece in _APART.split(line)):
+            raise InputError(source, [(number, "", f"more than {_LONGEST_KEY} parts between full stops")])
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -28,6 +39,11 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
         raise InputError(source, [(line, "", _slip(text, line, source) or f"not valid TOML: {message}")]) from None
     except (ValueError, RecursionError):
         raise InputError(source, [(None, "", "not valid TOML: a number too long, or tables nested too deep")]) from None
+
+
+def _parts(piece: str) -> int:
+    """How many parts a piece of a line has, if it is a dotted key."""
+    return 1 + len(_DOT_IN_KEY.findall(piece))
 
 
 _BARE_QUANTITY = re.compile(r"=\s*(?P<value>[-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?\s*[A-Za-zµ°%][^\"',}\]#]*)")
@@ -41,7 +57,8 @@ def _slip(text: str, line: int | None, source: str) -> str:
     if line is None or not 1 <= line <= len(lines) or not source.endswith(".toml"):
         return ""
     # A line that ends too early is told of at the begin of the next one.
-    for written in lines[line - 1 : line] + lines[line - 2 : line - 1]:
+    for whole in lines[line - 1 : line] + lines[line - 2 : line - 1]:
+        written = whole[:_LINE_LOOKED_AT]
         if (slip := _BARE_QUANTITY.search(written)) is not None:
             value = slip["value"].strip()
             return f'{value} has a unit, so it stands in quotes: "{value}"'
@@ -53,7 +70,7 @@ def _slip(text: str, line: int | None, source: str) -> str:
             return f'{value} is a text, so it stands in quotes: "{value}"'
         if re.search(r"=\s*$", written):
             return "after the = there is no value"
-        if written.count('"') % 2:
+        if whole.count('"') % 2:
             return "a quotation mark is missing: texts begin and end with one"
     return ""
 
@@ -80,7 +97,8 @@ def validate(model: type[BaseModel], data: dict[str, Any], text: str, source: st
     try:
         made = model.model_validate(data, context=context)
     except ValidationError as error:
-        raise InputError(source, [_problem(model, data, text, e, prefix) for e in error.errors()]) from None
+        told = error.errors()[:MOST_PROBLEMS]
+        raise InputError(source, [_problem(model, data, text, e, prefix) for e in told]) from None
     if "units" in context:
         show_in_units(context["units"])
     return made

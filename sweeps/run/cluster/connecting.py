@@ -21,6 +21,10 @@ PATIENCE = 10
 WITH_MEMORY_KEPT = {"distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None}
 
 
+# Pages on the state of a cluster would answer anybody.
+WITHOUT_PAGES = {"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []}
+
+
 @contextmanager
 def connected(address: str) -> Iterator["Client"]:
     """A client of a cluster, while something runs on it.
@@ -28,19 +32,21 @@ def connected(address: str) -> Iterator["Client"]:
     Parameters
     ----------
     address : str
-        Of a scheduler, such as "tcp://node1:8786"; or "local:8", which starts eight processes on this machine that
-        share its cores.
+        Of a scheduler, such as "tcp://node1:8786" or, with certificates, "tls://node1:8786": it and its workers can run
+        programs here as this user. Or "local:8", which starts eight processes on this machine that share its cores, and
+        that only this process can talk to.
 
     Raises
     ------
     ClusterError
-        Dask isn't installed, or there is no scheduler at that address.
+        Dask or cryptography isn't installed, or there is no scheduler at that address.
     """
     try:
+        import cryptography  # noqa: F401  (Dask makes certificates with it)
         import dask
         import distributed
     except ImportError as error:
-        message = f"--cluster needs Dask ({error}): pip install 'machine-sweeps[cluster]'"
+        message = f"--cluster needs Dask and cryptography ({error}): pip install 'machine-sweeps[cluster]'"
         raise ClusterError(message) from None
     # What concerns the study is said in sentences.
     logging.getLogger("distributed").setLevel(logging.CRITICAL + 1)
@@ -53,9 +59,10 @@ def connected(address: str) -> Iterator["Client"]:
         others = filter(None, [os.environ.get("PYTHONWARNINGS")])
         os.environ["PYTHONWARNINGS"] = ",".join([*others, "ignore:resource_tracker:UserWarning"])
         with (
-            dask.config.set(WITH_MEMORY_KEPT),
+            dask.config.set(WITH_MEMORY_KEPT | WITHOUT_PAGES | _new_certificate()),
             distributed.LocalCluster(
                 n_workers=count,
+                protocol="tls",
                 threads_per_worker=max(threads() // count, 1),
                 # Any port that is free, for this machine alone.
                 dashboard_address="127.0.0.1:0",
@@ -70,6 +77,19 @@ def connected(address: str) -> Iterator["Client"]:
         yield client
 
 
+def _new_certificate() -> dict[str, object]:
+    """Settings of Dask by which only processes that hold a new key, kept in memory, talk to each other."""
+    from distributed import Security
+
+    made = Security.temporary()
+    roles = {
+        f"distributed.comm.tls.{role}.{part}": getattr(made, f"tls_{role}_{part}")
+        for role in ("client", "scheduler", "worker")
+        for part in ("cert", "key")
+    }
+    return roles | {"distributed.comm.tls.ca-file": made.tls_ca_file}
+
+
 @contextmanager
 def _reached(address: str) -> Iterator["Client"]:
     from distributed import Client
@@ -80,6 +100,12 @@ def _reached(address: str) -> Iterator["Client"]:
             # Versions that numbers depend on are compared when workers are greeted.
             warnings.simplefilter("ignore", VersionMismatchWarning)
             client = Client(address, timeout=PATIENCE)
+    except (TypeError, RuntimeError):
+        # Dask has no certificates, or is told to use them where the address has none.
+        raise ClusterError(
+            f"{address} needs certificates, and tls:// before it: name them in Dask's configuration, or in the "
+            f"variables DASK_DISTRIBUTED__COMM__TLS__CA_FILE, ..__TLS__CLIENT__CERT and ..__TLS__CLIENT__KEY."
+        ) from None
     except (OSError, ValueError, TimeoutError) as error:
         raise ClusterError(
             f"no Dask scheduler answers at {address} ({error}). `dask scheduler` starts one, and tells its address; "

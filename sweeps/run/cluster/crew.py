@@ -5,6 +5,7 @@ have been greeted, run the same program, and have compiled what it takes.
 """
 
 import itertools
+import json
 import pickle
 import time
 from collections import Counter, deque
@@ -17,6 +18,9 @@ from typing import Any, NamedTuple, Self
 
 from distributed import Client, Future, KilledWorker
 from distributed.client import CancelledError
+from distributed.comm import connect
+from distributed.core import send_recv
+from distributed.protocol.serialize import merge_and_deserialize
 
 from sweeps.run.blocks import block_size
 from sweeps.run.carrying import Blocks
@@ -40,6 +44,8 @@ UNDER_WAY = 2
 LOOK = 1.0
 # Workers whose refusal is told one by one.
 NAMED = 3
+# Texts and numbers, in none of which there is a program.
+PLAIN = ["msgpack"]
 
 
 # A number by which a result is known, and what a function is called with for it.
@@ -136,9 +142,13 @@ class Crew:
     def _greet(self, workers: list[str]) -> tuple[dict[str, Greeting], dict[str, str]]:
         """Those of some workers that are ready now, and why others are refused."""
         own, ready, refused = own_greeting().versions, {}, {}
-        for worker, found in self._asked(greet, workers).items():
-            if not isinstance(found, Greeting):
-                refused[worker] = _stranger(found)
+        try:
+            greetings = self.client.sync(_greetings, self.client, workers)
+        except OSError:
+            return {}, {}
+        for worker, found in greetings.items():
+            if isinstance(found, str):
+                refused[worker] = found
             elif differing := [name for name, version in own.items() if found.versions.get(name) != version]:
                 refused[worker] = _other_version(differing[0], found.versions, own)
             else:
@@ -322,9 +332,35 @@ def _other_version(name: str, theirs: Mapping[str, str], ours: Mapping[str, str]
     return f"{found}; install the same there, and start the worker again"
 
 
-def _stranger(error: object) -> str:
+async def _greetings(client: Client, workers: list[str]) -> dict[str, Greeting | str]:
+    """Greetings of those workers that answer, or why one is a stranger.
+
+    Nothing of what they send is unpickled.
+    """
+    asked = {"op": "run", "function": pickle.dumps(greet), "args": pickle.dumps(()), "kwargs": pickle.dumps({})}
+    comm = await connect(client.scheduler.address, deserialize=False, **client.connection_args)
+    answers = await send_recv(
+        comm, op="broadcast", msg=asked, workers=workers, on_error="ignore", serializers=PLAIN, close=True
+    )
+    return {worker: _greeting(answer) for worker, answer in answers.items()}
+
+
+def _greeting(answer: Mapping[str, Any]) -> Greeting | str:
+    """A worker's greeting, or why it is a stranger."""
+    if answer.get("status") != "OK":
+        return _stranger(str(answer.get("exception_text")))
+    try:
+        sent = answer["result"]
+        found = Greeting(**json.loads(merge_and_deserialize(sent.header, sent.frames, deserializers=PLAIN)))
+        return found._replace(versions={**found.versions}, processor=str(found.processor), threads=int(found.threads))
+    except Exception as error:
+        # Whatever a stranger may send.
+        return _stranger(f"{type(error).__name__}: {error}")
+
+
+def _stranger(error: str) -> str:
     """Why a worker doesn't answer as ours do."""
-    if "ModuleNotFoundError" in str(error):
-        missing = str(error).partition("No module named ")[2].strip("\"')\\ ") or "machine-sweeps"
+    if "ModuleNotFoundError" in error:
+        missing = error.partition("No module named ")[2].strip("\"')\\ ") or "machine-sweeps"
         return f"it has no {missing}; pip install 'machine-sweeps[cluster]' there, and start the worker again"
     return f"it has another machine-sweeps ({error}); install the same there, and start the worker again"

@@ -6,6 +6,7 @@ next one begins while the last one's numbers are sent.
 
 import asyncio
 import hashlib
+import json
 import pickle
 import platform
 import threading
@@ -82,10 +83,10 @@ def own_greeting() -> Greeting:
     return Greeting(versions, get_host_cpu_name(), platform.node(), threads())
 
 
-async def greet(dask_worker: Worker) -> Greeting:
-    """What a worker is."""
+async def greet(dask_worker: Worker) -> str:
+    """What a worker is, as a JSON text: it must be known before anything that the worker pickled is unpickled."""
     found = await asyncio.to_thread(own_greeting)
-    return found._replace(threads=dask_worker.state.nthreads)
+    return json.dumps(found._replace(threads=dask_worker.state.nthreads)._asdict())
 
 
 async def make_ready(content: bytes, dask_worker: Worker) -> None:

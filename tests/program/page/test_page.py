@@ -221,3 +221,63 @@ def test_page__brushing_one_figure_selects_in_the_other(page, tmp_path):
     # Variants that miss the condition are grey, selected or not; the best two stand last.
     assert noted["rows"] == "3"
     assert re.search(r"<title>(.*?)</title>", dom, re.S)[1].startswith("&lt;/script&gt;")
+
+
+# Texts of a file that anyone may have written
+
+ACTING = "\x1b]0;taken\x07 \u202egnp.exe\u202c \u2066 \u200f \x9b31m \u2028 \x7f"
+ACTS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+
+
+UNTOUCHED = ("dims", "dtype", "units", "name", "scene", "where", "require")
+
+
+def planted(data: object) -> object:
+    """Data with acting characters at the end of every text that isn't a name."""
+    if isinstance(data, dict):
+        return {k: v if k in UNTOUCHED else planted(v) for k, v in data.items()}
+    if isinstance(data, list):
+        return data
+    return data + ACTING if isinstance(data, str) and " " in data else data
+
+
+def test_acting_characters_of_a_foreign_result__are_spelled_out(result, tmp_path, monkeypatch):
+    pytest.importorskip("jinja2")
+    pytest.importorskip("plotly")
+    monkeypatch.chdir(tmp_path)
+    path = Path(f"foreign{ACTING.replace('/', '')}.h5")
+    shutil.copyfile(result, path)
+    with h5py.File(path, "r+") as file:
+        for name in ("title", "question", "study", "scene_text", "versions", "machine", "study_json"):
+            text = file.attrs[name]
+            file.attrs[name] = json.dumps(planted(json.loads(text))) if name == "study_json" else f"{text}\n#{ACTING}"
+        file.attrs["scene"] = file.attrs["scene"].replace("Press with a rocker", f"Press{json.dumps(ACTING)[1:-1]}")
+        progress = file["progress"]
+        progress.attrs["layout"] = json.dumps(planted(json.loads(progress.attrs["layout"])))
+        del progress.attrs["text_checksums"]
+    name = str(path)
+    commands = [
+        ("show", name),
+        ("report", name, "--out", "page.html"),
+        ("plot", name, "--out", "plot.svg"),
+        ("plot", name, "--variant", "0", "--out", "machine.svg"),
+        ("export", name, "--variant", "0", "--to", "drawing.svg"),
+        ("export", name, "--variant", "0", "--to", "drawing.dxf"),
+    ]
+    for command in commands:
+        answer = said(*command)
+        assert answer.exit_code == 0, answer.output
+        assert not ACTS.search(answer.output), command
+    made = [file for file in tmp_path.iterdir() if file.suffix in (".html", ".svg", ".dxf")]
+    assert len(made) >= 5
+    for file in made:
+        text = file.read_text("utf8").replace("\r\n", "\n")
+        # The program that draws the figures is as it came.
+        text = re.sub(r"<script>.*?</script>", "", text, flags=re.S) if file.suffix == ".html" else text
+        assert not (found := ACTS.search(text)), (file.name, text[max(found.start() - 60, 0) : found.end() + 20])
+    page = (tmp_path / "page.html").read_text("utf8")
+    assert "\\u202egnp.exe" in page
+    (data,) = re.findall(r'<script type="application/json" id="variants">(.*?)</script>', page)
+    texts = [column[key] for column in json.loads(data)["columns"] for key in ("label", "lines", "markup")]
+    assert any("gnp.exe" in text for text in texts)
+    assert not any(ACTS.search(text) for text in texts)

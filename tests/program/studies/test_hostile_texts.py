@@ -1,0 +1,164 @@
+"""Texts made to be slow or too large to read: time grows with their length, and the refusal is a sentence."""
+
+import json
+import re
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+import h5py
+import pytest
+from commands import refused
+
+from engine import ExpressionError, UnitError, any_quantity, in_text, parse_expression
+from sweeps.imports.foreign_scene import import_scene
+from sweeps.study.study import read_study
+from sweeps.text.csv_text import read_csv
+from sweeps.text.input_files import InputError
+from sweeps.text.numbers_in_row import numbers_in_row
+from sweeps.text.toml_text import parse_toml
+
+PIECES = [
+    *(
+        "a",
+        "1",
+        "1.",
+        "a.",
+        "1 ",
+        "a ",
+        "= ",
+        "==",
+        "[",
+        "]",
+        "[a]",
+        "(",
+        "1,",
+        "a,",
+        '"',
+        "'",
+        "#",
+        " ",
+        "\t",
+        "-",
+        "^",
+    ),
+    *("*", "1e", "mm ", "mm/", "a=1,", "{a=", "?", "?a.a", "t,", "|", "a|", "\n", "a\n", "a=1\n", "=1 a", "1 to ", "/"),
+    *("1/", "not ", "-1", "a<", "a*", "(a)", "a.1 ", "%", "&"),
+]
+SHORT, TIMES = 4000, 4
+# Seconds below which a ratio is one of noise, and how many times as long a text so many times as long may take: the
+# square is 16.
+NOISE, MOST = 0.5, 12
+
+
+def written(name: str, text: str) -> Path:
+    Path(name).write_text(text, encoding="utf8")
+    return Path(name)
+
+
+def study(text: str) -> object:
+    return read_study(written("hostile.toml", f'scene = "press.toml"\n{text}\n'))
+
+
+def quoted(text: str) -> str:
+    return json.dumps(text.replace("\n", " "))
+
+
+READERS: dict[str, Callable[[str], object]] = {
+    "value": lambda text: parse_toml(f"x = {text}", "a.toml"),
+    "key": lambda text: parse_toml(text, "a.toml"),
+    "header": lambda text: read_csv(written("a.csv", f"{text} [mm]\n1\n")),
+    "row": lambda text: read_csv(written("a.csv", f"a [mm]\n{text}\n")),
+    "linkage": lambda text: import_scene(written("l.txt", text)),
+    "linkage in JSON": lambda text: import_scene(written("l.json", f"[{text}")),
+    "quantity": lambda text: in_text(text, "length"),
+    "expression": lambda text: parse_expression(text, any_quantity),
+    "numbers in a row": lambda text: numbers_in_row("--at", text, ("length", "length")),
+    "range": lambda text: study(f'[vary]\n"input.length" = {quoted(text)}'),
+    "path": lambda text: study(f'[vary]\n{quoted(text)} = ["1 mm"]'),
+    "condition": lambda text: study(f"require = [{quoted(text)}]"),
+}
+
+
+def seconds(read: Callable[[str], object], text: str) -> float:
+    begin = time.process_time()
+    with suppress(InputError, UnitError, ExpressionError):
+        read(text)
+    return time.process_time() - begin
+
+
+@pytest.mark.parametrize("reader", READERS)
+def test_time__grows_with_the_length_of_a_text(reader, press_folder):
+    read = READERS[reader]
+    for piece in PIECES:
+        text = piece * (SHORT // len(piece))
+        short = seconds(read, text)
+        # A cubic reader would take minutes over the longer text.
+        assert short < 10 * NOISE, (piece, short)
+        longer = min(seconds(read, text * TIMES) for _ in range(2))
+        assert longer < max(MOST * short, NOISE), (piece, short, longer)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "{key} = {number}",
+        '"{key}" = ["1 kg"]',
+        '"{key}" = "1 mm to 2 mm, 3"',
+        "{key} = {{ low = 1, high = 2 }}",
+    ],
+)
+def test_many_wrong_keys__take_a_time_in_proportion(line, press_folder):
+    def of(count: int) -> float:
+        lines = (line.format(key=f"a{i}", number=i) for i in range(count))
+        return seconds(study, "[vary]\n" + "\n".join(lines))
+
+    short = of(5000)
+    assert min(of(20000) for _ in range(2)) < max(MOST * short, 2 * NOISE)
+
+
+# Sizes that no memory holds
+
+
+@pytest.mark.parametrize("command", [("check",), ("run", "--no-plots", "--quiet")])
+@pytest.mark.parametrize("count", ["1000000000001", "1000000000000000", "1000000000000000000", "1" + 30 * "0"])
+def test_more_variants_than_any_disk_holds__are_refused(command, count, press_folder):
+    axes = {
+        "one": f'"input.length" = "40 mm to 60 mm, {count}"',
+        "table": f'"input.length" = {{ from = "40 mm", to = "60 mm", count = {count} }}',
+        "sampled": '"input.length" = { low = "40 mm", high = "60 mm" }',
+        "product": '"input.length" = "40 mm to 60 mm, 1000000000"\n"bodies.ram.mass" = "1 kg to 2 kg, 1000000000"',
+    }
+    for kind, axis in axes.items():
+        sampling = f'[sampling]\nmethod = "random"\ncount = {count}\n' if kind == "sampled" else ""
+        Path("many.toml").write_text(f'scene = "press.toml"\n[vary]\n{axis}\n{sampling}')
+        message = refused(*command, "many.toml")
+        assert "many.toml, line" in message
+        assert re.search(r"at most \d+|count 10+", message)
+
+
+def test_key_of_many_parts__is_refused_before_it_is_read(press_folder):
+    for text in ("a." * 50_000 + "a = 1", "[" + "a . " * 50_000 + "a]", "x = { " + '"a".' * 50_000 + "a = 1 }"):
+        Path("long.toml").write_text(f'scene = "press.toml"\n{text}\n')
+        assert "long.toml, line 2: more than 100 parts" in refused("check", "long.toml")
+    Path("press.toml").write_text(f"# {200 * '. '}\n# {200 * '.'}\n{Path('press.toml').read_text()}")
+    assert read_study("press.toml").design.size == 1
+
+
+@pytest.mark.parametrize("text", ["[" * 100_000, '{"a":' * 100_000, "[" * 100_000 + "]" * 100_000])
+def test_nested_json__is_refused(text, press_folder):
+    Path("linkage.json").write_text(text)
+    assert "is no JSON: " in refused("import", "linkage.json", "--unit", "1 cm")
+
+
+def test_nested_record_of_a_result__is_refused(press_result):
+    with h5py.File(press_result, "r+") as file:
+        del file["progress"].attrs["text_checksums"]
+        file.attrs["study_json"] = "[" * 60_000
+    for command in (("show",), ("plot",), ("report",), ("export", "--to", "o.csv")):
+        assert "study_json can't be read" in refused(command[0], press_result, *command[1:])
+    with h5py.File(press_result, "r+") as file:
+        file["progress"].attrs["layout"] = "[" * 60_000
+    for command in ("show", "verify", "plot"):
+        assert press_result in refused(command, press_result)

@@ -1,0 +1,79 @@
+"""What a stranger tries on the ports of a cluster: `python cluster_attack.py MARK PORT…` prints what it could do."""
+
+import asyncio
+import os
+import pickle
+import sys
+import urllib.error
+import urllib.request
+from pathlib import Path
+
+from distributed import Security
+from distributed.comm import connect
+from distributed.core import send_recv
+
+PATIENCE = 2
+NOBODY = 65534
+
+
+def left_mark(path: str) -> None:
+    with Path(path).open("a") as file:
+        file.write("here\n")
+
+
+class Bomb:
+    """Leaves a mark when it is unpickled."""
+
+    def __init__(self, path: str) -> None:
+        self.path = path
+
+    def __reduce__(self) -> tuple:
+        return left_mark, (self.path,)
+
+
+async def asked(address: str, mark: str, **security: object) -> bool:
+    try:
+        comm = await asyncio.wait_for(connect(address, timeout=PATIENCE, **security), PATIENCE)
+        job = {"function": pickle.dumps(left_mark), "args": pickle.dumps((mark,)), "kwargs": pickle.dumps({})}
+        for message in ({"op": "identity"}, {"op": "run", **job}, {"op": "run_function", **job, "wait": True}):
+            await asyncio.wait_for(send_recv(comm, **message), PATIENCE)
+    except Exception:
+        return False
+    return True
+
+
+def page_of(port: str) -> bool:
+    for page in ("", "info/main/workers.html", "json/counts.json", "metrics", "sysinfo", "health"):
+        try:
+            urllib.request.urlopen(f"http://127.0.0.1:{port}/{page}", timeout=PATIENCE)
+        except (OSError, urllib.error.HTTPError):
+            continue
+        except Exception:
+            continue
+        return True
+    return False
+
+
+def become_another_user() -> None:
+    """Where that is allowed; the interpreter may lie where the other user couldn't start it."""
+    if hasattr(os, "geteuid") and os.geteuid() == 0:
+        os.setgroups([])
+        os.setgid(NOBODY)
+        os.setuid(NOBODY)
+
+
+async def main(mark: str, *ports: str) -> None:
+    own = Security.temporary().get_connection_args("client")
+    become_another_user()
+    for port in ports:
+        plain = await asked(f"tcp://127.0.0.1:{port}", mark)
+        encrypted = await asked(f"tls://127.0.0.1:{port}", mark, **own)
+        if plain or encrypted or page_of(port):
+            print(port)
+
+
+if __name__ == "__main__":
+    # Under a name by which workers find what they are sent.
+    import cluster_attack
+
+    asyncio.run(cluster_attack.main(*sys.argv[1:]))
