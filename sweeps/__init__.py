@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from sweeps.report.sweep_result import SweepResult
     from sweeps.run.runner import run_study
     from sweeps.store import StoreError
-    from sweeps.study.study import Study, read_study
+    from sweeps.study.study import Study
+    from sweeps.study.study_reader import read_study
     from sweeps.text.input_files import InputError
     from sweeps.text.scene_text import read_scene, write_scene
 
@@ -35,7 +36,7 @@ _HOMES = {
     "readings_at": "sweeps.report.readings",
     "readings_in_time": "sweeps.report.readings",
     "read_scene": "sweeps.text.scene_text",
-    "read_study": "sweeps.study.study",
+    "read_study": "sweeps.study.study_reader",
     "run_study": "sweeps.run.runner",
     "to_dataframe": "sweeps.python.datasets",
     "to_html": "sweeps.python.display",

@@ -20,7 +20,8 @@ from sweeps.run.blocks import evaluate_block, largest_block
 from sweeps.run.runner import run_study
 from sweeps.store import describe_result
 from sweeps.study import sensitivity
-from sweeps.study.study import Study, read_study
+from sweeps.study.study import Study
+from sweeps.study.study_reader import read_study
 from sweeps.text.input_files import InputError
 
 EPS = np.finfo(float).eps
