@@ -170,7 +170,7 @@ from engine.scene.structure.ordering import group_links
 from engine.scene.structure.ordering import order as order_groups
 from engine.scene.structure.ordering import sliders as sliders_of
 from engine.scene.structure.trains import mesh_axis
-from engine.verdicts import SENTENCES, Verdict
+from engine.verdicts import Verdict
 
 __version__: str
 
@@ -186,7 +186,6 @@ __all__ = [
     "ROUNDED_ORDERS",
     "RPP",
     "RPR",
-    "SENTENCES",
     "SHAKING_ORDERS",
     "STATISTICS",
     "AnyGovernor",

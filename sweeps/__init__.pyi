@@ -8,7 +8,8 @@ from sweeps.report.readings import readings_at, readings_in_time
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run.runner import run_study
 from sweeps.store import StoreError
-from sweeps.study.study import Study, read_study
+from sweeps.study.study import Study
+from sweeps.study.study_reader import read_study
 from sweeps.synthesis.dyads import PlaneDyad, PlanePosition, dyad_of_centre, dyad_of_circle, dyads_of_turn
 from sweeps.synthesis.paths import PathFourBar, four_bar_along
 from sweeps.synthesis.positioned import PositionedFourBar, best_four_bar_through, four_bar_through

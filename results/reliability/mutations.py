@@ -449,7 +449,7 @@ def texts(dice: random.Random, folder: Path, evaluated: bool, report: Callable[[
         code, said, took = command(["check", "--source", target], READ_WITHIN)
         report(judged(code, said, folder), garbled, took)
         if evaluated and code == 0:
-            from sweeps.study.study import read_study
+            from sweeps.study.study_reader import read_study
 
             if read_study(target).design.size > FEW:
                 return

@@ -9,7 +9,7 @@ from sweeps.report.readings import Readings, readings_at, readings_in_time
 from sweeps.report.sweep_result import SweepResult
 from sweeps.study.bundled import find_study
 from sweeps.study.settings import changed_scene, given_values
-from sweeps.study.study import read_study
+from sweeps.study.study_reader import read_study
 from sweeps.text.input_files import InputError, is_hdf5
 
 

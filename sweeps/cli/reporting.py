@@ -22,7 +22,7 @@ def report(file: str, out: Path | None) -> None:
     from sweeps.page.page import write_page
     from sweeps.run.runner import run_study
     from sweeps.study.bundled import find_study
-    from sweeps.study.study import read_study
+    from sweeps.study.study_reader import read_study
     from sweeps.text.input_files import InputError
 
     text = None if is_result(file) else find_study(file)

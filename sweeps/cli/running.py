@@ -45,7 +45,7 @@ def check(
     from sweeps.report.check_report import check_text
     from sweeps.study.bundled import find_study
     from sweeps.study.settings import changed_study
-    from sweeps.study.study import read_study
+    from sweeps.study.study_reader import read_study
 
     found = changed_study(read_study(find_study(study)), settings, positions, accuracy)
     if source:
@@ -91,7 +91,7 @@ def run(
     from sweeps.run.runner import run_study
     from sweeps.study.bundled import find_study
     from sweeps.study.settings import changed_study
-    from sweeps.study.study import read_study
+    from sweeps.study.study_reader import read_study
 
     started = time.perf_counter()
     found = changed_study(read_study(find_study(study)), settings, positions, accuracy)
@@ -149,7 +149,7 @@ def optimise(
     from sweeps.run.progress import ProgressBar
     from sweeps.study.bundled import find_study
     from sweeps.study.search_task import task_of
-    from sweeps.study.study import read_study
+    from sweeps.study.study_reader import read_study
 
     started = time.perf_counter()
     found = read_study(find_study(study))

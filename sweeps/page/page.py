@@ -4,7 +4,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from engine import SENTENCES, Verdict
+from engine import Verdict
 from sweeps.optimising.optimum import is_search, optimum_text
 from sweeps.page.digest import Digest, digest_of
 from sweeps.page.page_pictures import drawn_pictures, linked_data
@@ -105,7 +105,7 @@ def _answer(digest: Digest) -> str:
         verdict = next(iter(digest.counts))
         if verdict in MOTION_VERDICTS:
             return failure_text(with_values(result.scene, digest.values(0)), verdict)
-        return "One machine; its numbers are below." if verdict == Verdict.OK else f"No result: {SENTENCES[verdict]}"
+        return "One machine; its numbers are below." if verdict == Verdict.OK else f"No result: {verdict.sentence}"
     if aim is None:
         return "The study has no [best]: nothing decides among the variants."
     condition = f" where {aim.where}" if aim.where else ""

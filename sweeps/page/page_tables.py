@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import spearmanr
 
-from engine import SENTENCES, Verdict
+from engine import Verdict
 from sweeps.page.digest import Digest, condition_of
 from sweeps.report.regime_words import by_regime, regime_words
 from sweeps.study.sensitivity import RSS, WORST_CASE
@@ -206,7 +206,7 @@ def errors_table(digest: Digest) -> PageTable:
 def verdicts_table(digest: Digest) -> PageTable:
     """How many variants got which verdict."""
     rows = [
-        (verdict.name.lower().replace("_", " "), str(count), "" if verdict == Verdict.OK else SENTENCES[verdict])
+        (verdict.name.lower().replace("_", " "), str(count), "" if verdict == Verdict.OK else verdict.sentence)
         for verdict, count in sorted(digest.counts.items())
     ]
     return PageTable(("verdict", "variants", ""), rows, (1,))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from engine import SENTENCES, ElementsAlone, InputUnits, Machine, Outcome, Verdict, described_dimension, scene_numbers
+from engine import ElementsAlone, InputUnits, Machine, Outcome, Verdict, described_dimension, scene_numbers
 from sweeps.report.sweep_result import SweepResult
 from sweeps.store import FieldAxis, StoreError, open_dataset
 
@@ -107,8 +107,8 @@ def to_xarray(outcome: Outcome, machine: Machine | ElementsAlone, varied: Mappin
         for path, values in varied.items()
     }
     codes = {
-        "flag_values": np.array([int(v) for v in SENTENCES], np.uint8),
-        "flag_meanings": " ".join(v.name.lower() for v in SENTENCES),
+        "flag_values": np.array([int(v) for v in Verdict], np.uint8),
+        "flag_meanings": " ".join(v.name.lower() for v in Verdict),
     }
     columns = {"status": ("variant", outcome.status, {"long_name": "verdict on the variant"} | codes)}
     q = InputUnits.of(machine.scene).q

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from engine import (
-    SENTENCES,
     ElementsAlone,
     InputUnits,
     Machine,
@@ -118,7 +117,7 @@ def nominal_text(study: Study) -> str:
     # In which mode a position is found depends there on the way to it, and ranges would mean nothing.
     lines = [] if verdict == Verdict.OTHER_MODE else [assembly_text(study.scene)]
     if verdict not in (Verdict.OK, Verdict.CANNOT_ASSEMBLE):
-        lines.append(SENTENCES[verdict])
+        lines.append(verdict.sentence)
     return "\n".join([*lines, table(rows)] if rows else lines)
 
 
@@ -148,7 +147,7 @@ def _elements_text(scene: Scene) -> str:
     outcome = machine.evaluate({})
     rows = _asked_rows(machine, outcome, machine.asked_summaries)
     verdict = Verdict(outcome.status[0])
-    return table(rows) if verdict == Verdict.OK else f"{SENTENCES[verdict]}\n{table(rows)}"
+    return table(rows) if verdict == Verdict.OK else f"{verdict.sentence}\n{table(rows)}"
 
 
 def regimes_text(scene: Scene, positions: int) -> str:

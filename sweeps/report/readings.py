@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import (
-    SENTENCES,
     CrankInput,
     History,
     InputUnits,
@@ -104,7 +103,7 @@ def readings_at(scene: Scene, at: Sequence[float], names: Sequence[str] = ()) ->
         {name: _read_off(outcome.fields[name][0], places, closed, known[name].units) for name in fields},
         {name: known[name].units for name in fields} | {"phi" if unit == "rad" else "q": unit},
         {name: known[name].long_name for name in fields} | {"phi": "crank angle", "q": "displacement of the input"},
-        "" if verdict in (Verdict.OK, Verdict.NOT_FINITE) else SENTENCES[verdict],
+        "" if verdict in (Verdict.OK, Verdict.NOT_FINITE) else verdict.sentence,
     )
 
 

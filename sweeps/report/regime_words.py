@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from engine import SENTENCES, History, InputUnits, RunRegime, Scene, Verdict, has_cycle, history, run_keys
+from engine import History, InputUnits, RunRegime, Scene, Verdict, has_cycle, history, run_keys
 from sweeps.text.engineer_units import quantity_text
 
 # Verdicts that only a motion gets.
@@ -97,7 +97,7 @@ def failure_text(scene: Scene, verdict: Verdict, seen: History | None = None) ->
     seen = history(scene, STEPS) if seen is None else seen
     if seen.verdict == Verdict.OK:
         # Near a limit the number of steps decides, and a flywheel may have been sized that the scene doesn't have.
-        return f"{SENTENCES[verdict]} (over {STEPS} positions, with the flywheel of the scene, it runs)"
+        return f"{verdict.sentence} (over {STEPS} positions, with the flywheel of the scene, it runs)"
     name = str(seen.regime[-1])
     if seen.verdict == Verdict.NO_END:
         return f"regime {name}: {_no_end(scene, name, seen)}"
@@ -106,8 +106,8 @@ def failure_text(scene: Scene, verdict: Verdict, seen: History | None = None) ->
     if seen.verdict == Verdict.LOCKS:
         off = scene.regimes[name].off
         brakes = [n for n, m in scene.moments.items() if n not in off and m.type == "band_brake"]
-        return f"regime {name}, {' or '.join(brakes)}: {SENTENCES[seen.verdict]}"
-    return f"regime {name}: {SENTENCES[seen.verdict]}"
+        return f"regime {name}, {' or '.join(brakes)}: {seen.verdict.sentence}"
+    return f"regime {name}: {seen.verdict.sentence}"
 
 
 def _stands(scene: Scene, seen: History) -> str:

@@ -5,7 +5,6 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from engine import (
-    SENTENCES,
     Brake,
     InputUnits,
     Scene,
@@ -60,7 +59,7 @@ def counts_text(result: SweepResult) -> str:
     """How many variants got which verdict, and of those that fail which group is to blame and at what angle."""
     rows = []
     for verdict, count in result.verdict_counts().items():
-        sentence = "" if verdict == Verdict.OK else SENTENCES[verdict]
+        sentence = "" if verdict == Verdict.OK else verdict.sentence
         rows.append((f"{count}", verdict.name.lower().replace("_", " "), sentence))
         dropped = verdict == Verdict.DROPPED
         lines = drop_lines(result.record["require"], result.missed()) if dropped else _blame(result, verdict)

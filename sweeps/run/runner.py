@@ -12,7 +12,7 @@ import llvmlite
 import numba
 import numpy as np
 
-from engine import SENTENCES, ElementsAlone, InputUnits, Machine, Quantity, Verdict, threads
+from engine import ElementsAlone, InputUnits, Machine, Quantity, Verdict, threads
 from sweeps.run.blocks import block_size, largest_block
 from sweeps.run.carrying import Blocks, Earlier, Excerpt, excerpts_of, filled_in
 from sweeps.run.cluster.cluster_errors import UnfinishedError
@@ -79,7 +79,7 @@ def layout_of(study: Study, machine: Machine) -> FileLayout:
         columns=tuple(columns),
         attributes=_attributes(study, machine),
         coordinates=study.parameters,
-        status_codes={int(v): v.name.lower() for v in SENTENCES if v != Verdict.NOT_COMPUTED},
+        status_codes={int(v): v.name.lower() for v in Verdict if v != Verdict.NOT_COMPUTED},
         position=machine.nodes,
         position_name=_position_name(study),
         position_long_name="crank angle" if crank else "displacement of the input as a fraction of its range",

@@ -4,7 +4,7 @@ import hashlib
 import json
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from pint.util import UnitsContainer
@@ -26,15 +26,13 @@ from engine import (
     unknown_name_message,
 )
 from sweeps.study.search_variables import Variables
+from sweeps.study.study import Study
 from sweeps.study.study_text import Optimise
 from sweeps.study.tolerances import Tolerance, read_tolerances
 from sweeps.text.conditions import Condition
 from sweeps.text.engineer_units import quantity_text
 from sweeps.text.input_files import InputError
 from sweeps.text.toml_text import line_of
-
-if TYPE_CHECKING:
-    from sweeps.study.study import Study
 
 EVOLUTION, GENETIC, LOCAL = "differential evolution", "NSGA-II", "local"
 
@@ -77,7 +75,7 @@ class SearchTask:
     tolerances : tuple of Tolerance
     """
 
-    study: "Study"
+    study: Study
     variables: Variables
     objectives: tuple[Objective, ...]
     conditions: tuple[Condition, ...]
@@ -122,7 +120,7 @@ def search_record(task: SearchTask) -> dict[str, Any]:
     }
 
 
-def task_of(study: "Study") -> SearchTask:
+def task_of(study: Study) -> SearchTask:
     """What a study has to be searched for: its [optimise], or its [best] over all that varies.
 
     Raises
@@ -136,7 +134,7 @@ def task_of(study: "Study") -> SearchTask:
 class _TaskReader:
     """Reads the search out of a study, collecting problems with their lines."""
 
-    def __init__(self, study: "Study") -> None:
+    def __init__(self, study: Study) -> None:
         self.study, self.raw = study, study.optimise or Optimise()
         self.problems: list[tuple[int | None, str, str]] = []
         self.units = {name: study.unit(name) for name in study.parameters}

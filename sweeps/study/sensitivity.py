@@ -7,7 +7,6 @@ Source: any handbook of tolerance analysis, linear stack-up.
 
 from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -30,40 +29,12 @@ from engine import (
     unknown_name_message,
 )
 from sweeps.store import Column
+from sweeps.study.study_content import AskedDerivative, StudyContent
 from sweeps.study.tolerances import Tolerance, read_tolerances
-
-if TYPE_CHECKING:
-    from sweeps.study.study import Study
 
 # Variants whose neighbours are computed together, so that memory stays bounded.
 TOGETHER = 2048
 WORST_CASE, RSS = "tolerance_worst_case", "tolerance_rss"
-
-
-class AskedDerivative(NamedTuple):
-    """A derivative that is asked for: of a summary, by a number of the scene or a free parameter."""
-
-    of: str
-    by: str
-
-    @property
-    def name(self) -> str:
-        """Name of its column."""
-        return f"{self.of}.by.{self.by}"
-
-    @classmethod
-    def read(cls, text: str) -> "AskedDerivative":
-        """A text such as "excess_work by input.length".
-
-        Raises
-        ------
-        AskError
-            It isn't one.
-        """
-        words = text.split()
-        if len(words) != 3 or words[1] != "by":
-            raise AskError(f"{text!r}: write a summary, 'by' and a number, such as 'excess_work by input.length'")
-        return cls(words[0], words[2])
 
 
 class Sensitivity:
@@ -74,7 +45,7 @@ class Sensitivity:
 
     Parameters
     ----------
-    study : Study
+    study : StudyContent
 
     Raises
     ------
@@ -82,7 +53,7 @@ class Sensitivity:
         A summary or a number doesn't exist, or has no derivative.
     """
 
-    def __init__(self, study: "Study") -> None:
+    def __init__(self, study: StudyContent) -> None:
         self.study = study
         self.tolerances, _ = read_tolerances(study.scene, study.tolerances)
         left_out = (*PLACE_STATISTICS, *ACCURACY_SUMMARIES)
@@ -243,7 +214,7 @@ def _table(rows: Iterable[np.ndarray]) -> np.ndarray:
     return np.stack(list(rows))
 
 
-def refusals(study: "Study") -> list[tuple[str, str]]:
+def refusals(study: StudyContent) -> list[tuple[str, str]]:
     """Key and message of all that is wrong with what a study asks of derivatives and tolerances."""
     found = [(f"tolerances.{path}", message) for path, message in read_tolerances(study.scene, study.tolerances)[1]]
     try:

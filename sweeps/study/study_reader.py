@@ -11,8 +11,11 @@ import numpy as np
 from engine import (
     ACCURACY_SUMMARIES,
     AskError,
+    ElementsAlone,
     ExpressionError,
+    Machine,
     Scene,
+    SceneError,
     TextExpression,
     UnitError,
     any_quantity,
@@ -21,6 +24,7 @@ from engine import (
     described_dimension,
     dimension_of,
     dimension_of_unit,
+    dimensions_by_unit,
     in_text,
     parse_expression,
     recognised,
@@ -30,10 +34,13 @@ from engine import (
 )
 from sweeps.study.default_summaries import default_summaries
 from sweeps.study.sampling import Axis, Columns, Design, Linear, Listed, Logarithmic, Sampled, SamplingError
-from sweeps.study.sensitivity import RSS, WORST_CASE, AskedDerivative
+from sweeps.study.search_task import task_of
+from sweeps.study.sensitivity import RSS, WORST_CASE, refusals
+from sweeps.study.study import Study
+from sweeps.study.study_content import AskedDerivative
 from sweeps.study.study_text import AXIS_KEYS, TOLERANCE_KEYS, Between, Listing, Range, Sampling, StudyText, flatten
 from sweeps.study.variant_tables import read_variant_table
-from sweeps.text.conditions import Condition
+from sweeps.text.conditions import Condition, UnknownNameError
 from sweeps.text.input_files import InputError, read_text
 from sweeps.text.scene_text import scene_from
 from sweeps.text.toml_text import MOST_PROBLEMS, line_of, parse_toml, validate
@@ -325,3 +332,68 @@ class StudyReader:
 
 def _split(keys: list[str]) -> list[str]:
     return [part for key in keys for part in key.split(".")]
+
+
+def read_study(path: Path | str) -> Study:
+    """Study from a TOML file; a scene file is read as a study of one variant.
+
+    Parameters
+    ----------
+    path : Path or str
+
+    Raises
+    ------
+    InputError
+        Anything wrong with the text, its scene, its axes, expressions or outputs.
+    """
+    path = Path(path)
+    text = read_text(path)
+    data = parse_toml(text, path.name)
+    if not data:
+        message = "is empty; `sweeps new slider_crank` writes a scene to start from"
+        raise InputError(str(path), [(None, "", message)])
+    if not data.keys() & {*StudyText.model_fields, *Scene.model_fields}:
+        message = "is neither a study (it has no key 'scene') nor a scene (it has no table 'input')"
+        raise InputError(str(path), [(None, "", message)])
+    if "scene" not in data and data.keys() & (Scene.model_fields.keys() - StudyText.model_fields.keys()):
+        scene = scene_from(data, text, path.name, path.parent)
+        study = Study(
+            scene, summaries=default_summaries(scene), name=path.stem, title=scene.title, text=text, scene_text=text
+        )
+    else:
+        study = Study(**StudyReader(path, text, data).content())
+    return _checked(study, path)
+
+
+def _check_where(study: Study, machine: Machine | ElementsAlone, where: str) -> None:
+    """See that a condition can be judged by what the result will hold."""
+    units = {name: study.unit(name) for name in study.parameters}
+    units |= {name: machine.available_summaries[name].units for name in study.summaries}
+    units |= {quantity.name: quantity.units for quantity in study.sensitivity.quantities}
+    try:
+        Condition.read(where, dimensions_by_unit(units))
+    except UnknownNameError as error:
+        raise ExpressionError(f"{error}; name it under outputs.summaries to have it") from None
+
+
+def _checked(study: Study, path: Path) -> Study:
+    """The study, if everything asked of it exists."""
+    try:
+        machine = study.machine()
+        if found := refusals(study):
+            raise InputError(path.name, [(line_of(study.text, key.split(".")), key, text) for key, text in found])
+        if study.best and study.best.where:
+            _check_where(study, machine, study.best.where)
+    except AskError as error:
+        key = next((k for k in ("accuracy", "positions", "vary") if k in str(error)), "outputs")
+        if study.best and str(error).startswith(repr(study.best.goal)):
+            key = f"best.{'maximise' if study.best.minimise is None else 'minimise'}"
+        raise InputError(path.name, [(line_of(study.text, key.split(".")), key, str(error))]) from None
+    except SceneError as error:
+        problems = [(line_of(study.text, key.split(".")), key, message) for key, message in error.problems]
+        raise InputError(path.name, problems) from None
+    except ExpressionError as error:
+        raise InputError(path.name, [(line_of(study.text, ["best", "where"]), "best.where", str(error))]) from None
+    if study.optimise is not None:
+        task_of(study)
+    return study

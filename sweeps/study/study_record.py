@@ -3,15 +3,13 @@
 import hashlib
 import json
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from engine import sources_digest
 from sweeps.study.sampling import Axis, Columns
-
-if TYPE_CHECKING:
-    from sweeps.study.study import Study
+from sweeps.study.study_content import StudyContent
 
 # What results depend on; the rest says what is concluded from them.
 _DECISIVE = ("vary", "derive", "require", "outputs", "positions", "field_precision", "accuracy", "tolerances")
@@ -19,12 +17,12 @@ _OF_A_VARIANT = ("derive", "positions", "accuracy")
 _WORDS = ("title", "source")
 
 
-def study_record(study: "Study") -> dict[str, Any]:
+def study_record(study: StudyContent) -> dict[str, Any]:
     """Everything that a study says, parsed: numbers in SI, nothing that has to be parsed again.
 
     Parameters
     ----------
-    study : Study
+    study : StudyContent
 
     Returns
     -------
@@ -69,12 +67,12 @@ def _without_words(scene: Mapping[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in scene.items() if key not in _WORDS}
 
 
-def study_digest(study: "Study") -> str:
+def study_digest(study: StudyContent) -> str:
     """Name of a study's content: the scene, what varies, what is asked, and the engine that computes it.
 
     Parameters
     ----------
-    study : Study
+    study : StudyContent
     """
     record = study_record(study)
     content = numbers_record(record) | {"engine": record["engine"]}

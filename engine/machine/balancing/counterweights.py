@@ -27,7 +27,7 @@ from engine.parts.skeleton import Body
 from engine.quantities.quantity import has_cycle
 from engine.scene.names import did_you_mean
 from engine.scene.scene import Scene
-from engine.verdicts import SENTENCES, Verdict
+from engine.verdicts import Verdict
 
 # What is left of a full balance by rounding, over what it is summed of; kinematics near dead centres lose digits.
 FULL = 1e-10
@@ -215,7 +215,7 @@ def _rows(machine: Machine, varied: Mapping[str, np.ndarray]) -> np.ndarray:
     outcome = machine.evaluate(varied)
     failed = np.flatnonzero(outcome.status)
     if failed.size:
-        raise BalanceError(f"the machine can't be balanced: {SENTENCES[Verdict(int(outcome.status[failed[0]]))]}")
+        raise BalanceError(f"the machine can't be balanced: {Verdict(int(outcome.status[failed[0]])).sentence}")
     return np.stack([outcome.fields[name] for name in machine.asked_fields], axis=-1)
 
 

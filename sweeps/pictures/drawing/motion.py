@@ -10,7 +10,6 @@ import numpy as np
 
 from engine import (
     FRAME,
-    SENTENCES,
     CrankInput,
     DrivingCam,
     Hinged,
@@ -109,7 +108,7 @@ class DrawnMotion:
         self.slides = {n: rows[f"{n}.slide"] for n in structure.sliders}
         self._turned = {n: np.exp(1j * rows[f"{n}.angle"]) for n in free}
         if not np.isfinite(sum(self.points.values())).any():
-            verdict = SENTENCES[Verdict(int(outcome.status[0]))]
+            verdict = Verdict(int(outcome.status[0])).sentence
             raise PictureError(f"this mechanism can't be drawn at any position: {verdict}")
         self.contacts = {n: rows[f"{n}.contact_x"] + 1j * rows[f"{n}.contact_y"] for n in scene.cams}
         pitch_points = {n: rows[f"{n}.pitch_x"] + 1j * rows[f"{n}.pitch_y"] for n in scene.noncircular_wheels}
@@ -138,7 +137,7 @@ class DrawnMotion:
         elif not 0 <= k < self.q.size:
             raise PictureError(f"position {at:g} is outside the input's range {self.q[0]:g} to {self.q[-1]:g}")
         if not all(np.isfinite(p[k]) for p in self.points.values()):
-            sentence = SENTENCES[Verdict.CANNOT_ASSEMBLE]
+            sentence = Verdict.CANNOT_ASSEMBLE.sentence
             raise PictureError(f"position {at:g} can't be drawn: {sentence}; or ask for another position")
         return k
 

@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 
 from engine import (
     FRAME,
-    SENTENCES,
     GearTrain,
     VelocityPicture,
     Verdict,
@@ -57,7 +56,7 @@ def gear_sheet(train: GearTrain, target: Path | str | Figure, title: str = "") -
         _angular(angular, linear, picture, colours, factor)
         words = [title] if title else []
         if not picture.fits:
-            words.append(SENTENCES[Verdict.DOES_NOT_FIT])
+            words.append(Verdict.DOES_NOT_FIT.sentence)
         figure.suptitle("\n".join(words), fontweight="bold" if picture.fits else None, wrap=True)
     return figure
 

@@ -8,7 +8,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from engine import (
-    SENTENCES,
     AnyGovernor,
     GovernorCurves,
     LoadChange,
@@ -61,7 +60,7 @@ def governor_sheet(
                 _diagram(axes[1, 1], point)
         words = [title] if title else []
         if curve.verdict != Verdict.OK:
-            words.append(SENTENCES[curve.verdict])
+            words.append(curve.verdict.sentence)
         figure.suptitle("\n".join(words), fontweight="bold" if len(words) < 2 else None, wrap=True)
     return figure
 

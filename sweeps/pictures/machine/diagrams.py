@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-from engine import FRAME, SENTENCES, CrankInput, Machine, Scene, Verdict, has_cycle, sliders_of
+from engine import FRAME, CrankInput, Machine, Scene, Verdict, has_cycle, sliders_of
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, GREEN, GREY, VERMILION, sheet
 from sweeps.text.engineer_units import engineer_unit
@@ -96,7 +96,7 @@ def cycle_curves(
     outcome = machine.evaluate({path: np.array([value]) for path, value in values.items()})
     verdict = Verdict(int(outcome.status[0]))
     if verdict not in (Verdict.OK, Verdict.NOT_FINITE):
-        raise PictureError(f"no diagrams of this machine: {SENTENCES[verdict]}")
+        raise PictureError(f"no diagrams of this machine: {verdict.sentence}")
     rows = known | {name: row[0].astype(float) for name, row in outcome.fields.items()}
     q, label, factor = input_axis(scene, values, machine.nodes)
     centres = (math.degrees(outcome.summaries[end][0]) for end in ends)

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from engine import SENTENCES, Machine, Scene, Verdict, has_cycle
+from engine import Machine, Scene, Verdict, has_cycle
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import PALETTE, sheet
 from sweeps.text.engineer_units import engineer_unit
@@ -57,7 +57,7 @@ def shaking_force(scene: Scene) -> np.ndarray:
     outcome = Machine(scene, fields=["shaking_force_x", "shaking_force_y"], positions=POSITIONS).evaluate({})
     verdict = Verdict(int(outcome.status[0]))
     if verdict != Verdict.OK:
-        raise PictureError(f"no hodograph of this machine: {SENTENCES[verdict]}")
+        raise PictureError(f"no hodograph of this machine: {verdict.sentence}")
     return outcome.fields["shaking_force_x"][0] + 1j * outcome.fields["shaking_force_y"][0]
 
 

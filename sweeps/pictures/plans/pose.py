@@ -9,7 +9,6 @@ import numpy as np
 
 from engine import (
     FRAME,
-    SENTENCES,
     CrankInput,
     Machine,
     Scene,
@@ -88,7 +87,7 @@ class MachineCycle:
         outcome = machine.evaluate({path: np.array([value]) for path, value in self._values.items()})
         rows = {name: row[0].astype(float) for name, row in outcome.fields.items()}
         if not all(np.isfinite(row).any() for row in rows.values()):
-            raise PictureError(f"no plans of this machine: {SENTENCES[Verdict(int(outcome.status[0]))]}")
+            raise PictureError(f"no plans of this machine: {Verdict(int(outcome.status[0])).sentence}")
         return rows
 
     @cached_property

@@ -21,40 +21,6 @@ from sweeps.pictures.sweep.sweep_data import SweepData, wrapped
 from sweeps.study.sensitivity import RSS, WORST_CASE
 from sweeps.text.engineer_units import engineer_unit
 
-REASONS = {
-    Verdict.CANNOT_ASSEMBLE: "can't be assembled",
-    Verdict.SINGULAR: "singular position",
-    Verdict.OUTSIDE_LIMITS: "outside limits",
-    Verdict.DROPPED: "dropped by a constraint",
-    Verdict.NOT_FINITE: "infinite or undefined",
-    Verdict.STALLS: "stalls",
-    Verdict.RUNS_AWAY: "runs away",
-    Verdict.NO_END: "doesn't reach its end",
-    Verdict.JAMS: "friction jams",
-    Verdict.ANY_SPEED: "nothing decides the speed",
-    Verdict.LOCKS: "a brake locks by itself",
-    Verdict.NO_INERTIA: "no inertia at a dead centre",
-    Verdict.UNSTABLE: "governor nowhere stable",
-    Verdict.RESONANCE: "resonance without damping",
-    Verdict.UNDERCUT: "cam undercut",
-    Verdict.LIFTS_OFF: "follower lifts off",
-    Verdict.SLIPS: "clutch slips on",
-    Verdict.TOO_COARSE: "steps too long",
-    Verdict.GROWS: "vibration grows",
-    Verdict.TURNS_BACK: "turns back on its shaft",
-    Verdict.DOES_NOT_FIT: "wheels don't fit",
-    Verdict.SELF_LOCKS: "gears lock by themselves",
-    Verdict.STANDS: "losses stop the gears",
-    Verdict.SLIDES: "friction wheels slide",
-    Verdict.MODE_NOT_REACHED: "mode not reached",
-    Verdict.OTHER_MODE: "comes back in another mode",
-    Verdict.DOES_NOT_CLOSE: "cycle doesn't close",
-    Verdict.INTERFERES: "teeth interfere",
-    Verdict.CONTACT_BREAKS: "contact ratio below 1",
-    Verdict.NOT_COMPUTED: "not computed yet",
-}
-
-
 VEIL = "#e9ebed"
 # How far values go up and down along a row or a column, in ranges of the whole, where contour lines can still be read.
 MOST_TRAVEL = 4.0
@@ -127,7 +93,7 @@ def _failures(status: np.ndarray) -> list[int]:
 
 
 def _reason(code: int) -> str:
-    return REASONS.get(code, f"status {code}")
+    return Verdict(code).short
 
 
 def field_band(ax: Axes, data: SweepData, name: str, best: int | None = None) -> None:

@@ -18,7 +18,7 @@ from sweeps.optimising.optimum import front, objectives
 from sweeps.optimising.runner import optimise_study
 from sweeps.report.sweep_result import SweepResult
 from sweeps.study.bundled import bundled_studies
-from sweeps.study.study import read_study
+from sweeps.study.study_reader import read_study
 
 SPEED = 5.0
 SHAKING = ("shaking_force_x", "shaking_force_y", "shaking_moment")

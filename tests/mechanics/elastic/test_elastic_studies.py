@@ -14,7 +14,7 @@ from sweeps.pictures.elements.elastic_sheets import drive_sheet, oscillator_shee
 from sweeps.pictures.elements.element_pictures import element_pictures
 from sweeps.pictures.style import new_figure
 from sweeps.study.bundled import bundled_studies
-from sweeps.study.study import read_study
+from sweeps.study.study_reader import read_study
 from sweeps.text.scene_text import read_scene, scene_from, write_scene
 from sweeps.text.templates import TEMPLATES, bundled_templates
 from sweeps.text.toml_text import parse_toml

@@ -6,7 +6,7 @@ import numpy as np
 
 from engine import ElementsAlone, Verdict
 from sweeps.study.bundled import bundled_studies
-from sweeps.study.study import read_study
+from sweeps.study.study_reader import read_study
 
 
 def evaluated(name):

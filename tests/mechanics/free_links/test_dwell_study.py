@@ -5,7 +5,7 @@ import pytest
 
 from engine import Machine, Verdict
 from sweeps.study.bundled import bundled_studies
-from sweeps.study.study import read_study
+from sweeps.study.study_reader import read_study
 
 
 def test_path_in_the_dwell__is_that_of_the_output_from_position_to_position():

@@ -15,7 +15,7 @@ from sweeps.pictures.picture_files import machine_pictures
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run.runner import run_study
 from sweeps.study.bundled import bundled_studies
-from sweeps.study.study import read_study
+from sweeps.study.study_reader import read_study
 from sweeps.text.scene_text import read_scene
 from sweeps.text.templates import bundled_templates
 

@@ -247,30 +247,10 @@ def pairs_of(edges: np.ndarray) -> list[tuple[float, float]]:
 
 @some
 @given(scenes())
-def test_what_switches__switches_at_a_crossing(scene):
+def test_loads__switch_at_crossings_and_are_smooth_between(scene):
     assume(moves_along_its_loads(scene))
     check_switches(scene)
-
-
-@some
-@given(scenes())
-def test_loads__are_smooth_within_panels(scene):
-    assume(moves_along_its_loads(scene))
     check_smoothness(scene)
-
-
-@pytest.mark.parametrize("revolutions", [1, 2])
-@pytest.mark.parametrize("begin", [-9.0, -0.4, 0.0, 5.9, 12.0])
-def test_rows_of_a_table_over_the_angle__are_crossings_wherever_they_begin(begin, revolutions):
-    rows = [begin, begin + 0.3, begin + 0.3, begin + 1.0]
-    table = {"type": "table", "over_angle": rows, "moment": [1.0, 2.0, -3.0, 0.5], "interpolation": "linear"}
-    scene = slider_crank(moments={"m": table | {"on": "crank"}})
-    scene["input"]["revolutions"] = revolutions
-    scene = Scene.model_validate(scene)
-    values, _ = asked(scene)
-    expected = {round(x % (revolutions * TURN), 9) for x in rows} | {0.0, round(revolutions * TURN, 9)}
-    assert {round(x, 9) for x in values.cuts()} == expected
-    check_switches(scene)
 
 
 LIMITED = crank(length=0.05, start=0.5, stop=2.0)

@@ -25,7 +25,7 @@ from sweeps.run.runner import layout_of, run_study
 from sweeps.store import describe_result
 from sweeps.store.creating import write_final_text
 from sweeps.study.bundled import STUDIES
-from sweeps.study.study import read_study
+from sweeps.study.study_reader import read_study
 
 
 @pytest.fixture(scope="module")

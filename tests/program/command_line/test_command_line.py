@@ -10,7 +10,7 @@ from commands import ROOT, python, refused, said
 from press_texts import PRESS
 
 from sweeps.study.bundled import bundled_studies
-from sweeps.study.study import read_study
+from sweeps.study.study_reader import read_study
 from sweeps.text.scene_text import read_scene
 from sweeps.text.templates import templates
 

@@ -8,7 +8,8 @@ from engine import Machine, Verdict
 from sweeps.optimising.optimum import choices, front, is_front, met, objectives, optimum_text
 from sweeps.optimising.runner import optimise_study
 from sweeps.report.sweep_result import SweepResult
-from sweeps.study.study import Study, read_study
+from sweeps.study.study import Study
+from sweeps.study.study_reader import read_study
 
 # One objective
 

@@ -21,7 +21,7 @@ from sweeps.report.sweep_result import SweepResult
 from sweeps.study.sampling import Columns, Design, Linear, Listed, Logarithmic, Sampled
 from sweeps.study.search_task import task_of
 from sweeps.study.search_variables import Span, Variables
-from sweeps.study.study import read_study
+from sweeps.study.study_reader import read_study
 from sweeps.text.conditions import Condition
 from sweeps.text.input_files import InputError
 

@@ -14,7 +14,7 @@ from sweeps.report.sweep_result import SweepResult
 from sweeps.run.runner import run_study
 from sweeps.store import StoreError, describe_result
 from sweeps.study.search_task import task_of
-from sweeps.study.study import read_study
+from sweeps.study.study_reader import read_study
 
 
 def contents(path: Path) -> dict[str, bytes]:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from press_texts import slider_crank_text
 
 from engine import Scene, SceneError, order_groups, scene_numbers
 from engine.parts.formulas.expressions import evaluate_tree, parse
@@ -14,26 +15,10 @@ from engine.parts.units import any_quantity
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import read_scene, with_values, write_scene
 
-TEXT = """
-[points]
-O = {{ x = "0 mm", y = "0 mm" }}
 
-[guides]
-way = {{ angle = "0 deg" }}
-
-[input]
-type = "crank"
-pivot = "O"
-pin = "A"
-length = "50 mm"
-speed = "300 rpm"
-
-[groups.drive]
-type = "RRP"
-inner = "B"
-first = {{ link = "rod", joint = "A", length = "200 mm" }}
-second = {{ link = "ram", guide = "way" }}
-
+def text_of(force, moment, numbers, regimes):
+    return f"""
+{slider_crank_text(speed="300 rpm")}
 [forces.cut]
 type = "formula"
 on = "B"
@@ -47,13 +32,15 @@ on = "crank"
 moment = "{moment}"
 {regimes}
 """
+
+
 FORCE, MOMENT, NUMBERS = "k * ram.slide", "12 N m + 3 N m s2 * omega^2", 'k = "3 kN/mm", n = 2'
 LINE_OF_FORCE, LINE_OF_MOMENT = 25, 31
 
 
 def read(tmp_path, force=FORCE, moment=MOMENT, numbers=NUMBERS, regimes=""):
     path = tmp_path / "machine.toml"
-    path.write_text(TEXT.format(force=force, moment=moment, numbers=numbers, regimes=regimes), encoding="utf8")
+    path.write_text(text_of(force, moment, numbers, regimes), encoding="utf8")
     return read_scene(path)
 
 

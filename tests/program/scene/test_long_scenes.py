@@ -7,7 +7,7 @@ from pathlib import Path
 from commands import said
 
 from sweeps.report import check_report
-from sweeps.study.study import read_study
+from sweeps.study.study_reader import read_study
 
 HEAD = """
 [points]

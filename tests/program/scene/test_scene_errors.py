@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from press_texts import slider_crank_text
 from scene_samples import FROM_CSV, GOOD, PUNCH, line_with, refused
 from slips import cases, changed
 
@@ -80,26 +81,8 @@ first = {link = "rod", joint = "A", length = "200 mm"}
 second = {link = "arm", joint = "D", length = "150 mm"}
 """
 
-ENGINE = """\
-[points]
-O = {x = "0 mm", y = "0 mm"}
-
-[guides.way]
-
-[input]
-type = "crank"
-pivot = "O"
-pin = "A"
-length = "50 mm"
-speed = "1500 rpm"
-revolutions = 2
-
-[groups.slide]
-type = "RRP"
-inner = "B"
-first = {link = "rod", joint = "A", length = "200 mm"}
-second = {link = "piston", guide = "way"}
-
+ENGINE = f"""\
+{slider_crank_text("", "1500 rpm", "slide", "piston", "revolutions = 2")}
 [cylinders.fire]
 type = "four_stroke"
 piston = "piston"

@@ -5,37 +5,20 @@ import math
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from press_texts import slider_crank_text
 
 from sweeps import read, read_study, run_study
 from sweeps.cli import main
 from sweeps.text.input_files import InputError
 
-SCENE = """
-[points]
-O = { x = "0 mm", y = "0 mm" }
-
-[guides]
-way = { angle = "0 deg" }
-
-[input]
-type = "crank"
-pivot = "O"
-pin = "A"
-length = "50 mm"
-speed = "300 rpm"
-
-[groups.drive]
-type = "RRP"
-inner = "B"
-first = { link = "rod", joint = "A", length = "200 mm" }
-second = { link = "ram", guide = "way" }
-
+SCENE = f"""
+{slider_crank_text(speed="300 rpm")}
 [forces.buffer]
 type = "formula"
 on = "B"
 angle = "0 deg"
 force = "-k * (ram.slide - x0) - c * (ram.slide - x0)^3 if ram.slide > x0 and v > 0 else 0"
-numbers = { k = "8 N/mm", x0 = "240 mm", c = "2 N/mm3" }
+numbers = {{ k = "8 N/mm", x0 = "240 mm", c = "2 N/mm3" }}
 
 [moments.fan]
 type = "formula"

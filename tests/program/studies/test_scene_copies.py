@@ -5,7 +5,7 @@ import pytest
 
 from engine import Scene, SceneError, scene_numbers
 from sweeps.study.bundled import bundled_studies
-from sweeps.study.study import read_study
+from sweeps.study.study_reader import read_study
 from sweeps.text.scene_text import read_scene, scene_from, with_values, write_scene
 from sweeps.text.templates import TEMPLATES, bundled_templates
 from sweeps.text.toml_text import parse_toml

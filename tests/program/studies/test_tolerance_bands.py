@@ -8,6 +8,7 @@ import pytest
 from click.testing import CliRunner
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from press_texts import slider_crank_text
 
 from engine import Verdict
 from sweeps.cli import main
@@ -20,30 +21,13 @@ from sweeps.run.blocks import evaluate_block, largest_block
 from sweeps.run.runner import run_study
 from sweeps.store import describe_result
 from sweeps.study import sensitivity
-from sweeps.study.study import Study, read_study
+from sweeps.study.study import Study
+from sweeps.study.study_reader import read_study
 from sweeps.text.input_files import InputError
 
 EPS = np.finfo(float).eps
-SCENE = """\
-[points]
-O = {x = "0 mm", y = "0 mm"}
-
-[guides]
-way = {y = "0 mm"}
-
-[input]
-type = "crank"
-pivot = "O"
-pin = "A"
-length = "50 mm"
-speed = "60 rpm"
-
-[groups.drive]
-type = "RRP"
-inner = "B"
-first = {link = "rod", joint = "A", length = "200 mm"}
-second = {link = "ram", guide = "way"}
-
+SCENE = f"""\
+{slider_crank_text('y = "0 mm"')}
 [bodies.ram_body]
 link = "ram"
 mass = "2 kg"

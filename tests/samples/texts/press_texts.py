@@ -1,28 +1,38 @@
 """A crank press as a text, for the tests of texts and commands."""
 
-# In line, so that the stroke is twice the crank: a closed form to hold results to.
-PRESS = """\
-title = "Crank press"
 
+def slider_crank_text(
+    guide: str = 'angle = "0 deg"', speed: str = "60 rpm", group: str = "drive", slider: str = "ram", more: str = ""
+) -> str:
+    """A slider-crank as a text: crank 50 mm, rod 200 mm."""
+    more = more and f"\n{more}"
+    return f"""\
 [points]
-O = {x = "0 mm", y = "0 mm"}
+O = {{x = "0 mm", y = "0 mm"}}
 
 [guides]
-way = {angle = "-90 deg"}
+way = {{{guide}}}
 
 [input]
 type = "crank"
 pivot = "O"
 pin = "A"
 length = "50 mm"
-speed = "60 rpm"
+speed = "{speed}"{more}
 
-[groups.slide]
+[groups.{group}]
 type = "RRP"
 inner = "B"
-first = {link = "rod", joint = "A", length = "200 mm"}
-second = {link = "ram", guide = "way"}
+first = {{link = "rod", joint = "A", length = "200 mm"}}
+second = {{link = "{slider}", guide = "way"}}
+"""
 
+
+# In line, so that the stroke is twice the crank: a closed form to hold results to.
+PRESS = f"""\
+title = "Crank press"
+
+{slider_crank_text('angle = "-90 deg"', group="slide")}
 [bodies.ram]
 link = "ram"
 mass = "100 kg"

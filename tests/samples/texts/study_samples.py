@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from sweeps.study.study import Study, read_study
+from sweeps.study.study import Study
+from sweeps.study.study_reader import read_study
 
 STUDY = """\
 title = "Which crank?"

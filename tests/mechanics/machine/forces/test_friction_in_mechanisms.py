@@ -11,6 +11,7 @@ import pytest
 from drawn_machines import geared_five_bar, sliding_input
 from loaded_machines import asked, loaded
 from machines import chain, places, prp
+from reaction_graphs import in_all_pairs
 from rubbing import with_friction
 from rubbing_machines import RHO, L, Q, R, by_friction_circles, press, yoke
 
@@ -19,23 +20,10 @@ from engine.laws.friction.coefficients import NEW, STATIC_AND_KINETIC, WORN_IN, 
 from engine.laws.friction.guides import overhung_drive, vee_friction
 from engine.laws.friction.inclines import wedge_drive, wedge_withdraw
 from engine.laws.friction.journals import friction_circle
-from engine.scene.pairs import pairs
 from engine.scene.structure.ordering import order
 
 EPS = np.finfo(float).eps
 ROUNDINGS = 100
-
-
-def in_all_pairs(scene: dict, seed: int, most: float) -> dict:
-    """A scene with friction in all of its pairs, some sliders long enough to tilt."""
-    rng, friction = np.random.default_rng(seed), {}
-    for i, pair in enumerate(pairs(Scene.model_validate(scene))):
-        own = friction[f"f{i}"] = {"pair": pair.name, "coefficient": rng.uniform(0.2, 1) * most}
-        if pair.kind == "revolute":
-            own |= {"diameter": rng.uniform(0.02, 0.1)} | ({"contact": "worn in"} if i % 2 else {})
-        elif i % 2:
-            own["length"] = rng.uniform(0.1, 0.5)
-    return {**scene, "friction": friction}
 
 
 # Crank and rocker, with a slider hung on the rocker.

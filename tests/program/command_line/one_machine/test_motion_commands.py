@@ -16,7 +16,7 @@ from sweeps.report.sweep_result import SweepResult
 from sweeps.run import cost
 from sweeps.run.blocks import MOST_AT_ONCE_IN_MOTION, evaluate_block, most_at_once
 from sweeps.study.default_summaries import telling_summaries
-from sweeps.study.study import read_study
+from sweeps.study.study_reader import read_study
 from sweeps.text.scene_text import read_scene
 
 MOTION = (

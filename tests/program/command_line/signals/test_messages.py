@@ -226,7 +226,7 @@ def test_table_that_cannot_be_read__is_told_precisely(text, words, tmp_path):
 def test_same_variants__of_csv_hdf5_and_parquet(press_folder):
     import h5py
 
-    from sweeps.study.study import read_study
+    from sweeps.study.study_reader import read_study
 
     lengths = [40.1, 50.3, 60.7]
     Path("v.csv").write_text("input.length [mm]\n" + "\n".join(map(str, lengths)))
@@ -252,7 +252,7 @@ def test_same_variants__of_csv_hdf5_and_parquet(press_folder):
 
 
 def test_variants_of_a_result__are_those_of_another_study(press_result):
-    from sweeps.study.study import read_study
+    from sweeps.study.study_reader import read_study
 
     Path("again.toml").write_text('scene = "press.toml"\nvariants = "r.h5"\n')
     found = read_study("again.toml").design.values(0, 8)

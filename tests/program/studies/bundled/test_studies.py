@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from engine import Machine, Verdict, any_quantity, scene_numbers
 from engine.parts.formulas.expressions import parse
 from sweeps.study.bundled import bundled_studies
-from sweeps.study.study import read_study
+from sweeps.study.study_reader import read_study
 from sweeps.text.scene_text import read_scene
 from sweeps.text.templates import bundled_templates, template_text, templates
 

@@ -13,7 +13,7 @@ from sweeps.report.sweep_result import SweepResult
 from sweeps.run import runner
 from sweeps.run.runner import run_study
 from sweeps.store import describe_result, read_columns
-from sweeps.study.study import read_study
+from sweeps.study.study_reader import read_study
 from sweeps.text.scene_text import read_scene, write_scene
 
 STUDY = """scene = "machine.toml"

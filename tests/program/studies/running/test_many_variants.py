@@ -13,7 +13,7 @@ from sweeps.report.result_report import counts_text
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run.runner import run_study
 from sweeps.study.bundled import bundled_studies
-from sweeps.study.study import read_study
+from sweeps.study.study_reader import read_study
 from sweeps.text.templates import template_text
 
 

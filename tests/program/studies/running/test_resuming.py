@@ -17,7 +17,7 @@ from sweeps.report.sweep_result import SweepResult
 from sweeps.run import blocks, carrying, runner
 from sweeps.run.runner import run_study
 from sweeps.store import describe_result, read_columns
-from sweeps.study.study import read_study
+from sweeps.study.study_reader import read_study
 
 # Going on
 
@@ -313,7 +313,7 @@ def peak():
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 from sweeps.run.runner import run_study
-from sweeps.study.study import read_study
+from sweeps.study.study_reader import read_study
 run_study(read_study(Path("big.toml")), Path("big.h5"))
 print(peak())
 """

@@ -16,7 +16,7 @@ from sweeps.run import runner
 from sweeps.run.blocks import BYTES_PER_BLOCK, LARGEST_BLOCK, block_size
 from sweeps.run.runner import run_study
 from sweeps.store import describe_result
-from sweeps.study.study import read_study
+from sweeps.study.study_reader import read_study
 
 # What the file holds
 
