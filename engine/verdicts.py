@@ -150,7 +150,7 @@ class Verdict(IntEnum):
     DOES_NOT_CLOSE = (
         *(27, "cycle doesn't close"),
         "a cycle doesn't close: a part isn't in its place again after input.revolutions turns of the crank, a load "
-        "over time isn't what it was, or a torsion spring is wound up; give ratios and periods that are whole in a cycle",
+        "over time isn't what it was, or a torsion spring is wound up; give ratios and periods whole in a cycle",
     )
     INTERFERES = (
         *(28, "teeth interfere"),
