@@ -32,6 +32,8 @@ from pydantic import (
 from engine.parts.units import in_text, to_si, unit_in
 
 FRAME = "frame"
+# What a coefficient of speed fluctuation is: relative to the mean of both speeds, not to that over time.
+OF_FLUCTUATION = "(ω_max − ω_min)/ω_m with ω_m = (ω_max + ω_min)/2"
 
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*$")]
 

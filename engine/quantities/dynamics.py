@@ -9,6 +9,7 @@ from functools import partial
 from engine.graph.nodes import Node
 from engine.mechanism.actions.motors import motor_moment
 from engine.mechanism.mechanics import Mechanics
+from engine.parts.skeleton import OF_FLUCTUATION
 from engine.quantities.expressions import (
     Expression,
     Integral,
@@ -23,7 +24,6 @@ from engine.quantities.expressions import (
     unresolved_peak,
 )
 from engine.quantities.multiple_angles import multiple_angle
-from engine.quantities.quantity import OF_FLUCTUATION
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
 from engine.scene.pairs import has_friction
 

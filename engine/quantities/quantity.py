@@ -5,8 +5,6 @@ from typing import NamedTuple
 from engine.parts.skeleton import CrankInput
 from engine.scene.scene import Scene
 
-# What a coefficient of speed fluctuation is: relative to the mean of both speeds, not to that over time.
-OF_FLUCTUATION = "(ω_max − ω_min)/ω_m with ω_m = (ω_max + ω_min)/2"
 STATISTICS = {
     "min": "least value of",
     "max": "greatest value of",

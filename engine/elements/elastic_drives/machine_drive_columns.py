@@ -33,7 +33,7 @@ from engine.elements.elastic_drives.elastic_cycle import (
 )
 from engine.elements.elastic_drives.machine_drive_element import MachineDrive
 from engine.elements.element_laws import ROUNDING, ElementResult, LawOfArrays
-from engine.quantities.quantity import OF_FLUCTUATION
+from engine.parts.skeleton import OF_FLUCTUATION
 from engine.verdicts import Verdict
 
 RESULTS = (
