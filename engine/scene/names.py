@@ -4,8 +4,6 @@ import difflib
 import math
 from collections.abc import Iterable
 
-from engine.elements.elastic_drives.machine_drive_element import MachineDrive
-from engine.elements.governors.governor_elements import governs_machine
 from engine.laws.tables import TableError, make_table
 from engine.parts.actions import Carried, DCMotor, InductionMotor, Tabled, TorsionSpring
 from engine.parts.regimes import OF_CRANK, OF_SLIDER, Regime, run_keys
@@ -166,12 +164,8 @@ def references(scene: Scene) -> list[tuple[str, str, str]]:
     for name, regime in scene.regimes.items():
         refs += [(f"regimes.{name}.off", "action", action) for action in regime.off]
     for name, element in scene.elements.items():
-        if governs_machine(element):
-            refs += [(f"elements.{name}.engine.throttled", "action", action) for action in element.engine.throttled]
-        if isinstance(element, MachineDrive):
-            refs += [(f"elements.{name}.off", "action", action) for action in element.off]
-            if element.run is not None:
-                refs += [(f"elements.{name}.run.off", "action", action) for action in element.run.off]
+        for key, actions in element.actions_named():
+            refs += [(f"elements.{name}.{key}", "action", action) for action in actions]
     return refs
 
 
@@ -312,8 +306,7 @@ def _wrong_inputs(scene: Scene) -> list[Problem]:
     problems += [(f"moments.{n}", alone) for n, m in scene.moments.items() if isinstance(m, (DCMotor, InductionMotor))]
     problems += [("flywheel", alone)] if scene.flywheel is not None else []
     for name, element in scene.elements.items():
-        excited = getattr(element, "machine_at", None) is not None
-        if excited or isinstance(element, MachineDrive) or governs_machine(element):
+        if any(element.machine_needed()):
             problems.append((f"elements.{name}", alone))
     return problems
 
@@ -575,7 +568,7 @@ def _wrong_drives(scene: Scene) -> list[Problem]:
     """Machines that aren't driven through the elastic shaft that an element says."""
     problems = []
     for name, element in scene.elements.items():
-        if not isinstance(element, MachineDrive):
+        if element.type != "machine_drive":
             continue
         at, off = f"elements.{name}", set(element.off)
         toothed = {**scene.shafts, **scene.noncircular_wheels, **scene.racks, **scene.pinions}

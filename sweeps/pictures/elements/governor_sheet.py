@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from engine import (
     SENTENCES,
-    AnyGovernor,
+    Governor,
     GovernorCurves,
     LoadChange,
     StabilityPoint,
@@ -27,7 +27,7 @@ FLAT = 1e-12
 
 
 def governor_sheet(
-    governor: AnyGovernor, target: Path | str | Figure, title: str = "", cycle: np.ndarray | None = None
+    governor: Governor, target: Path | str | Figure, title: str = "", cycle: np.ndarray | None = None
 ) -> Figure:
     """Controlling force and speed of a governor in equilibrium; with an engine, its stability and a change of load.
 
@@ -149,7 +149,7 @@ def _diagram(ax: Axes, point: StabilityPoint | None) -> None:
     ax.set_title("Vyshnegradsky's diagram")
 
 
-def _change(ax: Axes, change: LoadChange | None, governor: AnyGovernor) -> None:
+def _change(ax: Axes, change: LoadChange | None, governor: Governor) -> None:
     """Speed of the engine and lift of the sleeve after a change of load."""
     if change is None:
         ax.set_axis_off()
