@@ -7,19 +7,17 @@ from engine.compiling.kept_code import is_compiling
 from engine.compiling.sources import sources_digest
 from engine.compiling.threads import set_threads, threads
 from engine.cycle.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
-from engine.elements.bodies.body_elements import RotatingGuide, TetheredBody, TiltedBody, WoundFlywheel
-from engine.elements.bodies.rotating_guides import slides_out
-from engine.elements.bodies.tilted_bodies import body_ellipsoid
-from engine.elements.bodies.wound_flywheels import wound_stresses
+from engine.elements.bodies.rotating_guide import RotatingGuide, slides_out
+from engine.elements.bodies.tethered_body import TetheredBody
+from engine.elements.bodies.tilted_body import TiltedBody, body_ellipsoid
+from engine.elements.bodies.wound_flywheel import WoundFlywheel, wound_stresses
+from engine.elements.cams.cam import CamElement
 from engine.elements.cams.cam_curves import CamCurves, cam_curves
-from engine.elements.cams.cam_elements import CamElement
-from engine.elements.compliances.elastic_parts import ComplianceElement
-from engine.elements.elastic_drives.machine_drive_element import MachineDrive
-from engine.elements.elastic_drives.two_mass_columns import drive_history
-from engine.elements.elastic_drives.two_mass_element import TwoMassDrive
-from engine.elements.element_models import CarElement
-from engine.elements.engines.engine_columns import ROUNDED_ORDERS, engine_numbers, engine_torque, made_engine
-from engine.elements.engines.engine_element import EngineElement
+from engine.elements.compliances.compliance import ComplianceElement
+from engine.elements.elastic_drives.machine_drive import MachineDrive
+from engine.elements.elastic_drives.two_mass_drive import TwoMassDrive, drive_history
+from engine.elements.element import Element, ElementResult, element_kind, element_kinds
+from engine.elements.engines.engine import ROUNDED_ORDERS, EngineElement, engine_torque, made_engine
 from engine.elements.engines.engine_layout import (
     Engine,
     EngineLayout,
@@ -34,13 +32,15 @@ from engine.elements.engines.engine_layout import (
 from engine.elements.engines.firing import FOUR_STROKE, even_firing_order, firing_angles, firing_intervals, firing_sums
 from engine.elements.engines.harmonics import crank_radius, piston_harmonics
 from engine.elements.engines.hodograph import Hodograph
-from engine.elements.engines.locomotive_element import LocomotiveElement
+from engine.elements.engines.locomotive import LocomotiveElement
 from engine.elements.engines.shafts import balance_shafts, crankshaft_counterweights, remaining_shaking
 from engine.elements.engines.shaking import SHAKING_ORDERS, EngineShaking, engine_shaking
-from engine.elements.gears.drive_elements import ChainDrive
-from engine.elements.gears.gear_columns import gear_numbers, gear_results
+from engine.elements.friction.car import CarElement
+from engine.elements.gears.chain_drive import ChainDrive
+from engine.elements.gears.gear_columns import gear_results
 from engine.elements.gears.gear_elements import GearTrain
 from engine.elements.gears.velocity_picture import VelocityPicture, velocity_picture
+from engine.elements.governors.governor import Governor
 from engine.elements.governors.governor_curves import (
     GovernorCurves,
     LoadChange,
@@ -49,11 +49,10 @@ from engine.elements.governors.governor_curves import (
     load_change,
     stability_point,
 )
-from engine.elements.governors.governor_elements import AnyGovernor, Governor
-from engine.elements.oscillators.oscillator_columns import oscillator_columns, oscillator_numbers
-from engine.elements.oscillators.oscillator_element import FreeStart, OscillatorElement, OverTime, SupportOverTime
-from engine.elements.oscillators.over_time import oscillator_history
+from engine.elements.oscillators.excitations import FreeStart, OverTime, SupportOverTime
+from engine.elements.oscillators.oscillator import OscillatorElement
 from engine.elements.oscillators.run_through import run_through_motion
+from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.elements.rotors.correction import corrected_unbalance
 from engine.elements.rotors.grades import permissible_unbalance, tolerance_shares
 from engine.elements.rotors.hole_pattern import PatternError, split_on_neighbours
@@ -63,15 +62,14 @@ from engine.elements.rotors.influence import (
     influence_correction,
     residual_confidence,
 )
-from engine.elements.rotors.rotor_columns import rotor_corrections, rotor_numbers, rotor_unbalances
-from engine.elements.rotors.rotor_element import RotorElement, StaticRotor
+from engine.elements.rotors.rotor import RotorElement, rotor_corrections, rotor_unbalances
+from engine.elements.rotors.static_rotor import StaticRotor
 from engine.elements.rotors.unbalance import resultant_unbalance, unbalance_in_two_planes
 from engine.elements.torsional_trains.excitation import TrainExcitation, train_excitation, train_speed
 from engine.elements.torsional_trains.holzer import HolzerTable, holzer_table
 from engine.elements.torsional_trains.natural_frequencies import NaturalVibration, natural_vibration
 from engine.elements.torsional_trains.reduced_train import ReducedTrain, reduced_train
-from engine.elements.torsional_trains.train_columns import is_excited, train_numbers
-from engine.elements.torsional_trains.train_element import TorsionalTrain
+from engine.elements.torsional_trains.torsional_train import TorsionalTrain, is_excited
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.friction.teeth import lost_share as mesh_lost_share
@@ -188,7 +186,6 @@ __all__ = [
     "RPR",
     "SHAKING_ORDERS",
     "STATISTICS",
-    "AnyGovernor",
     "AskError",
     "AssemblyMode",
     "BalanceError",
@@ -201,12 +198,15 @@ __all__ = [
     "ComplianceElement",
     "CounterweightPlace",
     "CrankInput",
+    "Curve",
     "DCMotor",
     "Derivatives",
     "DimensionMark",
     "DriveCycle",
     "DriveRun",
     "DrivingCam",
+    "Element",
+    "ElementResult",
     "ElementsAlone",
     "Engine",
     "EngineElement",
@@ -230,6 +230,7 @@ __all__ = [
     "LocomotiveElement",
     "Machine",
     "MachineDrive",
+    "Mark",
     "MasterRod",
     "Mechanics",
     "Move",
@@ -241,6 +242,8 @@ __all__ = [
     "Outcome",
     "OverTime",
     "Pair",
+    "Panel",
+    "PanelAxis",
     "PatternError",
     "Pinion",
     "PlainNumber",
@@ -310,7 +313,8 @@ __all__ = [
     "drive_history",
     "drive_run",
     "driving_field",
-    "engine_numbers",
+    "element_kind",
+    "element_kinds",
     "engine_shaking",
     "engine_torque",
     "evaluate_tree",
@@ -322,7 +326,6 @@ __all__ = [
     "first_last_count",
     "four_runs",
     "friction_in_pairs",
-    "gear_numbers",
     "gear_results",
     "governed_scene",
     "governor_curves",
@@ -354,9 +357,6 @@ __all__ = [
     "natural_vibration",
     "nearest_names",
     "order_groups",
-    "oscillator_columns",
-    "oscillator_history",
-    "oscillator_numbers",
     "own_drives",
     "pairs_of",
     "parse_expression",
@@ -370,7 +370,6 @@ __all__ = [
     "residual_confidence",
     "resultant_unbalance",
     "rotor_corrections",
-    "rotor_numbers",
     "rotor_unbalances",
     "run_keys",
     "run_through_motion",
@@ -388,7 +387,6 @@ __all__ = [
     "tolerance_shares",
     "tooth_force_fields",
     "train_excitation",
-    "train_numbers",
     "train_speed",
     "turning_moment_from_areas",
     "turning_moment_from_table",

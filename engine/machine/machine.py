@@ -11,10 +11,10 @@ from engine.elements.governors.places import CYCLE_POSITIONS
 from engine.graph.nodes import Node
 from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.computed import all_levels, computed_levels
-from engine.machine.drives.elastic_drives import ElasticDrives, drives_on_machine
-from engine.machine.drives.excited_trains import machine_harmonics, machine_numbers, trains_on_machine
+from engine.machine.drives.elastic_drives import ElasticDrives
+from engine.machine.drives.excited_trains import machine_harmonics, machine_numbers
 from engine.machine.drives.governed_engines import GovernedEngines
-from engine.machine.elements.element_columns import ElementColumns, element_summaries
+from engine.machine.elements.asked_elements import AskedElements, element_summaries
 from engine.machine.first_failure import first_failure
 from engine.machine.kept_fields import NONE, KeptFields, field_node, fill_found
 from engine.machine.measuring import MeasuredCycles, Measuring
@@ -132,9 +132,11 @@ class Machine:
             raise AskError(f"{told[0]}: its turns in a cycle are the same for all variants; vary another number")
         self.mechanics = Mechanics(scene, frozenset(self.varied))
         self.register = register_of(self.mechanics)
-        self._elements = ElementColumns(scene, self.asked_summaries)
-        self._trains = trains_on_machine(scene, self._elements.elements)
-        drives = drives_on_machine(scene, self._elements.elements)
+        self._elements = AskedElements(scene, self.asked_summaries)
+        of_machine = {n: e for n, e in self._elements.elements.items() if any(e.machine_needed())}
+        self._trains = [name for name, element in of_machine.items() if element.type == "torsional_train"]
+        drives = [name for name, element in of_machine.items() if element.type == "machine_drive"]
+        self._governing = [name for name in of_machine if name not in (*self._trains, *drives)]
         self._drives = ElasticDrives(self.mechanics, drives) if drives else None
         self.regimes = Regimes(self.mechanics, (*self.asked_summaries, *self.asked_fields), positions, accuracy)
         self._check_asked()
@@ -367,7 +369,7 @@ class Machine:
 
     def _fill_elements(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
         """Write what is asked of the machine elements of the variants `keep`."""
-        batch = GOVERNED_AT_ONCE if self._elements.governing else keep.size
+        batch = GOVERNED_AT_ONCE if self._governing else keep.size
         for first in range(0, keep.size, batch):
             some = slice(first, first + batch)
             own = self._governed(numbers.of_variants(some), keep[some].size)
@@ -375,16 +377,16 @@ class Machine:
 
     def _governed(self, numbers: Numbers, variants: int) -> Numbers:
         """Numbers in which the engines of governors that govern this machine have its inertia and its curves."""
-        if not self._elements.governing:
+        if not self._governing:
             return numbers
-        engines, machine = self._governing
+        engines, machine = self._governed_engines
         outcome = machine.evaluate({path: np.broadcast_to(numbers[path], (variants,)) for path in self.varied})
         return numbers.with_values(engines.numbers(outcome, numbers))
 
     @cached_property
-    def _governing(self) -> "tuple[GovernedEngines, Machine]":
+    def _governed_engines(self) -> "tuple[GovernedEngines, Machine]":
         """Engines that governors have in this machine, and the machine as it is asked for them."""
-        engines = GovernedEngines(self.scene, self._elements.governing)
+        engines = GovernedEngines(self.scene, self._governing)
         return engines, Machine(self.scene, engines.summaries, engines.fields, self.varied, CYCLE_POSITIONS)
 
     def _measure(

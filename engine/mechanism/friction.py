@@ -9,9 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.elements.element_laws import BUSHES
 from engine.graph.nodes import Node
-from engine.laws.friction.coefficients import GAUSS, stribeck
+from engine.laws.friction.coefficients import BUSHES, GAUSS, stribeck
 from engine.laws.friction.feedback import change_of
 from engine.laws.friction.settled import (
     GUIDE,

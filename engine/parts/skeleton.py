@@ -16,8 +16,12 @@ Numbers are SI when given as numbers and take units when given as text ("80 mm")
 """
 
 import math
-from typing import Annotated, Literal, NamedTuple
+from collections.abc import Iterator
+from functools import cache
+from typing import Annotated, Literal, NamedTuple, get_args, get_origin
 
+import numpy as np
+from annotated_types import Ge, Gt, Le, Lt
 from pydantic import (
     AfterValidator,
     BaseModel,
@@ -28,6 +32,7 @@ from pydantic import (
     ValidationInfo,
     model_validator,
 )
+from pydantic.fields import FieldInfo
 
 from engine.parts.units import in_text, to_si, unit_in
 
@@ -110,10 +115,99 @@ Pressure = quantity("pressure")
 Mode = Literal[1, -1]
 
 
+class SceneNumber(NamedTuple):
+    """A number of a scene: its value (SI), its dimension, and the limits or choices it must keep."""
+
+    value: float
+    dimension: str
+    limits: tuple[Gt | Ge | Lt | Le | NonZero, ...]
+    choices: tuple[float, ...] = ()
+
+
 class Part(BaseModel):
     """Base of everything in a scene: unknown keys are refused, values can't be changed afterwards."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+    def numbers_within(self, path: str = "") -> Iterator[tuple[str, SceneNumber]]:
+        """Every number that a study may vary, of this part and the parts in it, by its path.
+
+        Entries of tables, counts (revolutions, arms) and numbers that aren't given are not among them.
+
+        Parameters
+        ----------
+        path : str
+            Of this part.
+        """
+        for key, field in type(self).model_fields.items():
+            value = getattr(self, key)
+            here = f"{path}.{key}" if path else key
+            if isinstance(value, Part):
+                yield from value.numbers_within(here)
+            elif isinstance(value, dict):
+                for name, inner in value.items():
+                    yield from inner.numbers_within(f"{here}.{name}")
+            elif isinstance(value, (int, float)) and not isinstance(value, bool):
+                dimension, limits = _marked(type(self), key)
+                if dimension is not None:
+                    yield here, SceneNumber(float(value), dimension, limits)
+                elif field.annotation == Mode:
+                    yield here, SceneNumber(float(value), "number", (), get_args(Mode))
+
+    def references(self, path: str = "") -> Iterator[tuple[str, str, str]]:
+        """Every name that this part and the parts in it refer to: path, kind of what it names, name.
+
+        Parameters
+        ----------
+        path : str
+            Of this part.
+        """
+        for key in type(self).model_fields:
+            value, here = getattr(self, key), f"{path}.{key}" if path else key
+            kind = _referred(type(self), key)
+            if isinstance(value, Part):
+                yield from value.references(here)
+            elif isinstance(value, dict):
+                if kind is not None:
+                    yield from ((f"{here}.{name}", kind, name) for name in value)
+                for name, inner in value.items():
+                    yield from inner.references(f"{here}.{name}")
+            elif kind is not None and value is not None:
+                yield from ((here, kind, name) for name in ([value] if isinstance(value, str) else value))
+
+    def own_numbers(self) -> dict[str, np.ndarray]:
+        """The part's numbers by their paths in it, as one variant."""
+        return {path: np.array([number.value]) for path, number in self.numbers_within()}
+
+
+def _marks(annotation: object, metadata: list) -> list:
+    """All marks in a field's annotation, those inside optionals too."""
+    found = []
+    for mark in metadata:
+        found += mark.metadata if isinstance(mark, FieldInfo) else [mark]
+    for inner in get_args(annotation):
+        found += _marks(inner, list(getattr(inner, "__metadata__", ())))
+    return found
+
+
+@cache
+def _marked(kind: type[Part], key: str) -> tuple[str | None, tuple]:
+    """Dimension of a number that a kind of part has, and its limits."""
+    field = kind.model_fields[key]
+    marks = _marks(field.annotation, field.metadata)
+    dimension = next((str(m) for m in marks if isinstance(m, DimensionMark)), None)
+    return dimension, tuple(m for m in marks if isinstance(m, (Gt, Ge, Lt, Le, NonZero)))
+
+
+@cache
+def _referred(kind: type[Part], key: str) -> str | None:
+    """Kind of what a field of a part names, or of what its keys name where it holds named parts."""
+    field = kind.model_fields[key]
+    if get_origin(field.annotation) is dict:
+        marks = _marks(tuple[get_args(field.annotation)[0]], [])
+    else:
+        marks = _marks(field.annotation, field.metadata)
+    return next((mark.kind for mark in marks if isinstance(mark, Refers)), None)
 
 
 class Point(Part):

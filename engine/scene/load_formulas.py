@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from engine.elements.elastic_drives.machine_drive_element import MachineDrive
+from engine.elements.elastic_drives.machine_drive import MachineDrive
 from engine.parts.actions import FormulaForce, FormulaMoment
 from engine.parts.dimensions import described
 from engine.parts.formulas.expressions import (
@@ -259,7 +259,7 @@ def _check_finite(expression: TextExpression, tree: Tree) -> None:
 def _wrong_in_motion(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem]:
     """What true motion can't take: a speed but by its powers."""
     at_work = {f"regimes.{n}": regime for n, regime in scene.regimes.items() if name not in regime.off}
-    drives = {f"elements.{n}": e for n, e in scene.elements.items() if isinstance(e, MachineDrive)}
+    drives = {f"elements.{n}": e for n, e in scene.elements.items() if e.type == "machine_drive"}
     at_work |= {path: drive for path, drive in drives.items() if name not in drive.off}
     runs = {f"{path}.run": drive.run for path, drive in drives.items() if drive.run is not None}
     at_work |= {path: run for path, run in runs.items() if name not in run.off}

@@ -4,8 +4,6 @@ import difflib
 import math
 from collections.abc import Iterable
 
-from engine.elements.elastic_drives.machine_drive_element import MachineDrive
-from engine.elements.governors.governor_elements import governs_machine
 from engine.laws.tables import TableError, make_table
 from engine.parts.actions import Carried, DCMotor, InductionMotor, Tabled, TorsionSpring
 from engine.parts.regimes import OF_CRANK, OF_SLIDER, Regime, run_keys
@@ -240,8 +238,7 @@ def _wrong_inputs(scene: Scene) -> list[Problem]:
     problems += [(f"moments.{n}", alone) for n, m in scene.moments.items() if isinstance(m, (DCMotor, InductionMotor))]
     problems += [("flywheel", alone)] if scene.flywheel is not None else []
     for name, element in scene.elements.items():
-        excited = getattr(element, "machine_at", None) is not None
-        if excited or isinstance(element, MachineDrive) or governs_machine(element):
+        if any(element.machine_needed()):
             problems.append((f"elements.{name}", alone))
     return problems
 
@@ -491,7 +488,7 @@ def _wrong_drives(scene: Scene) -> list[Problem]:
     """Machines that aren't driven through the elastic shaft that an element says."""
     problems = []
     for name, element in scene.elements.items():
-        if not isinstance(element, MachineDrive):
+        if element.type != "machine_drive":
             continue
         at, off = f"elements.{name}", set(element.off)
         toothed = {**scene.shafts, **scene.noncircular_wheels, **scene.racks, **scene.pinions}

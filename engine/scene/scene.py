@@ -1,24 +1,20 @@
 """A scene: one machine, whole, and the numbers in it by their paths."""
 
 from collections.abc import Callable, Iterator, Mapping
-from functools import cache, wraps
-from typing import Annotated, NamedTuple, TypeVar, get_args, get_origin
+from functools import wraps
+from typing import Annotated, TypeVar
 from weakref import finalize
 
 import numpy as np
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic import Field, model_validator
-from pydantic.fields import FieldInfo
 
-from engine.elements.elastic_drives.machine_drive_element import MachineDrive
-from engine.elements.element_models import MachineElement
-from engine.elements.governors.governor_elements import governs_machine
+from engine.elements.element import MachineElement
 from engine.parts.actions import ForceAction, MomentAction, Spring
 from engine.parts.couplings import Coupling
 from engine.parts.cylinders import CylinderAction
 from engine.parts.driving_cams import DrivingCam
 from engine.parts.driving_gears import NoncircularWheel, Pinion, Rack
-from engine.parts.formulas.by_formula import FormulaNumber
 from engine.parts.pair_friction import PairFriction
 from engine.parts.regimes import Regime
 from engine.parts.second_inputs import SecondInput
@@ -28,12 +24,10 @@ from engine.parts.skeleton import (
     Balance,
     Body,
     CrankInput,
-    DimensionMark,
     Flywheel,
     FreeLink,
     Group,
     Guide,
-    Mode,
     Name,
     Near,
     NonZero,
@@ -41,7 +35,7 @@ from engine.parts.skeleton import (
     PlainText,
     Point,
     PointRef,
-    Refers,
+    SceneNumber,
     Shaft,
     SliderInput,
 )
@@ -126,72 +120,12 @@ class Scene(Part):
         rest = any(getattr(self, key) != field.default for key, field in fields.items())
         if self.input is None and (rest or not self.elements):
             raise ValueError("input is missing: only machine elements do without a mechanism")
-        turns = isinstance(self.input, CrankInput) and self.input.start is None
-        for name, element in self.elements.items():
-            if getattr(element, "machine_at", None) is not None and not turns:
-                raise ValueError(f"elements.{name}.machine_at: only a crank that turns fully excites a train")
-            if isinstance(element, MachineDrive) and not turns:
-                raise ValueError(f"elements.{name}: only a crank that turns fully is driven through an elastic shaft")
+        if not (isinstance(self.input, CrankInput) and self.input.start is None):
+            for name, element in self.elements.items():
+                key, why = element.machine_needed()
+                if why:
+                    raise ValueError(f"elements.{name}{key}: {why}")
         return self
-
-    @model_validator(mode="after")
-    def _governed_machine_turns(self) -> "Scene":
-        turns = isinstance(self.input, CrankInput) and self.input.start is None
-        for name, element in self.elements.items():
-            if governs_machine(element) and not turns:
-                raise ValueError(
-                    f"elements.{name}.engine.machine: the scene has no crank that turns fully; give it one, or leave "
-                    "machine out and give the engine's inertia"
-                )
-        return self
-
-
-class SceneNumber(NamedTuple):
-    """A number of a scene: its value (SI), its dimension, and the limits or choices it must keep."""
-
-    value: float
-    dimension: str
-    limits: tuple[Gt | Ge | Lt | Le | NonZero, ...]
-    choices: tuple[float, ...] = ()
-
-
-def _marks(annotation: object, metadata: list) -> list:
-    """All marks in a field's annotation, those inside optionals too."""
-    found = []
-    for mark in metadata:
-        found += mark.metadata if isinstance(mark, FieldInfo) else [mark]
-    for inner in get_args(annotation):
-        found += _marks(inner, list(getattr(inner, "__metadata__", ())))
-    return found
-
-
-@cache
-def _marked(kind: type[Part], key: str) -> tuple[str | None, tuple]:
-    """Dimension of a number that a kind of part has, and its limits."""
-    field = kind.model_fields[key]
-    marks = _marks(field.annotation, field.metadata)
-    dimension = next((str(m) for m in marks if isinstance(m, DimensionMark)), None)
-    return dimension, tuple(m for m in marks if isinstance(m, (Gt, Ge, Lt, Le, NonZero)))
-
-
-def _walk(part: Part, path: str) -> Iterator[tuple[str, SceneNumber]]:
-    if isinstance(part, FormulaNumber):
-        yield path, SceneNumber(part.value, part.dimension, ())
-        return
-    for key, field in type(part).model_fields.items():
-        value = getattr(part, key)
-        here = f"{path}.{key}" if path else key
-        if isinstance(value, Part):
-            yield from _walk(value, here)
-        elif isinstance(value, dict):
-            for name, inner in value.items():
-                yield from _walk(inner, f"{here}.{name}")
-        elif isinstance(value, (int, float)) and not isinstance(value, bool):
-            dimension, limits = _marked(type(part), key)
-            if dimension is not None:
-                yield here, SceneNumber(float(value), dimension, limits)
-            elif field.annotation == Mode:
-                yield here, SceneNumber(float(value), "number", (), get_args(Mode))
 
 
 Found = TypeVar("Found")
@@ -212,46 +146,13 @@ def once(function: Callable[[Scene], Found]) -> Callable[[Scene], Found]:
     return kept
 
 
-@cache
-def _referred(kind: type[Part], key: str) -> str | None:
-    """Kind of name that a field of a part refers to; that of its keys for a field of named parts."""
-    field = kind.model_fields[key]
-    named = get_args(field.annotation)[:1] if get_origin(field.annotation) is dict else None
-    marks = _marks(field.annotation, field.metadata) if named is None else _marks(tuple[named], [])
-    return next((mark.kind for mark in marks if isinstance(mark, Refers)), None)
-
-
-def references(part: Part, path: str = "") -> Iterator[tuple[str, str, str]]:
-    """Every name that a part of a scene refers to, as (path, kind, name).
-
-    Parameters
-    ----------
-    part : Part
-        A scene, or what lies at `path` in it.
-    path : str
-    """
-    for key in type(part).model_fields:
-        value, here = getattr(part, key), f"{path}.{key}" if path else key
-        kind = _referred(type(part), key)
-        if isinstance(value, dict):
-            if kind is not None:
-                yield from ((f"{here}.{name}", kind, name) for name in value)
-            for name, inner in value.items():
-                if isinstance(inner, Part):
-                    yield from references(inner, f"{here}.{name}")
-        elif isinstance(value, Part):
-            yield from references(value, here)
-        elif kind is not None and value is not None:
-            yield from ((here, kind, name) for name in ([value] if isinstance(value, str) else value))
-
-
 @once
 def scene_numbers(scene: Scene) -> dict[str, SceneNumber]:
     """Every number of a scene that a study may vary, by its path, such as "groups.rod.first.length".
 
     Entries of tables, counts (revolutions, arms) and numbers that the scene doesn't give are not among them.
     """
-    return dict(_walk(scene, ""))
+    return dict(scene.numbers_within())
 
 
 def within_limits(number: SceneNumber, values: np.ndarray) -> np.ndarray:
@@ -328,6 +229,18 @@ class Numbers(Mapping[str, float | np.ndarray]):
             Index into the variants.
         """
         return Numbers(self._fixed, {path: values[chosen] for path, values in self._varied.items()})
+
+    def below(self, path: str) -> dict[str, float | np.ndarray]:
+        """The numbers of a part by their keys in it, with those that it is given beside its own.
+
+        Parameters
+        ----------
+        path : str
+            Of the part.
+        """
+        start = f"{path}."
+        paths = dict.fromkeys((*self._fixed, *self._varied))
+        return {known.removeprefix(start): self[known] for known in paths if known.startswith(start)}
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._fixed)

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, Tag, ValidationError
 
-from engine import in_text, nearest_names
+from engine import Element, element_kinds, in_text, nearest_names
 from sweeps.text.engineer_units import show_in_units
 from sweeps.text.input_files import InputError
 
@@ -244,22 +244,27 @@ def bare_annotation(annotation: Any) -> Any:
     while get_origin(annotation) is Annotated:
         annotation = get_args(annotation)[0]
     if is_union(annotation):
-        arms = [a for a in get_args(annotation) if a is not type(None)]
+        arms = [a for a in arms_of(annotation) if a is not type(None)]
         if len(arms) == 1:
             return bare_annotation(arms[0])
     return annotation
 
 
 def is_union(annotation: Any) -> bool:
-    """Whether an annotation is one of several."""
-    return get_origin(annotation) is Union or type(annotation).__name__ == "UnionType"
+    """Whether an annotation is one of several, as that of any machine element is."""
+    return annotation is Element or get_origin(annotation) is Union or type(annotation).__name__ == "UnionType"
+
+
+def arms_of(union: Any) -> tuple[Any, ...]:
+    """What a union is one of."""
+    return tuple(element_kinds().values()) if union is Element else get_args(union)
 
 
 def _descend(annotation: Any, item: str | int) -> Any:
     """Annotation of a key, an entry of a table, or an arm of a union named by its tag."""
     here = bare_annotation(annotation)
     if is_union(here):
-        return next((bare_annotation(a) for a in get_args(here) if item in _tags(a)), None)
+        return next((bare_annotation(a) for a in arms_of(here) if item in _tags(a)), None)
     if isinstance(here, type) and issubclass(here, BaseModel):
         field = here.model_fields.get(str(item))
         return field.annotation if field else None

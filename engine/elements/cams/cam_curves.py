@@ -8,8 +8,7 @@ from numba import types
 
 from engine.compiling.decorators import driver
 from engine.compiling.running import prepare
-from engine.elements.cams.cam_columns import cam_numbers, cam_sections, cam_traits
-from engine.elements.cams.cam_elements import CamElement
+from engine.elements.cams.cam import CamElement, cam_sections, cam_traits
 from engine.elements.cams.cam_places import (
     ALPHA,
     CURVE,
@@ -91,7 +90,7 @@ def cam_curves(cam: CamElement, points: int = 720) -> CamCurves:
         Empty where the cam's sections make no turn, or its follower doesn't reach the base circle.
     """
     kinds, directions, tabled = cam_sections(cam)
-    numbers, traits = cam_numbers(cam), cam_traits(cam)
+    numbers, traits = cam.row(cam.own_numbers()), cam_traits(cam)
     pieces = tabled if len(tabled) else np.empty((PIECES_OF_A_SECTION * kinds.size, PIECE_NUMBERS))
     if not len(tabled):
         pieces = pieces[: _cut(kinds, directions, numbers, pieces)]

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from engine.parts.actions import Moment, Stiffness, TorsionalDamping, TorsionalStiffness
+from engine.parts.actions import Stiffness, TorsionalDamping, TorsionalStiffness
 from engine.parts.skeleton import Area, Length, Name, Number, Part, quantity
 
 PartLength = Annotated[Length, Field(gt=0)]
@@ -117,16 +117,3 @@ def _without_damper(group: SeriesPart | ParallelPart) -> SeriesPart | ParallelPa
         if getattr(group, key) is not None:
             raise ValueError(f"{key}: parts in {group.type} have their own dampers; give it to them")
     return group
-
-
-class ComplianceElement(Part):
-    """Parts of a drive in series, reduced to one shaft: that whose speed the parts' ratios are counted from.
-
-    With a `moment` on that shaft every part has its moment and twist; with the `frequency` of a vibration, energy
-    absorption and damping follow from each other.
-    """
-
-    type: Literal["compliance"]
-    parts: Annotated[dict[Name, ElasticPart], Field(min_length=1)]
-    moment: Annotated[Moment, Field(gt=0)] | None = None
-    frequency: Annotated[quantity("angular_speed"), Field(gt=0)] | None = None

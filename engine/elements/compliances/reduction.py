@@ -15,7 +15,6 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.elements.compliances.elastic_parts import (
-    CouplingPart,
     ElasticPart,
     MeshPart,
     ParallelPart,
@@ -68,25 +67,6 @@ class PartShare(NamedTuple):
     energy: np.ndarray
     moment: np.ndarray
     twist: np.ndarray
-
-
-def part_keys(part: ElasticPart, path: str) -> Iterator[str]:
-    """Paths of all numbers that a part, or what it is made of, is given."""
-    own = {
-        ShaftPart: ("diameter", "bore", "length", "shear_modulus"),
-        RodPart: ("area", "length", "elastic_modulus", "radius", "strands"),
-        StrandPart: ("stiffness", "radius"),
-        MeshPart: ("mesh_stiffness", "width", "base_radius"),
-        CouplingPart: ("stiffness",),
-    }
-    for key in ("ratio", *own.get(type(part), ())):
-        yield f"{path}.{key}"
-    for key in ("damping", "energy_absorption"):
-        if getattr(part, key) is not None:
-            yield f"{path}.{key}"
-    if isinstance(part, (SeriesPart, ParallelPart)):
-        for name, inner in part.parts.items():
-            yield from part_keys(inner, f"{path}.parts.{name}")
 
 
 def leaf_paths(parts: Mapping[str, ElasticPart], path: str = "") -> Iterator[str]:

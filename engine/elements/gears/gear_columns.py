@@ -1,11 +1,10 @@
 """What is computed of a gear train: speeds and ratios, whether it fits, moments, losses, tooth forces, inertia."""
 
-from collections.abc import Iterator, Mapping
-from functools import partial
+from collections.abc import Iterator
 
 import numpy as np
 
-from engine.elements.element_laws import ROUNDING, ElementResult, LawOfArrays
+from engine.elements.element import Answers, ElementResult
 from engine.elements.gears.assembly_conditions import (
     AssemblyConditions,
     MeshSizes,
@@ -41,53 +40,6 @@ _OF_ASSEMBLY = (
 )
 
 
-def gear_law(train: GearTrain) -> LawOfArrays:
-    """The law of a gear train: its numbers in an order of their own, and its results, by what it is made of.
-
-    Parameters
-    ----------
-    train : GearTrain
-    """
-    keys, results = tuple(_keys(train)), tuple(_results(train))
-    return LawOfArrays(
-        partial(_rows, train, keys, results),
-        lambda element, given: tuple(given(key) for key in keys),
-        results,
-    )
-
-
-def gear_numbers(train: GearTrain) -> dict[str, np.ndarray]:
-    """A gear train's own numbers by their keys, as one variant."""
-
-    def own(key: str) -> float:
-        part: object = train
-        for name in key.split("."):
-            part = part[name] if isinstance(part, Mapping) else getattr(part, name)
-        return part
-
-    return {key: np.array([own(key)], float) for key in _keys(train)}
-
-
-def _keys(train: GearTrain) -> Iterator[str]:
-    """Keys of all numbers that a train is given."""
-    if train.module is not None:
-        yield "module"
-    optional = {
-        "wheels": ("width",),
-        "shafts": ("planets", "speed", "moment", "mass", "inertia"),
-        "meshes": ("module", "efficiency", "friction"),
-    }
-    always = {
-        "wheels": ("teeth", "bore", "density", "profile_shift"),
-        "shafts": (),
-        "meshes": ("pressure_angle", "helix_angle"),
-    }
-    for table in ("wheels", "shafts", "meshes"):
-        for name, part in getattr(train, table).items():
-            yield from (f"{table}.{name}.{key}" for key in always[table])
-            yield from (f"{table}.{name}.{key}" for key in optional[table] if getattr(part, key) is not None)
-
-
 def driver_of(train: GearTrain) -> str | None:
     """The shaft that alone is driven; None where several are, or none."""
     driven = train.structure.driven
@@ -99,7 +51,8 @@ def _free_shafts(train: GearTrain) -> list[str]:
     return [n for n in train.shafts if n not in train.structure.planets and not train.shafts[n].held]
 
 
-def _results(train: GearTrain) -> Iterator[ElementResult]:
+def gear_train_results(train: GearTrain) -> Iterator[ElementResult]:
+    """Results of a gear train, by what it is made of."""
     structure, driver = train.structure, driver_of(train)
     yield ElementResult("mobility", "degrees of freedom W = 3n - 2p1 - p2", "1", exact=True)
     for _, other in structure.same_distance:
@@ -170,11 +123,14 @@ def _results_of_loads(train: GearTrain) -> Iterator[ElementResult]:
         yield ElementResult(f"{planet}.pin_force", f"force on the bearing of each {planet}", "N")
 
 
-def _rows(
-    train: GearTrain, keys: tuple[str, ...], results: tuple[ElementResult, ...], table: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Results, the sizes they carry the rounding of (results, variants), and verdicts, from (numbers, variants)."""
-    n = dict(zip(keys, table, strict=True))
+def train_answers(train: GearTrain, n: Numbers) -> Answers:
+    """Results of a gear train with what they may be off by, and verdicts.
+
+    Parameters
+    ----------
+    train : GearTrain
+    n : mapping of str to ndarray (variants,)
+    """
     with np.errstate(all="ignore"):
         sizes = mesh_sizes(train, n)
         fit = assembly_conditions(train, n, sizes)
@@ -182,15 +138,14 @@ def _rows(
         contact = tooth_contact(train, n, sizes)
         here = np.flatnonzero(fit.fits & (contact == Verdict.OK))
         found, verdicts = gear_results(train, {key: row[here] for key, row in n.items()})
-    values, errors = np.full((2, len(results), table.shape[1]), np.nan)
-    for i, result in enumerate(results):
-        if result.name.endswith(_OF_ASSEMBLY):
-            values[i], errors[i] = told[result.name]
-        else:
-            values[i, here], errors[i, here] = found[result.name]
+    values, errors = {}, {}
+    for result in gear_train_results(train):
+        values[result.name], errors[result.name] = pair = np.full((2, fit.fits.size), np.nan)
+        known, where = (told, slice(None)) if result.name.endswith(_OF_ASSEMBLY) else (found, here)
+        pair[0, where], pair[1, where] = known[result.name]
     verdict = np.where(fit.fits, contact, Verdict.DOES_NOT_FIT).astype(np.uint8)
     verdict[here] = verdicts
-    return values, errors / (ROUNDING * EPS), verdict
+    return Answers(values, errors, verdict)
 
 
 def _assembly(fit: AssemblyConditions) -> Pairs:
@@ -229,7 +184,7 @@ def gear_results(train: GearTrain, n: Numbers) -> tuple[Pairs, np.ndarray]:
     Returns
     -------
     results : dict of str to (ndarray (variants,), ndarray (variants,))
-        Values and what they may be off by, as named by `gear_law`.
+        Values and what they may be off by, as named by `gear_train_results`.
     verdicts : ndarray (variants,) of uint8
         NOT_FINITE where a basic ratio lets no speeds follow, SELF_LOCKS or STANDS where losses take all power.
     """

@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.elements.gears.assembly_conditions import MeshSizes, assembly_conditions, mesh_sizes
-from engine.elements.gears.gear_columns import gear_numbers
 from engine.elements.gears.gear_elements import GearTrain
 from engine.elements.gears.gear_structure import STANDS_STILL, MeshPlace
 from engine.elements.gears.train_speeds import train_speeds
@@ -64,7 +63,7 @@ def velocity_picture(train: GearTrain) -> VelocityPicture:
     ----------
     train : GearTrain
     """
-    n = gear_numbers(train)
+    n = train.own_numbers()
     structure, sizes = train.structure, mesh_sizes(train, n)
     found = train_speeds(train, n).speeds[:, 0].tolist()
     speeds = dict(zip(structure.shafts, found, strict=True)) | {FRAME: 0.0}

@@ -9,15 +9,7 @@ from engine.compiling.decorators import driver
 from engine.compiling.running import prepare
 from engine.cycle.panels.lanes import lane_of
 from engine.elements.governors.characteristic import FROM, INNER, OUTER, TO
-from engine.elements.governors.governor_columns import (
-    equilibria_of,
-    governor_memory,
-    governor_numbers,
-    holding_of,
-    is_followed,
-    throttling_of,
-)
-from engine.elements.governors.governor_elements import AnyGovernor
+from engine.elements.governors.governor import Governor, equilibria_of, governor_memory
 from engine.elements.governors.governor_results import (
     SPEED_CHANGE,
     VYSHNEGRADSKY_X,
@@ -94,12 +86,12 @@ _TYPES = (types.intp, _LINE, _LINE, types.float64, _LINE, _TABLE)
 _MOTION_TYPES = (types.intp, types.intp, _LINE, _LINE, types.float64, _LINE, _TABLE, _LINE)
 
 
-def governor_curves(governor: AnyGovernor, positions: int = 401) -> GovernorCurves:
+def governor_curves(governor: Governor, positions: int = 401) -> GovernorCurves:
     """Characteristic of a governor from one stop to the other, and somewhat beyond.
 
     Parameters
     ----------
-    governor : governor element
+    governor : Governor
     positions : int
 
     Returns
@@ -107,14 +99,14 @@ def governor_curves(governor: AnyGovernor, positions: int = 401) -> GovernorCurv
     GovernorCurves
         Without positions where arms don't reach as far as the stops.
     """
-    numbers = governor_numbers(governor)
+    numbers = governor.row(governor.own_numbers())
     kept, verdicts = equilibria_of(governor, numbers)[2:]
     inner, outer, begin, end = kept[0, [INNER, OUTER, FROM, TO]]
     room = BEYOND * (outer - inner)
     places = np.concatenate([np.linspace(inner - room, outer + room, positions), [inner, outer, begin, end]])
     rows = np.empty((places.size, 6))
     prepare(sample_states, _TYPES)
-    sample_states(int(holding_of(governor)), numbers[0], governor_memory(governor)[0], inner, places, rows)
+    sample_states(int(governor.holding), numbers[0], governor_memory(governor)[0], inner, places, rows)
     radii, columns, places = rows[positions:, 0], rows[:positions], places[:positions]
     # Without stops, or without equilibrium between them, there is nothing to see.
     between = (places >= inner) & (places <= outer)
@@ -145,12 +137,12 @@ class LoadChange(NamedTuple):
 MOST_INSTANTS = 8000
 
 
-def load_change(governor: AnyGovernor, cycle: np.ndarray | None = None) -> LoadChange | None:
+def load_change(governor: Governor, cycle: np.ndarray | None = None) -> LoadChange | None:
     """Follow what the change of load of a governor's engine does.
 
     Parameters
     ----------
-    governor : governor element
+    governor : Governor
     cycle : ndarray, optional
         Of a governor of a mechanism, from `governed_scene`.
 
@@ -159,12 +151,13 @@ def load_change(governor: AnyGovernor, cycle: np.ndarray | None = None) -> LoadC
     LoadChange or None
         As far as the motion can be followed; None without a change that is to be followed, or without equilibrium.
     """
-    numbers = governor_numbers(governor, cycle)
+    own = governor.row(governor.own_numbers())
+    numbers = own if cycle is None else np.concatenate([own, cycle[None]], axis=1)
     found, _, kept, verdicts = equilibria_of(governor, numbers)
-    if not is_followed(governor) or verdicts[0] != Verdict.OK:
+    if not governor.is_followed or verdicts[0] != Verdict.OK:
         return None
     rows, (memory, offset) = np.full((MOST_INSTANTS, 3), np.nan), governor_memory(governor)
-    kind, throttle = int(holding_of(governor)), int(throttling_of(governor))
+    kind, throttle = int(governor.holding), int(governor.throttling)
     prepare(follow_one, _MOTION_TYPES)
     follow_one(kind, throttle, numbers[0], memory, offset, kept[0], rows, np.empty(MOTION_ROOM + ANSWERS))
     after = found[0, WORKING_SPEED]
@@ -178,12 +171,12 @@ class StabilityPoint(NamedTuple):
     y: float
 
 
-def stability_point(governor: AnyGovernor) -> StabilityPoint | None:
+def stability_point(governor: Governor) -> StabilityPoint | None:
     """Place of a governor's engine in Vyshnegradsky's diagram.
 
     Parameters
     ----------
-    governor : governor element
+    governor : Governor
 
     Returns
     -------
@@ -192,6 +185,6 @@ def stability_point(governor: AnyGovernor) -> StabilityPoint | None:
     """
     if governor.engine is None:
         return None
-    found = equilibria_of(governor, governor_numbers(governor))[0][0]
+    found = equilibria_of(governor, governor.row(governor.own_numbers()))[0][0]
     x, y = found[[VYSHNEGRADSKY_X, VYSHNEGRADSKY_Y]]
     return StabilityPoint(float(x), float(y)) if np.isfinite(x) else None

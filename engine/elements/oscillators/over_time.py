@@ -1,7 +1,6 @@
 """What one mass does under a force, or on a support, that is given over time: greatest values, and its history."""
 
 import math
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numba
@@ -9,7 +8,8 @@ import numpy as np
 from numba import types
 
 from engine.compiling.running import prepare, spread
-from engine.elements.element_laws import ElementResult
+from engine.elements.element import Columns, ElementResult, Numbers
+from engine.elements.oscillators.excitations import OverTime, SupportOverTime
 from engine.elements.oscillators.forced_pieces import (
     CARRIED,
     END,
@@ -22,10 +22,6 @@ from engine.elements.oscillators.forced_pieces import (
     follow_pieces,
 )
 from engine.elements.oscillators.one_mass import free_motion
-from engine.elements.oscillators.oscillator_element import OscillatorElement, OverTime, SupportOverTime
-
-Numbers = Mapping[str, np.ndarray]
-Columns = dict[str, np.ndarray]
 
 # Straight pieces that a formula is made of; the half of them tells what they miss.
 PIECES = 4096
@@ -38,12 +34,6 @@ OVER_TIME_RESULTS = (
     ElementResult("end_displacement", "displacement at the end", "m"),
     ElementResult("end_velocity", "velocity at the end", "m s-1"),
 )
-
-
-def over_time_keys(excitation: OverTime) -> tuple[str, ...]:
-    """Keys, below those of the excitation, of all numbers that it is given."""
-    time = () if excitation.time is None else ("time",)
-    return (*time, *(f"numbers.{name}" for name in excitation.numbers))
 
 
 def _given_over_time(excitation: OverTime, n: Numbers, pieces: int) -> tuple[np.ndarray, np.ndarray]:
@@ -60,29 +50,29 @@ def _given_over_time(excitation: OverTime, n: Numbers, pieces: int) -> tuple[np.
 
 
 def _followed(
-    element: OscillatorElement, n: Numbers, stiffness: np.ndarray, ratio: np.ndarray, pieces: int, kept: int = 0
+    excitation: OverTime, n: Numbers, stiffness: np.ndarray, ratio: np.ndarray, pieces: int, kept: int = 0
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """What `follow_pieces` finds, the states it keeps, and the rows and horizons it was given."""
-    rows, horizon = _given_over_time(element.excitation, n, pieces)
+    rows, horizon = _given_over_time(excitation, n, pieces)
     none = np.zeros_like(stiffness)
-    start = (none, none) if element.start is None else (n["start.displacement"], n["start.velocity"])
+    start = n.get("start.displacement", none), n.get("start.velocity", none)
     given = np.array([np.broadcast_to(a, none.shape) for a in (stiffness, n["mass"], ratio, *start, horizon)])
     rows = np.ascontiguousarray(rows)
     found, states = np.empty((FOUND, none.size)), np.empty((none.size, kept, 3))
-    arguments = (isinstance(element.excitation, SupportOverTime), given, rows, found, states)
+    arguments = (isinstance(excitation, SupportOverTime), given, rows, found, states)
     prepare(follow_pieces, [types.intp, types.intp, *(numba.typeof(a) for a in arguments)])
     spread(follow_pieces, none.size, lambda: arguments)
     return found, states, rows, given[-1]
 
 
 def over_time_columns(
-    element: OscillatorElement, n: Numbers, stiffness: np.ndarray, ratio: np.ndarray, pieces: int = PIECES
+    excitation: OverTime, n: Numbers, stiffness: np.ndarray, ratio: np.ndarray, pieces: int = PIECES
 ) -> tuple[Columns, Columns]:
     """Results of an oscillator under an excitation over time, and the rounding that they carry beside that of numbers.
 
     Parameters
     ----------
-    element : OscillatorElement
+    excitation : OverTime
     n : mapping of str to ndarray (variants,)
         Its numbers by their keys.
     stiffness, ratio : ndarray (variants,)
@@ -95,12 +85,12 @@ def over_time_columns(
     columns, carried : dict of str to ndarray (variants,)
         As named by OVER_TIME_RESULTS.
     """
-    found, _, rows, horizon = _followed(element, n, stiffness, ratio, pieces)
+    found, _, rows, horizon = _followed(excitation, n, stiffness, ratio, pieces)
     every = np.broadcast_to(rows, (horizon.size, *rows.shape[1:]))
     ends = np.array([np.interp(until, *row) for until, row in zip(horizon, every, strict=True)])
     reached = np.where(rows[:, 0] <= horizon[:, None], np.abs(rows[:, 1]), 0.0).max(axis=1)
     drives = np.maximum(reached, np.abs(ends))
-    at_rest = drives if isinstance(element.excitation, SupportOverTime) else drives / stiffness
+    at_rest = drives if isinstance(excitation, SupportOverTime) else drives / stiffness
     with np.errstate(all="ignore"):
         factor = np.where(at_rest > 0.0, found[GREATEST] / at_rest, math.nan)
         carried = found[CARRIED] / 4.0
@@ -146,20 +136,19 @@ class OscillatorHistory(NamedTuple):
     drives: np.ndarray
 
 
-def oscillator_history(element: OscillatorElement, n: Numbers, columns: Columns, instants: int) -> OscillatorHistory:
+def oscillator_history(excitation: OverTime, n: Numbers, columns: Columns, instants: int) -> OscillatorHistory:
     """An oscillator under an excitation over time, at equally spaced instants.
 
     Parameters
     ----------
-    element : OscillatorElement
+    excitation : OverTime
     n, columns : mapping of str to ndarray (1,)
-        Its numbers by their keys and its results, from `oscillator_numbers` and `oscillator_columns`.
+        Numbers of the oscillator by their keys, and its results.
     instants : int
     """
-    excitation = element.excitation
     kept = PIECES + 1 if excitation.formula is not None else len(excitation.over_time)
     stiffness, ratio = columns["stiffness"], columns["damping_ratio"]
-    _, states, rows, horizon = _followed(element, n, stiffness, ratio, PIECES, kept)
+    _, states, rows, horizon = _followed(excitation, n, stiffness, ratio, PIECES, kept)
     states = states[0][~np.isnan(states[0, :, 0])]
     k, w, z = float(stiffness[0]), float(columns["natural_frequency"][0]), float(ratio[0])
     time = np.linspace(0.0, float(horizon[0]), instants)

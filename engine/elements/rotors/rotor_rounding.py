@@ -8,16 +8,16 @@ mass, radius and angle. Which holes get pieces is taken as decided.
 Source: J. H. Wilkinson, Rounding Errors in Algebraic Processes (running error analysis).
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
 
+from engine.elements.element import Columns, Numbers
 from engine.elements.rotors.bearings import STANDARD_GRAVITY
-from engine.elements.rotors.rotor_element import RotorElement
+from engine.elements.rotors.rotor_parts import CorrectionPlane
 
-Numbers = Mapping[str, np.ndarray]
-Columns = dict[str, np.ndarray]
+Planes = Mapping[str, CorrectionPlane]
 
 # Roundings of a few steps, and of a few dozen.
 FEW, SOME = 8.0, 32.0
@@ -49,13 +49,14 @@ class BalancedRotor(NamedTuple):
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
-def rotor_sizes(rotor: RotorElement, n: Numbers, b: BalancedRotor, columns: Columns) -> Columns:
+def rotor_sizes(unbalances: Iterable[str], planes: Planes, n: Numbers, b: BalancedRotor, columns: Columns) -> Columns:
     """Roundings that the results of a rotor carry.
 
     Parameters
     ----------
-    rotor : RotorElement
-        Which unbalances and planes there are.
+    unbalances : iterable of str
+        Which there are.
+    planes : mapping of str to CorrectionPlane
     n : mapping of str to ndarray (variants,)
         Its numbers.
     b : BalancedRotor
@@ -66,14 +67,14 @@ def rotor_sizes(rotor: RotorElement, n: Numbers, b: BalancedRotor, columns: Colu
     -------
     dict of str to ndarray (variants,)
     """
-    own = np.abs(b.unbalances) * (FEW + np.stack([np.abs(n[f"unbalances.{u}.angle"]) for u in rotor.unbalances], -1))
+    own = np.abs(b.unbalances) * (FEW + np.stack([np.abs(n[f"unbalances.{u}.angle"]) for u in unbalances], -1))
     bearings = np.abs(n["first_bearing"]) + np.abs(n["second_bearing"])
     span, centre = np.abs(n["second_bearing"] - n["first_bearing"]), np.abs(n["centre"])
     stretched = 1 + bearings / span
     # What a unit of unbalance at a place amounts to in a bearing's plane, with the magnitudes of all lengths.
     reach = ((np.abs(z) + (centre + bearings)[:, None]) / span[:, None] for z in (b.positions, b.planes))
     at_masses, at_planes = (r * stretched[:, None] for r in reach)
-    added = _corrections(rotor, n, b, own)
+    added = _corrections(planes, n, b, own)
     before = (own * at_masses).sum(axis=-1)
     each = added * at_planes
     after = before + each.sum(axis=-1)
@@ -99,10 +100,10 @@ def rotor_sizes(rotor: RotorElement, n: Numbers, b: BalancedRotor, columns: Colu
             sizes[f"{bearing}_force_{word}"] = size * square + FEW * columns[f"{bearing}_force_{word}"]
             sizes[f"{bearing}_peak_{word}"] = sizes[f"{bearing}_force_{word}"] + weight
             sizes[f"{bearing}_permissible"] = allowed
-    for k, name in enumerate(rotor.planes):
+    for k, name in enumerate(planes):
         sizes[f"{name}.mass"] = added[:, k] / b.radii[:, k] + FEW * columns[f"{name}.mass"]
         sizes[f"{name}.angle"] = added[:, k] / np.abs(b.made[:, k]) + SOME
-    sizes["correction_mass"] = sum(sizes[f"{name}.mass"] for name in rotor.planes)
+    sizes["correction_mass"] = sum(sizes[f"{name}.mass"] for name in planes)
     return sizes
 
 
@@ -127,9 +128,9 @@ def _room(size: np.ndarray, carried_size: np.ndarray, b: BalancedRotor, room: np
     return ((size + np.abs(room) * carried_size) / b.carried).max(axis=0) + FEW * np.abs(room)
 
 
-def _corrections(rotor: RotorElement, n: Numbers, b: BalancedRotor, own: np.ndarray) -> np.ndarray:
+def _corrections(planes: Planes, n: Numbers, b: BalancedRotor, own: np.ndarray) -> np.ndarray:
     """Roundings of what is added in the planes (variants, planes)."""
-    if len(rotor.planes) == 1:
+    if len(planes) == 1:
         wanted = own.sum(axis=-1)[:, None]
     else:
         weights = b.radii**2
@@ -143,7 +144,7 @@ def _corrections(rotor: RotorElement, n: Numbers, b: BalancedRotor, own: np.ndar
         even = own.sum(axis=-1, keepdims=True)
         wanted = SOME / FEW * stretched * weights * (even / total + np.abs(arms) / tilt * moment)
     found = wanted + FEW * np.abs(b.made)
-    for k, (name, plane) in enumerate(rotor.planes.items()):
+    for k, (name, plane) in enumerate(planes.items()):
         if plane.holes is not None:
             found[:, k] = np.abs(b.made[:, k]) * (SOME + np.abs(n[f"planes.{name}.first_hole"]))
     return found

@@ -7,66 +7,73 @@ Source: R. S. Khurmi and J. K. Gupta, Theory of Machines, chapter 21 (several ma
 """
 
 import math
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
+from pydantic import Field, model_validator
 
-from engine.elements.element_laws import ElementResult, LawOfArrays, with_nudges
+from engine.elements.element import EPS, Columns, Element, ElementResult, Numbers
 from engine.elements.rotors.knife_edges import residual_unbalance, resting_angle
-from engine.elements.rotors.rotor_element import StaticRotor
-
-_RESULTS = (
-    ElementResult("unbalance", "resultant unbalance", "kg m"),
-    ElementResult("unbalance_angle", "angle of the resultant unbalance", "rad", None, True),
-    ElementResult("correction_mass", "mass that balances the rotor", "kg"),
-    ElementResult("correction_angle", "angle of the mass that balances the rotor", "rad", None, True),
-    ElementResult("eccentricity", "distance of the centre of mass from the axis", "m", "mass"),
-    ElementResult("centrifugal_force", "force of the unbalance on the bearings", "N", "speed"),
-    ElementResult(
-        "knife_edge_unbalance", "unbalance that rolling friction on knife edges leaves", "kg m", "rolling_arm"
-    ),
-    ElementResult(
-        "knife_edge_angle", "angle to the lowest place at which friction may hold the heavy side", "rad", "rolling_arm"
-    ),
-)
+from engine.elements.rotors.rotor_parts import OffAxis
+from engine.parts.skeleton import AngularSpeed, Length, Mass, Name
 
 
-def static_rotor_law(element: StaticRotor) -> LawOfArrays:
-    """The law of a flat rotor.
+class StaticRotor(Element):
+    """A flat rotor, such as a wheel or a disc: all masses off its axis count as in one plane.
 
-    Parameters
-    ----------
-    element : StaticRotor
-        Its numbers are not used.
+    One mass at `correction_radius` balances them. On knife edges, with the rotor's `mass` and the arm of rolling
+    friction, `rolling_arm`, it is found as well as friction lets it.
     """
-    masses = [f"unbalances.{name}.{key}" for name in element.unbalances for key in ("mass", "radius", "angle")]
-    others = [key for key in ("mass", "rolling_arm", "speed") if getattr(element, key) is not None]
-    keys = ("correction_radius", *others, *masses)
 
-    def rows(table: np.ndarray) -> np.ndarray:
-        return _balanced(dict(zip(keys, table[: 1 + len(others)], strict=False)), table[1 + len(others) :])
-
-    return LawOfArrays(with_nudges(rows), lambda given_element, given: tuple(given(key) for key in keys), _RESULTS)
-
-
-def _balanced(n: dict[str, np.ndarray], masses: np.ndarray) -> np.ndarray:
-    mass, radius, angle = masses[0::3], masses[1::3], masses[2::3]
-    parts = mass * radius * np.exp(1j * angle)
-    total = parts.sum(axis=0)
-    size = np.abs(total)
-    # What is left of unbalances that cancel is rounding, and has no direction.
-    size = np.where(size <= 4.0 * np.finfo(float).eps * np.abs(parts).sum(axis=0), 0.0, size)
-    nothing = np.full(size.shape, math.nan)
-    direction = np.where(size > 0.0, np.angle(total), math.nan)
-    own, arm = n.get("mass", nothing), n.get("rolling_arm", nothing)
-    return np.stack(
-        [
-            size,
-            direction,
-            size / n["correction_radius"],
-            np.where(direction > 0.0, direction - math.pi, direction + math.pi),
-            size / own,
-            size * n.get("speed", nothing) ** 2,
-            residual_unbalance(own, arm),
-            resting_angle(size, own, arm),
-        ]
+    RESULTS: ClassVar = (
+        ElementResult("unbalance", "resultant unbalance", "kg m"),
+        ElementResult("unbalance_angle", "angle of the resultant unbalance", "rad", None, True),
+        ElementResult("correction_mass", "mass that balances the rotor", "kg"),
+        ElementResult("correction_angle", "angle of the mass that balances the rotor", "rad", None, True),
+        ElementResult("eccentricity", "distance of the centre of mass from the axis", "m", "mass"),
+        ElementResult("centrifugal_force", "force of the unbalance on the bearings", "N", "speed"),
+        ElementResult(
+            "knife_edge_unbalance", "unbalance that rolling friction on knife edges leaves", "kg m", "rolling_arm"
+        ),
+        ElementResult(
+            "knife_edge_angle",
+            "angle to the lowest place at which friction may hold the heavy side",
+            "rad",
+            "rolling_arm",
+        ),
     )
+
+    type: Literal["static_rotor"]
+    unbalances: Annotated[dict[Name, OffAxis], Field(min_length=1)]
+    correction_radius: Annotated[Length, Field(gt=0)]
+    mass: Annotated[Mass, Field(gt=0)] | None = None
+    rolling_arm: Annotated[Length, Field(gt=0)] | None = None
+    speed: Annotated[AngularSpeed, Field(gt=0)] | None = None
+
+    @model_validator(mode="after")
+    def _rolls_with_its_mass(self) -> "StaticRotor":
+        if self.rolling_arm is not None and self.mass is None:
+            raise ValueError("rolling_arm needs the rotor's mass, which presses it on the knife edges: give mass")
+        return self
+
+    def values(self, n: Numbers) -> Columns:
+        """Results of a set of variants by their names."""
+        masses = [[n[f"unbalances.{name}.{key}"] for name in self.unbalances] for key in ("mass", "radius", "angle")]
+        mass, radius, angle = np.array(masses)
+        parts = mass * radius * np.exp(1j * angle)
+        total = parts.sum(axis=0)
+        size = np.abs(total)
+        # What is left of unbalances that cancel is rounding, and has no direction.
+        size = np.where(size <= 4.0 * EPS * np.abs(parts).sum(axis=0), 0.0, size)
+        direction = np.where(size > 0.0, np.angle(total), math.nan)
+        own, arm = n.get("mass", math.nan), n.get("rolling_arm", math.nan)
+        return {
+            "unbalance": size,
+            "unbalance_angle": direction,
+            "correction_mass": size / n["correction_radius"],
+            "correction_angle": np.where(direction > 0.0, direction - math.pi, direction + math.pi),
+            "eccentricity": size / own,
+            "centrifugal_force": size * n.get("speed", math.nan) ** 2,
+            "knife_edge_unbalance": residual_unbalance(own, arm),
+            "knife_edge_angle": resting_angle(size, own, arm),
+        }

@@ -1,29 +1,20 @@
 """What excites a torsional train: moments of given orders, those of an engine's cylinders, or the scene's machine."""
 
-from collections.abc import Mapping
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from engine.elements.engines.engine_columns import ROUNDED_ORDERS, engine_torque
+from engine.elements.element import EPS, Numbers
+from engine.elements.engines.engine import ROUNDED_ORDERS, engine_torque
 from engine.elements.torsional_trains.reduced_train import ReducedTrain
-from engine.elements.torsional_trains.train_element import TorsionalTrain
 
-Numbers = Mapping[str, np.ndarray]
-EPS = float(np.finfo(float).eps)
+if TYPE_CHECKING:
+    from engine.elements.torsional_trains.torsional_train import TorsionalTrain
+
 # Orders of an engine's torque that are counted: what lies above hardly excites a train.
 ENGINE_ORDERS = tuple(k / 2 for k in range(1, 25))
 # Harmonics of the cycle of the scene's machine.
 MACHINE_HARMONICS = 12
-# Numbers of that machine, which come with those of a train: speed and revolutions of a cycle, mean inertia, mean
-# moment, cosine and sine parts of the harmonics of M − ½ ω² dI/dφ, and what any of these may be off by.
-MACHINE_KEYS = (
-    "machine.speed",
-    "machine.revolutions",
-    "machine.inertia",
-    "machine.inertia_error",
-    *(f"machine.{part}_{k}" for k in range(MACHINE_HARMONICS + 1) for part in ("cosine", "sine", "error")),
-)
 
 
 class TrainExcitation(NamedTuple):
@@ -51,7 +42,7 @@ class TrainExcitation(NamedTuple):
     mean_errors: np.ndarray
 
 
-def excitation_orders(train: TorsionalTrain, revolutions: int = 1) -> tuple[float, ...]:
+def excitation_orders(train: "TorsionalTrain", revolutions: int = 1) -> tuple[float, ...]:
     """Orders above 0 that excite a train, rising.
 
     Parameters
@@ -67,7 +58,7 @@ def excitation_orders(train: TorsionalTrain, revolutions: int = 1) -> tuple[floa
     return tuple(sorted(found))
 
 
-def train_speed(train: TorsionalTrain, n: Numbers) -> np.ndarray:
+def train_speed(train: "TorsionalTrain", n: Numbers) -> np.ndarray:
     """Speed of a train, by magnitude: that of its engine, of the machine that excites it, or its own [rad/s].
 
     Parameters
@@ -81,7 +72,7 @@ def train_speed(train: TorsionalTrain, n: Numbers) -> np.ndarray:
     return n["engine.speed"] if train.engine is not None else n["speed"]
 
 
-def train_excitation(train: TorsionalTrain, reduced: ReducedTrain, n: Numbers) -> TrainExcitation:
+def train_excitation(train: "TorsionalTrain", reduced: ReducedTrain, n: Numbers) -> TrainExcitation:
     """Everything that excites a train, reduced as the train is.
 
     Parameters

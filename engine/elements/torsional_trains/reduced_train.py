@@ -1,14 +1,14 @@
 """A train's numbers reduced to the shaft of its first mass, node by node."""
 
-from collections.abc import Iterator, Mapping
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from engine.elements.compliances.reduction import in_series, part_keys, reduced_part
-from engine.elements.torsional_trains.train_element import TorsionalTrain
+from engine.elements.compliances.reduction import in_series, reduced_part
+from engine.elements.element import Numbers
 
-Numbers = Mapping[str, np.ndarray]
+if TYPE_CHECKING:
+    from engine.elements.torsional_trains.torsional_train import TorsionalTrain
 
 
 class ReducedTrain(NamedTuple):
@@ -51,23 +51,7 @@ class ReducedTrain(NamedTuple):
     roundings: np.ndarray
 
 
-def train_keys(train: TorsionalTrain) -> Iterator[str]:
-    """Keys of all numbers that masses, shafts and gears are given."""
-    for name in train.masses:
-        if train.masses[name].inertia is not None:
-            yield f"masses.{name}.inertia"
-        yield f"masses.{name}.damping"
-    for name, shaft in train.shafts.items():
-        yield f"shafts.{name}.ratio"
-        for key in ("stiffness", "damping", "energy_absorption"):
-            if getattr(shaft, key) is not None:
-                yield f"shafts.{name}.{key}"
-        for part_name, part in (shaft.parts or {}).items():
-            yield from part_keys(part, f"shafts.{name}.parts.{part_name}")
-    yield from (f"gears.{name}.ratio" for name in train.gears)
-
-
-def reduced_train(train: TorsionalTrain, n: Numbers) -> ReducedTrain:
+def reduced_train(train: "TorsionalTrain", n: Numbers) -> ReducedTrain:
     """Reduce a train to the shaft of its first mass.
 
     Parameters
@@ -127,12 +111,12 @@ def reduced_train(train: TorsionalTrain, n: Numbers) -> ReducedTrain:
     )
 
 
-def any_ratio(train: TorsionalTrain) -> bool:
+def any_ratio(train: "TorsionalTrain") -> bool:
     """Whether any of a train's masses turns at another speed than the first."""
     return bool(train.gears) or any(shaft.ratio != 1.0 for shaft in train.shafts.values())
 
 
-def _shaft(train: TorsionalTrain, name: str, n: Numbers) -> tuple[np.ndarray, ...]:
+def _shaft(train: "TorsionalTrain", name: str, n: Numbers) -> tuple[np.ndarray, ...]:
     """Stiffness, damping, energy absorption and roundings of a shaft about the axis of its first end."""
     shaft, path = train.shafts[name], f"shafts.{name}"
     if shaft.parts is not None:

@@ -19,6 +19,8 @@ from engine.laws.elementary import exponential, power
 # so much the sum of the pressures exceeds the load that they carry.
 WORN_IN = 4 / math.pi
 NEW = math.pi / 2
+# That of contacts by their names: on a line it is the load itself.
+BUSHES = {"line": 1.0, "new": NEW, "worn in": WORN_IN, "half-round, new": NEW, "half-round, worn in": WORN_IN}
 # Exponent of Stribeck's curve in the form of Gauss.
 GAUSS = 2.0
 

@@ -5,6 +5,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.elements.elastic_drives.drive_cycles import (
+    DrivenMachine,
+    ElasticCycle,
+    drive_results,
+    elastic_cycle,
+    least_and_greatest,
+    steps_needed,
+)
 from engine.elements.elastic_drives.elastic_cycle import (
     ELASTIC,
     ENERGY,
@@ -15,20 +23,8 @@ from engine.elements.elastic_drives.elastic_cycle import (
     STAGES,
     STATE,
 )
-from engine.elements.elastic_drives.machine_drive_columns import (
-    RESULTS,
-    RUN_RESULTS,
-    VERDICT_KEY,
-    DrivenMachine,
-    ElasticCycle,
-    drive_results,
-    elastic_cycle,
-    least_and_greatest,
-    machine_keys,
-    steps_needed,
-)
-from engine.elements.elastic_drives.machine_drive_element import MachineDrive
-from engine.elements.elastic_drives.two_mass_columns import drive_shaft, shaft_keys
+from engine.elements.elastic_drives.elastic_shaft import drive_shaft
+from engine.elements.elastic_drives.machine_drive import RESULTS, RUN_RESULTS, VERDICT_KEY, MachineDrive, machine_keys
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.grid import GAP
@@ -46,11 +42,6 @@ LOOKED_AT = 256
 # Shares of a result that it may be off by besides the change from half as many steps; of a multiplier, to be judged by.
 ROUNDING = 1e-13
 SURE_OF_MULTIPLIER = 1e-9
-
-
-def drives_on_machine(scene: Scene, elements: Sequence[str]) -> tuple[str, ...]:
-    """Those of some elements of a scene through which its motors drive its machine."""
-    return tuple(name for name in elements if isinstance(scene.elements[name], MachineDrive))
 
 
 class ElasticDrives:
@@ -166,8 +157,8 @@ class ElasticDrives:
         bare_somewhere = dynamics.reduction.without_inertia(bare)
         verdict = np.where((verdict == Verdict.OK) & bare_somewhere, Verdict.NO_INERTIA, verdict)
         who = np.flatnonzero(verdict == Verdict.OK)
-        drive, paths = self.drives[name], {key: f"elements.{name}.{key}" for key in shaft_keys(self.drives[name])}
-        n = {key: np.broadcast_to(variants.numbers[path], own.shape) for key, path in paths.items()}
+        drive, given = self.drives[name], variants.numbers.below(f"elements.{name}")
+        n = {key: np.broadcast_to(value, own.shape) for key, value in given.items()}
         shaft = drive_shaft(drive, n | {"motor_inertia": own, "load_inertia": _mean_inertia(dynamics, bare)})
         given = np.stack([shaft.stiffness, shaft.damping, own], axis=1)[who]
         ready = Ready(dynamics, rigid.some(who), bare.some(who), given, shaft.frequency[who], who)

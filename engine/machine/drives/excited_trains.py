@@ -6,18 +6,11 @@ import numpy as np
 
 from engine.cycle.measured import Measured
 from engine.elements.torsional_trains.excitation import MACHINE_HARMONICS
-from engine.elements.torsional_trains.train_element import TorsionalTrain
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.dynamics import input_moment_harmonic
 from engine.quantities.expressions import Expression
 from engine.quantities.register import mean
-from engine.scene.scene import Numbers, Scene
-
-
-def trains_on_machine(scene: Scene, elements: tuple[str, ...]) -> tuple[str, ...]:
-    """Those of some elements of a scene that are trains which its machine excites."""
-    trains = {name for name, e in scene.elements.items() if isinstance(e, TorsionalTrain) and e.machine_at is not None}
-    return tuple(name for name in elements if name in trains)
+from engine.scene.scene import Numbers
 
 
 def machine_harmonics(m: Mechanics) -> list[Expression]:
@@ -49,7 +42,7 @@ def machine_numbers(
     Returns
     -------
     dict of str to ndarray (variants,)
-        By `MACHINE_KEYS`.
+        By their keys, such as "machine.inertia".
     """
     with np.errstate(all="ignore"):
         inertia, *found = (value_of(expression) for expression in expressions)

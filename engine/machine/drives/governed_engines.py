@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from engine.elements.governors.governor_columns import cycle_key
+from engine.elements.governors.governor import cycle_key
 from engine.elements.governors.places import NUMBERS
 from engine.machine.results import Outcome
 from engine.scene.scene import Numbers, Scene

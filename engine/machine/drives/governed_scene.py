@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 
-from engine.elements.governors.governor_columns import cycle_key
-from engine.elements.governors.governor_elements import governs_machine
+from engine.elements.governors.governor import cycle_key
 from engine.elements.governors.places import CYCLE_LENGTH, CYCLE_POSITIONS, NUMBERS
 from engine.machine.drives.governed_engines import GovernedEngines
 from engine.machine.machine import Machine
@@ -27,7 +26,7 @@ def governed_scene(scene: Scene) -> tuple[Scene, dict[str, np.ndarray]]:
     cycles : dict of str to ndarray
         Curves of the mechanism by the names of the governors that need them, for `load_change`.
     """
-    governing = [name for name, element in scene.elements.items() if governs_machine(element)]
+    governing = [name for name, element in scene.elements.items() if element.machine_needed()[0] == ".engine.machine"]
     if not governing:
         return scene, {}
     engines = GovernedEngines(scene, governing)

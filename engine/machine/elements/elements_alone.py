@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from engine.machine.checks import given_numbers
-from engine.machine.elements.element_columns import ElementColumns, element_summaries
+from engine.machine.elements.asked_elements import AskedElements, element_summaries
 from engine.machine.machine import Machine
 from engine.machine.results import AskError, Outcome, asked_text, blank
 from engine.quantities.quantity import Quantity
@@ -97,7 +97,7 @@ class ElementsAlone:
             if name not in known:
                 hint = did_you_mean(name, known)
                 raise AskError(f"{name!r} is not a summary of this scene, which has machine elements alone; {hint}")
-        self._columns = ElementColumns(scene, self.asked_summaries)
+        self._asked = AskedElements(scene, self.asked_summaries)
 
     def __repr__(self) -> str:
         return asked_text(self)
@@ -105,7 +105,7 @@ class ElementsAlone:
     @property
     def elements(self) -> tuple[str, ...]:
         """Elements of which something is asked."""
-        return self._columns.elements
+        return tuple(self._asked.elements)
 
     @property
     def available_summaries(self) -> dict[str, Quantity]:
@@ -118,8 +118,8 @@ class ElementsAlone:
         return len(self._limits)
 
     def source(self) -> str:
-        """Source of the kernel, to be read."""
-        return self._columns.text
+        """Source of the laws, to be read."""
+        return self._asked.text
 
     def new_buffer(self, variants: int) -> np.ndarray:
         """Memory for no fields of a number of variants."""
@@ -147,5 +147,5 @@ class ElementsAlone:
         arrays, status = given_numbers(self._limits, self.varied, varied, drop)
         keep, outcome = np.flatnonzero(status == Verdict.OK), blank(status, self.asked_summaries, {})
         numbers = Numbers(self._limits, arrays).of_variants(keep)
-        self._columns.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
+        self._asked.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
         return outcome

@@ -1,12 +1,13 @@
 """Loads given by a formula: its text, and the numbers that stand beside it."""
 
 import math
+from collections.abc import Iterator
 from typing import Annotated
 
 from pydantic import AfterValidator, ValidationInfo, model_validator
 
 from engine.parts.formulas.expressions import ExpressionError, parse
-from engine.parts.skeleton import Name, Part
+from engine.parts.skeleton import Name, Part, SceneNumber
 from engine.parts.units import any_quantity, in_text, recognised
 
 
@@ -39,6 +40,10 @@ class FormulaNumber(Part):
             return given
         value, dimension = recognised(given) if isinstance(given, str) else (in_text(given, "number"), "number")
         return {"value": value, "dimension": dimension}
+
+    def numbers_within(self, path: str = "") -> Iterator[tuple[str, SceneNumber]]:
+        """The number itself, of any value."""
+        yield path, SceneNumber(self.value, self.dimension, ())
 
     def at(self, value: float) -> "FormulaNumber":
         """The same with another value (SI)."""

@@ -22,13 +22,13 @@ from engine.scene.names import (
     sliders,
 )
 from engine.scene.pairs import friction_problems, pairs
-from engine.scene.scene import Scene, SceneError, once, references
+from engine.scene.scene import Scene, SceneError, once
 from engine.scene.structure.free_groups import FreeGroup, next_free_group, why_not_grouped
 from engine.scene.structure.meshes import mesh_problems, rides_along
 from engine.scene.structure.trains import train_problems
 
 
-class Element(NamedTuple):
+class OrderedPart(NamedTuple):
     """A step of the ordering.
 
     Its `kind` is "input", "second input", "shaft", "noncircular wheel", "rack", "pinion", "cam", "group",
@@ -44,7 +44,7 @@ class Structure(NamedTuple):
 
     Attributes
     ----------
-    elements : tuple of Element
+    elements : tuple of OrderedPart
         Each after all that it hangs on.
     links : tuple of str
         All moving links, shafts without a pivot left out.
@@ -54,7 +54,7 @@ class Structure(NamedTuple):
         Groups of free links, by their names.
     """
 
-    elements: tuple[Element, ...]
+    elements: tuple[OrderedPart, ...]
     links: tuple[str, ...]
     sliders: tuple[str, ...]
     free_groups: dict[str, FreeGroup]
@@ -75,7 +75,7 @@ def _outer(group: object) -> list[tuple[str, str]]:
 class _Ordering(NamedTuple):
     """Elements in order as far as the ordering goes; the link of each known point and guide; what is known."""
 
-    elements: list[Element]
+    elements: list[OrderedPart]
     points: dict[str, str]
     guides: dict[str, str]
     links: set[str]
@@ -94,7 +94,7 @@ def _in_mesh(
 
 
 def _ordered(scene: Scene) -> _Ordering:
-    elements = [Element("input", scene.input.link)]
+    elements = [OrderedPart("input", scene.input.link)]
     known_links = {FRAME, scene.input.link}
     points = {input_point(scene): scene.input.link}
     guides: dict[str, str] = {}
@@ -107,7 +107,7 @@ def _ordered(scene: Scene) -> _Ordering:
             for name, part in table.items():
                 if name not in known and part.link in known_links:
                     known[name] = part.link
-                    elements.append(Element(kind, name))
+                    elements.append(OrderedPart(kind, name))
                     grown = True
         for name, shaft in scene.shafts.items():
             if (
@@ -116,36 +116,36 @@ def _ordered(scene: Scene) -> _Ordering:
                 and (shaft.pivot is None or shaft.pivot in points)
             ):
                 known_links.add(name)
-                elements.append(Element("shaft", name))
+                elements.append(OrderedPart("shaft", name))
                 grown = True
         for name, second in scene.inputs.items():
             held = second.guide in guides if second.type == "slider" else second.pivot in points
             if name not in known_links and held:
                 known_links.add(name)
-                elements.append(Element("second input", name))
+                elements.append(OrderedPart("second input", name))
                 grown = True
         for name, wheel in scene.noncircular_wheels.items():
             if name not in known_links and wheel.geared_to in known_links and wheel.pivot in points:
                 known_links.add(name)
-                elements.append(Element("noncircular wheel", name))
+                elements.append(OrderedPart("noncircular wheel", name))
                 grown = True
         for kind, table in (("rack", scene.racks), ("pinion", scene.pinions)):
             for name, part in table.items():
                 if name not in known_links and _in_mesh(scene, part, known_links, points, guides):
                     known_links.add(name)
-                    elements.append(Element(kind, name))
+                    elements.append(OrderedPart(kind, name))
                     grown = True
         for name, cam in scene.cams.items():
             held = cam.follower.guide in guides if cam.translating else cam.follower.pivot in points
             if cam.follower.link not in known_links and cam.on in known_links and held:
                 known_links.add(cam.follower.link)
-                elements.append(Element("cam", name))
+                elements.append(OrderedPart("cam", name))
                 grown = True
         for name, group in scene.groups.items():
-            if Element("group", name) in elements:
+            if OrderedPart("group", name) in elements:
                 continue
             if all(ref in (points if kind == "point" else guides) for kind, ref in _outer(group)):
-                elements.append(Element("group", name))
+                elements.append(OrderedPart("group", name))
                 known_links.update(group_links(scene, name))
                 if hasattr(group, "inner"):
                     points[group.inner] = group.first.link
@@ -153,7 +153,7 @@ def _ordered(scene: Scene) -> _Ordering:
         found = None if grown else next_free_group(scene, known_links)
         if found is not None:
             free_groups[found.name] = found
-            elements.append(Element("free group", found.name))
+            elements.append(OrderedPart("free group", found.name))
             known_links.update(found.links)
             points |= {j: link for j, link in owners.items() if link in found.links and j not in scene.points}
             grown = True
@@ -226,35 +226,35 @@ def _free_problems(scene: Scene, ordering: _Ordering) -> list[tuple[str, str]]:
     return problems
 
 
-def _why_unordered(scene: Scene, elements: list[Element], points: dict, guides: dict) -> list[tuple[str, str]]:
+def _why_unordered(scene: Scene, elements: list[OrderedPart], points: dict, guides: dict) -> list[tuple[str, str]]:
     """Reasons why some groups, points or guides could not be reached."""
     problems = []
-    shafts = [name for name in scene.shafts if Element("shaft", name) not in elements]
+    shafts = [name for name in scene.shafts if OrderedPart("shaft", name) not in elements]
     if shafts:
         chain = ", ".join(f"{name!r} on {scene.shafts[name].geared_to!r}" for name in shafts)
         problems.append(
             (f"shafts.{shafts[0]}.geared_to", f"gears that nothing drives: {chain}; gear one to a link that moves")
         )
-    wheels = [name for name in scene.noncircular_wheels if Element("noncircular wheel", name) not in elements]
+    wheels = [name for name in scene.noncircular_wheels if OrderedPart("noncircular wheel", name) not in elements]
     if wheels:
         message = "a wheel that nothing drives; gear it to the crank, to a shaft with a pivot, or to such a wheel"
         problems.append((f"noncircular_wheels.{wheels[0]}.geared_to", message))
     for kind, table in (("rack", scene.racks), ("pinion", scene.pinions)):
-        found = [name for name in table if Element(kind, name) not in elements]
+        found = [name for name in table if OrderedPart(kind, name) not in elements]
         if found:
             message = f"a {kind} that nothing drives, or whose axis or guide nothing holds; hang it on what moves"
             problems.append((f"{kind}s.{found[0]}", message))
-    unheld = [name for name in scene.inputs if Element("second input", name) not in elements]
+    unheld = [name for name in scene.inputs if OrderedPart("second input", name) not in elements]
     if unheld:
         second = scene.inputs[unheld[0]]
         key, held = ("guide", second.guide) if second.type == "slider" else ("pivot", second.pivot)
         message = f"{held!r} hangs on what this input would drive, or on nothing that moves; name one known before it"
         problems.append((f"inputs.{unheld[0]}.{key}", message))
-    cams = [name for name in scene.cams if Element("cam", name) not in elements]
+    cams = [name for name in scene.cams if OrderedPart("cam", name) not in elements]
     if cams:
         message = "a cam that nothing turns, or whose follower nothing holds; put it on the crank or a shaft"
         problems.append((f"cams.{cams[0]}.on", message))
-    waiting = [name for name in scene.groups if Element("group", name) not in elements]
+    waiting = [name for name in scene.groups if OrderedPart("group", name) not in elements]
     if waiting:
         lacks = {
             name: [
@@ -296,7 +296,7 @@ def order(scene: Scene) -> Structure:
             f"{name!r} is not {'an' if kind == 'action' else 'a'} {kind} of this scene; "
             + did_you_mean(name, kinds[kind]),
         )
-        for path, kind, name in references(scene)
+        for path, kind, name in scene.references()
         if name not in kinds[kind]
     ]
     if problems:

@@ -16,7 +16,6 @@ from engine import (
     EngineElement,
     Hodograph,
     crankshaft_counterweights,
-    engine_numbers,
     engine_shaking,
     engine_torque,
     firing_angles,
@@ -51,7 +50,7 @@ def shaken(engine: EngineElement) -> Shaken:
     ----------
     engine : EngineElement
     """
-    n = engine_numbers(engine)
+    n = engine.own_numbers()
     made = made_engine(engine, n)
     found = engine_shaking(made, ORDERS)
     weights = crankshaft_counterweights(made, n["balanced_rotating"], n["balanced_reciprocating"])
@@ -105,7 +104,7 @@ def _ellipse_text(vector: Hodograph, i: int, units: str) -> str:
 
 def _torque_orders(engine: EngineElement, orders: np.ndarray) -> tuple[float, np.ndarray]:
     """Mean torque and its orders [N·m]; what balances but for rounding is 0."""
-    one, found, _ = engine_torque(engine, engine_numbers(engine), orders)
+    one, found, _ = engine_torque(engine, engine.own_numbers(), orders)
     least = ROUNDED_ORDERS * ROUNDING * engine.cylinders * np.abs(one.orders[0])
     return engine.cylinders * float(one.mean[0]), np.where(np.abs(found[0]) <= least, 0.0, found[0])
 

@@ -12,7 +12,6 @@ from engine import (
     GearTrain,
     VelocityPicture,
     Verdict,
-    gear_numbers,
     gear_results,
     velocity_picture,
 )
@@ -186,7 +185,7 @@ def _angular(ax: Axes, linear: Axes, picture: VelocityPicture, colours: dict[str
 
 def gear_table(train: GearTrain) -> str:
     """Count of freedoms and, by shafts, speed, moment and power of a train, in words."""
-    found, _ = gear_results(train, gear_numbers(train))
+    found, _ = gear_results(train, train.own_numbers())
     rows = [train.structure.words, f"{'shaft':<16}{'speed, rpm':>14}{'moment, N m':>16}{'power, W':>14}"]
     for name in train.shafts:
         cells = [RPM * found[f"{name}.speed"][0][0]]

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from engine import (
-    AnyGovernor,
+    Governor,
     GovernorCurves,
     LoadChange,
     StabilityPoint,
@@ -26,7 +26,7 @@ FLAT = 1e-12
 
 
 def governor_sheet(
-    governor: AnyGovernor, target: Path | str | Figure, title: str = "", cycle: np.ndarray | None = None
+    governor: Governor, target: Path | str | Figure, title: str = "", cycle: np.ndarray | None = None
 ) -> Figure:
     """Controlling force and speed of a governor in equilibrium; with an engine, its stability and a change of load.
 
@@ -148,7 +148,7 @@ def _diagram(ax: Axes, point: StabilityPoint | None) -> None:
     ax.set_title("Vyshnegradsky's diagram")
 
 
-def _change(ax: Axes, change: LoadChange | None, governor: AnyGovernor) -> None:
+def _change(ax: Axes, change: LoadChange | None, governor: Governor) -> None:
     """Speed of the engine and lift of the sleeve after a change of load."""
     if change is None:
         ax.set_axis_off()

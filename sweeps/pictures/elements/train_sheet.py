@@ -22,7 +22,6 @@ from engine import (
     natural_vibration,
     reduced_train,
     train_excitation,
-    train_numbers,
     train_speed,
 )
 from sweeps.pictures.style import GREY, PALE, PALETTE, VERMILION, sheet
@@ -147,7 +146,7 @@ def _train_drawing(
 def _numbers(scene: Scene, name: str) -> Numbers:
     """Numbers of a train as one variant, with those of the machine that excites it."""
     train = scene.elements[name]
-    return train_numbers(train) | numbers_of_machine(scene, name)
+    return train.own_numbers() | numbers_of_machine(scene, name)
 
 
 def numbers_of_machine(scene: Scene, name: str) -> Numbers:
@@ -236,7 +235,7 @@ def train_table(train: TorsionalTrain, machine: Numbers) -> str:
     machine : dict of str to ndarray (1,)
         What a machine that excites it gives it, from `numbers_of_machine`.
     """
-    reduced = reduced_train(train, train_numbers(train) | machine)
+    reduced = reduced_train(train, train.own_numbers() | machine)
     natural = natural_vibration(reduced, train.reported_modes)
     texts = []
     for k, frequency in enumerate(natural.frequencies[:, 0]):

@@ -14,7 +14,6 @@ from engine import (
     permissible_unbalance,
     resultant_unbalance,
     rotor_corrections,
-    rotor_numbers,
     rotor_unbalances,
     tolerance_shares,
     unbalance_in_two_planes,
@@ -54,7 +53,7 @@ def plan_of(rotor: RotorElement) -> RotorPlan:
     ----------
     rotor : RotorElement
     """
-    n = rotor_numbers(rotor)
+    n = rotor.own_numbers()
     given, where = rotor_unbalances(rotor, n)
     before = resultant_unbalance(given, where, n["centre"])
     made, planes, _ = rotor_corrections(rotor, n, before)

@@ -14,7 +14,7 @@ from engine import DimensionMark, FormulaNumber, NonZero, Scene, common_units, d
 from sweeps.study.study_text import StudyText
 from sweeps.text.input_files import InputError
 from sweeps.text.tables import table
-from sweeps.text.toml_text import bare_annotation, is_union
+from sweeps.text.toml_text import arms_of, bare_annotation, is_union
 
 # What stands in a path for names that the user gives.
 NAME, PATH = "NAME", "PATH"
@@ -104,7 +104,7 @@ def _tables_in(annotation: Any, path: tuple[str, ...]) -> Iterator[tuple[type[Ba
     """Models that may stand at a place, and the places of their keys."""
     here = bare_annotation(annotation)
     if is_union(here):
-        for arm in get_args(here):
+        for arm in arms_of(here):
             yield from _tables_in(arm, path)
     elif get_origin(here) is dict:
         yield from _tables_in(get_args(here)[1], (*path, PATH if path[-1] in _BY_PATH else NAME))
@@ -268,7 +268,7 @@ def _kind(here: Any, dimension: str | None) -> str:
     if get_origin(here) is dict:
         return f"a table, each entry {_kind(bare_annotation(get_args(here)[1]), None)}"
     if is_union(here):
-        return " or ".join(dict.fromkeys(_kind(bare_annotation(arm), None) for arm in get_args(here)))
+        return " or ".join(dict.fromkeys(_kind(bare_annotation(arm), None) for arm in arms_of(here)))
     if isinstance(here, type) and issubclass(here, BaseModel):
         return "a quantity in any unit" if here is FormulaNumber else "a table"
     return {bool: "true or false", int: "a whole number", float: "a number", dict: "a table"}.get(here, "a text")

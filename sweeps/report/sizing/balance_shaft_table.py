@@ -11,7 +11,6 @@ from engine import (
     UnitError,
     balance_shafts,
     crankshaft_counterweights,
-    engine_numbers,
     engine_shaking,
     in_text,
     made_engine,
@@ -50,7 +49,7 @@ def balance_shaft_text(scene: Scene, planes: str | None = None) -> str:
 
 
 def _engine_text(name: str, element: EngineElement, given: tuple[float, float] | None) -> str:
-    numbers = engine_numbers(element)
+    numbers = element.own_numbers()
     engine = made_engine(element, numbers)
     weights = crankshaft_counterweights(engine, numbers["balanced_rotating"], numbers["balanced_reciprocating"])
     found = remaining_shaking(engine_shaking(engine, ORDERS), [weights])

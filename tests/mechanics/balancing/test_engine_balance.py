@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from mpmath import mpf
 from numpy.testing import assert_allclose
 
-from engine.elements.engines.engine_columns import ROUNDED_ORDERS
+from engine.elements.engines.engine import ROUNDED_ORDERS
 from engine.elements.engines.engine_layout import (
     Engine,
     MasterRod,

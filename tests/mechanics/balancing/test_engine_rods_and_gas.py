@@ -13,9 +13,8 @@ from numpy.testing import assert_allclose
 from sampled_torque import gas_torque, harmonics, inertia_harmonics
 
 from engine import ElementsAlone, Scene, SceneError, Verdict
-from engine.elements.engines.engine_columns import (
+from engine.elements.engines.engine import (
     TORQUE_ORDERS,
-    engine_numbers,
     engine_torque,
     made_engine,
     torque_name,
@@ -137,7 +136,7 @@ def test_link_rods__are_those_of_newtons_master_rod():
 
 def test_made_engine_with_link_rods__is_the_one_of_the_functions():
     star = element(**STAR)
-    made = made_engine(star, engine_numbers(star))
+    made = made_engine(star, star.own_numbers())
     at_piston, at_knuckle = 0.3 * 0.05 / 0.18, 0.3 * 0.13 / 0.18
     own = 0.4 + 0.5 * 0.04 / 0.24
     pistons = [own if k == 1 else 0.4 + at_piston for k in range(5)]
@@ -175,7 +174,7 @@ def test_torque_of_gas_and_inertia__is_that_of_the_curves(offset):
     expected = (harmonics(curve, TORQUE_ORDERS) + inertia * 300**2) * fired
     size = np.abs(curve).max()
     four = element(**keys)
-    found = engine_torque(four, engine_numbers(four))[1][0]
+    found = engine_torque(four, four.own_numbers())[1][0]
     for n, whole, phased in zip(TORQUE_ORDERS, expected, found, strict=True):
         # The curve has kinks: its trapezoid rule is off by (4π/28800)²/12 of a slope of some ten times its size.
         assert value(outcome, torque_name(n))[0] == pytest.approx(abs(whole), abs=1e-6 * size)

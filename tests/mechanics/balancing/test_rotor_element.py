@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
-from engine import ElementsAlone, Scene, SceneError, Verdict, scene_numbers
-from engine.elements.rotors.rotor_columns import rotor_columns, rotor_law, rotor_numbers
+from engine import ElementsAlone, Scene, SceneError, Verdict
+from engine.elements.rotors.rotor import rotor_columns
 from sweeps.pictures.elements.unbalance_plan import plan_of, unbalance_plan
 from sweeps.pictures.picture_error import PictureError
 from sweeps.study.bundled import STUDIES
@@ -123,7 +123,7 @@ def test_rotor__quality_is_the_grade_whose_tolerances_just_hold_it():
 def test_rotor__errors_of_mass_and_angle_leave_at_most_the_quality_at_worst(mass_error, angle_error, parts):
     planes = planes_with(mass_error=mass_error, angle_error=angle_error)
     rotor = element(planes=planes)
-    found, _ = rotor_columns(rotor, rotor_numbers(rotor))
+    found, _ = rotor_columns(rotor, rotor.own_numbers())
     added = [
         (m * (1 + mass_error * p), r, a + angle_error * q, z)
         for (m, r, a, z), p, q in zip(added_masses(found, planes), parts[:2], parts[2:], strict=True)
@@ -241,20 +241,6 @@ def test_rotor__that_cannot_be_is_refused_in_words(changes, message):
         element(**changes)
 
 
-def test_rotor_law__takes_every_number_of_the_element_once():
-    scene = Scene.model_validate({"elements": {"fan": rotor_of(planes=planes_with(holes=8, piece=0.03))}})
-    rotor = scene.elements["fan"]
-    numbers, law = rotor_numbers(rotor), rotor_law(rotor)
-    taken = law.arguments(rotor, lambda key: numbers[key][0])
-    rows, sizes = law.function(np.array(taken)[:, None])
-    columns, _ = rotor_columns(rotor, numbers)
-    assert np.array_equal(rows[:, 0], [columns[r.name][0] for r in law.results], equal_nan=True)
-    assert rows.shape == sizes.shape
-    slots = {path for path in scene_numbers(scene) if path.startswith("elements.")}
-    assert slots == {f"elements.fan.{key}" for key in numbers}
-    assert len(taken) == len(slots)
-
-
 def test_rotor__beside_other_elements_gives_what_it_gives_alone():
     screw = {
         "type": "screw", "load": 6400.0, "mean_diameter": 0.03, "pitch": 0.004, "thread": "square", "friction": 0.08,
@@ -277,7 +263,7 @@ def test_plan__shows_masses_corrections_and_what_the_bearings_feel():
     rotor = read_scene(STUDIES / "balancing" / "scenes" / "fan_rotor.toml").elements["fan"]
     plan = plan_of(rotor)
     assert plan.names == ("left_disc", "right_disc", "coupling", "left", "right")
-    found, _ = rotor_columns(rotor, rotor_numbers(rotor))
+    found, _ = rotor_columns(rotor, rotor.own_numbers())
     square = rotor.speed**2
     assert plan.bearings[0] * square == pytest.approx([found[f"{b}_force_before"][0] for b in ("first", "second")])
     assert plan.bearings[1] * square == pytest.approx([found[f"{b}_force_after"][0] for b in ("first", "second")])

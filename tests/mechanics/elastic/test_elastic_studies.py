@@ -10,8 +10,7 @@ from test_oscillators import OSCILLATOR, ROTOR
 from test_two_mass_drives import DRIVE, peak_of_start
 
 from engine import ElementsAlone, Scene, Verdict, scene_numbers
-from sweeps.pictures.elements.elastic_sheets import drive_sheet, oscillator_sheet
-from sweeps.pictures.elements.element_pictures import element_pictures
+from sweeps.pictures.elements.element_pictures import element_pictures, element_sheet
 from sweeps.pictures.style import new_figure
 from sweeps.study.bundled import bundled_studies
 from sweeps.study.study_reader import read_study
@@ -90,7 +89,7 @@ def test_pictures__are_made_of_every_oscillator_and_drive(tmp_path):
 def test_sheets__show_what_is_computed():
     figure = new_figure(180, 75)
     data = ROTOR | {"damping_ratio": 0.05, "start": {"displacement": 0.01, "time": 0.2}}
-    oscillator_sheet(element(data), figure)
+    element_sheet(element(data), figure)
     free, forced, through = figure.axes
     factor, moved, peak = one(data, "dynamic_factor", "free_displacement", "run_through_amplitude")
     assert any(list(line.get_ydata()) == [pytest.approx(factor)] for line in forced.get_lines())
@@ -98,6 +97,6 @@ def test_sheets__show_what_is_computed():
     curve = next(line for line in through.get_lines() if line.get_label() == "on the way")
     assert curve.get_ydata().max() == pytest.approx(1e3 * peak, rel=1e-3)
     figure = new_figure(180, 130)
-    drive_sheet(element(DRIVE), figure)
+    element_sheet(element(DRIVE), figure)
     moments = figure.axes[0].get_lines()[0].get_ydata()
     assert moments.max() == pytest.approx(one(DRIVE, "greatest_moment")[0], rel=1e-3)

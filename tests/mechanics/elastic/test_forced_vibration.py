@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from train_samples import BRANCHED, chain, matrices, solved
 
-from engine import ElementsAlone, Scene, Verdict, engine_numbers, engine_torque
+from engine import ElementsAlone, Scene, Verdict, engine_torque
 from engine.elements.torsional_trains.order_sums import extremes_of_orders
 
 some = settings(deadline=None, max_examples=30)
@@ -219,7 +219,7 @@ def test_engine_on_a_stiff_crankshaft__turns_it_with_its_whole_torque():
     found = solved(crankshaft(1e13), "flywheel.amplitude", "s3.mean_moment", "s3.alternating_moment")
     element = Scene.model_validate({"elements": {"it": ENGINE}}).elements["it"]
     orders = [k / 2 for k in range(1, 25)]
-    one, torque, _ = engine_torque(element, engine_numbers(element), orders)
+    one, torque, _ = engine_torque(element, element.own_numbers(), orders)
     assert found["s3.mean_moment"][0] == pytest.approx(4 * one.mean[0], rel=1e-12)
     # The rigid whole: all of the torque's orders on the sum of inertias, of which the flywheel takes its share.
     swing = over_time(dict(zip(orders, torque[0], strict=True)))

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 from scipy.integrate import solve_ivp
 
-from engine import Scene, Verdict, oscillator_columns, oscillator_history, oscillator_numbers
+from engine import Scene, Verdict
 
 OSCILLATOR = {"type": "oscillator", "mass": 2.0, "stiffness": 800.0}
 W = 20.0
@@ -192,9 +192,9 @@ def test_numbers_of_a_formula__vary_by_their_paths():
 def test_history__goes_through_the_greatest_values(kind):
     element = driven(kind, [0.0, 0.1, 0.15, 0.4], [0.0, 0.7, -0.2, 0.1], 0.05, 0.001, 0.1, time=1.0)
     element = Scene.model_validate({"elements": {"it": element}}).elements["it"]
-    numbers = oscillator_numbers(element)
-    own = oscillator_columns(element, numbers)
-    history = oscillator_history(element, numbers, own, 4001)
+    numbers = element.own_numbers()
+    own = element.values(numbers)
+    history = element.history(4001)
     for curve, name in ((history.displacement, "greatest_displacement"), (history.spring_force, "spring_force")):
         assert np.abs(curve).max() == pytest.approx(own[name][0], rel=1e-4)
         assert history.time[np.abs(curve).argmax()] == pytest.approx(own[f"{name}_at"][0], abs=2e-3)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from engine import Scene, Verdict
-from engine.elements.elastic_drives.two_mass_columns import drive_history
+from engine.elements.elastic_drives.two_mass_drive import drive_history
 
 DRIVE = {
     "type": "two_mass_drive",

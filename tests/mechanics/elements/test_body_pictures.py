@@ -7,13 +7,8 @@ import pytest
 from element_samples import DISC, LEVER, WOUND, one, scene
 
 from engine import body_ellipsoid, wound_stresses
-from sweeps.pictures.elements.body_sheets import (
-    rotating_guide_sheet,
-    tethered_body_sheet,
-    tilted_body_sheet,
-    wound_flywheel_sheet,
-)
-from sweeps.pictures.elements.element_pictures import element_pictures
+from sweeps.pictures.elements.body_sheets import tilted_body_sheet
+from sweeps.pictures.elements.element_pictures import element_pictures, element_sheet
 from sweeps.pictures.elements.unbalance_plan import static_plan
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import new_figure
@@ -28,7 +23,7 @@ def axes_of(figure, label):
 
 
 def test_lever__shows_the_hyperbolic_cosine_and_the_coriolis_force_on_it():
-    figure = rotating_guide_sheet(scene(it=LEVER).elements["it"], new_figure(180, 90), "lever")
+    figure = element_sheet(scene(it=LEVER).elements["it"], new_figure(180, 90), "lever")
     time, distance = axes_of(figure, "distance").get_lines()[0].get_data()
     assert distance == pytest.approx(100.0 * np.cosh(20.0 * time), rel=1e-12)
     assert (time[-1], distance[-1]) == pytest.approx((math.acosh(5.0) / 20.0, 500.0), rel=1e-12)
@@ -55,13 +50,13 @@ def test_stresses_of_a_wound_flywheel__are_in_equilibrium_everywhere(speed):
 
 def test_curves_of_a_wound_flywheel__are_its_results():
     parting, bore, layer = one(WOUND, "parting_speed", "bore_stress", "layer_stress")
-    figure = wound_flywheel_sheet(scene(it=WOUND).elements["it"], new_figure(180, 80), "tape")
+    figure = element_sheet(scene(it=WOUND).elements["it"], new_figure(180, 80), "tape")
     drawn = {line.get_label(): line.get_ydata() for line in axes_of(figure, "hoop").get_lines()}
     assert parting > WOUND["speed"]
     assert drawn["at its speed"][0] * 1e6 == pytest.approx(bore, rel=1e-12)
     assert drawn["at its speed"].max() * 1e6 == pytest.approx(layer, rel=1e-6)
     faster = scene(it=WOUND | {"speed": 1.1 * parting}).elements["it"]
-    loose = wound_flywheel_sheet(faster, new_figure(180, 80), "tape")
+    loose = element_sheet(faster, new_figure(180, 80), "tape")
     assert "at its speed" not in {line.get_label() for line in axes_of(loose, "hoop").get_lines()}
 
 
@@ -105,7 +100,7 @@ def test_moments_that_no_body_has__are_not_drawn():
 
 
 def test_way_on_an_elastic_tie__stretches_it_as_far_as_energy_and_moment_of_momentum_allow():
-    plan, pull = tethered_body_sheet(scene(it=TIE).elements["it"], new_figure(180, 85), "tie").axes
+    plan, pull = element_sheet(scene(it=TIE).elements["it"], new_figure(180, 85), "tie").axes
     x, y = next(line for line in plan.get_lines() if line.get_label() == "after the impulse").get_data()
     (stretch,) = one(TIE, "impulse_stretch")
     # The way is followed to 1e-8 a step, and drawn at places between which its distance stays within 1e-5 of its peak.

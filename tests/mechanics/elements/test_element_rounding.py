@@ -8,8 +8,7 @@ from engine_samples import EPS
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from engine import ElementsAlone, Scene, scene_numbers
-from engine.machine.elements.element_columns import law_of
+from engine import ElementsAlone, Scene
 
 NUDGE = 2.0**-26
 some = settings(deadline=None, max_examples=30)
@@ -17,32 +16,30 @@ places, angles = st.floats(-2.0, 2.0), st.floats(-7.0, 7.0)
 
 
 def figures(element):
-    """Results, their error figures, and what one rounding of every number moves them by, added up."""
-    scene = Scene.model_validate({"elements": {"it": element}})
-    law = law_of(scene.elements["it"])
-    names = [r.name for r in law.results if not r.exact]
-    names = [n for n in names if f"it.{n}" in ElementsAlone(scene).available_summaries]
-    outcome = ElementsAlone(scene, [f"it.{n}" for n in names]).evaluate({})
-    rows = [i for i, r in enumerate(law.results) if r.name in names]
-    turning = [name.endswith(".angle") for name in names]
-    numbers = scene_numbers(scene)
-    given = law.arguments(scene.elements["it"], lambda key: numbers[f"elements.it.{key}"].value)
-    given = np.array(given, float)[:, None]
-    before, moved = law.function(given)[0][:, 0], np.zeros(len(rows))
-    found, decided = before[rows], [i for i, r in enumerate(law.results) if r.exact]
-    for k in range(len(given)):
-        greater = given.copy()
-        greater[k] *= 1 + NUDGE
-        changed = law.function(greater)[0][:, 0]
-        if not np.array_equal(changed[decided], before[decided], equal_nan=True):
+    """Results, their error estimates, and what one rounding of every number moves them by, added up."""
+    it = Scene.model_validate({"elements": {"it": element}}).elements["it"]
+    names = [r.name for r in it.results() if not r.exact]
+    outcome = ElementsAlone(Scene(elements={"it": it}), [f"it.{n}" for n in names]).evaluate({})
+    decided = [r.name for r in it.results() if r.exact]
+    turning = np.array([name.endswith(".angle") for name in names])
+
+    def found(numbers, wanted):
+        values = it.evaluate(numbers).values
+        return np.array([values[name][0] for name in wanted])
+
+    given = it.own_numbers()
+    before, moved, choices = found(given, names), np.zeros(len(names)), found(given, decided)
+    for key, number in given.items():
+        greater = given | {key: number * (1 + NUDGE)}
+        if not np.array_equal(found(greater, decided), choices, equal_nan=True):
             # Two ways to fill the holes are as good as each other.
             continue
-        change = np.abs(changed[rows] - found)
+        change = np.abs(found(greater, names) - before)
         # An angle that a little would carry round begins again at 0.
         change[turning] = np.minimum(change, math.tau - change)[turning]
         moved += change * EPS / NUDGE
     errors = np.array([outcome.errors[f"it.{n}"][0] for n in names])
-    return dict(zip(names, np.stack([found, errors, moved], axis=1).tolist(), strict=True))
+    return dict(zip(names, np.stack([before, errors, moved], axis=1).tolist(), strict=True))
 
 
 @st.composite

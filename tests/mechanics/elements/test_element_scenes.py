@@ -220,7 +220,7 @@ def test_commands__on_elements_alone_work_or_say_why_not(tmp_path, monkeypatch):
         assert code == 2
         assert "machine elements alone" in out
     code, out = run("check", "jack.toml", "--source")
-    assert "def numbers" in out
+    assert "def values" in out
 
 
 def test_plot_of_a_sweep_of_elements__has_the_best_one_over_its_friction(result):

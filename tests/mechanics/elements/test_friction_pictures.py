@@ -6,14 +6,12 @@ import numpy as np
 import pytest
 from element_samples import BELT, GUIDE, INCLINE, JACK, JOURNAL, WEDGE, scene
 
-from sweeps.pictures.elements.element_pictures import element_pictures
-from sweeps.pictures.elements.friction_sheet import friction_sheet
-from sweeps.pictures.elements.journal_and_roller_sheets import journal_sheet, roller_sheet
+from sweeps.pictures.elements.element_pictures import element_pictures, element_sheet
 from sweeps.pictures.style import new_figure
 
 
 def curves(element) -> dict:
-    figure = friction_sheet(scene(it=element).elements["it"], new_figure(180, 80), "it")
+    figure = element_sheet(scene(it=element).elements["it"], new_figure(180, 80), "it")
     return {line.get_label(): np.array(line.get_data()) for ax in figure.axes for line in ax.get_lines()}
 
 
@@ -38,13 +36,13 @@ def test_guide__its_curves_end_where_it_jams():
     assert (np.isnan(force) == (friction >= 0.25)).all()
 
 
-def drawn_by(sheet, element) -> dict:
-    figure = sheet(scene(it=element).elements["it"], new_figure(180, 90), "it")
+def drawn_by(element) -> dict:
+    figure = element_sheet(scene(it=element).elements["it"], new_figure(180, 90), "it")
     return {line.get_label(): np.array(line.get_data()) for line in figure.axes[1].get_lines()}
 
 
 def test_journal__its_moments_go_by_the_sine_of_the_angle_of_friction():
-    drawn = drawn_by(journal_sheet, {**JOURNAL, "load": 100.0, "diameter": 0.06, "friction": 0.1})
+    drawn = drawn_by({**JOURNAL, "load": 100.0, "diameter": 0.06, "friction": 0.1})
     friction, moment = drawn["line"]
     # M = R r sin atan f, and nearly so many times as much in a bush that is worn in, or new.
     assert moment == pytest.approx(100.0 * 0.03 * np.sin(np.arctan(friction)), rel=1e-12)
@@ -54,7 +52,7 @@ def test_journal__its_moments_go_by_the_sine_of_the_angle_of_friction():
 
 def test_roller__its_pull_grows_with_the_arm_until_it_slides():
     roller = {"type": "roller", "load": 5000.0, "diameter": 0.4, "rolling_arm": 0.03, "friction": 0.2}
-    arm, pull = drawn_by(roller_sheet, roller)["force that moves it"]
+    arm, pull = drawn_by(roller)["force that moves it"]
     # k in mm, F = N k/r up to f N, in kN.
     assert pull == pytest.approx(np.minimum(5.0 * arm / 200.0, 1.0), rel=1e-12)
 

@@ -1,0 +1,153 @@
+"""A body that slides on a lever turning in a level plane: relative motion, forces of inertia, reaction of the lever.
+
+For an observer on the lever the centrifugal force mω²r drives the body outwards, the Coriolis force 2mωṙ presses it on
+the lever, which answers with the reaction N, and rubs by fN:
+
+    r̈ + 2fω ṙ − ω² r = 0,   N = 2mωṙ,   r = C₁e^(λ₁t) + C₂e^(λ₂t),   λ = ω(−f ± √(1 + f²)),
+
+without friction r = r₀ cosh ωt + (v₀/ω) sinh ωt. The drive of the lever does the work ∫N r ω dt = mω²(r² − r₀²): half
+of it becomes the body's energy of turning with the lever, half that of sliding and the heat of friction, ∫2fmωṙ² dt.
+
+Source: I. V. Meshchersky, Problems in Theoretical Mechanics (relative motion of a point).
+"""
+
+import math
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from engine.elements.element import Columns, Element, ElementResult, Numbers
+from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.parts.skeleton import AngularSpeed, Length, Mass, Number, Speed
+
+_ROUNDS = 60
+# Instants of curves.
+_SHOWN = 721
+
+
+class RotatingGuide(Element):
+    """A body that slides outwards on a straight lever, which turns in a level plane with constant `speed`.
+
+    At time 0 it is at `start_radius` from the axis, with `start_velocity` along the lever; at `length` it leaves it.
+    """
+
+    RESULTS: ClassVar = (
+        ElementResult("time", "time to the end of the lever", "s"),
+        ElementResult("turned_angle", "angle by which the lever turns meanwhile", "rad"),
+        ElementResult("relative_speed", "speed along the lever at its end", "m s-1"),
+        ElementResult("absolute_speed", "speed of the body as it leaves the lever", "m s-1"),
+        ElementResult("leaving_angle", "angle between its path and the lever there", "rad"),
+        ElementResult("start_reaction", "reaction of the lever at the start", "N"),
+        ElementResult("reaction", "greatest reaction of the lever, at its end", "N"),
+        ElementResult("centrifugal_force", "centrifugal force of inertia at the end of the lever", "N"),
+        ElementResult("moment", "greatest moment that turns the lever, at its end", "N m"),
+        ElementResult("work", "work done on the lever", "J"),
+        ElementResult("friction_work", "work lost by friction", "J"),
+    )
+
+    type: Literal["rotating_guide"]
+    mass: Annotated[Mass, Field(gt=0)]
+    speed: Annotated[AngularSpeed, Field(gt=0)]
+    start_radius: Annotated[Length, Field(gt=0)]
+    start_velocity: Annotated[Speed, Field(ge=0)] = 0.0
+    length: Annotated[Length, Field(gt=0)]
+    friction: Annotated[Number, Field(ge=0)] = 0.0
+
+    @model_validator(mode="after")
+    def _has_a_way(self) -> "RotatingGuide":
+        if not self.start_radius < self.length:
+            raise ValueError(
+                f"length = {self.length:g} m is not above start_radius = {self.start_radius:g} m: the body slides out"
+            )
+        return self
+
+    def values(self, n: Numbers) -> Columns:
+        """Results of a set of variants by their names."""
+        mass, w, start = n["mass"], n["speed"], n["start_radius"]
+        velocity, length, friction = n["start_velocity"], n["length"], n["friction"]
+        there = np.where(length > start, length, math.nan)
+        # A little after the growing part alone has come there; the fading one may be negative, and hold it up longer.
+        root = np.hypot(1.0, friction)
+        out = w / (root + friction)
+        first = (velocity + w * (root + friction) * start) / (out + w * (root + friction))
+        low, high = np.zeros_like(w), np.maximum(np.log(there / first), 0.0) / out + 1.0 / w
+        for _ in range(_ROUNDS):
+            reached = slides_out(w, start, velocity, friction, high)[0] < there
+            high = np.where(reached, 2.0 * high, high)
+            if not reached.any():
+                break
+        time = high
+        for _ in range(_ROUNDS):
+            radius, rate = slides_out(w, start, velocity, friction, time)
+            low, high = np.where(radius < there, time, low), np.where(radius < there, high, time)
+            with np.errstate(all="ignore"):
+                new = time - (radius - there) / rate
+            new = np.where((new >= low) & (new <= high), new, 0.5 * (low + high))
+            if (np.abs(new - time) <= 1e-16 * time).all():
+                break
+            time = new
+        _, rate = slides_out(w, start, velocity, friction, time)
+        back, second = -w * (root + friction), start - first
+        slowing = -2.0 * friction * w
+        with np.errstate(all="ignore"):
+            both = np.where(-slowing * time > 1e-18, np.expm1(slowing * time) / slowing, time)
+        squares = 0.5 * out * first**2 * np.expm1(2.0 * out * time) + 0.5 * back * second**2 * np.expm1(
+            2.0 * back * time
+        )
+        squares = squares + 2.0 * out * back * first * second * both
+        return {
+            "time": time,
+            "turned_angle": w * time,
+            "relative_speed": rate,
+            "absolute_speed": np.hypot(rate, w * there),
+            "leaving_angle": np.arctan2(w * there, rate),
+            "start_reaction": 2.0 * mass * w * velocity,
+            "reaction": 2.0 * mass * w * rate,
+            "centrifugal_force": mass * w**2 * there,
+            "moment": 2.0 * mass * w * rate * there,
+            "work": mass * w**2 * (there - start) * (there + start),
+            "friction_work": 2.0 * friction * mass * w * squares,
+        }
+
+    def panels(self) -> tuple[Panel, ...]:
+        """Distance from the axis and reaction over the time to the end of the lever."""
+        end = self.own_values()["time"]
+        time = np.linspace(0.0, end, _SHOWN)
+        given = (np.full(time.shape, v) for v in (self.speed, self.start_radius, self.start_velocity, self.friction))
+        radius, rate = slides_out(*given, time)
+        reaction = 2.0 * self.mass * self.speed * rate
+        rows = (("distance", "m", radius), ("reaction", "N", reaction))
+        return tuple(
+            Panel(PanelAxis("time", "s"), PanelAxis(words, unit), time, (Curve("", row),), (Mark("", end, row[-1]),))
+            for words, unit, row in rows
+        )
+
+
+def slides_out(
+    speed: np.ndarray, radius: np.ndarray, velocity: np.ndarray, friction: np.ndarray, time: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Distance from the axis and velocity along the lever, some time after they were given.
+
+    Parameters
+    ----------
+    speed : ndarray
+        Of the lever [rad/s].
+    radius, velocity : ndarray
+        At the start [m], [m/s].
+    friction : ndarray
+        Coefficient of friction.
+    time : ndarray
+        [s].
+
+    Returns
+    -------
+    radius, velocity : ndarray
+        [m], [m/s].
+    """
+    root = np.hypot(1.0, friction)
+    out, back = speed / (root + friction), -speed * (root + friction)
+    first = (velocity - back * radius) / (out - back)
+    second = radius - first
+    growing, fading = first * np.exp(out * time), second * np.exp(back * time)
+    return growing + fading, out * growing + back * fading

@@ -1,0 +1,106 @@
+"""A body on an elastic tie about a fixed point: its greatest pull after an impulse, beside that of a slow spin-up.
+
+Set off across the tie of length r₀ with the speed v, the body goes straight on and stretches the tie until that turns
+it. Moment of momentum and energy are kept, m v r₀ = m r² φ̇ and ½m v² = ½m(r φ̇)² + ½c(r − r₀)² where r is greatest;
+with x = (r − r₀)/r₀ and κ = c r₀²/(m v²)
+
+    κ x (1 + x)² = 2 + x,   F = c r₀ x.
+
+Spun up slowly, to the speed v on its circle, the tie pulls with F = m v²/r = c(r − r₀). A stiff tie is pulled by an
+impulse with 2mv²/r₀, twice as much. It bursts where F is its strength, which sets v; with a tie that gives way the
+speed by impulse comes nearer to that by spin-up.
+
+Source: J. P. Den Hartog, Mechanics (conservation of energy and of moment of momentum).
+"""
+
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from engine.elements.element import Columns, Element, ElementResult, Numbers
+from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.parts.actions import Force, Stiffness
+from engine.parts.skeleton import Length, Mass, Speed
+
+_ROUNDS = 100
+# Places of curves.
+_SHOWN = 721
+
+
+class TetheredBody(Element):
+    """A body on an elastic tie about a fixed point, set off by an impulse across it or spun up slowly.
+
+    `length` is that of the tie without force, `strength` the force at which it bursts, `speed` that of the body. A thin
+    rim of radius R and section A is one with the length R, the stiffness 2πEA/R and 2π times its section's strength.
+    """
+
+    RESULTS: ClassVar = (
+        ElementResult("impulse", "impulse that gives the speed at once", "N s"),
+        ElementResult("impulse_stretch", "greatest stretch of the tie after the impulse", "m"),
+        ElementResult("impulse_force", "greatest force in the tie after the impulse", "N"),
+        ElementResult("spin_up_stretch", "stretch of the tie, spun up slowly to the speed", "m"),
+        ElementResult("spin_up_force", "force in the tie, spun up slowly to the speed", "N"),
+        ElementResult("dynamic_factor", "greatest force after the impulse over that of a slow spin-up", "1"),
+        ElementResult("impulse_burst_speed", "speed at which the tie bursts, given by an impulse", "m s-1"),
+        ElementResult("spin_up_burst_speed", "speed at which the tie bursts, spun up slowly", "m s-1"),
+        ElementResult("bursts_by_impulse", "whether the impulse bursts the tie (1 or 0)", "1", exact=True),
+        ElementResult(
+            "bursts_by_spin_up", "whether a slow spin-up to the speed bursts the tie (1 or 0)", "1", exact=True
+        ),
+    )
+
+    type: Literal["tethered_body"]
+    mass: Annotated[Mass, Field(gt=0)]
+    length: Annotated[Length, Field(gt=0)]
+    stiffness: Annotated[Stiffness, Field(gt=0)]
+    strength: Annotated[Force, Field(gt=0)]
+    speed: Annotated[Speed, Field(gt=0)]
+
+    def values(self, n: Numbers) -> Columns:
+        """Results of a set of variants by their names."""
+        mass, length, stiffness, strength, speed = (n[k] for k in ("mass", "length", "stiffness", "strength", "speed"))
+        stretch = length * _relative_stretch(stiffness * length**2 / (mass * speed**2))
+        # The positive root of c y² + c r₀ y − m v² = 0.
+        taut, doubled = stiffness * length, 2.0 * mass * speed**2
+        slow = doubled / (taut + np.sqrt(taut**2 + 2.0 * stiffness * doubled))
+        last = strength / stiffness
+        by_spin_up = np.sqrt(strength * (length + last) / mass)
+        by_impulse = (length + last) * np.sqrt(strength / (mass * (2.0 * length + last)))
+        return {
+            "impulse": mass * speed,
+            "impulse_stretch": stretch,
+            "impulse_force": stiffness * stretch,
+            "spin_up_stretch": slow,
+            "spin_up_force": stiffness * slow,
+            "dynamic_factor": stretch / slow,
+            "impulse_burst_speed": by_impulse,
+            "spin_up_burst_speed": by_spin_up,
+            "bursts_by_impulse": (speed > by_impulse).astype(float),
+            "bursts_by_spin_up": (speed > by_spin_up).astype(float),
+        }
+
+    def panels(self) -> tuple[Panel, ...]:
+        """Greatest pull over the speed."""
+        own, kinds = self.own_values(), {"impulse": "by an impulse", "spin_up": "spun up slowly"}
+        bursts = {kind: own[f"{kind}_burst_speed"] for kind in kinds}
+        speed = np.linspace(0.0, 1.15 * max(self.speed, *bursts.values()), _SHOWN + 1)[1:]
+        found = self.over("speed", speed)
+        curves = [Curve(words, found[f"{kind}_force"]) for kind, words in kinds.items()]
+        marks = [Mark("", at, self.strength) for at in bursts.values()]
+        marks += [Mark("strength of the tie", None, self.strength), Mark("its speed", self.speed, None)]
+        x, y = PanelAxis("speed", "m s-1"), PanelAxis("greatest pull", "N")
+        return (Panel(x, y, speed, curves, marks, limits=(0.0, 2.2 * self.strength)),)
+
+
+def _relative_stretch(stiffness: np.ndarray) -> np.ndarray:
+    """The x of κ x (1 + x)² = 2 + x, by Newton's method from above the only root, where it is convex."""
+    # At 2/κ, and at 1/√κ, the left side is the greater one.
+    x = np.minimum(2.0 / stiffness, 1.0 / np.sqrt(stiffness))
+    for _ in range(_ROUNDS):
+        over = stiffness * x * (1.0 + x) ** 2 - 2.0 - x
+        new = x - over / (stiffness * (1.0 + x) * (1.0 + 3.0 * x) - 1.0)
+        if np.all(np.abs(new - x) <= 4e-16 * x):
+            break
+        x = new
+    return x

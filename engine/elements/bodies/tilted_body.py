@@ -1,0 +1,160 @@
+"""Moments and products of inertia of a body about fixed axes to which its own are tilted, and its principal ones.
+
+In matrices J = diag(∫r² dm) − ∫r rᵀ dm: turned by R, whose columns are the body's axes in fixed coordinates, it is
+R J Rᵀ, and about a point from which the centre of mass is away by c, J + m(c² E − c cᵀ) (Steiner). The principal
+moments are its eigenvalues, the greatest first. Turning about the fixed z axis, the body presses its bearings by the
+couple ω² √(J_xz² + J_yz²), that of its products of inertia.
+
+Source: H. Goldstein, C. Poole and J. Safko, Classical Mechanics, chapter 5.
+"""
+
+import math
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from engine.elements.element import Columns, Element, ElementResult, Numbers
+from engine.parts.skeleton import Angle, AngularSpeed, Inertia, Length, Mass
+
+MOMENTS = ("inertia_x", "inertia_y", "inertia_z")
+SEMI_AXES = ("semi_axis_x", "semi_axis_y", "semi_axis_z")
+_PRODUCTS = ("product_xy", "product_yz", "product_zx")
+# By so much a plate's moments may miss their sum, as rounded numbers of a text do.
+_PLATE = 1e-6
+PositiveLength = Annotated[Length, Field(gt=0)]
+
+
+class TiltedBody(Element):
+    """A body whose own axes are turned against the fixed ones.
+
+    First by `yaw` about z, then by `pitch` about its y as it then lies, and by `roll` about its x. It has moments of
+    inertia about its own axes through its centre of mass, with products such as ∫xy dm if these aren't principal ones,
+    or it is an ellipsoid of given semi-axes. `x`, `y`, `z` are the fixed coordinates of the centre of mass. With a
+    `speed` it turns about the fixed z axis.
+    """
+
+    RESULTS: ClassVar = (
+        *(
+            ElementResult(f"fixed_inertia_{axis}", f"moment of inertia about the fixed {axis} axis", "kg m2")
+            for axis in "xyz"
+        ),
+        *(
+            ElementResult(f"fixed_{name}", f"product of inertia {name[-2:]} of the fixed axes", "kg m2")
+            for name in _PRODUCTS
+        ),
+        ElementResult("greatest_inertia", "greatest principal moment of inertia", "kg m2"),
+        ElementResult("middle_inertia", "middle principal moment of inertia", "kg m2"),
+        ElementResult("least_inertia", "least principal moment of inertia", "kg m2"),
+        ElementResult("principal_tilt", "angle between the fixed z axis and the nearest principal axis", "rad"),
+        ElementResult(
+            "tilting_couple", "couple of the inertia forces on the bearings of the fixed z axis", "N m", "speed"
+        ),
+        ElementResult("centrifugal_force", "force of inertia of the centre of mass", "N", "speed"),
+    )
+
+    type: Literal["tilted_body"]
+    mass: Annotated[Mass, Field(gt=0)]
+    inertia_x: Annotated[Inertia, Field(gt=0)] | None = None
+    inertia_y: Annotated[Inertia, Field(gt=0)] | None = None
+    inertia_z: Annotated[Inertia, Field(gt=0)] | None = None
+    product_xy: Inertia = 0.0
+    product_yz: Inertia = 0.0
+    product_zx: Inertia = 0.0
+    semi_axis_x: PositiveLength | None = None
+    semi_axis_y: PositiveLength | None = None
+    semi_axis_z: PositiveLength | None = None
+    yaw: Angle = 0.0
+    pitch: Angle = 0.0
+    roll: Angle = 0.0
+    x: Length = 0.0
+    y: Length = 0.0
+    z: Length = 0.0
+    speed: AngularSpeed | None = None
+
+    @model_validator(mode="after")
+    def _one_shape(self) -> "TiltedBody":
+        moments, axes = ([getattr(self, key) is not None for key in keys] for keys in (MOMENTS, SEMI_AXES))
+        if not (all(moments) and not any(axes)) and not (all(axes) and not any(moments)):
+            raise ValueError(f"give {', '.join(MOMENTS)}, or {', '.join(SEMI_AXES)} of an ellipsoid: all three of one")
+        if all(axes) and (self.product_xy or self.product_yz or self.product_zx):
+            raise ValueError("products belong to given moments: an ellipsoid has none about its own axes")
+        return self
+
+    def values(self, n: Numbers) -> Columns:
+        """Results of a set of variants by their names; NaN where no body has such moments of inertia."""
+        mass = n["mass"]
+        away = np.stack([n["x"], n["y"], n["z"]], axis=1)
+        square = (away**2).sum(axis=1)[:, None, None] * np.eye(3) - away[:, :, None] * away[:, None, :]
+        fixed = _about_centre(n) + mass[:, None, None] * square
+        principal, axes = np.linalg.eigh(fixed)
+        # Of an axis and its opposite the one along z; across it for the tangent, as a cosine near 1 says little.
+        across = np.hypot(axes[:, 0], axes[:, 1])
+        tilt = np.arctan2(across, np.abs(axes[:, 2])).min(axis=1)
+        products = [-fixed[:, 0, 1], -fixed[:, 1, 2], -fixed[:, 2, 0]]
+        # Beside the greatest moment, of which it is a difference, such a product is rounding.
+        products = [np.where(np.abs(p) < 16.0 * np.finfo(float).eps * principal[:, 2], 0.0, p) for p in products]
+        # No body, not even a plate, has a moment greater than the sum of the two others.
+        sound = principal[:, 0] + principal[:, 1] >= principal[:, 2] * (1.0 - _PLATE)
+        speed = n.get("speed", np.full(mass.shape, math.nan))
+        found = {f"fixed_inertia_{axis}": fixed[:, i, i] for i, axis in enumerate("xyz")}
+        found |= {f"fixed_{name}": product for name, product in zip(_PRODUCTS, products, strict=True)}
+        found |= {
+            "greatest_inertia": principal[:, 2],
+            "middle_inertia": principal[:, 1],
+            "least_inertia": principal[:, 0],
+            "principal_tilt": tilt,
+            "tilting_couple": speed**2 * np.hypot(products[1], products[2]),
+            "centrifugal_force": mass * speed**2 * np.hypot(n["x"], n["y"]),
+        }
+        return {name: np.where(sound, row, math.nan) for name, row in found.items()}
+
+
+def _turned(yaw: np.ndarray, pitch: np.ndarray, roll: np.ndarray) -> np.ndarray:
+    """Matrices R_z(yaw) R_y(pitch) R_x(roll), (variants, 3, 3)."""
+    turned = np.broadcast_to(np.eye(3), (yaw.size, 3, 3))
+    for angle, (i, j) in ((yaw, (0, 1)), (pitch, (2, 0)), (roll, (1, 2))):
+        about = np.broadcast_to(np.eye(3), turned.shape).copy()
+        about[:, i, i] = about[:, j, j] = np.cos(angle)
+        about[:, j, i], about[:, i, j] = np.sin(angle), -np.sin(angle)
+        turned = turned @ about
+    return turned
+
+
+def body_ellipsoid(element: TiltedBody) -> tuple[np.ndarray, np.ndarray]:
+    """The uniform ellipsoid that has the mass and the moments of inertia of a body.
+
+    Parameters
+    ----------
+    element : TiltedBody
+
+    Returns
+    -------
+    semi_axes : ndarray (3,)
+        a, of which J = m(b² + c²)/5 and so on; NaN where no body has such moments [m].
+    axes : ndarray (3, 3)
+        Its columns are their directions, in fixed coordinates.
+    """
+    inertia = _about_centre(element.own_numbers())[0]
+    moments, axes = np.linalg.eigh(inertia)
+    squares = 2.5 / element.mass * (moments.sum() - 2.0 * moments)
+    if squares.min() < -5.0 * _PLATE * moments.max() / element.mass:
+        squares = np.full(3, math.nan)
+    return np.sqrt(np.maximum(squares, 0.0)), axes
+
+
+def _about_centre(n: Numbers) -> np.ndarray:
+    """Moments of inertia about fixed directions through the centre of mass, (variants, 3, 3)."""
+    mass = n["mass"]
+    own = np.zeros((mass.size, 3, 3))
+    if "inertia_x" in n:
+        moments = [n[key] for key in MOMENTS]
+        for (i, j), key in zip(((0, 1), (1, 2), (2, 0)), _PRODUCTS, strict=True):
+            own[:, i, j] = own[:, j, i] = -n[key]
+    else:
+        a, b, c = (n[key] ** 2 for key in SEMI_AXES)
+        moments = [mass * (b + c) / 5.0, mass * (c + a) / 5.0, mass * (a + b) / 5.0]
+    for i in range(3):
+        own[:, i, i] = moments[i]
+    turned = _turned(n["yaw"], n["pitch"], n["roll"])
+    return turned @ own @ turned.transpose(0, 2, 1)

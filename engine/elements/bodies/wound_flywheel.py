@@ -1,0 +1,182 @@
+"""A flywheel wound of tape or wire under tension: its stresses at rest and at speed, and when its layers part.
+
+A layer wound with the stress σ_w at the radius s presses what lies below it by σ_w ds/s. On a ring from a on, of the
+same material, the layers up to b leave at the radius r of the winding
+
+    σ_r = −σ_w (r² − a²)/(2r²) L,   σ_t = σ_w (1 − (r² + a²)/(2r²) L),   L = ln((b² − a²)/(r² − a²)),
+
+and press the ring, which ends at c, by −σ_r(c). Spinning adds the stresses of a ring, with K = (3 + ν)ρω²/8
+
+    σ_r = K (b² − r²)(r² − a²)/r²,   σ_t = K (a² + b² + a²b²/r² − (1 + 3ν)/(3 + ν) r²).
+
+Layers can't pull each other: they part where both together make σ_r > 0, first the outermost one, at
+ω² = 4σ_w/((3 + ν)ρ(b² − a²)). Beyond that the stresses are not those of the wheel any more.
+
+Source: S. P. Timoshenko, Strength of Materials, Part II (wire-wound cylinders, rotating disks).
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from engine.elements.element import Columns, Element, ElementResult, Numbers
+from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.laws.masses.moments_of_inertia import ring_inertia
+from engine.parts.skeleton import AngularSpeed, Length, Number, quantity
+
+_PLACES, _ROUNDS, _SHOWN = 65, 48, 721
+_GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
+Positive = Annotated[Length, Field(gt=0)]
+Stress = quantity("pressure")
+
+
+class WoundFlywheel(Element):
+    """A flywheel of tape or wire, wound with the tension `winding_stress` on a ring of the same material.
+
+    The ring reaches from `bore` to `winding_diameter`, the winding from there to `diameter`. What it withstands is its
+    `strength`.
+    """
+
+    RESULTS: ClassVar = (
+        ElementResult("mass", "mass of the wheel", "kg"),
+        ElementResult("inertia", "moment of inertia", "kg m2"),
+        ElementResult("energy", "kinetic energy at the speed", "J"),
+        ElementResult("energy_per_mass", "kinetic energy by mass", "J kg-1"),
+        ElementResult("rim_speed", "speed of the outer radius", "m s-1"),
+        ElementResult("winding_pressure", "pressure of the winding on the ring at rest", "Pa"),
+        ElementResult("rest_bore_stress", "hoop stress of the bore at rest, negative in compression", "Pa"),
+        ElementResult("bore_stress", "hoop stress of the bore at the speed", "Pa"),
+        ElementResult("plain_bore_stress", "hoop stress of the bore of such a wheel without winding", "Pa"),
+        ElementResult("layer_stress", "greatest tension of the winding at the speed", "Pa"),
+        ElementResult("pressure", "pressure of the winding on the ring at the speed", "Pa"),
+        ElementResult("parting_speed", "speed from which on the outermost layer is loose", "rad s-1"),
+        ElementResult("parts", "whether layers are loose at the speed (1 or 0)", "1", exact=True),
+        ElementResult("strength_share", "greatest tension over the strength", "1", "strength"),
+    )
+
+    type: Literal["wound_flywheel"]
+    bore: Positive
+    winding_diameter: Positive
+    diameter: Positive
+    width: Positive
+    density: Annotated[quantity("density"), Field(gt=0)]
+    poisson_ratio: Annotated[Number, Field(ge=0, lt=0.5)] = 0.3
+    winding_stress: Annotated[Stress, Field(ge=0)]
+    speed: Annotated[AngularSpeed, Field(gt=0)]
+    strength: Annotated[Stress, Field(gt=0)] | None = None
+
+    @model_validator(mode="after")
+    def _from_inside_out(self) -> "WoundFlywheel":
+        if not self.bore < self.winding_diameter < self.diameter:
+            raise ValueError(
+                f"bore = {self.bore:g} m, winding_diameter = {self.winding_diameter:g} m, diameter = "
+                f"{self.diameter:g} m: give them ascending, the winding lies outside the ring"
+            )
+        if self.strength is not None and not self.winding_stress < self.strength:
+            raise ValueError("winding_stress must be below strength: the tape would tear while it is wound")
+        return self
+
+    def values(self, n: Numbers) -> Columns:
+        """Results of a set of variants by their names; NaN where the radii don't ascend."""
+        a, c, b = (0.5 * n[key] for key in ("bore", "winding_diameter", "diameter"))
+        sound = (a < c) & (c < b)
+        a, c, b = (np.where(sound, radius, math.nan) for radius in (a, c, b))
+        nu, tension, speed = n["poisson_ratio"], n["winding_stress"], n["speed"]
+        spin = (3.0 + nu) / 8.0 * n["density"] * speed**2
+        mass = n["density"] * n["width"] * math.pi * (b - a) * (b + a)
+        inertia = ring_inertia(mass, 2.0 * b, 2.0 * a)
+        energy = 0.5 * inertia * speed**2
+
+        def layer(r: np.ndarray) -> np.ndarray:
+            """Hoop stress of the winding."""
+            return wound_stresses(n, r, speed)[1]
+
+        # The greatest of some places, then golden section beside it.
+        places = c + (b - c) * np.linspace(0.0, 1.0, _PLACES)[:, None]
+        best = layer(places).argmax(axis=0)
+        step = (b - c) / (_PLACES - 1)
+        low, high = np.maximum(c + (best - 1) * step, c), np.minimum(c + (best + 1) * step, b)
+        for _ in range(_ROUNDS):
+            inner, outer = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
+            falls = layer(inner) > layer(outer)
+            low, high = np.where(falls, low, inner), np.where(falls, outer, high)
+        stress = np.maximum(np.maximum(layer(c), layer(b)), layer(0.5 * (low + high)))
+        about = np.log((b - a) * (b + a) / ((c - a) * (c + a)))
+        pressure = 0.5 * tension * (1.0 - (a / c) ** 2) * about
+        spun = 2.0 * spin * (b**2 + (1.0 - nu) / (3.0 + nu) * a**2)
+        parting = np.sqrt(4.0 * tension / ((3.0 + nu) * n["density"] * (b - a) * (b + a)))
+        greatest = np.maximum(stress, spun - tension * about)
+        found = {
+            "mass": mass,
+            "inertia": inertia,
+            "energy": energy,
+            "energy_per_mass": energy / mass,
+            "rim_speed": speed * b,
+            "winding_pressure": pressure,
+            "rest_bore_stress": -tension * about,
+            "bore_stress": spun - tension * about,
+            "plain_bore_stress": spun,
+            "layer_stress": stress,
+            "pressure": pressure - spin * (b - c) * (b + c) * (1.0 - (a / c) ** 2),
+            "parting_speed": parting,
+            "parts": (speed > parting).astype(float),
+            "strength_share": greatest / n.get("strength", math.nan),
+        }
+        return {name: np.where(sound, row, math.nan) for name, row in found.items()}
+
+    def panels(self) -> tuple[Panel, ...]:
+        """Hoop and radial stresses over the radius at rest, at its speed, and where layers part."""
+        n = {key: float(value[0]) for key, value in self.own_numbers().items()}
+        inner, edge, outer = (0.5 * n[key] for key in ("bore", "winding_diameter", "diameter"))
+        ring, winding = np.linspace(inner, edge, _SHOWN), np.linspace(edge, outer, _SHOWN)
+        # The last place of the ring still is ring.
+        radius = np.concatenate([np.minimum(ring, np.nextafter(edge, 0.0)), winding])
+        parting = self.own_values()["parting_speed"]
+        speeds = {"at its speed": self.speed, "where layers part": parting, "at rest": 0.0}
+        if self.speed > parting:
+            # Beyond it the stresses are others.
+            del speeds["at its speed"]
+        found = {words: wound_stresses(n, radius, speed) for words, speed in speeds.items()}
+        marks = [Mark("the winding begins", edge, None)]
+        strength = [] if self.strength is None else [Mark("strength", None, self.strength)]
+        made = []
+        for which, words, more in ((1, "hoop stress", strength), (0, "radial stress", [])):
+            curves = [Curve(name, rows[which], name == "at rest") for name, rows in found.items()]
+            made.append(Panel(PanelAxis("radius", "m"), PanelAxis(words, "Pa"), radius, curves, (*marks, *more)))
+        return tuple(made)
+
+
+def wound_stresses(
+    n: Mapping[str, float | np.ndarray], radius: np.ndarray, speed: float | np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Radial and hoop stress of a wound flywheel, in its ring and its winding.
+
+    Parameters
+    ----------
+    n : mapping of str to float or ndarray
+        Numbers of the element by their keys.
+    radius : ndarray
+        Between bore and outer radius [m]; that of the winding's inner edge belongs to the winding.
+    speed : float or ndarray
+        [rad/s]; 0 for the wheel at rest.
+
+    Returns
+    -------
+    radial, hoop : ndarray
+        Tension is positive [Pa].
+    """
+    a, c, b = (0.5 * n[key] for key in ("bore", "winding_diameter", "diameter"))
+    nu, tension = n["poisson_ratio"], n["winding_stress"]
+    spin = (3.0 + nu) / 8.0 * n["density"] * speed**2
+    # The ring is pressed by all layers, each layer by those outside it.
+    within = np.maximum(radius, c)
+    pressed = 0.5 * tension * np.log((b - a) * (b + a) / ((within - a) * (within + a)))
+    own = np.where(radius >= c, tension, 0.0)
+    radial = -pressed * (1.0 - (a / radius) ** 2)
+    radial = radial + spin * (b - radius) * (b + radius) * (1.0 - (a / radius) ** 2)
+    hoop = own - pressed * (1.0 + (a / radius) ** 2)
+    hoop = hoop + spin * (a**2 + b**2 + (a * b / radius) ** 2 - (1.0 + 3.0 * nu) / (3.0 + nu) * radius**2)
+    return radial, hoop

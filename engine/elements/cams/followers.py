@@ -1,0 +1,104 @@
+"""Followers of a cam, what is pressed between them, and the limits that a cam has to keep."""
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from engine.parts.motion_programs import Positive, check_roller
+from engine.parts.skeleton import Angle, Inertia, Length, Mass, Number, Part, quantity
+
+NotNegative = Annotated[Length, Field(ge=0)]
+Force = quantity("force")
+Moment = quantity("moment")
+Stiffness = Annotated[quantity("stiffness"), Field(ge=0)]
+TorsionalStiffness = Annotated[quantity("torsional_stiffness"), Field(ge=0)]
+
+
+class TranslatingFollower(Part):
+    """A follower that slides; `offset` of its line of motion from the cam's axis, positive lowers α on the rise.
+
+    `load` presses it on the cam at all times, its weight included. Friction in its guide needs `guide_length` and
+    `overhang`, by which it stands out of the guide when it is lowest.
+    """
+
+    type: Literal["translating"]
+    contact: Literal["roller", "flat", "knife edge"]
+    roller_radius: Positive | None = None
+    offset: Length = 0.0
+    mass: Annotated[Mass, Field(ge=0)] | None = None
+    preload: Force = 0.0
+    stiffness: Stiffness = 0.0
+    load: Force = 0.0
+    friction: Annotated[Number, Field(ge=0)] | None = None
+    guide_length: Positive | None = None
+    overhang: NotNegative | None = None
+
+    @model_validator(mode="after")
+    def _contact_fits(self) -> "TranslatingFollower":
+        check_roller(self.contact, self.roller_radius)
+        given = [self.friction is None, self.guide_length is None, self.overhang is None]
+        if any(given) and not all(given):
+            raise ValueError("friction, guide_length and overhang belong together: give all three, or none")
+        if self.friction is not None and (self.contact == "flat" or self.mass is None):
+            raise ValueError("friction in the guide is that of a roller or knife edge with a mass: leave it out")
+        if self.offset and self.contact == "flat":
+            raise ValueError("offset = 0 for a flat face: an offset moves the contact along the face, and nothing else")
+        return self
+
+    @property
+    def moved(self) -> float | None:
+        """What inertia the follower has; None without dynamics."""
+        return self.mass
+
+
+class OscillatingFollower(Part):
+    """A follower that swings about a pivot at `pivot_distance` from the cam's axis, with a roller or edge on its `arm`.
+
+    A flat face goes through the pivot. As it moves away from the cam it turns against the cam's rotation unless
+    `opens` says "with" it. `load` and `preload` are moments about the pivot that press it on the cam.
+    """
+
+    type: Literal["oscillating"]
+    contact: Literal["roller", "flat", "knife edge"]
+    roller_radius: Positive | None = None
+    pivot_distance: Positive
+    arm: Positive | None = None
+    opens: Literal["against", "with"] = "against"
+    inertia: Annotated[Inertia, Field(ge=0)] | None = None
+    preload: Moment = 0.0
+    stiffness: TorsionalStiffness = 0.0
+    load: Moment = 0.0
+
+    @model_validator(mode="after")
+    def _contact_fits(self) -> "OscillatingFollower":
+        check_roller(self.contact, self.roller_radius)
+        if (self.arm is None) != (self.contact == "flat"):
+            raise ValueError("arm is the distance of a roller or knife edge from the pivot; a flat face has none")
+        return self
+
+    @property
+    def moved(self) -> float | None:
+        """What inertia the follower has; None without dynamics."""
+        return self.inertia
+
+
+class LineContact(Part):
+    """Contact along a line of a `width`, for its pressure by Hertz; cam and follower have the same material."""
+
+    width: Positive
+    elastic_modulus: Annotated[quantity("pressure"), Field(gt=0)] = 206e9
+    poisson: Annotated[Number, Field(ge=0, le=0.5)] = 0.3
+
+
+class CamLimits(Part):
+    """What the least base circle must keep: the greatest pressure angle, the least convex radius of the profile."""
+
+    pressure_angle: Annotated[Angle, Field(gt=0, lt=math.pi / 2)] | None = None
+    convex_radius: NotNegative | None = None
+
+    @model_validator(mode="after")
+    def _limits_something(self) -> "CamLimits":
+        if self.pressure_angle is None and self.convex_radius is None:
+            raise ValueError("give pressure_angle or convex_radius, or both")
+        return self

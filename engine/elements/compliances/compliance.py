@@ -1,0 +1,64 @@
+"""The parts of a drive in series: their stiffness and damping as one shaft feels them, and their shares."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from engine.elements.compliances.elastic_parts import ElasticPart
+from engine.elements.compliances.reduction import damping_and_absorption, in_series, leaf_paths, reduced_part
+from engine.elements.element import Columns, Element, ElementResult, Numbers
+from engine.parts.actions import Moment
+from engine.parts.skeleton import Name, quantity
+
+
+class ComplianceElement(Element):
+    """Parts of a drive in series, reduced to one shaft: that whose speed the parts' ratios are counted from.
+
+    With a `moment` on that shaft every part has its moment and twist; with the `frequency` of a vibration, energy
+    absorption and damping follow from each other.
+    """
+
+    type: Literal["compliance"]
+    parts: Annotated[dict[Name, ElasticPart], Field(min_length=1)]
+    moment: Annotated[Moment, Field(gt=0)] | None = None
+    frequency: Annotated[quantity("angular_speed"), Field(gt=0)] | None = None
+
+    def results(self) -> tuple[ElementResult, ...]:
+        """Those of the whole and of every part."""
+        given = {key: getattr(self, key) is not None for key in ("moment", "frequency")}
+        found = [
+            ElementResult("stiffness", "torsional stiffness of all parts, reduced", "N m rad-1"),
+            ElementResult("compliance", "torsional compliance of all parts, reduced", "rad N-1 m-1"),
+            ElementResult("energy_absorption", "energy absorption of all parts", "1"),
+        ]
+        if given["frequency"]:
+            found.append(ElementResult("damping", "torsional damping of all parts, reduced", "N m s rad-1"))
+        if given["moment"]:
+            found.append(ElementResult("twist", "twist of all parts under the moment, reduced", "rad"))
+        for path in leaf_paths(self.parts):
+            found.append(ElementResult(f"{path}.stiffness", f"stiffness of {path} about its own axis", "N m rad-1"))
+            words = f"share of {path} in the energy, in series that in the compliance"
+            found.append(ElementResult(f"{path}.share", words, "1"))
+            if given["moment"]:
+                found.append(ElementResult(f"{path}.moment", f"moment of {path} about its own axis", "N m"))
+                found.append(ElementResult(f"{path}.twist", f"twist of {path} about its own axis", "rad"))
+        return tuple(found)
+
+    def values(self, n: Numbers) -> Columns:
+        """Results of a set of variants by their names."""
+        whole = in_series({name: reduced_part(part, n, f"parts.{name}") for name, part in self.parts.items()})
+        found = {
+            "stiffness": whole.stiffness,
+            "compliance": 1.0 / whole.stiffness,
+            "energy_absorption": whole.absorption,
+        }
+        if self.frequency is not None:
+            found["damping"], found["energy_absorption"] = damping_and_absorption(whole, n["frequency"])
+        for path, share in whole.within.items():
+            found |= {f"{path}.stiffness": share.stiffness, f"{path}.share": share.energy}
+            if self.moment is not None:
+                found[f"{path}.moment"] = n["moment"] * share.moment
+                found[f"{path}.twist"] = n["moment"] / whole.stiffness * share.twist
+        if self.moment is not None:
+            found["twist"] = n["moment"] / whole.stiffness
+        return found

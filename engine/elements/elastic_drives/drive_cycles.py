@@ -1,0 +1,223 @@
+"""Steady motion of a machine on an elastic shaft: its cycle closed, and what it is measured by."""
+
+import math
+from typing import NamedTuple
+
+import numba
+import numpy as np
+from numba import types
+
+from engine.compiling.running import prepare, spread
+from engine.elements.elastic_drives.elastic_cycle import (
+    CLOSES,
+    COLUMNS,
+    DAMPING_WORK,
+    ELASTIC,
+    ENDED,
+    ENERGY,
+    FOUND,
+    LOAD_WORK,
+    MOMENT_TIME,
+    MOTOR_SPEED,
+    MOTOR_WORK,
+    PERIOD,
+    POINTS,
+    STATE,
+    TURNS_BACK,
+    UNKNOWNS,
+    close_cycles,
+)
+from engine.verdicts import Verdict
+
+# Points of a step, its ends with Gauss' points, between which moments and speeds are interpolated, and how finely.
+_KNOTS = np.array([0.0, *POINTS, 1.0])
+_SHARES = np.linspace(0.0, 1.0, 33)
+
+
+class DrivenMachine(NamedTuple):
+    """A machine without its driver, as its drive feels it, at Gauss' points of every step of its cycle.
+
+    Attributes
+    ----------
+    steps : ndarray (variants, steps)
+        [rad].
+    places : ndarray (variants, steps, STAGES, LAWS + laws)
+        Inertia [kg·m²], moments over ω⁰, ω¹, ω² and of power laws.
+    node_inertia : ndarray (variants, steps + 1)
+        At the ends of steps [kg·m²].
+    drives : ndarray (variants, 2 + 5 motors)
+        Characteristics of the motors.
+    exponents : ndarray (variants, laws)
+        Of the power laws.
+    """
+
+    steps: np.ndarray
+    places: np.ndarray
+    node_inertia: np.ndarray
+    drives: np.ndarray
+    exponents: np.ndarray
+
+
+class ElasticCycle(NamedTuple):
+    """Steady motion of a machine on an elastic shaft, at the points of every step; (variants, steps, points).
+
+    Attributes
+    ----------
+    moment, twist : ndarray
+        Of the shaft [N·m], [rad].
+    motor_speed, machine_speed : ndarray
+        [rad/s].
+    multipliers : ndarray (variants, 3)
+        Magnitudes, the greatest first.
+    sums : ndarray (variants, FOUND)
+        As in `engine.elements.elastic_drives.elastic_cycle`.
+    verdict : ndarray (variants,) of uint8
+    """
+
+    moment: np.ndarray
+    twist: np.ndarray
+    motor_speed: np.ndarray
+    machine_speed: np.ndarray
+    multipliers: np.ndarray
+    sums: np.ndarray
+    verdict: np.ndarray
+
+    @property
+    def begin(self) -> np.ndarray:
+        """Twist, speed at the motors' end, angle turned and speed of the machine at the begin, (4, variants)."""
+        rows = (self.twist, self.motor_speed, np.zeros_like(self.twist), self.machine_speed)
+        return np.array([row[:, 0, 0] for row in rows])
+
+
+def elastic_cycle(machine: DrivenMachine, given: np.ndarray, guess: np.ndarray) -> ElasticCycle:
+    """Find the steady motion of drives.
+
+    Parameters
+    ----------
+    machine : DrivenMachine
+    given : ndarray (variants, 3)
+        Stiffness and damping of the shaft, inertia at the motors' end.
+    guess : ndarray (variants, steps, STAGES, STATE)
+        First guess of the motion.
+    """
+    variants, count = machine.steps.shape
+    states, nodes = guess.copy(), np.empty((variants, count + 1, STATE))
+    monodromy, sums = np.empty((variants, STATE, STATE)), np.empty((variants, FOUND))
+    parts = [given, machine.drives, machine.exponents, machine.steps, machine.places, states, nodes, monodromy, sums]
+    parts = [np.require(part, requirements="C") for part in parts]
+
+    def arguments() -> tuple:
+        memory = np.empty((count, UNKNOWNS, COLUMNS)), np.empty((count, UNKNOWNS)), np.empty((2, UNKNOWNS, UNKNOWNS))
+        return (*parts, *memory)
+
+    prepare(close_cycles, [types.intp, types.intp, *(numba.typeof(a) for a in arguments())])
+    spread(close_cycles, variants, arguments)
+    points = np.concatenate([nodes[:, :-1, None], states, nodes[:, 1:, None]], axis=2)
+    inertia = machine.node_inertia
+    inertia = np.concatenate([inertia[:, :-1, None], machine.places[..., 0], inertia[:, 1:, None]], axis=2)
+    stiffness, damping = given[:, 0, None, None], given[:, 1, None, None]
+    with np.errstate(all="ignore"):
+        speed = np.sqrt(2.0 * points[..., ENERGY] / inertia)
+        moment = points[..., ELASTIC] + damping * (points[..., MOTOR_SPEED] - speed)
+    verdict = np.where(sums[:, ENDED] == TURNS_BACK, Verdict.TURNS_BACK, Verdict.NOT_FINITE)
+    sound = (sums[:, ENDED] == CLOSES) & np.isfinite(monodromy).all(axis=(1, 2)) & np.isfinite(moment).all(axis=(1, 2))
+    multipliers = np.full((variants, STATE), np.nan)
+    multipliers[sound] = -np.sort(-np.abs(np.linalg.eigvals(monodromy[sound])), axis=1)
+    verdict = np.where(sound, Verdict.OK, verdict).astype(np.uint8)
+    return ElasticCycle(
+        moment, points[..., ELASTIC] / stiffness, points[..., MOTOR_SPEED], speed, multipliers, sums, verdict
+    )
+
+
+def least_and_greatest(curve: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Least and greatest value of a curve through the points of its steps, (variants, steps, points)."""
+    # Lagrange's polynomials of a step's points, at equal shares of it.
+    powers = np.arange(_KNOTS.size)
+    through = (_SHARES[:, None] ** powers) @ np.linalg.inv(_KNOTS[:, None] ** powers)
+    return -_top(-curve, through), _top(curve, through)
+
+
+def _top(curve: np.ndarray, through: np.ndarray) -> np.ndarray:
+    variants, count, _ = curve.shape
+    top, who = np.full(variants, -np.inf), np.arange(variants)
+    highest = curve.max(axis=2).argmax(axis=1)
+    # The top between two steps' points may be in either of them.
+    for beside in (-1, 0, 1):
+        fine = curve[who, (highest + beside) % count] @ through.T
+        at = np.clip(fine.argmax(axis=1), 1, _SHARES.size - 2)
+        before, here, after = (fine[who, at + k] for k in (-1, 0, 1))
+        bend, rise = before - 2.0 * here + after, 0.5 * (after - before)
+        with np.errstate(all="ignore"):
+            vertex = np.where((bend < 0.0) & (np.abs(rise) <= -bend), here - 0.5 * rise * rise / bend, -np.inf)
+        top = np.fmax(top, np.fmax(vertex, fine.max(axis=1)))
+    return top
+
+
+def drive_results(
+    cycle: ElasticCycle, given: np.ndarray, frequency: np.ndarray, length: float, rigid_moment: np.ndarray
+) -> np.ndarray:
+    """Results of drives in the order of RESULTS, (results, variants).
+
+    Parameters
+    ----------
+    cycle : ElasticCycle
+    given : ndarray (variants, 3)
+        As for `elastic_cycle`.
+    frequency : ndarray (variants,)
+        Natural frequency [rad/s].
+    length : float
+        Crank angle of a cycle [rad].
+    rigid_moment : ndarray (variants,)
+        Greatest magnitude of the moment of a rigid shaft [N·m].
+    """
+    (least, greatest), (slow, fast) = least_and_greatest(cycle.moment), least_and_greatest(cycle.motor_speed)
+    (slowest, fastest), (near, far) = least_and_greatest(cycle.machine_speed), least_and_greatest(cycle.twist)
+    period, motors = cycle.sums[:, PERIOD], cycle.sums[:, MOTOR_WORK]
+    loads, damped = cycle.sums[:, LOAD_WORK], cycle.sums[:, DAMPING_WORK]
+    with np.errstate(all="ignore"):
+        return np.stack(
+            [
+                given[:, 0],
+                given[:, 1],
+                frequency,
+                period,
+                length / period,
+                2.0 * (fast - slow) / (fast + slow),
+                2.0 * (fastest - slowest) / (fastest + slowest),
+                cycle.sums[:, MOMENT_TIME] / period,
+                greatest,
+                least,
+                0.5 * (greatest - least),
+                rigid_moment,
+                np.fmax(np.abs(greatest), np.abs(least)) / rigid_moment,
+                np.fmax(np.abs(near), np.abs(far)),
+                0.5 * (far - near),
+                motors / period,
+                damped / period,
+                (motors + loads - damped) / (np.abs(motors) + np.abs(loads) + damped),
+                *cycle.multipliers.T,
+                np.log(cycle.multipliers[:, 0]) / period,
+            ]
+        )
+
+
+def steps_needed(frequency: np.ndarray, speed: np.ndarray, length: float) -> np.ndarray:
+    """Steps of a cycle in which the shaft's vibration and the machine's curves are resolved, powers of 2; (variants,).
+
+    Parameters
+    ----------
+    frequency : ndarray (variants,)
+        Natural frequency [rad/s].
+    speed : ndarray (variants,)
+        Of the crank [rad/s].
+    length : float
+        Crank angle of a cycle [rad].
+    """
+    with np.errstate(all="ignore"):
+        needed = np.nan_to_num(2.0 * frequency / speed * length, nan=0.0, posinf=MOST_STEPS)
+    most = np.clip(needed, LEAST_STEPS * length / math.tau, MOST_STEPS)
+    return 2 ** np.ceil(np.log2(most)).astype(int)
+
+
+# Steps of a cycle at most: of a shaft that vibrates faster still, vibrations count little; and of a turn at least.
+MOST_STEPS, LEAST_STEPS = 8192, 128

@@ -1,0 +1,110 @@
+"""The drive of the scene's own machine through an elastic shaft: moments of the shaft, speeds, stability.
+
+The scene's machine is what a drive is asked with: `engine.machine.drives.elastic_drives` hands in its curves, and gives
+the results to the drive as numbers of its own, with their error estimates and the verdict on every variant.
+"""
+
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from engine.elements.elastic_drives.elastic_shaft import ElasticShaft
+from engine.elements.element import Answers, Element, ElementResult, Numbers
+from engine.parts.actions import Time
+from engine.parts.skeleton import OF_FLUCTUATION, ActionRef, Angle, Inertia, Name, Part
+
+RESULTS = (
+    ElementResult("stiffness", "torsional stiffness of the shaft, reduced to the crank", "N m rad-1"),
+    ElementResult("damping", "torsional damping of the shaft, reduced to the crank", "N m s rad-1"),
+    ElementResult("natural_frequency", "natural frequency with the machine's mean inertia", "rad s-1"),
+    ElementResult("period", "duration of a cycle", "s"),
+    ElementResult("mean_speed", "mean speed of the crank over time", "rad s-1"),
+    ElementResult("motor_fluctuation", f"coefficient of speed fluctuation at the motors' end: {OF_FLUCTUATION}", "1"),
+    ElementResult("machine_fluctuation", f"coefficient of speed fluctuation of the crank: {OF_FLUCTUATION}", "1"),
+    ElementResult("mean_moment", "mean moment of the shaft over time", "N m"),
+    ElementResult("greatest_moment", "greatest moment of the shaft", "N m"),
+    ElementResult("least_moment", "least moment of the shaft", "N m"),
+    ElementResult("alternating_moment", "half the range of the shaft's moment", "N m"),
+    ElementResult("rigid_moment", "greatest magnitude of the moment of a rigid shaft", "N m"),
+    ElementResult("dynamic_factor", "greatest moment of the shaft by that of a rigid one, magnitudes", "1", None, True),
+    ElementResult("greatest_twist", "greatest magnitude of the shaft's twist: by it the crank lags behind", "rad"),
+    ElementResult("position_error", "how far the crank is from turning rigidly: half the range of the twist", "rad"),
+    ElementResult("motor_power", "mean power of the motors", "W"),
+    ElementResult("damping_power", "mean power that the shaft's damping takes", "W"),
+    ElementResult("power_residual", "what is missing of the balance of power, as a share", "1", None, True),
+    ElementResult("multiplier", "greatest magnitude of a multiplier: disturbances grow by it in a cycle", "1"),
+    ElementResult("second_multiplier", "second greatest magnitude of a multiplier", "1"),
+    ElementResult("third_multiplier", "least magnitude of a multiplier", "1"),
+    ElementResult("growth_rate", "rate at which disturbances grow", "s-1"),
+)
+RUN_RESULTS = (
+    ElementResult("run_greatest_moment", "greatest magnitude of the shaft's moment on the run", "N m", "run"),
+    ElementResult("run_greatest_at", "when it is greatest", "s", "run"),
+    ElementResult("run_motor_speed", "speed at the motors' end after the run, at the crank", "rad s-1", "run"),
+    ElementResult("run_machine_speed", "speed of the crank after the run, negative backwards", "rad s-1", "run"),
+    ElementResult("run_angle", "angle that the crank turned", "rad", "run"),
+    ElementResult("run_stops", "how often the crank came to a stop on the way", "1", "run", exact=True),
+    ElementResult("run_closings", "how often the backlash closed", "1", "run", exact=True),
+)
+
+
+def machine_keys(kind: str) -> tuple[str, ...]:
+    """Under which keys a drive is given its results (`kind` "value") or their error figures ("error")."""
+    return tuple(f"machine.{kind}.{result.name}" for result in (*RESULTS, *RUN_RESULTS))
+
+
+VERDICT_KEY = "machine.verdict"
+
+
+class MachineRun(Part):
+    """A run over `time`, at rest on an untwisted shaft at a crank angle or out of the steady motion at φ = 0.
+
+    From then on everything acts but what is `off`: with the motors a stop is followed, without what was off in steady
+    motion a sudden load. `backlash` is the whole angle through which one end turns freely against the other: at rest
+    it is open, and the motors have to close it; steady motion doesn't know of it.
+    """
+
+    begin: Literal["at rest", "steady"] = "at rest"
+    angle: Angle = 0.0
+    time: Annotated[Time, Field(gt=0)]
+    off: tuple[ActionRef, ...] = ()
+    backlash: Annotated[Angle, Field(ge=0)] = 0.0
+
+    @model_validator(mode="after")
+    def _steady_at_zero(self) -> "MachineRun":
+        if self.begin == "steady" and self.angle != 0.0:
+            raise ValueError("angle goes with begin = 'at rest': out of steady motion it begins at 0")
+        return self
+
+
+class MachineDrive(ElasticShaft, Element):
+    """The scene's motors drive its crank through an elastic shaft.
+
+    At the motors' end turns the `driver`, a shaft of the scene, or a `motor_inertia` that the scene doesn't have;
+    everything else of the scene turns with the crank. Stiffness, damping and `motor_inertia` are reduced to the crank.
+    What is named as `off` doesn't act in steady motion. A `run` is followed over time.
+    """
+
+    RESULTS: ClassVar = (*RESULTS, *RUN_RESULTS)
+
+    type: Literal["machine_drive"]
+    driver: Name | None = None
+    motor_inertia: Annotated[Inertia, Field(gt=0)] | None = None
+    off: tuple[ActionRef, ...] = ()
+    run: MachineRun | None = None
+
+    @model_validator(mode="after")
+    def _one_driver(self) -> "MachineDrive":
+        if (self.driver is None) == (self.motor_inertia is None):
+            raise ValueError("give driver (a shaft of the scene) or motor_inertia, one of the two")
+        return self
+
+    def evaluate(self, n: Numbers) -> Answers:
+        """The results that the drive is given."""
+        parts = ({r.name: n[f"machine.{kind}.{r.name}"] for r in self.RESULTS} for kind in ("value", "error"))
+        return Answers(*parts, n[VERDICT_KEY].astype(np.uint8))
+
+    def machine_needed(self) -> tuple[str, str]:
+        """A crank that turns."""
+        return "", "only a crank that turns fully is driven through an elastic shaft"

@@ -1,0 +1,410 @@
+"""Engines: forces and couples that shake them, and their torque, by orders.
+
+The equations are those of `engine.elements.engines.shaking` and `engine.elements.engines.engine_torque`. Throws of a
+layout cancel each other but for rounding; what is no greater than that counts as balanced. The greatest and the least
+size of a force or couple of one order are the half axes of its ellipse: the least is 0 where it swings on a line, and
+equal to the greatest where it circles.
+
+Error figures: numbers of an engine act in proportion or turn a phase, so that what their rounding does is known from
+the sizes of the terms. That of the ratio of crank to rod does more as the rod becomes hardly longer than the crank,
+but stays within what is allowed for: 0.9 of it at a ratio of 0.99999.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from engine.elements.element import EPS, Answers, Columns, Element, ElementResult, Numbers
+from engine.elements.engines.engine_layout import (
+    Engine,
+    EngineLayout,
+    MasterRod,
+    Pattern,
+    boxer_engine,
+    in_line_engine,
+    radial_engine,
+    v_engine,
+    w_engine,
+)
+from engine.elements.engines.engine_torque import CylinderParts, Indicator, Torque, cylinder_torque
+from engine.elements.engines.firing import (
+    FOUR_STROKE,
+    even_firing_order,
+    firing_angles,
+    firing_sequence,
+    firing_sums,
+)
+from engine.elements.engines.harmonics import CrankMasses, crank_masses, crank_radius
+from engine.elements.engines.hodograph import Hodograph
+from engine.elements.engines.master_rod import POSITIONS
+from engine.elements.engines.shafts import crankshaft_counterweights, remaining_shaking
+from engine.elements.engines.shaking import EngineShaking, engine_shaking
+from engine.parts.skeleton import Angle, AngularSpeed, Inertia, Length, Mass, Number, Part, quantity
+
+Positive = Annotated[Length, Field(gt=0)]
+MassOrNone = Annotated[Mass, Field(ge=0)]
+Pressure = Annotated[quantity("pressure"), Field(gt=0)]
+Exponent = Annotated[Number, Field(gt=0)]
+SIZES = ("bank_angle", "pin_offset", "spacing", "rod_distance")
+# Roundings of a sum over cylinders, relative to the sum of the sizes of its terms: phases up to 6 · 2π, products, sums,
+# and masses, shares and the speed as they are given.
+ROUNDED_ORDERS = 64
+# Numbers in memory at a time.
+_BLOCK = 2**19
+
+_WORDS = {1: "primary", 2: "secondary", 3: "third_order", 4: "fourth_order", 5: "fifth_order", 6: "sixth_order"}
+TORQUE_ORDERS = tuple(k / 2 for k in range(1, 13))
+_SHARES = ("balanced_rotating", "balanced_reciprocating")
+_DIRECTIONS = {"along": "along the engine's axis", "across": "across the engine's axis, to its left"}
+_GAS = ("bore", "clearance", "intake", "exhaust", "peak", "n_compression", "n_expansion", "ambient")
+
+
+class EngineGas(Part):
+    """Ideal four-stroke diagram of every cylinder, as for a cylinder of type "four_stroke"."""
+
+    bore: Positive
+    clearance: Annotated[Number, Field(gt=0)]
+    intake: Pressure
+    exhaust: Pressure
+    peak: Pressure
+    n_compression: Exponent = 1.32
+    n_expansion: Exponent = 1.28
+    ambient: Pressure = 101_325.0
+
+
+class EngineElement(Element):
+    """An engine of equal cylinders, whose rods all turn on the crankpins, or on a radial engine's master rod.
+
+    `bank_angle` lies between neighbouring banks of a V or W. `throws` are the angles of the throws, of one cylinder or
+    of the pair, or row across, that works on it; usual ones where not given. By `pin_offset` a split crankpin of a V
+    leads for the second bank. `spacing` is that of the throws, `rod_distance` that of the rods on one throw: without
+    `spacing` there are no couples. `rod_centre` is the distance of the rod's centre of mass from the crankpin,
+    `throw_mass` is reduced to the crankpin. Counterweights balance the shares `balanced_rotating` and
+    `balanced_reciprocating` of the masses at each throw. At a `crank_angle` forces are told with their directions.
+
+    `gudgeon_offset` is the distance of the gudgeon pins' lines of motion from the crank's axis, to the left of each
+    cylinder as it points outwards: of an offset pin or an offset cylinder. With `knuckle_radius` and `link_rod` the rod
+    is that of `master_cylinder`; the others have link rods, with their centres of mass at `link_rod_centre` from the
+    knuckle pins. `gas` gives the torque; `rod_inertia`, about the centre of mass, matters to it alone.
+    """
+
+    type: Literal["engine"]
+    layout: Literal["in-line", "V", "W", "boxer", "radial"]
+    cylinders: Annotated[int, Field(ge=1, le=100)]
+    throws: tuple[Angle, ...] | None = None
+    bank_angle: Annotated[Angle, Field(ge=0, le=math.pi)] | None = None
+    pin_offset: Angle | None = None
+    spacing: Annotated[Length, Field(ge=0)] | None = None
+    rod_distance: Length = 0.0
+    stroke: Positive
+    rod: Positive
+    gudgeon_offset: Length | None = None
+    piston_mass: Annotated[Mass, Field(gt=0)]
+    rod_mass: MassOrNone = 0.0
+    rod_centre: Length = 0.0
+    rod_inertia: Annotated[Inertia, Field(ge=0)] | None = None
+    throw_mass: MassOrNone = 0.0
+    master_cylinder: Annotated[int, Field(ge=1)] = 1
+    knuckle_radius: Positive | None = None
+    link_rod: Positive | None = None
+    link_rod_mass: MassOrNone = 0.0
+    link_rod_centre: Length = 0.0
+    balanced_rotating: Number = 1.0
+    balanced_reciprocating: Number = 0.0
+    speed: Annotated[AngularSpeed, Field(gt=0)]
+    crank_angle: Angle | None = None
+    gas: EngineGas | None = None
+    firing_order: tuple[int, ...] | None = None
+
+    @model_validator(mode="after")
+    def _keys_fit_the_layout(self) -> "EngineElement":
+        if (self.layout in ("V", "W")) != (self.bank_angle is not None):
+            raise ValueError(f"bank_angle goes with layout = 'V' or 'W'; the layout is {self.layout!r}")
+        if self.pin_offset is not None and self.layout != "V":
+            raise ValueError(f"pin_offset goes with layout = 'V'; the layout is {self.layout!r}")
+        if self.throws is not None and self.layout == "radial":
+            raise ValueError("throws: a radial engine has one throw; leave throws out")
+        self._check_rods()
+        self.pattern()
+        if self.gas is not None:
+            firing_angles(self.nominal_layout, self.order_of_firing)
+        return self
+
+    def _check_rods(self) -> None:
+        aside = abs(self.gudgeon_offset or 0.0)
+        if self.rod <= math.hypot(self.stroke / 2, aside):
+            least = f"half the stroke, {self.stroke / 2:g} m"
+            if aside:
+                least = f"{math.hypot(self.stroke / 2, aside):g} m, for half the stroke and gudgeon_offset across it"
+            raise ValueError(f"rod = {self.rod:g} m: it must be longer than {least}")
+        if (self.knuckle_radius is None) != (self.link_rod is None):
+            raise ValueError("knuckle_radius and link_rod belong together: give both, or neither")
+        if self.knuckle_radius is None:
+            if self.link_rod_mass or self.link_rod_centre or self.master_cylinder != 1:
+                raise ValueError("link rods need knuckle_radius and link_rod: give both")
+        elif self.layout != "radial":
+            raise ValueError(f"knuckle_radius goes with layout = 'radial'; the layout is {self.layout!r}")
+        elif self.gas is not None:
+            raise ValueError("gas: the torque is that of rods on the crankpin; leave out gas, or the link rods")
+        elif self.master_cylinder > self.cylinders:
+            raise ValueError(f"master_cylinder = {self.master_cylinder}: there are {self.cylinders} cylinders")
+        if self.firing_order is not None and self.gas is None:
+            raise ValueError("firing_order matters to the torque alone, which needs gas: give gas, or leave it out")
+
+    def pattern(self) -> Pattern:
+        """The cylinders, with sizes still open.
+
+        Raises
+        ------
+        LayoutError
+            This layout doesn't have so many cylinders or throws.
+        """
+        if self.layout == "radial":
+            return radial_engine(self.cylinders)
+        return {"in-line": in_line_engine, "V": v_engine, "W": _w, "boxer": boxer_engine}[self.layout](
+            self.cylinders, self.throws
+        )
+
+    @cached_property
+    def nominal_layout(self) -> EngineLayout:
+        """The layout with the element's own sizes; without `spacing` with one of 1."""
+        return self.pattern().layout(**{key: getattr(self, key) for key in SIZES if getattr(self, key) is not None})
+
+    @cached_property
+    def order_of_firing(self) -> tuple[int, ...]:
+        """Numbers of the cylinders from 1 on as they fire: those given, or an order with even intervals.
+
+        Raises
+        ------
+        ValueError
+            None is given and the throws allow no even one.
+        """
+        found = self.firing_order or even_firing_order(self.nominal_layout)
+        if found is None:
+            raise ValueError("firing_order is missing: these throws allow no even one")
+        return found
+
+    @property
+    def master_index(self) -> int | None:
+        """Index of the master rod's cylinder from 0; None where all rods turn on the crankpins."""
+        return None if self.knuckle_radius is None else self.master_cylinder - 1
+
+    @property
+    def variants_at_once(self) -> int:
+        """Few where the motion of rods on a master rod is followed."""
+        positions = POSITIONS * self.cylinders if self.master_index is not None else 256
+        return max(1, _BLOCK // positions)
+
+    def results(self) -> tuple[ElementResult, ...]:
+        """Those of its orders, of couples with a spacing, of the torque with gas."""
+        return tuple(r for r in _results(self) if r.needs is None or getattr(self, r.needs) is not None)
+
+    def evaluate(self, n: Numbers) -> Answers:
+        """Results with errors made of the sizes of their terms."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            found, sizes = engine_columns(self, n)
+        return Answers(found, {name: EPS * size for name, size in sizes.items()})
+
+
+def _w(cylinders: int, throws: tuple[float, ...] | None) -> Pattern:
+    return w_engine(cylinders, throws=throws)
+
+
+def shaking_orders(engine: EngineElement) -> tuple[int, ...]:
+    """Orders of the forces: odd ones beside the first where gudgeon pins are offset or rods turn on a master rod."""
+    return (1, 2, 4, 6) if engine.gudgeon_offset is None and engine.master_index is None else tuple(_WORDS)
+
+
+def _results(engine: EngineElement) -> Iterator[ElementResult]:
+    orders = shaking_orders(engine)
+    for kind, units, needs in (("force", "N", None), ("couple", "N m", "spacing")):
+        for word in (_WORDS[n] for n in orders):
+            said = word.replace("_", " ")
+            yield ElementResult(f"{word}_{kind}", f"greatest {said} {kind}", units, needs)
+            yield ElementResult(f"{word}_{kind}_least", f"least {said} {kind}", units, needs)
+        listed = ", ".join(map(str, orders))
+        yield ElementResult(f"rms_{kind}", f"root mean square of the {kind}, orders {listed}", units, needs)
+    if engine.crank_angle is not None:
+        for name, words in (("primary_force", "primary force"), ("force", f"force, orders {listed},")):
+            for key, said in _DIRECTIONS.items():
+                yield ElementResult(f"{name}_{key}", f"unbalanced {words} {said}, at the crank angle", "N")
+    yield ElementResult("crank_unbalance", "sum of the magnitudes of all counterweights' unbalances", "kg m")
+    if engine.gas is not None:
+        yield ElementResult("mean_torque", "mean torque of the gas", "N m")
+        yield ElementResult("mean_power", "mean power of the gas", "W")
+        for n in TORQUE_ORDERS:
+            yield ElementResult(torque_name(n), f"torque of gas and inertia, order {n:g}", "N m", may_be_undefined=True)
+
+
+def torque_name(order: float) -> str:
+    """Name of the result that holds an order of the torque, such as "torque_order_2_5"."""
+    return f"torque_order_{order:g}".replace(".", "_")
+
+
+def engine_columns(engine: EngineElement, numbers: Numbers) -> tuple[Columns, Columns]:
+    """All results of an engine for a set of variants.
+
+    Parameters
+    ----------
+    engine : EngineElement
+        Its layout; its numbers are not used.
+    numbers : mapping of str to ndarray (variants,)
+        Its numbers by their keys.
+
+    Returns
+    -------
+    columns : dict of str to ndarray (variants,)
+        NaN where the crank can't turn.
+    sizes : dict of str to ndarray (variants,)
+        Magnitudes whose rounding each of them carries.
+    """
+    made = made_engine(engine, numbers)
+    weights = crankshaft_counterweights(made, *(numbers[key] for key in _SHARES))
+    orders = shaking_orders(engine)
+    left = remaining_shaking(engine_shaking(made, orders), [weights])
+    square = np.square(numbers["speed"])
+    columns = {"crank_unbalance": np.abs(weights.unbalances).sum(axis=-1)}
+    sizes = {"crank_unbalance": ROUNDED_ORDERS * columns["crank_unbalance"]}
+    for kind, vector, terms, carried in (
+        ("force", left.forces, left.force_terms, _carried(engine, numbers, made, left.force_terms, orders)),
+        ("couple", left.couples, left.couple_terms, _couples_carry(engine, numbers, made, left, orders)),
+    ):
+        least = ROUNDED_ORDERS * EPS * terms
+        columns[f"rms_{kind}"] = _settled(vector, least).rms * square
+        sizes[f"rms_{kind}"] = np.sqrt(np.square(carried).sum(axis=-1)) * square
+        for i, word in enumerate(_WORDS[n] for n in orders):
+            for name, axis in ((f"{word}_{kind}", vector.major), (f"{word}_{kind}_least", vector.minor)):
+                columns[name] = np.where(axis[..., i] <= least[..., i], 0.0, axis[..., i]) * square
+                sizes[name] = carried[..., i] * square
+        if kind == "force" and engine.crank_angle is not None:
+            for table, more in zip((columns, sizes), _at_angle(vector, terms, carried, numbers), strict=True):
+                table |= more
+    if engine.gas is not None:
+        for table, more in zip((columns, sizes), _torque_columns(engine, numbers), strict=True):
+            table |= more
+    return columns, sizes
+
+
+def made_engine(engine: EngineElement, numbers: Numbers) -> Engine:
+    """The engine of an element, with the numbers of all variants.
+
+    Parameters
+    ----------
+    engine, numbers
+        As for `engine_columns`.
+    """
+    n = numbers
+    layout = engine.pattern().layout(**{key: n[key] for key in SIZES if key in n})
+    offset = n.get("gudgeon_offset", np.zeros_like(n["stroke"]))
+    own = _masses(n, "", n.get("rod_inertia"))
+    reciprocating, rotating, master = own.reciprocating[..., None], own.rotating[..., None], None
+    if engine.master_index is not None:
+        link = _masses(n, "link_")
+        here = np.arange(engine.cylinders) == engine.master_index
+        reciprocating = np.where(here, reciprocating, link.reciprocating[..., None])
+        rotating = np.where(here, rotating, link.rotating[..., None])
+        knuckle = link.rotating - n["throw_mass"]
+        master = MasterRod(engine.master_index, n["knuckle_radius"], n["link_rod"], knuckle)
+    radius = crank_radius(n["stroke"], n["rod"], offset)
+    return Engine(layout, radius, n["rod"], reciprocating, rotating, offset, own.rod_correction, master)
+
+
+def _masses(n: Numbers, which: str, inertia: np.ndarray | None = None) -> CrankMasses:
+    rod, mass, centre = n[f"{which}rod"], n[f"{which}rod_mass"], n[f"{which}rod_centre"]
+    return crank_masses(n["piston_mass"], mass, rod, centre, inertia, n["throw_mass"])
+
+
+def _carried(engine: EngineElement, n: Numbers, made: Engine, terms: np.ndarray, orders: tuple[int, ...]) -> np.ndarray:
+    """Roundings of 1 that sums of terms (..., orders) carry, with those of the numbers they are made of."""
+    steps = np.array(orders)
+    _, lean, _, lead, _, _ = np.abs(np.array(engine.pattern(), float)).max(axis=0)
+    bank, offset = (np.abs(n.get(key, np.zeros(1)))[..., None] for key in ("bank_angle", "pin_offset"))
+    phases = (steps + 1) * lean * bank + steps * lead * offset
+    # A transform gives every harmonic with the rounding of the whole motion.
+    whole = steps**2 * (1.0 if made.master is None else 1.0 + (made.rod / made.radius)[..., None])
+    return (ROUNDED_ORDERS + phases) * terms + 4 * whole * terms[..., :1]
+
+
+def _couples_carry(
+    engine: EngineElement, n: Numbers, made: Engine, left: EngineShaking, orders: tuple[int, ...]
+) -> np.ndarray:
+    """As `_carried`, of couples: arms are sums of two lengths."""
+    places, shifts = np.abs(np.array(engine.pattern(), float)).T[4:]
+    pitch, apart = (np.abs(n.get(key, np.ones(1)))[..., None] for key in ("spacing", "rod_distance"))
+    longest = (places * pitch + shifts * apart).max(axis=-1)
+    return _carried(engine, n, made, left.couple_terms, orders) + left.force_terms * longest[..., None]
+
+
+def engine_torque(
+    engine: EngineElement, n: Numbers, orders: Sequence[float] = TORQUE_ORDERS
+) -> tuple[Torque, np.ndarray, np.ndarray]:
+    """Torque of the gas and the inertia of all cylinders.
+
+    Parameters
+    ----------
+    engine, n
+        As for `engine_columns`; with gas.
+    orders : sequence of float
+        Multiples of ½, above 0.
+
+    Returns
+    -------
+    one : Torque
+        Of one cylinder.
+    found : ndarray of complex (variants, orders)
+        Of all; T = mean + Re Σ T_n exp(i n phi). NaN where the throws don't let the cylinders fire in their order.
+    angles : ndarray (variants, cylinders)
+        At which the cylinders fire [rad].
+    """
+    made = made_engine(engine, n)
+    gas = {key: n[f"gas.{key}"] for key in _GAS}
+    bore, outside = gas.pop("bore"), gas.pop("ambient")
+    mass = made.reciprocating_mass[..., 0]
+    moving = CylinderParts(made.radius, made.rod, made.offset, mass, made.rod_correction, n["speed"])
+    one = cylinder_torque(Indicator(**gas, outside=outside), bore, moving, orders)
+    angles, taken = firing_sequence(made.layout, engine.order_of_firing)
+    with np.errstate(invalid="ignore"):
+        top = np.arcsin(made.offset / (made.rod + made.radius))
+    angles = np.where((taken < FOUR_STROKE)[..., None], angles + top[..., None], np.nan)
+    return one, one.orders * firing_sums(orders, angles), angles
+
+
+def _torque_columns(engine: EngineElement, n: Numbers) -> tuple[Columns, Columns]:
+    """Torque of all cylinders by orders, and sizes of its terms."""
+    one, all_together, angles = engine_torque(engine, n)
+    count, steps, found = engine.cylinders, np.array(TORQUE_ORDERS), np.abs(all_together)
+    phases = np.abs(one.orders) * (steps * (2 * FOUR_STROKE + np.abs(angles).max(axis=-1)[..., None]) + count)
+    carried = count * (ROUNDED_ORDERS * one.sizes[..., 1:] + phases)
+    found = np.where(found <= ROUNDED_ORDERS * EPS * count * np.abs(one.orders), 0.0, found)
+    columns = {"mean_torque": count * one.mean, "mean_power": count * one.mean * n["speed"]}
+    mean_size = count * ROUNDED_ORDERS * one.sizes[..., 0]
+    sizes = {"mean_torque": mean_size, "mean_power": mean_size * n["speed"]}
+    for i, order in enumerate(TORQUE_ORDERS):
+        columns[torque_name(order)], sizes[torque_name(order)] = found[..., i], carried[..., i]
+    return columns, sizes
+
+
+def _at_angle(forces: Hodograph, terms: np.ndarray, carried: np.ndarray, numbers: Numbers) -> tuple[Columns, Columns]:
+    """Primary and whole force at the element's crank angle, and sizes of their terms."""
+    steps = np.array(forces.orders) * numbers["crank_angle"][..., None]
+    square = np.square(numbers["speed"])
+    orders = forces.forward * np.exp(1j * steps) + forces.backward * np.exp(-1j * steps)
+    with_phases = carried + (np.abs(steps) + 1) * terms
+    columns, sizes = {}, {}
+    for name, force, size in (
+        ("primary_force", orders[..., 0], with_phases[..., 0]),
+        ("force", orders.sum(axis=-1), with_phases.sum(axis=-1)),
+    ):
+        for key, part in zip(_DIRECTIONS, (force.real, force.imag), strict=True):
+            columns[f"{name}_{key}"], sizes[f"{name}_{key}"] = part * square, size * square
+    return columns, sizes
+
+
+def _settled(found: Hodograph, least: np.ndarray) -> Hodograph:
+    """With parts that are nothing but rounding set to 0."""
+    parts = (np.where(np.abs(part) <= least, 0.0, part) for part in (found.forward, found.backward))
+    return Hodograph(found.orders, *parts)

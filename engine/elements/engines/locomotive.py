@@ -1,0 +1,146 @@
+"""A locomotive's driving axle: balance weights, and the unbalance that they can't take.
+
+Per cylinder, a share of the masses at the crankpin is balanced by weights that turn. Along the track remains
+what isn't balanced, s_rot and c being the shares,
+
+    F = ω² r Re Σ ((1 − s_rot) m_rot + (1 − c) m_rec) exp(i(φ + α_k)),
+
+which varies the tractive effort and, with the cylinders' places as arms, sways the locomotive. Upright act all rotating
+masses and weights, those for the reciprocating masses with nothing against them: the hammer blow in either wheel's
+plane is that of the weights for c m_rec, and of what s_rot leaves or takes too much of m_rot.
+
+For two cylinders at a right angle these are the textbook's √2 (1 − c) m_rec ω² r, (a/√2) (1 − c) m_rec ω² r and
+B ω² b.
+
+Sources: R. S. Khurmi and J. K. Gupta, Theory of Machines, chapter 22 (balancing of locomotives); S. S. Rattan, Theory
+of Machines, chapter 14.
+"""
+
+import math
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from engine.elements.element import Columns, Element, ElementResult, Numbers
+from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.elements.rotors.unbalance import Resultant, unbalance_in_two_planes
+from engine.parts.actions import Force
+from engine.parts.skeleton import Angle, AngularSpeed, Length, Mass, Number
+
+Positive = Annotated[Length, Field(gt=0)]
+# Two cylinders start from every position with cranks at a right angle; three and four have even ones.
+USUAL_THROW_ANGLES = {1: 0.0, 2: math.pi / 2, 3: 2 * math.pi / 3, 4: math.pi / 2}
+# Places of curves; speeds up to so many times the one given.
+_SHOWN, _FASTEST = 361, 1.5
+_SIDES = ("left", "right")
+
+
+class LocomotiveElement(Element):
+    """Horizontal cylinders, `cylinder_spacing` apart, on one axle, whose wheels carry balance weights in their planes.
+
+    Every throw follows the one before, from left to right, by `throw_angle`; `crank_angle` is that of the first one
+    from its cylinder's axis. `rotating_mass`, at the crankpin, and `reciprocating_mass` are those of a cylinder.
+    Weights at `balance_radius` balance the shares `balanced_rotating` and `balanced_reciprocating` of them. Rods count
+    as long: orders above the first are left out. `wheel_load` is what a wheel presses on its rail at rest.
+    """
+
+    RESULTS: ClassVar = (
+        *(ElementResult(f"{side}_balance_mass", f"balance weight in the {side} wheel", "kg") for side in _SIDES),
+        *(
+            ElementResult(
+                f"{side}_balance_angle",
+                f"angle of the balance weight in the {side} wheel, from the first throw in the sense of rotation",
+                "rad",
+            )
+            for side in _SIDES
+        ),
+        ElementResult("tractive_variation", "greatest unbalanced force along the track", "N"),
+        ElementResult("swaying_couple", "greatest unbalanced couple about the upright axis", "N m"),
+        *(ElementResult(f"{side}_hammer_blow", f"greatest change of the {side} wheel's load", "N") for side in _SIDES),
+        ElementResult("least_wheel_load", "least load of a wheel, negative where it lifts off", "N", "wheel_load"),
+        ElementResult("lift_off_speed", "angular speed at which a wheel lifts off", "rad s-1", "wheel_load", True),
+        ElementResult("primary_force", "unbalanced primary force of the first cylinder there", "N", "crank_angle"),
+        ElementResult("tractive_force", "unbalanced force along the track there", "N", "crank_angle"),
+        ElementResult("swaying_moment", "unbalanced couple about the upright axis there", "N m", "crank_angle"),
+        *(
+            ElementResult(
+                f"{side}_rail_force", f"unbalanced upward force in the {side} wheel there", "N", "crank_angle"
+            )
+            for side in _SIDES
+        ),
+    )
+
+    type: Literal["locomotive"]
+    cylinders: Literal[1, 2, 3, 4] = 2
+    cylinder_spacing: Annotated[Length, Field(ge=0)]
+    wheel_spacing: Positive
+    throw_angle: Angle | None = None
+    stroke: Positive
+    rotating_mass: Annotated[Mass, Field(ge=0)] = 0.0
+    reciprocating_mass: Annotated[Mass, Field(gt=0)]
+    balanced_rotating: Number = 1.0
+    balanced_reciprocating: Number = 2 / 3
+    balance_radius: Positive
+    speed: Annotated[AngularSpeed, Field(gt=0)]
+    wheel_load: Annotated[Force, Field(gt=0)] | None = None
+    crank_angle: Angle | None = None
+
+    def values(self, n: Numbers) -> Columns:
+        """Results of a set of variants by their names."""
+        apart, track, stroke, radius = (n[k] for k in ("cylinder_spacing", "wheel_spacing", "stroke", "balance_radius"))
+        rotating, reciprocating, speed = n["rotating_mass"], n["reciprocating_mass"], n["speed"]
+        s_rot, c = n["balanced_rotating"], n["balanced_reciprocating"]
+        between = n.get("throw_angle", USUAL_THROW_ANGLES[self.cylinders])
+        load, phi = n.get("wheel_load", math.nan), n.get("crank_angle", 0.0)
+        count, square = np.arange(self.cylinders)[:, None], speed**2
+        pins = stroke / 2 * np.exp(1j * count * between)
+        arms = (count - (self.cylinders - 1) / 2) * apart
+        taken, upright = s_rot * rotating + c * reciprocating, (s_rot - 1) * rotating + c * reciprocating
+        along = (1 - s_rot) * rotating + (1 - c) * reciprocating
+        pull, sway = along * pins.sum(axis=0) * square, along * (arms * pins).sum(axis=0) * square
+        weights = [-taken * part for part in _in_wheels(pins, arms, track)]
+        blows = [-upright * part * square for part in _in_wheels(pins, arms, track)]
+        blow, turned = np.maximum(*np.abs(blows)), np.exp(1j * phi)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            lifts = speed * np.sqrt(load / blow)
+        found = {
+            "tractive_variation": np.abs(pull),
+            "swaying_couple": np.abs(sway),
+            "least_wheel_load": load - blow,
+            "lift_off_speed": lifts,
+            "primary_force": along * stroke / 2 * square * np.cos(phi),
+            "tractive_force": (pull * turned).real,
+            "swaying_moment": (sway * turned).real,
+        }
+        for side, weight, part in zip(_SIDES, weights, blows, strict=True):
+            found |= {f"{side}_balance_mass": np.abs(weight) / radius, f"{side}_balance_angle": np.angle(weight)}
+            found |= {f"{side}_hammer_blow": np.abs(part), f"{side}_rail_force": (part * turned).imag}
+        return found
+
+    def panels(self) -> tuple[Panel, ...]:
+        """Forces and the swaying couple over a turn, hammer blows over the speed."""
+        angle = np.linspace(0.0, math.tau, _SHOWN)
+        turn = self.model_copy(update={"crank_angle": 0.0}).over("crank_angle", angle)
+        forces = [Curve("along the track", turn["tractive_force"])]
+        forces += [Curve(f"up, {side} wheel", turn[f"{side}_rail_force"]) for side in _SIDES]
+        x, lifts = PanelAxis("crank angle", "rad"), self.own_values().get("lift_off_speed", math.nan)
+        # A well balanced one would lift off far beyond all speeds.
+        fastest = max(_FASTEST * self.speed, 1.1 * lifts if lifts < 4 * self.speed else 0.0)
+        speed = np.linspace(1e-3, 1.0, _SHOWN) * fastest
+        found = self.over("speed", speed)
+        blows = [Curve(f"hammer blow, {side}", found[f"{side}_hammer_blow"]) for side in _SIDES]
+        blows.append(Curve("along the track", found["tractive_variation"]))
+        marks = [Mark("as given", self.speed, None)]
+        marks += [] if self.wheel_load is None else [Mark("wheel load", None, self.wheel_load)]
+        return (
+            Panel(x, PanelAxis("unbalanced force", "N"), angle, forces),
+            Panel(x, PanelAxis("swaying couple", "N m"), angle, (Curve("", turn["swaying_moment"]),)),
+            Panel(PanelAxis("speed of the axle", "rad s-1"), PanelAxis("greatest force", "N"), speed, blows, marks),
+        )
+
+
+def _in_wheels(pins: np.ndarray, arms: np.ndarray, track: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What unit masses at the crankpins amount to in the planes of the left and the right wheel."""
+    resultant = Resultant(pins.sum(axis=0), (arms * pins).sum(axis=0), np.zeros(()))
+    return unbalance_in_two_planes(resultant, -track / 2, track / 2)

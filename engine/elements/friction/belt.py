@@ -1,0 +1,99 @@
+"""Belts on a pulley on the point of slipping."""
+
+import math
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field, model_validator
+
+from engine.compiling.decorators import scalar
+from engine.elements.element import Columns, Element, ElementResult, Numbers
+from engine.elements.friction.over_friction import over_friction
+from engine.elements.panels import Panel
+from engine.graph.over_arrays import over_arrays
+from engine.laws.friction.belts import (
+    belt_moment,
+    centrifugal_tension,
+    gripped_share,
+    shaft_force,
+    slack_share,
+    speed_of_most_power,
+    tension_ratio,
+    tight_tension,
+)
+from engine.laws.friction.guides import vee_friction
+from engine.parts.actions import Force, Moment
+from engine.parts.skeleton import Angle, Length, Number, Speed, quantity
+
+Positive = Annotated[Length, Field(gt=0)]
+Load = Annotated[Force, Field(gt=0)]
+
+
+@scalar
+def belt(
+    diameter: float, wrap: float, friction: float, groove: float, tension: float, moment: float, q: float, speed: float
+) -> tuple[float, float, float, float, float, float, float, float]:
+    """Belt of a given tension, or moment where the tension is NaN: its results in their order."""
+    radius, reduced = diameter / 2, vee_friction(friction, groove / 2)
+    centrifugal = centrifugal_tension(q, speed)
+    tight = tight_tension(moment, centrifugal, reduced, wrap, radius) if math.isnan(tension) else tension
+    carried = belt_moment(tight, centrifugal, reduced, wrap, radius)
+    pressing = max(tight - centrifugal, 0.0)
+    slack = pressing * slack_share(reduced, wrap)
+    return (
+        tension_ratio(reduced, wrap),
+        tight,
+        tight - pressing * gripped_share(reduced, wrap),
+        carried,
+        shaft_force(pressing, slack, wrap),
+        carried / radius * speed,
+        centrifugal,
+        speed_of_most_power(tight, q),
+    )
+
+
+class BeltElement(Element):
+    """A belt on a pulley on the point of slipping: the moment that its `tension` carries, or the tension for a moment.
+
+    `tension` is that of the tight strand; `groove_angle` lies between the faces of a V groove. A belt that runs has a
+    `speed`, and with its `linear_density` a centrifugal tension.
+    """
+
+    RESULTS: ClassVar = (
+        ElementResult("tension_ratio", "tension of the tight strand over the slack one's, without centrifugal", "1"),
+        ElementResult("tight_tension", "tension of the tight strand", "N"),
+        ElementResult("slack_tension", "tension of the slack strand", "N"),
+        ElementResult("moment", "greatest moment without slip", "N m"),
+        ElementResult("shaft_force", "force of the belt on the shaft", "N"),
+        ElementResult("power", "greatest power without slip", "W", "speed"),
+        ElementResult("centrifugal_tension", "tension that keeps the belt on its circle", "N", "linear_density"),
+        ElementResult("speed_of_most_power", "speed of most power at this tension", "m s-1", "linear_density"),
+    )
+
+    type: Literal["belt"]
+    diameter: Positive
+    wrap: Annotated[Angle, Field(gt=0)]
+    friction: Annotated[Number, Field(gt=0)]
+    groove_angle: Annotated[Angle, Field(gt=0, le=math.pi)] | None = None
+    tension: Load | None = None
+    moment: Annotated[Moment, Field(gt=0)] | None = None
+    speed: Annotated[Speed, Field(ge=0)] | None = None
+    linear_density: Annotated[quantity("linear_density"), Field(gt=0)] | None = None
+
+    @model_validator(mode="after")
+    def _one_load(self) -> "BeltElement":
+        if (self.tension is None) == (self.moment is None):
+            raise ValueError("give tension (of the tight strand) or moment, one of the two")
+        if self.linear_density is not None and self.speed is None:
+            raise ValueError("linear_density matters at a speed: give speed")
+        return self
+
+    def values(self, n: Numbers) -> Columns:
+        """Results of a set of variants by their names."""
+        usual = {"groove_angle": math.pi, "tension": math.nan, "moment": math.nan, "linear_density": 0.0, "speed": 0.0}
+        others = (n.get(key, value) for key, value in usual.items())
+        return self.in_order(over_arrays(belt, n["diameter"], n["wrap"], n["friction"], *others))
+
+    def panels(self) -> tuple[Panel, ...]:
+        """Forces or moments, and a ratio, over the friction."""
+        first, second = ("force", ("tight_tension", "slack_tension", "shaft_force")), ("ratio", ("tension_ratio",))
+        return over_friction(self, first, second)

@@ -1,0 +1,83 @@
+"""Cars that brake on the point of sliding."""
+
+import math
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from engine.compiling.decorators import scalar
+from engine.elements.element import PLACES, Columns, Element, ElementResult, Numbers
+from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.graph.over_arrays import over_arrays
+from engine.laws.brakes import axle_shares
+from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Angle, Length, Number, Speed, Time
+
+# Speeds up to so many times the one given.
+_FASTEST, _KMH = 1.5, 3.6
+Positive = Annotated[Length, Field(gt=0)]
+
+
+@scalar
+def car(
+    speed: float, front: float, rear: float, base: float, behind: float, h: float, slope: float, delay: float, g: float
+) -> tuple[float, float, float, float]:
+    """Braking car: its results in their order; NaN for one that doesn't come to rest."""
+    on_front, on_rear = axle_shares(base, behind, h, front, rear)
+    held = g * (math.cos(slope) * (front * on_front + rear * on_rear) + math.sin(slope))
+    slowing = held if held > 0.0 else math.nan
+    return slowing, speed * delay + speed * speed / (2 * slowing), delay + speed / slowing, on_front
+
+
+class CarElement(Element):
+    """A car that brakes with the `brakes` of its front, rear or all wheels on the point of sliding, to rest.
+
+    `rear_distance` is that of its centre of mass from the rear axle, `height` that from the road. It goes up a positive
+    `slope`, down a negative one; the brakes begin to act after the `reaction_time`.
+    """
+
+    RESULTS: ClassVar = (
+        ElementResult("deceleration", "greatest deceleration of the braking car", "m s-2"),
+        ElementResult("stopping_distance", "way to rest, that of the reaction time with it", "m"),
+        ElementResult("stopping_time", "time to rest, the reaction time with it", "s"),
+        ElementResult("front_share", "share of the load on the road that the front wheels bear", "1"),
+    )
+
+    type: Literal["car"]
+    brakes: Literal["front", "rear", "all"] = "all"
+    speed: Annotated[Speed, Field(gt=0)]
+    friction: Annotated[Number, Field(gt=0)]
+    wheelbase: Positive
+    rear_distance: Positive
+    height: Positive
+    slope: Annotated[Angle, Field(gt=-math.pi / 2, lt=math.pi / 2)] = 0.0
+    reaction_time: Annotated[Time, Field(ge=0)] = 0.0
+    gravity: Annotated[Acceleration, Field(gt=0)] = STANDARD_GRAVITY
+
+    @model_validator(mode="after")
+    def _centre_between_axles(self) -> "CarElement":
+        if not self.rear_distance < self.wheelbase:
+            raise ValueError("rear_distance must be less than wheelbase: the centre of mass lies between the axles")
+        return self
+
+    def values(self, n: Numbers) -> Columns:
+        """Results of a set of variants by their names."""
+        front, rear = (n["friction"] if self.brakes in (axle, "all") else 0.0 for axle in ("front", "rear"))
+        keys = ("wheelbase", "rear_distance", "height", "slope", "reaction_time", "gravity")
+        return self.in_order(over_arrays(car, n["speed"], front, rear, *(n[key] for key in keys)))
+
+    def panels(self) -> tuple[Panel, ...]:
+        """Way to rest over the speed by the wheels that brake, and the speed along the way as given."""
+        speed = np.linspace(1e-3, _FASTEST, PLACES) * self.speed
+        curves = []
+        for brakes in ("front", "rear", "all"):
+            way = self.model_copy(update={"brakes": brakes}).over("speed", speed)["stopping_distance"]
+            curves.append(Curve(f"brakes: {brakes}", way, brakes != self.brakes))
+        mark = Mark("as given", _KMH * self.speed, None)
+        over_speed = Panel(PanelAxis("speed", "km/h"), PanelAxis("way to rest", "m"), _KMH * speed, curves, (mark,))
+        # The brakes begin to act when the reaction time is over; then the square of the speed falls evenly.
+        left = np.linspace(self.speed, 0.0, PLACES)
+        held = self.own_values()["deceleration"]
+        way = [0.0, *(self.speed * self.reaction_time + (self.speed**2 - left**2) / (2 * held))]
+        along = Curve("as given", _KMH * np.array([self.speed, *left]))
+        return over_speed, Panel(PanelAxis("way", "m"), PanelAxis("speed", "km/h"), np.array(way), (along,))

@@ -1,0 +1,96 @@
+"""Sliders on their guides, which jam when pushed too far off their middle."""
+
+import math
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field, model_validator
+
+from engine.compiling.decorators import scalar
+from engine.elements.element import Columns, Element, ElementResult, Numbers
+from engine.elements.friction.over_friction import over_friction
+from engine.elements.panels import Panel
+from engine.graph.over_arrays import over_arrays
+from engine.laws.friction.coefficients import BUSHES
+from engine.laws.friction.guides import (
+    edge_forces,
+    jamming_overhang,
+    overhung_drive,
+    slider_friction,
+    tilts,
+    vee_friction,
+)
+from engine.parts.actions import Force
+from engine.parts.skeleton import Angle, Length, Number
+
+Positive = Annotated[Length, Field(gt=0)]
+Load = Annotated[Force, Field(gt=0)]
+Friction = Annotated[Number, Field(ge=0)]
+
+
+@scalar
+def guide(
+    load: float, resistance: float, overhang: float, length: float, friction: float, vee: float, factor: float
+) -> tuple[float, float, float, float, float, float, float, float]:
+    """Slider on its guide: its results in their order."""
+    half, reduced = length / 2, factor * vee_friction(friction, vee / 2)
+    drive = overhung_drive(resistance, load, overhang, half, reduced)
+    front, rear = edge_forces(load, drive * overhang, half)
+    return (
+        reduced,
+        drive,
+        slider_friction(load, drive * overhang, half, reduced),
+        front,
+        rear,
+        tilts(load, drive * overhang, half),
+        jamming_overhang(half, reduced),
+        resistance / drive,
+    )
+
+
+class GuideElement(Element):
+    """A slider on its guide, moved against a `resistance` along its middle by a force at an `overhang`.
+
+    `load` presses it on the guide: flat, a V of `vee_angle` between its faces, or half-round, new or worn in.
+    """
+
+    RESULTS: ClassVar = (
+        ElementResult(
+            "effective_friction", "coefficient of friction in terms of the force that presses the slider", "1"
+        ),
+        ElementResult("drive_force", "force that moves the slider", "N"),
+        ElementResult("friction_force", "friction of the slider", "N"),
+        ElementResult("front_edge_force", "force on the front edge of the slider", "N"),
+        ElementResult("rear_edge_force", "force on the rear edge of the slider, negative on the opposite face", "N"),
+        ElementResult("tilts", "whether the slider bears on opposite faces of the guide (1 or 0)", "1", exact=True),
+        ElementResult("jamming_overhang", "overhang at which the slider jams", "m", may_be_undefined=True),
+        ElementResult("efficiency", "work on the resistance over that of the force that moves the slider", "1"),
+    )
+
+    type: Literal["guide"]
+    form: Literal["flat", "vee", "half-round, new", "half-round, worn in"] = "flat"
+    vee_angle: Annotated[Angle, Field(gt=0, le=math.pi)] | None = None
+    length: Positive
+    friction: Friction
+    load: Force = 0.0
+    resistance: Load
+    overhang: Length = 0.0
+
+    @model_validator(mode="after")
+    def _vee_has_an_angle(self) -> "GuideElement":
+        if (self.form == "vee") != (self.vee_angle is not None):
+            raise ValueError("vee_angle goes with form = 'vee': give both, or neither")
+        return self
+
+    def values(self, n: Numbers) -> Columns:
+        """Results of a set of variants by their names."""
+        keys = ("load", "resistance", "overhang", "length", "friction")
+        factor = BUSHES.get(self.form, 1.0)
+        return self.in_order(over_arrays(guide, *(n[key] for key in keys), n.get("vee_angle", math.pi), factor))
+
+    def panels(self) -> tuple[Panel, ...]:
+        """Forces or moments, and a ratio, over the friction."""
+        first, second = (
+            ("force", ("drive_force", "front_edge_force", "rear_edge_force")),
+            ("efficiency", ("efficiency",)),
+        )
+        return over_friction(self, first, second)

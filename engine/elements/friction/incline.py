@@ -1,0 +1,64 @@
+"""Loads on an inclined plane."""
+
+import math
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field
+
+from engine.compiling.decorators import scalar
+from engine.elements.element import Columns, Element, ElementResult, Numbers
+from engine.elements.friction.over_friction import over_friction
+from engine.elements.panels import Panel
+from engine.graph.over_arrays import over_arrays
+from engine.laws.friction.inclines import incline_down, incline_up, self_locking
+from engine.parts.actions import Force
+from engine.parts.skeleton import Angle, Number
+
+Load = Annotated[Force, Field(gt=0)]
+Friction = Annotated[Number, Field(ge=0)]
+
+
+@scalar
+def incline(
+    load: float, angle: float, friction: float, static: float, pull_angle: float
+) -> tuple[float, float, float, float, float, float]:
+    """Incline: its results in their order."""
+    up = incline_up(load, angle, friction, pull_angle)
+    return (
+        math.atan(friction),
+        up,
+        incline_up(load, angle, static, pull_angle),
+        incline_down(load, angle, friction, pull_angle),
+        load * math.sin(angle) / (up * math.cos(pull_angle)),
+        self_locking(math.tan(angle), static),
+    )
+
+
+class InclineElement(Element):
+    """A load on an inclined plane, pulled at `pull_angle` above the plane; at rest `static_friction` holds it."""
+
+    RESULTS: ClassVar = (
+        ElementResult("friction_angle", "angle of friction", "rad"),
+        ElementResult("up_force", "force that moves the load up", "N"),
+        ElementResult("start_force", "force that sets the load going upwards", "N"),
+        ElementResult("down_force", "force that moves the load down, negative where it has to be held", "N"),
+        ElementResult("efficiency", "efficiency of moving the load up", "1", may_be_undefined=True),
+        ElementResult("self_locking", "whether the load stays by itself (1 or 0)", "1", exact=True),
+    )
+
+    type: Literal["incline"]
+    load: Load
+    angle: Annotated[Angle, Field(ge=0, lt=math.pi / 2)]
+    friction: Friction
+    static_friction: Friction | None = None
+    pull_angle: Annotated[Angle, Field(gt=-math.pi / 2, lt=math.pi / 2)] = 0.0
+
+    def values(self, n: Numbers) -> Columns:
+        """Results of a set of variants by their names."""
+        static = n.get("static_friction", n["friction"])
+        return self.in_order(over_arrays(incline, n["load"], n["angle"], n["friction"], static, n["pull_angle"]))
+
+    def panels(self) -> tuple[Panel, ...]:
+        """Forces or moments, and a ratio, over the friction."""
+        first, second = ("force", ("up_force", "down_force")), ("efficiency", ("efficiency",))
+        return over_friction(self, first, second)

@@ -1,0 +1,57 @@
+"""Journals in their bearings."""
+
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from engine.compiling.decorators import scalar
+from engine.elements.element import PLACES, Columns, Element, ElementResult, Numbers
+from engine.elements.friction.over_friction import BEYOND, DRY
+from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.graph.over_arrays import over_arrays
+from engine.laws.friction.coefficients import BUSHES
+from engine.laws.friction.journals import friction_circle, journal_moment
+from engine.parts.actions import Force
+from engine.parts.skeleton import AngularSpeed, Length, Number
+
+Positive = Annotated[Length, Field(gt=0)]
+Load = Annotated[Force, Field(gt=0)]
+Friction = Annotated[Number, Field(ge=0)]
+
+
+@scalar
+def journal(load: float, diameter: float, friction: float, factor: float, speed: float) -> tuple[float, float, float]:
+    """Journal: its results in their order."""
+    moment = journal_moment(load, diameter / 2, friction, factor)
+    return friction_circle(diameter / 2, friction, factor), moment, moment * abs(speed)
+
+
+class JournalElement(Element):
+    """A journal in its bearing, touching on a line, or in a new or worn-in bush that embraces half of it."""
+
+    RESULTS: ClassVar = (
+        ElementResult("friction_circle", "radius of the friction circle", "m"),
+        ElementResult("friction_moment", "moment of friction in the journal", "N m"),
+        ElementResult("friction_power", "power lost in the journal", "W", "speed"),
+    )
+
+    type: Literal["journal"]
+    load: Load
+    diameter: Positive
+    friction: Friction
+    contact: Literal["line", "new", "worn in"] = "line"
+    speed: AngularSpeed | None = None
+
+    def values(self, n: Numbers) -> Columns:
+        """Results of a set of variants by their names."""
+        factor, speed = BUSHES[self.contact], n.get("speed", 0.0)
+        return self.in_order(over_arrays(journal, n["load"], n["diameter"], n["friction"], factor, speed))
+
+    def panels(self) -> tuple[Panel, ...]:
+        """Moment of friction over the friction, by contact."""
+        friction = np.linspace(0.0, max(BEYOND * self.friction, DRY), PLACES)
+        contacts = {contact: self.model_copy(update={"contact": contact}) for contact in ("line", "new", "worn in")}
+        curves = [Curve(contact, it.over("friction", friction)["friction_moment"]) for contact, it in contacts.items()]
+        x, y = PanelAxis("coefficient of friction", "1"), PanelAxis("moment of friction", "N m")
+        return (Panel(x, y, friction, curves, (Mark("as given", self.friction, None),), "by contact"),)

@@ -1,0 +1,79 @@
+"""Rollers on a plane or on each other."""
+
+import math
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from engine.compiling.decorators import scalar
+from engine.elements.element import PLACES, Columns, Element, ElementResult, Numbers
+from engine.elements.friction.over_friction import BEYOND
+from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.graph.over_arrays import over_arrays
+from engine.laws.friction.rolling import pull, reduced_friction, reduced_radius, rollers_moment, rolling_moment, rolls
+from engine.parts.actions import Force
+from engine.parts.skeleton import Length, Number
+
+Positive = Annotated[Length, Field(gt=0)]
+Load = Annotated[Force, Field(gt=0)]
+Friction = Annotated[Number, Field(ge=0)]
+
+
+@scalar
+def roller(
+    load: float, diameter: float, arm: float, friction: float, height: float, mate: float
+) -> tuple[float, float, float, float, float, float, float]:
+    """Roller on a plane or on a second roller: its results in their order."""
+    radius = diameter / 2
+    return (
+        rolling_moment(load, arm),
+        reduced_friction(arm, height),
+        pull(load, arm, height, friction),
+        rolls(arm, height, friction),
+        friction * load * radius,
+        reduced_radius(radius, mate / 2),
+        rollers_moment(load, arm, radius, mate / 2),
+    )
+
+
+class RollerElement(Element):
+    """A loaded roller on a plane, pulled at its axle unless `pull_height` says where, or driving a second roller.
+
+    `rolling_arm` is the arm k of rolling friction, `friction` that of sliding.
+    """
+
+    RESULTS: ClassVar = (
+        ElementResult("rolling_moment", "moment of rolling friction", "N m"),
+        ElementResult("rolling_friction", "rolling friction as a coefficient", "1"),
+        ElementResult("pull_force", "force that moves the roller", "N"),
+        ElementResult("rolls", "whether the pulled roller rolls (1) or slides (0)", "1", exact=True),
+        ElementResult("traction_moment", "greatest moment that sliding friction passes on", "N m"),
+        ElementResult("reduced_radius", "radius of the roller on a plane that fits as closely", "m", "mate_diameter"),
+        ElementResult(
+            "drive_moment", "moment that overcomes the rolling friction of both rollers", "N m", "mate_diameter"
+        ),
+    )
+
+    type: Literal["roller"]
+    load: Load
+    diameter: Positive
+    rolling_arm: Annotated[Length, Field(ge=0)]
+    friction: Friction
+    pull_height: Positive | None = None
+    mate_diameter: Positive | None = None
+
+    def values(self, n: Numbers) -> Columns:
+        """Results of a set of variants by their names."""
+        height, mate = n.get("pull_height", n["diameter"] / 2), n.get("mate_diameter", math.inf)
+        return self.in_order(
+            over_arrays(roller, n["load"], n["diameter"], n["rolling_arm"], n["friction"], height, mate)
+        )
+
+    def panels(self) -> tuple[Panel, ...]:
+        """Force that moves the roller over the arm of rolling friction."""
+        height = self.diameter / 2 if self.pull_height is None else self.pull_height
+        arm = np.linspace(0.0, BEYOND * (self.rolling_arm or self.friction * height), PLACES)
+        curve = Curve("force that moves it", self.over("rolling_arm", arm)["pull_force"])
+        mark = Mark("as given", self.rolling_arm, None)
+        return (Panel(PanelAxis("arm of rolling friction", "m"), PanelAxis("pull", "N"), arm, (curve,), (mark,)),)

@@ -1,0 +1,102 @@
+"""Screws that raise and lower a load, with their thrust collar."""
+
+import math
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field, model_validator
+
+from engine.compiling.decorators import scalar
+from engine.elements.element import Columns, Element, ElementResult, Numbers
+from engine.elements.friction.over_friction import over_friction
+from engine.elements.panels import Panel
+from engine.graph.over_arrays import over_arrays
+from engine.laws.friction.screws import (
+    collar_moment,
+    flank_friction,
+    locking_friction,
+    lower_efficiency,
+    lower_moment,
+    raise_efficiency,
+    raise_moment,
+    thread_slope,
+)
+from engine.parts.actions import Force
+from engine.parts.skeleton import Angle, Length, Number
+
+THREAD_ANGLES = {"square": 0.0, "trapezoidal": math.radians(30.0), "metric": math.radians(60.0)}
+Positive = Annotated[Length, Field(gt=0)]
+Load = Annotated[Force, Field(gt=0)]
+Friction = Annotated[Number, Field(ge=0)]
+
+
+@scalar
+def screw(
+    load: float, diameter: float, lead: float, angle: float, friction: float, collar_diameter: float, collar: float
+) -> tuple[float, float, float, float, float, float, float, float, float]:
+    """Screw with its thrust collar: its results in their order."""
+    radius, collar_radius, slope = diameter / 2, collar_diameter / 2, thread_slope(lead, diameter)
+    reduced = flank_friction(friction, angle / 2)
+    held = collar_moment(load, collar_radius, collar)
+    up = raise_moment(load, radius, slope, reduced) + held
+    down = lower_moment(load, radius, slope, reduced) + held
+    return (
+        math.atan(slope),
+        math.atan(reduced),
+        up,
+        down,
+        held,
+        raise_efficiency(load, radius, slope, up),
+        lower_efficiency(load, radius, slope, down),
+        0.0 if down < 0.0 else 1.0,
+        locking_friction(radius, slope, angle / 2, collar_radius, collar),
+    )
+
+
+class ScrewElement(Element):
+    """A screw that raises and lowers a load, its thread named or of any `thread_angle` between the flanks.
+
+    `collar_diameter` is the mean one of the thrust collar.
+    """
+
+    RESULTS: ClassVar = (
+        ElementResult("lead_angle", "lead angle of the thread", "rad"),
+        ElementResult("friction_angle", "angle of friction of the thread, with the inclination of its flanks", "rad"),
+        ElementResult("raise_moment", "moment that raises the load", "N m"),
+        ElementResult("lower_moment", "moment that lowers the load, negative where the load drives", "N m"),
+        ElementResult("collar_moment", "moment of friction at the thrust collar", "N m"),
+        ElementResult("raise_efficiency", "efficiency of raising the load", "1"),
+        ElementResult("lower_efficiency", "share of the sinking load's work that the screw passes on", "1"),
+        ElementResult("self_locking", "whether the load stays by itself (1 or 0)", "1", exact=True),
+        ElementResult("locking_friction", "least coefficient of friction with which the load stays by itself", "1"),
+    )
+
+    type: Literal["screw"]
+    load: Load
+    mean_diameter: Positive
+    pitch: Positive
+    starts: Annotated[int, Field(ge=1)] = 1
+    thread: Literal["square", "trapezoidal", "metric"] | None = None
+    thread_angle: Annotated[Angle, Field(ge=0, lt=math.pi)] | None = None
+    friction: Friction
+    collar_diameter: Annotated[Length, Field(ge=0)] = 0.0
+    collar_friction: Friction = 0.0
+
+    @model_validator(mode="after")
+    def _one_thread(self) -> "ScrewElement":
+        if (self.thread is None) == (self.thread_angle is None):
+            raise ValueError("give thread ('square', 'trapezoidal' or 'metric') or thread_angle, one of the two")
+        return self
+
+    def values(self, n: Numbers) -> Columns:
+        """Results of a set of variants by their names."""
+        angle = n["thread_angle"] if self.thread is None else THREAD_ANGLES[self.thread]
+        lead, collar = n["pitch"] * self.starts, (n["collar_diameter"], n["collar_friction"])
+        return self.in_order(over_arrays(screw, n["load"], n["mean_diameter"], lead, angle, n["friction"], *collar))
+
+    def panels(self) -> tuple[Panel, ...]:
+        """Forces or moments, and a ratio, over the friction."""
+        first, second = (
+            ("moment", ("raise_moment", "lower_moment")),
+            ("efficiency", ("raise_efficiency", "lower_efficiency")),
+        )
+        return over_friction(self, first, second)

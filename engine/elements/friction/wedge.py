@@ -1,0 +1,60 @@
+"""Wedges driven in under a load, and withdrawn."""
+
+import math
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field
+
+from engine.compiling.decorators import scalar
+from engine.elements.element import Columns, Element, ElementResult, Numbers
+from engine.elements.friction.over_friction import over_friction
+from engine.elements.panels import Panel
+from engine.graph.over_arrays import over_arrays
+from engine.laws.friction.inclines import wedge_drive, wedge_withdraw
+from engine.parts.actions import Force
+from engine.parts.skeleton import Angle, Number
+
+Load = Annotated[Force, Field(gt=0)]
+Friction = Annotated[Number, Field(ge=0)]
+
+
+@scalar
+def wedge(load: float, angle: float, friction: float, base: float, guide: float) -> tuple[float, float, float, float]:
+    """Wedge: its results in their order."""
+    slope = math.tan(angle)
+    drive, withdraw = (
+        wedge_drive(load, slope, friction, base, guide),
+        wedge_withdraw(load, slope, friction, base, guide),
+    )
+    return drive, withdraw, load * slope / drive, 0.0 if withdraw < 0.0 else 1.0
+
+
+class WedgeElement(Element):
+    """A wedge under a load that is guided at a right angle to the wedge's base.
+
+    `friction` is that of the inclined face; the base has the same unless `base_friction` is given.
+    """
+
+    RESULTS: ClassVar = (
+        ElementResult("drive_force", "force that drives the wedge in", "N"),
+        ElementResult("withdraw_force", "force that withdraws the wedge, negative where the load presses it out", "N"),
+        ElementResult("efficiency", "efficiency of driving the wedge in", "1"),
+        ElementResult("self_locking", "whether the wedge stays by itself (1 or 0)", "1", exact=True),
+    )
+
+    type: Literal["wedge"]
+    load: Load
+    angle: Annotated[Angle, Field(gt=0, lt=math.pi / 2)]
+    friction: Friction
+    base_friction: Friction | None = None
+    guide_friction: Friction = 0.0
+
+    def values(self, n: Numbers) -> Columns:
+        """Results of a set of variants by their names."""
+        faces = n["friction"], n.get("base_friction", n["friction"]), n["guide_friction"]
+        return self.in_order(over_arrays(wedge, n["load"], n["angle"], *faces))
+
+    def panels(self) -> tuple[Panel, ...]:
+        """Forces or moments, and a ratio, over the friction."""
+        first, second = ("force", ("drive_force", "withdraw_force")), ("efficiency", ("efficiency",))
+        return over_friction(self, first, second)

@@ -1,0 +1,124 @@
+"""Chain drives: mean ratio, ripple of the speed, pull, links for a distance of the axes."""
+
+import math
+from functools import partial
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers, nudged
+from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.parts.actions import Moment
+from engine.parts.skeleton import AngularSpeed, Length, Number, quantity
+from engine.verdicts import Verdict
+
+# Links that come on while the speed is drawn.
+_LINKS = 3
+
+
+class ChainDrive(Element):
+    """A chain of a `pitch` over two sprockets; `moment` resists on the driven one.
+
+    With the `distance` of the axes that is wanted, links and the distance that an even number of them makes follow;
+    with the `linear_density` of the chain its centrifugal tension.
+    """
+
+    RESULTS: ClassVar = (
+        ElementResult("ratio", "mean speed of the driving sprocket over that of the driven one", "1"),
+        ElementResult("driven_speed", "mean angular speed of the driven sprocket", "rad s-1"),
+        ElementResult("driving_diameter", "pitch diameter of the driving sprocket", "m"),
+        ElementResult("driven_diameter", "pitch diameter of the driven sprocket", "m"),
+        ElementResult("chain_speed", "mean speed of the chain", "m s-1"),
+        ElementResult("greatest_chain_speed", "greatest speed of the chain", "m s-1"),
+        ElementResult("speed_ripple", "least speed of the chain below its greatest, over that", "1"),
+        ElementResult("greatest_acceleration", "greatest acceleration of the chain by its polygon", "m s-2"),
+        ElementResult("pull", "force in the tight strand that turns the driven sprocket", "N"),
+        ElementResult("driving_moment", "mean moment that drives", "N m"),
+        ElementResult("links", "links for the distance wanted, before rounding", "1", "distance"),
+        ElementResult("fitted_distance", "distance of the axes with the nearest even number of links", "m", "distance"),
+        ElementResult("centrifugal_tension", "tension of the whole chain by its mass", "N", "linear_density"),
+    )
+
+    type: Literal["chain_drive"]
+    pitch: Annotated[Length, Field(gt=0)]
+    driving_teeth: Annotated[Number, Field(ge=3)]
+    driven_teeth: Annotated[Number, Field(ge=3)]
+    speed: AngularSpeed
+    moment: Annotated[Moment, Field(ge=0)]
+    distance: Annotated[Length, Field(gt=0)] | None = None
+    linear_density: Annotated[quantity("linear_density"), Field(gt=0)] | None = None
+
+    def values(self, n: Numbers, even: np.ndarray | None = None) -> Columns:
+        """Results of a set of variants by their names.
+
+        Parameters
+        ----------
+        n : mapping of str to ndarray (variants,)
+        even : ndarray, optional
+            Links of the chain; the nearest even number of them unless given.
+        """
+        z1, z2, p, speed = n["driving_teeth"], n["driven_teeth"], n["pitch"], n["speed"]
+        d1, d2 = pitch_circle(p, z1), pitch_circle(p, z2)
+        mean = np.abs(speed) * z1 * p / math.tau
+        found = {
+            "ratio": z2 / z1,
+            "driven_speed": speed * z1 / z2,
+            "driving_diameter": d1,
+            "driven_diameter": d2,
+            "chain_speed": mean,
+            "greatest_chain_speed": 0.5 * np.abs(speed) * d1,
+            "speed_ripple": 2.0 * np.sin(0.5 * math.pi / z1) ** 2,
+            "greatest_acceleration": 0.5 * speed**2 * p,
+            "pull": 2.0 * n["moment"] / d2,
+            "driving_moment": n["moment"] * z1 / z2,
+        }
+        if "distance" in n:
+            links = _even_links(n) if even is None else np.tile(even, p.size // even.size)
+            straight = links - 0.5 * (z1 + z2)
+            root = np.sqrt(straight**2 - 8.0 * ((z2 - z1) / math.tau) ** 2)
+            found |= {"links": _links(n), "fitted_distance": 0.25 * p * (straight + root)}
+        if "linear_density" in n:
+            found["centrifugal_tension"] = n["linear_density"] * mean**2
+        return found
+
+    def evaluate(self, n: Numbers) -> Answers:
+        """Results, and verdicts: teeth that aren't whole don't fit, nor do axes nearer than the sprockets are wide."""
+        # Links are counted: the number that is nearest stays the same where errors are estimated.
+        found, errors = nudged(partial(self.values, even=_even_links(n) if "distance" in n else None), n)
+        fits = (n["driving_teeth"] == np.rint(n["driving_teeth"])) & (n["driven_teeth"] == np.rint(n["driven_teeth"]))
+        if "distance" in n:
+            radii = 0.5 * (found["driving_diameter"] + found["driven_diameter"])
+            # A link less may bring them together.
+            fits &= (n["distance"] > radii) & (found["fitted_distance"] > radii)
+        verdicts = np.where(fits, Verdict.OK, Verdict.DOES_NOT_FIT).astype(np.uint8)
+        return Answers({name: np.where(fits, row, np.nan) for name, row in found.items()}, errors, verdicts)
+
+    def panels(self) -> tuple[Panel, ...]:
+        """Speed of the chain while links come on.
+
+        It is ω R cos β of the joint that carries the strand, within half a pitch angle of the tangent point.
+        """
+        pitch_angle, own = math.tau / self.driving_teeth, self.own_values()
+        angle = np.linspace(0.0, _LINKS * pitch_angle, _LINKS * 241)
+        from_tangent = np.mod(angle, pitch_angle) - 0.5 * pitch_angle
+        curve = Curve("", own["greatest_chain_speed"] * np.cos(from_tangent))
+        x, y = PanelAxis("angle of the driving sprocket", "rad"), PanelAxis("speed of the chain", "m s-1")
+        return (Panel(x, y, angle, (curve,), (Mark("mean", None, own["chain_speed"]),)),)
+
+
+def pitch_circle(pitch: np.ndarray, teeth: np.ndarray) -> np.ndarray:
+    """Diameter of the circle on which the joints of a chain lie, p/sin(π/z)."""
+    return pitch / np.sin(math.pi / teeth)
+
+
+def _links(n: Numbers) -> np.ndarray:
+    """Length of a chain in links, 2a/p + (z₁+z₂)/2 + ((z₂−z₁)/2π)² p/a (ISO 10823)."""
+    z1, z2 = n["driving_teeth"], n["driven_teeth"]
+    span = n["distance"] / n["pitch"]
+    return 2.0 * span + 0.5 * (z1 + z2) + ((z2 - z1) / math.tau) ** 2 / span
+
+
+def _even_links(n: Numbers) -> np.ndarray:
+    """The even number of links that is nearest."""
+    return 2.0 * np.rint(0.5 * _links(n))

@@ -1,0 +1,83 @@
+"""Friction wheels: creep, the force that has to press them together, whether they slide."""
+
+import math
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers
+from engine.elements.friction.over_friction import over_friction
+from engine.elements.panels import Panel
+from engine.parts.actions import Force, Moment
+from engine.parts.skeleton import Angle, AngularSpeed, Length, Number
+from engine.verdicts import Verdict
+
+# What the wheels would need is told of those that slide, too.
+_TOLD = ("tangential_force", "needed_press_force", "traction_share")
+
+
+class FrictionDrive(Element):
+    """Two wheels pressed together, the second inside out if `internal`; with a `groove_angle` between V-shaped faces.
+
+    `moment` resists on the driven wheel. `creep` is the share of the rim's speed that the driven one lags behind.
+    `safety` is how many times the force is to press that just suffices; `press_force` that which does.
+    """
+
+    RESULTS: ClassVar = (
+        ElementResult("ratio", "speed of the driving wheel over that of the driven one", "1"),
+        ElementResult("driven_speed", "angular speed of the driven wheel", "rad s-1"),
+        ElementResult("tangential_force", "force along the rims", "N"),
+        ElementResult("needed_press_force", "force that has to press the wheels together", "N"),
+        ElementResult(
+            "traction_share", "force along the rims over the greatest that friction allows", "1", "press_force"
+        ),
+        ElementResult("driving_moment", "moment that drives", "N m"),
+        ElementResult("input_power", "power put in", "W"),
+        ElementResult("efficiency", "power that comes out over power put in, creep alone lost", "1"),
+    )
+
+    type: Literal["friction_drive"]
+    driving_diameter: Annotated[Length, Field(gt=0)]
+    driven_diameter: Annotated[Length, Field(gt=0)]
+    internal: bool = False
+    groove_angle: Annotated[Angle, Field(gt=0, le=math.pi)] | None = None
+    friction: Annotated[Number, Field(gt=0)]
+    creep: Annotated[Number, Field(ge=0, lt=1)] = 0.0
+    safety: Annotated[Number, Field(ge=1)] = 1.5
+    speed: AngularSpeed
+    moment: Annotated[Moment, Field(ge=0)]
+    press_force: Annotated[Force, Field(gt=0)] | None = None
+
+    def values(self, n: Numbers) -> Columns:
+        """Results of a set of variants by their names, whether the wheels slide or not."""
+        # In a groove the faces press with 1/sin of half its angle.
+        mu = n["friction"] / np.sin(0.5 * n["groove_angle"]) if "groove_angle" in n else n["friction"]
+        ratio = (1.0 if self.internal else -1.0) * n["driven_diameter"] / (n["driving_diameter"] * (1.0 - n["creep"]))
+        pull = 2.0 * n["moment"] / n["driven_diameter"]
+        driving = 0.5 * pull * n["driving_diameter"]
+        return {
+            "ratio": ratio,
+            "driven_speed": n["speed"] / ratio,
+            "tangential_force": pull,
+            "needed_press_force": n["safety"] * pull / mu,
+            "traction_share": pull / (mu * n.get("press_force", math.nan)),
+            "driving_moment": driving,
+            "input_power": driving * np.abs(n["speed"]),
+            "efficiency": 1.0 - n["creep"],
+        }
+
+    def evaluate(self, n: Numbers) -> Answers:
+        """Results, and verdicts where less presses than just suffices, and on rings that are too small."""
+        found, errors, _ = super().evaluate(n)
+        slides = found["traction_share"] >= 1.0
+        fits = n["driven_diameter"] > n["driving_diameter"] if self.internal else np.ones(slides.shape, bool)
+        for name in found:
+            found[name] = np.where(fits & (~slides | (name in _TOLD)), found[name], np.nan)
+        verdicts = np.where(fits, np.where(slides, Verdict.SLIDES, Verdict.OK), Verdict.DOES_NOT_FIT)
+        return Answers(found, errors, verdicts.astype(np.uint8))
+
+    def panels(self) -> tuple[Panel, ...]:
+        """Forces or moments, and a ratio, over the friction."""
+        first, second = ("force", ("needed_press_force", "tangential_force")), ("efficiency", ("efficiency",))
+        return over_friction(self, first, second)

@@ -1,0 +1,116 @@
+"""The engine that a governor holds at its speed, and its throttle."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from engine.laws.tables import TableError, make_table
+from engine.parts.skeleton import Inertia, Length, Name, Number, Part, quantity
+
+Positive = Annotated[Length, Field(gt=0)]
+Moment = quantity("moment")
+
+
+class LinearThrottle(Part):
+    """A moment that falls in proportion to the lift: `full` at the inner stop, `closed` at the outer one."""
+
+    type: Literal["linear"]
+    full: Moment
+    closed: Moment = 0.0
+
+    @model_validator(mode="after")
+    def _closes(self) -> "LinearThrottle":
+        return _closing(self)
+
+
+class TableThrottle(Part):
+    """A moment by a table over the lift of the sleeve; it must not rise with the lift."""
+
+    type: Literal["table"]
+    over_lift: list[Length]
+    moment: list[Moment]
+    interpolation: Literal["linear", "pchip"]
+
+    @model_validator(mode="after")
+    def _falls(self) -> "TableThrottle":
+        check_rows(self.over_lift, self.moment, self.interpolation, ("over_lift", "moment"))
+        rises = next((i for i in range(1, len(self.moment)) if self.moment[i] > self.moment[i - 1]), None)
+        if rises is not None:
+            raise ValueError(
+                f"moment rises in row {rises + 1}, from {self.moment[rises - 1]:g} to {self.moment[rises]:g} N m: a "
+                "governor closes the throttle as it lifts the sleeve; sort the rows so that the moment falls"
+            )
+        return self
+
+
+class FullAndShutThrottle(Part):
+    """A valve that is either open or shut: `full` below the lift `switch`, `closed` above it."""
+
+    type: Literal["full and shut"]
+    full: Moment
+    closed: Moment = 0.0
+    switch: Positive
+
+    @model_validator(mode="after")
+    def _closes(self) -> "FullAndShutThrottle":
+        return _closing(self)
+
+
+Throttle = Annotated[LinearThrottle | TableThrottle | FullAndShutThrottle, Field(discriminator="type")]
+
+
+def _closing(throttle: "LinearThrottle | FullAndShutThrottle") -> "LinearThrottle | FullAndShutThrottle":
+    if not throttle.full > throttle.closed:
+        raise ValueError(
+            f"full = {throttle.full:g} N m is not above closed = {throttle.closed:g} N m: a governor closes the "
+            "throttle as it lifts the sleeve"
+        )
+    return throttle
+
+
+def check_rows(x: list[float], y: list[float], interpolation: str, names: tuple[str, str]) -> None:
+    """Refuse rows that make no table, in words of the scene."""
+    try:
+        make_table(x, y, interpolation, names=names)
+    except TableError as error:
+        raise ValueError(str(error)) from None
+
+
+class GovernedEngine(Part):
+    """The engine that a governor holds at its speed.
+
+    `ratio` is the speed of the governor's spindle over the engine's. The throttle gives the moment at the mean speed of
+    the governor; with `self_regulation` it falls, or the load rises, by so much for each rad/s above that. The engine
+    runs at `load` until it changes to `new_load`; the run is followed for `duration`, and counts as settled where its
+    speed stays within the share `settling_band` of the new one.
+
+    With `machine` the engine is the scene's own mechanism: the mean over its cycle of its reduced inertia, and that of
+    its flywheel, are added to `inertia`. Over time it then turns with its true reduced inertia, and under its own
+    actions: those that are `throttled` as the throttle says, all others as they are. `load` is the mean of all that
+    resists, also of the mechanism's own.
+    """
+
+    machine: bool = False
+    throttled: tuple[Name, ...] = ()
+    inertia: Annotated[Inertia, Field(ge=0)] = 0.0
+    ratio: Annotated[Number, Field(gt=0)] = 1.0
+    throttle: Throttle
+    self_regulation: Annotated[quantity("torsional_damping"), Field(ge=0)] = 0.0
+    load: Moment
+    new_load: Moment | None = None
+    duration: Annotated[quantity("time"), Field(gt=0)] | None = None
+    settling_band: Annotated[Number, Field(gt=0)] = 0.01
+
+    @model_validator(mode="after")
+    def _has_inertia(self) -> "GovernedEngine":
+        if not (self.machine or self.inertia > 0):
+            raise ValueError("inertia is missing: give that of the engine, or machine = true for the scene's own")
+        if self.throttled and not self.machine:
+            raise ValueError("throttled names actions of the scene's mechanism: give machine = true, or leave it out")
+        return self
+
+    @model_validator(mode="after")
+    def _load_changes(self) -> "GovernedEngine":
+        if self.duration is not None and self.new_load is None:
+            raise ValueError("duration belongs to a change of load: give new_load, or leave duration out")
+        return self

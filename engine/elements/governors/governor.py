@@ -1,0 +1,284 @@
+"""Governors: their characteristic, their stability with an engine, and what a change of load does.
+
+A governor has two balls. Their radii say where the stops are; lifts of the sleeve are counted from the inner stop.
+"""
+
+from typing import Annotated, ClassVar
+
+import numpy as np
+from numba import types
+from pydantic import Field, model_validator
+
+from engine.compiling.running import prepare
+from engine.elements.element import EPS, ROUNDING, Answers, Element, ElementResult, Numbers
+from engine.elements.governors.governed_engine import (
+    FullAndShutThrottle,
+    GovernedEngine,
+    LinearThrottle,
+    TableThrottle,
+)
+from engine.elements.governors.governor_results import KEPT, ROOM, STATICS, WITH_ENGINE, find_equilibria
+from engine.elements.governors.places import (
+    ARM_NUMBERS,
+    CYCLE_LENGTH,
+    GEOMETRY_NUMBERS,
+    NUMBERS,
+    Holding,
+    Throttling,
+)
+from engine.elements.governors.transients import ANSWERS, FINE, MOTION_ROOM, follow_changes
+from engine.elements.rotors.bearings import STANDARD_GRAVITY
+from engine.laws.tables import Table, in_memory, make_table
+from engine.parts.skeleton import Acceleration, Length, Mass, Number, quantity
+
+Positive = Annotated[Length, Field(gt=0)]
+Force = quantity("force")
+_FLAG = {"units": "1", "exact": True}
+_STATICS = (
+    ElementResult("inner_speed", "speed of the spindle in equilibrium at the inner stop", "rad s-1"),
+    ElementResult("outer_speed", "speed of the spindle in equilibrium at the outer stop", "rad s-1"),
+    ElementResult("inner_force", "controlling force of one ball, with that of its arms, at the inner stop", "N"),
+    ElementResult("outer_force", "controlling force of one ball, with that of its arms, at the outer stop", "N"),
+    ElementResult("stable_from", "radius at which the longest stable stretch begins", "m"),
+    ElementResult("stable_to", "radius at which the longest stable stretch ends", "m"),
+    ElementResult("least_speed", "least speed of the spindle in the stable stretch", "rad s-1"),
+    ElementResult("greatest_speed", "greatest speed of the spindle in the stable stretch", "rad s-1"),
+    ElementResult("mean_speed", "mean of the least and the greatest speed", "rad s-1"),
+    ElementResult("non_uniformity", "range of speeds in the stable stretch over the mean speed", "1"),
+    ElementResult(
+        "least_stability", "least of (dω²/dr)/(ω²/r) in equilibrium between the stops; 0 is isochronous", "1"
+    ),
+    ElementResult("least_stability_radius", "radius at which the governor is least stable", "m"),
+    ElementResult("isochronous", "the governor is isochronous (1 or 0)", **_FLAG),
+    ElementResult("sleeve_lift", "lift of the sleeve between the stops", "m"),
+    ElementResult("insensitivity", "greatest range of speeds within which friction holds the sleeve, as a share", "1"),
+    ElementResult("least_speed_with_friction", "speed at which the sleeve falls to its lowest", "rad s-1"),
+    ElementResult("greatest_speed_with_friction", "speed at which the sleeve rises to its highest", "rad s-1"),
+    ElementResult("sleeve_force", "force at the sleeve that holds the balls, at half of the lift", "N"),
+    ElementResult("effort", "mean force at the sleeve for the given change of speed, at half of the lift", "N"),
+    ElementResult("power", "effort times the lift that the given change of speed makes", "J", None, True),
+)
+_OF_ENGINE = (
+    ElementResult("working_lift", "lift of the sleeve at the engine's load, after its change", "m"),
+    ElementResult("working_speed", "steady speed of the engine, after the change of load", "rad s-1"),
+    ElementResult("steady_speed_change", "steady change of the engine's speed by the change of load", "rad s-1"),
+    ElementResult("vyshnegradsky_x", "Vyshnegradsky's X", "1", None, True),
+    ElementResult("vyshnegradsky_y", "Vyshnegradsky's Y", "1", None, True),
+    ElementResult("stable", "engine and governor are stable (1) or hunt (0)", **_FLAG),
+    ElementResult("gain_margin", "gain of the throttle at which they hunt, over that given", "1", None, True),
+    ElementResult("critical_damping", "damping at the sleeve below which they hunt", "N s m-1", None, True),
+    ElementResult("critical_inertia", "inertia of the engine below which they hunt", "kg m2", None, True),
+    ElementResult("decay_rate", "rate at which the slowest part of a disturbance decays", "s-1", None, True),
+    ElementResult("hunting_frequency", "angular frequency of the oscillation", "rad s-1", None, True),
+    ElementResult("oscillates", "a disturbance decays or grows in oscillations (1 or 0)", **_FLAG),
+)
+_TRANSIENT = (
+    ElementResult("highest_speed", "highest speed of the engine after the change of load", "rad s-1"),
+    ElementResult("lowest_speed", "lowest speed of the engine after the change of load", "rad s-1"),
+    ElementResult("overshoot", "greatest departure beyond the new steady speed, as a share", "1"),
+    ElementResult("settling_time", "time after which the speed stays in its band", "s", None, True),
+    ElementResult("hunting", "half the swing of speed that is left at the end, as a share", "1"),
+    ElementResult("inner_stop_hits", "how often the sleeve runs on its inner stop", **_FLAG),
+    ElementResult("outer_stop_hits", "how often the sleeve runs on its outer stop", **_FLAG),
+)
+# Keys of a governor's own numbers, and of its engine's, in the order of `engine.elements.governors.places`.
+_OWN = (
+    *("ball_mass", "sleeve_mass", "stiffness", "preload", "gravity", "friction", "damping"),
+    *("least_radius", "greatest_radius", "speed_change"),
+)
+_OF_ITS_ENGINE = ("inertia", "ratio", "throttle.full", "throttle.closed", "self_regulation")
+EMPTY = np.zeros(1)
+# Variants whose motion is followed on one thread before the next piece of work is asked for.
+TOGETHER = 32
+_ROW, _TABLE = types.float64[::1], types.float64[:, ::1]
+_TYPES = (types.intp, types.intp, _TABLE, _ROW, types.float64, _TABLE, _TABLE, _TABLE, types.uint8[::1], _ROW)
+
+
+class Governor(Element):
+    """What all governors have: two balls, a sleeve with friction, damping and a spring, stops, and perhaps an engine.
+
+    `sleeve_mass` is that of the sleeve with its central load. The spring on the sleeve has the force `preload` at the
+    inner stop. `speed_change` is the share of the speed for which effort and power are told.
+    """
+
+    # Keys of what holds the balls, and of the masses of arms, in the order of `engine.elements.governors.places`.
+    holding: ClassVar[Holding]
+    geometry: ClassVar[tuple[str, ...]]
+    arms: ClassVar[tuple[str, ...]] = ()
+
+    ball_mass: Annotated[Mass, Field(gt=0)]
+    sleeve_mass: Annotated[Mass, Field(ge=0)] = 0.0
+    least_radius: Positive
+    greatest_radius: Positive
+    friction: Annotated[Force, Field(ge=0)] = 0.0
+    damping: Annotated[quantity("damping"), Field(ge=0)] = 0.0
+    speed_change: Annotated[Number, Field(gt=0)] = 0.01
+    engine: GovernedEngine | None = None
+
+    @model_validator(mode="after")
+    def _has_a_range(self) -> "Governor":
+        if not self.least_radius < self.greatest_radius:
+            raise ValueError(
+                f"greatest_radius = {self.greatest_radius:g} m is not above least_radius = {self.least_radius:g} m: "
+                "give the radii of the balls at the inner and the outer stop"
+            )
+        return self
+
+    @property
+    def is_followed(self) -> bool:
+        """Whether a change of load is followed over time."""
+        return self.engine is not None and self.engine.duration is not None
+
+    @property
+    def governs_machine(self) -> bool:
+        """Whether the engine is the scene's mechanism."""
+        return self.engine is not None and self.engine.machine
+
+    @property
+    def throttling(self) -> Throttling:
+        """How the moment of the engine depends on the lift."""
+        match self.engine and self.engine.throttle:
+            case LinearThrottle():
+                return Throttling.LINEAR
+            case TableThrottle():
+                return Throttling.TABLE
+            case FullAndShutThrottle():
+                return Throttling.FULL_AND_SHUT
+        return Throttling.NONE
+
+    @property
+    def controlling_table(self) -> Table | None:
+        """Table of the controlling force, where there is one."""
+        return None
+
+    @property
+    def variants_at_once(self) -> int:
+        """Few where a change of load is followed."""
+        return TOGETHER if self.is_followed else Element.variants_at_once
+
+    def results(self) -> tuple[ElementResult, ...]:
+        """Those of the governor, with an engine of its stability, followed over time of what a change of load does."""
+        of_engine = _OF_ENGINE if self.engine is not None else ()
+        return (*_STATICS, *of_engine, *(_TRANSIENT if self.is_followed else ()))
+
+    def row(self, n: Numbers) -> np.ndarray:
+        """Numbers in the order of `engine.elements.governors.places`, (variants, numbers); 0 where there is none.
+
+        Parameters
+        ----------
+        n : mapping of str to ndarray (variants,)
+        """
+        load = n.get("engine.load", 0.0)
+        found = [n.get(key, 0.0) for key in _OWN]
+        for keys, count in ((self.geometry, GEOMETRY_NUMBERS), (self.arms, ARM_NUMBERS)):
+            found += [*(n[key] for key in keys), *(0.0,) * (count - len(keys))]
+        found += [*(n.get(f"engine.{key}", 0.0) for key in _OF_ITS_ENGINE), load, n.get("engine.new_load", load)]
+        found += [n.get(f"engine.{key}", 0.0) for key in ("duration", "settling_band", "throttle.switch")]
+        if self.is_followed and self.governs_machine:
+            found += [n[cycle_key(k)] for k in range(NUMBERS, CYCLE_LENGTH + 1)]
+        return np.ascontiguousarray(np.array(np.broadcast_arrays(*found), float).T)
+
+    def evaluate(self, n: Numbers) -> Answers:
+        """Results with errors made of the sizes of their terms and of steps of half the length, and verdicts."""
+        numbers = self.row(n)
+        found, sizes, kept, verdicts = equilibria_of(self, numbers)
+        if self.is_followed:
+            answers, coarse = np.full((2, numbers.shape[0], ANSWERS), np.nan)
+            prepare(follow_changes, _TYPES)
+            tables, room = governor_memory(self), np.empty(MOTION_ROOM)
+            kind, throttle = int(self.holding), int(self.throttling)
+            follow_changes(kind, throttle, numbers, *tables, answers, coarse, kept, verdicts, room)
+            off = np.abs(answers - coarse) / (ROUNDING * EPS) + np.abs(answers) * FINE / EPS
+            found, sizes = np.concatenate([found, answers], axis=1), np.concatenate([sizes, off], axis=1)
+        names = [result.name for result in self.results()]
+        errors = ROUNDING * EPS * np.where(np.isnan(sizes), 0.0, sizes)
+        return Answers(*(dict(zip(names, rows.T, strict=True)) for rows in (found, errors)), verdicts)
+
+    def machine_needed(self) -> tuple[str, str]:
+        """A crank that turns, where the engine is the scene's mechanism."""
+        if not self.governs_machine:
+            return "", ""
+        words = (
+            "the scene has no crank that turns fully; give it one, or leave machine out and give the engine's inertia"
+        )
+        return ".engine.machine", words
+
+
+class LoadedGovernor(Governor):
+    """A governor that is held by weights and a spring."""
+
+    stiffness: Annotated[quantity("stiffness"), Field(ge=0)] = 0.0
+    preload: Force = 0.0
+    gravity: Annotated[Acceleration, Field(ge=0)] = STANDARD_GRAVITY
+
+
+class ArmGovernor(LoadedGovernor):
+    """A governor with upper arms on the spindle and lower arms on the sleeve.
+
+    `upper_pivot` and `lower_pivot` are the distances of their pivots from the axis, on the side of the ball; negative
+    where arms cross the axis. `upper_arm_mass` and `lower_arm_mass` are those of one arm, a uniform rod.
+    """
+
+    holding: ClassVar = Holding.UPPER_ARMS
+    geometry: ClassVar = ("upper_arm", "lower_arm", "upper_pivot", "lower_pivot", "upper_arm")
+    arms: ClassVar = ("upper_arm_mass", "lower_arm_mass")
+
+    upper_arm: Positive
+    lower_arm: Positive
+    upper_pivot: Length = 0.0
+    lower_pivot: Length = 0.0
+    upper_arm_mass: Annotated[Mass, Field(ge=0)] = 0.0
+    lower_arm_mass: Annotated[Mass, Field(ge=0)] = 0.0
+
+
+def cycle_key(k: int) -> str:
+    """Under which key a governor is given a number of the curves of its mechanism, by its place in the row."""
+    return f"cycle.{k}"
+
+
+def governor_memory(governor: Governor) -> tuple[np.ndarray, float]:
+    """Tables of a governor one after another, and where that of the throttle begins."""
+    held = governor.controlling_table
+    parts = [] if held is None else [in_memory(_going_on(held))]
+    offset = float(sum(part.size for part in parts))
+    throttle = governor.engine and governor.engine.throttle
+    if isinstance(throttle, TableThrottle):
+        parts.append(in_memory(make_table(throttle.over_lift, throttle.moment, throttle.interpolation)))
+    return np.concatenate(parts) if parts else EMPTY, offset
+
+
+def _going_on(table: Table) -> Table:
+    """A table that goes on straight beyond its rows: its ends have the slopes that they have from inside."""
+    cubic = table.coefficients.copy()
+    first, last = cubic[1], cubic[-2]
+    t = table.breaks[-2] - table.breaks[-3]
+    cubic[0] = (0.0, 0.0, first[2], first[3])
+    cubic[-1] = (0.0, 0.0, (3 * last[0] * t + 2 * last[1]) * t + last[2], np.polyval(last, t))
+    return table._replace(coefficients=cubic)
+
+
+def equilibria_of(governor: Governor, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Results near equilibrium, their sizes, positions and verdicts of a set of variants.
+
+    Parameters
+    ----------
+    governor : Governor
+        Its kind and its tables; its numbers are not used.
+    numbers : ndarray (variants, NUMBERS)
+
+    Returns
+    -------
+    found, sizes : ndarray (variants, results)
+        Results, and the magnitudes whose rounding they carry.
+    kept : ndarray (variants, KEPT)
+        Positions.
+    verdicts : ndarray (variants,) of uint8
+    """
+    variants, results = numbers.shape[0], STATICS if governor.engine is None else WITH_ENGINE
+    found, sizes = np.full((2, variants, results), np.nan)
+    kept, verdicts = np.full((variants, KEPT), np.nan), np.empty(variants, np.uint8)
+    memory, offset = governor_memory(governor)
+    kind, throttle = int(governor.holding), int(governor.throttling)
+    prepare(find_equilibria, _TYPES)
+    find_equilibria(kind, throttle, numbers, memory, offset, found, sizes, kept, verdicts, np.empty(ROOM))
+    return found, sizes, kept, verdicts

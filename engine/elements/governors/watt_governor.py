@@ -1,0 +1,25 @@
+"""Watt's governor."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from engine.elements.governors.governor import ArmGovernor
+from engine.parts.skeleton import Length
+
+
+class WattGovernor(ArmGovernor):
+    """Watt's governor: balls on the upper arms.
+
+    They are at `ball_arm` from the pivots; at the joints with the lower arms where that isn't given. An upper arm ends
+    at its joint or its ball, whichever is farther from its pivot.
+    """
+
+    type: Literal["watt_governor"]
+    ball_arm: Annotated[Length, Field(gt=0)] | None = None
+
+    @property
+    def geometry(self) -> tuple[str, ...]:
+        """Keys of what holds the balls."""
+        balls = "upper_arm" if self.ball_arm is None else "ball_arm"
+        return (*ArmGovernor.geometry[:-1], balls)

@@ -1,0 +1,160 @@
+"""Parts of one mass on a spring: its spring, how it starts, what shakes it."""
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from engine.laws.tables import TableError, make_table
+from engine.parts.actions import Force, Time
+from engine.parts.dimensions import described
+from engine.parts.formulas.by_formula import ByFormula, FormulaText
+from engine.parts.formulas.expressions import ExpressionError, TextExpression, parse
+from engine.parts.formulas.unknown_names import unknown_name_message
+from engine.parts.skeleton import AngularSpeed, Length, Mass, Part, Speed, quantity
+from engine.parts.units import any_quantity
+
+AngularAcceleration = quantity("angular_acceleration")
+PositiveLength = Annotated[Length, Field(gt=0)]
+Modulus = Annotated[quantity("pressure"), Field(gt=0)]
+ExcitingSpeed = Annotated[AngularSpeed, Field(ge=0)]
+
+
+class CantileverSpring(Part):
+    """A round cantilever that carries the mass at its end; its own mass isn't counted."""
+
+    length: PositiveLength
+    diameter: PositiveLength
+    bore: Annotated[Length, Field(ge=0)] = 0.0
+    elastic_modulus: Modulus
+
+    @model_validator(mode="after")
+    def _has_a_wall(self) -> "CantileverSpring":
+        if self.bore >= self.diameter:
+            raise ValueError(f"bore = {self.bore:g} m: it must be less than the diameter, {self.diameter:g} m")
+        return self
+
+
+class FreeStart(Part):
+    """The mass let go: displacement and velocity at the start, and the `time` afterwards at which it is looked at."""
+
+    displacement: Length = 0.0
+    velocity: Speed = 0.0
+    time: Annotated[Time, Field(ge=0)] = 0.0
+
+
+class HarmonicForce(Part):
+    """A force on the mass that swings about 0 with the angular frequency `speed`."""
+
+    type: Literal["force"]
+    amplitude: Annotated[Force, Field(gt=0)]
+    speed: ExcitingSpeed
+
+
+class RotatingUnbalance(Part):
+    """A mass off the axis of a rotor on the oscillating mass, which counts it as its own."""
+
+    type: Literal["unbalance"]
+    mass: Annotated[Mass, Field(gt=0)]
+    radius: PositiveLength
+    speed: ExcitingSpeed
+
+
+class SupportMotion(Part):
+    """The support of spring and damper swings with an amplitude."""
+
+    type: Literal["support_motion"]
+    amplitude: PositiveLength
+    speed: ExcitingSpeed
+
+
+class OverTime(ByFormula):
+    """What drives the mass over time: by rows, straight between them, or by a `formula` of the time t.
+
+    Rows begin at 0 s, and the last one stays. `time` says how long the motion is followed, with rows up to the last of
+    them unless it is given. A formula may use the `numbers` beside it.
+    """
+
+    over_time: list[Time] | None = None
+    formula: FormulaText | None = None
+    time: Annotated[Time, Field(gt=0)] | None = None
+
+    @property
+    def expression(self) -> TextExpression:
+        """What the formula says."""
+        return parse(self.formula, any_quantity)
+
+    def _check(self, key: str, unit: str) -> None:
+        """Refuse what is neither rows nor a formula of the time, of one unit."""
+        rows = getattr(self, key)
+        if (rows is None) != (self.over_time is None) or (rows is None) == (self.formula is None):
+            raise ValueError(f"give over_time and {key}, or a formula: one of the two")
+        if self.formula is not None:
+            self._check_formula(unit)
+            return
+        if self.numbers:
+            raise ValueError("numbers belong to a formula: give one, or leave them out")
+        try:
+            make_table(self.over_time, rows, "linear", names=("over_time", key))
+        except TableError as error:
+            raise ValueError(str(error)) from None
+        if self.over_time[0] != 0.0:
+            raise ValueError(f"over_time begins at {self.over_time[0]:g} s: begin at 0 s, when the mass starts")
+        if not np.any(rows):
+            raise ValueError(f"{key} is 0 in all rows: nothing drives the mass; leave the excitation out")
+
+    def _check_formula(self, unit: str) -> None:
+        # Units are checked by what only texts need otherwise.
+        from engine.parts.formulas.dimension_check import check_yields, dimension_of_unit
+
+        if self.time is None:
+            raise ValueError("time is missing: a formula has no last row; say how long the motion is followed")
+        if "t" in self.numbers:
+            raise ValueError("numbers.t: 't' is the time in formulas; choose another name")
+        expression = self.expression
+        units = {name: described(number.dimension).unit for name, number in self.numbers.items()} | {"t": "s"}
+        for name in expression.names:
+            if name not in units:
+                raise ValueError(f"formula: {unknown_name_message(name, units)}; it may use t, and numbers beside it")
+        try:
+            check_yields(expression, dimension_of_unit(unit), {n: dimension_of_unit(u) for n, u in units.items()})
+        except ExpressionError as error:
+            raise ValueError(f"formula: {error}") from None
+
+
+class ForceOverTime(OverTime):
+    """A force on the mass over time."""
+
+    type: Literal["force_over_time"]
+    force: list[Force] | None = None
+
+    @model_validator(mode="after")
+    def _one_description(self) -> "ForceOverTime":
+        self._check("force", "N")
+        return self
+
+
+class SupportOverTime(OverTime):
+    """The support of spring and damper is moved over time, without jumps."""
+
+    type: Literal["support_over_time"]
+    displacement: list[Length] | None = None
+
+    @model_validator(mode="after")
+    def _one_description(self) -> "SupportOverTime":
+        self._check("displacement", "m")
+        if self.over_time is not None and np.any(np.diff(self.over_time) == 0.0):
+            raise ValueError("over_time has a time twice: a support can't jump; give the rise a time, however short")
+        return self
+
+
+class RunThrough(Part):
+    """A rotor whose speed changes with constant acceleration, from the steady vibration at the speed `start` on."""
+
+    start: Annotated[AngularSpeed, Field(ge=0)]
+    acceleration: AngularAcceleration
+
+
+Excitation = Annotated[
+    HarmonicForce | RotatingUnbalance | SupportMotion | ForceOverTime | SupportOverTime, Field(discriminator="type")
+]

@@ -1,0 +1,357 @@
+"""One mass on a spring: its constants, free motion, vibration, and its run through resonance."""
+
+import math
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from engine.elements.compliances.stiffnesses import cantilever_stiffness
+from engine.elements.element import EPS, ROUNDING, Answers, Columns, Element, ElementResult, Numbers, nudged
+from engine.elements.oscillators.excitations import (
+    CantileverSpring,
+    Excitation,
+    FreeStart,
+    OverTime,
+    RotatingUnbalance,
+    RunThrough,
+    SupportOverTime,
+)
+from engine.elements.oscillators.one_mass import (
+    decrement_of_ratio,
+    dynamic_factor,
+    free_motion,
+    greatest_displacement,
+    phase_lag,
+    ratio_from_absorption,
+    ratio_from_decrement,
+    resonance_factor,
+    resonance_ratio,
+    support_resonance_ratio,
+    transmissibility,
+    transmission_lag,
+)
+from engine.elements.oscillators.over_time import (
+    OVER_TIME_RESULTS,
+    PIECES,
+    OscillatorHistory,
+    oscillator_history,
+    over_time_columns,
+)
+from engine.elements.oscillators.run_through import run_through_motion, run_through_peak
+from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.parts.actions import Damping, Stiffness
+from engine.parts.skeleton import Mass, Number
+from engine.verdicts import Verdict
+
+Ratio = Annotated[Number, Field(ge=0)]
+DAMPINGS = ("damping", "damping_ratio", "decrement", "energy_absorption")
+_Constants = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+# Instants of curves; damping ratios drawn beside the oscillator's own, and the range of frequency ratios; where one
+# without a start is let go [m].
+_INSTANTS = 2001
+_RATIOS, _WIDEST = (0.05, 0.1, 0.2, 0.5), 3.0
+_LET_GO = 1e-3
+# Variants at a time whose formulas are worked out, each to thousands of rows.
+_FORMULA_BLOCK = 32
+_CONSTANTS = (
+    ElementResult("stiffness", "stiffness of the spring", "N m-1"),
+    ElementResult("natural_frequency", "natural frequency without damping", "rad s-1"),
+    ElementResult("damping", "damping", "N s m-1"),
+    ElementResult("damping_ratio", "damping over that at which the free motion becomes aperiodic", "1"),
+    ElementResult("damped_frequency", "frequency of the free motion", "rad s-1", None, True),
+    ElementResult("decrement", "logarithmic decrement", "1", None, True),
+    ElementResult("energy_absorption", "energy absorption in a cycle at the natural frequency", "1"),
+)
+_FREE = (
+    ElementResult("free_greatest", "greatest displacement of the free motion", "m"),
+    ElementResult("free_greatest_at", "time of the greatest displacement of the free motion", "s"),
+    ElementResult("free_displacement", "displacement of the free motion at the time asked for", "m"),
+    ElementResult("free_velocity", "velocity of the free motion at the time asked for", "m s-1"),
+)
+_FORCED = (
+    ElementResult("frequency_ratio", "exciting over natural frequency", "1"),
+    ElementResult("dynamic_factor", "dynamic factor", "1"),
+    ElementResult("amplitude", "amplitude of the forced vibration", "m"),
+    ElementResult("phase_lag", "angle by which the forced vibration lags behind what excites it", "rad"),
+    ElementResult("transmitted_force", "amplitude of the force of spring and damper", "N"),
+    ElementResult("dissipated_power", "mean power dissipated by the damper", "W"),
+    ElementResult("resonance_speed", "exciting frequency of the greatest amplitude", "rad s-1", None, True),
+    ElementResult("resonance_amplitude", "greatest amplitude at any exciting frequency", "m", None, True),
+)
+_THROUGH = (
+    ElementResult("run_through_amplitude", "greatest amplitude on the way through the resonance", "m", None, True),
+    ElementResult("run_through_speed", "speed at the greatest amplitude", "rad s-1", None, True),
+    ElementResult("run_through_time", "time of the greatest amplitude", "s", None, True),
+    ElementResult(
+        "run_through_share", "greatest amplitude on the way over that of the steady resonance", "1", None, True
+    ),
+)
+
+
+class OscillatorElement(Element):
+    """A mass on a spring, given by its `stiffness` or as a cantilever, with a damper.
+
+    The damper is given by its `damping`, or its `damping_ratio`, the logarithmic `decrement`, or `energy_absorption`,
+    the share of the greatest energy dissipated in a cycle at the natural frequency; without any of them there is none.
+    Let go at the `start`, it moves freely, or under an excitation over time, which then begins with these values.
+    """
+
+    infinite: ClassVar = Verdict.RESONANCE
+
+    type: Literal["oscillator"]
+    mass: Annotated[Mass, Field(gt=0)]
+    stiffness: Annotated[Stiffness, Field(gt=0)] | None = None
+    cantilever: CantileverSpring | None = None
+    damping: Annotated[Damping, Field(ge=0)] | None = None
+    damping_ratio: Ratio | None = None
+    decrement: Ratio | None = None
+    energy_absorption: Ratio | None = None
+    start: FreeStart | None = None
+    excitation: Excitation | None = None
+    run_through: RunThrough | None = None
+
+    @model_validator(mode="after")
+    def _one_of_each(self) -> "OscillatorElement":
+        if (self.stiffness is None) == (self.cantilever is None):
+            raise ValueError("give stiffness or cantilever, one of the two")
+        given = [key for key in DAMPINGS if getattr(self, key) is not None]
+        if len(given) > 1:
+            raise ValueError(f"{' and '.join(given)} are given; the damper has one of {', '.join(DAMPINGS)}")
+        if self.run_through is not None and not isinstance(self.excitation, RotatingUnbalance):
+            raise ValueError("run_through needs a rotor: give excitation with type = 'unbalance'")
+        if isinstance(self.excitation, OverTime) and self.start is not None and self.start.time != 0.0:
+            raise ValueError("start.time belongs to a free motion: under an excitation over time give excitation.time")
+        if self.run_through is not None and self.run_through.acceleration == 0:
+            raise ValueError("run_through.acceleration = 0: the speed must change; negative for a run-down")
+        return self
+
+    @property
+    def variants_at_once(self) -> int:
+        """Few where a formula is worked out."""
+        by_formula = isinstance(self.excitation, OverTime) and self.excitation.formula is not None
+        return _FORMULA_BLOCK if by_formula else Element.variants_at_once
+
+    def results(self) -> tuple[ElementResult, ...]:
+        """Those of what the mass is given to do."""
+        if isinstance(self.excitation, OverTime):
+            return _CONSTANTS + OVER_TIME_RESULTS
+        found = _CONSTANTS
+        found += _FREE if self.start is not None else ()
+        found += _FORCED if self.excitation is not None else ()
+        found += _THROUGH if self.run_through is not None else ()
+        return found
+
+    def values(self, n: Numbers) -> Columns:
+        """Results of a set of variants; infinite at a resonance without damping, NaN for what there is not."""
+        stiffness, frequency, ratio, damping = constants = _constants(self, n)
+        found = {
+            "stiffness": stiffness,
+            "natural_frequency": frequency,
+            "damping": damping,
+            "damping_ratio": ratio,
+            "damped_frequency": frequency * np.sqrt(np.where(ratio < 1.0, (1.0 - ratio) * (1.0 + ratio), math.nan)),
+            "decrement": decrement_of_ratio(ratio),
+            "energy_absorption": 2.0 * math.tau * ratio,
+        }
+        if isinstance(self.excitation, OverTime):
+            return found | over_time_columns(self.excitation, n, stiffness, ratio)[0]
+        if self.start is not None:
+            start = n["start.displacement"], n["start.velocity"]
+            greatest, when = greatest_displacement(frequency, ratio, *start)
+            moved, velocity = free_motion(frequency, ratio, *start, n["start.time"])
+            found |= {
+                "free_greatest": greatest,
+                "free_greatest_at": when,
+                "free_displacement": moved,
+                "free_velocity": velocity,
+            }
+        if self.excitation is not None:
+            found |= _forced(self, n, constants)
+        if self.run_through is not None:
+            found |= _run_through(n, frequency, ratio)
+        return found
+
+    def evaluate(self, n: Numbers) -> Answers:
+        """Results with their errors, over time with what the pieces of a formula miss and rounding that they carry."""
+        found, errors = nudged(self.values, n)
+        if isinstance(self.excitation, OverTime):
+            stiffness, _, ratio, _ = _constants(self, n)
+            coarse, carried = over_time_columns(self.excitation, n, stiffness, ratio, PIECES // 2)
+            for name, size in carried.items():
+                errors[name] += ROUNDING * EPS * size
+            for name, values in coarse.items() if self.excitation.formula is not None else ():
+                errors[name] += np.nan_to_num(np.abs(found[name] - values), posinf=np.inf)
+        return Answers(found, errors)
+
+    def history(self, instants: int) -> OscillatorHistory:
+        """The mass under an excitation over time, at equally spaced instants.
+
+        Parameters
+        ----------
+        instants : int
+        """
+        n = self.own_numbers()
+        return oscillator_history(self.excitation, n, self.values(n), instants)
+
+    def panels(self) -> tuple[Panel, ...]:
+        """What is asked about: free motion, vibration over the exciting frequency, run through resonance.
+
+        Under an excitation over time: that, displacement, and force of the spring over time. One that is asked about
+        its own numbers alone is let go at a displacement.
+        """
+        if isinstance(self.excitation, OverTime):
+            return self._over_time()
+        if self.start is None and self.excitation is None:
+            return (self.model_copy(update={"start": FreeStart(displacement=_LET_GO)})._free(),)
+        made = [] if self.start is None else [self._free()]
+        made += [] if self.excitation is None else [self._forced()]
+        made += [] if self.run_through is None else [self._through()]
+        return tuple(made)
+
+    def _over_time(self) -> tuple[Panel, ...]:
+        history, own, x = self.history(2 * _INSTANTS), self.own_values(), PanelAxis("time", "s")
+        drives = PanelAxis("support", "m") if isinstance(self.excitation, SupportOverTime) else PanelAxis("force", "N")
+        peaks = {"displacement": "greatest_displacement_at", "spring": "spring_force_at"}
+        rows = (
+            (drives, history.drives),
+            (PanelAxis("displacement", "m"), history.displacement),
+            (PanelAxis("spring", "N"), history.spring_force),
+        )
+        made = []
+        for y, row in rows:
+            at = own.get(peaks.get(y.words), math.nan)
+            peak = [Mark("", at, float(np.interp(at, history.time, row)))] if math.isfinite(at) else []
+            made.append(Panel(x, y, history.time, (Curve("", row),), [*peak, Mark("", None, 0.0)]))
+        return tuple(made)
+
+    def _free(self) -> Panel:
+        own = self.own_values()
+        beta, ratio = own["damping_ratio"] * own["natural_frequency"], own["damping_ratio"]
+        # Some periods, or until it has died away.
+        long = 10 * math.tau / own["natural_frequency"]
+        span = max(self.start.time, own["free_greatest_at"], min(long, 6.0 / beta) if beta > 0 else long)
+        time = np.linspace(0.0, span, _INSTANTS)
+        curves = [Curve("", self.over("start.time", time)["free_displacement"])]
+        if ratio < 1.0 and beta > 0.0:
+            root = own["natural_frequency"] * math.sqrt(1.0 - ratio**2)
+            start = self.start
+            size = math.hypot(start.displacement, (start.velocity + beta * start.displacement) / root)
+            curves += [Curve("", sign * size * np.exp(-beta * time), True) for sign in (1, -1)]
+        marks = [Mark("", None, 0.0)]
+        marks += [Mark("", self.start.time, own["free_displacement"])] if self.start.time else []
+        return Panel(PanelAxis("time", "s"), PanelAxis("displacement", "m"), time, curves, marks, "Free motion")
+
+    def _forced(self) -> Panel:
+        own = self.own_values()
+        eta = np.linspace(0.0, max(_WIDEST, 1.2 * own["frequency_ratio"]), _INSTANTS)
+        speed, key = eta * own["natural_frequency"], "excitation.speed"
+        plain = self.model_copy(update=dict.fromkeys(("damping", "decrement", "energy_absorption", "run_through")))
+        factor = self.model_copy(update={"run_through": None}).over(key, speed)["dynamic_factor"]
+        curves = [Curve(f"ζ = {own['damping_ratio']:.3g}", factor)]
+        for ratio in _RATIOS:
+            other = plain.model_copy(update={"damping_ratio": ratio}).over(key, speed)["dynamic_factor"]
+            curves.append(Curve("", other, True))
+        marks = (Mark("as given", own["frequency_ratio"], own["dynamic_factor"]),)
+        limits = 0.0, 1.1 * max(min(np.nanmax(factor), 12.0), 2.0)
+        title = f"Forced (grey: ζ = {', '.join(f'{r:g}' for r in _RATIOS)})"
+        return Panel(
+            PanelAxis("frequency ratio", "1"), PanelAxis("dynamic factor", "1"), eta, curves, marks, title, limits
+        )
+
+    def _through(self) -> Panel:
+        own, run = self.own_values(), self.run_through
+        time = np.linspace(0.0, 2.0 * abs((own["natural_frequency"] - run.start) / run.acceleration), 4 * _INSTANTS)
+        given = own["natural_frequency"], own["damping_ratio"], run.start, run.acceleration
+        speed = run.start + run.acceleration * time
+        unit = self.excitation.mass * self.excitation.radius / self.mass
+        size = unit * np.abs(run_through_motion(*(np.full(time.shape, value) for value in given), time))
+        kept = speed >= 0.0
+        steady = self.model_copy(update={"run_through": None}).over("excitation.speed", speed[kept])["amplitude"]
+        curves = Curve("on the way", size[kept]), Curve("at steady speed", steady, True)
+        top = own["run_through_amplitude"]
+        # Steady vibration without damping goes beyond all bounds.
+        limits = (0.0, 1.6 * top) if math.isfinite(top) else None
+        x, y, marks = (
+            PanelAxis("speed", "rad s-1"),
+            PanelAxis("amplitude", "m"),
+            (Mark("", own["run_through_speed"], top),),
+        )
+        return Panel(x, y, speed[kept], curves, marks, "Through the resonance", limits)
+
+
+def _constants(element: OscillatorElement, n: Numbers) -> _Constants:
+    """Stiffness, natural frequency, damping ratio and damping."""
+    mass, stiffness = n["mass"], _stiffness(element, n)
+    frequency = np.sqrt(stiffness / mass)
+    ratio = _damping_ratio(n, mass, frequency)
+    return stiffness, frequency, ratio, 2.0 * ratio * frequency * mass
+
+
+def _stiffness(element: OscillatorElement, n: Numbers) -> np.ndarray:
+    if element.cantilever is None:
+        return n["stiffness"]
+    keys = ("diameter", "bore", "length", "elastic_modulus")
+    found = cantilever_stiffness(*(n[f"cantilever.{key}"] for key in keys))
+    return np.where(found > 0.0, found, math.nan)
+
+
+def _damping_ratio(n: Numbers, mass: np.ndarray, frequency: np.ndarray) -> np.ndarray:
+    if "damping" in n:
+        return n["damping"] / (2.0 * mass * frequency)
+    if "decrement" in n:
+        return ratio_from_decrement(n["decrement"])
+    if "energy_absorption" in n:
+        return ratio_from_absorption(n["energy_absorption"])
+    return n.get("damping_ratio", np.zeros_like(mass))
+
+
+def _forced(element: OscillatorElement, n: Numbers, constants: _Constants) -> Columns:
+    """Steady vibration under a harmonic excitation, and where it would be greatest."""
+    stiffness, frequency, ratio, damping = constants
+    speed = n["excitation.speed"]
+    eta = speed / frequency
+    lag, factor = phase_lag(eta, ratio), dynamic_factor(eta, ratio)
+    best, greatest = resonance_ratio(ratio), resonance_factor(ratio)
+    match element.excitation.type:
+        case "force":
+            unit = n["excitation.amplitude"] / stiffness
+        case "unbalance":
+            unit = n["excitation.mass"] * n["excitation.radius"] / n["mass"]
+            with np.errstate(divide="ignore"):
+                factor, best = eta**2 * factor, 1.0 / best
+        case "support_motion":
+            unit = n["excitation.amplitude"]
+            factor, lag = transmissibility(eta, ratio), transmission_lag(eta, ratio)
+            best = support_resonance_ratio(ratio)
+            greatest = transmissibility(best, ratio)
+    amplitude = unit * factor
+    # What stretches spring and damper: the motion against the support.
+    stretch = eta**2 * dynamic_factor(eta, ratio) * unit if element.excitation.type == "support_motion" else amplitude
+    with np.errstate(invalid="ignore"):
+        # No power without a damper, however great the amplitude.
+        power = np.where(damping > 0.0, 0.5 * damping * (speed * stretch) ** 2, 0.0)
+    return {
+        "frequency_ratio": eta,
+        "dynamic_factor": factor,
+        "amplitude": amplitude,
+        "phase_lag": lag,
+        "transmitted_force": stiffness * np.hypot(1.0, 2.0 * ratio * eta) * stretch,
+        "dissipated_power": power,
+        "resonance_speed": best * frequency,
+        "resonance_amplitude": unit * greatest,
+    }
+
+
+def _run_through(n: Numbers, frequency: np.ndarray, ratio: np.ndarray) -> Columns:
+    start, acceleration = n["run_through.start"], n["run_through.acceleration"]
+    peak, time = run_through_peak(frequency, ratio, start, acceleration)
+    unit = n["excitation.mass"] * n["excitation.radius"] / n["mass"]
+    with np.errstate(invalid="ignore"):
+        share = peak / resonance_factor(ratio)
+    return {
+        "run_through_amplitude": unit * peak,
+        "run_through_speed": start + acceleration * time,
+        "run_through_time": time,
+        "run_through_share": share,
+    }

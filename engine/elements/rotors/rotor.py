@@ -1,0 +1,300 @@
+"""Rotors: their unbalance, the correction as it can be made, the quality that is reached.
+
+The balance quality is the product e ω of specific unbalance and speed whose tolerances in both bearings' planes just
+hold the rotor.
+
+Source: ISO 21940-11; the equations are those of `engine.balancing`.
+"""
+
+import math
+from collections.abc import Iterator
+from contextlib import suppress
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from engine.elements.element import EPS, Answers, Columns, Element, ElementResult, Numbers
+from engine.elements.rotors.bearings import BearingForces, peak_forces, rotating_forces, static_forces
+from engine.elements.rotors.correction import correct, corrected_unbalance, misplaced_share
+from engine.elements.rotors.grades import grade_needed, grade_reached, permissible_unbalance, tolerance_shares
+from engine.elements.rotors.hole_pattern import PatternError, best_holes
+from engine.elements.rotors.knife_edges import residual_unbalance, resting_angle
+from engine.elements.rotors.rotor_parts import CorrectionPlane, Unbalance
+from engine.elements.rotors.rotor_rounding import BalancedRotor, rotor_sizes
+from engine.elements.rotors.unbalance import (
+    Resultant,
+    about,
+    kind,
+    resultant_unbalance,
+    single_plane,
+    unbalance,
+    unbalance_in_two_planes,
+)
+from engine.parts.skeleton import AngularSpeed, Length, Mass, Name, Speed
+
+# So near to a whole number counts as one: error figures are made from numbers that are changed a little.
+WHOLE = 1e-6
+
+
+class RotorElement(Element):
+    """A rigid rotor in two bearings, with masses off its axis and planes for correction.
+
+    `centre` is the position of the centre of mass along the axis, as are the bearings' and planes'. `grade` is the
+    balance quality G as the product of specific unbalance and speed, "6.3 mm/s" for G 6.3. `rolling_arm` is that of
+    rolling friction on knife edges.
+    """
+
+    RESULTS: ClassVar = (
+        ElementResult("unbalance", "resultant unbalance", "kg m"),
+        ElementResult("couple", "moment unbalance about the centre of mass", "kg m2"),
+        ElementResult(
+            "kind",
+            "kind of unbalance (0 within the grade, 1 static, 2 couple, 3 quasi-static, 4 dynamic)",
+            "1",
+            exact=True,
+        ),
+        ElementResult(
+            "single_plane", "position at which a single correction leaves the least couple", "m", may_be_undefined=True
+        ),
+        ElementResult("permissible_unbalance", "permissible residual unbalance", "kg m"),
+        ElementResult("first_permissible", "permissible residual unbalance in the plane of the first bearing", "kg m"),
+        ElementResult(
+            "second_permissible", "permissible residual unbalance in the plane of the second bearing", "kg m"
+        ),
+        ElementResult("quality_before", "balance quality e ω before balancing", "m s-1"),
+        ElementResult("quality_after", "balance quality e ω after balancing", "m s-1"),
+        ElementResult("quality_at_worst", "balance quality e ω with all errors of mass and angle", "m s-1"),
+        ElementResult("grade_before", "finest grade G held before balancing", "m s-1", None, True, True),
+        ElementResult("grade_after", "finest grade G held after balancing", "m s-1", None, True, True),
+        ElementResult(
+            "grade_at_worst", "finest grade G held with all errors of mass and angle", "m s-1", None, True, True
+        ),
+        ElementResult("error_allowance", "error of every correction that the grade allows, as a share of it", "1"),
+        ElementResult("first_force_before", "rotating force on the first bearing before balancing", "N"),
+        ElementResult("second_force_before", "rotating force on the second bearing before balancing", "N"),
+        ElementResult("first_force_after", "rotating force on the first bearing after balancing", "N"),
+        ElementResult("second_force_after", "rotating force on the second bearing after balancing", "N"),
+        ElementResult("first_peak_before", "force on the first bearing with the weight before balancing", "N"),
+        ElementResult("second_peak_before", "force on the second bearing with the weight before balancing", "N"),
+        ElementResult("first_peak_after", "force on the first bearing with the weight after balancing", "N"),
+        ElementResult("second_peak_after", "force on the second bearing with the weight after balancing", "N"),
+        ElementResult("correction_mass", "mass added in all planes", "kg"),
+        ElementResult(
+            "knife_edge_unbalance", "unbalance that rolling friction on knife edges leaves", "kg m", "rolling_arm"
+        ),
+        ElementResult(
+            "knife_edge_angle",
+            "greatest angle between the heavy side and the lowest position at rest on knife edges",
+            "rad",
+            "rolling_arm",
+        ),
+    )
+
+    type: Literal["rotor"]
+    mass: Annotated[Mass, Field(gt=0)]
+    speed: Annotated[AngularSpeed, Field(gt=0)]
+    centre: Length
+    first_bearing: Length
+    second_bearing: Length
+    grade: Annotated[Speed, Field(gt=0)] = 0.0063
+    unbalances: Annotated[dict[Name, Unbalance], Field(min_length=1)]
+    planes: Annotated[dict[Name, CorrectionPlane], Field(min_length=1)]
+    rolling_arm: Annotated[Length, Field(gt=0)] | None = None
+
+    @model_validator(mode="after")
+    def _places_differ(self) -> "RotorElement":
+        if self.first_bearing == self.second_bearing:
+            raise ValueError("first_bearing and second_bearing are in one place; a rotor needs two apart")
+        positions = [plane.position for plane in self.planes.values()]
+        if len(positions) > 1 and len(set(positions)) == 1:
+            raise ValueError(f"planes {', '.join(self.planes)} are in one place; move one, or leave all but one out")
+        return self
+
+    def results(self) -> tuple[ElementResult, ...]:
+        """Those of the rotor and of its planes."""
+        found = [r for r in self.RESULTS if r.needs is None or getattr(self, r.needs) is not None]
+        for name, plane in self.planes.items():
+            found.append(ElementResult(f"{name}.mass", f"mass added in plane {name}", "kg"))
+            found.append(ElementResult(f"{name}.angle", f"angle of the mass added in plane {name}", "rad"))
+            if plane.holes is not None:
+                found += _hole_results(name, plane)
+        return tuple(found)
+
+    def evaluate(self, n: Numbers) -> Answers:
+        """Results with errors made of the sizes of their terms; those that are decided have none."""
+        found, sizes = rotor_columns(self, n)
+        finite = {name: np.where(np.isfinite(row), row, math.nan) for name, row in found.items()}
+        nothing = np.zeros(n["mass"].shape)
+        return Answers(finite, {name: EPS * np.nan_to_num(sizes.get(name, nothing), posinf=math.inf) for name in found})
+
+
+def _hole_results(name: str, plane: CorrectionPlane) -> Iterator[ElementResult]:
+    yield ElementResult(f"{name}.pieces", f"pieces added in plane {name}", "1", exact=True)
+    for k in range(1, plane.used + 1):
+        yield ElementResult(
+            f"{name}.hole_{k}", f"hole {k} used in plane {name}, counted from 1 (0 for none)", "1", exact=True
+        )
+        yield ElementResult(f"{name}.pieces_{k}", f"pieces in hole {k} used in plane {name}", "1", exact=True)
+
+
+def rotor_columns(rotor: RotorElement, numbers: Numbers) -> tuple[Columns, Columns]:
+    """All results of a rotor for a set of variants.
+
+    Parameters
+    ----------
+    rotor : RotorElement
+        Which unbalances and planes there are; its numbers are not used.
+    numbers : mapping of str to ndarray (variants,)
+        Its numbers by their keys, such as "planes.front.radius".
+
+    Returns
+    -------
+    columns : dict of str to ndarray (variants,)
+        As named by the results; NaN where there is no such rotor or correction.
+    sizes : dict of str to ndarray (variants,)
+        As for `rotor_sizes`; exact results have none.
+    """
+    n = numbers
+    unbalances, places = rotor_unbalances(rotor, n)
+    before = resultant_unbalance(unbalances, places, n["centre"])
+    made, planes, added = rotor_corrections(rotor, n, before)
+    after = corrected_unbalance(before, made, planes)
+    bearings = n["first_bearing"], n["second_bearing"]
+    forces = [rotating_forces(state, *bearings, n["speed"]) for state in (before, after)]
+    weights = static_forces(n["mass"], n["centre"], *bearings)
+    permissible = permissible_unbalance(n["grade"], n["mass"], n["speed"])
+    shares = np.array(tolerance_shares(n["centre"], *bearings))
+    off = correction_errors(rotor, n)
+    rolling_arm = n.get("rolling_arm", np.full_like(permissible, math.nan))
+    qualities, carried = _qualities(n, (before, after), made, planes, permissible, shares, off)
+    columns = added | {
+        "unbalance": np.abs(before.unbalance),
+        "couple": np.abs(about(before, n["centre"]).moment),
+        "kind": kind(before, n["centre"], permissible, permissible * np.abs(bearings[1] - bearings[0])).astype(float),
+        "single_plane": single_plane(before),
+        "permissible_unbalance": permissible,
+        "first_permissible": shares[0] * permissible,
+        "second_permissible": shares[1] * permissible,
+        **qualities,
+        **_named(forces[0], "force_before"),
+        **_named(forces[1], "force_after"),
+        **_named(peak_forces(forces[0], weights), "peak_before"),
+        **_named(peak_forces(forces[1], weights), "peak_after"),
+        "correction_mass": sum(added[f"{name}.mass"] for name in rotor.planes),
+        "knife_edge_unbalance": residual_unbalance(n["mass"], rolling_arm),
+        "knife_edge_angle": resting_angle(np.abs(before.unbalance), n["mass"], rolling_arm),
+    }
+    radii = np.stack([n[f"planes.{name}.radius"] for name in rotor.planes], axis=-1)
+    return columns, rotor_sizes(
+        rotor.unbalances,
+        rotor.planes,
+        n,
+        BalancedRotor(unbalances, places, made, planes, radii, shares, carried, off),
+        columns,
+    )
+
+
+def correction_errors(rotor: RotorElement, n: Numbers) -> np.ndarray:
+    """How far each plane's correction may be off, as a share of it (planes, variants)."""
+    at = [f"planes.{name}" for name in rotor.planes]
+    return np.stack([misplaced_share(n[f"{p}.mass_error"], n[f"{p}.angle_error"]) for p in at])
+
+
+def _qualities(
+    n: Numbers,
+    states: tuple[Resultant, Resultant],
+    made: np.ndarray,
+    planes: np.ndarray,
+    permissible: np.ndarray,
+    shares: np.ndarray,
+    off: np.ndarray,
+) -> tuple[Columns, np.ndarray]:
+    """Quality and grade before, after, and with all errors adding up; what all corrections add in bearings' planes."""
+    first, second = n["first_bearing"], n["second_bearing"]
+    before, after = (np.abs(unbalance_in_two_planes(state, first, second)) for state in states)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        levers = np.stack([planes.T - second, first - planes.T]) / (first - second)
+        # What each plane's correction amounts to in the bearings' planes: (bearings, planes, variants).
+        felt = np.abs(levers * made.T)
+        carried = felt.sum(axis=1)
+        room = ((shares * permissible - after) / carried).min(axis=0)
+    columns = {"error_allowance": room}
+    for word, residuals in (("before", before), ("after", after), ("at_worst", after + (felt * off).sum(axis=1))):
+        needed = grade_needed(tuple(residuals), tuple(shares), n["mass"], n["speed"])
+        columns[f"quality_{word}"], columns[f"grade_{word}"] = needed, grade_reached(needed) / 1000
+    return columns, carried
+
+
+def rotor_unbalances(rotor: RotorElement, n: Numbers) -> tuple[np.ndarray, np.ndarray]:
+    """Unbalances of a rotor, complex, and their positions: (variants, unbalances) [kg·m] and [m]."""
+    at = [f"unbalances.{name}" for name in rotor.unbalances]
+    parts = [unbalance(n[f"{u}.mass"], n[f"{u}.radius"], n[f"{u}.angle"]) for u in at]
+    return np.stack(parts, axis=-1), np.stack([n[f"{u}.position"] for u in at], axis=-1)
+
+
+def rotor_corrections(rotor: RotorElement, n: Numbers, before: Resultant) -> tuple[np.ndarray, np.ndarray, Columns]:
+    """Corrections of a rotor.
+
+    Parameters
+    ----------
+    rotor : RotorElement
+    n : mapping of str to ndarray (variants,)
+        Its numbers.
+    before : Resultant
+        Its unbalance.
+
+    Returns
+    -------
+    made : ndarray of complex (variants, planes)
+        Unbalances added, as whole pieces where there are holes [kg·m].
+    positions : ndarray (variants, planes)
+        Where [m].
+    columns : dict of str to ndarray (variants,)
+        Masses, angles and numbers of pieces.
+    """
+    at = [f"planes.{name}" for name in rotor.planes]
+    positions, radii = (np.stack([n[f"{p}.{key}"] for p in at], axis=-1) for key in ("position", "radius"))
+    wanted = correct(before, positions, radii)
+    made, columns = np.empty_like(wanted), {}
+    for k, (name, plane) in enumerate(rotor.planes.items()):
+        meant, path = wanted[:, k], at[k]
+        columns[f"{name}.mass"] = np.abs(meant) / radii[:, k]
+        if plane.holes is not None:
+            meant, places, pieces = _in_holes(plane, n, path, meant)
+            columns[f"{name}.pieces"] = pieces.sum(axis=-1)
+            columns[f"{name}.mass"] = columns[f"{name}.pieces"] * n[f"{path}.piece"]
+            for i in range(plane.used):
+                columns[f"{name}.hole_{i + 1}"], columns[f"{name}.pieces_{i + 1}"] = places[:, i], pieces[:, i]
+        columns[f"{name}.angle"] = np.angle(meant) % math.tau
+        made[:, k] = meant
+    return made, positions, columns
+
+
+def _in_holes(plane: CorrectionPlane, n: Numbers, path: str, wanted: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Unbalances that whole pieces make, the holes used, and their pieces; NaN for patterns that can't be searched."""
+    holes, piece, first = n[f"{path}.holes"], n[f"{path}.piece"] * n[f"{path}.radius"], n[f"{path}.first_hole"]
+    made = np.full_like(wanted, math.nan)
+    places, pieces = np.full((2, wanted.size, plane.used), math.nan)
+    counts = np.round(holes)
+    counts[np.abs(holes - counts) > WHOLE] = math.nan
+    for count in np.unique(counts[np.isfinite(counts)]):
+        here = np.flatnonzero(counts == count)
+        # A pattern that can't be searched stays without a number, as one of half a hole does.
+        with suppress(PatternError):
+            filled, made[here] = best_holes(wanted[here], int(count), plane.most, plane.used, piece[here], first[here])
+            places[here], pieces[here] = _holes_used(filled, plane.used)
+    pieces[np.isnan(made)] = places[np.isnan(made)] = math.nan
+    return made, places, pieces
+
+
+def _holes_used(filled: np.ndarray, used: int) -> tuple[np.ndarray, np.ndarray]:
+    """Numbers from 1 of the holes that got pieces, and how many they got: (variants, used), 0 for none."""
+    padded = np.pad(filled, ((0, 0), (0, used)))
+    order = np.argsort(padded == 0, axis=1, kind="stable")[:, :used]
+    pieces = np.take_along_axis(padded, order, axis=1)
+    return np.where(pieces > 0, order + 1, 0), pieces
+
+
+def _named(forces: BearingForces, ending: str) -> Columns:
+    return {f"first_{ending}": np.abs(forces.first), f"second_{ending}": np.abs(forces.second)}

@@ -1,0 +1,56 @@
+"""Parts of a rotor: masses off its axis, planes in which it is to be balanced."""
+
+import math
+from typing import Annotated
+
+from pydantic import Field, model_validator
+
+from engine.elements.rotors.hole_pattern import PatternError, ways_to_fill
+from engine.parts.skeleton import Angle, Length, Mass, Number, Part
+
+Positive = Annotated[Length, Field(gt=0)]
+
+
+class OffAxis(Part):
+    """A mass off the axis: how far, at which angle of the rotor."""
+
+    mass: Annotated[Mass, Field(gt=0)]
+    radius: Annotated[Length, Field(ge=0)]
+    angle: Angle = 0.0
+
+
+class Unbalance(OffAxis):
+    """A mass off the axis: where it is along the axis, how far off it, at which angle of the rotor."""
+
+    position: Length
+
+
+class CorrectionPlane(Part):
+    """A plane in which mass is added at a radius, anywhere or as whole pieces in equally spaced holes.
+
+    At most `used` of the holes get pieces, `most` at the greatest. The mass or radius may be off by `mass_error`, a
+    share of it, the angle by `angle_error`, either way.
+    """
+
+    position: Length
+    radius: Positive
+    holes: Annotated[Number, Field(ge=1)] | None = None
+    piece: Annotated[Mass, Field(gt=0)] | None = None
+    first_hole: Angle = 0.0
+    most: Annotated[int, Field(ge=1, le=255)] = 4
+    used: Annotated[int, Field(ge=1)] = 2
+    mass_error: Annotated[Number, Field(ge=0)] = 0.0
+    angle_error: Annotated[Angle, Field(ge=0, le=math.pi)] = 0.0
+
+    @model_validator(mode="after")
+    def _holes_get_pieces(self) -> "CorrectionPlane":
+        if (self.holes is None) != (self.piece is None):
+            raise ValueError("holes and piece (the mass of one) belong together: give both, or neither")
+        if self.holes is not None:
+            if self.holes != int(self.holes):
+                raise ValueError(f"holes = {self.holes:g}: give a whole number")
+            try:
+                ways_to_fill(int(self.holes), self.most, self.used)
+            except PatternError as error:
+                raise ValueError(str(error)) from None
+        return self

@@ -1,0 +1,311 @@
+"""Torsional trains: natural frequencies and modes, distance from resonances, forced vibration."""
+
+import math
+from collections.abc import Iterator
+from functools import cached_property
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from engine.elements.element import EPS, Answers, Element, ElementResult, Numbers
+from engine.elements.engines.engine import EngineElement
+from engine.elements.torsional_trains.excitation import TrainExcitation, excitation_orders, train_excitation
+from engine.elements.torsional_trains.forced_vibration import ForcedVibration, forced_vibration, under_mean_moments
+from engine.elements.torsional_trains.natural_frequencies import NaturalVibration, natural_vibration
+from engine.elements.torsional_trains.order_sums import extremes_of_orders
+from engine.elements.torsional_trains.reduced_train import ReducedTrain, reduced_train
+from engine.elements.torsional_trains.train_layout import FRAME_END, Joint, LayoutProblem, TrainLayout, train_layout
+from engine.elements.torsional_trains.train_parts import HarmonicMoment, TrainGear, TrainMass, TrainShaft
+from engine.parts.skeleton import AngularSpeed, Name
+from engine.verdicts import Verdict
+
+MOST_MASSES = 1000
+Pairs = dict[str, tuple[np.ndarray, np.ndarray]]
+# Complex numbers in memory at a time.
+_BLOCK = 2**17
+
+
+class TorsionalTrain(Element):
+    """Masses joined by shafts and gears, in a chain or branched.
+
+    The first `modes` natural frequencies above zero and their modes are computed, and the vibration under
+    `excitations` at a `speed`, whose multiples are their orders. An `engine` excites the masses `cylinders_at`, one for
+    each cylinder in the order of their numbers, with gas and inertia at its own speed, which is then the train's.
+    `machine_at` is the mass on which the scene's own machine acts with the harmonics of M − ½ ω² dI/dφ at its crank's
+    uniform speed, which is then the train's; without an inertia of its own that mass has the mean of the machine's
+    reduced moment of inertia over the crank angle, and its flywheel.
+    At the mass `load` something takes what mean moments leave over; without it that accelerates the whole train.
+    """
+
+    infinite: ClassVar = Verdict.RESONANCE
+
+    type: Literal["torsional_train"]
+    masses: Annotated[dict[Name, TrainMass], Field(min_length=1, max_length=MOST_MASSES)]
+    shafts: dict[Name, TrainShaft] = {}
+    gears: dict[Name, TrainGear] = {}
+    modes: Annotated[int, Field(ge=1, le=50)] = 3
+    speed: Annotated[AngularSpeed, Field(gt=0)] | None = None
+    excitations: dict[Name, HarmonicMoment] = {}
+    engine: EngineElement | None = None
+    cylinders_at: tuple[Name, ...] = ()
+    machine_at: Name | None = None
+    load: Name | None = None
+
+    @model_validator(mode="after")
+    def _hangs_together(self) -> "TorsionalTrain":
+        if FRAME_END in self.masses:
+            raise ValueError(f"masses.{FRAME_END}: this name is that of the frame; choose another")
+        names = [*self.masses, *self.shafts, *self.gears]
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            raise ValueError(f"{twice[0]} stands for two things; masses, shafts and gears need names of their own")
+        try:
+            layout = self.layout
+        except LayoutProblem as problem:
+            raise ValueError(str(problem)) from None
+        if not layout.shaft_to[1:] and not layout.grounded:
+            raise ValueError("shafts is missing: masses without a shaft between them don't vibrate")
+        self._check_excitations()
+        return self
+
+    @model_validator(mode="after")
+    def _masses_have_inertia(self) -> "TorsionalTrain":
+        for name, mass in self.masses.items():
+            if mass.inertia is None and name != self.machine_at:
+                raise ValueError(
+                    f"masses.{name}.inertia is missing; only the mass that is machine_at takes the machine's own"
+                )
+        return self
+
+    @property
+    def takes_machine_inertia(self) -> bool:
+        """Whether a mass has the inertia of the scene's machine."""
+        return any(mass.inertia is None for mass in self.masses.values())
+
+    def _check_excitations(self) -> None:
+        for key, mass in (("load", self.load), ("machine_at", self.machine_at)):
+            if mass is not None and mass not in self.masses:
+                raise ValueError(f"{key}: there is no mass {mass!r}; masses are {', '.join(self.masses)}")
+        for name, excitation in self.excitations.items():
+            if excitation.on not in self.masses:
+                known = ", ".join(self.masses)
+                raise ValueError(f"excitations.{name}.on: there is no mass {excitation.on!r}; masses are {known}")
+        given = [key for key in ("speed", "engine", "machine_at") if getattr(self, key) is not None]
+        if len(given) > 1:
+            raise ValueError(f"{' and '.join(given)}: each of them gives the train's speed; leave all but one out")
+        if self.excitations and not given:
+            raise ValueError("speed is missing: excitations have orders of it")
+        if self.engine is not None:
+            self._check_engine(self.engine)
+        elif self.cylinders_at:
+            raise ValueError("cylinders_at are those of an engine; give engine, or leave them out")
+
+    def _check_engine(self, engine: EngineElement) -> None:
+        if engine.gas is None:
+            raise ValueError("engine.gas is missing: without it the engine has no torque")
+        if len(self.cylinders_at) != engine.cylinders:
+            raise ValueError(f"cylinders_at: give a mass for each of the {engine.cylinders} cylinders, in their order")
+        unknown = [mass for mass in self.cylinders_at if mass not in self.masses]
+        if unknown:
+            raise ValueError(f"cylinders_at: there is no mass {unknown[0]!r}; masses are {', '.join(self.masses)}")
+
+    @cached_property
+    def layout(self) -> TrainLayout:
+        """How masses, shafts and gears hang together.
+
+        Raises
+        ------
+        LayoutProblem
+            They make no tree.
+        """
+        joints = [Joint(name, *shaft.between, False) for name, shaft in self.shafts.items()]
+        joints += [Joint(name, *gear.between, True) for name, gear in self.gears.items()]
+        return train_layout(tuple(self.masses), joints)
+
+    @property
+    def reported_modes(self) -> int:
+        """How many natural frequencies above zero are computed: those asked for, or as many as there are."""
+        return min(self.modes, len(self.layout.parents) - (1 if self.layout.is_free else 0))
+
+    @property
+    def variants_at_once(self) -> int:
+        """Few where a train is long."""
+        size = len(self.layout.parents) * max(self.reported_modes, len(excitation_orders(self)), 1)
+        return max(64, min(4096, _BLOCK // size))
+
+    def results(self) -> tuple[ElementResult, ...]:
+        """Those of its modes, and of its vibration where anything excites it."""
+        return tuple(_results(self))
+
+    def evaluate(self, n: Numbers) -> Answers:
+        """Results with what they may be off by."""
+        found = train_results(self, n)
+        return Answers(*({name: pair[part] for name, pair in found.items()} for part in (0, 1)))
+
+    def machine_needed(self) -> tuple[str, str]:
+        """A crank that turns, where the machine excites the train."""
+        if self.machine_at is None:
+            return "", ""
+        return ".machine_at", "only a crank that turns fully excites a train"
+
+
+def is_excited(train: TorsionalTrain) -> bool:
+    """Whether anything excites a train."""
+    return bool(train.excitations) or train.engine is not None or train.machine_at is not None
+
+
+def _results(train: TorsionalTrain) -> Iterator[ElementResult]:
+    yield ElementResult("rigid_body_modes", "natural frequencies of zero: the whole train turns", "1", exact=True)
+    modes = range(1, train.reported_modes + 1)
+    for k in modes:
+        yield ElementResult(f"frequency_{k}", f"natural frequency {k} above zero", "rad s-1")
+    for k in modes:
+        for mass in train.masses:
+            yield ElementResult(
+                f"mode_{k}.{mass}", f"amplitude of {mass} in mode {k}, over the greatest of all", "1", None, True
+            )
+    if not is_excited(train):
+        return
+    if excitation_orders(train):
+        for k in modes:
+            yield ElementResult(
+                f"margin_{k}", f"distance of the nearest order from natural frequency {k}, over it", "1"
+            )
+            yield ElementResult(f"nearest_order_{k}", f"order nearest to natural frequency {k}", "1", exact=True)
+    for shaft in train.shafts:
+        yield ElementResult(f"{shaft}.mean_moment", f"mean moment of {shaft}, at its first end", "N m")
+        yield ElementResult(f"{shaft}.alternating_moment", f"half the range of the moment of {shaft}", "N m")
+        yield ElementResult(f"{shaft}.greatest_moment", f"greatest magnitude of the moment of {shaft}", "N m")
+    for mass in train.masses:
+        yield ElementResult(f"{mass}.amplitude", f"half the range of the vibration of {mass}", "rad")
+    yield ElementResult("dissipated_power", "mean power that all dampers dissipate", "W")
+
+
+def train_results(train: TorsionalTrain, n: Numbers) -> Pairs:
+    """All results of a torsional train for a set of variants, with their errors.
+
+    Parameters
+    ----------
+    train : TorsionalTrain
+        How it hangs together and what excites it; its numbers are not used.
+    n : mapping of str to ndarray (variants,)
+        Its numbers by their keys, such as "shafts.tail.stiffness".
+
+    Returns
+    -------
+    dict of str to (ndarray (variants,), ndarray (variants,))
+        Values and what they may be off by, as named by the results; infinite at a resonance without damping.
+    """
+    reduced = reduced_train(train, n)
+    natural = natural_vibration(reduced, train.reported_modes)
+    found: Pairs = {"rigid_body_modes": (1.0 if train.layout.is_free else 0.0, 0.0)}
+    for k in range(train.reported_modes):
+        found[f"frequency_{k + 1}"] = natural.frequencies[k], natural.frequency_errors[k]
+        found |= _shape(train, reduced, natural, k)
+    if is_excited(train):
+        excitation = train_excitation(train, reduced, n)
+        if excitation.orders:
+            found |= _margins(natural, excitation)
+        found |= _vibration(train, reduced, excitation)
+    return found
+
+
+def _shape(train: TorsionalTrain, reduced: ReducedTrain, natural: NaturalVibration, k: int) -> Pairs:
+    """A mode as its masses swing about their own axes, over the greatest amplitude."""
+    layout = train.layout
+    own = np.stack([reduced.ratios[mass] for mass in layout.masses])
+    q = own * natural.modes[k, list(layout.node_of)]
+    e = np.abs(own) * natural.mode_errors[k, list(layout.node_of)]
+    greatest = np.abs(q).argmax(axis=0)[None]
+    top, top_error = np.take_along_axis(q, greatest, axis=0)[0], np.take_along_axis(e, greatest, axis=0)[0]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        values = q / top
+        errors = (e + np.abs(values) * top_error) / np.abs(top)
+    return {f"mode_{k + 1}.{mass}": (values[i], errors[i]) for i, mass in enumerate(layout.masses)}
+
+
+def _margins(natural: NaturalVibration, excitation: TrainExcitation) -> Pairs:
+    """How far the nearest order is from each natural frequency."""
+    found: Pairs = {}
+    orders = np.array(excitation.orders)
+    for k, (frequency, error) in enumerate(zip(natural.frequencies, natural.frequency_errors, strict=True), 1):
+        with np.errstate(invalid="ignore"):
+            away = np.abs(orders[:, None] * excitation.speed / frequency - 1.0)
+        nearest = away.argmin(axis=0)
+        margin = np.take_along_axis(away, nearest[None], axis=0)[0]
+        found[f"margin_{k}"] = margin, (1.0 + margin) * (error / frequency + 4.0 * EPS)
+        found[f"nearest_order_{k}"] = orders[nearest], np.zeros_like(margin)
+    return found
+
+
+def _vibration(train: TorsionalTrain, reduced: ReducedTrain, excitation: TrainExcitation) -> Pairs:
+    """Moments of the shafts, amplitudes of the masses, and what is dissipated."""
+    layout, orders = train.layout, excitation.orders
+    frequencies = np.array(orders).reshape(-1, 1) * excitation.speed
+    swings = forced_vibration(reduced, frequencies, excitation.moments, excitation.moment_errors)
+    mean = under_mean_moments(reduced, excitation.means, excitation.mean_errors)
+    still = np.zeros((1, excitation.speed.size))
+    found: Pairs = {}
+    # What is infinite stays so whatever it is multiplied by.
+    with np.errstate(invalid="ignore"):
+        for name in train.shafts:
+            own = reduced.shaft_ratios[name]
+            alternating, off = _shaft_moment(train, reduced, name, swings, frequencies)
+            constant, constant_off = _shaft_moment(train, reduced, name, mean, still)
+            constant_off = np.abs(constant_off[0] / own)
+            constant = constant[0].real / own
+            (least, greatest), off = _range(excitation, alternating / own, off / own)
+            found[f"{name}.mean_moment"] = constant, constant_off
+            found[f"{name}.alternating_moment"] = 0.5 * (greatest - least), off
+            total = np.maximum(np.abs(constant + greatest), np.abs(constant + least))
+            found[f"{name}.greatest_moment"] = total, constant_off + off
+        for mass, node in zip(layout.masses, layout.node_of, strict=True):
+            own = reduced.ratios[mass]
+            (least, greatest), off = _range(excitation, own * swings.angles[node], own * swings.angle_errors[node])
+            found[f"{mass}.amplitude"] = 0.5 * (greatest - least), off
+        found["dissipated_power"] = swings.dissipated, _dissipation_error(reduced, swings)
+    return found
+
+
+def _shaft_moment(
+    train: TorsionalTrain, reduced: ReducedTrain, name: str, swings: ForcedVibration, frequencies: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Reduced moment k (θ_first − θ_second) of a shaft and what it may be off by (orders, variants)."""
+    layout, first = train.layout, train.shafts[name].between[0]
+    if name in layout.shaft_to:
+        node = layout.shaft_to.index(name)
+        forwards = layout.node_of[layout.masses.index(first)] == layout.parents[node]
+        return (1.0 if forwards else -1.0) * swings.moments[node], swings.moment_errors[node]
+    mass = dict(layout.grounded)[name]
+    node = layout.node_of[layout.masses.index(mass)]
+    stiffness, damping, loss = reduced.ground_shafts[name]
+    held = stiffness + 1j * (loss / math.tau + frequencies * damping)
+    moment = held * swings.angles[node]
+    off = np.abs(held) * swings.angle_errors[node] + EPS * (reduced.roundings + 8.0) * np.abs(moment)
+    return (1.0 if first == mass else -1.0) * moment, off
+
+
+def _range(
+    excitation: TrainExcitation, amplitudes: np.ndarray, errors: np.ndarray
+) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:
+    """Least and greatest value of a sum of orders over time, and what both may be off by."""
+    if not excitation.orders:
+        nothing = np.zeros(excitation.speed.size)
+        return (nothing, nothing), nothing
+    infinite = np.isinf(errors).any(axis=0)
+    sound = np.where(infinite, 0.0, amplitudes)
+    least, greatest = extremes_of_orders(excitation.orders, sound)
+    rounded = EPS * (8.0 + 24.0 * max(excitation.orders)) * np.abs(sound)
+    off = (np.where(infinite, 0.0, np.abs(errors)) + rounded).sum(axis=0)
+    return (np.where(infinite, -math.inf, least), np.where(infinite, math.inf, greatest)), off
+
+
+def _dissipation_error(reduced: ReducedTrain, swings: ForcedVibration) -> np.ndarray:
+    """What the dissipated power may be off by: twice the share that the worst of the amplitudes is."""
+    # Orders that are rounding alone dissipate nothing that counts.
+    sizes = np.abs(swings.angles).max(axis=0)
+    shares = np.where(sizes > 0.0, swings.angle_errors.max(axis=0) / np.where(sizes > 0.0, sizes, 1.0), 0.0)
+    heaviest = np.where(sizes >= 1e-6 * sizes.max(axis=0, initial=0.0), shares, 0.0).max(axis=0, initial=0.0)
+    spread = 2.0 * heaviest + EPS * (reduced.roundings + 32.0) + 1e-12
+    return spread * np.abs(swings.dissipated)

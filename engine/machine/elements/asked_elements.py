@@ -1,0 +1,110 @@
+"""What is asked of a scene's machine elements, computed for a set of variants with error estimates."""
+
+from collections.abc import Iterable
+from inspect import getsource
+
+import numpy as np
+
+from engine.compiling.threads import on_all_threads
+from engine.elements.element import Answers, Columns, Element
+from engine.quantities.quantity import Quantity
+from engine.scene.scene import Numbers, Scene
+from engine.verdicts import Verdict
+
+
+def element_summaries(scene: Scene) -> list[Quantity]:
+    """Summaries of a scene's machine elements."""
+    return [
+        Quantity(f"{name}.{result.name}", f"{name}: {result.long_name}", result.units)
+        for name, element in scene.elements.items()
+        for result in element.results()
+    ]
+
+
+class AskedElements:
+    """What is asked of a scene's machine elements.
+
+    Parameters
+    ----------
+    scene : Scene
+    asked : iterable of str
+        Names of summaries; those that aren't of elements are left to others.
+
+    Attributes
+    ----------
+    names : list of str
+        Those that are.
+    elements : dict of str to Element
+        Elements of which something is asked.
+    """
+
+    def __init__(self, scene: Scene, asked: Iterable[str]) -> None:
+        known = {q.name for q in element_summaries(scene)}
+        self.names = [name for name in asked if name in known]
+        owners = dict.fromkeys(name.partition(".")[0] for name in self.names)
+        self.elements = {name: scene.elements[name] for name in owners}
+
+    @property
+    def text(self) -> str:
+        """Source of the kinds of elements: their laws, to be read."""
+        return "\n\n".join(getsource(kind) for kind in dict.fromkeys(map(type, self.elements.values())))
+
+    def fill(self, status: np.ndarray, summaries: Columns, errors: Columns, keep: np.ndarray, numbers: Numbers) -> None:
+        """Write what is asked of the variants `keep`, and the verdict on those of them without a complaint so far.
+
+        That of a law where it has one of its own; else what an element calls an infinite result, such as JAMS;
+        NOT_FINITE where a law has no value.
+
+        Parameters
+        ----------
+        status : ndarray (variants,) of uint8
+        summaries, errors : dict of str to ndarray (variants,)
+            Of an outcome, to be written to.
+        keep : ndarray of int
+            Indices of variants.
+        numbers : Numbers
+            Theirs.
+        """
+        answers = {
+            name: _evaluated(element, numbers.below(f"elements.{name}"), keep.size)
+            for name, element in self.elements.items()
+        }
+        for found in answers.values():
+            judged = (status[keep] == Verdict.OK) & (found.verdicts != Verdict.OK)
+            status[keep[judged]] = found.verdicts[judged]
+        for name, found in answers.items():
+            element = self.elements[name]
+            must = np.array([found.values[r.name] for r in element.results() if not r.may_be_undefined])
+            well = status[keep] == Verdict.OK
+            status[keep[well & np.isinf(must).any(axis=0)]] = element.infinite
+            status[keep[well & np.isnan(must).any(axis=0)]] = Verdict.NOT_FINITE
+        for name in self.names:
+            owner, _, result = name.partition(".")
+            value, error = (part[result] for part in answers[owner][:2])
+            known = np.isfinite(value)
+            summaries[name][keep], errors[name][keep] = np.where(known, value, np.nan), np.where(known, error, np.nan)
+
+
+def _evaluated(element: Element, n: Columns, variants: int) -> Answers:
+    """Results of an element, all of them arrays (variants,), computed in pieces on all threads."""
+    keys, table = list(n), np.array([np.broadcast_to(value, (variants,)) for value in n.values()], float)
+    pieces = np.array_split(table, max(1, -(-variants // element.variants_at_once)), axis=1)
+
+    def of(piece: np.ndarray) -> np.ndarray:
+        """Values, errors (2, results, variants), with the verdicts as a last row of both."""
+        with np.errstate(all="ignore"):
+            found = element.evaluate(dict(zip(keys, piece, strict=True)))
+        count = piece.shape[1]
+        exact = np.zeros(count)
+        rows = [
+            [np.broadcast_to(found.values[r.name], (count,)) for r in results],
+            [exact if r.exact else np.broadcast_to(found.errors[r.name], (count,)) for r in results],
+        ]
+        verdicts = np.broadcast_to(found.verdicts, (count,)).astype(float)
+        return np.array([[*part, verdicts] for part in rows])
+
+    results = element.results()
+    (*values, verdicts), (*errors, _) = np.concatenate(on_all_threads(of, pieces), axis=-1)
+    names = [r.name for r in results]
+    by_name = (dict(zip(names, rows, strict=True)) for rows in (values, errors))
+    return Answers(*by_name, verdicts.astype(np.uint8))
