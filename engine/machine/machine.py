@@ -406,6 +406,21 @@ class Machine:
         numbers = Numbers(self._limits, {})
         return self._for_trains(self.measuring(self.measuring.numbers(numbers, 1)), numbers, 1)
 
+    def seconds_on_shafts(self, varied: Mapping[str, np.ndarray]) -> float:
+        """Forecast how long one variant's runs on elastic shafts take [s], the mean of some variants; 0 without runs.
+
+        Parameters
+        ----------
+        varied : mapping of path to ndarray (variants,)
+            As for `evaluate`.
+        """
+        if self._drives is None or not self._drives.runs:
+            return 0.0
+        arrays, status = given_numbers(self._limits, self.varied, varied, None)
+        well = np.flatnonzero(status == Verdict.OK)
+        numbers = Numbers(self._limits, arrays)
+        return self._drives.seconds_of_runs(numbers.of_variants(well), well.size) if well.size else 0.0
+
     @staticmethod
     def _spread(answers: MeasuredCycles, variants: int) -> np.ndarray:
         """What rounding makes of a relative error of its size: near a dead centre a group's accelerations go with 1/γ².
