@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from engine.compiling.threads import threads
+from engine.cycle.measured import UNKNOWN_ROOT
 from engine.elements.element_columns import ElementColumns, element_summaries
 from engine.governors.places import CYCLE_POSITIONS
 from engine.graph.nodes import Node
@@ -37,6 +38,8 @@ from engine.verdicts import Verdict
 SINGULAR_SINE = 1e-7
 # Errors of accelerations and forces at a transmission angle of 90°, relative to their greatest: a few roundings.
 ROUNDING_OF_RATES = 8.0 * np.finfo(float).eps
+# Errors of what vanishes altogether: of differences of two roots.
+SURELY_NOTHING = 4.0 * UNKNOWN_ROOT
 # Variants of a thread that are measured together: what is known of them stays in its caches.
 VARIANTS_AT_ONCE = 4096
 # Variants whose governors are given the curves of their machines together.
@@ -575,7 +578,7 @@ class Machine:
             value, error = outcome.summaries[name][keep], outcome.errors[name][keep]
             size = np.ones_like(value) if name.endswith(_RELATIVE_ALREADY) else self._size(outcome, keep, name)
             with np.errstate(all="ignore"):
-                share = np.where(error == 0.0, 0.0, error / (allowed * size))
+                share = np.where(error <= SURELY_NOTHING, 0.0, error / (allowed * size))
             worst = np.fmax(worst, np.where(np.isfinite(value), share, 0.0))
         return worst
 
