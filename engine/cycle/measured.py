@@ -12,6 +12,8 @@ from collections.abc import Callable
 import numpy as np
 
 _ROUNDING = np.finfo(np.float64).eps
+# Of numbers whose squares are below the least that is kept in full nothing is known but that.
+UNKNOWN_ROOT = float(np.sqrt(np.finfo(np.float64).tiny))
 
 
 class Measured:
@@ -105,7 +107,12 @@ def sqrt(x: Measured) -> Measured:
         value = np.sqrt(x.value)
         first_order = 0.5 * x.error / value
     error = np.where(x.error > x.value, np.sqrt(np.abs(x.value) + x.error), first_order)
-    return Measured(value, np.where(x.error == 0.0, 0.0, error))._rounded()
+    return of_squares(Measured(value, np.where(x.error == 0.0, 0.0, error))._rounded())
+
+
+def of_squares(x: Measured) -> Measured:
+    """A number that was made of squares; of a small one they may have vanished."""
+    return Measured(x.value, np.where(np.abs(x.value) < UNKNOWN_ROOT, np.maximum(x.error, UNKNOWN_ROOT), x.error))
 
 
 def atan2(y: Measured, x: Measured) -> Measured:

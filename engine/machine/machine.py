@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from engine.compiling.threads import threads
+from engine.cycle.measured import UNKNOWN_ROOT
 from engine.elements.governors.places import CYCLE_POSITIONS
 from engine.graph.nodes import Node
 from engine.machine.checks import check_names, check_positions, given_numbers
@@ -37,6 +38,8 @@ from engine.verdicts import Verdict
 SINGULAR_SINE = 1e-7
 # Errors of accelerations and forces at a transmission angle of 90°, relative to their greatest: a few roundings.
 ROUNDING_OF_RATES = 8.0 * np.finfo(float).eps
+# Errors of what vanishes altogether: of differences of two roots.
+SURELY_NOTHING = 4.0 * UNKNOWN_ROOT
 # Variants of a thread that are measured together: what is known of them stays in its caches.
 VARIANTS_AT_ONCE = 4096
 # Variants whose governors are given the curves of their machines together.
@@ -432,6 +435,21 @@ class Machine:
         numbers = Numbers(self._limits, {})
         return self._for_trains(self.measuring(self.measuring.numbers(numbers, 1)), numbers, 1)
 
+    def seconds_on_shafts(self, varied: Mapping[str, np.ndarray]) -> float:
+        """Forecast how long one variant's runs on elastic shafts take [s], the mean of some variants; 0 without runs.
+
+        Parameters
+        ----------
+        varied : mapping of path to ndarray (variants,)
+            As for `evaluate`.
+        """
+        if self._drives is None or not self._drives.runs:
+            return 0.0
+        arrays, status = given_numbers(self._limits, self.varied, varied, None)
+        well = np.flatnonzero(status == Verdict.OK)
+        numbers = Numbers(self._limits, arrays)
+        return self._drives.seconds_of_runs(numbers.of_variants(well), well.size) if well.size else 0.0
+
     @staticmethod
     def _spread(answers: MeasuredCycles, variants: int) -> np.ndarray:
         """What rounding makes of a relative error of its size: near a dead centre a group's accelerations go with 1/γ².
@@ -589,7 +607,7 @@ class Machine:
             value, error = outcome.summaries[name][keep], outcome.errors[name][keep]
             size = np.ones_like(value) if name.endswith(_RELATIVE_ALREADY) else self._size(outcome, keep, name)
             with np.errstate(all="ignore"):
-                share = np.where(error == 0.0, 0.0, error / (allowed * size))
+                share = np.where(error <= SURELY_NOTHING, 0.0, error / (allowed * size))
             worst = np.fmax(worst, np.where(np.isfinite(value), share, 0.0))
         return worst
 

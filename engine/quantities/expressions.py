@@ -221,12 +221,17 @@ def length_of_range(first: Node, last: Node) -> Expression:
 
 def least(curve: Node | Followed) -> Expression:
     """Least value of a curve."""
-    return Extreme(curve, "least")
+    return of_root(curve, Extreme(curve, "least"))
 
 
 def _square(curve: Node | Followed) -> Node | None:
     """What a curve is the root of, if it is one: that is smooth where the root nearly has a kink."""
     return curve.operands[0] if isinstance(curve, Operation) and curve.symbol == "sqrt" else None
+
+
+def of_root(curve: Node | Followed, found: Expression) -> Expression:
+    """A statistic of a curve, which may be the root of squares."""
+    return found if _square(curve) is None else Formula(numbers.of_squares, (found,))
 
 
 def greatest(curve: Node | Followed) -> Expression:

@@ -14,6 +14,7 @@ from engine.quantities.expressions import (
     greatest,
     least,
     length_of_range,
+    of_root,
     peak,
     place_of_greatest,
     sqrt,
@@ -79,7 +80,7 @@ def mean(mechanics: Mechanics, curve: Node | Followed) -> Expression:
     """Mean of a curve over the range of the input."""
     if isinstance(curve, Followed):
         return Average(curve, 1)
-    return Integral(curve) / length_of_range(mechanics.first, mechanics.last)
+    return of_root(curve, Integral(curve) / length_of_range(mechanics.first, mechanics.last))
 
 
 def mean_square(mechanics: Mechanics, curve: Node | Followed) -> Expression:

@@ -26,7 +26,7 @@ from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text,
 from sweeps.report.remarks import remarks_on
 from sweeps.report.result_report import drop_lines
 from sweeps.run.blocks import LARGEST_BLOCK, block_size, bytes_of_fields
-from sweeps.run.cost import probe
+from sweeps.run.cost import on_shafts_text, probe
 from sweeps.run.runner import crew_of, layout_of
 from sweeps.study.default_summaries import telling_summaries
 from sweeps.study.study import Study
@@ -201,6 +201,8 @@ def check_text(
     """
     machine = study.machine()
     uncompiled = _uncompiled_text(machine)
+    if on_shafts := "" if uncompiled else on_shafts_text(study, machine):
+        tell(on_shafts)
     between = "" if uncompiled else between_positions_text(study)
     warned = "\n".join([*remarks_on(study.scene), *filter(None, [between])])
     sections = [
@@ -212,7 +214,7 @@ def check_text(
         ("Variants", f"{study.design.size} = {_design_text(study)}"),
         ("Asked", "\n".join((*study.summaries, *study.fields, *(q.name for q in study.sensitivity.quantities)))),
         *_plan_sections(machine),
-        *(_file_sections(study, machine, out) if uncompiled else _cost_sections(study, machine, out)),
+        *(_file_sections(study, machine, out) if uncompiled else _cost_sections(study, machine, out, on_shafts)),
         *([] if client is None else [("Cluster", _cluster_text(study, client, out, tell))]),
     ]
     return "\n".join(f"{title}\n" + "\n".join(f"  {line}" for line in text.splitlines()) for title, text in sections)
@@ -236,11 +238,12 @@ def _positions_text(machine: Machine) -> str:
     return f"as many positions as its curves need, fields at {machine.nodes.size}"
 
 
-def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path) -> list[tuple[str, str]]:
-    """How a study is evaluated, and its time, memory and file."""
+def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path, on_shafts: str) -> list[tuple[str, str]]:
+    """How a study is evaluated, and its time, memory and file; runs on elastic shafts say theirs."""
     cost = probe(study, machine)
     way = "each variant from its own numbers"
     seconds = f"about {cost.seconds * study.design.size:.3g} s, {cost.seconds * 1e6:.3g} µs a variant"
+    seconds = on_shafts or seconds
     if machine.schedule is not None:
         seconds += "; the first time up to a minute more, to compile"
     numbers = 8 * (machine.numbers_kept + 4 * len(study.summaries))

@@ -10,6 +10,7 @@ import numpy as np
 from engine import ElementsAlone, Machine, Outcome, threads
 from sweeps.run.blocks import evaluate_variants, most_at_once
 from sweeps.study.study import Study
+from sweeps.text.engineer_units import quantity_text
 
 # Seconds after which no more variants are tried to see what they cost.
 LONG_ENOUGH = 0.3
@@ -42,7 +43,10 @@ class Cost(NamedTuple):
 
 
 def probe(study: Study, machine: Machine | ElementsAlone) -> Cost:
-    """Cost of a study, measured on some of its variants."""
+    """Cost of a study, measured on some of its variants; of runs on elastic shafts that take long, forecast."""
+    forecast = seconds_on_shafts(study, machine)
+    if forecast > LONG_ENOUGH:
+        return Cost(forecast, 0.0)
     if machine.schedule is not None:
         size, most = min(16 * threads(), study.design.size), min(most_at_once(study, machine), study.design.size)
         seconds = seconds_of_variant(study, machine)
@@ -62,6 +66,9 @@ def seconds_of_variant(study: Study, machine: Machine | ElementsAlone) -> float:
     Each takes its own time, and many together less than one.
     """
     most = min(most_at_once(study, machine), study.design.size, MOST_TRIED)
+    forecast = seconds_on_shafts(study, machine)
+    if forecast > LONG_ENOUGH:
+        return forecast
     # What isn't compiled yet is, or all but what the first variant, dropped or failing early, doesn't come to.
     _seconds_of(study, machine, 1)
     count = min(4 * threads(), most)
@@ -73,6 +80,23 @@ def seconds_of_variant(study: Study, machine: Machine | ElementsAlone) -> float:
         if count == most or seconds > LONG_ENOUGH:
             return seconds / count
         count = min(8 * count, most)
+
+
+def seconds_on_shafts(study: Study, machine: Machine | ElementsAlone) -> float:
+    """What runs on elastic shafts take of a variant, by their steps, without following any to its end; 0 without."""
+    if isinstance(machine, ElementsAlone):
+        return 0.0
+    values, drop = _spread(study, min(PLACES, study.design.size))
+    return machine.seconds_on_shafts({path: values[path][~drop] for path in study.paths})
+
+
+def on_shafts_text(study: Study, machine: Machine | ElementsAlone) -> str:
+    """How long runs on elastic shafts will take, said before they begin; "" where they don't take long."""
+    seconds = seconds_on_shafts(study, machine)
+    if seconds <= LONG_ENOUGH:
+        return ""
+    each, whole = (quantity_text(float(f"{number:.2g}"), "s") for number in (seconds, seconds * study.design.size))
+    return f"Runs on elastic shafts go step by step: about {each} a variant, {whole} in all; less on softer shafts."
 
 
 def _seconds_of(study: Study, machine: Machine | ElementsAlone, count: int) -> float:

@@ -16,7 +16,7 @@ from engine import ElementsAlone, InputUnits, Machine, Quantity, Verdict, thread
 from sweeps.run.blocks import block_size, largest_block
 from sweeps.run.carrying import Blocks, Earlier, Excerpt, excerpts_of, filled_in
 from sweeps.run.cluster.cluster_errors import UnfinishedError
-from sweeps.run.cost import FEW, seconds_of_variant
+from sweeps.run.cost import FEW, on_shafts_text, seconds_of_variant
 from sweeps.store import (
     POSITION_NAMES,
     Column,
@@ -164,6 +164,8 @@ def run_study(
     layout = layout_of(study, machine)
     if not restart and _stands(path, layout, tell):
         return path
+    if on_shafts := on_shafts_text(study, machine):
+        tell(on_shafts)
     with (
         crew_of(client, study, layout, tell) as crew,
         Store.open(path, layout, restart, lambda: _block_size(study, machine, crew)) as store,

@@ -1,5 +1,6 @@
 """The scene's machine on an elastic shaft: its curves for the drives that its motors drive it through."""
 
+import time
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -29,7 +30,7 @@ from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.grid import GAP
 from engine.motion.regimes_in_order import TOLERANCE, Schedule
-from engine.motion.runs.elastic_run import ElasticRun, run_on_shaft
+from engine.motion.runs.elastic_run import FINEST, ElasticRun, run_on_shaft, steps_on_shaft
 from engine.motion.settled.steady import steady_motion
 from engine.motion.steppers.time_form import TimeForm
 from engine.scene.scene import Numbers, Scene, scene_numbers
@@ -42,6 +43,8 @@ LOOKED_AT = 256
 # Shares of a result that it may be off by besides the change from half as many steps; of a multiplier, to be judged by.
 ROUNDING = 1e-13
 SURE_OF_MULTIPLIER = 1e-9
+# Steps of a run by which its time is forecast.
+STEPS_TIMED = 100
 
 
 class ElasticDrives:
@@ -132,15 +135,53 @@ class ElasticDrives:
         errors[len(RESULTS) :, part.which] = np.abs(rows - rough) + ROUNDING * np.abs(rows)
         verdict[part.which] = fine.verdict
 
+    def seconds_of_runs(self, numbers: Numbers, count: int) -> float:
+        """Forecast how long the runs of one variant take [s], the mean of some, by how long a few steps do.
+
+        Parameters
+        ----------
+        numbers : Numbers
+        count : int
+            How many variants.
+        """
+        variants, seconds = self._schedule.variants(numbers, count), 0.0
+        for name in self.runs:
+            with np.errstate(all="ignore"):
+                ready, _, _ = self._ready(name, variants)
+                steps = steps_on_shaft(ready.frequency, self._of_run(name, ready, "time"))
+                followed = np.flatnonzero(steps > 0.0)
+                if followed.size:
+                    # Once for the comparison as well, with steps of twice the length.
+                    seconds += 1.5 * steps.sum() / count * self._seconds_of_step(name, ready.some(followed[:1]))
+        return seconds
+
+    def _seconds_of_step(self, name: str, ready: "Ready") -> float:
+        """How long a step of a drive's run takes [s]."""
+        still, few = np.zeros((4, 1)), STEPS_TIMED * FINEST / ready.frequency
+        # The first time it may be compiled.
+        for _ in range(2):
+            begun = time.perf_counter()
+            self._run(name, ready, still, duration=np.minimum(few, self._of_run(name, ready, "time")))
+            seconds = time.perf_counter() - begun
+        return seconds / STEPS_TIMED
+
+    def _of_run(self, name: str, ready: "Ready", key: str) -> np.ndarray:
+        """A number of a drive's run, (variants,)."""
+        return np.broadcast_to(ready.bare.numbers[f"elements.{name}.run.{key}"], (ready.which.size,)).astype(float)
+
     def _run(
-        self, name: str, ready: "Ready", steady: np.ndarray, coarser: float = 1.0, record: bool = False
+        self,
+        name: str,
+        ready: "Ready",
+        steady: np.ndarray,
+        coarser: float = 1.0,
+        record: bool = False,
+        duration: np.ndarray | None = None,
     ) -> ElasticRun:
-        """Follow a drive's run, from its own begin or out of a steady motion, (4, variants)."""
-        n, at, run = ready.bare.numbers, f"elements.{name}.run", self.drives[name].run
-        angle, duration, backlash = (
-            np.broadcast_to(n[f"{at}.{key}"], (ready.which.size,)).astype(float)
-            for key in ("angle", "time", "backlash")
-        )
+        """Follow a drive's run, from its own begin or out of a steady motion, (4, variants), or a part of it."""
+        run = self.drives[name].run
+        angle, whole, backlash = (self._of_run(name, ready, key) for key in ("angle", "time", "backlash"))
+        duration = whole if duration is None else duration
         form = TimeForm(self.runs[name], self.runs[name].driven(ready.bare), angle)
         begin = steady if run.begin == "steady" else np.zeros_like(steady)
         return run_on_shaft(form, ready.given.T, ready.frequency, begin, duration, backlash, coarser, record)

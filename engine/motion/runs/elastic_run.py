@@ -139,6 +139,20 @@ class _Going:
         return np.where(sense == 0.0, -np.maximum(*self.excess(y, time)), moving)
 
 
+def steps_on_shaft(frequency: np.ndarray, duration: np.ndarray) -> np.ndarray:
+    """About how many steps a run takes by the shaft's vibration, (variants,); 0 where it isn't followed.
+
+    Parameters
+    ----------
+    frequency : ndarray (variants,)
+        Natural frequency [rad/s].
+    duration : ndarray (variants,)
+        [s].
+    """
+    steps = np.ceil(duration * frequency / FINEST)
+    return np.where(steps > MOST_STEPS, 0.0, steps)
+
+
 def run_on_shaft(
     form: TimeForm,
     shaft: np.ndarray,

@@ -1,6 +1,7 @@
 """A machine driven through an elastic shaft: against integration in time, closed forms, the rigid limit."""
 
 import math
+from time import perf_counter
 
 import numpy as np
 import pytest
@@ -15,7 +16,9 @@ from engine import ElementsAlone, Machine, Scene, Verdict, drive_cycle, drive_ru
 from sweeps.pictures.elements.elastic_sheets import machine_drive_sheet, machine_run_sheet
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import new_figure
-from sweeps.text.scene_text import read_scene
+from sweeps.run.cost import on_shafts_text
+from sweeps.study.study import read_study
+from sweeps.text.scene_text import read_scene, write_scene
 from sweeps.text.templates import bundled_templates
 
 MASS, WHEEL, DRAG = 8.0, 0.05, 200.0
@@ -537,3 +540,20 @@ def test_template__answers_everything_of_its_drive():
     for name in names:
         assert np.isfinite(outcome.summaries[name][0]), name
     assert outcome.summaries["coupling.run_closings"][0] >= 1
+
+
+def test_run_on_a_stiff_shaft__takes_about_as_long_as_forecast(tmp_path):
+    scene = yoke({"stiffness": 4000.0, "run": {"begin": "steady", "time": 0.5}})
+    machine = Machine(scene, ["d.run_greatest_moment"], varied=["elements.d.stiffness"])
+    stiffness = {"elements.d.stiffness": np.array([4000.0])}
+    # What is compiled first takes its time, too.
+    machine.evaluate(stiffness)
+    forecast, begun = machine.seconds_on_shafts(stiffness), perf_counter()
+    machine.evaluate(stiffness)
+    took = perf_counter() - begun
+    assert took / 5.0 < forecast < 5.0 * took
+    assert machine.seconds_on_shafts({"elements.d.stiffness": np.array([1e12])}) == 0.0
+    assert Machine(scene, ["reduced_inertia.mean"]).seconds_on_shafts({}) == 0.0
+    (tmp_path / "scene.toml").write_text(write_scene(scene), encoding="utf8")
+    study = read_study(tmp_path / "scene.toml")
+    assert on_shafts_text(study, study.machine()).startswith("Runs on elastic shafts go step by step: about ")

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from motion_scenes import ask, slider_crank
 
 from engine.cycle.measured import Measured, atan2, maximum, measured, minimum, sqrt, where
 
@@ -109,3 +110,21 @@ def test_choice_takes_values_with_their_errors():
     found = where(np.array([True, False]), Measured([1.0, 2.0], 0.1), Measured([3.0, 4.0], 0.2))
     assert np.array_equal(found.value, [1.0, 4.0])
     assert np.array_equal(found.error, [0.1, 0.2])
+
+
+# Statistics of the magnitude of a force, and of a component.
+OF_FORCE = [f"input.reaction.{key}" for key in ("min", "max", "range", "peak", "mean", "rms")] + [
+    "input.reaction_x.rms"
+]
+
+
+def test_forces_whose_squares_vanish__are_known_by_their_figures():
+    scene = slider_crank({}) | {"moments": {}, "shafts": {}, "bodies": {}, "gravity": 0.0}
+    scene["forces"] = {"f": {"type": "constant", "on": "B", "angle": 0.3, "force": 1.0}}
+    del scene["flywheel"]
+    forces = [1.0, 1e-100, 1e-150, 1e-156, 1e-160, 1e-170, 1e-300, 0.0]
+    found = ask(scene, " ".join([*OF_FORCE, "accuracy_reached"]), varied={"forces.f.force": forces})
+    for name in OF_FORCE:
+        values, errors = found.values[name], found.errors[name]
+        assert (np.abs(values - np.array(forces) * values[0]) <= errors + 1e-12 * np.abs(values)).all(), name
+    assert found.values["accuracy_reached"][[0, 1, 2, -1]].tolist() == [1.0, 1.0, 1.0, 1.0]
