@@ -45,7 +45,7 @@ def front(result: SweepResult) -> np.ndarray:
 
 
 def met(result: SweepResult) -> np.ndarray:
-    """Which candidates were computed and meet all conditions for sure (candidates,)."""
+    """Which candidates were computed and meet all conditions (candidates,)."""
     there = result.columns["status"] == Verdict.OK
     for condition in _conditions(result):
         there = there & condition.judged(result.columns, errors_in(result.columns), there.size).met

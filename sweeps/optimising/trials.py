@@ -29,7 +29,7 @@ class Batch(NamedTuple):
     margins : ndarray (parts, candidates)
         Of the conditions, above 0 by how much one is missed (see `Condition.margins`).
     violation : ndarray (candidates,)
-        How far a candidate is from meeting all conditions for sure; 0 exactly where it does.
+        How far a candidate is from meeting all conditions; 0 exactly where it does.
     """
 
     columns: dict[str, np.ndarray]
@@ -39,7 +39,7 @@ class Batch(NamedTuple):
 
     @property
     def met(self) -> np.ndarray:
-        """Which candidates were computed and meet all conditions, whatever their error figures allow."""
+        """Which candidates were computed and meet all conditions."""
         return self.violation == 0
 
 

@@ -86,7 +86,7 @@ class Digest:
     missed : mapping of str to (int, int)
         For each condition of `require` how many variants fail it, and how many of them no other.
     meeting, undecided, rivals : int
-        Variants that meet the condition for sure; that may or may not; that are as good as the best within the error
+        Variants that meet the condition; for which it is undecided; that are as good as the best within the error
         figures.
     best : int or None
     leaders : ndarray of int
@@ -144,7 +144,7 @@ class Digest:
 
     @cached_property
     def meets(self) -> np.ndarray:
-        """Which of the rows kept work and meet the condition for sure."""
+        """Which of the rows kept work and meet the condition."""
         ok = self.rows["status"] == Verdict.OK
         condition = condition_of(self.aim)
         return ok & condition.judged(self.rows, errors_in(self.rows), ok.size).met if condition else ok

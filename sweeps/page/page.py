@@ -119,7 +119,7 @@ def _remark(digest: Digest) -> str:
     if digest.is_one:
         return ""
     text = f"{digest.result.description.variants} variants, {digest.counts[Verdict.OK]} of them work."
-    return f"{text} {digest.meeting} meet the condition for sure." if digest.aim and digest.aim.where else text
+    return f"{text} {digest.meeting} meet the condition." if digest.aim and digest.aim.where else text
 
 
 def _sample_words(digest: Digest) -> str:

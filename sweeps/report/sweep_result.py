@@ -195,7 +195,7 @@ class SweepResult:
     def select(
         self, where: str | None = None, sort: str | None = None, descending: bool = False, most: int | None = None
     ) -> np.ndarray:
-        """Numbers of the computed variants that meet a condition for sure, whatever their error figures allow, sorted.
+        """Numbers of the computed variants that meet a condition, sorted.
 
         Parameters
         ----------
