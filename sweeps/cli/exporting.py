@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import POSITIONS, SET, errors_as_messages, make_folder, names_in, tell
+from sweeps.cli.shared import POSITIONS, SET, errors_as_messages, make_folder, names_in, tell, tell_altered
 from sweeps.cli.waiting import doing
 
 TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
@@ -74,6 +74,9 @@ def export(
     if history and to.suffix not in TABLES:
         message = f"writes a table, {', '.join(TABLES)}, not {to.suffix!r}"
         raise InputError(str(to), [(None, "--history", message)])
+
+    if is_result(file):
+        tell_altered(file)
 
     def write_table(out: Path, table: Table) -> None:
         write(out, in_units(table, units_written()) if as_written else table)

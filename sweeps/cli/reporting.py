@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import errors_as_messages, make_folder, tell
+from sweeps.cli.shared import errors_as_messages, make_folder, tell, tell_altered
 from sweeps.cli.waiting import doing
 
 
@@ -29,6 +29,7 @@ def report(file: str, out: Path | None) -> None:
     out = out or Path(file).with_suffix(".html")
     make_folder(out)
     if text is None:
+        tell_altered(file)
         with doing("Writing the page"):
             write_page(Path(file), out)
     else:

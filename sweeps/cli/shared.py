@@ -150,6 +150,14 @@ def tell_aside(sentence: str) -> None:
     tell(sentence, err=True)
 
 
+def tell_altered(file: Path | str) -> None:
+    """Warn of texts of a result file that aren't as they were written."""
+    from sweeps.report.sweep_result import SweepResult
+
+    for sentence in SweepResult(Path(file)).altered:
+        tell_aside(f"Warning: {sentence}")
+
+
 def tell_files(made: list[Path], started: float) -> None:
     """Name the files made since an instant of `time.perf_counter`."""
     tell(f"Files ({time.perf_counter() - started:.1f} s):")

@@ -5,7 +5,17 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import JSON, POSITIONS, SET, errors_as_messages, make_folder, names_in, tell, tell_data
+from sweeps.cli.shared import (
+    JSON,
+    POSITIONS,
+    SET,
+    errors_as_messages,
+    make_folder,
+    names_in,
+    tell,
+    tell_altered,
+    tell_data,
+)
 from sweeps.cli.waiting import doing
 
 
@@ -59,6 +69,7 @@ def show(
     if settings or variant is not None:
         raise InputError(str(file), [(None, "", "--set and --variant go with --at, which shows one machine")])
     result = SweepResult(file)
+    tell_altered(file)
     result.show_own_units()
     names = [n.strip() for n in columns.split(",")] if columns else []
     unknown = [n for n in names if n not in result.columns]
@@ -166,6 +177,8 @@ def plot(
     # What is loaded by now stays to the end: the collector of garbage need not go through it at every sheet.
     gc.freeze()
     tables = ""
+    if is_result(file):
+        tell_altered(file)
     if is_result(file) and variant is None and not (plans or bearings or hodograph or beside or settings):
         made = picture_files.result_pictures(Path(file), out, x, y, colour)
     elif x or y:

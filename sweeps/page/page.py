@@ -131,7 +131,8 @@ def _sample_words(digest: Digest) -> str:
 
 
 def _warnings(digest: Digest) -> list[str]:
-    result, found = digest.result, []
+    result = digest.result
+    found = list(result.altered)
     if waiting := digest.counts[Verdict.NOT_COMPUTED]:
         found.append(f"{waiting} variants are not computed yet: the same run goes on where it stopped.")
     if digest.undecided:

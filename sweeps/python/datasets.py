@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import xarray
 
 
-def read(path: Path | str, grid: bool = False) -> "xarray.Dataset":
+def read(path: Path | str, grid: bool = False, check: bool = True) -> "xarray.Dataset":
     """Open a result file as a dataset, in SI units, which stand in the attributes of its variables.
 
     Parameters
@@ -25,6 +25,8 @@ def read(path: Path | str, grid: bool = False) -> "xarray.Dataset":
     grid : bool
         Give what varies a dimension each, named by its path, instead of one dimension of variants. The data are then
         read at once; else they are read when they are used.
+    check : bool
+        Compare the file with its checksums first, which reads all of it once; without, damage goes unnoticed.
 
     Returns
     -------
@@ -33,10 +35,10 @@ def read(path: Path | str, grid: bool = False) -> "xarray.Dataset":
     Raises
     ------
     StoreError
-        xarray isn't installed, the file can't be read, or its variants form no grid.
+        xarray isn't installed, the file can't be read or is damaged, or its variants form no grid.
     """
     path = Path(path)
-    data = open_dataset(path)
+    data = open_dataset(path, check)
     if not grid:
         return data
     with data:

@@ -53,6 +53,11 @@ class SweepResult:
     def _mapped(self) -> MappedResult:
         return mapped_columns(self.path)
 
+    @property
+    def altered(self) -> list[str]:
+        """Sentences on texts of the file that aren't as they were written, although numbers don't depend on them."""
+        return [f"{self.path}: its {name} isn't as it was written" for name in self._mapped.edited]
+
     @cached_property
     def _mapped_fields(self) -> MappedResult:
         mapped = MappedResult(self.path)

@@ -28,9 +28,18 @@ except ImportError:
     fcntl = None
 
 _VARIANTS_AT_ONCE = 1 << 20
-# Seconds for which a folder's lock is waited for, and between two looks at it: whoever holds it renames a file.
+# Seconds for which a folder's lock is waited for, and between two looks at it: whoever holds it makes a file.
 _PATIENCE, _PAUSE = 5.0, 0.002
+# Seconds for which a reader's lock is waited for: whoever only looks at a file lets go of it soon.
+_READERS_PATIENCE = 1.0
+# Attributes of columns that readers go by.
+_TOLD = ("long_name", "units", "coordinates", "flag_values", "flag_meanings")
 _FINAL_TEXTS = {"finished": 32, "outcome": 2000}
+
+
+# The usual driver, without the buffer in which it gathers rows.
+_UNBUFFERED = "unbuffered"
+h5py.register_driver(_UNBUFFERED, lambda access: access.set_sieve_buf_size(0))
 
 
 def part_path(path: Path) -> Path:
@@ -65,8 +74,8 @@ def check_space(path: Path, layout: FileLayout, freed: int = 0) -> None:
         )
 
 
-def create_part(part: Path, layout: FileLayout, sources: Sequence[str]) -> None:
-    """Make the part file, which appears under its name only once it is complete.
+def create_part(part: Path, layout: FileLayout, sources: Sequence[str]) -> h5py.File:
+    """Make the part file, which appears under its name only once it is complete, and stays open and locked.
 
     Parameters
     ----------
@@ -76,6 +85,11 @@ def create_part(part: Path, layout: FileLayout, sources: Sequence[str]) -> None:
         Its shape and attributes.
     sources : sequence of str
         Names of earlier files beside it that may hold some of its numbers.
+
+    Returns
+    -------
+    h5py.File
+        As of `unbuffered`.
 
     Raises
     ------
@@ -87,7 +101,7 @@ def create_part(part: Path, layout: FileLayout, sources: Sequence[str]) -> None:
         with _alone_in(part.parent):
             remove_unlocked(raw)
             try:
-                file = h5py.File(raw, "x")
+                file = h5py.File(raw, "x", driver=_UNBUFFERED)
             except FileExistsError:
                 raise StoreError(f"another sweep is creating {part}. Give another --out.") from None
         try:
@@ -95,24 +109,22 @@ def create_part(part: Path, layout: FileLayout, sources: Sequence[str]) -> None:
             if part.exists():
                 raise StoreError(f"another sweep is writing {part}. Give another --out.")
             _fill(file, layout, sources)
-            with _alone_in(part.parent):
-                file.close()
-                raw.replace(part)
+            file.flush()
+            raw.replace(part)
         except BaseException:
-            with _alone_in(part.parent):
-                try:
-                    file.close()
-                finally:
-                    raw.unlink(missing_ok=True)
+            # While it is locked: afterwards another process may have made its own.
+            raw.unlink(missing_ok=True)
+            file.close()
             raise
+    return file
 
 
 @contextmanager
 def _alone_in(folder: Path) -> Iterator[None]:
-    """Wait until no other process makes, gives its name to or removes a draft in a folder.
+    """Wait until no other process makes or removes a draft in a folder.
 
-    A new file isn't locked until HDF5 has opened it, and no longer once it is closed: between that and its
-    name, another process would take it for what a killed one left. Where folders have no locks, it is risked.
+    A new file isn't locked until HDF5 has opened it: until then, another process would take it for what a killed one
+    left. Where folders have no locks, it is risked.
     """
     try:
         descriptor = os.open(folder, os.O_RDONLY)
@@ -144,8 +156,11 @@ def note_texts(file: h5py.File) -> None:
 
 
 def texts_of(file: h5py.File) -> dict[str, object]:
-    """Text attributes of a file by name, its layout among them."""
-    return {**file.attrs, "progress/layout": file["progress"].attrs["layout"]}
+    """Text attributes of a file by name, its layout among them, and what its columns say of themselves."""
+    columns = ((name, column) for name, column in file.items() if isinstance(column, h5py.Dataset))
+    told = {f"{name}/{key}": column.attrs[key] for name, column in columns for key in _TOLD if key in column.attrs}
+    codes = {name: " ".join(map(str, found.ravel())) for name, found in told.items() if isinstance(found, np.ndarray)}
+    return {**file.attrs, "progress/layout": file["progress"].attrs["layout"], **told, **codes}
 
 
 def remove_unlocked(path: Path) -> None:
@@ -160,17 +175,37 @@ def remove_unlocked(path: Path) -> None:
         return
     check_unlocked(path)
     with explained(path, "delete"):
-        path.unlink()
+        # While it was waited for, it may have got its name.
+        path.unlink(missing_ok=True)
 
 
 def check_unlocked(path: Path) -> None:
     """Raise a `StoreError` if another process is working on a file."""
     try:
-        h5py.File(path, "r+").close()
+        unbuffered(path).close()
     except (OSError, RuntimeError) as error:
         # Any other error means a damaged file, which nobody is working on.
         if is_busy(error):
-            raise StoreError(f"another sweep is writing {path}: wait, or give another --out.") from error
+            raise StoreError(
+                f"another sweep is writing {path}: wait, or give another --out. If another program only reads it, it "
+                f"should do so without HDF5's locks, by h5py.File(..., locking=False)."
+            ) from error
+
+
+def unbuffered(path: Path) -> h5py.File:
+    """Open a file for writing so that HDF5 holds no rows back, once readers have let go of it.
+
+    Rows held back on a full disk would fail again and again, last when h5py throws datasets away, where it can only
+    print.
+    """
+    patience = time.monotonic() + _READERS_PATIENCE
+    while True:
+        try:
+            return h5py.File(path, "r+", driver=_UNBUFFERED)
+        except (OSError, RuntimeError) as error:
+            if not is_busy(error) or time.monotonic() > patience:
+                raise
+        time.sleep(_PAUSE)
 
 
 def write_final_text(file: h5py.File, name: str, text: str) -> None:

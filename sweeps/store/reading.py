@@ -161,6 +161,7 @@ class MappedResult:
             self.columns = {name: _mapped(self._pages, file[name]) for name in names}
             self.flat = [name for name, c in record["columns"].items() if c["dims"] == ["variant"]]
             self.fields = [name for name in record["columns"] if name not in self.flat]
+            self._refuse_other_shapes(file, record)
             if not self._is_numbered():
                 self.edited.append("variant")
             for axis in axes:
@@ -168,6 +169,22 @@ class MappedResult:
                 if hashlib.sha256(values).hexdigest() != axis["values (sha256)"]:
                     self.edited.append(axis["name"])
         self._known: dict[tuple[str, int], bool] = {}
+
+    def _refuse_other_shapes(self, file: h5py.File, record: Mapping[str, Any]) -> None:
+        """Raise a `DamagedError` where a column hasn't the length or type that it was made with."""
+        position = record["position"]
+        sizes = {"variant": self.variants} | {axis["name"]: int(axis["count"]) for axis in record.get("axes", ())}
+        sizes |= {"position": int(position["count"]), position["name"]: int(position["count"])} if position else {}
+        made = {name: (c["dims"], c["dtype"]) for name, c in record["columns"].items()}
+        made |= {name: ([name], "float64") for name in sizes if name not in ("variant", "position")}
+        blocks = -(-self.variants // max(self.block, 1))
+        shapes = {name: (tuple(sizes[dim] for dim in dims), kind) for name, (dims, kind) in made.items()}
+        shapes |= {f"progress/{name}": ((blocks,), flag.dtype) for name, flag in file["progress"].items()}
+        for name, (shape, kind) in shapes.items():
+            dataset, made_as = file[name], h5py.h5t.py_create(np.dtype(kind), logical=True)
+            if dataset.shape != shape or dataset.id.get_type() != made_as:
+                words = f"its {name.removeprefix('progress/')} hasn't the length or type that it was made with"
+                raise DamagedError(f"{self.path} is damaged: {words}. {_AGAIN}")
 
     def is_sound(self, block: int, kinds: Sequence[str] = ("flat", "fields")) -> bool:
         """Whether a block that is done agrees with its checksums.
@@ -197,15 +214,22 @@ class MappedResult:
         """Of what isn't as it was written that on which it depends what numbers are taken for."""
         return [name for name in self.edited if name in _DECISIVE or name in self.columns]
 
-    def refuse_damage(self, kinds: Sequence[str]) -> None:
-        """See that what is done agrees with its checksums; kinds as for `is_sound`.
+    def refuse_damage(self, kinds: Sequence[str], texts: bool = False) -> None:
+        """See that what is done agrees with its checksums.
+
+        Parameters
+        ----------
+        kinds : sequence of {"flat", "fields"}
+            As for `is_sound`.
+        texts : bool
+            Refuse a change of any text, not only of those that numbers depend on.
 
         Raises
         ------
         DamagedError
             It doesn't.
         """
-        if edited := self.edited_decisively:
+        if edited := self.edited if texts else self.edited_decisively:
             raise DamagedError(f"{self.path} is damaged: its {edited[0]} isn't as it was written. {_AGAIN}")
         if damaged := self.damaged(kinds):
             words = damage_text(self, damaged)
@@ -347,21 +371,33 @@ def _sound(path: Path, names: Sequence[str] | None) -> MappedResult:
     return mapped
 
 
-def open_dataset(path: Path) -> "xarray.Dataset":
+def open_dataset(path: Path, check: bool = True) -> "xarray.Dataset":
     """Open a result file as an `xarray.Dataset`, whose data are read when they are used.
+
+    Parameters
+    ----------
+    path : Path
+    check : bool
+        Compare all of it with its checksums first, fields and texts too.
 
     Raises
     ------
     StoreError
-        xarray is not installed or the file cannot be read.
+        xarray is not installed, or the file cannot be read or is damaged.
     """
     try:
         import h5netcdf  # noqa: F401  (xarray names a missing engine only in general words)
         import xarray
     except ImportError as error:
         raise StoreError(f"reading {path} as a dataset needs xarray: pip install 'machine-sweeps[xarray]'") from error
+    if check:
+        MappedResult(Path(path)).refuse_damage(("flat", "fields"), texts=True)
     with explained(_existing(path), "read"):
-        return xarray.open_dataset(path, engine="h5netcdf")
+        try:
+            return xarray.open_dataset(path, engine="h5netcdf")
+        except OSError:
+            # A sweep that writes it has locked it.
+            return xarray.open_dataset(path, engine="h5netcdf", driver_kwds={"locking": False})
 
 
 @contextmanager

@@ -24,6 +24,7 @@ from .creating import (
     numbered_name,
     part_path,
     remove_unlocked,
+    unbuffered,
     write_final_text,
 )
 from .errors import DamagedError, StoreError, explained
@@ -114,8 +115,8 @@ class Store:
             if block is not None:
                 store.layout = replace(layout, block=min(block(), layout.variants))
             check_space(store.part, store.layout)
-            create_part(store.part, store.layout, [source.name for source in store.sources])
-            store._continue()
+            store._file = create_part(store.part, store.layout, [source.name for source in store.sources])
+            store._done = np.zeros(store.layout.blocks, bool)
         except BaseException:
             store.close()
             raise
@@ -264,7 +265,7 @@ class Store:
             return False
         self.layout = replace(self.layout, block=mapped.block)
         with explained(self.part, "continue"):
-            self._file = _open_unbuffered(self.part)
+            self._file = unbuffered(self.part)
             self._done = mapped.done
             if damaged := mapped.damaged():
                 self._note_damage(self.part, mapped, damaged)
@@ -335,17 +336,6 @@ class Store:
         if file is not None:
             with explained(self.part, "close"):
                 file.close()
-
-
-def _open_unbuffered(part: Path) -> h5py.File:
-    """Open for writing so that HDF5 holds no rows back.
-
-    Rows held back on a full disk would fail again and again, last when h5py throws datasets away,
-    where it can only print.
-    """
-    access = h5py.h5p.create(h5py.h5p.FILE_ACCESS)
-    access.set_sieve_buf_size(0)
-    return h5py.File(h5py.h5f.open(os.fsencode(part), h5py.h5f.ACC_RDWR, access))
 
 
 def _same_study(file: h5py.File, layout: FileLayout) -> bool:

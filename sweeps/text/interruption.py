@@ -1,4 +1,4 @@
-"""Ctrl-C and the signal to terminate: the program ends at once with a sentence, whatever it is doing.
+"""Ctrl-C, a closed terminal and the signal to terminate: the program ends at once with a sentence, whatever it does.
 
 Nothing is unwound: blocks of a result file are either flagged as done or computed again, and all other files are
 written beside and renamed. A thread waits for the signals, as compiled code keeps the main thread from hearing them,
@@ -15,15 +15,16 @@ from contextlib import contextmanager
 
 # Drafts of files, by name: removed on the way out.
 half_written: set[str] = set()
+_HEARD = (signal.SIGINT, signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else []))
 _state: list[Callable[[], str]] = [lambda: "no file is left half-written"]
 
 
 def listen() -> None:
-    """Take over SIGINT and SIGTERM, unless they are ignored, as they are by commands under nohup."""
+    """Take over SIGINT, SIGTERM and SIGHUP, unless they are ignored, as they are by commands under nohup."""
     reading, writing = os.pipe()
     os.set_blocking(writing, False)
     signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in _HEARD:
         if signal.getsignal(number) is not signal.SIG_IGN:
             # The number is written to the pipe all the same.
             signal.signal(number, lambda *_: None)
@@ -32,7 +33,7 @@ def listen() -> None:
 
 def finish() -> None:
     """Heed no signal any more: all is done, and Python, while it ends, would forget what was agreed on."""
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in _HEARD:
         signal.signal(number, signal.SIG_IGN)
 
 

@@ -12,6 +12,7 @@ from press_texts import PRESS
 
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run.progress import ProgressBar
+from sweeps.run.runner import layout_of
 from sweeps.text.interruption import farewell
 
 
@@ -160,6 +161,73 @@ def test_interrupt__tells_how_many_variants_are_done_and_goes_on_from_there(pres
     monkeypatch.setattr("sweeps.run.runner.measured_block_size", lambda study, machine: 3)
     assert said("run", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 0
     assert said("show", "r.h5").stdout.startswith("Which crank?: 8 variants, all done")
+
+
+def told_on_the_way(*arguments: str) -> list[str]:
+    """What an interruption would say at every look at a result file and before every picture."""
+    words = []
+
+    def noted(*rest: object, **options: object) -> list[Path]:
+        words.append(farewell())
+        return []
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sys.argv", ["sweeps", *arguments])
+        patch.setattr("sweeps.run.runner.layout_of", lambda *rest: (noted(), layout_of(*rest))[1])
+        patch.setattr("sweeps.pictures.picture_files.result_pictures", noted)
+        assert said(*arguments).exit_code == 0
+    return words
+
+
+def test_interrupt_of_a_finished_study__tells_that_all_is_done(press_folder):
+    again = "go on with: sweeps run study.toml --quiet"
+    for _ in range(2):
+        first, last = told_on_the_way("run", "study.toml", "--quiet")
+        assert first == f"Interrupted: what was done is kept; {again}"
+        assert last == f"Interrupted: 8 of 8 variants are done and kept; {again}"
+
+
+class Clock:
+    """Time that a test sets, for the progress and its bar."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.now = 1000.0
+        monkeypatch.setattr("sweeps.run.progress.time.monotonic", lambda: self.now)
+
+
+@pytest.mark.parametrize("before", [0, 400])
+def test_time_left__is_that_of_what_follows_the_first_part(before, monkeypatch, capsys):
+    """Which may have waited for workers to start and to compile, here for ten minutes."""
+    clock = Clock(monkeypatch)
+    bar = ProgressBar(10_000, quiet=False)
+    bar.update(before, before)
+    clock.now += 600
+    bar.update(before + 10, before)
+    assert capsys.readouterr().err == ""
+    clock.now += 40
+    bar.update(before + 410, before)
+    left = (10_000 - before - 410) / 10
+    assert f"10 a second, {left:.0f} s left" in capsys.readouterr().err
+
+
+def test_bar__shows_no_time_left_before_the_second_part(monkeypatch, capsys):
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    bar = ProgressBar(1000, quiet=False)
+    bar.update(0, 0)
+    # As if the first part had taken an hour.
+    bar.bar.start_t -= 3600
+    bar.bar.last_print_t -= 3600
+    bar.update(10, 0)
+    assert bar.bar.n == 10
+    assert "<?" in bar.bar.format_meter(**bar.bar.format_dict)
+    bar.bar.start_t -= 2
+    bar.bar.last_print_t -= 2
+    bar.update(30, 0)
+    bar.bar.refresh()
+    # Twenty in two seconds: 97 s are left of 970.
+    remaining = bar.bar.format_dict
+    assert (remaining["n"] - remaining["initial"]) / remaining["elapsed"] == pytest.approx(10, rel=0.2)
+    bar.close()
 
 
 REQUIRE = """require = [

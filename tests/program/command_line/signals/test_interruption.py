@@ -23,7 +23,7 @@ BUSY = {
 
 
 @pytest.mark.parametrize("busy", BUSY)
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
 def test_signal__ends_the_program_with_one_sentence(number, code, busy, tmp_path):
     head = "import sys, time\nfrom sweeps.text.interruption import half_written, listen\nlisten()\n"
     head += "half_written.add('draft'); open('draft', 'w').close(); print('here', flush=True)\n"
@@ -43,20 +43,46 @@ def test_signal__ends_the_program_with_one_sentence(number, code, busy, tmp_path
     assert list(tmp_path.iterdir()) == []
 
 
-def test_ignored_signal__stays_ignored(tmp_path):
-    code = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN); from sweeps.text.interruption import listen; "
-    code += "listen(); import os; os.kill(os.getpid(), signal.SIGINT); import time; time.sleep(0.3); print('well')"
+@pytest.mark.parametrize("name", ["SIGINT", "SIGHUP"])
+def test_ignored_signal__stays_ignored(name, tmp_path):
+    """As under nohup."""
+    code = f"import signal; signal.signal(signal.{name}, signal.SIG_IGN); from sweeps.text.interruption import listen; "
+    code += f"listen(); import os; os.kill(os.getpid(), signal.{name}); import time; time.sleep(0.3); print('well')"
     done = subprocess.run([sys.executable, "-c", code], env=ENVIRONMENT, capture_output=True, text=True)
     assert (done.returncode, done.stdout, done.stderr) == (0, "well\n", "")
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_signal_while_python_ends__changes_nothing(number, tmp_path):
     code = "import atexit, os, sys, time; sys.argv = ['sweeps', 'list']; from sweeps.__main__ import start; "
     code += f"atexit.register(lambda: (os.kill(os.getpid(), {int(number)}), time.sleep(0.5))); start()"
     done = subprocess.run([sys.executable, "-c", code], env=ENVIRONMENT, cwd=tmp_path, capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")
     assert "crank_press" in done.stdout
+
+
+DRAFTING = """
+import sys, time
+from sweeps.text.whole_files import whole_file
+from sweeps.text.interruption import listen
+listen()
+with whole_file("out.csv") as draft:
+    draft.write_text("much")
+    print("here", flush=True)
+    time.sleep(60)
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_draft__is_removed_by_every_signal(number, tmp_path):
+    line, pipes = [sys.executable, "-c", DRAFTING], {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen(line, cwd=tmp_path, env=ENVIRONMENT, text=True, **pipes) as process:
+        assert process.stdout.readline() == "here\n"
+        assert len(list(tmp_path.iterdir())) == 1
+        process.send_signal(number)
+        process.communicate(timeout=60)
+    assert process.returncode == 128 + number
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_farewell__tells_what_the_innermost_run_keeps():
