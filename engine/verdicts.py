@@ -113,8 +113,9 @@ SENTENCES = {
         "one speed; a greater capacity, a stronger motor or a lower load helps"
     ),
     Verdict.MODE_NOT_REACHED: (
-        "a group can't be put together in the scene's assembly mode: on the way from the scene's numbers to these that "
-        "mode meets another one and ends; vary less, or sweep from a scene that is nearer"
+        "a group can't be followed in the scene's assembly mode: on the way from the scene's numbers to these that "
+        "mode meets another one and ends, or over the cycle it passes too close to dead centres; vary less, sweep from "
+        "a scene that is nearer, or change a length"
     ),
     Verdict.OTHER_MODE: (
         "a group comes back from a turn of the input in another assembly mode, without any singular position: its "
