@@ -75,7 +75,7 @@ from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.friction.teeth import lost_share as mesh_lost_share
 from engine.laws.friction.teeth import shifted_contact as mesh_shifted_contact
 from engine.laws.tables import TableError
-from engine.machine.assembly_modes import assembly_modes
+from engine.machine.assembly_modes import assembly_modes, near_of_variant
 from engine.machine.balancing.counterweights import BalancedMachine, BalanceError, CounterweightPlace, balance
 from engine.machine.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
 from engine.machine.derivatives import PLACES as PLACE_STATISTICS
@@ -355,6 +355,7 @@ __all__ = [
     "mesh_shifted_contact",
     "names_in_tree",
     "natural_vibration",
+    "near_of_variant",
     "nearest_names",
     "order_groups",
     "own_drives",

@@ -123,8 +123,9 @@ class Verdict(IntEnum):
     )
     MODE_NOT_REACHED = (
         *(22, "mode not reached"),
-        "a group can't be put together in the scene's assembly mode: between the scene's numbers and these that mode "
-        "meets another one and ends; vary less, or sweep from a scene that is nearer",
+        "a group can't be followed in the scene's assembly mode: between the scene's numbers and these that mode meets "
+        "another one and ends, or the cycle passes too close to dead centres; vary less, sweep from a scene that is "
+        "nearer, or change a length",
     )
     OTHER_MODE = (
         *(23, "returns in another mode"),

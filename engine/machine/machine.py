@@ -450,16 +450,16 @@ class Machine:
         numbers = Numbers(self._limits, arrays)
         return self._drives.seconds_of_runs(numbers.of_variants(well), well.size) if well.size else 0.0
 
-    @staticmethod
-    def _spread(answers: MeasuredCycles, variants: int) -> np.ndarray:
+    def _spread(self, answers: MeasuredCycles, variants: int) -> np.ndarray:
         """What rounding makes of a relative error of its size: near a dead centre a group's accelerations go with 1/γ².
 
         Sines of transmission angles γ, or what takes their place, are known to rounding over themselves; a group hands
-        on what those before it left.
+        on what those before it left. Loops that are solved together hand theirs on to each other.
         """
-        product = np.ones(variants)
-        for sine, _ in answers.sines():
-            product *= np.where((sine > 0.0) & (sine < 1.0), sine, 1.0)
+        product, free = np.ones(variants), self.mechanics.kinematics.free
+        for group, (sine, _) in zip(self.measuring.groups, answers.sines(), strict=True):
+            loops = len(free[group].closure.slides) if group in free else 1
+            product *= np.where((sine > 0.0) & (sine < 1.0), sine, 1.0) / loops
         return ROUNDING_OF_RATES / product**2
 
     def _move(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
@@ -552,6 +552,10 @@ class Machine:
             for code in (Verdict.CANNOT_ASSEMBLE, Verdict.SINGULAR, Verdict.MODE_NOT_REACHED, Verdict.OTHER_MODE):
                 here = whole & (verdict == code)
                 self._blame(outcome, keep[here], code, group, at[here])
+            # A path that is whole has its positions, though none may be proved between two of its seeds.
+            own = outcome.status_group[keep] == self.groups.index(group)
+            lost = own & (verdict == Verdict.OK) & (outcome.status[keep] == Verdict.CANNOT_ASSEMBLE)
+            outcome.status[keep[lost]] = Verdict.MODE_NOT_REACHED
 
     def _blame_margins(
         self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles, verdict: Verdict

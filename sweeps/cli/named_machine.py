@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from engine import CrankInput, Scene, UnitError, in_text
+from engine import CrankInput, Scene, UnitError, in_text, near_of_variant, scene_numbers
 from sweeps.optimising.optimum import choices, is_front
 from sweeps.report.readings import Readings, readings_at, readings_in_time
 from sweeps.report.sweep_result import SweepResult
@@ -11,6 +11,7 @@ from sweeps.study.bundled import find_study
 from sweeps.study.settings import changed_scene, given_values
 from sweeps.study.study_reader import read_study
 from sweeps.text.input_files import InputError, is_hdf5
+from sweeps.text.scene_text import with_values
 
 
 def is_result(file: str) -> bool:
@@ -76,9 +77,21 @@ def numbers_replaced(file: str, values: Mapping[str, float], settings: Sequence[
         Of the variant (SI), by path.
     settings : sequence of str
         As for `given_values`.
+
+    Raises
+    ------
+    InputError
+        The scene's assembly mode isn't reached in the variant.
     """
     scene = SweepResult(Path(file)).scene if is_result(file) else read_study(find_study(file)).scene
-    return scene, {**values, **given_values(scene, settings)}
+    own, rest = _set_anew(scene, values, settings)
+    if near_of_variant(own, rest) is None:
+        message = (
+            "the scene's assembly mode isn't reached in this variant, so there is no machine to write; take another"
+        )
+        raise InputError(file, [(None, "variant", message)])
+    told = {p: number.value for p, number in scene_numbers(with_values(own, rest)).items() if p.startswith("near.")}
+    return scene, {**values, **given_values(scene, settings), **(told if rest or settings else {})}
 
 
 def positions_of(scene: Scene, text: str) -> tuple[float, ...]:

@@ -14,7 +14,7 @@ from engine import (
 )
 from sweeps.study.study import Study
 from sweeps.text.input_files import InputError
-from sweeps.text.scene_text import with_values
+from sweeps.text.scene_text import with_numbers
 
 
 def given_values(scene: Scene, settings: Sequence[str]) -> dict[str, float]:
@@ -66,7 +66,7 @@ def changed_scene(scene: Scene, settings: Sequence[str]) -> Scene:
         As for `given_values`, or the scene doesn't allow a value.
     """
     try:
-        return with_values(scene, given_values(scene, settings))
+        return with_numbers(scene, given_values(scene, settings))
     except SceneError as error:
         raise InputError("--set", [(None, path, message) for path, message in error.problems]) from None
 

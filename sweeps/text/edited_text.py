@@ -9,7 +9,7 @@ from tomlkit.exceptions import TOMLKitError
 
 from engine import Scene, UnitError, in_text, scene_numbers, unit_in
 from sweeps.text.input_files import InputError
-from sweeps.text.scene_text import number_text, scene_from, with_values, write_scene
+from sweeps.text.scene_text import number_text, scene_from, values_of_variant, with_numbers, write_scene
 
 # As many as tell every double apart.
 _MOST_DIGITS = 17
@@ -33,7 +33,8 @@ def edited_scene(scene: Scene, values: Mapping[str, float], text: str, folder: P
     SceneError
         A value isn't allowed where it goes.
     """
-    wanted = with_values(scene, values)
+    values = values_of_variant(scene, values)
+    wanted = with_numbers(scene, values)
     try:
         document = tomlkit.parse(text)
         numbers = scene_numbers(scene)

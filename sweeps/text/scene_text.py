@@ -7,7 +7,16 @@ from typing import Any
 import tomli_w
 from pydantic import ValidationError
 
-from engine import FormulaNumber, Scene, SceneError, ScenePart, described_dimension, order_groups, scene_numbers
+from engine import (
+    FormulaNumber,
+    Scene,
+    SceneError,
+    ScenePart,
+    described_dimension,
+    near_of_variant,
+    order_groups,
+    scene_numbers,
+)
 from sweeps.text.csv_text import read_csv
 from sweeps.text.input_files import InputError, read_text
 from sweeps.text.toml_text import line_of, parse_toml, validate
@@ -114,8 +123,8 @@ def write_scene(scene: Scene, values: Mapping[str, float] | None = None) -> str:
     SceneError
         A value isn't allowed where it goes.
     """
-    values = values or {}
-    scene = with_values(scene, values)
+    values = values_of_variant(scene, values or {})
+    scene = with_numbers(scene, values)
     data = scene.model_dump(exclude_none=True, exclude_defaults=True, mode="json")
     for path, number in scene_numbers(scene).items():
         *tables, last = path.split(".")
@@ -128,8 +137,41 @@ def write_scene(scene: Scene, values: Mapping[str, float] | None = None) -> str:
     return tomli_w.dumps(data)
 
 
+def values_of_variant(scene: Scene, values: Mapping[str, float]) -> dict[str, float]:
+    """All numbers in which a variant differs from its scene: those given, and places that tell its assembly modes.
+
+    A variant has the mode to which that of the scene leads; `near`, as the scene has it, may be nearer to another one.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : mapping of path to float
+        New values (SI). With a place that tells a mode among them they stay as they are.
+    """
+    if any(path.startswith("near.") for path in values):
+        return dict(values)
+    return {**values, **(near_of_variant(scene, values) or {})}
+
+
 def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
-    """A copy of a scene with some of its numbers replaced, such as the machine of one variant of a study.
+    """The machine of one variant of a study: a copy of the scene with the variant's numbers.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : mapping of path to float
+        New values (SI).
+
+    Raises
+    ------
+    SceneError
+        A value isn't allowed where it goes.
+    """
+    return with_numbers(scene, values_of_variant(scene, values))
+
+
+def with_numbers(scene: Scene, values: Mapping[str, float]) -> Scene:
+    """A copy of a scene with some of its numbers replaced, and all others as they are.
 
     Parameters
     ----------

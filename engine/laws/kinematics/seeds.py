@@ -1,10 +1,10 @@
 """Positions of groups that no formula solves: seeds from a table, corrections, and the proof that they lead to a root.
 
-A table holds the solution of a group at equally spaced positions of the input, with its derivative. Between two of them
-a cubic comes close to the solution; Newton's corrections do the rest. That they converge, and to which root, is proved
-at every position by the theorem of Newton and Kantorovich: with β a bound of the inverse Jacobian, η of the first
-correction and L of the change of the Jacobian, h = βηL ≤ ½ proves a root near the seed, the only one within
-(1 + √(1 − 2h))/(βL) of it.
+A table holds the solution of a group at positions of the input, with its derivatives. They lie so near to each other
+that a quintic between two of them is close to the solution, and two of Newton's corrections leave nothing but rounding.
+That these converge, and to which root, is proved at every position by the theorem of Newton and Kantorovich: with β a
+bound of the inverse Jacobian, η of the first correction and L of the change of the Jacobian, h = βηL ≤ ½ proves a root
+near the seed, the only one within (1 + √(1 − 2h))/(βL) of it.
 
 Sources: L. V. Kantorovich, G. P. Akilov, Functional Analysis, chapter on Newton's method; J. Stoer, R. Bulirsch,
 Introduction to Numerical Analysis, chapters on Hermite interpolation and on the rational form of rotations by Cayley.
@@ -16,49 +16,77 @@ import numpy as np
 
 from engine.compiling.decorators import scalar
 
-# The greatest h that proves a root.
-PROVES = 0.5
+# The greatest h that proves a root; from this one two corrections leave 4h³ of the first: rounding.
+PROVES, CLOSE = 0.5, 2e-4
+# The last place in a range.
+_LAST = 1.0 - 2.0**-53
 
 
 @scalar
-def place_in_table(q: float, first: float, per_step: float, intervals: float, turns: float) -> tuple[float, float]:
-    """Interval of a table of seeds in which a position lies, and where in it.
+def place_in_range(q: float, first: float, per_range: float, turns: float) -> float:
+    """Share of the input's range that lies before a position, less than 1.
 
     Parameters
     ----------
     q, first : float
-        The position and the first one of the table.
-    per_step : float
-        How many seeds there are for each unit of the input, negative where it runs backwards.
-    intervals : float
-        How many intervals there are.
+        The position and the first one of the range.
+    per_range : float
+        Reciprocal of the range's length, negative where the input runs backwards.
     turns : float
-        1 where the last seed is the first again; then any q has its place. Otherwise those outside lie in the first or
-        last interval.
-
-    Returns
-    -------
-    interval, share : float
-        Number of the interval; from 0 at its beginning to 1 at its end.
+        1 where the last position is the first again; then any q has its place.
     """
-    x = (q - first) * per_step
-    x = x - turns * intervals * math.floor(x * (1.0 / intervals))
-    interval = min(max(math.floor(x), 0.0), intervals - 1.0)
-    return interval, x - interval
+    x = (q - first) * per_range
+    x = x - turns * math.floor(x)
+    return _LAST if x >= 1.0 else x
 
 
 @scalar
-def cubic_between(a: float, slope_a: float, b: float, slope_b: float, x: float) -> float:
-    """Hermite's cubic with values a, b and slopes at 0 and 1."""
+def place_in_table(
+    memory: np.ndarray, begin: int, apart: int, intervals: float, width: float, x: float
+) -> tuple[float, float, float]:
+    """Interval of a table of seeds in which a place lies, and where in it.
+
+    The first number of a seed is its place; that of one that isn't used is infinite.
+
+    Parameters
+    ----------
+    memory, begin, apart
+        A table of numbers.
+    intervals, width : float
+        How many intervals it has room for, and how many numbers a seed has.
+    x : float
+        From `place_in_range`.
+
+    Returns
+    -------
+    interval, share, length : float
+        Number of the interval; from 0 at its beginning to 1 at its end; length, as a share of the range.
+    """
+    count, wide, found = int(intervals), int(width) * apart, begin
+    while count > 1:
+        half = count // 2
+        found = found + half * wide if memory[found + half * wide] <= x else found
+        count -= half
+    length = memory[found + wide] - memory[found]
+    return float((found - begin) // wide), (x - memory[found]) / length, length
+
+
+@scalar
+def quintic_between(
+    a: float, slope_a: float, bend_a: float, b: float, slope_b: float, bend_b: float, x: float
+) -> float:
+    """Hermite's quintic with values a, b, slopes and second derivatives at 0 and 1."""
     rest = 1.0 - x
-    return (a * (1.0 + x + x) + slope_a * x) * (rest * rest) + (b * (1.0 + rest + rest) - slope_b * rest) * (x * x)
+    one = a * (1.0 + x * (3.0 + 6.0 * x)) + x * (slope_a * (1.0 + 3.0 * x) + 0.5 * bend_a * x)
+    two = b * (1.0 + rest * (3.0 + 6.0 * rest)) - rest * (slope_b * (1.0 + 3.0 * rest) - 0.5 * bend_b * rest)
+    return one * (rest * rest * rest) + two * (x * x * x)
 
 
 @scalar
 def two_directions(
     memory: np.ndarray, begin: int, apart: int, column: float, width: float, interval: float
-) -> tuple[float, float, float, float, float, float]:
-    """Cosine, sine and rate of a direction in two seeds that follow each other.
+) -> tuple[float, float, float, float, float, float, float, float]:
+    """Cosine, sine and rates of a direction in two seeds that follow each other.
 
     Parameters
     ----------
@@ -74,41 +102,67 @@ def two_directions(
     return (
         memory[one],
         memory[one + apart],
-        memory[one + apart + apart],
+        memory[one + 2 * apart],
+        memory[one + 3 * apart],
         memory[two],
         memory[two + apart],
-        memory[two + apart + apart],
+        memory[two + 2 * apart],
+        memory[two + 3 * apart],
     )
 
 
 @scalar
 def two_slides(
     memory: np.ndarray, begin: int, apart: int, column: float, width: float, interval: float
-) -> tuple[float, float, float, float]:
-    """Slide coordinate and rate in two seeds that follow each other; parameters as for `two_directions`."""
+) -> tuple[float, float, float, float, float, float]:
+    """Slide coordinate and rates in two seeds that follow each other; parameters as for `two_directions`."""
     one = begin + int(interval * width + column) * apart
     two = one + int(width) * apart
-    return memory[one], memory[one + apart], memory[two], memory[two + apart]
+    return (
+        memory[one],
+        memory[one + apart],
+        memory[one + 2 * apart],
+        memory[two],
+        memory[two + apart],
+        memory[two + 2 * apart],
+    )
+
+
+@scalar
+def slide_between(d1: float, v1: float, a1: float, d2: float, v2: float, a2: float, share: float, step: float) -> float:
+    """Slide coordinate between two seeds; parameters as for `direction_between`, from `two_slides`."""
+    square = step * step
+    return quintic_between(d1, v1 * step, a1 * square, d2, v2 * step, a2 * square, share)
 
 
 @scalar
 def direction_between(
-    c1: float, s1: float, w1: float, c2: float, s2: float, w2: float, share: float, step: float
+    c1: float,
+    s1: float,
+    w1: float,
+    e1: float,
+    c2: float,
+    s2: float,
+    w2: float,
+    e2: float,
+    share: float,
+    step: float,
 ) -> tuple[float, float]:
-    """Direction between two seeds, by cubics of its cosine and its sine.
+    """Direction between two seeds, by quintics of its cosine and its sine.
 
     Parameters
     ----------
-    c1, s1, w1, c2, s2, w2 : float
+    c1, s1, w1, e1, c2, s2, w2, e2 : float
         From `two_directions`.
     share : float
         From `place_in_table`.
     step : float
         Distance of seeds.
     """
-    turn1, turn2 = w1 * step, w2 * step
-    c = cubic_between(c1, -s1 * turn1, c2, -s2 * turn2, share)
-    s = cubic_between(s1, c1 * turn1, s2, c2 * turn2, share)
+    turn1, turn2, square = w1 * step, w2 * step, step * step
+    bend1, bend2, round1, round2 = e1 * square, e2 * square, turn1 * turn1, turn2 * turn2
+    c = quintic_between(c1, -s1 * turn1, -s1 * bend1 - c1 * round1, c2, -s2 * turn2, -s2 * bend2 - c2 * round2, share)
+    s = quintic_between(s1, c1 * turn1, c1 * bend1 - s1 * round1, s2, c2 * turn2, c2 * bend2 - s2 * round2, share)
     per_length = 1.0 / math.sqrt(c * c + s * s)
     return c * per_length, s * per_length
 

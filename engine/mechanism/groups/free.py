@@ -6,10 +6,11 @@ from typing import NamedTuple
 from engine.graph.nodes import Node
 from engine.laws.kinematics.closure import greater
 from engine.laws.kinematics.seeds import (
-    cubic_between,
     direction_between,
+    place_in_range,
     place_in_table,
     proved,
+    slide_between,
     turned,
     two_directions,
     two_slides,
@@ -17,12 +18,12 @@ from engine.laws.kinematics.seeds import (
 from engine.mechanism.assembly import Assembly, MovingPoint, Slide, Turning
 from engine.mechanism.groups.closure_of_free import ClosureOfFree, CutLink, Direction, Miss, Unknown
 from engine.mechanism.groups.minors import Inverse, inverse
-from engine.mechanism.groups.seed_tables import SEEDS, SeedTables
+from engine.mechanism.groups.seed_tables import SeedTables
 from engine.mechanism.vectors import Vector, named
 from engine.scene.names import joint_owners
 from engine.scene.structure.free_groups import FreeGroup
 
-# Newton's corrections of a seed: the cubic between two seeds is closer than 1e-3, and each squares what is left.
+# Newton's corrections of a seed; see `engine.laws.kinematics.seeds`.
 _CORRECTIONS = 2
 
 Place = Vector | Node
@@ -139,20 +140,22 @@ def _at_rest(closure: ClosureOfFree, place: Place) -> Unknown:
 def _seeded(closure: ClosureOfFree, tables: SeedTables, span: tuple[Node, Node], turns: bool) -> list[Place]:
     """Unknowns between two seeds of the table."""
     graph, name = closure.graph, closure.group.name
-    step = graph.derived(f"step of the seeds of {name}", lambda n: (span[1].compute(n) - span[0].compute(n)) / SEEDS)
+    whole = graph.derived("range of the input", lambda n: span[1].compute(n) - span[0].compute(n))
     table = graph.number_table(
         f"seeds of {name}",
         [graph.derived(f"{name} seed {i}", lambda n, i=i: tables(n).seeds[i]) for i in range(tables.entries)],
     )
-    interval, share = graph.apply(place_in_table, graph.q, span[0], graph.one / step, float(SEEDS), float(turns))
+    x = graph.apply(place_in_range, graph.q, span[0], graph.one / whole, float(turns))
+    width = float(tables.width)
+    interval, share, length = graph.apply(place_in_table, table, float(tables.intervals), width, x)
+    step = whole * length
     found: list[Place] = []
-    column = 0
+    column = 1
     for slides in closure.slides:
-        given = (table, float(column), float(tables.width), interval)
-        column += 2 if slides else 3
+        given = (table, float(column), width, interval)
+        column += 3 if slides else 4
         if slides:
-            d1, v1, d2, v2 = graph.apply(two_slides, *given)
-            found.append(graph.apply(cubic_between, d1, step * v1, d2, step * v2, share))
+            found.append(graph.apply(slide_between, *graph.apply(two_slides, *given), share, step))
         else:
             found.append(Vector(*graph.apply(direction_between, *graph.apply(two_directions, *given), share, step)))
     return found

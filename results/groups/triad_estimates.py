@@ -1,0 +1,297 @@
+"""Error estimates of triads near their dead centres against another solution with more digits.
+
+    python results/groups/triad_estimates.py 1000
+
+Of twenty times as many random triads those that come nearest to a dead centre: positions, speeds, accelerations and
+reactions at their peaks, against another solution in 64-bit mantissas. That one solves three distances for the plate's
+place and direction, and its equilibrium for the forces along the three bars; nothing is shared with the engine but the
+geometry. Peaks are looked for beside the best of 720 positions, and beside the place that the engine gives.
+"""
+
+import sys
+from typing import NamedTuple
+
+import numpy as np
+
+from engine import Machine, Scene
+
+LONG = np.longdouble
+BARS = ("rod", "lower", "upper")
+SPEED, GRAVITY = 6.0, 9.81
+MASSES = {"rod": (1.0, 0.1, 0.02, 0.01), "lower": (0.7, 0.08, -0.02, 0.01), "upper": (1.5, 0.02, 0.0, 0.01)}
+PLATE = (2.0, 0.05, 0.03, 0.02)
+SUMMARIES = (
+    "D.x.max",
+    "D.x.min",
+    "plate.swing",
+    "upper.angular_velocity.max",
+    "plate.angular_velocity.max",
+    "D.vy.max",
+    "upper.angular_acceleration.max",
+    "D.ax.max",
+    "upper.D.reaction.max",
+    "rod.B.reaction.max",
+    "lower.C.reaction.max",
+    "group_of_plate.transmission.min",
+)
+# Curves of the reference whose peaks these are, with their sense.
+_PEAKS = {
+    "D.x.max": ("dx", 1),
+    "D.x.min": ("dx", -1),
+    "high": ("angle", 1),
+    "low": ("angle", -1),
+    "upper.angular_velocity.max": ("w_upper", 1),
+    "plate.angular_velocity.max": ("w", 1),
+    "D.vy.max": ("dvy", 1),
+    "upper.angular_acceleration.max": ("e_upper", 1),
+    "D.ax.max": ("dax", 1),
+    "upper.D.reaction.max": ("upper", 1),
+    "rod.B.reaction.max": ("rod", 1),
+    "lower.C.reaction.max": ("lower", 1),
+}
+_PLACES = {"high": "plate.swing_high_at", "low": "plate.swing_low_at"}
+GRID, ZOOM, ZOOMS = 720, 24, 6
+
+
+def scene() -> Scene:
+    """A plate on three bars, each link with its body."""
+    points = {"O": (0.0, 0.0), "P": (0.3, -0.1), "Q": (0.25, 0.3)}
+    corners = {"B": (0.0, 0.0), "C": (0.12, 0.0), "D": (0.06, 0.08)}
+    bodies = {**MASSES, "plate": PLATE}
+    return Scene.model_validate(
+        {
+            "gravity": GRAVITY,
+            "points": {n: {"x": x, "y": y} for n, (x, y) in points.items()}
+            | {n: {"link": "plate", "x": x, "y": y} for n, (x, y) in corners.items()},
+            "near": {"C": {"x": 0.3, "y": 0.1}},
+            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.03, "speed": SPEED},
+            "links": {"plate": {}}
+            | {n: {"joints": list(j), "length": 0.2} for n, j in zip(BARS, ("AB", "PC", "QD"), strict=True)},
+            "bodies": {
+                f"{n}_body": {"link": n, "mass": m, "x": x, "y": y, "inertia": i} for n, (m, x, y, i) in bodies.items()
+            },
+        }
+    )
+
+
+def random_numbers(count: int, seed: int) -> dict[str, np.ndarray]:
+    """Numbers of so many triads about that scene."""
+    random, found = np.random.default_rng(seed), {}
+    for path, value, by in (
+        ("input.length", 0.06, 0.045),
+        ("links.rod.length", 0.2, 0.05),
+        ("links.lower.length", 0.2, 0.05),
+        ("links.upper.length", 0.2, 0.05),
+        ("points.P.x", 0.3, 0.05),
+        ("points.P.y", -0.1, 0.05),
+        ("points.Q.x", 0.25, 0.05),
+        ("points.Q.y", 0.3, 0.05),
+        ("points.C.x", 0.12, 0.04),
+        ("points.C.y", 0.0, 0.04),
+        ("points.D.x", 0.06, 0.04),
+        ("points.D.y", 0.08, 0.04),
+    ):
+        found[path] = value + by * random.uniform(-1.0, 1.0, count)
+    return found
+
+
+class Pose(NamedTuple):
+    """Place and direction of the plate, a row for each triad."""
+
+    x: np.ndarray
+    y: np.ndarray
+    angle: np.ndarray
+
+
+class Reference:
+    """Triads in extended precision.
+
+    Parameters
+    ----------
+    numbers : mapping of path to ndarray (triads,)
+    """
+
+    def __init__(self, numbers: dict[str, np.ndarray]) -> None:
+        n = {path: values.astype(LONG) for path, values in numbers.items()}
+        zero = np.zeros_like(n["input.length"])
+        self.crank = n["input.length"]
+        self.corners = [zero + 0j * zero] + [n[f"points.{c}.x"] + LONG(1) * 1j * n[f"points.{c}.y"] for c in "CD"]
+        self.pivots = [n[f"points.{p}.x"] + 1j * n[f"points.{p}.y"] for p in "PQ"]
+        self.lengths = [n[f"links.{bar}.length"] for bar in BARS]
+
+    def _bars(self, pose: Pose, q: np.ndarray) -> tuple[list, list]:
+        """Arms of the plate's joints from its origin, and the bars from their far joint."""
+        turn, at = np.exp(1j * pose.angle), pose.x + 1j * pose.y
+        arms = [turn * corner for corner in self.corners]
+        far = [self.crank * np.exp(1j * q), *self.pivots]
+        return arms, [at + arm - f for arm, f in zip(arms, far, strict=True)]
+
+    def solved(self, pose: Pose, q: np.ndarray) -> Pose:
+        """The root beside a pose."""
+        for _ in range(7):
+            arms, bars = self._bars(pose, q)
+            rows = [(b.real, b.imag, _cross(a, b)) for a, b in zip(arms, bars, strict=True)]
+            right = [(length**2 - abs(b) ** 2) / 2 for b, length in zip(bars, self.lengths, strict=True)]
+            pose = Pose(*(p + d for p, d in zip(pose, _solve(rows, right), strict=True)))
+        return pose
+
+    def curves(self, pose: Pose, q: np.ndarray) -> dict[str, np.ndarray]:
+        """Everything compared, at a position."""
+        w0 = LONG(SPEED)
+        arms, bars = self._bars(pose, q)
+        rows = [(b.real, b.imag, _cross(a, b)) for a, b in zip(arms, bars, strict=True)]
+        pin = self.crank * np.exp(1j * q)
+        far_v, far_a = [1j * w0 * pin, 0 * pin, 0 * pin], [-(w0**2) * pin, 0 * pin, 0 * pin]
+        vx, vy, w = _solve(rows, [_dot(b, v) for b, v in zip(bars, far_v, strict=True)])
+        at_v = [vx + 1j * vy + 1j * w * arm for arm in arms]
+        apart = [a - f for a, f in zip(at_v, far_v, strict=True)]
+        right = [_dot(b, fa + w**2 * arm) - abs(d) ** 2 for b, fa, arm, d in zip(bars, far_a, arms, apart, strict=True)]
+        ax, ay, e = _solve(rows, right)
+        at_a = [ax + 1j * ay + (1j * e - w**2) * arm for arm in arms]
+        turn = np.exp(1j * pose.angle)
+        mass, x, y, inertia = map(LONG, PLATE)
+        centre = turn * (x + 1j * y)
+        force = mass * (ax + 1j * ay + (1j * e - w**2) * centre + 1j * LONG(GRAVITY))
+        need = [force.real, force.imag, inertia * e + _cross(centre, force)]
+        known, found = [], {"dx": pose.x + arms[2].real, "angle": pose.angle, "w": w, "dvy": at_v[2].imag}
+        for name, arm, bar, v, a, fv, fa in zip(BARS, arms, bars, at_v, at_a, far_v, far_a, strict=True):
+            length = abs(bar)
+            u = bar / length
+            turning, speeding = _cross(u, v - fv) / length, _cross(u, a - fa) / length
+            m, bx, by, j = map(LONG, MASSES[name])
+            c = u * (bx + 1j * by)
+            # The upper and the lower bar begin at their pivots, the rod at the crank's pin.
+            load = m * (fa + (1j * speeding - turning**2) * c + 1j * LONG(GRAVITY))
+            across = -(j * speeding + _cross(c, load)) / length
+            known.append((u, across, arm))
+            if name == "upper":
+                found |= {"w_upper": turning, "e_upper": speeding}
+        # The plate's equilibrium: forces of the bars along u, unknown, and across, on the plate.
+        for k, (u, across, arm) in enumerate(known):
+            f = 1j * u * across
+            need = [need[0] - f.real, need[1] - f.imag, need[2] - _cross(arm, f)]
+            rows[k] = (u.real, u.imag, _cross(arm, u))
+        along = _solve(list(zip(*rows, strict=True)), need)
+        found |= {n: np.hypot(s, across) for n, s, (_, across, _) in zip(BARS, along, known, strict=True)}
+        found["dax"] = at_a[2].real
+        return found
+
+    def peak(self, name: str, sense: int, starts: Pose, grid: np.ndarray, place: np.ndarray) -> np.ndarray:
+        """Greatest value, times its sense, of a curve over the turn: from the best of a grid, and from a place told."""
+        every = np.arange(place.size)
+        told = np.rint(place / float(grid[1, 0])).astype(int) % GRID
+        k = self._of_grid(name, sense, starts, grid).argmax(axis=0)
+        return sense * np.maximum(
+            *(
+                self._zoomed(name, sense, Pose(*(part[i, every] for part in starts)), grid[i, every], grid[1])
+                for i in (k, told)
+            )
+        )
+
+    def _zoomed(self, name: str, sense: int, pose: Pose, centre: np.ndarray, step: np.ndarray) -> np.ndarray:
+        """Top of a curve beside a position: in ever smaller steps about the best."""
+        best = np.full(centre.size, -np.inf, LONG)
+        for _ in range(ZOOMS):
+            poses, q = self._around(pose, centre, step)
+            values = self._of_grid(name, sense, poses, q)
+            k, every = values.argmax(axis=0), np.arange(centre.size)
+            best, centre = np.maximum(best, values[k, every]), q[k, every]
+            pose, step = Pose(*(part[k, every] for part in poses)), step / (ZOOM // 2)
+        return best
+
+    def _of_grid(self, name: str, sense: int, poses: Pose, q: np.ndarray) -> np.ndarray:
+        return np.array(
+            [sense * self.curves(Pose(*(part[i] for part in poses)), q[i])[name] for i in range(len(poses.x))]
+        )
+
+    def _around(self, pose: Pose, centre: np.ndarray, step: np.ndarray) -> tuple[Pose, np.ndarray]:
+        """Poses within a step of one, reached from it on either side."""
+        half, sides = ZOOM // 2, []
+        for side in (-1, 1):
+            here, row = pose, []
+            for i in range(1, half + 1):
+                here = self.solved(here, centre + side * step * i / half)
+                row.append((here, centre + side * step * i / half))
+            sides.append(row)
+        rows = [*reversed(sides[0]), (pose, centre), *sides[1]]
+        return Pose(*(np.array([getattr(p, part) for p, _ in rows]) for part in Pose._fields)), np.array(
+            [q for _, q in rows]
+        )
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return a.real * b.imag - a.imag * b.real
+
+
+def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return a.real * b.real + a.imag * b.imag
+
+
+def _solve(rows: list, right: list) -> list[np.ndarray]:
+    """Three linear equations, by their determinants."""
+    (a, b, c), (d, e, f), (g, h, i) = rows
+    m0, m1, m2 = e * i - f * h, f * g - d * i, d * h - e * g
+    whole = a * m0 + b * m1 + c * m2
+    p, q, r = right
+    return [
+        (p * m0 + q * (c * h - b * i) + r * (b * f - c * e)) / whole,
+        (p * m1 + q * (a * i - c * g) + r * (c * d - a * f)) / whole,
+        (p * m2 + q * (b * g - a * h) + r * (a * e - b * d)) / whole,
+    ]
+
+
+def compared(count: int, tried: int, seed: int, accuracy: float | None) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Errors and estimates of so many triads, those nearest to a dead centre among all that are tried."""
+    numbers = random_numbers(tried, seed)
+    outcome = Machine(scene(), ["group_of_plate.transmission.min"], varied=list(numbers)).evaluate(numbers)
+    sine = np.abs(outcome.summaries["group_of_plate.transmission.min"])
+    whole = np.flatnonzero(outcome.status == 0)
+    chosen = np.sort(whole[np.argsort(sine[whole])][:count])
+    numbers = {path: values[chosen] for path, values in numbers.items()}
+    fields = ["plate.angle", "B.x", "B.y"]
+    places = [_PLACES.get(name, f"{name}_at") for name in _PEAKS]
+    machine = Machine(scene(), [*SUMMARIES[:-1], *places], fields, list(numbers), GRID, accuracy=accuracy)
+    outcome = machine.evaluate(numbers)
+    assert (outcome.status == 0).all()
+    reference = Reference(numbers)
+    grid = machine.nodes.astype(LONG)
+    angle, x, y = (outcome.fields[name].T.astype(LONG) for name in fields)
+    poses = [reference.solved(Pose(x[k], y[k], angle[k]), np.full(len(chosen), grid[k])) for k in range(GRID)]
+    starts = Pose(*(np.array([getattr(p, part) for p in poses]) for part in Pose._fields))
+    assert np.abs(starts.x - x).max() < 1e-6
+    wide = np.repeat(grid[:, None], len(chosen), axis=1)
+    exact = {
+        name: reference.peak(curve, sense, starts, wide, outcome.summaries[_PLACES.get(name, f"{name}_at")])
+        for name, (curve, sense) in _PEAKS.items()
+    }
+    exact["plate.swing"] = exact.pop("high") - exact.pop("low")
+    return {
+        name: (
+            np.abs(outcome.summaries[name] - exact[name]).astype(float),
+            outcome.errors[name],
+            np.abs(outcome.summaries[name]),
+            sine[chosen],
+        )
+        for name in SUMMARIES[:-1]
+    }
+
+
+def main() -> None:
+    """Print the coverage of each quantity."""
+    count = int(sys.argv[1])
+    for accuracy in (None, 1e-3):
+        found = compared(count, 20 * count, 5, accuracy)
+        print(f"accuracy {accuracy}")
+        for name, (error, estimate, size, sine) in found.items():
+            ratio = error / estimate
+            worst = np.argsort(ratio)[-3:][::-1]
+            print(
+                f"{name:32s} {100 * (ratio <= 1).mean():6.2f} %",
+                [f"{ratio[k]:.2g} (γ {sine[k]:.1e}, rel {error[k] / size[k]:.1e})" for k in worst],
+                f"median {np.median(ratio):.1e}",
+                flush=True,
+            )
+
+
+if __name__ == "__main__":
+    main()
