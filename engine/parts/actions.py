@@ -124,6 +124,8 @@ class Tabled(Part):
             raise ValueError("give exactly one of over_angle, over_stroke, over_time")
         if (given == ["over_stroke"]) != (self.slider is not None):
             raise ValueError("over_stroke and slider belong together: name the slider whose stroke is meant")
+        if given != ["over_stroke"] and self.gives("measured_from"):
+            raise ValueError(f"measured_from is of a stroke, and has no meaning with {given[0]}; leave it out")
         try:
             names = (given[0], "force" if hasattr(self, "force") else "moment")
             make_table(self.abscissae, self.ordinates, self.interpolation, outside=self.outside, names=names)
@@ -340,6 +342,15 @@ class Carried(Part):
     forwards: Literal["counter-clockwise", "clockwise"] = "counter-clockwise"
     gravity: Annotated[Acceleration, Field(gt=0)] | None = None
     role: Role = "useful"
+    # Keys that mean nothing unless one of others is given.
+    needs: ClassVar[dict[str, tuple[str, ...]]] = {}
+
+    @model_validator(mode="after")
+    def _resists(self) -> "Carried":
+        for key, others in self.needs.items():
+            if self.gives(key) and not self.gives(*others):
+                raise ValueError(f"{key} has no meaning without {' or '.join(others)}; leave it out")
+        return self
 
 
 class HoistMoment(Carried):
@@ -363,6 +374,11 @@ class VehicleMoment(Carried):
     """
 
     radius: ClassVar[str] = "wheel_radius"
+    needs: ClassVar[dict[str, tuple[str, ...]]] = {
+        "forwards": ("slope",),
+        "gravity": ("rolling", "slope"),
+        "air_density": ("drag_area",),
+    }
     type: Literal["vehicle"]
     mass: Annotated[Mass, Field(ge=0)]
     wheel_radius: Annotated[Length, Field(gt=0)]
@@ -380,6 +396,11 @@ class ConveyorMoment(Carried):
     """
 
     masses: ClassVar[tuple[str, ...]] = ("load_mass", "belt_mass")
+    needs: ClassVar[dict[str, tuple[str, ...]]] = {
+        "forwards": ("incline",),
+        "gravity": ("friction", "incline"),
+        "length_coefficient": ("friction",),
+    }
     type: Literal["conveyor"]
     load_mass: Annotated[Mass, Field(ge=0)]
     belt_mass: Annotated[Mass, Field(ge=0)] = 0.0
@@ -499,3 +520,9 @@ class Spring(Part):
         if between[0] == between[1]:
             raise ValueError(f"both ends are {between[0]!r}: name two points")
         return between
+
+    @model_validator(mode="after")
+    def _length_is_of_a_spring(self) -> "Spring":
+        if self.gives("free_length") and not self.gives("stiffness"):
+            raise ValueError("free_length has no meaning without stiffness; give stiffness, or leave it out")
+        return self

@@ -52,6 +52,8 @@ class MovedByLaw(MotionProgram):
     def _has_one_argument(self) -> "MovedByLaw":
         if self.period is not None and self.travel is not None:
             raise ValueError("give period, of a law of time, or travel, of one of the first input, one of the two")
+        if self.gives("begin") and not self.sections and self.table is None:
+            raise ValueError("begin is where sections or a table begin, and there are none; leave it out")
         if self.drive == "crank" and (self.period is not None or getattr(self, "speed", 0.0) != 0.0):
             key = "speed" if self.period is None else "period"
             raise ValueError(

@@ -175,6 +175,17 @@ class Part(BaseModel):
             elif kind is not None and value is not None:
                 yield from ((here, kind, name) for name in ([value] if isinstance(value, str) else value))
 
+    def gives(self, *keys: str) -> list[str]:
+        """Which of some keys are given, be it with their defaults.
+
+        What has no meaning where it stands is refused: ignored, it would be taken for granted.
+
+        Parameters
+        ----------
+        *keys : str
+        """
+        return [key for key in keys if key in self.model_fields_set and getattr(self, key) is not None]
+
     def own_numbers(self) -> dict[str, np.ndarray]:
         """The part's numbers by their paths in it, as one variant."""
         return {path: np.array([number.value]) for path, number in self.numbers_within()}
@@ -255,6 +266,8 @@ class CrankInput(Part):
             raise ValueError("start and stop belong together: give both, or neither for full revolutions")
         if self.start is not None and not self.stop > self.start:
             raise ValueError("stop must be greater than start")
+        if self.start is not None and self.gives("revolutions"):
+            raise ValueError("revolutions are those of a cycle, and from start to stop there is none; leave them out")
         return self
 
 
@@ -551,11 +564,13 @@ class Body(Part):
             if self.mass is None:
                 raise ValueError("give mass (with inertia), or a shape with density")
             return self
+        thickness = "area" if self.shape.type == "rod" else "thickness"
+        if self.mass is not None and self.shape.gives(thickness):
+            raise ValueError(f"shape.{thickness} has no meaning where the mass is given; leave it out, or give density")
         if self.inertia is not None:
             raise ValueError("inertia follows from the shape; give one of the two")
         if (self.mass is None) == (self.density is None):
             raise ValueError("with a shape, give either mass or density")
-        thickness = "area" if self.shape.type == "rod" else "thickness"
         if self.density is not None and getattr(self.shape, thickness) is None:
             raise ValueError(f"density needs shape.{thickness}; give it, or give mass instead of density")
         return self
@@ -601,6 +616,21 @@ class Shaft(Part):
     phase: Angle = 0.0
     around: Angle = 0.0
 
+    @model_validator(mode="after")
+    def _has_an_angle(self) -> "Shaft":
+        lost = self.gives("phase", "around")
+        if self.pivot is None and lost:
+            raise ValueError(f"{lost[0]}: without a pivot this shaft has no angle; give pivot, or leave {lost[0]} out")
+        return self
+
+
+# Keys of wheels of some types alone.
+_OF_WHEELS = {
+    ("arms", "arm_area", "hub_diameter", "hub_width"): ("arms",),
+    ("thickness_ratio",): ("rim", "arms"),
+    ("width_ratio",): ("mean rim",),
+}
+
 
 class WheelForm(Part):
     """What the flywheel is to be made as.
@@ -632,6 +662,12 @@ class WheelForm(Part):
         missing = [k for k in ("arm_area", "hub_diameter", "hub_width") if getattr(self, k) is None]
         if self.type == "arms" and missing:
             raise ValueError(f"a wheel with arms needs {', '.join(missing)}")
+        if self.density is not None and self.rim_speed_limit is not None and self.gives("material"):
+            raise ValueError("material: nothing follows from it beside density and rim_speed_limit; leave it out")
+        for keys, types in _OF_WHEELS.items():
+            lost = self.gives(*keys)
+            if lost and self.type not in types:
+                raise ValueError(f"{lost[0]} belongs to a wheel of type {' or '.join(map(repr, types))}; leave it out")
         mean = self.type == "mean rim"
         wrong = "diameter" if mean else "mean_diameter"
         if getattr(self, wrong) is not None:

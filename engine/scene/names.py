@@ -423,6 +423,10 @@ def _open_tables(scene: Scene) -> list[Problem]:
     for table, ordinate in (("forces", "force"), ("moments", "moment")):
         for name, action in getattr(scene, table).items():
             if isinstance(action, Tabled) and action.over_angle is not None:
+                if action.gives("outside"):
+                    message = "a table over the angle of a crank that turns fully repeats with the cycle, and has no "
+                    message += "outside; leave it out, and give rows for all of the cycle, two where it jumps"
+                    problems.append((f"{table}.{name}.outside", message))
                 try:
                     angles, period = [math.degrees(angle) for angle in action.over_angle], 360.0 * drive.revolutions
                     names = ("over_angle [deg]", ordinate)

@@ -8,6 +8,7 @@ from engine.parts.skeleton import FRAME, Shaft
 from engine.scene.masses import places_on
 from engine.scene.names import Problem, did_you_mean, still_links
 from engine.scene.scene import Scene
+from engine.scene.structure.meshes import has_known_angle
 
 
 def train_problems(scene: Scene) -> list[Problem]:
@@ -55,6 +56,9 @@ def _is_one_of(scene: Scene, point: str, points: list[str]) -> bool:
 
 
 def _wrong_train(scene: Scene, name: str, shaft: Shaft) -> list[Problem]:
+    if shaft.gives("around") and has_known_angle(scene, name):
+        message = f"the angle of {name!r} is known over all turns, about no other; leave around out"
+        return [(f"shafts.{name}.around", message)]
     at, still, loose = f"shafts.{name}", still_links(scene), {n for n, s in scene.shafts.items() if s.pivot is None}
     carrier = shaft.carrier or FRAME
     if carrier == shaft.geared_to:

@@ -1,0 +1,298 @@
+"""Every key of every part of a mechanism changes something where it stands, or is refused there.
+
+A key counts in each position: with the other keys that its part has, and under the input. It is given other values, one
+after another; what may be asked of the machine (nodes of all fields and summaries, at some positions of the input) must
+change with one of them, or all of them must be refused.
+"""
+
+import copy
+from collections.abc import Iterator
+from typing import Literal, get_args, get_origin
+
+import numpy as np
+import pytest
+from graph_values import GraphValues
+from machines import crank, four_bar, frame, on, rpr
+from pydantic import ValidationError
+
+from engine import Mechanics, Scene, SceneError
+from engine.cycle.measured import Measured
+from engine.graph.nodes import Node
+from engine.parts.skeleton import Part
+from engine.quantities.expressions import Evaluation, VariantNumber, nodes_of
+from engine.quantities.machine import register_of
+from engine.scene.scene import _marked
+
+SHARES = np.array([0.04, 0.23, 0.62])
+
+
+def slider_crank(**tables: dict) -> dict:
+    scene = {
+        "gravity": 9.81,
+        "points": {"O": frame(0, 0), "P": frame(0.3, 0.3), "K": on("rod", 0.1, 0.03), "Q": frame(0.4, 0.0)},
+        "guides": {"way": {"y": 0.01}},
+        "input": crank(length=0.05, speed=5.0),
+        "groups": {
+            "g": {
+                "type": "RRP",
+                "inner": "B",
+                "first": {"link": "rod", "joint": "A", "length": 0.2},
+                "second": {"link": "ram", "guide": "way"},
+            }
+        },
+        "bodies": {
+            "rod_body": {"link": "rod", "mass": 2.0, "x": 0.1, "inertia": 0.01},
+            "ram_body": {"link": "ram", "mass": 1.0, "y": 0.05},
+        },
+    }
+    return scene | {key: {**scene.get(key, {}), **more} for key, more in tables.items()}
+
+
+def limited(scene: dict) -> dict:
+    scene["input"] |= {"start": 0.2, "stop": 3.0}
+    return scene
+
+
+def table(**own: object) -> dict:
+    return {"type": "table", "interpolation": "linear"} | own
+
+
+ANGLES = {"over_angle": [0.5, 1.5, 4.0], "moment": [5.0, 9.0, -3.0]}
+TIMES = {"over_time": [0.1, 0.2, 0.4], "moment": [5.0, 9.0, -3.0]}
+STROKE = {"slider": "ram", "on": "B", "angle": 0.3, "force": [7.0, 9.0, 3.0, 5.0]}
+OF_SHAFT = {"shafts": {"s": {"geared_to": "crank", "ratio": 2.0}}}
+
+
+def on_shaft(**own: object) -> dict:
+    return slider_crank(**OF_SHAFT, moments={"load": {"on": "s"} | own})
+
+
+def shaft(**own: object) -> dict:
+    return slider_crank(
+        shafts={"s": {"geared_to": "crank", "ratio": 2.0} | own},
+        moments={"load": {"type": "constant", "on": "s", "moment": 3.0}},
+    )
+
+
+def body(**own: object) -> dict:
+    return slider_crank(bodies={"one": {"link": "rod"} | own})
+
+
+def wheel(**own: object) -> dict:
+    return slider_crank() | {"flywheel": {"speed_fluctuation": 0.02, "wheel": own}}
+
+
+def force(**own: object) -> dict:
+    return slider_crank(forces={"load": own})
+
+
+def law(**own: object) -> dict:
+    masses = {"second_body": {"link": "second", "mass": 1.0, "x": 0.1}}
+    second = {"type": "crank", "pivot": "C"} | own
+    return slider_crank(points={"C": frame(0.5, 0.0)}, inputs={"second": second}, bodies=masses)
+
+
+ARMS = {"type": "arms", "arm_area": 1e-3, "hub_diameter": 0.05, "hub_width": 0.04}
+LINES = {"piston": "ram", "bore": 0.05, "suction": 1e5, "discharge": 5e5}
+SCENES = {
+    "four_bar": four_bar(1, K=on("coupler", 0.4, 0.1)) | {"bodies": {"a": {"link": "coupler", "mass": 1.0, "x": 0.4}}},
+    "range": limited(slider_crank(moments={"load": table(on="rod", **ANGLES), "clock": table(on="rod", **TIMES)})),
+    "over_angle": slider_crank(moments={"load": table(on="rod", **ANGLES)}),
+    "over_stroke": force(**table(**STROKE, over_stroke=[0.16, 0.18, 0.2, 0.22])),
+    "from_low": force(**table(**STROKE, measured_from="low end", over_stroke=[0.01, 0.02, 0.05, 0.07])),
+    "against": force(type="against_motion", on="K", force=10.0),
+    "against_along": force(type="against_motion", on="K", angle=0.2, force=10.0),
+    "drag": force(type="linear_drag", on="K", coefficient=10.0),
+    "power_drag": force(type="power_drag", on="K", force=5.0, at_speed=0.3, exponent=1.5),
+    "formula": force(type="formula", on="K", force="k * K.x", numbers={"k": "3 N/m"}),
+    "constant": force(type="constant", on="K", angle=0.3, force=10.0),
+    "bare_shaft": shaft(inertia=0.1),
+    "shaft": shaft(pivot="Q"),
+    "toothed_shaft": shaft(pivot="Q", pressure_angle=0.3),
+    "lossy_shaft": shaft(efficiency=0.9),
+    "shaft_on_rod": shaft(geared_to="rod"),
+    "moment": on_shaft(type="constant", moment=3.0),
+    "resistance": on_shaft(type="against_motion", moment=3.0),
+    "fan": on_shaft(type="quadratic_drag", coefficient=0.3),
+    "hoist": on_shaft(type="hoist", mass=3.0, drum_radius=0.1),
+    "vehicle": on_shaft(type="vehicle", mass=3.0, wheel_radius=0.1),
+    "rolling": on_shaft(type="vehicle", mass=3.0, wheel_radius=0.1, rolling=0.1),
+    "climbing": on_shaft(type="vehicle", mass=3.0, wheel_radius=0.1, slope=0.1, drag_area=0.3),
+    "conveyor": on_shaft(type="conveyor", load_mass=3.0, drum_radius=0.1),
+    "long_conveyor": on_shaft(type="conveyor", load_mass=3.0, drum_radius=0.1, friction=0.1),
+    "lift": on_shaft(type="conveyor", load_mass=3.0, drum_radius=0.1, incline=0.1),
+    "dc": on_shaft(type="dc_motor", no_load_speed=20.0, stall_moment=10.0),
+    "induction": on_shaft(type="induction_motor", synchronous_speed=20.0, breakdown_moment=10.0, breakdown_slip=0.2),
+    "torsion": slider_crank(moments={"load": {"type": "torsion_spring", "on": "rod", "stiffness": 3.0}}),
+    "spring": slider_crank(springs={"load": {"between": ["P", "B"], "stiffness": 100.0}}),
+    "damper": slider_crank(springs={"load": {"between": ["P", "B"], "damping": 10.0}}),
+    "point_mass": body(mass=1.0, x=0.1),
+    "rod": body(mass=1.0, shape={"type": "rod", "length": 0.2}),
+    "dense_rod": body(density=7000.0, shape={"type": "rod", "length": 0.2, "area": 1e-3}),
+    "disc": body(mass=1.0, shape={"type": "disc", "diameter": 0.2}),
+    "dense_ring": body(
+        density=7000.0, shape={"type": "ring", "diameter": 0.2, "inner_diameter": 0.1, "thickness": 0.01}
+    ),
+    "plate": body(mass=1.0, shape={"type": "plate", "length": 0.2, "width": 0.1}),
+    "swing": body(mass=1.0, x=0.1, swing={"type": "compound", "period": 1.0, "distance": 0.1}),
+    "rim": wheel(type="rim", diameter=1.0, strength=1e8),
+    "free_rim": wheel(type="rim"),
+    "heavy_rim": wheel(type="rim", density=7000.0, rim_speed_limit=20.0),
+    "disc_wheel": wheel(type="disc", diameter=1.0),
+    "arms": wheel(**ARMS, diameter=1.0),
+    "mean_rim": wheel(type="mean rim", mean_diameter=1.0),
+    "even_input": law(ratio=1),
+    "wavy_input": law(harmonics={"one": {"order": 1, "cosine": 0.3}}),
+    "pump": slider_crank(
+        cylinders={"c": {"type": "pump", "piston": "ram", "bore": 0.05, "suction": 1e5, "discharge": 5e5}}
+    ),
+    "compressor": slider_crank(
+        cylinders={
+            "c": {
+                "type": "compressor",
+                "piston": "ram",
+                "bore": 0.05,
+                "clearance": 0.1,
+                "suction": 1e5,
+                "discharge": 5e5,
+            }
+        }
+    ),
+    "base": slider_crank(base={"acceleration_x": 1.0}),
+    "slider": {
+        "points": {"D": frame(0.05, 0.25)},
+        "guides": {"way": {"angle": 0.2}},
+        "input": {
+            "type": "slider",
+            "link": "piston",
+            "guide": "way",
+            "point": "P",
+            "start": 0.0,
+            "stop": 0.1,
+            "speed": 0.3,
+        },
+        "groups": {"g": rpr(("block", "P"), ("lever", "D"))},
+        "bodies": {"l": {"link": "lever", "mass": 1.0, "x": 0.1}},
+    },
+}
+# What describes a thing itself and has no effect in some motion, or counts in regimes alone.
+NO_EFFECT = {
+    ("Point", "x"): "of a mark that nothing hangs on",
+    ("Point", "y"): "of a mark that nothing hangs on",
+    ("Body", "inertia"): "of what slides",
+    ("Body", "x"): "of what slides, under no force across",
+    ("TableMoment", "role"): "where there is no cycle, works are those of regimes",
+    ("Scene", "inertia_in_reactions"): "where nothing has a mass",
+    ("VehicleMoment", "role"): "where it resists by its mass alone",
+    ("ConveyorMoment", "role"): "where it resists by its mass alone",
+}
+OTHERWISE = {"title", "source", "type", "regimes", "elements"}
+
+
+class Effects:
+    """All that may be asked of a scene, as numbers."""
+
+    def __init__(self, scene: Scene) -> None:
+        mechanics = Mechanics(scene)
+        self._values = GraphValues(scene, mechanics.graph)
+        register, values = register_of(mechanics), self._values
+        fields = {name: list(nodes_of(field.curve())) for name, field in register.fields.items()}
+        summaries = {name: summary.expression() for name, summary in register.summaries.items()}
+        nodes = {name: list(nodes_of(summary)) for name, summary in summaries.items()}
+        every = list(dict.fromkeys(node for some in (*fields.values(), *nodes.values()) for node in some))
+        q = values.first + SHARES * (values.last - values.first)
+        self._known: dict[Node, np.ndarray] = dict(zip(every, values(every, q), strict=True))
+        self.found = {name: [self._known[node] for node in some] for name, some in (fields | nodes).items()}
+        with np.errstate(all="ignore"):
+            evaluated = Evaluation(self._measured)
+            for name, summary in summaries.items():
+                self.found[f"{name} as a number"] = [np.asarray(evaluated(summary).value) * np.ones(1)]
+
+    def _measured(self, asked: object) -> Measured:
+        """Some number that stands for a measurement: what a summary makes of it may depend on the scene, too."""
+        if isinstance(asked, VariantNumber):
+            return Measured(self._known[asked.number][:1])
+        parts = [np.abs(self._known[node]).mean() for node in nodes_of(asked)]
+        return Measured(np.full(1, 1.0 + sum(parts)))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Effects) or self.found.keys() != other.found.keys():
+            return False
+        return all(
+            len(some) == len(more)
+            and all(np.allclose(a, b, rtol=1e-9, atol=0.0, equal_nan=True) for a, b in zip(some, more, strict=True))
+            for some, more in zip(self.found.values(), other.found.values(), strict=True)
+        )
+
+    __hash__ = None
+
+
+def parts_of(part: Part, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Part]]:
+    """A part and all within it, with their paths."""
+    yield path, part
+    for key in type(part).model_fields:
+        value = getattr(part, key)
+        inner = {(key,): value} if isinstance(value, Part) else {}
+        if isinstance(value, dict):
+            inner = {(key, name): one for name, one in value.items() if isinstance(one, Part)}
+        for here, one in inner.items():
+            yield from parts_of(one, path + here)
+
+
+def other_values(part: Part, key: str) -> list:
+    """Other values of a key: choices, counts and numbers; none where it names something or is a table."""
+    kinds, pending, value = [], [type(part).model_fields[key].annotation], getattr(part, key)
+    while pending:
+        kind = pending.pop()
+        kinds += get_args(kind) if get_origin(kind) is Literal else [kind] if kind in (bool, int, float) else []
+        pending += [] if get_origin(kind) is Literal else get_args(kind)
+    if bool in kinds:
+        return [not value]
+    if int in kinds:
+        return [(value or 1) + 1, (value or 1) + 2]
+    if _marked(type(part), key)[0] is not None:
+        return [value * 1.1 + 0.013, value * 0.9 - 0.013] if isinstance(value, float) else [0.3, 0.02, 1.5, 30.0]
+    return [kind for kind in kinds if not isinstance(kind, type) and kind != value]
+
+
+def put(data: dict, path: tuple[str, ...], value: object) -> dict:
+    data = copy.deepcopy(data)
+    inner = data
+    for key in path[:-1]:
+        inner = inner.setdefault(key, {})
+    inner[path[-1]] = value
+    return data
+
+
+def is_ignored(data: dict, path: tuple[str, ...], values: list, before: Effects) -> bool:
+    """Whether values of a key are accepted, and none of them changes anything."""
+    accepted = False
+    for value in values:
+        try:
+            after = Effects(Scene.model_validate(put(data, path, value)))
+        except (ValidationError, SceneError):
+            continue
+        if after != before:
+            return False
+        accepted = True
+    return accepted
+
+
+SEEN: set[tuple] = set()
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_key__changes_something_or_is_refused(name):
+    data, ignored = SCENES[name], []
+    scene = Scene.model_validate(data)
+    before = Effects(scene)
+    for path, part in parts_of(scene):
+        for key in set(type(part).model_fields) - OTHERWISE:
+            kind, values = type(part).__name__, other_values(part, key)
+            position = (kind, key, repr(part if path else sorted(part.model_fields_set)), repr(scene.input))
+            if not values or position in SEEN or (kind, key) in NO_EFFECT:
+                continue
+            SEEN.add(position)
+            if is_ignored(data, (*path, key), values, before):
+                ignored.append(".".join((*path, key)))
+    assert not ignored
