@@ -222,7 +222,7 @@ def test_clockwise_machine__is_the_mirror_image():
     regimes = {
         "start": run("dc fan rub gravity push", speed=30.0),
         "on": steady("dc fan rub gravity push cut"),
-        "stop": run("brake rub gravity load", rest=True),
+        "stop": run("brake rub gravity load", reversal=True),
     }
     names = "start.time start.angle on.period on.speed_fluctuation on.motor_work stop.time stop.angle stop.brake_heat"
     fields = "on.speed on.acceleration on.motor_moment on.load_moment reduced_inertia"
