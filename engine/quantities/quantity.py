@@ -6,7 +6,7 @@ from engine.scene.parts import CrankInput
 from engine.scene.scene import Scene
 
 # What a coefficient of speed fluctuation is: relative to the mean of both speeds, not to that over time.
-OF_FLUCTUATION = "(ω_max − ω_min)/ω_m with ω_m = (ω_max + ω_min)/2"
+OF_FLUCTUATION = "2 (ω_max − ω_min)/(ω_max + ω_min)"
 STATISTICS = {
     "min": "least value of",
     "max": "greatest value of",

@@ -153,7 +153,9 @@ def test_lever_to_and_fro__is_the_integral_by_another_method(reading):
 
 
 def test_rocker__swings_between_its_turning_points_or_hits_its_stop(reading):
-    scene = reading(scene_of(ROCKER, swing="reversal = true", free="time = '0.05 s'\nfrom_angle = '1 rad'\nfrom_speed = 0"))
+    scene = reading(
+        scene_of(ROCKER, swing="reversal = true", free="time = '0.05 s'\nfrom_angle = '1 rad'\nfrom_speed = 0")
+    )
     _, found = answers(scene, ["swing.time", "swing.angle", "swing.final_position", "free.final_position"])
     rate = np.sqrt(30.0 / (0.02 + 2.0 * 0.1**2))
     expected = [np.pi / rate, 2.0, 1.0, np.cos(rate * 0.05)]
