@@ -39,7 +39,7 @@ COMMON = {
 STEADY = {
     "period": ("time of a cycle in {name}", "s"),
     "mean_speed": ("mean angular speed over time of a cycle in {name}", "rad s-1"),
-    "speed_fluctuation": (f"coefficient of speed fluctuation in {{name}}: {OF_FLUCTUATION}", "1"),
+    "speed_fluctuation": (f"coefficient of speed fluctuation in {{name}}, {OF_FLUCTUATION}", "1"),
     "multiplier": ("factor by which a small disturbance of the energy grows from cycle to cycle in {name}", "1"),
     "return_residual": ("relative difference of the energy after a cycle in {name}", "1"),
 }

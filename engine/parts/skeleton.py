@@ -38,7 +38,7 @@ from engine.parts.units import in_text, to_si, unit_in
 
 FRAME = "frame"
 # What a coefficient of speed fluctuation is: relative to the mean of both speeds, not to that over time.
-OF_FLUCTUATION = "(ω_max − ω_min)/ω_m with ω_m = (ω_max + ω_min)/2"
+OF_FLUCTUATION = "2 (ω_max − ω_min)/(ω_max + ω_min)"
 
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*$")]
 

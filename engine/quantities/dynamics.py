@@ -175,7 +175,7 @@ def _flywheel(m: Mechanics) -> Declared:
         )
         yield Summary(
             "speed_fluctuation",
-            f"coefficient of speed fluctuation with the flywheel: {OF_FLUCTUATION}",
+            f"coefficient of speed fluctuation with the flywheel, {OF_FLUCTUATION}",
             "1",
             lambda: steady("speed_fluctuation"),
             symbol="δ",

@@ -107,9 +107,9 @@ def test_falling_mass__arrives_at_the_lower_end(reading):
     np.testing.assert_allclose(np.ravel(found), expected, rtol=TOLERANCE, atol=TOLERANCE)
 
 
-def test_mass_on_a_spring__comes_to_rest_after_half_a_period(reading):
+def test_mass_on_a_spring__turns_back_after_half_a_period(reading):
     # About its rest, 0.1 m above the lower end, which it leaves from rest.
-    text = scene_of(RAM.replace('9.81 m/s2"', '0 m/s2"'), swing="rest = true\noff = ['oil', 'valve', 'rub']")
+    text = scene_of(RAM.replace('9.81 m/s2"', '0 m/s2"'), swing="reversal = true\noff = ['oil', 'valve', 'rub']")
     scene = reading(text.replace('"500 mm"', '"800 mm"').replace('stiffness = "0 N/m"', 'stiffness = "500 N/m"'))
     names = ["swing.time", "swing.displacement", "swing.speed_max", "swing.end_reached"]
     _, found = answers(scene, names)
@@ -153,12 +153,14 @@ def test_lever_to_and_fro__is_the_integral_by_another_method(reading):
 
 
 def test_rocker__swings_between_its_turning_points_or_hits_its_stop(reading):
-    scene = reading(scene_of(ROCKER, swing="rest = true", free="time = '0.05 s'\nfrom_angle = '1 rad'\nfrom_speed = 0"))
+    scene = reading(
+        scene_of(ROCKER, swing="reversal = true", free="time = '0.05 s'\nfrom_angle = '1 rad'\nfrom_speed = 0")
+    )
     _, found = answers(scene, ["swing.time", "swing.angle", "swing.final_position", "free.final_position"])
     rate = np.sqrt(30.0 / (0.02 + 2.0 * 0.1**2))
     expected = [np.pi / rate, 2.0, 1.0, np.cos(rate * 0.05)]
     np.testing.assert_allclose(np.ravel(found), expected, rtol=TOLERANCE)
-    short = reading(scene_of(ROCKER.replace("1.5 rad", "0.5 rad"), swing="rest = true"))
+    short = reading(scene_of(ROCKER.replace("1.5 rad", "0.5 rad"), swing="reversal = true"))
     _, found = answers(short, ["swing.final_speed", "swing.end_reached"])
     np.testing.assert_allclose(np.ravel(found), [rate * np.sqrt(0.75), 1.0], rtol=TOLERANCE)
 

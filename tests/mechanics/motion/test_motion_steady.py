@@ -215,6 +215,18 @@ def test_flywheel_in_motion_with_a_soft_motor__as_wittenbauer_to_the_order_of_fl
     assert found["on.flywheel"] == pytest.approx(found["flywheel_wittenbauer"], rel=3 * asked)
 
 
+def test_speed_fluctuation__is_relative_to_the_mean_of_both_extremes_and_says_so():
+    scene = slider_crank({"on": steady("dc cut gravity")}, flywheel=0.02)
+    found = ask(scene, "on.speed_fluctuation on.speed_min on.speed_max on.mean_speed speed_fluctuation")
+    low, high = found["on.speed_min"], found["on.speed_max"]
+    assert found["on.speed_fluctuation"] == pytest.approx(2.0 * (high - low) / (high + low), rel=1e-12)
+    # The mean over time is another one.
+    assert abs((high - low) / found["on.mean_speed"] / found["on.speed_fluctuation"] - 1.0) > 1e-4
+    offered = Machine(Scene.model_validate(scene)).available_summaries
+    for name in ("on.speed_fluctuation", "speed_fluctuation"):
+        assert "2 (ω_max − ω_min)/(ω_max + ω_min)" in offered[name].long_name
+
+
 # The other way round
 
 
@@ -222,7 +234,7 @@ def test_clockwise_machine__is_the_mirror_image():
     regimes = {
         "start": run("dc fan rub gravity push", speed=30.0),
         "on": steady("dc fan rub gravity push cut"),
-        "stop": run("brake rub gravity load", rest=True),
+        "stop": run("brake rub gravity load", reversal=True),
     }
     names = "start.time start.angle on.period on.speed_fluctuation on.motor_work stop.time stop.angle stop.brake_heat"
     fields = "on.speed on.acceleration on.motor_moment on.load_moment reduced_inertia"

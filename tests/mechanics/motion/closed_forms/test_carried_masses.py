@@ -57,7 +57,7 @@ SCENE = {
     },
     "regimes": {
         "go": {"type": "run", "from_speed": 0.0, "time": 0.7},
-        "stop": {"type": "run", "off": ["pull"], "from_speed": 5.0, "rest": True},
+        "stop": {"type": "run", "off": ["pull"], "from_speed": 5.0, "reversal": True},
         "back": {"type": "run", "off": ["pull"], "from_speed": 0.0, "time": 0.5},
     },
 }
