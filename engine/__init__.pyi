@@ -10,13 +10,11 @@ from engine.cycle.turning_moment import TurningMoment, turning_moment_from_areas
 from engine.elements.bodies.rotating_guide import RotatingGuide, slides_out
 from engine.elements.bodies.tethered_body import TetheredBody
 from engine.elements.bodies.tilted_body import TiltedBody, body_ellipsoid
-from engine.elements.bodies.wound_flywheel import WoundFlywheel, wound_stresses
+from engine.elements.bodies.wound_flywheel import wound_stresses
 from engine.elements.cams.cam import CamElement
 from engine.elements.cams.cam_curves import CamCurves, cam_curves
 from engine.elements.compliances.compliance import ComplianceElement
-from engine.elements.elastic_drives.machine_drive import MachineDrive
-from engine.elements.elastic_drives.two_mass_drive import TwoMassDrive, drive_history
-from engine.elements.element import Element, ElementResult, element_kind, element_kinds
+from engine.elements.element import Element, ElementResult, element_kinds
 from engine.elements.engines.engine import ROUNDED_ORDERS, EngineElement, engine_torque, made_engine
 from engine.elements.engines.engine_layout import (
     Engine,
@@ -32,10 +30,8 @@ from engine.elements.engines.engine_layout import (
 from engine.elements.engines.firing import FOUR_STROKE, even_firing_order, firing_angles, firing_intervals, firing_sums
 from engine.elements.engines.harmonics import crank_radius, piston_harmonics
 from engine.elements.engines.hodograph import Hodograph
-from engine.elements.engines.locomotive import LocomotiveElement
 from engine.elements.engines.shafts import balance_shafts, crankshaft_counterweights, remaining_shaking
 from engine.elements.engines.shaking import SHAKING_ORDERS, EngineShaking, engine_shaking
-from engine.elements.friction.car import CarElement
 from engine.elements.gears.chain_drive import ChainDrive
 from engine.elements.gears.gear_columns import gear_results
 from engine.elements.gears.gear_elements import GearTrain
@@ -49,9 +45,6 @@ from engine.elements.governors.governor_curves import (
     load_change,
     stability_point,
 )
-from engine.elements.oscillators.excitations import FreeStart, OverTime, SupportOverTime
-from engine.elements.oscillators.oscillator import OscillatorElement
-from engine.elements.oscillators.run_through import run_through_motion
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.elements.rotors.correction import corrected_unbalance
 from engine.elements.rotors.grades import permissible_unbalance, tolerance_shares
@@ -193,7 +186,6 @@ __all__ = [
     "Brake",
     "CamCurves",
     "CamElement",
-    "CarElement",
     "ChainDrive",
     "ComplianceElement",
     "CounterweightPlace",
@@ -216,7 +208,6 @@ __all__ = [
     "ExpressionTree",
     "FormulaNumber",
     "FreeGroup",
-    "FreeStart",
     "GearTrain",
     "Governor",
     "GovernorCurves",
@@ -227,9 +218,7 @@ __all__ = [
     "InductionMotor",
     "InputUnits",
     "LoadChange",
-    "LocomotiveElement",
     "Machine",
-    "MachineDrive",
     "Mark",
     "MasterRod",
     "Mechanics",
@@ -238,9 +227,7 @@ __all__ = [
     "Near",
     "NonZero",
     "NoncircularWheel",
-    "OscillatorElement",
     "Outcome",
-    "OverTime",
     "Pair",
     "Panel",
     "PanelAxis",
@@ -265,7 +252,6 @@ __all__ = [
     "StabilityPoint",
     "StaticRotor",
     "SteadyRegime",
-    "SupportOverTime",
     "TableError",
     "TetheredBody",
     "TextExpression",
@@ -275,11 +261,9 @@ __all__ = [
     "TorsionalTrain",
     "TrainExcitation",
     "TurningMoment",
-    "TwoMassDrive",
     "UnitError",
     "VelocityPicture",
     "Verdict",
-    "WoundFlywheel",
     "Yoke",
     "acting_fields",
     "any_quantity",
@@ -310,10 +294,8 @@ __all__ = [
     "dimensions_by_unit",
     "drive_base",
     "drive_cycle",
-    "drive_history",
     "drive_run",
     "driving_field",
-    "element_kind",
     "element_kinds",
     "engine_shaking",
     "engine_torque",
@@ -373,7 +355,6 @@ __all__ = [
     "rotor_corrections",
     "rotor_unbalances",
     "run_keys",
-    "run_through_motion",
     "scale_of",
     "scene_numbers",
     "set_threads",

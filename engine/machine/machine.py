@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Mapping
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,9 +13,6 @@ from engine.elements.governors.places import CYCLE_POSITIONS
 from engine.graph.nodes import Node
 from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.computed import all_levels, computed_levels
-from engine.machine.drives.elastic_drives import ElasticDrives
-from engine.machine.drives.excited_trains import machine_harmonics, machine_numbers
-from engine.machine.drives.governed_engines import GovernedEngines
 from engine.machine.elements.asked_elements import AskedElements, element_summaries
 from engine.machine.first_failure import first_failure
 from engine.machine.kept_fields import NONE, KeptFields, field_node, fill_found
@@ -33,6 +31,10 @@ from engine.scene.load_formulas import NOTHING_REPEATS, time_dependent
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.scene.structure.input_laws import fixed_by_laws
 from engine.verdicts import Verdict
+
+if TYPE_CHECKING:
+    from engine.machine.drives.elastic_drives import ElasticDrives
+    from engine.machine.drives.governed_engines import GovernedEngines
 
 # A group whose transmission quality falls below this is singular: about the root of the rounding error.
 SINGULAR_SINE = 1e-7
@@ -140,7 +142,7 @@ class Machine:
         self._trains = [name for name, element in of_machine.items() if element.type == "torsional_train"]
         drives = [name for name, element in of_machine.items() if element.type == "machine_drive"]
         self._governing = [name for name in of_machine if name not in (*self._trains, *drives)]
-        self._drives = ElasticDrives(self.mechanics, drives) if drives else None
+        self._drives = self._elastic_drives(drives) if drives else None
         self.regimes = Regimes(self.mechanics, (*self.asked_summaries, *self.asked_fields), positions, accuracy)
         self._check_asked()
         others = {*self._elements.names, *OF_ACCURACY, *self.regimes.asked}
@@ -152,6 +154,12 @@ class Machine:
         self.kept_at = {name: at for name, at in self.regimes.kept_at.items() if name in self.asked_fields}
         self.fields_with_error = tuple(name for name in self.asked_fields if name in self.regimes.fields)
         self._spaced = [name for name in self.asked_fields if name not in self.kept_at]
+
+    def _elastic_drives(self, drives: list[str]) -> "ElasticDrives":
+        # What few machines have is loaded for these alone.
+        from engine.machine.drives.elastic_drives import ElasticDrives
+
+        return ElasticDrives(self.mechanics, drives)
 
     def __repr__(self) -> str:
         return asked_text(self)
@@ -263,7 +271,11 @@ class Machine:
     @cached_property
     def _harmonics(self) -> list[Expression]:
         """What the machine does to trains that it excites."""
-        return machine_harmonics(self.mechanics) if self._trains else []
+        if not self._trains:
+            return []
+        from engine.machine.drives.excited_trains import machine_harmonics
+
+        return machine_harmonics(self.mechanics)
 
     @cached_property
     def measuring(self) -> Measuring:
@@ -389,6 +401,8 @@ class Machine:
     @cached_property
     def _governed_engines(self) -> "tuple[GovernedEngines, Machine]":
         """Engines that governors have in this machine, and the machine as it is asked for them."""
+        from engine.machine.drives.governed_engines import GovernedEngines
+
         engines = GovernedEngines(self.scene, self._governing)
         return engines, Machine(self.scene, engines.summaries, engines.fields, self.varied, CYCLE_POSITIONS)
 
@@ -425,6 +439,8 @@ class Machine:
         """What the machine does to trains that it excites; nothing where there are none."""
         if not self._trains:
             return {}
+        from engine.machine.drives.excited_trains import machine_numbers
+
         return machine_numbers(numbers, self.mechanics, self._harmonics, answers.value_of, variants)
 
     def numbers_for_trains(self) -> dict[str, np.ndarray]:

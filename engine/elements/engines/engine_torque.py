@@ -16,10 +16,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.elements.element import EPS
 from engine.elements.engines.engine_layout import TURN
 
 NODES = 48
-EPS = float(np.finfo(float).eps)
 
 
 class Indicator(NamedTuple):

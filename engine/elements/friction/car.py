@@ -72,7 +72,7 @@ class CarElement(Element):
         curves = []
         for brakes in ("front", "rear", "all"):
             way = self.model_copy(update={"brakes": brakes}).over("speed", speed)["stopping_distance"]
-            curves.append(Curve(f"brakes: {brakes}", way, brakes != self.brakes))
+            curves.append(Curve(f"brakes: {brakes}", way))
         mark = Mark("as given", _KMH * self.speed, None)
         over_speed = Panel(PanelAxis("speed", "km/h"), PanelAxis("way to rest", "m"), _KMH * speed, curves, (mark,))
         # The brakes begin to act when the reaction time is over; then the square of the speed falls evenly.

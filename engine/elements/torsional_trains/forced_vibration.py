@@ -17,9 +17,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.elements.element import EPS
 from engine.elements.torsional_trains.reduced_train import ReducedTrain
 
-EPS = float(np.finfo(float).eps)
 # Roundings of a few complex operations.
 _STEP = 8.0 * EPS
 
