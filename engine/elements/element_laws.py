@@ -45,6 +45,7 @@ from engine.laws.friction.screws import (
     raise_moment,
     thread_slope,
 )
+from engine.laws.rounding import NUDGE
 from engine.verdicts import Verdict
 
 THREAD_ANGLES = {"square": 0.0, "trapezoidal": math.radians(30.0), "metric": math.radians(60.0)}
@@ -53,7 +54,6 @@ BUSHES = {"line": 1.0, "new": NEW, "worn in": WORN_IN, "half-round, new": NEW, "
 Given = Callable[[str], float | np.ndarray]
 
 # A relative change of a number that is large against rounding and small against what laws curve over.
-NUDGE = 2.0**-26
 # Roundings of a result's size that an error figure is made of.
 ROUNDING = 16
 

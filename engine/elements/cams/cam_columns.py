@@ -42,11 +42,11 @@ from engine.elements.cams.pieces import (
 from engine.elements.element_laws import ElementResult, Given, LawOfArrays
 from engine.laws.cams.motion_laws import DWELL, LAW_KINDS
 from engine.laws.cams.profiles import least_arm_angle, pressure_of_lines
+from engine.laws.rounding import EPS
 from engine.laws.tables import make_table
 from engine.parts.motion_programs import DwellSection, RiseSection
 from engine.verdicts import Verdict
 
-EPS = float(np.finfo(float).eps)
 # Sizes are what a rounding of EPS is multiplied by; figures are this many times that.
 ROUNDING = 16
 # An arm that is nearly in line with the line of centres; in line, its cam would have no room.

@@ -25,8 +25,7 @@ from engine.elements.compliances.elastic_parts import (
     StrandPart,
 )
 from engine.elements.compliances.stiffnesses import at_radius, damping_of_absorption, rod_stiffness, shaft_stiffness
-
-Numbers = Mapping[str, np.ndarray]
+from engine.elements.element_numbers import Numbers
 
 
 class ReducedPart(NamedTuple):

@@ -47,10 +47,10 @@ from engine.elements.elastic_drives.two_mass_element import (
     TwoMassDrive,
 )
 from engine.elements.element_laws import ROUNDING, ElementResult, LawOfArrays, with_nudges
+from engine.elements.element_numbers import Numbers
 from engine.elements.oscillators.one_mass import free_motion
 from engine.parts.motor_constants import kloss_constants, stall_moment
 
-Numbers = Mapping[str, np.ndarray]
 _Law = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 # The least backlash [rad] whose products still are numbers of full precision.

@@ -12,12 +12,13 @@ the sizes of the terms. That of the ratio of crank to rod does more as the rod b
 but stays within what is allowed for: 0.9 of it at a ratio of 0.99999.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 
 import numpy as np
 
 from engine.elements.element_laws import ElementResult, LawOfArrays
+from engine.elements.element_numbers import Numbers
 from engine.elements.engines.engine_element import SIZES, EngineElement
 from engine.elements.engines.engine_layout import Engine, MasterRod
 from engine.elements.engines.engine_torque import CylinderParts, Indicator, Torque, cylinder_torque
@@ -27,8 +28,8 @@ from engine.elements.engines.hodograph import Hodograph
 from engine.elements.engines.master_rod import POSITIONS
 from engine.elements.engines.shafts import crankshaft_counterweights, remaining_shaking
 from engine.elements.engines.shaking import EngineShaking, engine_shaking
+from engine.laws.rounding import EPS
 
-Numbers = Mapping[str, np.ndarray]
 Columns = dict[str, np.ndarray]
 
 # Roundings of a sum over cylinders, relative to the sum of the sizes of its terms: phases up to 6 · 2π, products, sums,
@@ -36,7 +37,6 @@ Columns = dict[str, np.ndarray]
 ROUNDED_ORDERS = 64
 # An error figure is made of 16 roundings of a result's size.
 _SIZE = 1 / 16
-EPS = float(np.finfo(float).eps)
 # Numbers in memory at a time.
 _BLOCK = 2**19
 

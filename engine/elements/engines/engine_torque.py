@@ -17,9 +17,9 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.elements.engines.engine_layout import TURN
+from engine.laws.rounding import EPS
 
 NODES = 48
-EPS = float(np.finfo(float).eps)
 
 
 class Indicator(NamedTuple):

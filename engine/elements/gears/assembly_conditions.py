@@ -4,10 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.elements.element_numbers import Numbers
 from engine.elements.gears.gear_elements import GearTrain
 from engine.elements.gears.gear_structure import MeshPlace
 from engine.elements.gears.tooth_laws import pitch_diameter
-from engine.elements.gears.train_speeds import Numbers, stages, teeth_of
+from engine.elements.gears.train_speeds import stages, teeth_of
 
 # Centre distances that differ by less are the same but for rounding.
 _SAME = 1e-9

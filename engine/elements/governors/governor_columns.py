@@ -24,9 +24,8 @@ from engine.elements.governors.governor_elements import (
     WattGovernor,
     governs_machine,
 )
-from engine.elements.governors.governor_results import EPS, KEPT, ROOM, STATICS, WITH_ENGINE, find_equilibria
+from engine.elements.governors.governor_results import KEPT, ROOM, STATICS, WITH_ENGINE, find_equilibria
 from engine.elements.governors.places import (
-    ARM_NUMBERS,
     CYCLE_LENGTH,
     ENGINE,
     GEOMETRY_NUMBERS,
@@ -35,14 +34,15 @@ from engine.elements.governors.places import (
     Throttling,
 )
 from engine.elements.governors.transients import ANSWERS, FINE, MOTION_ROOM, follow_changes
+from engine.laws.rounding import EPS
 from engine.laws.tables import Table, in_memory, make_table
 
 _FLAG = {"units": "1", "exact": True}
 _STATICS = (
     ElementResult("inner_speed", "speed of the spindle in equilibrium at the inner stop", "rad s-1"),
     ElementResult("outer_speed", "speed of the spindle in equilibrium at the outer stop", "rad s-1"),
-    ElementResult("inner_force", "controlling force of one ball, with that of its arms, at the inner stop", "N"),
-    ElementResult("outer_force", "controlling force of one ball, with that of its arms, at the outer stop", "N"),
+    ElementResult("inner_force", "controlling force of one ball at the inner stop", "N"),
+    ElementResult("outer_force", "controlling force of one ball at the outer stop", "N"),
     ElementResult("stable_from", "radius at which the longest stable stretch begins", "m"),
     ElementResult("stable_to", "radius at which the longest stable stretch ends", "m"),
     ElementResult("least_speed", "least speed of the spindle in the stable stretch", "rad s-1"),
@@ -169,7 +169,6 @@ def _numbers(governor: AnyGovernor, given: Given) -> tuple:
     return (
         *_masses(governor, given),
         *_geometry(governor, given),
-        *_arms(governor, given),
         *_engine(governor, given),
     )
 
@@ -200,19 +199,6 @@ def _geometry(governor: AnyGovernor, given: Given) -> tuple:
         case _:
             keys = ("lift_ratio",)
     return tuple(given(key) for key in keys) + (0.0,) * (GEOMETRY_NUMBERS - len(keys))
-
-
-def _arms(governor: AnyGovernor, given: Given) -> tuple:
-    match governor:
-        case ProellGovernor():
-            keys = ("upper_arm_mass", "lower_arm_mass", "extension_mass")
-        case ArmGovernor():
-            keys = ("upper_arm_mass", "lower_arm_mass")
-        case HartnellGovernor():
-            keys = ("ball_arm_mass", "sleeve_arm_mass")
-        case _:
-            keys = ()
-    return tuple(given(key) for key in keys) + (0.0,) * (ARM_NUMBERS - len(keys))
 
 
 def _engine(governor: AnyGovernor, given: Given) -> tuple:

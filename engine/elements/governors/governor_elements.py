@@ -15,7 +15,6 @@ Positive = Annotated[Length, Field(gt=0)]
 Force = quantity("force")
 Moment = quantity("moment")
 NotNegative = Annotated[Force, Field(ge=0)]
-ArmMass = Annotated[Mass, Field(ge=0)]
 
 
 class LinearThrottle(Part):
@@ -161,22 +160,19 @@ class ArmGovernor(LoadedGovernor):
     """A governor with upper arms on the spindle and lower arms on the sleeve.
 
     `upper_pivot` and `lower_pivot` are the distances of their pivots from the axis, on the side of the ball; negative
-    where arms cross the axis. `upper_arm_mass` and `lower_arm_mass` are those of one arm, a uniform rod.
+    where arms cross the axis.
     """
 
     upper_arm: Positive
     lower_arm: Positive
     upper_pivot: Length = 0.0
     lower_pivot: Length = 0.0
-    upper_arm_mass: ArmMass = 0.0
-    lower_arm_mass: ArmMass = 0.0
 
 
 class WattGovernor(ArmGovernor):
     """Watt's governor: balls on the upper arms.
 
-    They are at `ball_arm` from the pivots; at the joints with the lower arms where that isn't given. An upper arm ends
-    at its joint or its ball, whichever is farther from its pivot.
+    They are at `ball_arm` from the pivots; at the joints with the lower arms where that isn't given.
     """
 
     type: Literal["watt_governor"]
@@ -193,28 +189,23 @@ class PorterGovernor(ArmGovernor):
 class ProellGovernor(ArmGovernor):
     """Proell's governor: balls on extensions of the lower arms.
 
-    The extensions are parallel to the axis when the balls are at `parallel_radius`. `extension_mass` is that of one,
-    a uniform rod from the joint to the ball.
+    The extensions are parallel to the axis when the balls are at `parallel_radius`.
     """
 
     type: Literal["proell_governor"]
     extension: Positive
-    extension_mass: ArmMass = 0.0
     parallel_radius: Length
 
 
 class HartnellGovernor(LoadedGovernor):
     """Hartnell's governor: balls on the upright arms of bell cranks, which lift the sleeve against a spring.
 
-    `pivot_radius` is that of the cranks' pivots; there the ball arms are parallel to the axis. `ball_arm_mass` and
-    `sleeve_arm_mass` are those of the two arms of one crank, uniform rods.
+    `pivot_radius` is that of the cranks' pivots; there the ball arms are parallel to the axis.
     """
 
     type: Literal["hartnell_governor"]
     ball_arm: Positive
     sleeve_arm: Positive
-    ball_arm_mass: ArmMass = 0.0
-    sleeve_arm_mass: ArmMass = 0.0
     pivot_radius: Positive
     stiffness: Annotated[quantity("stiffness"), Field(gt=0)]
 

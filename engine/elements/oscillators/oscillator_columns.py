@@ -1,7 +1,7 @@
 """What is computed of one mass on a spring: its constants, free motion, vibration, and its run through resonance."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from functools import partial
 from operator import attrgetter
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from engine.elements.compliances.stiffnesses import cantilever_stiffness
 from engine.elements.element_laws import ROUNDING, ElementResult, LawOfArrays, with_nudges
+from engine.elements.element_numbers import Numbers
 from engine.elements.oscillators.one_mass import (
     decrement_of_ratio,
     dynamic_factor,
@@ -28,7 +29,6 @@ from engine.elements.oscillators.over_time import OVER_TIME_RESULTS, PIECES, ove
 from engine.elements.oscillators.run_through import run_through_peak
 from engine.verdicts import Verdict
 
-Numbers = Mapping[str, np.ndarray]
 Columns = dict[str, np.ndarray]
 
 # Variants at a time whose formulas are worked out, each to thousands of rows.

@@ -1,7 +1,6 @@
 """What one mass does under a force, or on a support, that is given over time: greatest values, and its history."""
 
 import math
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numba
@@ -10,6 +9,7 @@ from numba import types
 
 from engine.compiling.running import prepare, spread
 from engine.elements.element_laws import ElementResult
+from engine.elements.element_numbers import Numbers
 from engine.elements.oscillators.forced_pieces import (
     CARRIED,
     END,
@@ -24,7 +24,6 @@ from engine.elements.oscillators.forced_pieces import (
 from engine.elements.oscillators.one_mass import free_motion
 from engine.elements.oscillators.oscillator_element import OscillatorElement, OverTime, SupportOverTime
 
-Numbers = Mapping[str, np.ndarray]
 Columns = dict[str, np.ndarray]
 
 # Straight pieces that a formula is made of; the half of them tells what they miss.

@@ -7,13 +7,14 @@ Source: ISO 21940-11; the equations are those of `engine.balancing`.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import suppress
 from functools import partial, reduce
 
 import numpy as np
 
 from engine.elements.element_laws import ElementResult, LawOfArrays
+from engine.elements.element_numbers import Numbers
 from engine.elements.rotors.bearings import BearingForces, peak_forces, rotating_forces, static_forces
 from engine.elements.rotors.correction import correct, corrected_unbalance, misplaced_share
 from engine.elements.rotors.grades import grade_needed, grade_reached, permissible_unbalance, tolerance_shares
@@ -31,7 +32,6 @@ from engine.elements.rotors.unbalance import (
     unbalance_in_two_planes,
 )
 
-Numbers = Mapping[str, np.ndarray]
 Columns = dict[str, np.ndarray]
 
 # So near to a whole number counts as one: error figures are made from numbers that are changed a little.

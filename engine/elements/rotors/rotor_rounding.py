@@ -8,15 +8,14 @@ mass, radius and angle. Which holes get pieces is taken as decided.
 Source: J. H. Wilkinson, Rounding Errors in Algebraic Processes (running error analysis).
 """
 
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 
+from engine.elements.element_numbers import Numbers
 from engine.elements.rotors.bearings import STANDARD_GRAVITY
 from engine.elements.rotors.rotor_element import RotorElement
 
-Numbers = Mapping[str, np.ndarray]
 Columns = dict[str, np.ndarray]
 
 # Roundings of a few steps, and of a few dozen.

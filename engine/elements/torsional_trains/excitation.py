@@ -1,16 +1,15 @@
 """What excites a torsional train: moments of given orders, those of an engine's cylinders, or the scene's machine."""
 
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 
+from engine.elements.element_numbers import Numbers
 from engine.elements.engines.engine_columns import ROUNDED_ORDERS, engine_torque
 from engine.elements.torsional_trains.reduced_train import ReducedTrain
 from engine.elements.torsional_trains.train_element import TorsionalTrain
+from engine.laws.rounding import EPS
 
-Numbers = Mapping[str, np.ndarray]
-EPS = float(np.finfo(float).eps)
 # Orders of an engine's torque that are counted: what lies above hardly excites a train.
 ENGINE_ORDERS = tuple(k / 2 for k in range(1, 25))
 # Harmonics of the cycle of the scene's machine.

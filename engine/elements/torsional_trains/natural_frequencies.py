@@ -25,8 +25,8 @@ from engine.compiling.decorators import driver, routine
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import LANES
 from engine.elements.torsional_trains.reduced_train import ReducedTrain
+from engine.laws.rounding import EPS
 
-EPS = float(np.finfo(float).eps)
 # Relative distance of the bounds of a frequency's square when bisection ends.
 ENCLOSED = 2.0**-50
 # Below the greatest square by this, there are no squares but 0.

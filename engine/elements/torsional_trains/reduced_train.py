@@ -1,14 +1,13 @@
 """A train's numbers reduced to the shaft of its first mass, node by node."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from engine.elements.compliances.reduction import in_series, part_keys, reduced_part
+from engine.elements.element_numbers import Numbers
 from engine.elements.torsional_trains.train_element import TorsionalTrain
-
-Numbers = Mapping[str, np.ndarray]
 
 
 class ReducedTrain(NamedTuple):

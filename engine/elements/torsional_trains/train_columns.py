@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 
 from engine.elements.element_laws import ROUNDING, ElementResult, LawOfArrays
+from engine.elements.element_numbers import Numbers
 from engine.elements.engines.engine_columns import engine_keys
 from engine.elements.torsional_trains.excitation import (
     MACHINE_KEYS,
@@ -19,11 +20,10 @@ from engine.elements.torsional_trains.natural_frequencies import NaturalVibratio
 from engine.elements.torsional_trains.order_sums import extremes_of_orders
 from engine.elements.torsional_trains.reduced_train import ReducedTrain, reduced_train, train_keys
 from engine.elements.torsional_trains.train_element import TorsionalTrain
+from engine.laws.rounding import EPS
 from engine.verdicts import Verdict
 
-Numbers = Mapping[str, np.ndarray]
 Pairs = dict[str, tuple[np.ndarray, np.ndarray]]
-EPS = float(np.finfo(float).eps)
 # Complex numbers in memory at a time.
 _BLOCK = 2**17
 

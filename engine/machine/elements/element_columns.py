@@ -47,11 +47,10 @@ from engine.elements.torsional_trains.train_columns import train_law
 from engine.elements.torsional_trains.train_element import TorsionalTrain
 from engine.graph.functions import number_function
 from engine.graph.nodes import Graph
+from engine.laws.rounding import EPS
 from engine.quantities.quantity import Quantity
 from engine.scene.scene import Numbers, Scene
 from engine.verdicts import Verdict
-
-EPS = float(np.finfo(float).eps)
 
 Columns = dict[str, np.ndarray]
 
