@@ -20,6 +20,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError, PydanticKnownEr
 from pydantic_core.core_schema import ErrorType
 
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, bounded
+from engine.laws.rounding import EPS, NUDGE
 from engine.parts.dimensions import described
 from engine.parts.skeleton import Part
 from engine.verdicts import Verdict
@@ -27,9 +28,6 @@ from engine.verdicts import Verdict
 Numbers = Mapping[str, np.ndarray]
 Columns = dict[str, np.ndarray]
 
-EPS = float(np.finfo(float).eps)
-# A relative change of a number that is large against rounding and small against what laws curve over.
-NUDGE = 2.0**-26
 # Roundings of a result's size that an error estimate is made of.
 ROUNDING = 16
 # Places of curves over a number, and how many diagrams of them are drawn of an element without any of its own.

@@ -1,6 +1,6 @@
 """Moments of couplings: how much a friction clutch may transmit, and what a fluid coupling does by its slip.
 
-Functions of arrays of any shape, as of floats.
+Arguments are floats or arrays of any shape.
 
 Sources: G. Niemann and H. Winter, Maschinenelemente, volume 3 (friction clutches); VDI 2153 (hydrodynamic power
 transmission: the moment λ ρ ω² D⁵ of a coupling of the diameter D, by its performance coefficient λ).

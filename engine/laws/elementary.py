@@ -12,11 +12,9 @@ interpolate at Chebyshev points, found with 60 digits.
 import math
 
 import numpy as np
-from llvmlite import ir
-from numba import types
-from numba.extending import intrinsic
 
 from engine.compiling.decorators import in_order
+from engine.compiling.instructions import bits_of, fused, number_of
 
 # Added to a number below 2^51 in magnitude it makes a sum whose last bits are the nearest integer.
 _ROUNDER = 1.5 * 2.0**52
@@ -39,81 +37,10 @@ _INVERSE_LN2 = 1.4426950408889634
 _GREATEST_LOGARITHM, _LEAST_LOGARITHM = 709.782712893384, -707.7032713517042
 
 
-@intrinsic
-def _fused(typing: object, a: object, b: object, c: object) -> tuple:
-    """Product and sum a b + c, rounded once."""
-
-    def generate(context: object, builder: object, signature: object, arguments: list) -> object:
-        return builder.fma(*arguments)
-
-    return types.float64(types.float64, types.float64, types.float64), generate
-
-
-@intrinsic
-def _bits_of(typing: object, x: object) -> tuple:
-    """The bits of a float64 as an int64."""
-
-    def generate(context: object, builder: object, signature: object, arguments: list) -> object:
-        return builder.bitcast(arguments[0], ir.IntType(64))
-
-    return types.int64(types.float64), generate
-
-
-@intrinsic
-def _number_of(typing: object, bits: object) -> tuple:
-    """The float64 with the bits of an int64."""
-
-    def generate(context: object, builder: object, signature: object, arguments: list) -> object:
-        return builder.bitcast(arguments[0], ir.DoubleType())
-
-    return types.float64(types.int64), generate
-
-
-class _Freeze(ir.Instruction):
-    """LLVM's `freeze`, which llvmlite's builder doesn't know."""
-
-    def __init__(self, parent: object, value: object) -> None:
-        super().__init__(parent, value.type, "freeze", [value])
-
-    def descr(self, lines: list) -> None:
-        """Write it down."""
-        lines.append(f"freeze {self.operands[0].type} {self.operands[0].get_reference()}\n")
-
-
-@intrinsic
-def held(typing: object, x: object) -> tuple:
-    """A float64 itself, from wherever it was read.
-
-    Where what is stored is either something new or what was there, LLVM stores under a mask, which takes some
-    processors twenty times as long as storing everything; of a held number it doesn't know that it was there.
-    """
-
-    def generate(context: object, builder: object, signature: object, arguments: list) -> object:
-        found = _Freeze(builder.block, arguments[0])
-        builder._insert(found)
-        return found
-
-    return types.float64(types.float64), generate
-
-
-@intrinsic
-def chosen(typing: object, condition: object, a: object, b: object) -> tuple:
-    """One of two float64, a where the condition is true, both of them read.
-
-    A conditional expression on two numbers in memory is compiled to a choice between addresses, which a loop over
-    positions or lanes then looks up one by one, ten times as slowly.
-    """
-
-    def generate(context: object, builder: object, signature: object, arguments: list) -> object:
-        return builder.select(*arguments)
-
-    return types.float64(types.boolean, types.float64, types.float64), generate
-
-
 @in_order
 def _cubic(x: float, xx: float, c0: float, c1: float, c2: float, c3: float) -> float:
     """Cubic in x, lowest power first, given x²; taken in fours, the terms of a polynomial wait less for each other."""
-    return _fused(xx, _fused(x, c3, c2), _fused(x, c1, c0))
+    return fused(xx, fused(x, c3, c2), fused(x, c1, c0))
 
 
 @in_order
@@ -123,35 +50,35 @@ def _logarithm_parts(x: float) -> tuple[float, float]:
     With x = 2^k m, √½ ≤ m < √2, and s = (m − 1)/(m + 1): ln x = k ln 2 + 2 artanh s = k ln 2 + 2 s + s³ (2/3 + …).
     Terms up to s³ are carried on with what their rounding leaves over.
     """
-    bits = _bits_of(x)
+    bits = bits_of(x)
     exponent = (bits - _ROOT_HALF_BITS) >> _SIGNIFICAND_BITS
-    k = _number_of(exponent + _ROUNDER_BITS) - _ROUNDER
-    m = _number_of(bits - (exponent << _SIGNIFICAND_BITS))
+    k = number_of(exponent + _ROUNDER_BITS) - _ROUNDER
+    m = number_of(bits - (exponent << _SIGNIFICAND_BITS))
     above, denominator = m - 1.0, m + 1.0
     denominator_rest = m - (denominator - 1.0)
     inverse = 1.0 / denominator
     s = above * inverse
-    s_rest = _fused(-s, denominator_rest, _fused(-s, denominator, above)) * inverse
+    s_rest = fused(-s, denominator_rest, fused(-s, denominator, above)) * inverse
     twice = s + s
     z = s * s
-    z_rest = _fused(twice, s_rest, _fused(s, s, -z))
+    z_rest = fused(twice, s_rest, fused(s, s, -z))
     zz = z * z
     p = _cubic(z, zz, 0.4, 0.2857142857142937, 0.22222222221652765, 0.18181818336099848)
     q = _cubic(z, zz, 0.1538459488700718, 0.1333480879881234, 0.11706126464563398, 0.11724327060846747)
-    p = z * _fused(zz * zz, q, p)
+    p = z * fused(zz * zz, q, p)
     c = _TWO_THIRDS + p
     c_rest = (p - (c - _TWO_THIRDS)) + _TWO_THIRDS_REST
     cube = s * z
-    cube_rest = _fused(s_rest, z, _fused(s, z_rest, _fused(s, z, -cube)))
+    cube_rest = fused(s_rest, z, fused(s, z_rest, fused(s, z, -cube)))
     t = cube * c
-    t_rest = _fused(cube_rest, c, _fused(cube, c_rest, _fused(cube, c, -t)))
+    t_rest = fused(cube_rest, c, fused(cube, c_rest, fused(cube, c, -t)))
     # Each sum begins with its larger term, or with zero.
     whole = k * _LN2
     first = whole + twice
     first_rest = twice - (first - whole)
     logarithm = first + t
     rest = t - (logarithm - first)
-    rest += first_rest + _fused(2.0, s_rest, _fused(k, _LN2_REST, t_rest))
+    rest += first_rest + fused(2.0, s_rest, fused(k, _LN2_REST, t_rest))
     logarithm = logarithm if x < math.inf else x
     logarithm = -math.inf if x < _LEAST_NORMAL else logarithm
     return (math.nan if x < 0.0 else logarithm), rest
@@ -160,17 +87,17 @@ def _logarithm_parts(x: float) -> tuple[float, float]:
 @in_order
 def _exponential_of_sum(x: float, rest: float) -> float:
     """e^(x + rest) for a rest of some roundings of x; see `exponential`."""
-    rounded = _fused(x, _INVERSE_LN2, _ROUNDER)
+    rounded = fused(x, _INVERSE_LN2, _ROUNDER)
     k = rounded - _ROUNDER
-    r = _fused(-k, _LN2, x) + _fused(-k, _LN2_REST, rest)
+    r = fused(-k, _LN2, x) + fused(-k, _LN2_REST, rest)
     rr = r * r
     r4 = rr * rr
     p = _cubic(r, rr, 0.5, 0.1666666666666667, 0.04166666666666667, 0.008333333333326136)
     q = _cubic(r, rr, 0.0013888888888883748, 0.00019841269874820627, 2.4801587325547743e-05, 2.7557255400206422e-06)
-    q = _fused(r4, _fused(rr, 2.0914686968086876e-09, _fused(r, 2.5105217004720745e-08, 2.75572736431103e-07)), q)
-    power = 1.0 + _fused(rr, _fused(r4, q, p), r)
+    q = fused(r4, fused(rr, 2.0914686968086876e-09, fused(r, 2.5105217004720745e-08, 2.75572736431103e-07)), q)
+    power = 1.0 + fused(rr, fused(r4, q, p), r)
     # The greatest power of two needed is beyond the range of numbers, though half of it is not.
-    scale = _number_of((_bits_of(rounded) + (_EXPONENT_OF_ONE - 1)) << _SIGNIFICAND_BITS)
+    scale = number_of((bits_of(rounded) + (_EXPONENT_OF_ONE - 1)) << _SIGNIFICAND_BITS)
     found = (power + power) * scale
     found = math.inf if x > _GREATEST_LOGARITHM else found
     return 0.0 if x < _LEAST_LOGARITHM else found
@@ -236,7 +163,7 @@ def power(x: float, n: float) -> float:
     # 0 · ∞ is no number.
     whole = 0.0 if (n == 0.0) & (x >= 0.0) else whole
     product = n * whole
-    return _exponential_of_sum(product, _fused(n, rest, _fused(n, whole, -product)))
+    return _exponential_of_sum(product, fused(n, rest, fused(n, whole, -product)))
 
 
 @in_order
@@ -274,15 +201,15 @@ def angle_of(x: float, y: float) -> float:
     p = _cubic(z, zz, -0.3333333333333333, 0.19999999999999485, -0.1428571428559874, 0.11111111100881761)
     q = _cubic(z, zz, -0.09090908618865388, 0.07692294677482635, -0.06666435144143137, 0.05879573107799684)
     r = _cubic(z, zz, -0.052400641544110685, 0.04627870086418654, -0.03806224794996687, 0.024999689507521367)
-    q = _fused(z4, _fused(z4, _fused(z4, -0.009211063504627926, r), q), p)
-    arctangent = _fused(t * z, q, t)
+    q = fused(z4, fused(z4, fused(z4, -0.009211063504627926, r), q), p)
+    arctangent = fused(t * z, q, t)
     # In right angles: from which angle the arctangent counts, and which way.
     start = 0.5 if turned else 0.0
     start = 1.0 - start if steep else start
     start = 2.0 - start if x < 0.0 else start
     backwards = steep != (x < 0.0)
     arctangent = -arctangent if backwards else arctangent
-    found = _fused(start, _HALF_PI, _fused(start, _HALF_PI_REST, arctangent))
+    found = fused(start, _HALF_PI, fused(start, _HALF_PI_REST, arctangent))
     return -found if y < 0.0 else found
 
 
@@ -296,18 +223,18 @@ def angle_or_zero(x: float, y: float) -> float:
 def direction_near_zero(r: float) -> tuple[float, float]:
     """Cosine and sine of an angle of at most π/4 [rad], to 1 ulp or so."""
     z = r * r
-    p = _fused(z, 1.58962301576546568060e-10, -2.50507477628578072866e-8)
-    p = _fused(z, p, 2.75573136213857245213e-6)
-    p = _fused(z, p, -1.98412698295895385996e-4)
-    p = _fused(z, p, 8.33333333332211858878e-3)
-    p = _fused(z, p, -1.66666666666666307295e-1)
-    sine = _fused(r * z, p, r)
-    p = _fused(z, -1.13585365213876817300e-11, 2.08757008419747316778e-9)
-    p = _fused(z, p, -2.75573141792967388112e-7)
-    p = _fused(z, p, 2.48015872888517045348e-5)
-    p = _fused(z, p, -1.38888888888730564116e-3)
-    p = _fused(z, p, 4.16666666666665929218e-2)
-    return _fused(z * z, p, _fused(z, -0.5, 1.0)), sine
+    p = fused(z, 1.58962301576546568060e-10, -2.50507477628578072866e-8)
+    p = fused(z, p, 2.75573136213857245213e-6)
+    p = fused(z, p, -1.98412698295895385996e-4)
+    p = fused(z, p, 8.33333333332211858878e-3)
+    p = fused(z, p, -1.66666666666666307295e-1)
+    sine = fused(r * z, p, r)
+    p = fused(z, -1.13585365213876817300e-11, 2.08757008419747316778e-9)
+    p = fused(z, p, -2.75573141792967388112e-7)
+    p = fused(z, p, 2.48015872888517045348e-5)
+    p = fused(z, p, -1.38888888888730564116e-3)
+    p = fused(z, p, 4.16666666666665929218e-2)
+    return fused(z * z, p, fused(z, -0.5, 1.0)), sine
 
 
 @in_order
@@ -330,11 +257,11 @@ def direction_of(angle: float) -> tuple[float, float]:
     A right angle is π/2 as rounded, so that a cycle of whole turns, each 2π as rounded, ends exactly where it began.
     """
     angle = np.float64(angle)
-    rounded = _fused(angle, _INVERSE_HALF_PI, _ROUNDER)
+    rounded = fused(angle, _INVERSE_HALF_PI, _ROUNDER)
     quarters = rounded - _ROUNDER
-    cosine, sine = direction_near_zero(_fused(-quarters, _HALF_PI, angle))
+    cosine, sine = direction_near_zero(fused(-quarters, _HALF_PI, angle))
     # The last two bits: turned by 0 to 3 right angles.
-    turns = _bits_of(rounded)
+    turns = bits_of(rounded)
     odd = turns & 1 != 0
     c, s = (sine if odd else cosine), (cosine if odd else sine)
     return (-c if (turns + 1) & 2 != 0 else c), (-s if turns & 2 != 0 else s)

@@ -3,7 +3,8 @@
 import math
 
 from engine.compiling.decorators import scalar
-from engine.laws.elementary import angle_of, chosen
+from engine.compiling.instructions import chosen
+from engine.laws.elementary import angle_of
 
 # Places nearer to a zero than this [rad or m] can't be told from it; so much beyond, what vanishes with it is small.
 _NEAR_ZERO, _NEAR_TOO = 1e-12, 1e-9

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from scipy import interpolate
 
 from engine.compiling.decorators import scalar
-from engine.laws.elementary import chosen
+from engine.compiling.instructions import chosen
 
 INTERPOLATIONS = ("linear", "pchip", "spline")
 OUTSIDE = ("hold", "zero")

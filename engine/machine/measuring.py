@@ -78,7 +78,7 @@ class Measuring:
     grid : tuple of int
         Into how many parts the positions of these divide the range, and how many positions there are.
     accuracy : float or None
-        Allowed error of what is measured, as of `Machine`.
+        Allowed error of what is measured, as for `Machine`.
     elsewhere : sequence of Node
         What is computed of the machine elsewhere: the groups that it depends on take part.
 

@@ -6,7 +6,6 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from engine.laws.tables import Table, TableError, make_table
 from engine.parts.skeleton import Angle, GuideRef, Length, LinkRef, Name, NonZero, Number, Part, PointRef
 
 # Lobes of a wheel, and harmonics of a law: more would be teeth.
@@ -99,67 +98,6 @@ class HarmonicLaw(Part):
         return self
 
 
-class TabledLaw(Part):
-    """The driven wheel's speed by rows over a lobe of the driver, through which a periodic spline goes.
-
-    `over_angle` is the driver's angle times its lobes, over at most 360 deg. Only proportions of `ratio` count: numbers
-    of lobes say what the mean is.
-    """
-
-    type: Literal["table"]
-    over_angle: list[Angle]
-    ratio: list[Number]
-
-    @model_validator(mode="after")
-    def _goes_on(self) -> "TabledLaw":
-        try:
-            rows = self._spline()
-        except TableError as error:
-            raise ValueError(str(error)) from None
-        lows = [_least(piece, length) for piece, length in zip(rows.coefficients, np.diff(rows.breaks), strict=True)]
-        if min(lows) <= 0.0:
-            place = math.degrees(rows.breaks[int(np.argmin(lows))])
-            raise ValueError(
-                f"ratio: the driven wheel would stand or turn back after the row at {place:.4g}°, where the curve "
-                f"through the rows comes down to {min(lows):.3g}; wheels in mesh can't do that: make rows more alike"
-            )
-        return self
-
-    def _spline(self) -> Table:
-        return make_table(self.over_angle, self.ratio, "spline", 2.0 * math.pi, names=("over_angle", "ratio"))
-
-    def speed_and_lead(self) -> tuple[Table, Table]:
-        """The speed as a share of its mean, and how far the wheel leads an even motion where each piece begins [rad].
-
-        The lead is zero where the law begins, at the angle 0.
-        """
-        rows = self._spline()
-        lengths = np.diff(rows.breaks)
-        gained = _integrals(rows.coefficients, lengths)
-        share = 2.0 * math.pi / gained.sum()
-        before = np.cumsum(np.append(0.0, share * gained - lengths))[:-1]
-        # In the period that the rows describe the law begins here.
-        begin = rows.start + (-rows.start) % rows.period
-        piece = int(np.searchsorted(rows.breaks, begin, "right")) - 1
-        t = begin - rows.breaks[piece]
-        before = before - (before[piece] + share * _integrals(rows.coefficients[piece], t) - t)
-        leads = np.column_stack((np.zeros((before.size, 3)), before))
-        return rows._replace(coefficients=share * rows.coefficients), rows._replace(coefficients=leads)
-
-
-def _least(piece: np.ndarray, length: float) -> float:
-    """Least value of a cubic between 0 and a length."""
-    turns = np.roots(np.polyder(piece))
-    inside = turns.real[(np.abs(turns.imag) < 1e-9 * length) & (turns.real > 0.0) & (turns.real < length)]
-    return float(np.polyval(piece, np.array([0.0, length, *inside])).min())
-
-
-def _integrals(pieces: np.ndarray, t: np.ndarray | float) -> np.ndarray | float:
-    """Of cubics, each from 0 to its t."""
-    c3, c2, c1, c0 = np.moveaxis(pieces, -1, 0)
-    return (((c3 / 4.0 * t + c2 / 3.0) * t + c1 / 2.0) * t + c0) * t
-
-
 class NoncircularWheel(Part):
     """A link that turns about a `pivot` of the frame, in mesh with a wheel on the crank, a shaft or another such wheel.
 
@@ -171,7 +109,7 @@ class NoncircularWheel(Part):
 
     geared_to: LinkRef
     pivot: PointRef
-    law: Annotated[EllipticalLaw | HarmonicLaw | TabledLaw, Field(discriminator="type")]
+    law: Annotated[EllipticalLaw | HarmonicLaw, Field(discriminator="type")]
     lobes: Annotated[int, Field(ge=1, le=MOST_LOBES)] = 1
     driver_lobes: Annotated[int, Field(ge=1, le=MOST_LOBES)] = 1
     begin: Angle = 0.0

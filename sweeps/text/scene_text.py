@@ -231,7 +231,6 @@ def _label_tables(scene: Scene, data: dict[str, Any]) -> None:
     moved = [*data.get("cams", {}).values(), *data.get("inputs", {}).values()]
     moved += [element for element in data.get("elements", {}).values() if element["type"] == "cam"]
     rows = [part["table"] for part in moved if "table" in part]
-    rows += [wheel["law"] for wheel in data.get("noncircular_wheels", {}).values()]
     for table in rows:
         for key, unit in (("over_angle", "rad"), ("lift", "m"), ("swing", "rad")):
             if key in table:

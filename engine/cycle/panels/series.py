@@ -9,10 +9,10 @@ is rounding or something within the panel bends or jumps, they are taken to fall
 import math
 
 from engine.compiling.decorators import inlined, routine
+from engine.compiling.instructions import held
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.chebyshev import DEGREE, EVEN, MIDDLE, MISSED, ODD, WEIGHTS
 from engine.cycle.panels.lanes import Memory, memory
-from engine.laws.elementary import held
 
 # Rows of a panel's figures: sum over the positions with the weights of the integral over [−1, 1]; what of the curve and
 # of that integral lies beyond degree 16; greatest magnitude; whether the last coefficients are level (1 or 0).

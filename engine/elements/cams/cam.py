@@ -40,9 +40,10 @@ from engine.elements.cams.pieces import (
     PIECES_OF_A_SECTION,
     cut_table,
 )
-from engine.elements.element import EPS, ROUNDING, Answers, Element, ElementResult, Numbers
+from engine.elements.element import ROUNDING, Answers, Element, ElementResult, Numbers
 from engine.laws.cams.motion_laws import DWELL, LAW_KINDS
 from engine.laws.cams.profiles import least_arm_angle, pressure_of_lines
+from engine.laws.rounding import EPS
 from engine.laws.tables import make_table
 from engine.parts.motion_programs import CamProgram, DwellSection, Positive, RiseSection
 from engine.parts.skeleton import AngularSpeed

@@ -23,6 +23,7 @@ from engine.laws.cams.profiles import (
     translating_place,
     translating_pressure,
 )
+from engine.laws.rounding import EPS
 
 # Of a translating follower DISTANCE is the offset.
 BASE, SPEED, ROLLER, DISTANCE, ARM, INERTIA, PRELOAD, STIFFNESS, LOAD, FRICTION, GUIDE, OVERHANG = range(12)
@@ -52,7 +53,6 @@ SWINGS, FLAT, SENSE, DYNAMIC, LIMITED = range(5)
 QUANTITIES = 15
 # Instead of infinity, which no polynomial follows.
 NEVER = 1e300
-EPS = 2.0**-52
 
 
 @routine

@@ -37,9 +37,10 @@ from engine.elements.elastic_drives.motor_phases import (
     SHOWN,
     follow_motor_drives,
 )
-from engine.elements.element import EPS, Answers, Columns, Element, ElementResult, Numbers, nudged
+from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers, nudged
 from engine.elements.oscillators.one_mass import free_motion
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.laws.rounding import EPS
 from engine.parts.actions import Moment, Time
 from engine.parts.motor_constants import kloss_constants, stall_moment
 from engine.parts.skeleton import Angle, AngularSpeed, Inertia

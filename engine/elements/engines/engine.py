@@ -18,7 +18,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from engine.elements.element import EPS, Answers, Columns, Element, ElementResult, Numbers
+from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers
 from engine.elements.engines.engine_layout import (
     Engine,
     EngineLayout,
@@ -43,6 +43,7 @@ from engine.elements.engines.hodograph import Hodograph
 from engine.elements.engines.master_rod import POSITIONS
 from engine.elements.engines.shafts import crankshaft_counterweights, remaining_shaking
 from engine.elements.engines.shaking import EngineShaking, engine_shaking
+from engine.laws.rounding import EPS
 from engine.parts.skeleton import Angle, AngularSpeed, Inertia, Length, Mass, Number, Part, quantity
 
 Positive = Annotated[Length, Field(gt=0)]

@@ -16,8 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.elements.element import EPS
 from engine.elements.engines.engine_layout import TURN
+from engine.laws.rounding import EPS
 
 NODES = 48
 

@@ -4,10 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.elements.element import Numbers
 from engine.elements.gears.gear_elements import GearTrain
 from engine.elements.gears.gear_structure import MeshPlace
 from engine.elements.gears.tooth_laws import MeshGeometry, TeethInMesh, mesh_geometry, pitch_diameter
-from engine.elements.gears.train_speeds import EPS, Numbers, stages, teeth_of
+from engine.elements.gears.train_speeds import stages, teeth_of
+from engine.laws.rounding import EPS
 from engine.verdicts import Verdict
 
 # Centre distances that differ by less are the same but for rounding.

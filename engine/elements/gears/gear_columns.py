@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from engine.elements.element import Answers, ElementResult
+from engine.elements.element import Answers, ElementResult, Numbers
 from engine.elements.gears.assembly_conditions import (
     AssemblyConditions,
     MeshSizes,
@@ -17,15 +17,8 @@ from engine.elements.gears.gear_elements import GearTrain
 from engine.elements.gears.load_columns import TOOTH_FORCES, Pairs, load_results, pinned_planets
 from engine.elements.gears.tooth_laws import minimum_teeth
 from engine.elements.gears.train_inertia import kinetic_energy
-from engine.elements.gears.train_speeds import (
-    EPS,
-    Numbers,
-    TrainSpeeds,
-    basic_ratios,
-    speed_ratio,
-    stages,
-    train_speeds,
-)
+from engine.elements.gears.train_speeds import TrainSpeeds, basic_ratios, speed_ratio, stages, train_speeds
+from engine.laws.rounding import EPS
 from engine.verdicts import Verdict
 
 # What stays of a variant whose wheels don't fit or mesh: why they don't.

@@ -2,13 +2,15 @@
 
 import numpy as np
 
+from engine.elements.element import Numbers
 from engine.elements.gears.assembly_conditions import MeshSizes, angle_error
 from engine.elements.gears.gear_elements import GearTrain
 from engine.elements.gears.gear_structure import STANDS_STILL
 from engine.elements.gears.tooth_laws import mesh_efficiency, tooth_forces
 from engine.elements.gears.train_inertia import mass_and_inertia, planet_sets
 from engine.elements.gears.train_moments import TrainMoments, train_moments
-from engine.elements.gears.train_speeds import EPS, Numbers, TrainSpeeds
+from engine.elements.gears.train_speeds import TrainSpeeds
+from engine.laws.rounding import EPS
 
 Pairs = dict[str, tuple[np.ndarray, np.ndarray]]
 TOOTH_FORCES = ("tangential", "radial", "axial", "normal")

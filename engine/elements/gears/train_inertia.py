@@ -4,9 +4,11 @@ import math
 
 import numpy as np
 
+from engine.elements.element import Numbers
 from engine.elements.gears.assembly_conditions import MeshSizes
 from engine.elements.gears.gear_elements import GearTrain
-from engine.elements.gears.train_speeds import EPS, Numbers, TrainSpeeds
+from engine.elements.gears.train_speeds import TrainSpeeds
+from engine.laws.rounding import EPS
 
 
 def kinetic_energy(

@@ -10,9 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.elements.gears.exact_solving import solve_exactly
+from engine.elements.element import Numbers
 from engine.elements.gears.gear_elements import GearTrain
-from engine.elements.gears.train_speeds import EPS, Numbers, TrainSpeeds, teeth_of
+from engine.elements.gears.mesh_equations import solve
+from engine.elements.gears.train_speeds import TrainSpeeds, teeth_of
+from engine.laws.rounding import EPS
 
 # Powers below this share of the mesh's largest terms are nothing but rounding.
 _NOTHING = 64 * EPS
@@ -145,7 +147,7 @@ class _Equilibrium(NamedTuple):
         acts = acts[:count]
         unknown = structure.number_of(structure.unknown_moments)
         known = [i for i in range(count) if i not in unknown]
-        solution = solve_exactly(acts[known], -self.loads[known][:, None])
+        solution = solve(acts[known], -self.loads[known][:, None])
         force = solution.values[:, 0]
         moments, errors = self.loads.copy(), EPS * np.abs(self.loads)
         with np.errstate(invalid="ignore"):

@@ -1,17 +1,15 @@
 """Angular speeds of a gear train: meshes' equations K ω = 0, and the basic ratios of its planetary stages."""
 
-from collections.abc import Mapping
 from math import inf
 from typing import NamedTuple
 
 import numpy as np
 
-from engine.elements.gears.exact_solving import solve_exactly
+from engine.elements.element import Numbers
 from engine.elements.gears.gear_elements import GearTrain
 from engine.elements.gears.gear_structure import STANDS_STILL, MeshPlace
-
-Numbers = Mapping[str, np.ndarray]
-EPS = float(np.finfo(float).eps)
+from engine.elements.gears.mesh_equations import solve
+from engine.laws.rounding import EPS
 
 
 class TrainSpeeds(NamedTuple):
@@ -58,7 +56,7 @@ def train_speeds(train: GearTrain, n: Numbers) -> TrainSpeeds:
     for i, name in zip(driven, structure.driven, strict=True):
         speeds[i] = n[f"shafts.{name}.speed"]
     # Each given speed by itself: their shares may cancel, and what is left carries the rounding of both.
-    shares = solve_exactly(equations[:, rest], -equations[:, driven])
+    shares = solve(equations[:, rest], -equations[:, driven])
     parts = shares.values * speeds[driven]
     speeds[rest] = parts.sum(axis=1)
     errors[driven] = EPS * np.abs(speeds[driven])

@@ -10,7 +10,7 @@ from numba import types
 from pydantic import Field, model_validator
 
 from engine.compiling.running import prepare
-from engine.elements.element import EPS, ROUNDING, Answers, Element, ElementResult, Numbers
+from engine.elements.element import ROUNDING, Answers, Element, ElementResult, Numbers
 from engine.elements.governors.governed_engine import (
     FullAndShutThrottle,
     GovernedEngine,
@@ -19,7 +19,6 @@ from engine.elements.governors.governed_engine import (
 )
 from engine.elements.governors.governor_results import KEPT, ROOM, STATICS, WITH_ENGINE, find_equilibria
 from engine.elements.governors.places import (
-    ARM_NUMBERS,
     CYCLE_LENGTH,
     GEOMETRY_NUMBERS,
     NUMBERS,
@@ -28,6 +27,7 @@ from engine.elements.governors.places import (
 )
 from engine.elements.governors.transients import ANSWERS, FINE, MOTION_ROOM, follow_changes
 from engine.elements.rotors.bearings import STANDARD_GRAVITY
+from engine.laws.rounding import EPS
 from engine.laws.tables import Table, in_memory, make_table
 from engine.parts.skeleton import Acceleration, Length, Mass, Number, quantity
 
@@ -37,8 +37,8 @@ _FLAG = {"units": "1", "exact": True}
 _STATICS = (
     ElementResult("inner_speed", "speed of the spindle in equilibrium at the inner stop", "rad s-1"),
     ElementResult("outer_speed", "speed of the spindle in equilibrium at the outer stop", "rad s-1"),
-    ElementResult("inner_force", "controlling force of one ball, with that of its arms, at the inner stop", "N"),
-    ElementResult("outer_force", "controlling force of one ball, with that of its arms, at the outer stop", "N"),
+    ElementResult("inner_force", "controlling force of one ball at the inner stop", "N"),
+    ElementResult("outer_force", "controlling force of one ball at the outer stop", "N"),
     ElementResult("stable_from", "radius at which the longest stable stretch begins", "m"),
     ElementResult("stable_to", "radius at which the longest stable stretch ends", "m"),
     ElementResult("least_speed", "least speed of the spindle in the stable stretch", "rad s-1"),
@@ -101,10 +101,9 @@ class Governor(Element):
     inner stop. `speed_change` is the share of the speed for which effort and power are told.
     """
 
-    # Keys of what holds the balls, and of the masses of arms, in the order of `engine.elements.governors.places`.
+    # Keys of what holds the balls, in the order of `engine.elements.governors.places`.
     holding: ClassVar[Holding]
     geometry: ClassVar[tuple[str, ...]]
-    arms: ClassVar[tuple[str, ...]] = ()
 
     ball_mass: Annotated[Mass, Field(gt=0)]
     sleeve_mass: Annotated[Mass, Field(ge=0)] = 0.0
@@ -170,8 +169,7 @@ class Governor(Element):
         """
         load = n.get("engine.load", 0.0)
         found = [n.get(key, 0.0) for key in _OWN]
-        for keys, count in ((self.geometry, GEOMETRY_NUMBERS), (self.arms, ARM_NUMBERS)):
-            found += [*(n[key] for key in keys), *(0.0,) * (count - len(keys))]
+        found += [*(n[key] for key in self.geometry), *(0.0,) * (GEOMETRY_NUMBERS - len(self.geometry))]
         found += [*(n.get(f"engine.{key}", 0.0) for key in _OF_ITS_ENGINE), load, n.get("engine.new_load", load)]
         found += [n.get(f"engine.{key}", 0.0) for key in ("duration", "settling_band", "throttle.switch")]
         if self.is_followed and self.governs_machine:
@@ -216,19 +214,16 @@ class ArmGovernor(LoadedGovernor):
     """A governor with upper arms on the spindle and lower arms on the sleeve.
 
     `upper_pivot` and `lower_pivot` are the distances of their pivots from the axis, on the side of the ball; negative
-    where arms cross the axis. `upper_arm_mass` and `lower_arm_mass` are those of one arm, a uniform rod.
+    where arms cross the axis.
     """
 
     holding: ClassVar = Holding.UPPER_ARMS
     geometry: ClassVar = ("upper_arm", "lower_arm", "upper_pivot", "lower_pivot", "upper_arm")
-    arms: ClassVar = ("upper_arm_mass", "lower_arm_mass")
 
     upper_arm: Positive
     lower_arm: Positive
     upper_pivot: Length = 0.0
     lower_pivot: Length = 0.0
-    upper_arm_mass: Annotated[Mass, Field(ge=0)] = 0.0
-    lower_arm_mass: Annotated[Mass, Field(ge=0)] = 0.0
 
 
 def cycle_key(k: int) -> str:

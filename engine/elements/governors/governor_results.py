@@ -41,7 +41,6 @@ from engine.elements.governors.places import (
     SLEEVE,
     SWITCH,
     Throttling,
-    arms_at,
     held_at,
     linkage_at,
     margin_at,
@@ -56,7 +55,6 @@ from engine.laws.governors.equilibrium import (
     sleeve_stiffness,
     speed_with_friction,
     stability_margin,
-    whirling_mass,
 )
 from engine.laws.governors.stability import (
     critical_damping_of_sleeve,
@@ -67,10 +65,9 @@ from engine.laws.governors.stability import (
     oscillates,
     vyshnegradsky,
 )
+from engine.laws.rounding import EPS, NUDGE
 from engine.verdicts import Verdict
 
-EPS = 2.0**-52
-NUDGE = 2.0**-26
 _NONE, _FULL_AND_SHUT = int(Throttling.NONE), int(Throttling.FULL_AND_SHUT)
 _OK, _OUTSIDE = int(Verdict.OK), int(Verdict.OUTSIDE_LIMITS)
 _STALLS, _RUNS_AWAY = int(Verdict.STALLS), int(Verdict.RUNS_AWAY)
@@ -174,26 +171,25 @@ def equilibrium_at(
     -------
     tuple of 10 floats
         Radius, lift [m], controlling force [N], speed of the spindle [rad/s], force at the sleeve [N], stability
-        margin, z', mass of the sleeve [kg], its stiffness at constant speed [N/m], inertia of balls and arms about the
+        margin, z', mass of the sleeve [kg], its stiffness at constant speed [N/m], inertia of the balls about the
         axis [kg·m²].
     """
     link = linkage_at(kind, p, x)
     r, r1, r2, h1, _, z, z1, _ = link
-    arms = arms_at(kind, p, x, link)
-    slope, curvature, _ = held_at(kind, p, memory, x, link, arms, zero)
+    slope, curvature, _ = held_at(kind, p, memory, x, link, zero)
     force, sleeve = controlling_force(slope, r1), sleeve_equivalent(slope, z1)
-    margin = stability_margin(r, r1, r2, slope, curvature, p[BALL], arms[1], arms[2])
+    margin = stability_margin(r, r1, r2, slope, curvature)
     return (
         r,
         z - zero,
         force,
-        equilibrium_speed(force, whirling_mass(p[BALL], r, r1, arms[1]), r),
+        equilibrium_speed(force, p[BALL], r),
         sleeve,
         margin,
         z1,
-        (moving_inertia(p[BALL], p[SLEEVE], r1, h1, z1) + arms[5]) / (z1 * z1),
+        moving_inertia(p[BALL], p[SLEEVE], r1, h1, z1) / (z1 * z1),
         sleeve_stiffness(sleeve, margin, r, r1, z1),
-        2.0 * p[BALL] * r * r + arms[0],
+        2.0 * p[BALL] * r * r,
     )
 
 

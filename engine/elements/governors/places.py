@@ -7,20 +7,17 @@ doesn't have is not read. Tables are the same for all variants and stand one aft
 import math
 from enum import IntEnum
 
-from engine.compiling.decorators import inlined, routine
+from engine.compiling.decorators import routine
 from engine.cycle.panels.lanes import Memory
-from engine.laws.governors.arms import arm_inertia, arm_moving_inertia
 from engine.laws.governors.equilibrium import holding, sleeve_equivalent, stability_margin
-from engine.laws.governors.linkages import arm_reach, balls_on_bell_cranks, balls_on_lower_arms, balls_on_upper_arms
+from engine.laws.governors.linkages import balls_on_bell_cranks, balls_on_lower_arms, balls_on_upper_arms
+from engine.laws.rounding import EPS
 from engine.laws.tables import table_segment
 
 BALL, SLEEVE, STIFFNESS, PRELOAD, GRAVITY, FRICTION, DAMPING, LEAST, GREATEST, CHANGE = range(10)
 GEOMETRY = 10
 GEOMETRY_NUMBERS = 6
-# Masses of one upper arm, one lower arm and one extension, or of the two arms of one bell crank.
-ARMS = GEOMETRY + GEOMETRY_NUMBERS
-ARM_NUMBERS = 3
-ENGINE = ARMS + ARM_NUMBERS
+ENGINE = GEOMETRY + GEOMETRY_NUMBERS
 INERTIA, RATIO, FULL, CLOSED, SELF_REGULATION, LOAD, NEW_LOAD, DURATION, BAND, SWITCH = range(ENGINE, ENGINE + 10)
 NUMBERS = ENGINE + 10
 # Where the engine is a mechanism, curves over its cycle follow, each at so many equally spaced crank angles: what its
@@ -54,7 +51,6 @@ _UPPER_ARMS, _LOWER_ARMS, _BELL_CRANKS = (int(k) for k in tuple(Holding)[:3])
 _OVER_RADIUS = int(Holding.OVER_RADIUS)
 _LINEAR, _TABLE, _FULL_AND_SHUT = (int(k) for k in tuple(Throttling)[1:])
 
-EPS = 2.0**-52
 # Samples in which a position is sought for a radius that no formula gives. Newton's method then takes a handful of
 # rounds, halving of the bracket one for each bit.
 _SAMPLES, _ROUNDS = 64, 100
@@ -87,79 +83,6 @@ def linkage_at(kind: int, p: Memory, x: float) -> tuple[float, float, float, flo
     return x, 1.0, 0.0, 0.0, 0.0, (x - p[LEAST]) * p[g], p[g], 0.0
 
 
-@inlined
-def rod_at(mass: float, near: tuple, far: tuple) -> tuple[float, float, float, float, float, float, float]:
-    """What two uniform rods of one mass add to J, J', J'', to the half of Σ m h' and Σ m h'' of all, and to A and A'.
-
-    Parameters
-    ----------
-    mass : float
-        Of one of them [kg].
-    near, far : tuple of 5 floats
-        r, r', r'', h', h'' of the ends.
-    """
-    turning, turning_rate, turning_rate_rate = arm_inertia(mass, near[0], near[1], near[2], far[0], far[1], far[2])
-    across, across_rate = arm_moving_inertia(mass, near[1], near[2], far[1], far[2])
-    along, along_rate = arm_moving_inertia(mass, near[3], near[4], far[3], far[4])
-    half = 0.5 * mass
-    return (
-        2.0 * turning,
-        2.0 * turning_rate,
-        2.0 * turning_rate_rate,
-        half * (near[3] + far[3]),
-        half * (near[4] + far[4]),
-        2.0 * (across + along),
-        2.0 * (across_rate + along_rate),
-    )
-
-
-@routine
-def arms_at(kind: int, p: Memory, x: float, link: tuple) -> tuple[float, float, float, float, float, float, float]:
-    """What the mass of all arms adds to a governor at a position.
-
-    Parameters
-    ----------
-    kind : int
-        `Holding`.
-    p : Memory (NUMBERS,)
-    x : float
-        [m]
-    link : tuple of 8 floats
-        `linkage_at` that position.
-
-    Returns
-    -------
-    tuple of 7 floats
-        J_a, J_a', J_a'', their inertia about the axis [kg·m²] and its derivatives; m h' and m h'' of the arms of one
-        side [kg], [kg/m]; what they add to A and A'.
-    """
-    first, second, third = p[ARMS], p[ARMS + 1], p[ARMS + 2]
-    if first + second + third == 0.0:
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    g = GEOMETRY
-    along, slope, rate = arm_reach(x, p[g + 2], p[g])
-    ball, pivot = (link[0], link[1], link[2], link[3], link[4]), (p[g + 2], 0.0, 0.0, 0.0, 0.0)
-    if kind == _BELL_CRANKS:
-        # The roller is as far inwards of the pivot as the ball is above it, in the ratio of the arms.
-        ratio = p[g + 1] / p[g]
-        roller = (p[g + 2] - ratio * along, ratio * slope, ratio * rate, ratio, 0.0)
-        a, b, c = rod_at(first, pivot, ball), rod_at(second, pivot, roller), rod_at(0.0, pivot, pivot)
-    else:
-        joint, pin = (x, 1.0, 0.0, slope, rate), (p[g + 3], 0.0, 0.0, link[6], link[7])
-        # A ball beyond the joint has an upper arm as long as that.
-        end = ball if kind == _UPPER_ARMS and p[g + 4] > p[g] else joint
-        a, b, c = rod_at(first, pivot, end), rod_at(second, joint, pin), rod_at(third, joint, ball)
-    return (
-        a[0] + b[0] + c[0],
-        a[1] + b[1] + c[1],
-        a[2] + b[2] + c[2],
-        a[3] + b[3] + c[3],
-        a[4] + b[4] + c[4],
-        a[5] + b[5] + c[5],
-        a[6] + b[6] + c[6],
-    )
-
-
 @routine
 def value_and_rate(memory: Memory, offset: float, u: float) -> tuple[float, float]:
     """Value and slope of a table in memory.
@@ -172,9 +95,7 @@ def value_and_rate(memory: Memory, offset: float, u: float) -> tuple[float, floa
 
 
 @routine
-def held_at(
-    kind: int, p: Memory, memory: Memory, x: float, link: tuple, arms: tuple, zero: float
-) -> tuple[float, float, float]:
+def held_at(kind: int, p: Memory, memory: Memory, x: float, link: tuple, zero: float) -> tuple[float, float, float]:
     """V', V'' at a position, and the magnitudes that V' is a sum of.
 
     Parameters
@@ -186,8 +107,6 @@ def held_at(
     x : float
     link : tuple of 8 floats
         `linkage_at` that position.
-    arms : tuple of 7 floats
-        `arms_at` it.
     zero : float
         Height of the sleeve at the inner stop, as `linkage_at` counts it [m].
 
@@ -204,8 +123,7 @@ def held_at(
     spring, weight = p[STIFFNESS] * (z - zero), p[SLEEVE] * p[GRAVITY]
     slope, curvature = holding(ball, weight + p[PRELOAD] + spring, p[STIFFNESS], h1, h2, z1, z2)
     size = 2.0 * ball * abs(h1) + (weight + abs(p[PRELOAD]) + p[STIFFNESS] * (abs(z) + abs(zero))) * abs(z1)
-    twice = 2.0 * p[GRAVITY]
-    return slope + twice * arms[3], curvature + twice * arms[4], size + twice * abs(arms[3])
+    return slope, curvature, size
 
 
 @routine
@@ -224,18 +142,15 @@ def margin_at(kind: int, p: Memory, memory: Memory, x: float, zero: float) -> tu
     rounding : float
         What rounding may amount to in it.
     sleeve : float
-        E; NaN or ≤ 0 where nothing holds the balls, or where heavy arms beyond the axis pull them inwards.
+        E; NaN or ≤ 0 where nothing holds the balls.
     radius_rate, lift_rate : float
         r' and z'; NaN where arms don't reach, above 0 where balls and sleeve rise together.
     """
     link = linkage_at(kind, p, x)
-    arms = arms_at(kind, p, x, link)
-    slope, curvature, size = held_at(kind, p, memory, x, link, arms, zero)
-    margin = stability_margin(link[0], link[1], link[2], slope, curvature, p[BALL], arms[1], arms[2])
-    pull = 4.0 * p[BALL] * link[0] * link[1] + arms[1]
-    size = 1.0 + size / abs(slope) + (abs(arms[1]) + abs(arms[2]) * link[0] / link[1]) / abs(pull)
-    rounding = 32.0 * EPS * (1.0 + abs(margin + 1.0)) * size
-    sleeve = sleeve_equivalent(slope, link[6]) if pull > 0.0 else math.nan
+    slope, curvature, size = held_at(kind, p, memory, x, link, zero)
+    margin = stability_margin(link[0], link[1], link[2], slope, curvature)
+    rounding = 32.0 * EPS * (1.0 + abs(margin + 1.0)) * (1.0 + size / abs(slope))
+    sleeve = sleeve_equivalent(slope, link[6]) if link[0] * link[1] > 0.0 else math.nan
     return margin, rounding, sleeve, link[1], link[6]
 
 

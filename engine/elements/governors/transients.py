@@ -37,7 +37,6 @@ from engine.elements.governors.places import (
     SLEEVE,
     SWITCH,
     Throttling,
-    arms_at,
     held_at,
     linkage_at,
     throttle_at,
@@ -173,21 +172,20 @@ def rates_at(kind: int, throttle: int, p: Memory, memory: Memory, offset: float,
     x, velocity, speed, angle = y
     link = linkage_at(kind, p, x)
     r, r1, r2, h1, h2, z, z1, z2 = link
-    arms = arms_at(kind, p, x, link)
     square = p[RATIO] * p[RATIO]
-    whirl_rate = 4.0 * p[BALL] * r * r1 + arms[1]
+    whirl_rate = 4.0 * p[BALL] * r * r1
     change, slope, driving, other = cycle_at(p, held, angle)
     moment = moment_at(throttle, p, memory, offset, held, z - held[ZERO], speed, driving)
     moment += other - 0.5 * slope * speed * speed
-    whole = p[INERTIA] + change + square * (2.0 * p[BALL] * r * r + arms[0])
+    whole = p[INERTIA] + change + square * 2.0 * p[BALL] * r * r
     turning = engine_acceleration(moment, whole, square * whirl_rate, velocity, speed)
     if held[RESTS] > 0.0:
         return 0.0, 0.0, turning, speed
-    held_by, _, _ = held_at(kind, p, memory, x, link, arms, held[ZERO])
+    held_by, _, _ = held_at(kind, p, memory, x, link, held[ZERO])
     hindered = z1 * (p[DAMPING] * z1 * velocity + p[FRICTION] * held[SENSE])
     pull = 0.5 * square * speed * speed * whirl_rate - held_by - hindered
-    inertia = moving_inertia(p[BALL], p[SLEEVE], r1, h1, z1) + arms[5]
-    inertia_rate = moving_inertia_rate(p[BALL], p[SLEEVE], r1, r2, h1, h2, z1, z2) + arms[6]
+    inertia = moving_inertia(p[BALL], p[SLEEVE], r1, h1, z1)
+    inertia_rate = moving_inertia_rate(p[BALL], p[SLEEVE], r1, r2, h1, h2, z1, z2)
     return velocity, governor_acceleration(pull, inertia, inertia_rate, velocity), turning, speed
 
 
@@ -372,13 +370,12 @@ def thresholds(kind: int, p: Memory, memory: Memory, held: Memory, x: float) -> 
         [rad/s], [rad/s], [m], [kg·m²]
     """
     link = linkage_at(kind, p, x)
-    arms = arms_at(kind, p, x, link)
-    slope, _, _ = held_at(kind, p, memory, x, link, arms, held[ZERO])
+    slope, _, _ = held_at(kind, p, memory, x, link, held[ZERO])
     friction = p[FRICTION] * link[6]
     square = p[RATIO] * p[RATIO]
-    pull = square * (2.0 * p[BALL] * link[0] * link[1] + 0.5 * arms[1])
+    pull = square * 2.0 * p[BALL] * link[0] * link[1]
     falls, rises = math.sqrt(max(slope - friction, 0.0) / pull), math.sqrt(max(slope + friction, 0.0) / pull)
-    whole = p[INERTIA] + square * (2.0 * p[BALL] * link[0] * link[0] + arms[0])
+    whole = p[INERTIA] + square * 2.0 * p[BALL] * link[0] * link[0]
     return falls, rises, link[5] - held[ZERO], whole
 
 

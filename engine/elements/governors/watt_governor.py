@@ -11,8 +11,7 @@ from engine.parts.skeleton import Length
 class WattGovernor(ArmGovernor):
     """Watt's governor: balls on the upper arms.
 
-    They are at `ball_arm` from the pivots; at the joints with the lower arms where that isn't given. An upper arm ends
-    at its joint or its ball, whichever is farther from its pivot.
+    They are at `ball_arm` from the pivots; at the joints with the lower arms where that isn't given.
     """
 
     type: Literal["watt_governor"]

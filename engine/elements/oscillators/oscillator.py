@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from engine.elements.compliances.stiffnesses import cantilever_stiffness
-from engine.elements.element import EPS, ROUNDING, Answers, Columns, Element, ElementResult, Numbers, nudged
+from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, nudged
 from engine.elements.oscillators.excitations import (
     CantileverSpring,
     Excitation,
@@ -40,6 +40,7 @@ from engine.elements.oscillators.over_time import (
 )
 from engine.elements.oscillators.run_through import run_through_motion, run_through_peak
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.laws.rounding import EPS
 from engine.parts.actions import Damping, Stiffness
 from engine.parts.skeleton import Mass, Number
 from engine.verdicts import Verdict

@@ -14,7 +14,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from engine.elements.element import EPS, Answers, Columns, Element, ElementResult, Numbers
+from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers
 from engine.elements.rotors.bearings import BearingForces, peak_forces, rotating_forces, static_forces
 from engine.elements.rotors.correction import correct, corrected_unbalance, misplaced_share
 from engine.elements.rotors.grades import grade_needed, grade_reached, permissible_unbalance, tolerance_shares
@@ -31,6 +31,7 @@ from engine.elements.rotors.unbalance import (
     unbalance,
     unbalance_in_two_planes,
 )
+from engine.laws.rounding import EPS
 from engine.parts.skeleton import AngularSpeed, Length, Mass, Name, Speed
 
 # So near to a whole number counts as one: error figures are made from numbers that are changed a little.

@@ -12,9 +12,10 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from engine.elements.element import EPS, Columns, Element, ElementResult, Numbers
+from engine.elements.element import Columns, Element, ElementResult, Numbers
 from engine.elements.rotors.knife_edges import residual_unbalance, resting_angle
 from engine.elements.rotors.rotor_parts import OffAxis
+from engine.laws.rounding import EPS
 from engine.parts.skeleton import AngularSpeed, Length, Mass, Name
 
 

@@ -4,9 +4,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from engine.elements.element import EPS, Numbers
+from engine.elements.element import Numbers
 from engine.elements.engines.engine import ROUNDED_ORDERS, engine_torque
 from engine.elements.torsional_trains.reduced_train import ReducedTrain
+from engine.laws.rounding import EPS
 
 if TYPE_CHECKING:
     from engine.elements.torsional_trains.torsional_train import TorsionalTrain

@@ -17,15 +17,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.elements.element import EPS
 from engine.elements.torsional_trains.reduced_train import ReducedTrain
+from engine.laws.rounding import EPS
 
 # Roundings of a few complex operations.
 _STEP = 8.0 * EPS
 
 
 class ForcedVibration(NamedTuple):
-    """Vibration of a reduced train: complex amplitudes, as of amplitude · e^(i w t), and bounds of their errors.
+    """Vibration of a reduced train: complex amplitudes, as in amplitude · e^(i w t), and bounds of their errors.
 
     Attributes
     ----------

@@ -24,8 +24,8 @@ from numba import types
 from engine.compiling.decorators import driver, routine
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import LANES
-from engine.elements.element import EPS
 from engine.elements.torsional_trains.reduced_train import ReducedTrain
+from engine.laws.rounding import EPS
 
 # Relative distance of the bounds of a frequency's square when bisection ends.
 ENCLOSED = 2.0**-50

@@ -9,6 +9,7 @@ from numba import types
 
 from engine.compiling.decorators import driver, routine
 from engine.compiling.running import prepare, spread
+from engine.laws.rounding import EPS
 
 # Samples for each wave of the highest order, from which extremes are then narrowed down.
 _PER_WAVE = 16
@@ -18,7 +19,6 @@ _MISSED = 0.02
 # Most revolutions after which orders repeat themselves.
 _REVOLUTIONS = 12
 _WHOLE = 1e-9
-_EPS = float(np.finfo(float).eps)
 
 
 def revolutions_of(orders: Sequence[float]) -> int | None:
@@ -88,7 +88,7 @@ def _narrowed(h: np.ndarray, own: np.ndarray, sign: float, phi: float, step: flo
         if not sign * curved < 0.0:
             break
         move = min(max(-slope / curved, -step), step)
-        if abs(curved) * move * move < _EPS * height:
+        if abs(curved) * move * move < EPS * height:
             break
         angle += move
     return height

@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from engine.elements.element import EPS, Answers, Element, ElementResult, Numbers
+from engine.elements.element import Answers, Element, ElementResult, Numbers
 from engine.elements.engines.engine import EngineElement
 from engine.elements.torsional_trains.excitation import TrainExcitation, excitation_orders, train_excitation
 from engine.elements.torsional_trains.forced_vibration import ForcedVibration, forced_vibration, under_mean_moments
@@ -17,6 +17,7 @@ from engine.elements.torsional_trains.order_sums import extremes_of_orders
 from engine.elements.torsional_trains.reduced_train import ReducedTrain, reduced_train
 from engine.elements.torsional_trains.train_layout import FRAME_END, Joint, LayoutProblem, TrainLayout, train_layout
 from engine.elements.torsional_trains.train_parts import HarmonicMoment, TrainGear, TrainMass, TrainShaft
+from engine.laws.rounding import EPS
 from engine.parts.skeleton import AngularSpeed, Name
 from engine.verdicts import Verdict
 

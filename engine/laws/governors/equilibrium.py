@@ -2,9 +2,7 @@
 
 With two balls of mass m at radius r on a spindle that turns at ω, the centrifugal forces do the work 2 m ω² r dr, and
 whatever holds the balls takes up the potential V: ω² 2 m r r' = V'. Dashes are derivatives by x; see
-`engine.laws.governors.linkages`. The controlling force is that of one ball, F_c = m ω² r. With arms that have mass, of
-inertia J_a about the axis and of weights in V, it is ½ ω² (4 m r r' + J_a') = V', and F_c holds the centrifugal forces
-of the arms too, at the ball's radius.
+`engine.laws.governors.linkages`. The controlling force is that of one ball, F_c = m ω² r.
 
 Sources: R. S. Khurmi and J. K. Gupta, Theory of Machines, chapter 18; T. Bevan, The Theory of Machines, chapter 10
 (controlling force, stability, effort); I. I. Artobolevsky, Theory of Mechanisms and Machines, chapter on governors.
@@ -54,14 +52,8 @@ def controlling_force(potential_slope: float, radius_rate: float) -> float:
 
 
 @scalar
-def whirling_mass(ball_mass: float, radius: float, radius_rate: float, arms_rate: float) -> float:
-    """Mass of one ball whose centrifugal force is that of ball and arms: m + J_a'/(4 r r') [kg]."""
-    return ball_mass + arms_rate / (4.0 * radius * radius_rate)
-
-
-@scalar
 def equilibrium_speed(force: float, mass: float, radius: float) -> float:
-    """Speed of the spindle at which balls of a `whirling_mass` keep their radius: √(F_c/(m r)) [rad/s]."""
+    """Speed of the spindle at which balls of a mass keep their radius: √(F_c/(m r)) [rad/s]."""
     return math.sqrt(force / (mass * radius))
 
 
@@ -78,14 +70,11 @@ def stability_margin(
     radius_rate_rate: float,
     potential_slope: float,
     potential_curvature: float,
-    ball_mass: float,
-    arms_rate: float,
-    arms_rate_rate: float,
 ) -> float:
     """How steeply the square of the speed in equilibrium rises with the radius: (dω²/dr)/(ω²/r).
 
-    Above 0 the governor is stable, at 0 isochronous: the speed is the same at neighbouring radii. Without mass of arms
-    it is how steep the controlling force is against a ray from the origin, (dF_c/dr)/(F_c/r) − 1.
+    Above 0 the governor is stable, at 0 isochronous: the speed is the same at neighbouring radii. It is how steep the
+    controlling force is against a ray from the origin, (dF_c/dr)/(F_c/r) − 1.
 
     Parameters
     ----------
@@ -93,19 +82,12 @@ def stability_margin(
         r, r', r''.
     potential_slope, potential_curvature : float
         V', V''.
-    ball_mass, arms_rate, arms_rate_rate : float
-        m [kg], J_a' [kg·m], J_a'' [kg].
 
     Returns
     -------
     float
     """
-    of_ball = radius * (potential_curvature / potential_slope - radius_rate_rate / radius_rate) / radius_rate - 1.0
-    # d ln/d ln r of the whirling mass 1 + J_a'/(4 m r r').
-    balls_rate = 4.0 * ball_mass * radius * radius_rate
-    balls_rate_rate = 4.0 * ball_mass * (radius_rate * radius_rate + radius * radius_rate_rate)
-    growth = (arms_rate_rate - arms_rate * balls_rate_rate / balls_rate) / (balls_rate + arms_rate)
-    return of_ball - growth * radius / radius_rate
+    return radius * (potential_curvature / potential_slope - radius_rate_rate / radius_rate) / radius_rate - 1.0
 
 
 @scalar

@@ -1,6 +1,6 @@
 """Motion of a governor and its engine, by Lagrange's equations in the governor's position x and the engine's angle.
 
-The kinetic energy is ½ A(x) ẋ² + ½ (I + i² J(x)) ω², with J = 2 m r² of the balls, and that of arms with mass, about
+The kinetic energy is ½ A(x) ẋ² + ½ (I + i² J(x)) ω², with J = 2 m r² of the balls about
 the spindle, which turns i times as fast as the engine at ω. Dashes are derivatives by x; see
 `engine.laws.governors.linkages`:
 

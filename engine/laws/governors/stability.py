@@ -17,8 +17,8 @@ T. Bevan, The Theory of Machines, chapter 10.
 import math
 
 from engine.compiling.decorators import scalar
+from engine.laws.rounding import EPS
 
-EPS = 2.0**-52
 # Newton's method takes a handful of them, halving of the bracket one for each bit.
 MOST_ROUNDS = 80
 

@@ -4,23 +4,11 @@ The `sine` of a group is a root of what the links' reach leaves over. In a dead 
 left is no more than rounding, whose sign is chance, the position is the dead centre itself.
 """
 
-import numpy as np
-from numba.extending import intrinsic
-
 from engine.compiling.decorators import scalar
+from engine.compiling.instructions import roundings
 
 # Half a unit in the last place of each of four coordinates and two lengths, and of the operations with them.
-ROUNDINGS = 8.0
-
-
-@intrinsic
-def _roundings(typing: object, number: object) -> tuple:
-    """ROUNDINGS units in the last place of 1, in a number's own precision."""
-
-    def generate(context: object, builder: object, signature: object, arguments: list) -> object:
-        return context.get_constant(number, ROUNDINGS * float(np.finfo(str(number)).eps))
-
-    return number(number), generate
+_roundings = roundings(8.0)
 
 
 @scalar

@@ -62,26 +62,6 @@ def wheel_harmonic(angle: float, order: float, cosine: float, sine: float) -> tu
 
 
 @scalar
-def tabled_wheel(
-    t: float, c3: float, c2: float, c1: float, c0: float, before: float
-) -> tuple[float, float, float, float]:
-    """How far a wheel leads an even motion where its rate is a cubic c3 t³ + c2 t² + c1 t + c0, and its rates.
-
-    Parameters
-    ----------
-    t : float
-        Angle of the driver, times its number of lobes, from the beginning of this piece [rad].
-    c3, c2, c1, c0 : float
-        Coefficients, as shares of the mean rate.
-    before : float
-        The lead where the piece begins [rad].
-    """
-    rate = ((c3 * t + c2) * t + c1) * t + c0
-    lead = before + (((0.25 * c3 * t + c2 / 3.0) * t + 0.5 * c1) * t + (c0 - 1.0)) * t
-    return lead, rate, (3.0 * c3 * t + 2.0 * c2) * t + c1, 6.0 * c3 * t + 2.0 * c2
-
-
-@scalar
 def driving_pitch_curve(distance: float, rate: float, slope: float, bend: float) -> tuple[float, float, float]:
     """Pitch curve of the driver: its radius at the pitch point, and two derivatives of that by its angle [m].
 

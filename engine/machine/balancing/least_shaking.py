@@ -21,7 +21,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import linprog
 
-EPS = float(np.finfo(float).eps)
+from engine.laws.rounding import EPS
+
 # Unknowns whose effects are dependent to this share can't be told apart.
 DEPENDENT = 1e-8
 # Gap between the peak found and its lower bound, over the peak of b, at which the search ends; most linear programs.

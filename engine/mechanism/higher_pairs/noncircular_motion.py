@@ -1,25 +1,18 @@
-"""Non-circular wheels, put together from nodes: motion of the driven one, pitch point and curvature of both.
+"""Non-circular wheels, put together from nodes: motion of the driven one, pitch point and curvature of both."""
 
-The piece of a table that holds in the middle of a panel holds throughout it; panels end where pieces meet.
-"""
-
-import math
 from typing import NamedTuple
 
-from engine.graph.nodes import Graph, Node, Return
+from engine.graph.nodes import Node, Return
 from engine.laws.elementary import direction_of
 from engine.laws.kinematics.noncircular_wheels import (
     driven_pitch_curve,
     driving_pitch_curve,
     elliptical_wheels,
     polar_curvature,
-    tabled_wheel,
     wheel_harmonic,
 )
-from engine.laws.tables import Table, in_memory, table_segment
 from engine.mechanism.assembly import Assembly, Turning
 from engine.mechanism.vectors import Vector, named
-from engine.parts.driving_gears import TabledLaw
 
 
 class NoncircularMotion(NamedTuple):
@@ -64,7 +57,7 @@ def add_noncircular_wheel(assembly: Assembly, name: str) -> NoncircularMotion:
     driver, pivot = assembly.links[wheel.geared_to], assembly.points[wheel.pivot]
     lobes, mean = float(wheel.driver_lobes), wheel.driver_lobes / wheel.lobes
     turned = assembly.angles[wheel.geared_to] - assembly.number(f"{at}.begin")
-    lead, *rates = _law(assembly, name, lobes * turned, lobes * driver.w)
+    lead, *rates = _law(assembly, name, lobes * turned)
     rate, slope, bend = (mean * lobes**order * node for order, node in enumerate(rates))
     rate = named(rate, f"{name}_ratio")
     angle = assembly.number(f"{at}.phase") - mean * (turned + lead * (1.0 / lobes))
@@ -98,34 +91,14 @@ def add_noncircular_wheel(assembly: Assembly, name: str) -> NoncircularMotion:
     )
 
 
-def _law(assembly: Assembly, name: str, angle: Node, angle_rate: Node) -> tuple[Node, ...]:
+def _law(assembly: Assembly, name: str, angle: Node) -> tuple[Node, ...]:
     """Lead of the driven wheel beyond an even motion of the ratio 1, and three derivatives of its angle."""
     law, graph, at = assembly.scene.noncircular_wheels[name].law, assembly.graph, f"noncircular_wheels.{name}.law"
     if law.type == "elliptical":
         return graph.apply(elliptical_wheels, angle, assembly.number(f"{at}.eccentricity"))
-    if law.type == "table":
-        return _tabled(assembly, law, angle, angle_rate)
     lead, rate, slope, bend = graph.zero, graph.one, graph.zero, graph.zero
     for key, harmonic in law.harmonics.items():
         coefficients = (assembly.number(f"{at}.harmonics.{key}.{part}") for part in ("cosine", "sine"))
         added = graph.apply(wheel_harmonic, angle, float(harmonic.order), *coefficients)
         lead, rate, slope, bend = (one + two for one, two in zip((lead, rate, slope, bend), added, strict=True))
     return lead, rate, slope, bend
-
-
-def _tabled(assembly: Assembly, law: TabledLaw, angle: Node, angle_rate: Node) -> tuple[Node, ...]:
-    graph, (speed, lead) = assembly.graph, law.speed_and_lead()
-    along = Vector(*graph.apply(direction_of, angle))
-    for row in speed.breaks[:-1]:
-        # Zero at the row, in whatever turn, and half a turn beyond.
-        across = Vector(math.cos(row), math.sin(row)).cross(along)
-        graph.switches(across, angle_rate * Vector(math.cos(row), math.sin(row)).dot(along))
-    left, *cubic = _held_piece(graph, speed, angle)
-    before = _held_piece(graph, lead, angle)[-1]
-    return graph.apply(tabled_wheel, angle - left, *cubic, before)
-
-
-def _held_piece(graph: Graph, table: Table, angle: Node) -> list[Node]:
-    """Where a piece of a table begins, and its coefficients."""
-    offset = graph.store(in_memory(table))
-    return [graph.held(part) for part in graph.apply(table_segment, graph.memory, offset, angle)]

@@ -8,9 +8,9 @@ import math
 import numpy as np
 
 from engine.compiling.decorators import inlined, routine
+from engine.compiling.instructions import chosen, held
 from engine.cycle.panels.lanes import Memory
 from engine.cycle.panels.series import larger, smaller
-from engine.laws.elementary import chosen, held
 from engine.laws.runge_kutta import DENSE_PARTS, ORDER_EIGHT, Method
 from engine.motion.steppers.places import Form, add_share, moments_at_place, slopes_at_place
 from engine.motion.steppers.radau import ORDER_NINE, ORDER_THIRTEEN

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from driving_cams import changed
+from driving_cams import asked, changed
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mp
@@ -15,17 +15,6 @@ from engine import Machine, Mechanics, Scene, SceneError, Verdict
 from sweeps.pictures.drawing import primitives
 
 EPS = np.finfo(float).eps
-BALANCE = ("input_moment_disagreement", "equilibrium_residual")
-
-
-def asked(data: dict, fields: list[str]) -> tuple[Machine, object]:
-    machine = Machine(Scene.model_validate(data), BALANCE, fields, positions=24)
-    outcome = machine.evaluate({})
-    assert outcome.status[0] == Verdict.OK
-    # A handful of roundings of forces that a few links pass on.
-    assert outcome.summaries[BALANCE[0]][0] < 1e-13
-    assert outcome.summaries[BALANCE[1]][0] < 1e-13
-    return machine, outcome
 
 
 def test_pinion_between_two_racks__doubles_the_stroke():

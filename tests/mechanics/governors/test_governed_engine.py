@@ -30,14 +30,7 @@ def equilibrium(governor, load):
     return exact, mp.findroot(left, (low + high) / 2), (full - closed) / whole
 
 
-HEAVY = [
-    PORTER | {"upper_arm_mass": 2.0, "lower_arm_mass": 1.0, "upper_pivot": 0.02},
-    PROELL | {"upper_arm_mass": 3.0, "lower_arm_mass": 4.0, "extension_mass": 2.0},
-    HARTNELL | {"ball_arm_mass": 0.7, "sleeve_arm_mass": 0.4},
-]
-
-
-@pytest.mark.parametrize("governor", [PORTER, PROELL, HARTNELL, *HEAVY], ids=lambda g: f"{g['type']} {len(g)}")
+@pytest.mark.parametrize("governor", [PORTER, PROELL, HARTNELL], ids=lambda g: g["type"])
 def test_linear_equation__is_that_of_the_energies(governor):
     governor = governor | {"damping": 250.0, "engine": REGULATED}
     found, errors, status = governor_results(governor)

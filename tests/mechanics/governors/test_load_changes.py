@@ -16,12 +16,11 @@ from scipy.linalg import expm
 from engine import Scene, SceneError, Verdict, governed_scene, load_change, made_ready
 
 FOLLOWED = ENGINE | {"new_load": 200.0, "duration": 4.0}
-HEAVY = {"upper_arm_mass": 1.5, "lower_arm_mass": 2.5}
 SWITCHED = {"type": "full and shut", "full": 400.0, "switch": 0.05}
 CASES = {
     "calm": PORTER | {"damping": 400.0, "engine": FOLLOWED},
     "geared": PORTER | {"damping": 900.0, "engine": FOLLOWED | {"ratio": 1.6, "self_regulation": 4.0}},
-    "heavy arms": PORTER | HEAVY | {"friction": 6.0, "damping": 400.0, "engine": FOLLOWED | {"ratio": 1.3}},
+    "geared, friction": PORTER | {"friction": 6.0, "damping": 400.0, "engine": FOLLOWED | {"ratio": 1.3}},
     "friction": PORTER | {"friction": 6.0, "damping": 400.0, "engine": FOLLOWED},
     "much friction": PORTER | {"friction": 40.0, "damping": 50.0, "engine": FOLLOWED},
     "stops": PORTER | {"friction": 2.0, "damping": 50.0, "engine": FOLLOWED | {"inertia": 5.0}},

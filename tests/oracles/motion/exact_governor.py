@@ -1,37 +1,14 @@
-"""Governors with many digits, by their geometry in angles and the virtual work of weights and springs.
-
-A uniform rod counts as three point masses, a sixth of it at each end and the rest in its middle: as a rigid body it has
-the same mass, the same centre and the same inertia, and so do its shadows on any line.
-"""
+"""Governors with many digits, by their geometry in angles and the virtual work of weights and springs."""
 
 import mpmath as mp
 
 
 def places(governor, angle):
     """Radius and height of a ball, and height of the sleeve, at an angle of the upper arm or of the bell crank."""
-    ball, pin, _ = skeleton(governor, angle)
-    return ball.real, ball.imag, pin
-
-
-def masses(governor, angle):
-    """Point masses of one side, and their places: radius + i height."""
-    ball, _, rods = skeleton(governor, angle)
-    found = [(mp.mpf(governor["ball_mass"]), ball)]
-    for key, (near, far) in rods.items():
-        mass = mp.mpf(governor.get(key, 0.0))
-        if mass:
-            found += [(mass / 6, near), (2 * mass / 3, (near + far) / 2), (mass / 6, far)]
-    return found
-
-
-def skeleton(governor, angle):
-    """Ball, height of the sleeve, and the ends of arms by the keys of their masses."""
     n = {key: mp.mpf(value) for key, value in governor.items() if isinstance(value, (int, float))}
     if governor["type"] == "hartnell_governor":
-        pivot, ball = mp.mpc(n["pivot_radius"]), n["ball_arm"] * mp.expj(mp.pi / 2 - angle)
-        roller = n["sleeve_arm"] * mp.expj(mp.pi - angle)
-        rods = {"ball_arm_mass": (pivot, pivot + ball), "sleeve_arm_mass": (pivot, pivot + roller)}
-        return pivot + ball, roller.imag, rods
+        ball = n["pivot_radius"] + n["ball_arm"] * mp.expj(mp.pi / 2 - angle)
+        return ball.real, ball.imag, (n["sleeve_arm"] * mp.expj(mp.pi - angle)).imag
     top = n.get("upper_pivot", mp.mpf(0))
     joint = top - 1j * n["upper_arm"] * mp.expj(angle)
     # The pin on the sleeve is below the joint, a lower arm away.
@@ -43,9 +20,7 @@ def skeleton(governor, angle):
         ball = joint + n["extension"] * (joint - pin) / n["lower_arm"] * mp.expj(turn)
     else:
         ball = top + (joint - top) * n.get("ball_arm", n["upper_arm"]) / n["upper_arm"]
-    end = ball if "ball_arm" in n and n["ball_arm"] > n["upper_arm"] else joint
-    rods = {"upper_arm_mass": (top, end), "lower_arm_mass": (joint, pin), "extension_mass": (joint, ball)}
-    return ball, pin.imag, rods
+    return ball.real, ball.imag, pin.imag
 
 
 def angle_at(governor, radius, guess):
@@ -81,12 +56,12 @@ class ExactGovernor:
         gravity = mp.mpf(g.get("gravity", 9.80665))
         lift = places(g, angle)[2] - self.zero
         spring = mp.mpf(g.get("preload", 0.0)) * lift + mp.mpf(g.get("stiffness", 0.0)) * lift**2 / 2
-        sides = 2 * sum(m * at.imag for m, at in masses(g, angle))
-        return (sides + mp.mpf(g.get("sleeve_mass", 0.0)) * lift) * gravity + spring
+        balls = 2 * mp.mpf(g["ball_mass"]) * places(g, angle)[1]
+        return (balls + mp.mpf(g.get("sleeve_mass", 0.0)) * lift) * gravity + spring
 
     def inertia(self, angle):
-        """J of balls and arms about the axis."""
-        return 2 * sum(m * at.real**2 for m, at in masses(self.governor, angle))
+        """J of the balls about the axis."""
+        return 2 * mp.mpf(self.governor["ball_mass"]) * places(self.governor, angle)[0] ** 2
 
     def rates(self, angle):
         """Derivatives of V, r and z by the angle."""
@@ -120,12 +95,9 @@ class ExactGovernor:
 
     def sleeve_mass(self, angle):
         """Mass at the sleeve of the kinetic energy."""
-        z, here = self.rates(angle)[2], masses(self.governor, angle)
-        total = mp.mpf(0)
-        for k, (m, _) in enumerate(here):
-            r, h = (mp.diff(lambda a, k=k, of=of: of(masses(self.governor, a)[k][1]), angle) for of in (mp.re, mp.im))
-            total += 2 * m * (r**2 + h**2)
-        return total / z**2 + mp.mpf(self.governor.get("sleeve_mass", 0.0))
+        r, h, z = (mp.diff(lambda a, k=k: places(self.governor, a)[k], angle) for k in range(3))
+        balls = 2 * mp.mpf(self.governor["ball_mass"]) * (r**2 + h**2)
+        return balls / z**2 + mp.mpf(self.governor.get("sleeve_mass", 0.0))
 
     def sleeve_stiffness(self, angle):
         """Force at the sleeve for each metre of lift, the speed held."""

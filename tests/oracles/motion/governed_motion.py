@@ -12,17 +12,13 @@ class GovernedMotion:
     """What a change of load does, in the angle of the arms; one regime after another.
 
     Kinetic energy ½ (2 m l² + 4 M l² sin² ψ) ψ̇² + ½ (I + i² 2 m l² sin² ψ) ω²; weights 2 m g l cos ψ + 2 M g l cos ψ.
-    Two upper arms of mass u turn about their ends and add ⅔ u l² to the former, two lower arms of mass w, whose middles
-    move with ½ l cos ψ across and 3/2 l sin ψ along while they turn, ⅔ w l² (1 + 6 sin² ψ); both add ⅔ l² sin² ψ to the
-    latter, and (u + 3 w) g l cos ψ to the weights.
     """
 
     def __init__(self, governor, gravity=9.80665):
         self.g, self.e, self.gravity = governor, governor["engine"], gravity
         self.m, self.big, self.arm = governor["ball_mass"], governor["sleeve_mass"], governor["upper_arm"]
-        self.upper, self.lower = (governor.get(f"{key}_arm_mass", 0.0) for key in ("upper", "lower"))
-        self.turning = 2 * self.m + 2 / 3 * (self.upper + self.lower)
-        self.weight = self.gravity * (2 * (self.m + self.big) + self.upper + 3 * self.lower)
+        self.turning = 2 * self.m
+        self.weight = self.gravity * 2 * (self.m + self.big)
         self.low, self.high = (math.asin(governor[f"{key}_radius"] / self.arm) for key in ("least", "greatest"))
         self.whole = self.lift(self.high)
         self.ratio, self.s = self.e.get("ratio", 1.0), self.e.get("self_regulation", 0.0)
@@ -73,7 +69,7 @@ class GovernedMotion:
     def rates(self, y, mode, load):
         psi, velocity, omega, phi = y
         change, slope, share, other = self.curves(phi)
-        big, arm, i = self.big + self.lower, self.arm, self.ratio
+        big, arm, i = self.big, self.arm, self.ratio
         sine, cosine = math.sin(psi), math.cos(psi)
         inertia = self.e["inertia"] + change + i * i * self.turning * arm * arm * sine**2
         moment = self.moment(psi, omega, load, share) + other - slope * omega**2 / 2

@@ -88,13 +88,6 @@ def test_tables_of_motion__are_written_with_their_units():
                 "ram": {"type": "slider", "guide": "way", "table": lift},
                 "arm": {"type": "crank", "pivot": "C", "table": swing},
             },
-            "noncircular_wheels": {
-                "wheel": {
-                    "geared_to": "crank",
-                    "pivot": "C",
-                    "law": {"type": "table", "over_angle": over, "ratio": [1.0, 2.0, 1.5]},
-                }
-            },
         }
     )
     text = write_scene(scene)
