@@ -376,7 +376,6 @@ class VehicleMoment(Carried):
     radius: ClassVar[str] = "wheel_radius"
     needs: ClassVar[dict[str, tuple[str, ...]]] = {
         "forwards": ("slope",),
-        "gravity": ("rolling", "slope"),
         "air_density": ("drag_area",),
     }
     type: Literal["vehicle"]
@@ -398,7 +397,6 @@ class ConveyorMoment(Carried):
     masses: ClassVar[tuple[str, ...]] = ("load_mass", "belt_mass")
     needs: ClassVar[dict[str, tuple[str, ...]]] = {
         "forwards": ("incline",),
-        "gravity": ("friction", "incline"),
         "length_coefficient": ("friction",),
     }
     type: Literal["conveyor"]

@@ -565,7 +565,7 @@ class Body(Part):
                 raise ValueError("give mass (with inertia), or a shape with density")
             return self
         thickness = "area" if self.shape.type == "rod" else "thickness"
-        if self.mass is not None and self.shape.gives(thickness):
+        if self.density is None and self.shape.gives(thickness):
             raise ValueError(f"shape.{thickness} has no meaning where the mass is given; leave it out, or give density")
         if self.inertia is not None:
             raise ValueError("inertia follows from the shape; give one of the two")

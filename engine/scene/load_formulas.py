@@ -179,10 +179,7 @@ def _problems(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem
     unknown = [n for n in expression.names if n not in units]
     for wrong in unknown:
         yield formula.key, _unknown(wrong, units, formula)
-    unused = [n for n in formula.action.numbers if n not in expression.names]
-    for number in unused:
-        yield f"{formula.at}.numbers.{number}", f"the formula doesn't use {number!r}; leave it out"
-    if taken or unknown or unused:
+    if taken or unknown:
         return
     try:
         known: Mapping[str, UnitsContainer] = {n: dimension_of_unit(units[n]) for n in expression.names}

@@ -56,9 +56,6 @@ def _is_one_of(scene: Scene, point: str, points: list[str]) -> bool:
 
 
 def _wrong_train(scene: Scene, name: str, shaft: Shaft) -> list[Problem]:
-    if shaft.gives("around") and has_known_angle(scene, name):
-        message = f"the angle of {name!r} is known over all turns, about no other; leave around out"
-        return [(f"shafts.{name}.around", message)]
     at, still, loose = f"shafts.{name}", still_links(scene), {n for n, s in scene.shafts.items() if s.pivot is None}
     carrier = shaft.carrier or FRAME
     if carrier == shaft.geared_to:
@@ -91,4 +88,6 @@ def _wrong_train(scene: Scene, name: str, shaft: Shaft) -> list[Problem]:
     apart = shaft.carrier is not None and not _is_one_of(scene, axis, [shaft.pivot])
     if shaft.ratio == 1.0 and (apart or shaft.pressure_angle is not None):
         return [(f"{at}.ratio", "1 is no ratio of two wheels whose axes lie apart, as in a belt; change the ratio")]
+    if shaft.gives("around") and has_known_angle(scene, name):
+        return [(f"{at}.around", f"the angle of {name!r} is known over all turns, about no other; leave around out")]
     return []

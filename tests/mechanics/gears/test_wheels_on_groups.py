@@ -115,7 +115,8 @@ DIFFERENTIAL = {
 
 @pytest.mark.parametrize("pivot", [True, False])
 def test_differential__adds_motions_and_divides_moments(pivot):
-    scene = DIFFERENTIAL if pivot else changed(DIFFERENTIAL, shafts__out__pivot=None, points__P=None, bodies={})
+    bare = {"shafts__out__pivot": None, "shafts__out__phase": None, "points__P": None, "bodies": {}}
+    scene = DIFFERENTIAL if pivot else changed(DIFFERENTIAL, **bare)
     rates = ["out.angle", "out.angle_phi", "out.angle_phiphi", "P.x"] if pivot else []
     drives = ["input_moment_by_equilibrium", "cage.driving_moment", "input_moment_by_power"]
     machine = Machine(Scene.model_validate(scene), BALANCE, [*drives, *rates], positions=24)

@@ -183,6 +183,8 @@ NO_EFFECT = {
     ("Body", "x"): "of what slides, under no force across",
     ("TableMoment", "role"): "where there is no cycle, works are those of regimes",
     ("Scene", "inertia_in_reactions"): "where nothing has a mass",
+    ("VehicleMoment", "gravity"): "on the level, without rolling resistance",
+    ("ConveyorMoment", "gravity"): "on the level, without friction",
     ("VehicleMoment", "role"): "where it resists by its mass alone",
     ("ConveyorMoment", "role"): "where it resists by its mass alone",
 }

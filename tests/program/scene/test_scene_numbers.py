@@ -200,7 +200,6 @@ speed_fluctuation = "1/30"
 
 [flywheel.wheel]
 type = "arms"
-material = "steel"
 density = "7850 kg/m3"
 rim_speed_limit = "35 m/s"
 diameter = "1.2 m"
@@ -419,7 +418,7 @@ def test_written_variant__has_its_numbers_and_all_others_unchanged(crank, tmp_pa
         "cylinders.cold.n_expansion": 1.25,
         "forces.turn.scale": 3.0,
         "flywheel.wheel.ratio": 1.0,
-        "shafts.fan.phase": 0.1,
+        "shafts.wheel.phase": 0.1,
     }
     before = scene_numbers(crank)
     after = scene_numbers(scene_of(write_scene(crank, values), tmp_path))
