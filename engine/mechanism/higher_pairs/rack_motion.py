@@ -12,6 +12,8 @@ Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on geari
 
 from typing import NamedTuple
 
+import numpy as np
+
 from engine.graph.nodes import Node, Return
 from engine.laws.elementary import direction_of
 from engine.laws.kinematics.racks import pinion_turn, rack_slide
@@ -126,7 +128,7 @@ def toothing(assembly: Assembly, name: str) -> Toothing:
     kind, part = ("racks", scene.racks[name]) if name in scene.racks else ("pinions", scene.pinions[name])
     u, path = assembly.guides[rack_guide(scene, name)].u, f"{kind}.{name}.radius"
     radius = assembly.number(path)
-    side = graph.derived(f"side of {name} on which its pinion lies", lambda n: 1.0 if n[path] > 0 else -1.0)
+    side = graph.derived(f"side of {name} on which its pinion lies", lambda n: np.where(n[path] > 0.0, 1.0, -1.0))
     centre = assembly.points[part.pivot].r
     return Toothing(centre - radius * u.normal, u, side * u.normal, radius)
 
