@@ -28,6 +28,7 @@ from pydantic import (
     ValidationInfo,
     model_validator,
 )
+from pydantic_core import PydanticCustomError
 
 from engine.scene.units import in_text, to_si, unit_in
 
@@ -61,7 +62,7 @@ class NonZero(AfterValidator):
     def __init__(self, why: str) -> None:
         def checked(value: float) -> float:
             if value == self.ne:
-                raise ValueError(why)
+                raise PydanticCustomError("non_zero", why)
             return value
 
         super().__init__(checked)
