@@ -33,6 +33,7 @@ from pydantic import (
     model_validator,
 )
 from pydantic.fields import FieldInfo
+from pydantic_core import PydanticCustomError
 
 from engine.parts.units import in_text, to_si, unit_in
 
@@ -78,7 +79,7 @@ class NonZero(AfterValidator):
     def __init__(self, why: str) -> None:
         def checked(value: float) -> float:
             if value == self.ne:
-                raise ValueError(why)
+                raise PydanticCustomError("non_zero", why)
             return value
 
         super().__init__(checked)
