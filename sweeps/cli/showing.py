@@ -69,8 +69,8 @@ def show(
     if settings or variant is not None:
         raise InputError(str(file), [(None, "", "--set and --variant go with --at, which shows one machine")])
     result = SweepResult(file)
-    tell_altered(file)
     result.show_own_units()
+    tell_altered(file)
     names = [n.strip() for n in columns.split(",")] if columns else []
     unknown = [n for n in names if n not in result.columns]
     if unknown:

@@ -51,7 +51,7 @@ class SweepResult:
 
     @cached_property
     def _mapped(self) -> MappedResult:
-        return mapped_columns(self.path)
+        return mapped_columns(self.description.path)
 
     @property
     def altered(self) -> list[str]:
@@ -60,7 +60,7 @@ class SweepResult:
 
     @cached_property
     def _mapped_fields(self) -> MappedResult:
-        mapped = MappedResult(self.path)
+        mapped = MappedResult(self.description.path)
         mapped.refuse_damage(("fields",))
         return mapped
 
