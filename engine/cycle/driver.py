@@ -47,7 +47,17 @@ from engine.cycle.panels.chebyshev import MIDDLE, POSITIONS
 from engine.cycle.panels.directions import change_by_rounding, panel_positions
 from engine.cycle.panels.integrals import INTEGRAL, add_panels, of_integrals
 from engine.cycle.panels.lanes import ASIDE, Memory, any_positive, in_lanes, in_panels, lane_of, rows, tiles
-from engine.cycle.panels.record import FIRST, Record, Room, begin_record, keep_curve, keep_panels, new_room, record_in
+from engine.cycle.panels.record import (
+    FIRST,
+    Record,
+    Room,
+    begin_record,
+    keep_curve,
+    keep_panels,
+    keep_rounding,
+    new_room,
+    record_in,
+)
 from engine.cycle.panels.series import FIGURES, of_figures, panel_figures
 from engine.cycle.panels.walk import (
     ACCEPTED,
@@ -508,7 +518,7 @@ def follow(
     count, kept, step = task.sizes[3], task.kept.shape[0], 0 * edge_count
     block, tile, q = in_lanes(work.block), in_panels(work.tile), in_lanes(work.place[0])
     cos_q, sin_q, too_many = in_lanes(work.place[1]), in_lanes(work.place[2]), lane_of(work.marks[5])
-    any_lost, beside = any_positive(too_many), in_panels(work.beside_tile)
+    any_lost, beside, first = any_positive(too_many), in_panels(work.beside_tile), kept > 0
     while next_panels(edges, edge_count, walk):
         panel_positions(walk[PANEL_MIDDLE], walk[PANEL_HALF], q, cos_q, sin_q)
         if task.sizes[2] > 0:
@@ -516,6 +526,14 @@ def follow(
             states(work.block, tables, middle_q, middle_cos, work.place[2, MIDDLE : MIDDLE + 1], work.state_tile)
             copy_rows(in_lanes(work.state_tile), task.state_rows, block)
         curves(work.block, tables, work.place[0], work.place[1], work.place[2], work.tile)
+        if first:
+            # Of the first panel that is tried, which is the same whatever the other lanes are.
+            place = work.beside[0], work.beside[1], work.beside[2]
+            change_by_rounding(MIDDLE, q, cos_q, sin_q, 0, in_lanes(place[0]), in_lanes(place[1]), in_lanes(place[2]))
+            curves(work.block, tables, place[0], place[1], place[2], work.beside_tile)
+            for k in range(kept):
+                keep_rounding(tile, task.kept[k], beside, record, k)
+            first = False
         if any_lost:
             spoil(count, too_many, tile)
         broken = False
@@ -537,12 +555,9 @@ def follow(
             if step == work.candidates.shape[0]:
                 return step + 1
             keep_panels(walk, step, record.panels)
-            place = work.beside[0], work.beside[1], work.beside[2]
-            change_by_rounding(MIDDLE, q, cos_q, sin_q, 0, in_lanes(place[0]), in_lanes(place[1]), in_lanes(place[2]))
-            curves(work.block, tables, place[0], place[1], place[2], work.beside_tile)
             for k in range(kept):
                 c = task.kept[k]
-                keep_curve(tile, c, task.tolerances[c], figures, beside[c, 0], walk, record, k, step)
+                keep_curve(tile, c, task.tolerances[c], figures, walk, record, k, step)
         step += 1
     return step
 

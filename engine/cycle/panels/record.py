@@ -33,8 +33,7 @@ PANEL = 4
 SCALE, FIRST, OFFSET = range(3)
 
 
-# How many times the greatest change by rounding of the input's direction, of one position in each panel, values may be
-# off by rounding.
+# How many times their change by rounding of the input's direction values may be off.
 OF_ROUNDING = 16.0
 
 of_pairs = memory(2, LANES)
@@ -128,6 +127,13 @@ def begin_record(record: Record) -> None:
 
 
 @routine
+def keep_rounding(tile: Memory, curve: int, beside: Memory, record: Record, kept: int) -> None:
+    """Note how a curve changes in the middle of the first panel by rounding of the input's direction."""
+    for lane in range(LANES):
+        record.whole[kept, OFFSET, lane] = OF_ROUNDING * abs(tile[curve, CENTRE, lane] - beside[curve, 0, lane])
+
+
+@routine
 def keep_panels(walk: Memory, step: int, panels: Memory) -> None:
     """Enter each lane's panel of a step; the half length of those that aren't accepted is 0."""
     for lane in range(LANES):
@@ -143,7 +149,6 @@ def keep_curve(
     curve: int,
     tolerance: float,
     figures: Memory,
-    beside: Memory,
     walk: Memory,
     record: Record,
     kept: int,
@@ -158,9 +163,6 @@ def keep_curve(
     tolerance : float
         Share of its scale that may be left of it.
     figures : rows (curves, FIGURES, LANES)
-    beside : row (LANES,)
-        Its value in the middle of the panel for a direction of the input changed by its rounding: what comes of that
-        rounding shows in the difference.
     walk : rows (WALK, LANES)
     record : Record
     kept, step : int
@@ -180,9 +182,7 @@ def keep_curve(
         whole[kept, SCALE, lane] = scale if accepted else whole[kept, SCALE, lane]
         # What is level below the tolerance is rounding, of the values at the positions too.
         rounding = smaller(figures[curve, FIGURE_TAIL, lane], tolerance * scale)
-        rounding = rounding if figures[curve, FLAT, lane] > 0.0 else 0.0
-        rounding = larger(OF_ROUNDING * abs(tile[curve, CENTRE, lane] - beside[lane]), rounding)
-        offset = larger(rounding, whole[kept, OFFSET, lane])
+        offset = larger(rounding if figures[curve, FLAT, lane] > 0.0 else 0.0, whole[kept, OFFSET, lane])
         whole[kept, OFFSET, lane] = offset if accepted else whole[kept, OFFSET, lane]
         whole[kept, FIRST, lane] = tile[curve, 0, lane] if accepted & first else whole[kept, FIRST, lane]
 
