@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from functools import wraps
 
+import numpy as np
 from numba import types
 
 from engine.compiling.decorators import driver
@@ -53,3 +54,13 @@ def over_variants(function: Callable) -> Callable:
         on_all_threads(lambda piece: kernel(*piece, *arguments), pieces_of(count))
 
     return run
+
+
+def sum_of_rows(rows: np.ndarray) -> np.ndarray:
+    """Sum over the first axis, row after row: NumPy adds the numbers of one variant in another order than of many."""
+    return np.add.accumulate(rows, axis=0)[-1]
+
+
+def mean_of_rows(rows: np.ndarray) -> np.ndarray:
+    """Mean over the first axis, row after row."""
+    return sum_of_rows(rows) / len(rows)

@@ -13,6 +13,7 @@ from engine.compiling.decorators import driver, routine
 from engine.compiling.tiles import LANES
 from engine.cycle.events import (
     LANDMARKS,
+    LOOKED_BESIDE,
     SCALE,
     find_crossings,
     find_landmarks,
@@ -37,14 +38,25 @@ from engine.cycle.measures.extremes import (
     of_candidates,
 )
 from engine.cycle.measures.fluctuation import FLUCTUATION, add_speed, find_fluctuation
+from engine.cycle.measures.magnitudes import PartsRoom, integrate_roots, new_parts
 from engine.cycle.measures.spaced import fill_spaced
 from engine.cycle.measures.unloaded_arcs import ARCS, MOST_STRETCHES, STRETCH, find_unloaded_arcs
 from engine.cycle.measures.works import WORK_ROWS, add_work
 from engine.cycle.panels.chebyshev import MIDDLE, POSITIONS
-from engine.cycle.panels.directions import panel_positions
+from engine.cycle.panels.directions import change_by_rounding, panel_positions
 from engine.cycle.panels.integrals import INTEGRAL, add_panels, of_integrals
 from engine.cycle.panels.lanes import ASIDE, Memory, any_positive, in_lanes, in_panels, lane_of, rows, tiles
-from engine.cycle.panels.record import FIRST, Record, Room, begin_record, keep_curve, keep_panels, new_room, record_in
+from engine.cycle.panels.record import (
+    FIRST,
+    Record,
+    Room,
+    begin_record,
+    keep_curve,
+    keep_panels,
+    keep_rounding,
+    new_room,
+    record_in,
+)
 from engine.cycle.panels.series import FIGURES, of_figures, panel_figures
 from engine.cycle.panels.walk import (
     ACCEPTED,
@@ -52,6 +64,7 @@ from engine.cycle.panels.walk import (
     SCALES,
     TAKEN,
     WALK,
+    compare_root,
     compare_with_tolerance,
     find_kink,
     judge,
@@ -94,6 +107,10 @@ class Task(NamedTuple):
         How often each may turn, or take one level.
     integrals : ndarray of int
         Curves to integrate.
+    roots : ndarray of int
+        Curves of the record whose roots are to be integrated.
+    rooted : ndarray of int
+        Curves that are nowhere negative and whose roots count.
     kept : ndarray of int
         Curves to keep over the cycle; they are the first curves of the record.
     works : ndarray (works, 2) of int
@@ -139,6 +156,8 @@ class Task(NamedTuple):
     looks: int
     roots: int
     integrals: np.ndarray
+    roots: np.ndarray
+    rooted: np.ndarray
     kept: np.ndarray
     works: np.ndarray
     angles: np.ndarray
@@ -162,6 +181,10 @@ class DriverAnswers(NamedTuple):
     ----------
     integrals : ndarray (integrals × 2, variants)
         Value and error.
+    roots : ndarray (roots × 2, variants)
+        Value and error of the integrals of roots.
+    sizes : ndarray (curves, variants)
+        Greatest magnitudes.
     extremes : ndarray (extremes × 2 × 4, variants)
         Of the least and the greatest value: value, its error, place, its error.
     fluctuations : ndarray (fluctuations × RESULTS, variants)
@@ -185,6 +208,8 @@ class DriverAnswers(NamedTuple):
     """
 
     integrals: np.ndarray
+    roots: np.ndarray
+    sizes: np.ndarray
     extremes: np.ndarray
     fluctuations: np.ndarray
     averages: np.ndarray
@@ -256,11 +281,16 @@ class Workspace(NamedTuple):
     place : ndarray (3, POSITIONS, LANES)
         Input positions of each lane's panel with cosine and sine.
     tile, level_tile, state_tile : ndarray (curves, POSITIONS, LANES), (levels, 1, LANES), (states, 1, LANES)
+    beside : ndarray (3, 1, LANES)
+        The middle of each lane's panel, with cosine and sine changed by their rounding.
+    beside_tile : ndarray (curves, POSITIONS, LANES)
+        Curves there, in the first row.
     figures : ndarray (curves, FIGURES, LANES)
     scales : ndarray (curves, SCALES, LANES)
     integrals : ndarray (integrals, INTEGRAL, LANES)
-    scan, turn, crossing : SampleRoom
-        Switching functions at the positions scanned, where they turn, and where they take levels.
+    scan, scan_beside, turn, crossing : SampleRoom
+        Switching functions at the positions scanned, at some of these changed by their rounding, where they turn, and
+        where they take levels.
     turns, crossings : ndarray (rows, PARTS, LANES)
         Their roots.
     turn_sought, crossing_sought : ndarray (rows, 2) of int
@@ -283,6 +313,10 @@ class Workspace(NamedTuple):
     angle : ndarray (ANGLE_ROWS, LANES)
     of_one : ndarray (1, FIGURES, LANES)
         Figures of one panel of one curve.
+    parts : PartsRoom
+        For a walk over parts of panels.
+    root : ndarray (INTEGRAL, LANES)
+        Integral of a root.
     stretches : ndarray (MOST_STRETCHES, STRETCH)
     order : ndarray (MOST_STRETCHES,) of int
     room : Room
@@ -295,10 +329,13 @@ class Workspace(NamedTuple):
     tile: np.ndarray
     level_tile: np.ndarray
     state_tile: np.ndarray
+    beside: np.ndarray
+    beside_tile: np.ndarray
     figures: np.ndarray
     scales: np.ndarray
     integrals: np.ndarray
     scan: SampleRoom
+    scan_beside: SampleRoom
     turn: SampleRoom
     crossing: SampleRoom
     turns: np.ndarray
@@ -320,6 +357,8 @@ class Workspace(NamedTuple):
     signs: np.ndarray
     angle: np.ndarray
     of_one: np.ndarray
+    parts: PartsRoom
+    root: np.ndarray
     stretches: np.ndarray
     order: np.ndarray
     room: Room
@@ -336,10 +375,13 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
         tiles(count),
         rows(task.sizes[1], 1),
         rows(task.sizes[2], 1),
+        rows(3, 1),
+        tiles(count),
         rows(count, FIGURES, aside=ASIDE),
         rows(count, SCALES, aside=ASIDE),
         rows(task.integrals.size, INTEGRAL, aside=ASIDE),
         new_samples(functions, task.scan),
+        new_samples(functions, LOOKED_BESIDE),
         new_samples(functions, turns),
         new_samples(functions, crossings),
         rows(turns, PARTS),
@@ -361,6 +403,8 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
         rows(3, aside=ASIDE),
         rows(ANGLE_ROWS, aside=ASIDE),
         rows(1, FIGURES, aside=ASIDE),
+        new_parts(),
+        rows(INTEGRAL, aside=ASIDE),
         np.zeros((MOST_STRETCHES if len(task.arcs) else 1, STRETCH)),
         np.zeros(MOST_STRETCHES if len(task.arcs) else 1, np.int64),
         new_room(task.kept.size + len(task.works) + len(task.angles) + task.speeds.size, steps),
@@ -393,6 +437,17 @@ def spoil(curves: int, lanes: Memory, tile: Memory) -> None:
 
 
 @routine
+def sample_beside(events: Callable, task: Task, tables: np.ndarray, work: Workspace) -> None:
+    """Evaluate the switching functions at some of the positions scanned, changed by their rounding."""
+    from_place, place, stride = work.scan.place, work.scan_beside.place, task.scan // LOOKED_BESIDE
+    q, cos_q, sin_q = in_lanes(place[0]), in_lanes(place[1]), in_lanes(place[2])
+    given_q, given_cos, given_sin = in_lanes(from_place[0]), in_lanes(from_place[1]), in_lanes(from_place[2])
+    for k in range(LOOKED_BESIDE):
+        change_by_rounding(k * stride, given_q, given_cos, given_sin, k, q, cos_q, sin_q)
+    events(work.block, tables, place[0], place[1], place[2], work.scan_beside.tile)
+
+
+@routine
 def cut(
     events: Callable, levels: Callable, task: Task, tables: np.ndarray, walk: Memory, edges: Memory, work: Workspace
 ) -> int:
@@ -405,6 +460,7 @@ def cut(
         lane_of(work.marks[5]),
     )
     scan, turned, crossed = samples_in(work.scan), samples_in(work.turn), samples_in(work.crossing)
+    beside = samples_in(work.scan_beside)
     landmarks, turns, crossings = of_landmarks(work.landmarks), of_roots(work.turns), of_roots(work.crossings)
     functions = task.landmark_rows.shape[0]
     heights = in_lanes(work.levels)
@@ -414,11 +470,12 @@ def cut(
             turn_rows = 0 * functions
             scan_positions(block[task.ends[0]], block[task.ends[1]], task.scan, scan.q)
             sample(events, work.block, tables, task.scan, scan)
+            sample_beside(events, task, tables, work)
             for f in range(functions):
                 turn_rows = find_turns(f, scan, turn_rows, work.turn_sought, turns, marks, counts, task.roots)
             solve_roots(events, work.block, tables, turn_rows, work.turn_sought, heights, turned, turns)
             for f in range(functions):
-                find_landmarks(f, scan, turn_rows, work.turn_sought, turned, turns, spare, landmarks)
+                find_landmarks(f, scan, turn_rows, work.turn_sought, turned, turns, beside, spare, landmarks)
                 copy_rows(landmarks[f], task.landmark_rows[f], block)
         if task.sizes[1] > 0:
             levels(work.block, tables, work.place[0, :1], work.place[1, :1], work.place[2, :1], work.level_tile)
@@ -472,7 +529,7 @@ def follow(
     count, kept, step = task.sizes[3], task.kept.shape[0], 0 * edge_count
     block, tile, q = in_lanes(work.block), in_panels(work.tile), in_lanes(work.place[0])
     cos_q, sin_q, too_many = in_lanes(work.place[1]), in_lanes(work.place[2]), lane_of(work.marks[5])
-    any_lost = any_positive(too_many)
+    any_lost, beside, first = any_positive(too_many), in_panels(work.beside_tile), kept > 0
     while next_panels(edges, edge_count, walk):
         panel_positions(walk[PANEL_MIDDLE], walk[PANEL_HALF], q, cos_q, sin_q)
         if task.sizes[2] > 0:
@@ -480,12 +537,23 @@ def follow(
             states(work.block, tables, middle_q, middle_cos, work.place[2, MIDDLE : MIDDLE + 1], work.state_tile)
             copy_rows(in_lanes(work.state_tile), task.state_rows, block)
         curves(work.block, tables, work.place[0], work.place[1], work.place[2], work.tile)
+        if first:
+            # Of the first panel that is tried, which is the same whatever the other lanes are.
+            place = work.beside[0], work.beside[1], work.beside[2]
+            change_by_rounding(MIDDLE, q, cos_q, sin_q, 0, in_lanes(place[0]), in_lanes(place[1]), in_lanes(place[2]))
+            curves(work.block, tables, place[0], place[1], place[2], work.beside_tile)
+            for k in range(kept):
+                keep_rounding(tile, task.kept[k], beside, record, k)
+            first = False
         if any_lost:
             spoil(count, too_many, tile)
         broken = False
         for c in range(count):
             panel_figures(tile, c, figures, c)
             broken |= compare_with_tolerance(figures, c, task.tolerances[c], task.only_integrals[c], scales, walk)
+        for k in range(task.rooted.shape[0]):
+            c = task.rooted[k]
+            compare_root(tile, figures, c, task.tolerances[c], scales, walk)
         for k in range(task.kinks.shape[0]):
             find_kink(tile, task.kinks[k], walk)
         if not judge(task.longest[0], walk):
@@ -560,7 +628,7 @@ def evaluate_blocks(
         in_lanes(work.signs),
         in_lanes(work.angle),
     )
-    series = in_panels(work.series)
+    series, root = in_panels(work.series), in_lanes(work.root)
     search = Search(of_candidates(work.candidates), series[0], series[1], in_lanes(work.search))
     high, low, none, broken_at, spare = found, in_lanes(work.found[EXTREME:]), marks[0], marks[1], marks[2]
     too_many = marks[5]
@@ -600,6 +668,12 @@ def evaluate_blocks(
             hand_out(of_landmark, landmarks[f], first, f * of_landmark, answers.landmarks)
         for k in range(integrated):
             hand_out(two, integrals[k], first, two * k, answers.integrals)
+        for k in range(task.roots.shape[0]):
+            tolerance = task.tolerances[task.kept[task.roots[k]]]
+            integrate_roots(record, to_coefficients, steps, task.roots[k], tolerance, work.parts, root)
+            hand_out(two, root, first, two * k, answers.roots)
+        for c in range(count):
+            hand_out(one, scales[c], first, c, answers.sizes)
         fill(1, in_lanes(work.search[PERIOD:]), task.periods[0])
         for k in range(task.fluctuations.shape[0]):
             x, y = task.fluctuations[k, 0], task.fluctuations[k, 1]

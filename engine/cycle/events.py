@@ -12,6 +12,7 @@ from engine.compiling.decorators import inlined, routine
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import Memory, any_positive, memory
+from engine.cycle.panels.record import OF_ROUNDING
 from engine.cycle.panels.series import larger, smaller
 from engine.cycle.panels.walk import DIRECTION, PLACE, PLACE_ERROR, RANGE
 from engine.cycle.roots import (
@@ -40,6 +41,8 @@ LANDMARKS = 8
 of_landmarks = memory(LANDMARKS, LANES)
 # Turns of one function, or places where it takes one level, at most: so many in each turn of the input.
 MOST_ROOTS = 12
+# How many of the positions scanned are looked at once more, changed by their rounding.
+LOOKED_BESIDE = 4
 # A root beside a turn is off by no more than this share of the range.
 FLAT = 1e-7
 
@@ -136,6 +139,7 @@ def find_landmarks(
     sought: np.ndarray,
     turned: SampledFunctions,
     roots: Memory,
+    beside: SampledFunctions,
     steepest: Memory,
     landmarks: Memory,
 ) -> None:
@@ -152,6 +156,8 @@ def find_landmarks(
     turned : SampledFunctions
         All functions where they turn.
     roots : rows (rows, PARTS, LANES)
+    beside : SampledFunctions
+        All functions at some of the positions scanned, evenly spaced, changed by their rounding.
     steepest : row (LANES,)
         Used meanwhile: greatest magnitude of f′.
     landmarks : rows (functions, LANDMARKS, LANES)
@@ -176,6 +182,12 @@ def find_landmarks(
             magnitude = abs(f) if abs(f) < math.inf else math.nan
             landmarks[function, SCALE, lane] = scale if (scale >= magnitude) | (scale != scale) else magnitude
             steepest[lane] = larger(abs(samples.values[slope_row + k, lane]), steepest[lane])
+    stride = samples.room // LOOKED_BESIDE
+    for k in range(LOOKED_BESIDE):
+        for lane in range(LANES):
+            here, there = samples.values[f_row + k * stride, lane], beside.values[2 * function * beside.room + k, lane]
+            off = OF_ROUNDING * abs(here - there)
+            landmarks[function, VALUE_ERROR, lane] = larger(off, landmarks[function, VALUE_ERROR, lane])
     for r in range(count):
         if sought[r, FUNCTION] != function:
             continue
@@ -203,7 +215,7 @@ def find_landmarks(
             landmarks[function, GREATEST_AT_ERROR, lane] += 2.0 * width if high else 0.0
     for lane in range(LANES):
         aside = ROUNDING * larger(abs(samples.q[0, lane]), abs(samples.q[last, lane]))
-        landmarks[function, VALUE_ERROR, lane] = ROUNDING * landmarks[function, SCALE, lane]
+        landmarks[function, VALUE_ERROR, lane] += ROUNDING * landmarks[function, SCALE, lane]
         landmarks[function, LEAST_AT_ERROR, lane] += aside
         landmarks[function, GREATEST_AT_ERROR, lane] += aside
     for part in range(LANDMARKS):
@@ -369,12 +381,13 @@ def lay_edges(
         slope_row = (2 * function + 1) * samples.room + r
         for lane in range(LANES):
             place = roots[r, X, lane]
-            off = ROUNDING * landmarks[function, SCALE, lane] / abs(samples.values[slope_row, lane])
+            # Levels may follow from other landmarks, and are off as much.
+            off = 2.0 * landmarks[function, VALUE_ERROR, lane] / abs(samples.values[slope_row, lane])
             edges[r, PLACE, lane] = walk[DIRECTION, lane] * place
             # Where f turns it is flat.
             edges[r, PLACE_ERROR, lane] = smaller(off, FLAT * walk[RANGE, lane]) + ROUNDING * abs(place)
     for i in range(cut_rows.shape[0]):
         for lane in range(LANES):
             edges[count + i, PLACE, lane] = walk[DIRECTION, lane] * block[cut_rows[i], lane]
-            edges[count + i, PLACE_ERROR, lane] = 0.0
+            edges[count + i, PLACE_ERROR, lane] = ROUNDING * abs(block[cut_rows[i], lane])
     return count + cut_rows.shape[0]

@@ -86,6 +86,10 @@ class Plan:
         Curves at whose zeros others bend: panels end there where those need it.
     integrals : sequence of int
         Curves to integrate over the cycle.
+    roots : sequence of int
+        Curves that are nowhere negative, whose roots are to be integrated over the cycle.
+    rooted : sequence of int
+        Curves that are nowhere negative and whose roots count: panels are as short as these need.
     extremes : sequence of int or tuples
         Curves whose least and greatest values are asked; with one of LEAST, GREATEST and LEAST_MAGNITUDE of
         `engine.cycle.measures.extremes` after it that alone.
@@ -135,6 +139,8 @@ class Plan:
     cuts: Sequence[int] = ()
     kinks: Sequence[int] = ()
     integrals: Sequence[int] = ()
+    roots: Sequence[int] = ()
+    rooted: Sequence[int] = ()
     extremes: Sequence[int | tuple[int, int]] = ()
     works: Sequence[int] = ()
     combinations: Sequence[tuple[int, ...]] = ()
@@ -207,7 +213,10 @@ class CycleOutcome:
 
     Attributes
     ----------
-    integrals : Measured (asked, variants)
+    integrals, roots : Measured (asked, variants)
+        Integrals of curves, and of roots of curves.
+    sizes : ndarray (curves, variants)
+        Greatest magnitudes.
     lengths : ndarray (variants,)
         Last less first position of the input.
     extremes, works, combinations, compared, angles, speeds, landmarks : Extremes
@@ -229,6 +238,8 @@ class CycleOutcome:
     """
 
     integrals: Measured
+    roots: Measured
+    sizes: np.ndarray
     lengths: np.ndarray
     extremes: Extremes
     works: Extremes
@@ -296,7 +307,9 @@ class CycleMachine:
         )
         rates = list(dict.fromkeys(c[0] for c in plan.compared))
         sought = [e if isinstance(e, tuple) else (e, BOTH) for e in plan.extremes]
-        others = [c for c, _ in sought] + [c[1] for c in (*plan.combinations, *plan.fluctuations, *plan.compared)]
+        others = [*plan.roots, *(c for c, _ in sought)] + [
+            c[1] for c in (*plan.combinations, *plan.fluctuations, *plan.compared)
+        ]
         parts = [c for group in (*plan.angles, *plan.arcs) for c in group]
         kept = list(dict.fromkeys([*moments, *rates, *others, *parts]))
         curve = {number: k for k, number in enumerate(kept)}
@@ -328,6 +341,8 @@ class CycleMachine:
             plan.looks,
             MOST_ROOTS * plan.turns,
             _integers(plan.integrals),
+            _integers([curve[r] for r in plan.roots]),
+            _integers(plan.rooted),
             _integers(kept),
             _integers([*((curve[m], 1) for m in moments), *((curve[r], 0) for r in rates)], 2),
             _integers([(curve[x], curve[y]) for x, y in plan.angles], 2),
@@ -372,6 +387,8 @@ class CycleMachine:
         blocks = -(-variants // LANES)
         shapes = (
             (len(plan.integrals), 2),
+            (len(plan.roots), 2),
+            (plan.curves,),
             (len(task.extremes), 2, 4),
             (len(plan.fluctuations), RESULTS),
             (len(plan.averages), 4),
@@ -426,6 +443,8 @@ class CycleMachine:
         first, last = (numbers[row] for row in plan.ends)
         return CycleOutcome(
             _pair(answers.integrals, 0, 1),
+            _pair(answers.roots, 0, 1),
+            answers.sizes,
             last - first,
             *(_extremes(of) for of in extremes),
             Extremes(

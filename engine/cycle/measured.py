@@ -104,7 +104,7 @@ def measured(value: object) -> Measured:
 def sqrt(x: Measured) -> Measured:
     """Square root; of a value that is 0 within its error, off by at most the root of the greatest that is possible."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        value = np.sqrt(x.value)
+        value = np.sqrt(np.where((x.value < 0.0) & (x.value >= -x.error), 0.0, x.value))
         first_order = 0.5 * x.error / value
     error = np.where(x.error > x.value, np.sqrt(np.abs(x.value) + x.error), first_order)
     return of_squares(Measured(value, np.where(x.error == 0.0, 0.0, error))._rounded())

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from engine.compiling.threads import threads
-from engine.cycle.measured import UNKNOWN_ROOT
+from engine.cycle.measured import UNKNOWN_ROOT, Measured
 from engine.elements.governors.places import CYCLE_POSITIONS
 from engine.graph.nodes import Node
 from engine.machine.checks import check_names, check_positions, given_numbers
@@ -38,8 +38,6 @@ if TYPE_CHECKING:
 
 # A group whose transmission quality falls below this is singular: about the root of the rounding error.
 SINGULAR_SINE = 1e-7
-# Errors of accelerations and forces at a transmission angle of 90°, relative to their greatest: a few roundings.
-ROUNDING_OF_RATES = 8.0 * np.finfo(float).eps
 # Errors of what vanishes altogether: of differences of two roots.
 SURELY_NOTHING = 4.0 * UNKNOWN_ROOT
 # Variants of a thread that are measured together: what is known of them stays in its caches.
@@ -372,7 +370,7 @@ class Machine:
         batch = VARIANTS_AT_ONCE * threads()
         batches = [slice(first, first + batch) for first in range(0, keep.size, batch)]
         measured = [self._measure(outcome, room, keep[some], numbers.of_variants(some)) for some in batches]
-        panels, of_trains = zip(*measured, strict=True)
+        panels, excess, of_trains = zip(*measured, strict=True)
         machine = {key: np.concatenate([found[key] for found in of_trains]) for key in of_trains[0]}
         of_machine = {f"elements.{t}.{key}": row for t in self._trains for key, row in machine.items()}
         if self._drives is not None:
@@ -380,7 +378,7 @@ class Machine:
         self._fill_elements(outcome, keep, numbers.with_values(of_machine))
         if self.schedule is not None:
             self._move(outcome, keep, numbers)
-        self._note_accuracy(outcome, keep, np.concatenate(panels))
+        self._note_accuracy(outcome, keep, np.concatenate(panels), np.concatenate(excess))
 
     def _fill_elements(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
         """Write what is asked of the machine elements of the variants `keep`."""
@@ -408,17 +406,29 @@ class Machine:
 
     def _measure(
         self, outcome: Outcome, room: np.ndarray, keep: np.ndarray, numbers: Numbers
-    ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-        """Evaluate the cycles of the variants `keep`; returns how many panels each took, and what trains are given."""
+    ) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
+        """Evaluate the cycles of the variants `keep`.
+
+        Returns
+        -------
+        panels : ndarray (variants,)
+            How many each took.
+        excess : ndarray (variants,)
+            The greatest error figure of each as a multiple of what is allowed, where that is asked, else 0.
+        of_trains : dict of str to ndarray
+            What trains are given.
+        """
         table = self.measuring.numbers(numbers, keep.size)
         answers = self.measuring(table)
-        undefined, spread = np.zeros(keep.size, bool), self._spread(answers, keep.size)
+        undefined, excess = np.zeros(keep.size, bool), np.zeros(keep.size)
         own = slice(keep[0], keep[-1] + 1) if keep[-1] - keep[0] == keep.size - 1 else keep
         for (name, summary), expression in zip(self._summaries.items(), self.measuring.expressions, strict=False):
             # An overflow on the way to a number ends as a status, not as a warning.
             with np.errstate(all="ignore"):
                 found = answers.value_of(expression)
-            value, error = found.value, found.error + spread * np.abs(found.value) * (found.error != 0.0)
+                if ACCURACY_REACHED.name in self.asked_summaries and not name.endswith("_at"):
+                    excess = np.fmax(excess, self._excess(name, expression, found, answers))
+            value, error = found.value, found.error
             nothing = np.broadcast_to(~np.isfinite(value), keep.shape)
             if nothing.any():
                 undefined |= nothing & (not summary.may_be_undefined)
@@ -433,7 +443,7 @@ class Machine:
         if failed.size:
             for name in self._summaries:
                 outcome.summaries[name][failed] = outcome.errors[name][failed] = np.nan
-        return answers.outcome.panels, self._for_trains(answers, numbers, keep.size)
+        return answers.outcome.panels, excess, self._for_trains(answers, numbers, keep.size)
 
     def _for_trains(self, answers: MeasuredCycles, numbers: Numbers, variants: int) -> dict[str, np.ndarray]:
         """What the machine does to trains that it excites; nothing where there are none."""
@@ -465,18 +475,6 @@ class Machine:
         well = np.flatnonzero(status == Verdict.OK)
         numbers = Numbers(self._limits, arrays)
         return self._drives.seconds_of_runs(numbers.of_variants(well), well.size) if well.size else 0.0
-
-    def _spread(self, answers: MeasuredCycles, variants: int) -> np.ndarray:
-        """What rounding makes of a relative error of its size: near a dead centre a group's accelerations go with 1/γ².
-
-        Sines of transmission angles γ, or what takes their place, are known to rounding over themselves; a group hands
-        on what those before it left. Loops that are solved together hand theirs on to each other.
-        """
-        product, free = np.ones(variants), self.mechanics.kinematics.free
-        for group, (sine, _) in zip(self.measuring.groups, answers.sines(), strict=True):
-            loops = len(free[group].closure.slides) if group in free else 1
-            product *= np.where((sine > 0.0) & (sine < 1.0), sine, 1.0) / loops
-        return ROUNDING_OF_RATES / product**2
 
     def _move(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
         """Compute the regimes of those of the variants `keep` that have no complaint so far."""
@@ -600,40 +598,32 @@ class Machine:
 
     # Accuracy
 
-    def _note_accuracy(self, outcome: Outcome, keep: np.ndarray, panels: np.ndarray) -> None:
+    def _note_accuracy(self, outcome: Outcome, keep: np.ndarray, panels: np.ndarray, excess: np.ndarray) -> None:
         """Columns that say how many positions were used, and whether the accuracy asked for was reached."""
         failed = outcome.status[keep] != Verdict.OK
         if POSITIONS_USED.name in self.asked_summaries:
             used = panels * 17.0
             self._column(outcome, keep, POSITIONS_USED.name, np.where(failed, np.nan, used))
         if ACCURACY_REACHED.name in self.asked_summaries:
-            reached = (self._excess(outcome, keep) <= 1.0).astype(float)
+            reached = (excess <= 1.0).astype(float)
             self._column(outcome, keep, ACCURACY_REACHED.name, np.where(failed, np.nan, reached))
 
     @staticmethod
     def _column(outcome: Outcome, keep: np.ndarray, name: str, values: np.ndarray) -> None:
         outcome.summaries[name][keep], outcome.errors[name][keep] = values, np.where(np.isnan(values), np.nan, 0.0)
 
-    def _excess(self, outcome: Outcome, keep: np.ndarray) -> np.ndarray:
-        """The greatest error figure of each variant as a multiple of what is allowed.
+    def _excess(self, name: str, expression: Expression, found: Measured, answers: MeasuredCycles) -> np.ndarray:
+        """Error figure of a summary as a multiple of what is allowed.
 
-        Statistics of a field are measured by its greatest magnitude that is asked: its mean or its least value may be
-        zero. The place of an extreme doesn't count: beside a flat one it is hardly known, and nothing depends on it.
+        What may vanish is measured by the greatest magnitude of the curves it is made of: statistics of a field by its
+        peak, others by what comes of them where these curves are off by the accuracy. The place of an extreme doesn't
+        count: beside a flat one it is hardly known, and nothing depends on it.
         """
-        worst, allowed = np.zeros(keep.size), self.accuracy or 1.0
-        for name in self._summaries:
-            if name.endswith("_at"):
-                continue
-            value, error = outcome.summaries[name][keep], outcome.errors[name][keep]
-            size = np.ones_like(value) if name.endswith(_RELATIVE_ALREADY) else self._size(outcome, keep, name)
-            with np.errstate(all="ignore"):
-                share = np.where(error <= SURELY_NOTHING, 0.0, error / (allowed * size))
-            worst = np.fmax(worst, np.where(np.isfinite(value), share, 0.0))
-        return worst
-
-    def _size(self, outcome: Outcome, keep: np.ndarray, name: str) -> np.ndarray:
-        field, _, statistic = name.rpartition(".")
-        if statistic not in STATISTICS:
-            return np.abs(outcome.summaries[name][keep])
-        asked = [n for n in self._summaries if n.rpartition(".")[0] == field and not n.endswith("_at")]
-        return np.max([np.abs(outcome.summaries[n][keep]) for n in asked], axis=0)
+        accuracy, (field, _, statistic) = self.accuracy or 1.0, name.rpartition(".")
+        own = accuracy * (1.0 if name.endswith(_RELATIVE_ALREADY) else np.abs(found.value))
+        if statistic in STATISTICS:
+            allowed = accuracy * answers.peak(self.register.fields[field].curve())
+        else:
+            allowed = answers.allowed(expression, accuracy)
+        share = np.where(found.error <= SURELY_NOTHING, 0.0, found.error / np.fmax(own, allowed))
+        return np.where(np.isfinite(found.value), share, 0.0)

@@ -31,6 +31,7 @@ from engine.quantities.expressions import (
     Integral,
     LeastMagnitude,
     Measurement,
+    RootIntegral,
     Speed,
     SteadyCycle,
     StrokeEnd,
@@ -39,6 +40,7 @@ from engine.quantities.expressions import (
     VariantNumber,
     Work,
     measurements,
+    square_of,
 )
 from engine.scene.pairs import has_friction
 from engine.scene.scene import Numbers
@@ -50,6 +52,10 @@ CLOSELY = 1e-9
 FINELY = 1e-12
 # What may be left of a margin against jamming, unless an accuracy is asked: three digits of it say all.
 LOOSELY = 1e-4
+# Errors of accelerations and forces at a transmission angle of 90°, relative to their greatest: a few roundings.
+ROUNDING_OF_RATES = 8.0 * np.finfo(float).eps
+# An excess work that is no more than this share of what its moment may do is rounding.
+NEGLIGIBLE = 1e-9
 # Positions at which curves that switch something are looked at over a cycle of up to two turns, and in each turn more.
 SCANNED, SCANNED_PER_TURN = 36, 18
 # Tolerance of curves that panels needn't be made shorter for.
@@ -114,6 +120,7 @@ class Measuring:
         self._followed = list(dict.fromkeys([*self._spaced, *asked]))
         cycles = [*of[SteadyCycle], *(f.steady for f in self._followed if isinstance(f, Speed))]
         curves = [a.curve for a in (*of[Integral], *extremes, *of[LeastMagnitude])]
+        curves += [a.square for a in of[RootIntegral]]
         curves += [node for a in cycles for node in (a.moment, a.inertia)]
         curves += [node for a in of[Unbalanced] for node in (a.rate, a.curve)]
         curves += [node for a in of[UnloadedArc] for node in (*a.force, a.square)]
@@ -189,6 +196,8 @@ class Measuring:
         f = self.functions
         row, curve = f.rows, f.curves
         self._integrals = list(dict.fromkeys(a.curve for a in of[Integral]))
+        self._roots = list(dict.fromkeys(a.square for a in of[RootIntegral]))
+        rooted = dict.fromkeys([*self._roots, *(a.curve for a in of[Extreme] if a.rooted and a.sense == "least")])
         sides: dict[Node, int] = {}
         for asked in extremes:
             sides[asked.curve] = sides.get(asked.curve, 0) | _SIDES[asked.sense]
@@ -220,6 +229,8 @@ class Measuring:
             looks=f.looks,
             kinks=[curve[c] for c in self._kinks],
             integrals=[curve[c] for c in self._integrals],
+            roots=[curve[c] for c in self._roots],
+            rooted=[curve[c] for c in rooted],
             extremes=[(curve[c], side) for c, side in self._extremes],
             works=[curve[c] for c in self._works],
             combinations=[(curve[m], curve[i], row[c], side) for m, i, c, side in self._combinations],
@@ -242,6 +253,7 @@ class Measuring:
     def _resolved(self, of: dict[type, list]) -> set[Node]:
         """Curves that panels are made as short for as they need."""
         found = [a.curve for a in (*of[Integral], *of[LeastMagnitude], *of[ExtremePosition])]
+        found += self._roots
         found += [a.curve for a in of[Extreme] if a.resolved]
         found += [node for steady in self._steady for node in (steady.of.moment, steady.of.inertia)]
         found += [node for a in (*of[Unbalanced],) for node in (a.rate, a.curve)]
@@ -316,6 +328,7 @@ class Measuring:
 
 _KINDS = (
     Integral,
+    RootIntegral,
     Extreme,
     ExtremePosition,
     LeastMagnitude,
@@ -393,7 +406,7 @@ class MeasuredCycles:
 
     def __init__(self, measuring: Measuring, table: np.ndarray, outcome: cycle.CycleOutcome) -> None:
         self._m, self._table, self.outcome = measuring, table, outcome
-        self.value_of = Evaluation(self._measured)
+        self.value_of = Evaluation(self._with_spread)
 
     def number(self, node: Node) -> Measured:
         """A number of the variants; exact but for its rounding."""
@@ -427,6 +440,72 @@ class MeasuredCycles:
         value = found.value * sense
         return Measured(np.where(value < 0.0, 0.0, value), found.error)
 
+    @cached_property
+    def _spread(self) -> np.ndarray:
+        """What rounding makes of a relative error of its size: near a dead centre a group's accelerations go with 1/γ².
+
+        Sines of transmission angles γ, or what takes their place, are known to rounding over themselves; a group hands
+        on what those before it left. Loops that are solved together hand theirs on to each other.
+        """
+        product, free = np.ones(self._table.shape[1]), self._m.mechanics.kinematics.free
+        for group, (sine, _) in zip(self._m.groups, self.sines(), strict=True):
+            loops = len(free[group].closure.slides) if group in free else 1
+            product *= np.where((sine > 0.0) & (sine < 1.0), sine, 1.0) / loops
+        return ROUNDING_OF_RATES / product**2
+
+    def _with_spread(self, asked: Measurement) -> Measured:
+        """What was measured, with what rounding near dead centres makes of it."""
+        found = self._measured(asked)
+        if isinstance(asked, VariantNumber):
+            return found
+        spread = self._spread * self._size(asked, found.value)
+        return Measured(found.value, found.error + spread * (found.error != 0.0))
+
+    def allowed(self, expression: Expression, accuracy: float) -> np.ndarray:
+        """Error of an expression where each curve it is made of is off by a share of its greatest magnitude."""
+
+        def off(asked: Measurement) -> Measured:
+            found = self._measured(asked)
+            exact = isinstance(asked, VariantNumber)
+            return found if exact else Measured(found.value, accuracy * self._size(asked, found.value))
+
+        return Evaluation(off)(expression).error
+
+    def peak(self, curve: Node | Followed) -> np.ndarray:
+        """Greatest magnitude of a curve that something is asked of; NaN where it is known of none of its powers."""
+        if not isinstance(curve, Node):
+            extremes, row = self._extremes_of(curve)
+            return extremes.greatest_magnitude.value[row]
+        square = square_of(curve)
+        for known, root in ((curve, False), (square, True), (curve * curve, True)):
+            if known in self._m.functions.curves:
+                size = self.outcome.sizes[self._m.functions.curves[known]]
+                return np.sqrt(size) if root else size
+        return np.full(self._table.shape[1], np.nan)
+
+    def _size(self, asked: Measurement, value: np.ndarray) -> np.ndarray:
+        """Magnitude that an error of what was measured is a share of: that of the curve, where it may cancel."""
+        length = np.abs(self.outcome.lengths)
+        match asked:
+            case Integral(curve):
+                return self.peak(curve) * length
+            case RootIntegral(square):
+                return np.sqrt(self.peak(square)) * length
+            case Extreme(Node() as curve, _, _, rooted):
+                # Where a magnitude is off by as much everywhere, its square is the less, the less it is.
+                return 2.0 * np.sqrt(np.abs(value) * self.peak(curve)) if rooted else self.peak(curve)
+            case Extreme(curve):
+                return self.peak(curve)
+            case Average(curve, power):
+                return self.peak(curve) ** power
+            case StrokeEnd(coordinate, _, which) if not which.endswith("_at"):
+                ends = (self._stroke_end(coordinate, end).value for end in ("low", "high"))
+                return np.maximum(*(np.abs(end) for end in ends))
+            case SteadyCycle(moment=moment, result="excess_work"):
+                whole = self.peak(moment) * length
+                return np.where(np.abs(value) <= NEGLIGIBLE * whole, whole, np.abs(value))
+        return np.abs(value)
+
     def _measured(self, asked: Measurement) -> Measured:
         m, outcome = self._m, self.outcome
         match asked:
@@ -434,6 +513,8 @@ class MeasuredCycles:
                 return self.number(number)
             case Integral(curve):
                 return outcome.integrals[m._integrals.index(curve)]
+            case RootIntegral(square):
+                return outcome.roots[m._roots.index(square)]
             case Extreme(curve, sense):
                 return getattr(self._extremes_of(curve)[0], sense)[self._extremes_of(curve)[1]]
             case ExtremePosition(curve, sense):

@@ -2,6 +2,9 @@
 
 Rates are by the input: dr/dq and d²r/dq², the transfer functions of the textbooks, q being the crank's angle or the
 displacement of a sliding input.
+
+Positions are counted from the input's pivot, or from the point of its guide. So they are as small as the machine, and
+a machine far from the origin of the scene's coordinates is computed with as many digits as one at the origin.
 """
 
 from typing import TYPE_CHECKING, NamedTuple
@@ -97,6 +100,8 @@ class Assembly:
 
     Attributes
     ----------
+    datum : str
+        Path of the point of the frame that positions are counted from.
     points, links, guides, slides : dict
         By their names in the scene.
     angles : dict of str to Node
@@ -115,6 +120,8 @@ class Assembly:
 
     def __init__(self, scene: Scene, graph: Graph) -> None:
         self.scene, self.graph = scene, graph
+        crank = isinstance(scene.input, CrankInput)
+        self.datum = f"points.{scene.input.pivot}" if crank else f"guides.{scene.input.guide}"
         self.nowhere = Vector(graph.zero, graph.zero)
         self.points: dict[str, MovingPoint] = {}
         frame = Turning(self.at_rest(self.nowhere), Vector(graph.one, graph.zero), graph.zero, graph.zero)
@@ -148,6 +155,28 @@ class Assembly:
     def number(self, path: str) -> Node:
         """A number of the scene."""
         return self.graph.number(path)
+
+    def place(self, kind: str, name: str) -> Vector:
+        """A point of a link, or the point of a guide, in the axes of its link; on the frame from the datum on.
+
+        Parameters
+        ----------
+        kind : {"points", "guides"}
+        name : str
+        """
+        path, part = f"{kind}.{name}", getattr(self.scene, kind)[name]
+        if path == self.datum:
+            return self.nowhere
+        on_frame = part.link == FRAME
+        return Vector(*(self._from_datum(path, axis) if on_frame else self.number(f"{path}.{axis}") for axis in "xy"))
+
+    def _from_datum(self, path: str, axis: str) -> Node:
+        own, datum = f"{path}.{axis}", f"{self.datum}.{axis}"
+        return self.graph.derived(f"{own} from {datum}", lambda n: n[own] - n[datum])
+
+    def coordinates(self, r: Vector) -> Vector:
+        """The scene's coordinates of a position."""
+        return r + Vector(self.number(f"{self.datum}.x"), self.number(f"{self.datum}.y"))
 
     def direction(self, path: str) -> Vector:
         """Direction at an angle of the scene."""

@@ -100,8 +100,7 @@ class Kinematics(Assembly):
     # Elements of the ordering
 
     def _point(self, name: str) -> None:
-        part = self.scene.points[name]
-        place = Vector(self.number(f"points.{name}.x"), self.number(f"points.{name}.y"))
+        part, place = self.scene.points[name], self.place("points", name)
         if part.link == FRAME:
             self.points[name] = self.at_rest(place)
             return
@@ -111,8 +110,7 @@ class Kinematics(Assembly):
 
     def _guide(self, name: str) -> None:
         carrier = self.links[self.scene.guides[name].link]
-        r = Vector(self.number(f"guides.{name}.x"), self.number(f"guides.{name}.y"))
-        u = self.direction(f"guides.{name}.angle")
+        r, u = self.place("guides", name), self.direction(f"guides.{name}.angle")
         self.guides[name] = GuideLine(carrier, carrier.origin.r + r.in_axes(carrier.u), u.in_axes(carrier.u))
 
     def _input(self, name: str) -> None:

@@ -42,7 +42,7 @@ def declare(mechanics: Mechanics) -> Declared:
             )
         words = f"quality of transmission of cam {name}: the cosine of its pressure angle where it has a roller or edge"
         yield Field(f"{name}.transmission", words, "1", _known(m.kinematics.sines[name]))
-        for axis, node in zip("xy", motion.contact, strict=True):
+        for axis, node in zip("xy", m.kinematics.coordinates(motion.contact), strict=True):
             words = f"{axis} coordinate of the contact of cam {name} with {cam.follower.link}"
             yield Field(f"{name}.contact_{axis}", words, "m", _known(node))
         for axis, node in zip("xy", motion.normal, strict=True):

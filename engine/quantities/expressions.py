@@ -86,6 +86,13 @@ class Integral(Measurement):
 
 
 @dataclass(frozen=True)
+class RootIntegral(Measurement):
+    """Integral of the root of a curve over the range of the input."""
+
+    square: Node
+
+
+@dataclass(frozen=True)
 class Angle:
     """A direction as an angle, continuous over the range."""
 
@@ -120,11 +127,14 @@ class Extreme(Measurement):
     sense : {"least", "greatest"}
     resolved : bool
         Whether panels are made as short as the curve needs. A curve that is rounding alone never becomes smooth.
+    rooted : bool
+        Whether the root of the value is asked.
     """
 
     curve: Node | Followed
     sense: Literal["least", "greatest"]
     resolved: bool = True
+    rooted: bool = False
 
 
 @dataclass(frozen=True)
@@ -221,33 +231,37 @@ def length_of_range(first: Node, last: Node) -> Expression:
 
 def least(curve: Node | Followed) -> Expression:
     """Least value of a curve."""
-    return of_root(curve, Extreme(curve, "least"))
+    return _extreme(curve, "least")
 
 
-def _square(curve: Node | Followed) -> Node | None:
+def _extreme(curve: Node | Followed, sense: Literal["least", "greatest"]) -> Expression:
+    square = square_of(curve)
+    return Extreme(curve, sense) if square is None else sqrt(Extreme(square, sense, rooted=True))
+
+
+def square_of(curve: Node | Followed) -> Node | None:
     """What a curve is the root of, if it is one: that is smooth where the root nearly has a kink."""
     return curve.operands[0] if isinstance(curve, Operation) and curve.symbol == "sqrt" else None
 
 
 def of_root(curve: Node | Followed, found: Expression) -> Expression:
     """A statistic of a curve, which may be the root of squares."""
-    return found if _square(curve) is None else Formula(numbers.of_squares, (found,))
+    return found if square_of(curve) is None else Formula(numbers.of_squares, (found,))
 
 
 def greatest(curve: Node | Followed) -> Expression:
     """Greatest value of a curve."""
-    square = _square(curve)
-    return Extreme(curve, "greatest") if square is None else sqrt(Extreme(square, "greatest"))
+    return _extreme(curve, "greatest")
 
 
-def place_of_greatest(curve: Node | Followed) -> Expression:
-    """Position of the input where a curve has its greatest value."""
-    return ExtremePosition(_square(curve) or curve, "greatest")
+def place_of(curve: Node | Followed, sense: Literal["least", "greatest"]) -> Expression:
+    """Position of the input where a curve has its least or greatest value."""
+    return ExtremePosition(square_of(curve) or curve, sense)
 
 
 def peak(curve: Node | Followed) -> Expression:
     """Greatest magnitude of a curve."""
-    return greatest(curve) if _square(curve) is not None else maximum(abs(least(curve)), abs(greatest(curve)))
+    return greatest(curve) if square_of(curve) is not None else maximum(abs(least(curve)), abs(greatest(curve)))
 
 
 def unresolved_peak(curve: Node) -> Expression:

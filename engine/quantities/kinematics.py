@@ -5,6 +5,7 @@ from collections.abc import Callable
 from engine.graph.nodes import Node
 from engine.mechanism.higher_pairs.noncircular_motion import NoncircularMotion
 from engine.mechanism.mechanics import Mechanics
+from engine.mechanism.vectors import Vector
 from engine.parts.skeleton import FRAME, CrankInput
 from engine.quantities.expressions import Angle
 from engine.quantities.register import Declared, Field, InputUnits
@@ -39,7 +40,7 @@ def declare(mechanics: Mechanics) -> Declared:
     for name in _moving_points(mechanics):
         point = k.points[name]
         for i, axis in enumerate("xy"):
-            nodes = (point.r[i], point.v[i], point.a[i])
+            nodes = (k.coordinates(point.r)[i], point.v[i], point.a[i])
             yield from _coordinate(mechanics, name, axis, f"{axis} coordinate of point {name}", "m", nodes)
     for name in mechanics.structure.links:
         link = k.links[name]
@@ -57,14 +58,14 @@ def declare(mechanics: Mechanics) -> Declared:
         words = f"h of Newton and Kantorovich in {name}: no more than 1/2 proves its assembly mode"
         yield Field(f"{name}.certificate", words, "1", _known(h))
     for name, motion in k.noncircular.items():
-        yield from _of_wheel(name, scene.noncircular_wheels[name].geared_to, motion)
+        yield from _of_wheel(name, scene.noncircular_wheels[name].geared_to, motion, k.coordinates)
 
 
-def _of_wheel(name: str, driver: str, motion: NoncircularMotion) -> Declared:
+def _of_wheel(name: str, driver: str, motion: NoncircularMotion, coordinates: Callable[[Vector], Vector]) -> Declared:
     """Fields of a non-circular wheel."""
     words = f"ratio of the speed of {name} to that of {driver}, by magnitude"
     yield Field(f"{name}.ratio", words, "1", _known(motion.rate), "i")
-    for axis, node in zip("xy", motion.pitch_point, strict=True):
+    for axis, node in zip("xy", coordinates(motion.pitch_point), strict=True):
         yield Field(f"{name}.pitch_{axis}", f"{axis} coordinate of the pitch point of {name}", "m", _known(node))
     for axis, node in zip("xy", motion.tangent, strict=True):
         words = f"{axis} component of the unit tangent common to the pitch curves of {name} and {driver} there"

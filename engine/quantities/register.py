@@ -8,16 +8,17 @@ from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import (
     Average,
     Expression,
-    ExtremePosition,
     Followed,
     Integral,
+    RootIntegral,
     greatest,
     least,
     length_of_range,
     of_root,
     peak,
-    place_of_greatest,
+    place_of,
     sqrt,
+    square_of,
 )
 from engine.quantities.quantity import STATISTICS, InputUnits, Quantity
 
@@ -80,12 +81,14 @@ def mean(mechanics: Mechanics, curve: Node | Followed) -> Expression:
     """Mean of a curve over the range of the input."""
     if isinstance(curve, Followed):
         return Average(curve, 1)
-    return of_root(curve, Integral(curve) / length_of_range(mechanics.first, mechanics.last))
+    square = square_of(curve)
+    whole = Integral(curve) if square is None else RootIntegral(square)
+    return of_root(curve, whole / length_of_range(mechanics.first, mechanics.last))
 
 
 def mean_square(mechanics: Mechanics, curve: Node | Followed) -> Expression:
     """Mean of the square of a curve over the range of the input."""
-    return Average(curve, 2) if isinstance(curve, Followed) else mean(mechanics, curve * curve)
+    return Average(curve, 2) if isinstance(curve, Followed) else mean(mechanics, square_of(curve) or curve * curve)
 
 
 def statistic_summaries(field: Field, mechanics: Mechanics) -> Iterable[Summary]:
@@ -99,8 +102,8 @@ def statistic_summaries(field: Field, mechanics: Mechanics) -> Iterable[Summary]
         "peak": ("greatest magnitude of", field.units, lambda: peak(curve)),
         "mean": ("mean of", field.units, lambda: mean(mechanics, curve)),
         "rms": ("root mean square of", field.units, lambda: sqrt(mean_square(mechanics, curve))),
-        "min_at": ("crank angle of the least value of", q, lambda: ExtremePosition(curve, "least")),
-        "max_at": ("crank angle of the greatest value of", q, lambda: place_of_greatest(curve)),
+        "min_at": ("crank angle of the least value of", q, lambda: place_of(curve, "least")),
+        "max_at": ("crank angle of the greatest value of", q, lambda: place_of(curve, "greatest")),
     }
     return [
         Summary(f"{field.name}.{key}", f"{words} the {field.long_name}", units, expression)

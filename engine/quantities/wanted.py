@@ -35,7 +35,8 @@ def declare(mechanics: Mechanics) -> Declared:
 
 def _apart(mechanics: Mechanics, wanted: WantedPath) -> tuple[Expression, ...]:
     """Square of the distance of each place from the path."""
-    graph, at = mechanics.graph, mechanics.kinematics.points[wanted.point].r
+    graph, kinematics = mechanics.graph, mechanics.kinematics
+    at = kinematics.coordinates(kinematics.points[wanted.point].r)
     begin = graph.store(np.array([wanted.x, wanted.y]))
     places = len(wanted.x)
     found = []
@@ -62,16 +63,11 @@ def _beyond(mechanics: Mechanics, name: str, wanted: WantedSlide | WantedAngle) 
 
 
 def _rms(*squares: Measured) -> Measured:
-    return numbers.sqrt(sum(_not_negative(square) for square in squares) / len(squares))
+    return numbers.sqrt(sum(squares) / len(squares))
 
 
 def _most(*squares: Measured) -> Measured:
     found = squares[0]
     for square in squares[1:]:
         found = numbers.maximum(found, square)
-    return numbers.sqrt(_not_negative(found))
-
-
-def _not_negative(square: Measured) -> Measured:
-    """The square of a distance; by rounding it may come out below zero."""
-    return Measured(np.maximum(square.value, 0.0), square.error)
+    return numbers.sqrt(found)

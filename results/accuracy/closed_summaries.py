@@ -4,10 +4,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from closed_cycle import TURN, Curve, Cycle, Extreme, W
+from closed_cycle import TO_SERIES, TURN, Curve, Cycle, Extreme, W, X, legendre_sum
 
 STATISTICS_OF_VALUE = ("min", "max", "range", "peak", "mean", "rms")
 ORDERS = (1, 2, 4)
+# What may be left of the series of a root, as a share of its greatest value, and the least length of a part of a panel.
+CLOSE_ROOT, SHORT = 1e-16, 1e-9
 
 
 class Truth(NamedTuple):
@@ -39,6 +41,30 @@ class Pointwise(NamedTuple):
 def one(value: object, doubt: float = 0.0) -> Truth:
     """A single true value."""
     return Truth((value,), doubt)
+
+
+def integral_of_root(curve: Curve) -> tuple[np.longdouble, float]:
+    """Integral of the root of a curve, and what it leaves open.
+
+    Panels are halved until the root's series has decayed.
+    """
+    scale = np.sqrt(curve.on_nodes().max())
+    panel = np.arange(curve.panels.length.size)
+    low, high = -np.ones(panel.size, np.longdouble), np.ones(panel.size, np.longdouble)
+    total, left = np.longdouble(0), 0.0
+    while panel.size:
+        nodes = low[:, None] + (high - low)[:, None] * (X + 1) / 2
+        root = np.sqrt(np.maximum(legendre_sum(nodes, curve.series[:, panel][:, :, None]), 0))
+        tail = np.abs(root @ TO_SERIES.T)[:, -2:].sum(axis=1)
+        share = curve.panels.length[panel] * (high - low) / 2
+        done = (tail <= CLOSE_ROOT * scale) | (high - low < SHORT)
+        total += (root @ W / 2 * share)[done].sum()
+        left += float((tail * share)[done].sum())
+        panel, low, high = panel[~done], low[~done], high[~done]
+        middle = (low + high) / 2
+        panel, low, high = np.tile(panel, 2), np.append(low, middle), np.append(middle, high)
+    # The square is known to its own rounding.
+    return total, left + float(8 * np.finfo(np.longdouble).eps * scale * TURN)
 
 
 class Summaries:
@@ -84,8 +110,8 @@ class Summaries:
             # The square is known to within this; its root the less, the smaller it is.
             left = np.abs(curve.series[-2:]).max() + 16 * np.finfo(np.longdouble).eps * high.value
             doubts = tuple(float(left / (np.sqrt(max(e.value, np.longdouble(0))) + np.sqrt(left))) for e in (low, high))
-            root = Curve.through(curve.panels, np.sqrt(np.maximum(curve.on_nodes(), 0)))
-            mean, doubt = root.total / TURN, float((np.abs(root.series[-2:]).sum(axis=0) * curve.panels.length).sum())
+            total, doubt = integral_of_root(curve)
+            mean, doubt = total / TURN, doubt / float(TURN)
             low, high = (e._replace(value=np.sqrt(max(e.value, np.longdouble(0)))) for e in (low, high))
         self.pointwise |= {f"{name}.min": Pointwise(name, low), f"{name}.max": Pointwise(name, high)}
         values = (low.value, high.value, high.value - low.value, max(abs(low.value), abs(high.value)))

@@ -1,7 +1,7 @@
 """Groups of summaries that behave alike, and of machines whose loads do; errors to choose from."""
 
 LOADS = {
-    "smooth": ("slider-crank", "crank-rocker"),
+    "smooth": ("slider-crank", "crank-rocker", "swinging block"),
     "kinks": ("compressor", "turning moment", "Watt six-bar"),
     "jumps": ("press", "rubbed crank-rocker", "toggle press", "crank shaper", "Scotch yoke"),
 }

@@ -1,4 +1,4 @@
-"""Random machines for the measurements of accuracy: ten structures with their loads, all numbers drawn at random.
+"""Random machines for the measurements of accuracy: structures with their loads, all numbers drawn at random.
 
 Dimensions are drawn so that transmission angles from good to a few degrees occur, masses and loads over decades.
 Those that can't be assembled all the way round are drawn again.
@@ -367,9 +367,45 @@ def _quick_returns() -> list[Kind]:
     ]
 
 
+def _swinging_blocks() -> list[Kind]:
+    block = {"type": "RPR", "first": {"link": "block", "joint": "D"}, "second": {"link": "rod", "joint": "A"}}
+    drag = {"type": "linear_drag", "on": "rod", "coefficient": 0.1}
+    scene = _scene(
+        {"D": {"x": 0.2, "y": 0.01}}, {"q": block}, _bodies(crank=2.0, rod=1.0, block=3.0), True, moments={"drag": drag}
+    )
+    ranges = {
+        "input__length": _uniform(0.03, 0.06),
+        "points__D__x": _uniform(0.07, 0.3),
+        "points__D__y": _uniform(-0.1, 0.1),
+        "groups__q__second__offset": _uniform(-0.02, 0.02),
+        "moments__drag__coefficient": _decades(0.001, 0.1),
+    }
+    return [
+        Kind(
+            "swinging block",
+            "smooth: drag; magnitudes of reactions dip sharply",
+            scene,
+            _drawn(**COMMON, **SIZED, **ranges, **_body_ranges("crank", "rod", "block")),
+            ("rod.angular_velocity", "rod.angular_acceleration", "q.inner.reaction"),
+            ("q.transmission_angle",),
+        )
+    ]
+
+
 def kinds() -> list[Kind]:
-    """The ten structures."""
-    return [*_slider_cranks(), *_four_bars(), *_six_bars(), *_quick_returns()]
+    """The structures."""
+    return [*_slider_cranks(), *_four_bars(), *_six_bars(), *_quick_returns(), *_swinging_blocks()]
+
+
+def translated(scene: Scene, varied: Varied, distance: np.ndarray) -> Varied:
+    """The same machines elsewhere: all points and guides of the frame moved, each machine by its distance [m]."""
+    found = dict(varied)
+    for kind, parts in (("points", scene.points), ("guides", scene.guides)):
+        for name, part in parts.items():
+            for axis in "xy" if part.link == "frame" else "":
+                path = f"{kind}.{name}.{axis}"
+                found[path] = varied.get(path, np.full(varied["input.length"].size, getattr(part, axis))) + distance
+    return found
 
 
 def machines(kind: Kind, count: int, seed: int = SEED) -> Varied:

@@ -19,7 +19,7 @@ from engine.compiling.tiles import LANES
 from engine.cycle.panels.chebyshev import DEGREE, MIDDLE, PLACES, POSITIONS
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import Memory, any_positive, memory
-from engine.cycle.panels.record import FIRST, HALF, OFFSET, SCALE, TAIL, Record, known_slot
+from engine.cycle.panels.record import CLOSED, FIRST, HALF, OFFSET, OPENED, SCALE, TAIL, Record, known_slot
 from engine.cycle.panels.record import MIDDLE as PANEL_MIDDLE
 from engine.cycle.panels.series import TINY, larger, smaller
 
@@ -35,14 +35,15 @@ REACH, POSITION, NEXT_REACH = range(3)
 CANDIDATE = 3
 of_candidates = memory(CANDIDATE, LANES)
 # Rows of a search: greatest value at any position; the candidate taken, with its STEP, its position, HALF and MIDDLE of
-# its panel, what lies beyond the series there.
+# its panel, what the cuts at its ends are off by, what lies beyond the series there.
 BEST, TAKEN, STEP, AT_POSITION, PANEL_HALF, PANEL_CENTRE, BEYOND_SERIES = range(7)
+CUT_BEFORE, CUT_AFTER = range(19, 21)
 # The interval in which Newton's method is at X, LENGTH of its last step; value at the position, value and bend at the
 # top; value, slope and bend at X; a MARK.
 LOW, HIGH, X, LENGTH, START, TOP, TOP_BEND, HERE, SLOPE, BEND, MARK = range(7, 18)
 # After which length positions are the same again; infinite where the range is no cycle.
 PERIOD = 18
-SEARCH = 19
+SEARCH = 21
 # Of no candidate.
 NONE = -1.0
 
@@ -210,6 +211,10 @@ def fetch(
         search[BEYOND_SERIES, lane] = record.errors[slot_a, TAIL, lane] + abs(c) * record.errors[slot_b, TAIL, lane]
         search[PANEL_HALF, lane] = record.panels[step, HALF, lane]
         search[PANEL_CENTRE, lane] = record.panels[step, PANEL_MIDDLE, lane]
+        search[CUT_BEFORE, lane], search[CUT_AFTER, lane] = (
+            record.panels[step, OPENED, lane],
+            record.panels[step, CLOSED, lane],
+        )
         search[AT_POSITION, lane] = candidates[step, POSITION, lane]
         candidates[step, REACH, lane] = -math.inf
         if candidates[step, NEXT_REACH, lane] > search[BEST, lane]:
@@ -305,10 +310,15 @@ def compare(record: Record, a: int, b: int, factor: Memory, others: Memory, sear
         cosine = 2.0 * cosine * cosine - 1.0
         cosine = 2.0 * cosine * cosine - 1.0
         value_error = noise + offset + 2.0 * tail * math.sqrt(larger(1.0 - cosine * cosine, 0.0))
+        # An extreme at a cut lies where the cut does.
+        cut = search[CUT_BEFORE, lane] if x <= -1.0 else (search[CUT_AFTER, lane] if x >= 1.0 else 0.0)
+        value_error += cut * abs(search[SLOPE, lane] / half)
         across = larger(math.sqrt(larger(1.0 - x * x, 0.0)), STEEPEST)
         bend = larger(-search[TOP_BEND, lane], TINY)
-        aside = (2.0 * DEGREE * tail + 8.0 * noise / across) / bend + search[LENGTH, lane] * search[LENGTH, lane]
-        place_error = ROUNDING * abs(place) + (abs(half) * smaller(aside, 1.0) if abs(x) < 1.0 else 0.0)
+        aside = (2.0 * DEGREE * tail + 8.0 * (noise + offset) / across) / bend + search[LENGTH, lane] * search[
+            LENGTH, lane
+        ]
+        place_error = ROUNDING * abs(place) + (abs(half) * smaller(aside, 1.0) if abs(x) < 1.0 else cut)
         # Of two that may be the same, either may be the extreme; where the cycle closes, they may be neighbours.
         before, at_before = found[VALUE, lane], found[AT, lane]
         taken = search[STEP, lane] >= 0.0

@@ -11,13 +11,14 @@ from engine.compiling.tiles import LANES
 from engine.cycle.panels.chebyshev import DEGREE, PLACES, POSITIONS
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import Memory
-from engine.cycle.panels.record import FIRST, HALF, MISSING, OFFSET, SCALE, TAIL, Record
+from engine.cycle.panels.record import FIRST, HALF, MISSING, OFFSET, OPENED, SCALE, TAIL, Record
+from engine.cycle.panels.series import larger
 from engine.cycle.panels.transforms import SHIFTED, to_integrals
 
 # Rows used meanwhile: integral of the curve less its first value, length of the range, integral reached, mean less the
-# first value.
-_TOTAL, _LENGTH, _REACHED, _MEAN = range(4)
-WORK_ROWS = 4
+# first value; value of the curve where the last panel ended; what running integrals miss at most within a panel.
+_TOTAL, _LENGTH, _REACHED, _MEAN, _ENDED, _WITHIN = range(6)
+WORK_ROWS = 6
 
 
 @routine
@@ -48,14 +49,22 @@ def _from_first(integrals: Memory, slot: int, panels: Memory, step: int, sums: M
 
 
 @routine
-def _errors(record: Record, step: int, moment: int, work: int) -> None:
-    """What lies beyond the series of the work in a panel, and what its values may be off by."""
+def _errors(record: Record, step: int, moment: int, work: int, sums: Memory) -> None:
+    """What lies beyond the series of the work in a panel, and what its values may be off by.
+
+    Where the moment jumps at a cut, it does so within what the cut's place may be off by.
+    """
     of_moment, of_work = step * record.curves + moment, step * record.curves + work
+    values = record.values
     for lane in range(LANES):
-        half = abs(record.panels[step, HALF, lane])
-        record.errors[of_work, TAIL, lane] = half * record.errors[of_moment, TAIL, lane] / DEGREE
+        half, ended = abs(record.panels[step, HALF, lane]), sums[_ENDED, lane]
+        tail = half * record.errors[of_moment, TAIL, lane] / DEGREE
+        record.errors[of_work, TAIL, lane] = tail
+        sums[_WITHIN, lane] = larger(tail, sums[_WITHIN, lane]) if half > 0.0 else sums[_WITHIN, lane]
         off = half * (record.errors[of_moment, MISSING, lane] + 2.0 * ROUNDING * record.whole[moment, SCALE, lane])
+        off += abs(values[of_moment, 0, lane] - ended) * record.panels[step, OPENED, lane]
         record.whole[work, OFFSET, lane] += off if half > 0.0 else 0.0
+        sums[_ENDED, lane] = values[of_moment, DEGREE, lane] if half > 0.0 else ended
 
 
 @routine
@@ -83,6 +92,7 @@ def add_work(
     values, panels, whole = record.values, record.panels, record.whole
     for lane in range(LANES):
         sums[_TOTAL, lane] = sums[_LENGTH, lane] = sums[_REACHED, lane] = 0.0
+        sums[_ENDED, lane] = sums[_WITHIN, lane] = 0.0
     for step in range(steps):
         slot = step * record.curves + work
         _less_first(values, step * record.curves + moment, whole[moment, FIRST], record.work)
@@ -93,4 +103,6 @@ def add_work(
         sums[_MEAN, lane] = mean if about_mean == 1 else -whole[moment, FIRST, lane]
     for step in range(steps):
         _from_first(values, step * record.curves + work, panels, step, sums)
-        _errors(record, step, moment, work)
+        _errors(record, step, moment, work, sums)
+    for lane in range(LANES):
+        whole[work, OFFSET, lane] += sums[_WITHIN, lane]

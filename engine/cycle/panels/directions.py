@@ -1,10 +1,15 @@
 """Cosine and sine of positions, lanes side by side."""
 
+import numpy as np
+
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.chebyshev import DEGREE, MIDDLE, PLACES
 from engine.cycle.panels.lanes import Memory
 from engine.laws.elementary import direction_near_zero, direction_of
+
+# By what share of itself the direction of a position is changed by its rounding.
+ROUNDED = 2.0 * np.finfo(np.float64).eps
 
 
 @routine
@@ -51,3 +56,23 @@ def panel_positions(middle: Memory, half: Memory, q: Memory, cos_q: Memory, sin_
     # In two: no more of an inner loop would be unrolled, and only what is unrolled runs over all lanes at once.
     _mirrored(0, 4, half, q, cos_q, sin_q)
     _mirrored(4, 8, half, q, cos_q, sin_q)
+
+
+@routine
+def change_by_rounding(
+    row: int, q: Memory, cos_q: Memory, sin_q: Memory, k: int, q_beside: Memory, cos_beside: Memory, sin_beside: Memory
+) -> None:
+    """Enter a row of positions as row k of others, changed by its rounding, with cosine and sine.
+
+    Parameters
+    ----------
+    row : int
+    q, cos_q, sin_q : rows (positions, LANES)
+    k : int
+    q_beside, cos_beside, sin_beside : rows (positions, LANES)
+        Receive it.
+    """
+    for lane in range(LANES):
+        q_beside[k, lane] = q[row, lane] * (1.0 + ROUNDED)
+        cos_beside[k, lane] = cos_q[row, lane] * (1.0 + ROUNDED)
+        sin_beside[k, lane] = sin_q[row, lane] * (1.0 - ROUNDED)

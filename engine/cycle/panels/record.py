@@ -10,27 +10,35 @@ import numpy as np
 
 from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
+from engine.cycle.panels.chebyshev import MIDDLE as CENTRE
 from engine.cycle.panels.chebyshev import POSITIONS
 from engine.cycle.panels.lanes import ASIDE, Memory, in_panels, memory, rows, tiles
 from engine.cycle.panels.series import FLAT, MAGNITUDE, SUM, larger, panel_figures, smaller
 from engine.cycle.panels.series import MISSING as FIGURE_MISSING
 from engine.cycle.panels.series import TAIL as FIGURE_TAIL
 from engine.cycle.panels.transforms import to_coefficients
-from engine.cycle.panels.walk import ACCEPTED, TAKEN
+from engine.cycle.panels.walk import ACCEPTED, NEXT_OPENED, TAKEN
 from engine.cycle.panels.walk import HALF as PANEL_HALF
 from engine.cycle.panels.walk import MIDDLE as PANEL_MIDDLE
+from engine.cycle.panels.walk import OPENED as PANEL_OPENED
 
 # Rows of a curve in a step: what lies beyond the series, and what the sum over the positions misses of the integral.
 TAIL, MISSING = range(2)
-# Rows of a step.
-MIDDLE, HALF = range(2)
+# Rows of a step: middle and half the length of the panel, what the places of the cuts are off by where it begins and
+# ends.
+MIDDLE, HALF, OPENED, CLOSED = range(4)
+PANEL = 4
 # Rows of a curve: greatest magnitude, infinite where a value isn't finite; value at the first position; what values may
 # be off by, more than by rounding.
 SCALE, FIRST, OFFSET = range(3)
 
 
+# How many times their change by rounding of the input's direction values may be off.
+OF_ROUNDING = 16.0
+
 of_pairs = memory(2, LANES)
 of_wholes = memory(3, LANES)
+of_panels = memory(PANEL, LANES)
 
 
 class Record(NamedTuple):
@@ -46,8 +54,8 @@ class Record(NamedTuple):
         Of their Chebyshev series, where `known`.
     errors : rows (slots, 2, LANES)
         Rows TAIL and MISSING.
-    panels : rows (steps, 2, LANES)
-        Rows MIDDLE and HALF: middle and half the length of each lane's panel.
+    panels : rows (steps, PANEL, LANES)
+        Rows MIDDLE, HALF, OPENED and CLOSED of each lane's panel.
     whole : rows (curves, 3, LANES)
         Rows SCALE, FIRST and OFFSET, of the whole cycle.
     work : panels (3, POSITIONS, LANES)
@@ -85,7 +93,7 @@ def new_room(curves: int, steps: int) -> Room:
         tiles(slots),
         tiles(slots),
         rows(slots, 2, aside=ASIDE),
-        rows(steps, 2, aside=ASIDE),
+        rows(steps, PANEL, aside=ASIDE),
         rows(curves, 3, aside=ASIDE),
         tiles(3),
         np.zeros(slots, np.int64),
@@ -100,7 +108,7 @@ def record_in(room: Room) -> Record:
         in_panels(room.values),
         in_panels(room.coefficients),
         of_pairs(room.errors),
-        of_pairs(room.panels),
+        of_panels(room.panels),
         of_wholes(room.whole),
         in_panels(room.work),
         room.known,
@@ -119,11 +127,20 @@ def begin_record(record: Record) -> None:
 
 
 @routine
+def keep_rounding(tile: Memory, curve: int, beside: Memory, record: Record, kept: int) -> None:
+    """Note how a curve changes in the middle of the first panel by rounding of the input's direction."""
+    for lane in range(LANES):
+        record.whole[kept, OFFSET, lane] = OF_ROUNDING * abs(tile[curve, CENTRE, lane] - beside[curve, 0, lane])
+
+
+@routine
 def keep_panels(walk: Memory, step: int, panels: Memory) -> None:
     """Enter each lane's panel of a step; the half length of those that aren't accepted is 0."""
     for lane in range(LANES):
         panels[step, MIDDLE, lane] = walk[PANEL_MIDDLE, lane]
         panels[step, HALF, lane] = walk[PANEL_HALF, lane] if walk[ACCEPTED, lane] > 0.0 else 0.0
+        panels[step, OPENED, lane] = walk[PANEL_OPENED, lane]
+        panels[step, CLOSED, lane] = walk[NEXT_OPENED, lane]
 
 
 @routine
@@ -137,7 +154,20 @@ def keep_curve(
     kept: int,
     step: int,
 ) -> None:
-    """Enter a curve of a tile as a curve of a step; `tolerance` is the share of its scale that may be left of it."""
+    """Enter a curve of a tile as a curve of a step.
+
+    Parameters
+    ----------
+    tile : panels (curves, POSITIONS, LANES)
+    curve : int
+    tolerance : float
+        Share of its scale that may be left of it.
+    figures : rows (curves, FIGURES, LANES)
+    walk : rows (WALK, LANES)
+    record : Record
+    kept, step : int
+        Curve and step of the record.
+    """
     values, errors, whole = record.values, record.errors, record.whole
     slot = step * record.curves + kept
     for j in range(POSITIONS):

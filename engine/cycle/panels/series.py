@@ -27,6 +27,9 @@ SLOWEST = 0.85
 LEVEL = 0.5
 # By how much what is left may exceed what the fall makes of it, of random curves, in one case of a thousand.
 MARGIN = 3.0
+# The coefficients of a kink, a fifth of those eight degrees before, fall by a power of the degree, not by a factor; at
+# the end of a panel they hardly fall. Then the integral may miss as much as the curve.
+KINKED = 0.1
 TINY = 1e-300
 
 
@@ -78,7 +81,8 @@ def panel_figures(tile: Memory, curve: int, figures: Memory, row: int) -> None:
         for i in range(MISSED.shape[0]):
             missing = square * (MISSED[MISSED.shape[0] - 1 - i] + missing)
         figures[row, SUM, lane] = middle + middle + total
-        figures[row, TAIL, lane] = MARGIN * level * fall / (1.0 - fall)
-        figures[row, MISSING, lane] = MARGIN * level * missing
+        tail = MARGIN * level * fall / (1.0 - fall)
+        figures[row, TAIL, lane] = tail
+        figures[row, MISSING, lane] = tail if last > KINKED * before else MARGIN * level * missing
         figures[row, MAGNITUDE, lane] = larger(abs(low), abs(high))
         figures[row, FLAT, lane] = 1.0 if last >= LEVEL * before else 0.0

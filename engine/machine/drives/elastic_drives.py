@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.running import mean_of_rows
 from engine.elements.elastic_drives.drive_cycles import (
     DrivenMachine,
     ElasticCycle,
@@ -368,7 +369,7 @@ class RigidCycle(NamedTuple):
 def _mean_inertia(dynamics: Dynamics, variants: Variants) -> np.ndarray:
     """Mean inertia over the crank angle, (variants,)."""
     places = np.arange(LOOKED_AT)[:, None] * (dynamics.cycle / LOOKED_AT) + np.zeros(variants.count)
-    return dynamics.rows(variants, places).inertia.mean(axis=0)
+    return mean_of_rows(dynamics.rows(variants, places).inertia)
 
 
 def _settled(ready: Ready, count: int) -> tuple[np.ndarray, ElasticCycle]:

@@ -384,7 +384,7 @@ class _Curves:
             point, axis = k.points[owner], "xy".index(quantity[-1])
             if quantity[0] == "v":
                 return self._at_speed(Differentiated(point.v[axis], point.a[axis]))
-            return Differentiated(point.r[axis], point.v[axis])
+            return Differentiated(k.coordinates(point.r)[axis], point.v[axis])
         if owner in k.links and quantity == "angular_velocity":
             return self._at_speed(Differentiated(k.links[owner].w, k.links[owner].e))
         if owner in k.links and quantity == "angle":

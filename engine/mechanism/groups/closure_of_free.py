@@ -117,7 +117,7 @@ class ClosureOfFree:
                 self.assembly.number(f"links.{link}.length") if joint == joints[-1] != joints[0] else self.graph.zero
             )
             return Vector(along, self.graph.zero)
-        return Vector(*(self.assembly.number(f"points.{joint}.{axis}") for axis in "xy"))
+        return self.assembly.place("points", joint)
 
     def offset(self, link: str) -> Node:
         """Distance of a slider's origin to the left of its guide."""
@@ -125,7 +125,7 @@ class ClosureOfFree:
 
     def guide_on(self, guide: str, carrier: Turning) -> GuideLine:
         """A guide of a link."""
-        r = Vector(*(self.assembly.number(f"guides.{guide}.{axis}") for axis in "xy"))
+        r = self.assembly.place("guides", guide)
         u = self.assembly.direction(f"guides.{guide}.angle")
         return GuideLine(carrier, carrier.origin.r + r.in_axes(carrier.u), u.in_axes(carrier.u))
 
@@ -189,7 +189,7 @@ class ClosureOfFree:
         slider, name = links[pair.link], self.slider_guide(pair)
         angle = self.assembly.direction(f"guides.{name}.angle")
         u = Vector(angle.x, -angle.y).in_axes(slider.u)
-        r = Vector(*(self.assembly.number(f"guides.{name}.{axis}") for axis in "xy"))
+        r = self.assembly.place("guides", name)
         way, sliding = slider.u, unknown.v * slider.u
         carrier = Turning(slider.origin, u, slider.w, slider.e)
         # The carrier's point under the slider moves with it but for what slides.
@@ -227,7 +227,7 @@ class ClosureOfFree:
         if cut.other.link == cut.name:
             return self.guide_on(guide, links[cut.other.other]), self.offset(cut.name) + joint.y
         slider = links[cut.other.link]
-        r = Vector(*(self.assembly.number(f"guides.{guide}.{axis}") for axis in "xy"))
+        r = self.assembly.place("guides", guide)
         angle = self.assembly.direction(f"guides.{guide}.angle")
         return GuideLine(slider, slider.origin.r, slider.u), angle.cross(joint - r) - self.offset(cut.other.link)
 
@@ -281,7 +281,7 @@ class ClosureOfFree:
                 continue
             turns[name] = turns.get(other)
             guide = self.slider_guide(pair)
-            r = Vector(*(self.assembly.number(f"guides.{guide}.{axis}") for axis in "xy"))
+            r = self.assembly.place("guides", guide)
             arm = abs(unknown.d) + self.size * within + abs(self.offset(pair.link)) + r.length
             base, place = origins.get(other, (nothing, self._zero))
             reach = _turned_by(base, turns[name], arm + place.length)

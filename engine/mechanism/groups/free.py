@@ -129,7 +129,8 @@ def _points(closure: ClosureOfFree, links: dict[str, Turning]) -> dict[str, Vect
     whole = links | {cut.name: _cut_link(closure, links, cut) for cut in closure.cut_links}
     found = {joint: (link, closure.local(link, joint)) for joint, link in joint_owners(scene).items() if link in own}
     found |= {p: (part.link, closure.local(part.link, p)) for p, part in scene.points.items() if part.link in own}
-    return {name: whole[link].at(place.in_axes(whole[link].u)).r for name, (link, place) in found.items()}
+    coordinates = closure.assembly.coordinates
+    return {name: coordinates(whole[link].at(place.in_axes(whole[link].u)).r) for name, (link, place) in found.items()}
 
 
 def _at_rest(closure: ClosureOfFree, place: Place) -> Unknown:

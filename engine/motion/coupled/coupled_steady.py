@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.running import mean_of_rows
 from engine.motion.coupled.coupled_answers import CoupledOutcome, run_coupled
 from engine.motion.coupled.coupled_run import CoupledEnds
 from engine.motion.coupled.two_sides import CoupledSides
@@ -136,7 +137,7 @@ def _in_balance(sides: CoupledSides) -> tuple[np.ndarray, np.ndarray]:
     of_shaft = np.array([shaft.moments(speed, np.ones(count)).total[0] for speed in speeds])
     left, others = np.empty((SPEEDS, count)), np.empty((SPEEDS, count))
     for k, speed in enumerate(speeds):
-        mean = crank.dynamics.moments(crank.variants, rows, np.broadcast_to(speed, turned.shape)).total.mean(axis=0)
+        mean = mean_of_rows(crank.dynamics.moments(crank.variants, rows, np.broadcast_to(speed, turned.shape)).total)
         passed = sides.coupling.fluid_moment(np.broadcast_to(speed, speeds.shape), speeds)
         others[k] = _highest_balance(speeds, of_shaft - passed)
         left[k] = mean + sides.coupling.fluid_moment(speed, others[k])

@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from engine.compiling.running import mean_of_rows
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.settled.rubbing_steady import settled_motion
 from engine.verdicts import Verdict
@@ -48,7 +49,8 @@ def flywheel_for(
     """
     step = dynamics.cycle / PLACES
     places = np.broadcast_to(step * np.arange(PLACES)[:, None], (PLACES, variants.count))
-    lightest = np.log(dynamics.rows(variants._replace(flywheel=np.zeros(variants.count)), places).inertia.mean(axis=0))
+    bare = dynamics.rows(variants._replace(flywheel=np.zeros(variants.count)), places)
+    lightest = np.log(mean_of_rows(bare.inertia))
 
     def excess(inertia: np.ndarray, who: np.ndarray) -> np.ndarray:
         """Ln δ − ln δ_asked with a mean inertia, by its logarithm; inf where the machine doesn't run."""

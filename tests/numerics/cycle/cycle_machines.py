@@ -199,3 +199,20 @@ def force_numbers(swing, phase):
     """P of the forces over a whole turn."""
     swing, phase = np.broadcast_arrays(swing, phase)
     return np.array([np.zeros(swing.size), np.full(swing.size, 2.0 * np.pi), swing, phase], dtype=float)
+
+
+@njit(TILE_SIGNATURE, **COMPILED)
+def square_curve(P, T, q, cos_q, sin_q, tile):
+    count = q.shape[0]
+    P, cos_q, sin_q, tile = in_lanes(P), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
+    for i in range(count):
+        for lane in range(LANES):
+            c = cos_q[i, lane] * P[COS_PHASE, lane] + sin_q[i, lane] * P[SIN_PHASE, lane]
+            s = sin_q[i, lane] * P[COS_PHASE, lane] - cos_q[i, lane] * P[SIN_PHASE, lane]
+            b = P[ECCENTRICITY, lane]
+            tile[i, lane] = c * c + b * b * s * s
+
+
+def squares(**asked):
+    """The square cos² x + b² sin² x of a vector that nearly vanishes twice; numbers as of `smooth_numbers`, b for e."""
+    return CycleMachine(Plan(ends=(CURVE_FIRST, CURVE_LAST), curves=1, **asked), square_curve)

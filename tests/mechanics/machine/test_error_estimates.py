@@ -1,0 +1,113 @@
+"""What errors are made of: dips, change points, distance from the origin, places of cuts, zeros by nature."""
+
+import math
+
+import mpmath
+import numpy as np
+import pytest
+
+from engine import Machine, Scene
+from engine.compiling.running import mean_of_rows, sum_of_rows
+
+TURN = 2.0 * math.pi
+
+
+def four_bar(crank, rod, rocker, frame):
+    group = {"type": "RRR", "inner": "B", "first": {"link": "rod", "joint": "A", "length": rod}}
+    group |= {"second": {"link": "rocker", "joint": "D", "length": rocker}}
+    return Scene.model_validate(
+        {
+            "points": {"O": {"x": 0, "y": 0}, "D": {"x": frame, "y": 0}},
+            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": crank, "speed": 10.0},
+            "groups": {"g": group},
+            "bodies": {"rocker_body": {"link": "rocker", "mass": 1.0, "x": 0.1, "y": 0, "inertia": 0.01}},
+        }
+    )
+
+
+def true_swing(crank, rod, rocker, frame):
+    with mpmath.workdps(40):
+        crank, rod, rocker, frame = map(mpmath.mpf, (crank, rod, rocker, frame))
+        angles = [mpmath.acos((frame**2 + rocker**2 - r**2) / (2 * frame * rocker)) for r in (crank + rod, rod - crank)]
+        return float(angles[0] - angles[1])
+
+
+BESIDE = ("rocker.angular_velocity.max", "rocker.angular_acceleration.max", "B.x.mean")
+
+
+@pytest.mark.parametrize("count", range(len(BESIDE) + 1))
+def test_swing_near_a_change_point__is_right_whatever_else_is_asked(count):
+    rods = 2.0 + np.geomspace(1e-11, 1e-2, 37)
+    machine = Machine(four_bar(1.0, 2.1, 2.5, 1.5), ["rocker.swing", *BESIDE[:count]], (), ["groups.g.first.length"])
+    found = machine.evaluate({"groups.g.first.length": rods})
+    swing, error = found.summaries["rocker.swing"], found.errors["rocker.swing"]
+    off = np.abs(swing - [true_swing(1.0, rod, 2.5, 1.5) for rod in rods])
+    assert (found.status == 0).all()
+    assert (off <= error).all()
+    assert off[rods - 2.0 >= 1e-9].max() < 1e-8
+
+
+PRESS = {
+    "gravity": 9.81,
+    "points": {"O": {"x": 0, "y": 0}},
+    "guides": {"way": {"x": 0.0, "y": 0.015625, "angle": 0.3}},
+    "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.05, "speed": 10.0},
+    "groups": {
+        "g": {
+            "type": "RRP",
+            "inner": "B",
+            "first": {"link": "rod", "joint": "A", "length": 0.2},
+            "second": {"link": "ram", "guide": "way", "offset": 0.0},
+        }
+    },
+    "bodies": {"rod_body": {"link": "rod", "mass": 1.0, "x": 0.1, "y": 0.0, "inertia": 0.01}},
+    "flywheel": {"inertia": 1.0},
+}
+
+
+def test_machine_far_from_the_origin__has_the_same_numbers():
+    asked = ["ram.stroke", "ram.stroke_low_at", "ram.acceleration.max", "input.reaction.max", "input.reaction.mean"]
+    asked += ["g.transmission_angle", "input_moment.rms", "speed_fluctuation", "B.x.max", "B.y.min"]
+    moved = ["points.O.x", "points.O.y", "guides.way.x", "guides.way.y"]
+    distance = np.array([0.0, 2.0**10, 2.0**20])
+    varied = dict(zip(moved, (distance, -distance, distance, 0.015625 - distance), strict=True))
+    found = Machine(Scene.model_validate(PRESS), asked, (), moved).evaluate(varied)
+    assert (found.status == 0).all()
+    for name in asked[:-2]:
+        assert (found.summaries[name] == found.summaries[name][0]).all()
+        assert (found.errors[name] == found.errors[name][0]).all()
+    for name, sign in (("B.x.max", 1.0), ("B.y.min", -1.0)):
+        there, error = found.summaries[name], found.errors[name]
+        assert (np.abs(there - (there[0] + sign * distance)) <= error + error[0]).all()
+
+
+@pytest.mark.parametrize("width", [1e-6, 1e-4])
+def test_load_at_the_end_of_a_stroke__its_work_is_covered(width):
+    table = {"type": "table", "on": "B", "angle": 0.3, "slider": "ram", "measured_from": "high end", "acts": "against"}
+    table |= {"over_stroke": [0.0, width], "force": [1e3, 1e3], "interpolation": "linear", "outside": "zero"}
+    scene = Scene.model_validate(PRESS | {"gravity": 0.0, "forces": {"work": table}})
+    rng = np.random.default_rng(3)
+    varied = {"input.length": rng.uniform(0.03, 0.07, 256), "groups.g.first.length": rng.uniform(0.15, 0.4, 256)}
+    found = Machine(scene, ["required_drive_moment", "excess_work"], (), list(varied)).evaluate(varied)
+    moment = found.summaries["required_drive_moment"]
+    assert (np.abs(moment - 1e3 * width / TURN) <= found.errors["required_drive_moment"]).all()
+    assert (found.errors["required_drive_moment"] < 1e-8 * 1e3).all()
+
+
+def test_what_vanishes_by_nature__reaches_the_accuracy():
+    yoke = {"type": "RPP", "first": {"link": "block", "joint": "A"}}
+    yoke |= {"second": {"link": "yoke", "guide": "way", "slot_angle": 0.5 * math.pi}}
+    scene = PRESS | {"groups": {"g": yoke}, "bodies": {"b": {"link": "yoke", "mass": 2.0, "inertia": 0.0}}}
+    scene |= {"guides": {"way": {"angle": 0.0}}}
+    asked = ["shaking_force.order_2", "required_power", "input_moment.order_3", "yoke.velocity.mean", "yoke.stroke_low"]
+    for names in (asked, *([name] for name in asked)):
+        found = Machine(Scene.model_validate(scene), [*names, "accuracy_reached"], accuracy=1e-3).evaluate({})
+        assert found.summaries["accuracy_reached"][0] == 1.0
+        zeros = [name for name in names if not name.endswith("stroke_low")]
+        assert all(abs(found.summaries[name][0]) < 1e-9 for name in zeros)
+
+
+def test_sums_over_rows__are_the_same_for_one_variant_as_for_many():
+    rows = np.random.default_rng(4).normal(size=(64, 37))
+    alone = np.array([[total(rows[:, [k]])[0] for k in range(37)] for total in (sum_of_rows, mean_of_rows)])
+    assert (alone == [sum_of_rows(rows), mean_of_rows(rows)]).all()
