@@ -103,7 +103,7 @@ class Task(NamedTuple):
         Positions at which switching functions are looked at.
     looks : int
         How many times: twice where some of them depend on landmarks of others.
-    roots : int
+    most_roots : int
         How often each may turn, or take one level.
     integrals : ndarray of int
         Curves to integrate.
@@ -154,7 +154,7 @@ class Task(NamedTuple):
     kinks: np.ndarray
     scan: int
     looks: int
-    roots: int
+    most_roots: int
     integrals: np.ndarray
     roots: np.ndarray
     rooted: np.ndarray
@@ -367,7 +367,7 @@ class Workspace(NamedTuple):
 def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
     """Memory for a task, with room for so many steps of a walk."""
     functions, count = task.sizes[0] // 2, task.sizes[3]
-    turns, crossings = functions * task.roots, len(task.crossings) * task.roots
+    turns, crossings = functions * task.most_roots, len(task.crossings) * task.most_roots
     return Workspace(
         rows(numbers),
         rows(WALK, aside=ASIDE),
@@ -472,7 +472,7 @@ def cut(
             sample(events, work.block, tables, task.scan, scan)
             sample_beside(events, task, tables, work)
             for f in range(functions):
-                turn_rows = find_turns(f, scan, turn_rows, work.turn_sought, turns, marks, counts, task.roots)
+                turn_rows = find_turns(f, scan, turn_rows, work.turn_sought, turns, marks, counts, task.most_roots)
             solve_roots(events, work.block, tables, turn_rows, work.turn_sought, heights, turned, turns)
             for f in range(functions):
                 find_landmarks(f, scan, turn_rows, work.turn_sought, turned, turns, beside, spare, landmarks)
@@ -499,9 +499,9 @@ def cut(
             crossings,
             marks,
             counts,
-            task.roots,
+            task.most_roots,
         )
-        note_too_many(counts, task.roots, landmarks[f, SCALE], too_many)
+        note_too_many(counts, task.most_roots, landmarks[f, SCALE], too_many)
     solve_roots(events, work.block, tables, crossing_rows, work.crossing_sought, heights, crossed, crossings)
     return lay_edges(crossing_rows, work.crossing_sought, crossed, crossings, landmarks, task.cuts, block, walk, edges)
 

@@ -128,7 +128,7 @@ class Found(Node):
     curve, rate : Node
         The curve it belongs to and its derivative by the input.
     which : {"low", "high", "low_at", "high_at"}
-        Least or greatest value of the curve, or the input's position there.
+        Minimum or maximum of the curve, or the input's position there.
     """
 
     __slots__ = ("curve", "rate", "which")
@@ -346,7 +346,7 @@ class Graph:
         return self._once(("number table", label), lambda: NumberTable(self, Stage.VARIANT, tuple(numbers), label))
 
     def found(self, curve: Node, rate: Node, which: Literal["low", "high", "low_at", "high_at"]) -> Node:
-        """Least or greatest value of a curve over the cycle, or its place; of a constant curve that constant."""
+        """Minimum or maximum of a curve over the cycle, or its place; of a constant curve that constant."""
         if curve.stage < Stage.POSITION and not which.endswith("_at"):
             return curve
         return self._once(("found", curve, which), lambda: Found(self, curve, rate, which))

@@ -29,7 +29,7 @@ from engine.graph.nodes import (
 
 # Longer expressions are broken up by names.
 DEEPEST = 5
-# As many rows at any distance are told apart by the compiler; more are filled at a fixed distance first.
+# The compiler tells this many rows at any distance apart; more are filled at a fixed distance first.
 FEW_ROWS = 4
 # Positions that are filled at a fixed distance before they are copied: few, so that the next ones are computed while
 # the memory takes these in.

@@ -99,7 +99,7 @@ AXES = {
     INSTANT: ("time since {name} began", "s"),
     TURNED: ("angle turned since {name} began", "rad"),
 }
-AT_UNIFORM_SPEED = " at uniform speed of the input"
+AT_UNIFORM_SPEED = " at constant speed of the input"
 LOADS = (
     *(f"reaction{part}" for part in ("", "_x", "_y", "_along", "_across", "_moment")),
     *(f"shaking_{part}" for part in ("force", "force_x", "force_y", "moment")),
@@ -107,8 +107,8 @@ LOADS = (
 
 # Of fields of runs: extremes, with their places and instants.
 EXTREMES = {key: words for key, words in STATISTICS.items() if key not in ("mean", "rms")} | {
-    "min_time": "time since its begin of the least value of",
-    "max_time": "time since its begin of the greatest value of",
+    "min_time": "time since its begin of the minimum of",
+    "max_time": "time since its begin of the maximum of",
 }
 
 

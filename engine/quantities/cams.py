@@ -40,7 +40,7 @@ def declare(mechanics: Mechanics) -> Declared:
                 lambda c=motion: m.graph.apply(angle_of, c.along, c.across),
                 "α",
             )
-        words = f"quality of transmission of cam {name}: the cosine of its pressure angle where it has a roller or edge"
+        words = f"transmission of cam {name}: the cosine of its pressure angle where it has a roller or edge"
         yield Field(f"{name}.transmission", words, "1", _known(m.kinematics.sines[name]))
         for axis, node in zip("xy", m.kinematics.coordinates(motion.contact), strict=True):
             words = f"{axis} coordinate of the contact of cam {name} with {cam.follower.link}"

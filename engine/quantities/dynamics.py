@@ -1,4 +1,4 @@
-"""Reduced inertia and moments, the driving moment that closes the cycle, and the flywheel by three methods.
+"""Reduced inertia and moments, the mean drive torque, and the flywheel by three methods.
 
 Sources: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on reduction, on the motion of a machine and on
 flywheels.
@@ -24,6 +24,7 @@ from engine.quantities.expressions import (
     unresolved_peak,
 )
 from engine.quantities.multiple_angles import multiple_angle
+from engine.quantities.quantity import drive_words
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
 from engine.scene.pairs import has_friction
 
@@ -48,9 +49,7 @@ def declare(mechanics: Mechanics) -> Declared:
     yield Field(
         "reduced_moment", f"reduced moment of all actions but the driver{without}", u.moment, lambda: m.moment_of(), "M"
     )
-    yield Field(
-        "input_moment", f"input moment that keeps the speed uniform{without}", u.moment, lambda: m.input_moment, "M_in"
-    )
+    yield Field("input_moment", f"{drive_words(m.scene)}{without}", u.moment, lambda: m.input_moment, "M_in")
     for action in m.loads.actions:
         terms = [(t.coefficient, t.basis) for t in m.loads.terms if t.action == action]
         words = f"reduced moment of {action}"
@@ -66,7 +65,7 @@ def declare(mechanics: Mechanics) -> Declared:
         number = graph.derived("motor moment", lambda n: motor_moment(scene, m.loads.motors, n), "load")
         yield Summary(
             "motor_moment",
-            "moment of the motors at the input's speed, reduced to the input",
+            "torque of the motors at the input's speed, reduced to the input",
             "N m",
             lambda: VariantNumber(number),
         )
@@ -80,7 +79,7 @@ def _orders(m: Mechanics, units: str) -> Declared:
     """Orders of the input moment by the crank's speed: halves too where a cycle is two revolutions."""
     for k in range(1, HARMONICS + 1):
         order = f"{k / m.scene.input.revolutions:g}"
-        words = f"order {order} of the input moment by the crank's speed, its amplitude"
+        words = f"amplitude of order {order} of the drive torque"
         name = f"input_moment.order_{order.replace('.', '_')}"
         yield Summary(name, words, units, lambda k=k: hypot(*input_moment_harmonic(m, k)))
 
@@ -102,23 +101,21 @@ def input_moment_harmonic(m: Mechanics, k: int) -> tuple[Expression, Expression]
 
 
 def _drive(m: Mechanics) -> Declared:
-    """The constant driving moment that closes the cycle."""
+    """The mean drive torque."""
 
     def resisting() -> Expression:
         return -mean(m, m.moment_of())
 
     yield Summary(
         "mean_useful_moment",
-        "mean moment of the useful resistances over the cycle, reduced to the input",
+        "mean torque of the useful resistances over the cycle, reduced to the input",
         "N m",
         lambda: -mean(m, m.moment_of(_USEFUL)),
     )
-    yield Summary(
-        "required_drive_moment", "constant driving moment that closes the cycle", "N m", resisting, symbol="M_d"
-    )
+    yield Summary("required_drive_moment", "mean drive torque", "N m", resisting, symbol="M_d")
     yield Summary(
         "required_power",
-        "mean power of the required driving moment",
+        "mean drive power",
         "W",
         lambda: resisting() * VariantNumber(m.speed),
         symbol="P",
@@ -126,8 +123,8 @@ def _drive(m: Mechanics) -> Declared:
 
     yield Summary(
         "power_balance_residual",
-        "kinetic energy at uniform speed against the work of the inertia forces, greatest difference as a share of the "
-        "energy at its greatest",
+        "maximum difference between kinetic energy at constant speed and the work of the inertia forces, relative to "
+        "the peak energy",
         "1",
         lambda: share(Unbalanced(m.reduced.inertia, m.reduced.slope), peak(m.reduced.inertia)),
     )
@@ -182,7 +179,7 @@ def _flywheel(m: Mechanics) -> Declared:
         )
         words = "angular speed of the input link with the flywheel, by magnitude"
         yield Field("speed", words, "rad s-1", lambda: Speed(steady("")), "ω")
-        for name, word in (("speed_min", "least"), ("speed_max", "greatest")):
+        for name, word in (("speed_min", "minimum"), ("speed_max", "maximum")):
             yield Summary(
                 name,
                 f"{word} angular speed of the input link with the flywheel, by magnitude",

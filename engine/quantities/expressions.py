@@ -119,7 +119,7 @@ Followed = Angle | Work | Speed
 
 @dataclass(frozen=True)
 class Extreme(Measurement):
-    """Least or greatest value of a curve over the range of the input.
+    """Minimum or maximum of a curve over the range of the input.
 
     Attributes
     ----------

@@ -14,6 +14,7 @@ from engine.quantities.expressions import (
     minimum,
     unresolved_peak,
 )
+from engine.quantities.quantity import drive_words
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
 from engine.scene.pairs import contact_pairs, has_friction, lossy_meshes, mesh_driver, pairs
 from engine.scene.scene import Scene
@@ -64,7 +65,7 @@ def declare(mechanics: Mechanics) -> Declared:
             lambda name=name: abs(Integral(m.reactions.lost_in_teeth[name])),
         )
     yield variable("friction_moment", "reduced moment of the friction in all pairs and between teeth", unit)
-    words = "input moment at uniform speed with friction in pairs"
+    words = f"{drive_words(m.scene)}, with friction in pairs"
     yield variable("input_moment_with_friction", words, unit)
     yield Summary(
         "friction_loss",
@@ -74,13 +75,13 @@ def declare(mechanics: Mechanics) -> Declared:
     )
     yield Summary(
         "friction_residual",
-        "greatest relative change of a pressing force in the last pass",
+        "maximum relative change of a normal force in the last iteration",
         "1",
         lambda: maximum(Exactly(0.0), *(unresolved_peak(s.residual) for s in m.reactions.settlings.values())),
     )
     yield Summary(
         "jamming_margin",
-        "least determinant of friction's feedback: 1 without friction, 0 on jamming",
+        "minimum determinant of the friction equations: 1 without friction, 0 at jamming",
         "1",
         lambda: minimum(Exactly(1.0), *(least(s.margin) for s in m.reactions.settlings.values())),
     )

@@ -28,7 +28,7 @@ def declare(mechanics: Mechanics) -> Declared:
 
 
 def _forces(m: Mechanics, name: str) -> Declared:
-    at = "at uniform speed of the input"
+    at = "at constant speed of the input"
     for i, axis in enumerate("xy"):
         yield Field(
             f"{name}.inertia_force_{axis}",
@@ -89,14 +89,14 @@ def _replacement(m: Mechanics, name: str) -> Declared:
 
 
 def _shaking(m: Mechanics) -> Declared:
-    force, about = "shaking force at uniform speed of the input", moment_centre(m.scene)
+    force, about = "shaking force at constant speed of the input", moment_centre(m.scene)
     for i, axis in enumerate("xy"):
         words = f"{axis} component of the {force}"
         yield Field(f"shaking_force_{axis}", words, "N", lambda i=i: m.shaking.force[i], f"F_{axis}")
     yield Field("shaking_force", f"magnitude of the {force}", "N", lambda: m.shaking.force.length, "F")
     yield Field(
         "shaking_moment",
-        f"shaking moment about {about} at uniform speed of the input, inertia of shafts and gears in it, loads not",
+        f"shaking moment about {about} at constant speed of the input, inertia of shafts and gears in it, loads not",
         "N m",
         lambda: m.shaking.moment,
     )

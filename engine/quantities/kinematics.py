@@ -53,7 +53,7 @@ def declare(mechanics: Mechanics) -> Declared:
         words = f"sine of the transmission angle of group {name}"
         yield Field(f"{name}.transmission", words, "1", _known(k.sines[name]), "sin γ")
     for name, h in k.certificates.items():
-        words = f"quality of transmission of {name}: the determinant of its loops, as a share of the greatest"
+        words = f"determinant of the loop equations of {name}, relative to its maximum"
         yield Field(f"{name}.transmission", words, "1", _known(k.sines[name]))
         words = f"h of Newton and Kantorovich in {name}: no more than 1/2 proves its assembly mode"
         yield Field(f"{name}.certificate", words, "1", _known(h))
@@ -110,7 +110,7 @@ def _coordinate(
     yield Field(f"{owner}.{first}", velocity, f"{unit} s-1", lambda: graph.combination([(speed, nodes[1])]), of_first)
     yield Field(
         f"{owner}.{second}",
-        f"{acceleration} at uniform speed of the input",
+        f"{acceleration} at constant speed of the input",
         f"{unit} s-2",
         lambda: graph.combination([(squared, nodes[2])]),
         of_second,

@@ -21,31 +21,30 @@ MAGNIFICATION, RESIDUAL = "error_magnification", "loop_closure_residual"
 
 
 def declare(mechanics: Mechanics) -> Declared:
-    """Transmission angles, error magnifications, and what the loops miss of being closed."""
+    """Transmission angles, error magnifications, and the loops' residual."""
     m, groups = mechanics, tuple(mechanics.scene.groups)
-    words = "displacement of the joint or block by an error of a length or offset, in its worst position, as a multiple"
+    words = "displacement of the joint or block per unit error of a length or offset, worst position"
     for group in groups:
         yield Summary(
             f"{group}.transmission_angle",
-            f"least transmission angle of group {group} over the cycle",
+            f"minimum transmission angle of group {group} over the cycle",
             "rad",
             lambda group=group: Formula(_angle_of, (least_sine(m, group),)),
             symbol="γ",
         )
-        yield Summary(
-            f"{group}.{MAGNIFICATION}", f"group {group}: {words}", "1", lambda group=group: 1.0 / least_sine(m, group)
-        )
+        magnification = f"error magnification of group {group}: {words}"
+        yield Summary(f"{group}.{MAGNIFICATION}", magnification, "1", lambda group=group: 1.0 / least_sine(m, group))
     if groups and not m.scene.links:
         yield Summary(
             MAGNIFICATION,
-            f"of the worst group: {words}",
+            f"error magnification of the worst group: {words}",
             "1",
             lambda: maximum(*(1.0 / least_sine(m, g) for g in groups)),
         )
     if groups or m.scene.links:
         yield Summary(
             RESIDUAL,
-            "lengths, guides and directions that positions miss by, as a share of the links' lengths, at worst",
+            "loop-closure residual, relative to the links' lengths",
             "1",
             lambda: maximum(*(unresolved_peak(c) for c in m.kinematics.closures.values())),
         )

@@ -1,4 +1,4 @@
-"""What a quantity tells of itself, and the units that depend on a machine's input."""
+"""Name, meaning and unit of a quantity, and the units that depend on a machine's input."""
 
 from typing import NamedTuple
 
@@ -6,14 +6,14 @@ from engine.parts.skeleton import CrankInput
 from engine.scene.scene import Scene
 
 STATISTICS = {
-    "min": "least value of",
-    "max": "greatest value of",
+    "min": "minimum of",
+    "max": "maximum of",
     "range": "range of",
-    "peak": "greatest magnitude of",
+    "peak": "peak of",
     "mean": "mean of",
     "rms": "root mean square of",
-    "min_at": "crank angle of the least value of",
-    "max_at": "crank angle of the greatest value of",
+    "min_at": "crank angle of the minimum of",
+    "max_at": "crank angle of the maximum of",
 }
 
 
@@ -55,3 +55,8 @@ class InputUnits(NamedTuple):
 def has_cycle(scene: Scene) -> bool:
     """Whether the input turns fully, so that there is a cycle to close."""
     return isinstance(scene.input, CrankInput) and scene.input.start is None
+
+
+def drive_words(scene: Scene) -> str:
+    """The torque or force at the input that keeps its speed constant."""
+    return f"drive {'torque' if isinstance(scene.input, CrankInput) else 'force'} for constant speed"

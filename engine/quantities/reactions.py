@@ -19,7 +19,7 @@ from engine.quantities.expressions import (
     share,
     unresolved_peak,
 )
-from engine.quantities.quantity import Quantity
+from engine.quantities.quantity import Quantity, drive_words
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
 from engine.scene.pairs import Pair, driving_field, has_friction, own_drives, pairs
 from engine.scene.scene import Scene
@@ -39,7 +39,7 @@ def declare(mechanics: Mechanics) -> Declared:
     yield _variable(m, "frame.reaction_x", f"x component of the force {on_frame}", "N")
     yield _variable(m, "frame.reaction_y", f"y component of the force {on_frame}", "N")
     yield _variable(m, "frame.reaction_moment", f"moment about the origin {on_frame}", "N m")
-    kept = "input moment that keeps the speed uniform"
+    kept = drive_words(m.scene)
     rubbing = ", friction in pairs among them" if has_friction(m.scene) else ""
     own = ", without what drives of second inputs give" if own_drives(m.scene) else ""
     yield _variable(m, "input_moment_by_equilibrium", f"{kept}, by equilibrium of the input link{own}", unit)
@@ -60,7 +60,7 @@ def _variable(m: Mechanics, name: str, words: str, unit: str, symbol: str = "") 
 
 def _fields_of(m: Mechanics, pair: Pair) -> Declared:
     other = pair.other if pair.other == "frame" else f"link {pair.other}"
-    force = f"force on link {pair.link} from {other} in {pair.place}"
+    force = f"force in {pair.place}: {other} on link {pair.link}"
     if pair.name in m.scene.shafts and m.scene.shafts[pair.name].pressure_angle is None:
         force += " (without forces between teeth)"
     yield _variable(m, f"{pair.name}.reaction_x", f"x component of the {force}", "N", "R_x")
@@ -125,15 +125,15 @@ def tooth_force_fields(scene: Scene) -> list[Quantity]:
 def _checks(m: Mechanics) -> Declared:
     yield Summary(
         "input_moment_disagreement",
-        "greatest difference between the input moment by equilibrium, by virtual power and by change of kinetic "
-        "energy, relative to its greatest magnitude",
+        "maximum difference between the drive torques by equilibrium, virtual power and kinetic energy, relative to "
+        "their peak",
         "1",
         lambda: _disagreement(m),
     )
     yield Summary(
         "equilibrium_residual",
-        "greatest force or moment left without balance on the whole machine, inertia included, relative to the "
-        "reactions at their greatest, their magnitudes summed",
+        "maximum force or moment out of balance on the whole machine, inertia included, relative to the peak sum of "
+        "the reactions' magnitudes",
         "1",
         lambda: _residual(m),
     )
@@ -158,7 +158,7 @@ def _residual(m: Mechanics) -> Expression:
 
 def _load_direction(m: Mechanics, pair: Pair, link: str) -> Declared:
     """Where a bearing is loaded, in the axes of a link."""
-    load = f"load on {link} in {pair.place}, in its own axes"
+    load = f"load on {link} in {pair.place} ({link} axes)"
 
     def means() -> tuple[Expression, Expression, Expression]:
         along, across = m.reactions.in_axes[pair.name, link]
@@ -186,15 +186,15 @@ def _load_direction(m: Mechanics, pair: Pair, link: str) -> Declared:
         force = m.reactions.in_axes[pair.name, link]
         return UnloadedArc(force, force.dot(force), which)
 
-    words = f"widest arc never pointed to by the {load}"
+    words = f"widest unloaded arc of {link} in {pair.place} ({link} axes)"
     yield Summary(f"{pair.name}.unloaded_arc_of_{link}", words, "rad", lambda: unloaded("arc"))
-    words = f"middle of the arc never pointed to by the {load}"
+    words = f"middle of the widest unloaded arc of {link} in {pair.place} ({link} axes)"
     name = f"{pair.name}.unloaded_middle_of_{link}"
     yield Summary(name, words, "rad", lambda: unloaded("middle"), may_be_undefined=True)
 
 
 def _defined_direction(x: Measured, y: Measured) -> Measured:
-    """Direction of a mean vector; undefined where the vector is no greater than what it may be off by."""
+    """Direction of a mean vector; undefined where the vector is within its error."""
     angle, size = atan2(y, x), np.hypot(x.value, y.value)
     unknown = ~(size > np.hypot(x.error, y.error))
     return Measured(np.where(unknown, np.nan, angle.value), np.where(unknown, np.nan, np.minimum(angle.error, math.pi)))

@@ -96,18 +96,18 @@ def statistic_summaries(field: Field, mechanics: Mechanics) -> Iterable[Summary]
     q = InputUnits.of(mechanics.scene).q
     curve = field.curve()
     declared = {
-        "min": ("least value of", field.units, lambda: least(curve)),
-        "max": ("greatest value of", field.units, lambda: greatest(curve)),
-        "range": ("range of", field.units, lambda: greatest(curve) - least(curve)),
-        "peak": ("greatest magnitude of", field.units, lambda: peak(curve)),
-        "mean": ("mean of", field.units, lambda: mean(mechanics, curve)),
-        "rms": ("root mean square of", field.units, lambda: sqrt(mean_square(mechanics, curve))),
-        "min_at": ("crank angle of the least value of", q, lambda: place_of(curve, "least")),
-        "max_at": ("crank angle of the greatest value of", q, lambda: place_of(curve, "greatest")),
+        "min": (field.units, lambda: least(curve)),
+        "max": (field.units, lambda: greatest(curve)),
+        "range": (field.units, lambda: greatest(curve) - least(curve)),
+        "peak": (field.units, lambda: peak(curve)),
+        "mean": (field.units, lambda: mean(mechanics, curve)),
+        "rms": (field.units, lambda: sqrt(mean_square(mechanics, curve))),
+        "min_at": (q, lambda: place_of(curve, "least")),
+        "max_at": (q, lambda: place_of(curve, "greatest")),
     }
     return [
-        Summary(f"{field.name}.{key}", f"{words} the {field.long_name}", units, expression)
-        for key, (words, units, expression) in declared.items()
+        Summary(f"{field.name}.{key}", f"{STATISTICS[key]} the {field.long_name}", units, expression)
+        for key, (units, expression) in declared.items()
     ]
 
 

@@ -16,7 +16,7 @@ from engine.quantities.register import Declared, Field, Summary
 
 
 def declare(mechanics: Mechanics) -> Declared:
-    """Deviations of all wanted motions, as root of the mean square and at most."""
+    """Deviations of all wanted motions, as rms and maximum."""
     for name, wanted in mechanics.scene.wanted.items():
         if isinstance(wanted, WantedPath):
             what, units = f"distance of the places wanted in {name} from the path of {wanted.point}", "m"
@@ -28,9 +28,9 @@ def declare(mechanics: Mechanics) -> Declared:
             curve = inside * _beyond(mechanics, name, wanted)
             yield Field(f"{name}.deviation", f"{what}, 0 outside its rows", units, lambda curve=curve: curve, "Δ")
             rms, most = sqrt(Integral(curve * curve) / Integral(inside)), peak(curve)
-        words = f"{what}, root of the mean square"
+        words = f"{what}, rms"
         yield Summary(f"{name}.deviation_rms", words, units, lambda rms=rms: rms, symbol="Δrms")
-        yield Summary(f"{name}.deviation_max", f"{what}, at most", units, lambda most=most: most, symbol="Δmax")
+        yield Summary(f"{name}.deviation_max", f"{what}, maximum", units, lambda most=most: most, symbol="Δmax")
 
 
 def _apart(mechanics: Mechanics, wanted: WantedPath) -> tuple[Expression, ...]:

@@ -17,16 +17,16 @@ _SIZES = {
     "mass": ("mass of the flywheel", "kg"),
     "width": ("width of the flywheel's rim", "m"),
     "thickness": ("radial thickness of the flywheel's rim", "m"),
-    "rim_speed": ("greatest rim speed of the flywheel", "m s-1"),
-    "rim_speed_share": ("greatest rim speed of the flywheel over its limit", "1"),
+    "rim_speed": ("peak rim speed of the flywheel", "m s-1"),
+    "rim_speed_share": ("peak rim speed of the flywheel over its limit", "1"),
     "hoop_stress": ("hoop stress in the flywheel's rim", "Pa"),
-    "energy": ("kinetic energy of the flywheel at its greatest speed", "J"),
+    "energy": ("kinetic energy of the flywheel at its peak speed", "J"),
 }
 _BURSTING = {
     "burst_speed": ("speed of the input at which the flywheel bursts", "rad s-1"),
-    "burst_margin": ("speed at which the flywheel bursts over its greatest speed", "1"),
+    "burst_margin": ("speed at which the flywheel bursts over its peak speed", "1"),
     "burst_energy": ("kinetic energy of the flywheel when it bursts", "J"),
-    "burst_impulse": ("angular impulse at the input from the flywheel's greatest speed to its bursting", "N m s"),
+    "burst_impulse": ("angular impulse at the input from the flywheel's peak speed to its bursting", "N m s"),
 }
 
 
@@ -42,7 +42,7 @@ def declare(mechanics: Mechanics) -> Declared:
 
 
 def _size(m: Mechanics, key: str) -> Expression:
-    """A size of the wheel that gives the inertia asked for at the greatest speed."""
+    """A size of the wheel that gives the inertia asked for at the peak speed."""
     paths = [path for path in scene_numbers(m.scene) if path.startswith("flywheel.wheel.")]
     given = [VariantNumber(m.graph.number(path, "load")) for path in paths]
     operands = (steady_cycle(m, "flywheel_used"), steady_cycle(m, "speed_max"), *given)

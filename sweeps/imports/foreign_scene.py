@@ -1,4 +1,4 @@
-"""A scene from a file of another program, told by what it holds."""
+"""A scene from a file of another program, recognised by its content."""
 
 import json
 from pathlib import Path

@@ -1,7 +1,7 @@
 """Linkages of PMKS+, whose addresses hold a whole linkage in letters and digits.
 
 After the question mark stand sections with full stops between them: switches, decimals, integers, choices, then the
-joints, an empty section, the links, an empty section, and what isn't read here, forces among it. Numbers are integers
+joints, an empty section, the links, an empty section, and forces and others that are ignored. Numbers are integers
 to base 64 with a leading zero where they are negative, decimals of them thousandths. Switches are the bits of such an
 integer, the lowest first. The last character is the length of all before it modulo 62.
 """
@@ -78,7 +78,7 @@ class _Address:
         value = 0
         for digit in text:
             if digit not in _DIGITS:
-                raise self._refused(f"{text!r} is no number as addresses of PMKS+ write them")
+                raise self._refused(f"{text!r} is not a number in the notation of PMKS+ addresses")
             value = value * len(_DIGITS) + _DIGITS.index(digit)
         return -value if signed and len(text) > 1 and text[0] == "0" else value
 

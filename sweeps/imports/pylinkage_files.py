@@ -75,16 +75,16 @@ class _Joints:
         """Names of the joints that hold one; those given in place become joints of the frame."""
         found = []
         for key in ("joint0", "joint1", "joint2"):
-            told = joint.get(key)
-            if told is None:
+            parent = joint.get(key)
+            if parent is None:
                 continue
-            if told.get("inline"):
-                name = str(told.get("name") or f"{joint['name']}_{key}")
+            if parent.get("inline"):
+                name = str(parent.get("name") or f"{joint['name']}_{key}")
                 if name not in self.places:
-                    self._fix(name, self._at(told))
+                    self._fix(name, self._at(parent))
                 found.append(name)
             else:
-                found.append(told["ref"])
+                found.append(parent["ref"])
         return found
 
     def _at(self, joint: Mapping[str, Any]) -> complex:

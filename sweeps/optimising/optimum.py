@@ -53,7 +53,7 @@ def met(result: SweepResult) -> np.ndarray:
 
 
 def _conditions(result: SweepResult) -> list[Condition]:
-    """What results had to meet, besides what was required of parameters."""
+    """Conditions on results, without those on parameters."""
     return [Condition(parse_expression(text, any_quantity)) for text in result.record["search"]["subject_to"]]
 
 
@@ -67,7 +67,7 @@ def choices(result: SweepResult) -> list[Choice]:
     if not there.size:
         return []
     costs = np.column_stack([sign * result.columns[name][there] for name, sign in goals])
-    words = [f"{'least' if sign > 0 else 'greatest'} {name}" for name, sign in goals]
+    words = [f"{'minimum' if sign > 0 else 'maximum'} {name}" for name, sign in goals]
     # Of equal ends the one that is better in the rest.
     ends = [int(np.lexsort((costs.sum(axis=1), column))[0]) for column in costs.T]
     found = [Choice(int(there[k]), why) for k, why in zip(ends, words, strict=True)]
@@ -103,7 +103,7 @@ def _choices_text(result: SweepResult) -> str:
 def _best_text(result: SweepResult, best: int) -> str:
     (name, sign), *_ = objectives(result)
     condition = f" where {result.goal.where}" if result.goal and result.goal.where else ""
-    word = "least" if sign > 0 else "greatest"
+    word = "minimum" if sign > 0 else "maximum"
     lines = [f"Answer: the {word} {name}{condition} is {_value(result, name, best)}, with variant {best}:"]
     ends = _ends(result, best)
     rows = [(n, "=", _value(result, n, best), ends.get(n, "")) for n in result.parameters]
@@ -137,7 +137,7 @@ def _ends(result: SweepResult, variant: int) -> dict[str, str]:
         value = result.columns[name][variant]
         near = ON_LIMIT * (high - low)
         if low < high and (value - low <= near or high - value <= near):
-            found[name] = "least of its range" if value - low <= near else "greatest of its range"
+            found[name] = "lower end of its range" if value - low <= near else "upper end of its range"
     return found
 
 

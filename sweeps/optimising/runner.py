@@ -1,6 +1,6 @@
 """Searching a study into a result file, which tools read as that of a sweep; resumable at any moment.
 
-While the search runs, every generation is a block of a file of its own. A search that goes on does so from its first
+While the search runs, every generation is a block of a file of its own. A resumed search starts from its first
 generation, with the candidates that the file holds instead of evaluating them: its path is the same, bit for bit.
 """
 
@@ -57,8 +57,8 @@ def optimise_study(
     """Search a study for its best variants, or go on with it, into a result file.
 
     The file holds every candidate as a variant, with two columns more than a sweep's: `generation` (the candidates
-    passed while going downhill at the end count as one more), and `front`, the place on the Pareto front from the least
-    first objective on, 0 off it; of one objective the best candidate is the front.
+    passed while going downhill at the end count as one more), and `front`, the place on the Pareto front by the
+    first objective, 0 off it; of one objective the best candidate is the front.
 
     Parameters
     ----------
@@ -230,13 +230,13 @@ def _filled(found: dict[str, np.ndarray], count: int) -> dict[str, np.ndarray]:
 
 
 def _best(batch: Batch) -> int | None:
-    """The candidate of least cost that meets all conditions."""
+    """The candidate of minimum cost that meets all conditions."""
     costs = np.where(batch.met, batch.costs[:, 0], np.inf)
     return int(np.argmin(costs)) if batch.met.any() else None
 
 
 def _places(batch: Batch) -> np.ndarray:
-    """Places on the Pareto front from the least first cost on, 0 off it; of equal candidates the first has it."""
+    """Places on the Pareto front from the smallest first cost on, 0 off it; of equal candidates the first has it."""
     places = np.zeros(batch.met.size, np.int32)
     met = np.flatnonzero(batch.met)
     costs = batch.costs[met]
@@ -295,7 +295,7 @@ def _layout(task: SearchTask, trials: Trials, count: int, block: int) -> FileLay
 
 
 def _goal(task: SearchTask) -> dict[str, Any] | None:
-    """What decides among the candidates, as of a study's [best]; of several objectives nothing does."""
+    """What decides among the candidates, as in a study's [best]; of several objectives nothing does."""
     if len(task.objectives) > 1:
         return None
     (objective,) = task.objectives

@@ -103,7 +103,7 @@ def _misses(task: SearchTask, values: Mapping[str, np.ndarray]) -> np.ndarray:
 
 
 def _deviation(drawn: np.ndarray) -> np.ndarray:
-    """Standard deviation of each row, of what is defined in it."""
+    """Standard deviation of the defined values of each row."""
     there = np.isfinite(drawn)
     count = np.maximum(there.sum(axis=1), 1)
     # From the first defined one on, so that what doesn't change has no spread by rounding.

@@ -25,7 +25,7 @@ class Batch(NamedTuple):
     columns : dict of str to ndarray (candidates,)
         Parameters, verdicts, summaries, error figures and objectives, SI.
     costs : ndarray (candidates, objectives)
-        What is to be as small as possible.
+        Objective to minimise.
     margins : ndarray (parts, candidates)
         Of the conditions, above 0 by how much one is missed (see `Condition.margins`).
     violation : ndarray (candidates,)
@@ -45,7 +45,7 @@ class Batch(NamedTuple):
 
 Evaluate = Callable[[np.ndarray], Batch]
 
-# Costs of candidates that miss a condition: above all others, and the greater the more they miss.
+# Costs of candidates that miss a condition: above all others, growing with the violation.
 BEYOND = 1e100
 
 

@@ -43,8 +43,8 @@ class Aim(NamedTuple):
 
     @property
     def word(self) -> str:
-        """Whether the least or the greatest is sought."""
-        return "least" if self.sign > 0 else "greatest"
+        """Whether the minimum or the maximum is sought."""
+        return "minimum" if self.sign > 0 else "maximum"
 
 
 class Price(NamedTuple):

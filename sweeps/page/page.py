@@ -110,7 +110,7 @@ def _answer(digest: Digest) -> str:
         return "The study has no [best]: nothing decides among the variants."
     condition = f" where {aim.where}" if aim.where else ""
     if digest.best is None:
-        return f"No variant was computed that meets the conditions; none has the {aim.word} {aim.name}{condition}."
+        return "No variant meets all conditions."
     value = value_text(digest, aim.name, digest.best)
     return f"The {aim.word} {aim.name}{condition} is {value}, with variant {digest.best}."
 

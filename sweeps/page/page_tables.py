@@ -69,17 +69,16 @@ def limit_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
         without, gain = "", ""
         if price.without is not None:
             without = f"{value_text(digest, aim.name, price.without)}, variant {price.without}"
-            gain = "costs nothing here" if price.without == digest.best else "binds"
+            gain = "inactive" if price.without == digest.best else "active"
         rows.append((price.text, _room(price.margin), gain, without))
     if rows:
         yield (
-            f"A condition binds where the {aim.word} {aim.name} would be another without it. Room is what is left "
-            "up to the limit, as a share of the magnitudes compared.",
-            PageTable(("condition", "room", "", f"{aim.word} {aim.name} without it"), rows, (1,)),
+            "Active: without this condition the optimum would change. Margin: relative distance from the limit.",
+            PageTable(("condition", "margin", "", f"{aim.word} {aim.name} without it"), rows, (1,)),
         )
     if digest.missed:
         rows = [(text, str(count), str(alone)) for text, (count, alone) in digest.missed.items()]
-        head = ("required", "variants dropped", "by this alone")
+        head = ("required", "variants dropped", "by this only")
         yield "Variants dropped before they were computed:", PageTable(head, rows, (1, 2))
     if digest.best is not None:
         rows = list(_ends(digest, digest.best))

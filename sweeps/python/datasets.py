@@ -132,7 +132,7 @@ def to_xarray(outcome: Outcome, machine: Machine | ElementsAlone, varied: Mappin
             along, values = machine.kept_at[name]
             axis = FieldAxis(along.name, along.long_name, along.units, values)
         if name in machine.fields_with_error:
-            error = about | {"long_name": f"greatest error figure of: {asked.long_name}"}
+            error = about | {"long_name": f"maximum error figure of: {asked.long_name}"}
             columns[f"{name}_error"] = ("variant", outcome.errors[name], error)
         coordinates[axis.name] = (axis.name, axis.values, {"long_name": axis.long_name, "units": axis.units})
         columns[name] = (("variant", axis.name), rows, about)

@@ -151,15 +151,15 @@ def _data_of(data: "xarray.Dataset") -> SweepData:
     if "variant" not in data.dims or "status" not in data:
         raise PictureError("this dataset has no variants with a status: give one that to_xarray or read made")
     arrays = {str(name): np.asarray(v) for name, v in data.variables.items() if "variant" in v.dims}
-    told = ("variant", "status", "status_at", "status_group")
-    flat = [name for name, values in arrays.items() if values.ndim == 1 and name not in told]
+    bookkeeping = ("variant", "status", "status_at", "status_group")
+    flat = [name for name, values in arrays.items() if values.ndim == 1 and name not in bookkeeping]
     varied = [name for name in flat if name in data.coords]
     along = {}
     for name in (name for name, values in arrays.items() if values.ndim == 2):
         axis = data[name].dims[1]
-        told = data[axis].attrs
-        units = told.get("units", "1")
-        along[name] = FieldAxis(str(axis), told.get("long_name", str(axis)), units, np.asarray(data[axis]))
+        about = data[axis].attrs
+        units = about.get("units", "1")
+        along[name] = FieldAxis(str(axis), about.get("long_name", str(axis)), units, np.asarray(data[axis]))
     return SweepData(
         arrays,
         {name: data[name].attrs.get("units", "1") for name in arrays},

@@ -36,9 +36,9 @@ from sweeps.text.tables import table
 if TYPE_CHECKING:
     from distributed import Client
 
-# Up to so many variants `check` tells what each condition drops by looking at all of them.
+# Up to this many variants `check` counts exactly what each condition drops.
 MOST_COUNTED = 16 * LARGEST_BLOCK
-# A field whose greatest magnitude exceeds that at its kept positions by this share hides something between them.
+# A field whose peak exceeds that at its kept positions by this share hides something between them.
 MISSED = 0.02
 # Lines of printed functions that are compiled within half a minute; those of longer ones aren't for a check.
 MOST_COMPILED = 1500
@@ -136,8 +136,8 @@ def between_positions_text(study: Study) -> str:
         true, kept = float(outcome.summaries[peak][0]), float(np.abs(outcome.fields[name][0]).max())
         if true > (1.0 + MISSED) * kept:
             shown = [quantity_text(value, units[name].units) for value in (true, kept)]
-            lines.append(f"{name}: greatest magnitude {shown[0]}, at the {study.positions} kept positions {shown[1]}")
-    hint = "between two kept positions these fields reach farther; summaries tell how far; ask for more positions:"
+            lines.append(f"{name}: peak {shown[0]}, at the {study.positions} kept positions {shown[1]}")
+    hint = "these fields have higher peaks between the kept positions, as summaries show; ask for more positions:"
     return "\n".join([hint, *lines]) if lines else ""
 
 
@@ -187,7 +187,7 @@ def check_text(
     client: "Client | None" = None,
     tell: Callable[[str], None] = lambda sentence: None,
 ) -> str:
-    """Everything `sweeps check` says of a study, and of the cluster that it is to be run on.
+    """Everything `sweeps check` says about a study, and about the cluster to run it on.
 
     Parameters
     ----------

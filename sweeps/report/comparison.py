@@ -19,7 +19,7 @@ ROUNDING = 4 * np.finfo(float).eps
 SOUGHT_IN = 200e6
 # Differences that are listed of a scene and study.
 MOST_LISTED = 40
-# Of a record what is told otherwise, or says nothing to a reader.
+# Parts of a record that appear elsewhere or mean nothing to a reader.
 _NOT_COMPARED = ("scene", "groups", "parameters", "units")
 
 
@@ -49,10 +49,10 @@ def comparison(one: SweepResult, other: SweepResult) -> Comparison:
     InputError
         They have no variant in common.
     """
-    told = [*_of_records(one, other)]
-    parts = ["Scene and study:", *(told[:MOST_LISTED] or ["  the same"])]
-    if len(told) > MOST_LISTED:
-        parts.append(f"  and {len(told) - MOST_LISTED} more")
+    differing = [*_of_records(one, other)]
+    parts = ["Scene and study:", *(differing[:MOST_LISTED] or ["  the same"])]
+    if len(differing) > MOST_LISTED:
+        parts.append(f"  and {len(differing) - MOST_LISTED} more")
     shared = {name: _Gap(name, one, other) for name in one.summaries if name in other.summaries}
     common, apart, first = 0, 0, (one.description.variants, 0)
     columns = ["status", *(name for gap in shared for name in (gap, f"{gap}_error"))]
@@ -109,7 +109,7 @@ def _leaves(data: Any, path: str) -> Iterator[tuple[str, Any]]:
 
 
 def _texts(scene: Scene) -> Iterator[tuple[str, Any]]:
-    """What a scene has besides its numbers."""
+    """Everything of a scene but its numbers."""
     known = scene_numbers(scene)
     return ((path, value) for path, value in _leaves(scene.model_dump(mode="json"), "scene") if path[6:] not in known)
 
@@ -154,7 +154,7 @@ def _elsewhere(
     Those of both whose keys leave one remainder are looked at together: so both files are read from end to end, once
     for each remainder, and neither here and there nor all at once.
     """
-    # Its key, its row and its place in their order besides.
+    # Plus its key, its row and its position in their order.
     bytes_each = 8 * (len(names) + len(columns) + 3)
     shares = max(math.ceil(other.description.variants * bytes_each / SOUGHT_IN), 1)
     for share in range(shares):

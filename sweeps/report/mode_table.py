@@ -6,21 +6,21 @@ from sweeps.text.tables import table
 
 
 def mode_table(scene: Scene, modes: dict[str, tuple[AssemblyMode, ...] | None]) -> str:
-    """All real modes at the first position: where points lie, the quality of transmission, which one the scene means.
+    """All real modes at the first position: where points lie, the transmission, which one the scene means.
 
     Parameters
     ----------
     scene : Scene
     modes : dict of str to tuple of AssemblyMode
-        Of each group of free links; None of one that hangs on a group whose mode isn't told.
+        Of each group of free links; None for one that depends on a group whose mode isn't given.
     """
     if not modes:
-        return "no group of free links, [links], whose assembly mode had to be told: dyads have mode = 1 and mode = -1"
+        return "no group of free links ([links]) that needs an assembly mode: dyads have mode = 1 and mode = -1"
     parts = []
     for group, found in modes.items():
         if found is None:
             parts.append(
-                f"{group}: hangs on a group whose mode the scene doesn't tell; told that one, its own are listed"
+                f"{group}: depends on a group whose mode the scene doesn't give; give that one to list its own"
             )
             continue
         count = f"{len(found)} real assembly mode{'' if len(found) == 1 else 's'}"
@@ -35,8 +35,8 @@ def mode_table(scene: Scene, modes: dict[str, tuple[AssemblyMode, ...] | None]) 
         parts.append(table(rows, "  "))
         if not any(mode.chosen for mode in found) and not points:
             parts.append(
-                "  the scene tells none of them: near does, by a point of one of the group's links, away from joints"
+                "  the scene gives none of them: set near, by a point of one of the group's links, away from joints"
             )
         elif not any(mode.chosen for mode in found):
-            parts.append(f'  the scene tells none of them: near.{points[0]} = {{ x = "…", y = "…" }} does')
+            parts.append(f'  the scene gives none of them: set near.{points[0]} = {{ x = "…", y = "…" }}')
     return "\n".join(parts)

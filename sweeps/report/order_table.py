@@ -32,7 +32,7 @@ from sweeps.text.tables import table
 
 # Ratio of the rows; without master rods the multiples are the same for any other.
 RATIO = 0.3
-# Amplitudes are multiples of those of one cylinder: no greater than this they are rounding.
+# Amplitudes relative to one cylinder's; up to this they are rounding.
 BALANCED = 1e-12
 HIGHEST_TORQUE_ORDER = 6
 ORDER_HEADS = (
@@ -188,8 +188,8 @@ def _harmonics_text(ratio: float, offset: float) -> str:
     harmonics = piston_harmonics(ratio, SHAKING_ORDERS, offset * ratio)
     sizes = np.abs(harmonics) if offset else harmonics.real
     values = ", ".join(f"A{subscript_of(n)} = {value:.4g}" for n, value in zip(SHAKING_ORDERS, sizes, strict=True))
-    aside = f" and an offset of {offset:.3g} r" if offset else ""
-    return f"At λ = {ratio:.4g}{aside}: {values}."
+    displaced = f" and an offset of {offset:.3g} r" if offset else ""
+    return f"At λ = {ratio:.4g}{displaced}: {values}."
 
 
 _LEGEND = (

@@ -44,7 +44,7 @@ class Readings(NamedTuple):
     Attributes
     ----------
     place : str
-        Name of what the places are of: "phi", "q" or "time".
+        Name of the coordinate: "phi", "q" or "time".
     at : ndarray (places,)
         The places [rad, m or s].
     values : dict of str to ndarray (places,)
@@ -168,7 +168,7 @@ def readings_in_time(scene: Scene, at: Sequence[float]) -> Readings:
     channels = {f"{channel}_moment": row for channel, row in seen.load_moments.items()}
     values = rows | {name: np.interp(times, seen.time, row) for name, row in channels.items()}
     about = _OF_HISTORY | {
-        name: ("N m", f"moment of what is {name.removesuffix('_moment')}, reduced to the input") for name in channels
+        name: ("N m", f"torque of {name.removesuffix('_moment')} loads, reduced to the input") for name in channels
     }
     if not isinstance(scene.input, CrankInput):
         about = {name: sliding_quantity(words, unit)[::-1] for name, (unit, words) in about.items()}

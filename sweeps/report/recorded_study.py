@@ -1,4 +1,4 @@
-"""The study as a result file tells it: checked, as files come from anywhere."""
+"""The study recorded in a result file, validated: files come from anywhere."""
 
 import json
 import math
@@ -60,7 +60,7 @@ def recorded_study(described: Description) -> dict[str, Any]:
     Raises
     ------
     DamagedError
-        It isn't there, or doesn't fit the file: the message says what of it.
+        It is missing or contradicts the file; the message says where.
     """
     text = described.attributes.get("study_json")
     if text is None:

@@ -20,7 +20,7 @@ STEPS = 240
 MANY_CYCLES = 1000
 # So near to an end of its range, as a share of it, an input is there.
 _AT_END = 1e-9
-# A machine that has so small a share of its greatest speed left only fades away.
+# Below this share of its peak speed a machine only fades away.
 _NEXT_TO_NOTHING = 1e-6
 
 
@@ -33,7 +33,7 @@ def regime_words(scene: Scene, name: str) -> str:
     name : str
     """
     regime = scene.regimes[name]
-    doing = "the motion that repeats itself every cycle"
+    doing = "steady running"
     if isinstance(regime, RunRegime):
         doing = f"run from {_begin(scene, name, regime)} {_end(scene, regime)}"
     return doing + (f"; off: {', '.join(regime.off)}" if regime.off else "")
@@ -174,7 +174,7 @@ def _no_end_in_range(scene: Scene, regime: RunRegime, seen: History) -> str:
         return f"it arrives at an end of its range, {place}, with {pace}, before the speed of {wanted} is reached"
     span = " … ".join(quantity_text(float(a), units.q) for a in (angle.min(), angle.max()))
     mend = "end it after a time, or change what drives and loads it"
-    return f"it moves between {_symbol(scene)} = {span} and never comes to its end (last at {pace}); {mend}"
+    return f"it moves between {_symbol(scene)} = {span} and never reaches its end (last at {pace}); {mend}"
 
 
 # Names by regime

@@ -89,7 +89,7 @@ def drop_lines(conditions: Sequence[str], missed: Iterable[np.ndarray], variants
     lines = []
     for text, *found in zip(conditions, counts.tolist(), alone.tolist(), strict=True):
         first, only = (f"{c}" if variants is None else f"about {c * variants // seen}" for c in found)
-        lines.append(f"{text}: {first}" + (f", {only} by this alone" if len(conditions) > 1 else ""))
+        lines.append(f"{text}: {first}" + (f", {only} by this condition only" if len(conditions) > 1 else ""))
     return lines
 
 
@@ -138,10 +138,10 @@ def answer_text(result: SweepResult) -> str:
     if goal is None:
         return "No [best] in the study: nothing to choose by. Look with `sweeps show`."
     best = result.best()
-    word = "least" if goal.sign > 0 else "greatest"
+    word = "minimum" if goal.sign > 0 else "maximum"
     if best is None:
         left_open = undecided_text(result, goal.where)
-        return f"No variant was computed that meets the conditions{left_open}; none has the {word} {goal.goal}."
+        return f"No variant meets all conditions{left_open}."
     lines = [result.question] if result.question else []
     value = quantity_text(result.columns[goal.goal][best], result.units[goal.goal], _error(result, goal.goal, best))
     condition = f" where {goal.where}" if goal.where else ""
@@ -153,8 +153,8 @@ def answer_text(result: SweepResult) -> str:
     if undecided_text(result, goal.where):
         lines.append(f"{meeting_text(result, goal.where)}.")
     if rivals:
-        others = f"{rivals} other variants are" if rivals > 1 else "Another variant is"
-        lines.append(f"{others} as good within the error figures: choose among them by other needs.")
+        others = f"{rivals} other variants tie" if rivals > 1 else "Another variant ties"
+        lines.append(f"{others} with it within the error figures; choose between them on other grounds.")
     return "\n".join(lines)
 
 

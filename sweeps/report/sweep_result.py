@@ -215,7 +215,7 @@ class SweepResult:
         Raises
         ------
         InputError
-            The condition can't be read, or names a column that isn't there.
+            The condition can't be read, or names a column that doesn't exist.
         """
         met, sign = self.meets(where), -1.0 if descending else 1.0
         if sort is not None and sort not in self.columns:
@@ -258,7 +258,7 @@ class SweepResult:
         return sum(int(np.count_nonzero(part)) for part in parts)
 
     def meets(self, where: str | None) -> Callable[[slice | np.ndarray], np.ndarray]:
-        """What tells which of some variants were computed and meet a condition; the condition as for `select`.
+        """Function that marks variants that were computed and meet a condition, given as for `select`.
 
         Raises
         ------
@@ -388,7 +388,7 @@ class SweepResult:
 
 
 def _first(found: list[tuple[np.ndarray, np.ndarray]], most: int | None) -> tuple[np.ndarray, np.ndarray]:
-    """The variants of least values among some, and those values: of equal ones the first, undefined ones last."""
+    """The variants with the smallest values and these values: ties go to the first, undefined ones come last."""
     variants, values = (np.concatenate(rows) for rows in zip(*found, strict=True))
     order = np.argsort(values, kind="stable")[:most]
     return variants[order], values[order]

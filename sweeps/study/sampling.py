@@ -70,7 +70,30 @@ class Listed:
 
 
 @dataclass(frozen=True)
-class Linear:
+class _Steps:
+    """One parameter in `count` steps from `start` to `stop`."""
+
+    name: str
+    start: float
+    stop: float
+    count: int
+
+    def __post_init__(self) -> None:
+        _check_range(self.name, self.start, self.stop, self.count)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameter's path."""
+        return (self.name,)
+
+    @property
+    def size(self) -> int:
+        """The count."""
+        return self.count
+
+
+@dataclass(frozen=True)
+class Linear(_Steps):
     """One parameter in `count` equal steps from `start` to `stop`, both hit exactly.
 
     Raises
@@ -79,31 +102,13 @@ class Linear:
         If count < 1, if one value should serve for two different ends, or if an end isn't finite.
     """
 
-    name: str
-    start: float
-    stop: float
-    count: int
-
-    def __post_init__(self) -> None:
-        _check_range(self.name, self.start, self.stop, self.count)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The parameter's path."""
-        return (self.name,)
-
-    @property
-    def size(self) -> int:
-        """The count."""
-        return self.count
-
     def values(self, indices: np.ndarray) -> dict[str, np.ndarray]:
         """Values at the indices."""
         return {self.name: even_steps(self.start, self.stop, self.count, indices)}
 
 
 @dataclass(frozen=True)
-class Logarithmic:
+class Logarithmic(_Steps):
     """One parameter in `count` equal ratios from `start` to `stop`, both hit exactly.
 
     Raises
@@ -112,24 +117,9 @@ class Logarithmic:
         As for `Linear`, and if the range touches or crosses zero.
     """
 
-    name: str
-    start: float
-    stop: float
-    count: int
-
     def __post_init__(self) -> None:
-        _check_range(self.name, self.start, self.stop, self.count)
+        super().__post_init__()
         _check_ratio(self.name, self.start, self.stop)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The parameter's path."""
-        return (self.name,)
-
-    @property
-    def size(self) -> int:
-        """The count."""
-        return self.count
 
     def values(self, indices: np.ndarray) -> dict[str, np.ndarray]:
         """Values at the indices."""

@@ -67,7 +67,7 @@ class SearchTask:
     variables : Variables
     objectives : tuple of Objective
     conditions : tuple of Condition
-        What results must meet, besides what the study requires of parameters.
+        Conditions on results, without those on parameters.
     method : {"differential evolution", "NSGA-II", "local"}
     population, generations, seed : int
     start : ndarray (variables,)

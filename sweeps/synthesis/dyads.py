@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 from sweeps.synthesis.synthesis_error import SynthesisError
 
-# Circumcentres farther away than so many times the size of what they are of are those of straight lines.
+# Circumcentres farther away than this multiple of their points' extent belong to straight lines.
 _FARTHEST = 1e9
 # Lengths that differ by no more than this share are one length.
 _AGREED = 1e-9

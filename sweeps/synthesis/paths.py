@@ -13,7 +13,7 @@ from scipy.optimize import differential_evolution, least_squares
 
 from sweeps.synthesis.synthesis_error import SynthesisError
 
-# Places on paths while they are compared, while the best is brought nearer, and when its error is told.
+# Places on paths while they are compared, while the best is brought nearer, and when its error is computed.
 _COARSE, _FINE, _TOLD = 64, 360, 7200
 # Logarithms of link lengths over the crank, and coordinates of the point on the coupler over its length.
 _BOUNDS = [(0.05, 2.5)] * 3 + [(-2.5, 2.5)] * 2 + [(-math.pi, math.pi)]
@@ -32,11 +32,11 @@ class PathFourBar(NamedTuple):
     crank, coupler, rocker : float
         Lengths [m].
     mode : int
-        Assembly mode, as of a dyad RRR.
+        Assembly mode, as for a dyad RRR.
     point : complex
         The coupler point from the crank's pin, along the coupler and to its left [m].
     rms, greatest : float
-        Distance of the wanted points from the path, as root of the mean square and at most [m].
+        Distance of the wanted points from the path, rms and maximum [m].
     """
 
     crank_pivot: complex

@@ -13,7 +13,7 @@ from sweeps.synthesis.synthesis_error import SynthesisError
 _FULL_TURN = 2.0 * math.pi
 # Steps of a turn in which the curve of four positions is looked over.
 _STEPS = 72
-# Links longer than so many times the greatest distance of the positions aren't taken.
+# Links longer than this multiple of the largest distance of the positions are rejected.
 _LONGEST = 8.0
 
 
@@ -37,7 +37,7 @@ class PositionedFourBar(NamedTuple):
     turns : bool
         Whether the crank turns fully.
     least_transmission : float
-        Least angle between coupler and rocker on the way, as an acute one [rad].
+        Minimum angle between coupler and rocker on the way, as an acute one [rad].
     """
 
     crank_pivot: complex

@@ -20,12 +20,12 @@ from typing import NamedTuple
 
 from sweeps.synthesis.synthesis_error import SynthesisError
 
-# Trial lengths between the least and the greatest, and how often the best place among them is searched more finely.
+# Trial lengths in the range, and the number of refinements about the best.
 _TRIALS, _FINER = 200, 12
 
 
 class QuickSliderCrank(NamedTuple):
-    """An offset slider-crank: crank, rod, offset of the slider's line [m]; least transmission angle [rad]."""
+    """An offset slider-crank: crank, rod, offset of the slider's line [m]; minimum transmission angle [rad]."""
 
     crank: float
     rod: float
@@ -34,7 +34,7 @@ class QuickSliderCrank(NamedTuple):
 
 
 class QuickCrankRocker(NamedTuple):
-    """A crank-rocker: lengths of its links [m]; least transmission angle [rad]."""
+    """A crank-rocker: lengths of its links [m]; minimum transmission angle [rad]."""
 
     crank: float
     coupler: float
@@ -240,7 +240,7 @@ def _least_transmission(crank: float, coupler: float, rocker: float, frame: floa
 
 
 def _lengths(chord: float, theta: float, usual: float = 0.0) -> tuple[float, float]:
-    """Least and greatest length of a coupler that is tried."""
+    """Range of coupler lengths that are tried."""
     longest = 20.0 * max(chord, usual)
     return 0.25 * chord, min(longest, chord / (2.0 * math.sin(0.5 * theta))) if theta > 0.0 else longest
 
@@ -248,7 +248,7 @@ def _lengths(chord: float, theta: float, usual: float = 0.0) -> tuple[float, flo
 def _best(
     trial: Callable[[float], QuickSliderCrank | QuickCrankRocker | None], ends: tuple[float, float]
 ) -> float | None:
-    """Length of the greatest least transmission angle: the best of some, then of some between its neighbours."""
+    """Length with the largest minimum transmission angle: the best of a grid, refined between its neighbours."""
     low, high = ends
     best = None
     for _ in range(_FINER):

@@ -7,7 +7,7 @@ from sweeps.synthesis.positioned import PositionedFourBar
 from sweeps.synthesis.quick_return import QuickCrankRocker, QuickLever, QuickSliderCrank
 
 _NEXT = """\
-# Kinematics only: add [bodies], [forces], [flywheel] for what it carries; `sweeps help bodies` tells how.
+# Kinematics only: add [bodies], [forces], [flywheel] for what it carries; see `sweeps help bodies`.
 """
 
 
@@ -24,7 +24,7 @@ def slider_crank_text(found: QuickSliderCrank, stroke: float, ratio: float, spee
     """
     return f"""\
 # Offset slider-crank with a stroke of {_mm(stroke)} and a time ratio of {ratio!r} (slow stroke to fast one).
-# Least transmission angle {_deg(found.least_transmission)}, between the rod and the normal of the guide.
+# Minimum transmission angle {_deg(found.least_transmission)}, between the rod and the normal of the guide.
 {_NEXT}
 title = "Slider-crank, time ratio {ratio!r}"
 
@@ -34,12 +34,7 @@ O = {{ x = 0, y = 0 }}           # bearing of the crank
 [guides]
 way = {{ angle = 0 }}
 
-[input]
-type = "crank"
-pivot = "O"
-pin = "A"
-length = "{_mm(found.crank)}"
-speed = "{speed}"
+{_crank(found.crank, speed)}
 
 [groups.drive]
 type = "RRP"
@@ -62,7 +57,7 @@ def crank_rocker_text(found: QuickCrankRocker, swing: float, ratio: float, speed
     """
     return f"""\
 # Crank-rocker with a swing of {_deg(swing)} and a time ratio of {ratio!r} (slow swing to fast one).
-# Least transmission angle {_deg(found.least_transmission)}.
+# Minimum transmission angle {_deg(found.least_transmission)}.
 {_NEXT}
 title = "Crank-rocker, time ratio {ratio!r}"
 
@@ -70,18 +65,9 @@ title = "Crank-rocker, time ratio {ratio!r}"
 O = {{ x = 0, y = 0 }}           # bearing of the crank
 D = {{ x = "{_mm(found.frame)}", y = 0 }}           # bearing of the rocker
 
-[input]
-type = "crank"
-pivot = "O"
-pin = "A"
-length = "{_mm(found.crank)}"
-speed = "{speed}"
+{_crank(found.crank, speed)}
 
-[groups.swing]
-type = "RRR"
-inner = "B"
-first = {{ link = "coupler", joint = "A", length = "{_mm(found.coupler)}" }}
-second = {{ link = "rocker", joint = "D", length = "{_mm(found.rocker)}" }}
+{_dyad(found)}
 """
 
 
@@ -113,12 +99,7 @@ P = {{ link = "lever", x = "{_mm(found.lever)}", y = 0 }}           # end of the
 [guides]
 way = {{ y = "{_mm(height)}", angle = "180 deg" }}
 
-[input]
-type = "crank"
-pivot = "O"
-pin = "A"
-length = "{_mm(found.crank)}"
-speed = "{speed}"
+{_crank(found.crank, speed)}
 
 [groups.slot]
 type = "RPR"
@@ -153,7 +134,7 @@ def positions_text(found: PositionedFourBar, speed: str) -> str:
 # Four-bar linkage whose coupler carries the point P through {len(found.crank_angles)} positions, at the crank angles
 # {at}.
 # The plane that is carried is turned against the coupler by {_deg(found.angle)}. The crank {how}.
-# Least transmission angle {_deg(found.least_transmission)}.
+# Minimum transmission angle {_deg(found.least_transmission)}.
 {_NEXT}
 title = "Four-bar linkage through {len(found.crank_angles)} positions"
 
@@ -162,18 +143,9 @@ O = {{ {_xy(found.crank_pivot)} }}           # bearing of the crank
 D = {{ {_xy(found.rocker_pivot)} }}           # bearing of the rocker
 P = {{ link = "coupler", {_xy(found.point)} }}
 
-[input]
-type = "crank"
-pivot = "O"
-pin = "A"
-length = "{_mm(found.crank)}"
-speed = "{sense}{speed}"
+{_crank(found.crank, f"{sense}{speed}")}
 {part}
-[groups.swing]
-type = "RRR"
-inner = "B"
-first = {{ link = "coupler", joint = "A", length = "{_mm(found.coupler)}" }}
-second = {{ link = "rocker", joint = "D", length = "{_mm(found.rocker)}" }}
+{_dyad(found)}
 mode = {found.mode}
 """
 
@@ -190,8 +162,8 @@ def path_text(found: PathFourBar, places: int, speed: str) -> str:
         Of the crank, with its unit.
     """
     return f"""\
-# Crank-rocker whose coupler point P follows a path of {places} places: it passes them at {1e3 * found.rms:.3g} mm
-# (root of the mean square) and at {1e3 * found.greatest:.3g} mm at most. `sweeps plot FILE --paths P` draws its path.
+# Crank-rocker whose coupler point P follows a path of {places} places: deviation {1e3 * found.rms:.3g} mm
+# (rms) and {1e3 * found.greatest:.3g} mm (maximum). `sweeps plot FILE --paths P` draws its path.
 {_NEXT}
 title = "Crank-rocker along a path"
 
@@ -200,20 +172,30 @@ O = {{ {_xy(found.crank_pivot)} }}           # bearing of the crank
 D = {{ {_xy(found.rocker_pivot)} }}           # bearing of the rocker
 P = {{ link = "coupler", {_xy(found.point)} }}
 
+{_crank(found.crank, speed)}
+
+{_dyad(found)}
+mode = {found.mode}
+"""
+
+
+def _crank(length: float, speed: str) -> str:
+    return f"""\
 [input]
 type = "crank"
 pivot = "O"
 pin = "A"
-length = "{_mm(found.crank)}"
-speed = "{speed}"
+length = "{_mm(length)}"
+speed = "{speed}\""""
 
+
+def _dyad(found: QuickCrankRocker | PositionedFourBar | PathFourBar) -> str:
+    return f"""\
 [groups.swing]
 type = "RRR"
 inner = "B"
 first = {{ link = "coupler", joint = "A", length = "{_mm(found.coupler)}" }}
-second = {{ link = "rocker", joint = "D", length = "{_mm(found.rocker)}" }}
-mode = {found.mode}
-"""
+second = {{ link = "rocker", joint = "D", length = "{_mm(found.rocker)}" }}"""
 
 
 def _mm(length: float) -> str:

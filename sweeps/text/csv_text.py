@@ -63,7 +63,7 @@ def _columns(path: Path, numbers: Sequence[int], lines: Sequence[str], delimiter
     except csv.Error as error:
         raise InputError(path.name, [(numbers[reader.line_num - 1], "", f"is not CSV: {error}")]) from None
     if len(rows) != len(lines):
-        raise InputError(path.name, [(None, "", "a cell in quotation marks goes on over several lines")])
+        raise InputError(path.name, [(None, "", "a quoted cell spans several lines")])
     for line, row in zip(numbers, rows, strict=True):
         if len(row) != count:
             raise InputError(path.name, [(line, "", f"has {len(row)} cells, the header {count}")])

@@ -94,9 +94,9 @@ def units_written() -> Mapping[str, tuple[float, str]]:
 
 
 def show_units(shown: Mapping[str, tuple[float, str]], written: Mapping[str, tuple[float, str]]) -> None:
-    """Show numbers in units that `units_shown` and `units_written` told, those of a result's scene for instance."""
-    for kept, told in ((_as_given, shown), (_as_written, written)):
-        kept.set({units: (float(factor), label) for units, (factor, label) in told.items()})
+    """Show numbers in units from `units_shown` and `units_written`, such as those of a result's scene."""
+    for kept, given in ((_as_given, shown), (_as_written, written)):
+        kept.set({units: (float(factor), label) for units, (factor, label) in given.items()})
 
 
 def engineer_unit(units: str, values: np.ndarray) -> tuple[float, str]:

@@ -54,10 +54,10 @@ def keeping(words: Callable[[], str]) -> Iterator[None]:
 
 
 def farewell() -> str:
-    """What is said on the way out: what is kept, and the command that goes on."""
+    """Last words of an interrupted run: what is kept, and the command that resumes it."""
     # To restart would throw away what is kept.
     again = shlex.join(["sweeps", *(word for word in sys.argv[1:] if word != "--restart")])
-    return f"Interrupted: {_state[-1]()}; go on with: {again}"
+    return f"Interrupted: {_state[-1]()}; resume with: {again}"
 
 
 def _wait(reading: int) -> None:

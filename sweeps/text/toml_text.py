@@ -24,7 +24,7 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
     Raises
     ------
     InputError
-        The text is not TOML; the message tells line and column.
+        The text is not TOML; the message gives line and column.
     """
     for number, line in enumerate(text.splitlines(), 1):
         # A reader of TOML keeps every beginning of a dotted key.
@@ -56,7 +56,7 @@ def _slip(text: str, line: int | None, source: str) -> str:
     lines = text.splitlines()
     if line is None or not 1 <= line <= len(lines) or not source.endswith(".toml"):
         return ""
-    # A line that ends too early is told of at the begin of the next one.
+    # A line that ends too early is reported at the beginning of the next one.
     for whole in lines[line - 1 : line] + lines[line - 2 : line - 1]:
         written = whole[:_LINE_LOOKED_AT]
         if (slip := _BARE_QUANTITY.search(written)) is not None:
@@ -168,7 +168,7 @@ def _message(model: type[BaseModel], error: dict, keys: list[str | int]) -> str:
             return f"{error['msg']}, got {_shown(value)}"
 
 
-# Units in which limits are told where a value was given in them; other limits are 0.
+# Units in which limits are given where a value was given in them; other limits are 0.
 _OWN_UNITS = {"deg": "angle", "°": "angle", "rev": "angle", "rpm": "angular_speed"}
 
 

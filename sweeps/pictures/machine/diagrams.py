@@ -35,7 +35,7 @@ class CycleCurves(NamedTuple):
     main : str or None
         The slider whose dead centres are marked.
     dead_centres : tuple of float
-        Where they are, as of q.
+        Positions q of these.
     mean_moment : float
         Of the reduced moment over the cycle, SI; nan where there is no cycle.
     """
@@ -186,7 +186,7 @@ def _sheet_of_range(figure: Figure, cycle: CycleCurves) -> None:
     _panel(axes[0, 0], cycle, "reduced_inertia", "Reduced inertia", "I")
     _panel(axes[0, 1], cycle, "reduced_inertia_phi", "Its derivative", "dI/dq")
     _panel(axes[1, 0], cycle, "reduced_moment", "Reduced moment or force", "M")
-    _panel(axes[1, 1], cycle, "input_moment", "Input moment or force at uniform speed", "$M_{in}$")
+    _panel(axes[1, 1], cycle, "input_moment", "Drive torque or force at constant speed", "$M_{in}$")
 
 
 def _panel(ax: Axes, cycle: CycleCurves, name: str, title: str, symbol: str, mean: float | None = None) -> None:

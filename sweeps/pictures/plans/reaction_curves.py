@@ -84,7 +84,7 @@ def reaction_sheet(cycle: MachineCycle) -> Figure:
     right = OF_MOMENTS if any(_bears_moment(cycle, pair) for pair in shown) else RIGHT
     with house_style():
         figure = blank_sheet(180, 16 + PANEL_HEIGHT * rows)
-        heading(figure, cycle.scene, "reactions at uniform speed")
+        heading(figure, cycle.scene, "reactions at constant speed")
         axes = []
         for i in range(len(shown) + 1):
             row, column = divmod(i, COLUMNS)

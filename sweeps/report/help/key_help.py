@@ -1,4 +1,4 @@
-"""What every key of scenes and studies means, told from the models that read them: kind, unit, default, limits."""
+"""What every key of scenes and studies means, read from their models: kind, unit, default, limits."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -141,14 +141,14 @@ def _of_table(key: Key) -> bool:
 
 def _paragraphs(found: Sequence[Key]) -> Iterator[str]:
     """A paragraph for each different thing that was found; places where the same is said are named together."""
-    told: dict[str, list[str]] = {}
+    said: dict[str, list[str]] = {}
     for key in found:
         text = _table_text(key) if key.path[-1] == "type" and key.kind else _one_text(key)
         place = ".".join(key.path[:-1] if key.path[-1] == "type" and key.kind else key.path)
-        places = told.setdefault(text, [])
+        places = said.setdefault(text, [])
         if place not in places:
             places.append(place)
-    for text, places in told.items():
+    for text, places in said.items():
         yield f"{', '.join(places)}\n{text}"
 
 
@@ -162,7 +162,7 @@ def _one_text(key: Key) -> str:
         return "\n".join([*lines, f"  takes {_takes(key.field)}", f"  {_necessity(key.field)}", *_example(key)])
     kinds = [kind for kind in map(_type_of, tables) if kind]
     if len(kinds) > 1:
-        return "\n".join([*lines, f"  type is one of: {', '.join(kinds)}; `sweeps help TYPE` tells the keys of each"])
+        return "\n".join([*lines, f"  type: one of {', '.join(kinds)} (`sweeps help TYPE` lists the keys)"])
     if len(tables) == 1:
         return "\n".join([*lines, _keys_text(tables[0])])
     each = (f"  either: {_paragraph(arm)}\n{_keys_text(arm)}" for arm in tables)

@@ -80,7 +80,7 @@ def _engine_text(name: str, element: EngineElement, given: tuple[float, float] |
 
 def _shaking_rows(found: EngineShaking, element: EngineElement) -> list[tuple[str, ...]]:
     square = element.speed**2
-    rows = [("greatest", *(WORDS[order] for order in ORDERS))]
+    rows = [("maximum", *(WORDS[order] for order in ORDERS))]
     kinds = [("force", found.forces, found.force_terms, "N")]
     if element.spacing is not None:
         kinds.append(("couple", found.couples, found.couple_terms, "N m"))

@@ -10,17 +10,17 @@ from sweeps.text.tables import table
 
 # What is compared: a better balance may load other things more.
 COMPARED = {
-    "shaking_force.max": "shaking force, greatest",
-    "shaking_force.rms": "shaking force, rms",
-    "shaking_moment.peak": "shaking moment, peak",
-    "input.reaction.max": "force on the crank's bearing, greatest",
-    "input_moment.peak": "input moment, peak",
+    "shaking_force.max": "peak shaking force",
+    "shaking_force.rms": "rms shaking force",
+    "shaking_moment.peak": "peak shaking moment",
+    "input.reaction.max": "peak force on the crank bearing",
+    "input_moment.peak": "peak drive torque",
 }
-SOUGHT = {"full": "no shaking force at all", "rms": "least rms of the shaking force", "peak": "least shaking force"}
+SOUGHT = {"full": "zero shaking force", "rms": "minimum rms shaking force", "peak": "minimum peak shaking force"}
 
 
 def counterweight_place(text: str) -> CounterweightPlace:
-    """A place for a counterweight from a text such as "rod: -60 mm, 0 mm", in the link's own axes.
+    """A place for a counterweight from a text such as "rod: -60 mm, 0 mm", in link axes.
 
     Parameters
     ----------
@@ -98,11 +98,11 @@ def counterweight_text(scene: Scene, found: BalancedMachine, criterion: str) -> 
         rows.append((weight.link, quantity_text(weight.unbalance, "kg m"), f"{angle:.1f}°", *sizes))
     speed = quantity_text(abs(scene.input.speed), "rad s-1" if scene.input.type == "crank" else "m s-1")
     head = f"Counterweights for {SOUGHT[criterion]}, at {speed}:"
-    note = "Angles and radii in the link's own axes: a crank's begin at its pivot, its x axis points to its pin."
+    note = "Angles and radii in link axes: a crank's origin is its pivot, its x axis points to its pin."
     lines = [head, table(rows, "  "), note, _compared(scene, found.scene)]
     if criterion != "full":
         left, bound = quantity_text(found.after, "N"), quantity_text(found.bound, "N")
-        lines.append(f"They leave {left}; it is proven that no others in these places leave less than {bound}.")
+        lines.append(f"Residual shaking force {left}; proven minimum for counterweights at these places: {bound}.")
     return "\n".join(lines)
 
 

@@ -53,7 +53,7 @@ def test_guide_of_a_roller__leans_against_its_motion():
 
 @pytest.mark.parametrize("sample", [SLIDING, SWINGING])
 def test_roller__rubs_on_its_pin(sample):
-    """Of the pin's friction the surface of the roller feels μ d/2R of what presses, as of a face that slides."""
+    """Of the pin's friction the surface of the roller feels μ d/2R of what presses, as at a face that slides."""
     radius = Scene.model_validate(sample).cams["cam"].follower.roller_radius
     pin = CONTACT | {"diameter": 0.6 * radius}
     held = "guide" if sample is SLIDING else "pivot"

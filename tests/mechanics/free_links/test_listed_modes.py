@@ -22,7 +22,7 @@ def test_modes_of_a_group_on_one_whose_mode_is_open__are_open_and_the_first_ones
     modes = assembly_modes(scene)
     assert len(modes["group_of_plate"]) == 2
     assert modes["group_of_ram"] is None
-    assert "group_of_ram: hangs on a group whose mode the scene doesn't tell" in mode_table(scene, modes)
+    assert "group_of_ram: depends on a group whose mode the scene doesn't give" in mode_table(scene, modes)
 
 
 def test_place_of_another_group__is_not_taken_for_one_that_tells():

@@ -8,6 +8,7 @@ import numpy as np
 from graph_values import GraphValues
 from hypothesis import given, reject, settings
 from hypothesis import strategies as st
+from machines import slider_crank
 
 from engine import Scene, SceneError
 from engine.graph.nodes import Graph, Node, Stage
@@ -22,22 +23,8 @@ NUMBERS = {"k": 0.7, "n": 1.7, "m": -0.4}
 def scene_of(text: str, speed: float, **more: object) -> Scene:
     """An offset slider-crank, its ram under a force by a formula; units of N make any number a force."""
     force = {"type": "formula", "on": "B", "angle": ANGLE, "force": f"1 N * ({text})", "numbers": NUMBERS, **more}
-    return Scene.model_validate(
-        {
-            "points": {"O": {"x": 0, "y": 0}},
-            "guides": {"way": {"y": OFFSET}},
-            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": CRANK, "speed": speed},
-            "groups": {
-                "drive": {
-                    "type": "RRP",
-                    "inner": "B",
-                    "first": {"link": "rod", "joint": "A", "length": ROD},
-                    "second": {"link": "ram", "guide": "way"},
-                }
-            },
-            "forces": {"push": force},
-        }
-    )
+    way = {"way": {"y": OFFSET}}
+    return Scene.model_validate(slider_crank(CRANK, ROD, speed, "drive", guides=way, forces={"push": force}))
 
 
 def by_hand(q: np.ndarray, speed: float) -> dict[str, np.ndarray]:

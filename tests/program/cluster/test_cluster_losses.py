@@ -206,7 +206,7 @@ def test_client_that_ends__leaves_what_goes_on(number, code, uninterrupted, tmp_
     assert psutil.wait_procs(workers, timeout=60)[1] == []
     assert process.returncode == code
     if code > 0:
-        assert errors.endswith(f"are done and kept; go on with: sweeps {' '.join(arguments)}\n")
+        assert errors.endswith(f"are done and kept; resume with: sweeps {' '.join(arguments)}\n")
         assert errors.count("\n") == 1
     assert describe_result(part).blocks_done >= 2
     assert numbers_in(run(tmp_path, LONG, "long")) == uninterrupted

@@ -37,7 +37,7 @@ def test_quantities__takes_words_of_the_meaning_and_all_of_them(press):
 
 
 def test_quantities__finds_a_statistic(press):
-    assert "greatest value of the velocity of slider ram" in said("quantities", press, "ram.velocity.max").stdout
+    assert "maximum of the velocity of slider ram" in said("quantities", press, "ram.velocity.max").stdout
 
 
 def test_quantities__of_an_unknown_word_names_what_is_near(press):

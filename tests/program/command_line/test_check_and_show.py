@@ -107,7 +107,7 @@ def test_show__lists_what_meets_the_study_s_condition_the_best_first(press_resul
     assert answer.stdout.splitlines()[0] == "Which crank?: 8 variants, all done"
     assert [row[0] for row in table_of(answer.stdout)] == ["6", "7", "2", "3"]
     assert [row[1] for row in table_of(answer.stdout)] == ["50", "50", "60", "60"]
-    assert "Answer: the least excess_work" in answer.stdout
+    assert "Answer: the minimum excess_work" in answer.stdout
 
 
 def test_show_where_sort_limit_and_columns__choose(press_result):

@@ -114,7 +114,7 @@ def test_condition_of_the_study__holds_and_is_reached(tmp_path):
 def test_end_of_a_range__is_reached_and_told(tmp_path):
     result = searched(tmp_path, 'minimise = "ram.stroke"\npopulation = 20')
     assert best_of(result)[CRANK] == pytest.approx(0.03, rel=1e-12)
-    assert "least of its range" in optimum_text(result)
+    assert "lower end of its range" in optimum_text(result)
 
 
 def test_lists_and_ranges__are_searched_together(tmp_path):
@@ -241,7 +241,7 @@ def test_front__is_numbered_from_the_least_first_objective_and_nothing_surpasses
 def test_choices__are_the_ends_and_the_knee(two):
     # The front is symmetric, √f1 + √f2 = d: its knee is where both are equal.
     chosen = {choice.why: choice.variant for choice in choices(two)}
-    assert list(chosen) == ["least objective_1", "least objective_2", "knee"]
+    assert list(chosen) == ["minimum objective_1", "minimum objective_2", "knee"]
     a, b = (np.sqrt(two.columns[f"objective_{k}"][chosen["knee"]]) for k in (1, 2))
     assert abs(a - b) < 0.15 * (a + b)
     assert [name for name, _ in objectives(two)] == ["objective_1", "objective_2"]

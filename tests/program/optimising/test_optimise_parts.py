@@ -273,7 +273,7 @@ def test_command__tells_the_best_what_holds_it_and_its_files(folder):
     study_of(folder, ASKED)
     answer = said("optimise", "study.toml", "--no-plots", "--quiet")
     assert answer.exit_code == 0
-    assert "Answer: the least objective_1 where ram.stroke <= '90 mm' is " in answer.stdout
+    assert "Answer: the minimum objective_1 where ram.stroke <= '90 mm' is " in answer.stdout
     assert "on the limit of: ram.stroke <= '90 mm'" in answer.stdout
     assert "differential evolution, seed 0: " in answer.stdout
     assert "results/study_optimised.h5" in answer.stdout

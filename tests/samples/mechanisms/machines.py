@@ -152,18 +152,25 @@ def frame(x: float, y: float) -> dict:
     return {"x": x, "y": y}
 
 
-def slider_crank(length: float = 0.05, rod: float = 0.2, speed: float | str = 5.0, **parts: dict) -> dict:
-    """In line, its ram on the frame; parts by their names replace these."""
+def slider_crank(
+    length: float = 0.05,
+    rod: float = 0.2,
+    speed: float | str = 5.0,
+    group: str = "g",
+    slider: str = "ram",
+    **parts: dict,
+) -> dict:
+    """In line, its slider on the frame; parts by their names replace these."""
     return {
         "points": {"O": frame(0.0, 0.0)},
         "guides": {"way": {}},
         "input": crank(length=length, speed=speed),
         "groups": {
-            "g": {
+            group: {
                 "type": "RRP",
                 "inner": "B",
                 "first": {"link": "rod", "joint": "A", "length": rod},
-                "second": {"link": "ram", "guide": "way"},
+                "second": {"link": slider, "guide": "way"},
             }
         },
     } | parts

@@ -8,6 +8,7 @@ through the numerical methods as any other.
 import math
 from typing import NamedTuple
 
+import machines
 import numpy as np
 from mpmath import mp
 
@@ -63,19 +64,8 @@ def slider_crank(regimes: dict, speed: float = 10.0, flywheel: float = 0.0, **ch
     Keyword arguments change numbers of the moments.
     """
     every = [*MOMENTS, "cut", "gravity"]
-    return {
+    return machines.slider_crank(RADIUS, ROD, speed, "drive") | {
         "gravity": GRAVITY,
-        "points": {"O": {"x": 0, "y": 0}},
-        "guides": {"way": {}},
-        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": RADIUS, "speed": speed},
-        "groups": {
-            "drive": {
-                "type": "RRP",
-                "inner": "B",
-                "first": {"link": "rod", "joint": "A", "length": ROD},
-                "second": {"link": "ram", "guide": "way"},
-            }
-        },
         "bodies": {
             "eccentric": {"link": "crank", "mass": ECCENTRIC_MASS, "x": ECCENTRICITY, "inertia": CRANK_INERTIA},
             "ram_body": {"link": "ram", "mass": RAM_MASS},

@@ -16,6 +16,7 @@ with 57.3 and pi with 3.141, and that of the last digit where one is printed to 
 import math
 
 import pytest
+from machines import slider_crank
 
 from engine import Machine, Scene, Verdict
 
@@ -32,29 +33,11 @@ def at(scene, phi, *fields):
     return [float(outcome.fields[field][0, 0]) for field in fields]
 
 
-def slider_crank(r, rod, speed, **more):
-    """A crank whose dead centre farthest from its pivot is at 0, the slider on the line of the pivot."""
-    return {
-        "points": {"O": {"x": 0, "y": 0}},
-        "guides": {"way": {}},
-        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": r, "speed": speed},
-        "groups": {
-            "g": {
-                "type": "RRP",
-                "inner": "B",
-                "first": {"link": "rod", "joint": "A", "length": rod},
-                "second": {"link": "piston", "guide": "way"},
-            }
-        },
-        **more,
-    }
-
-
 def engine(r, n, rpm, mass, load):
     """An engine whose piston a force pushes towards its crank."""
     force = {"type": "constant", "on": "B", "angle": math.pi, "force": load}
     body = {"link": "piston", "mass": mass}
-    return slider_crank(r, n * r, rpm * math.pi / 30, bodies={"piston": body}, forces={"gas": force})
+    return slider_crank(r, n * r, rpm * math.pi / 30, slider="piston", bodies={"piston": body}, forces={"gas": force})
 
 
 # Slider-crank with masses and weights
@@ -68,6 +51,7 @@ def test_marghitu_slider_crank__has_the_printed_reactions():
         1.0,
         1.0,
         1.0,
+        slider="piston",
         gravity=10.0,
         bodies={
             "crank": {"link": "crank", **middle},

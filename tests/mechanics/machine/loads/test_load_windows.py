@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from machines import slider_crank
 
 from engine import Machine, Scene, Verdict
 
@@ -19,21 +20,13 @@ SPEED, FLUCTUATION = 10.0, 0.02
 R, ROD = 0.05, 0.2
 
 # A crank with a disc; everything else is a window's.
-CRANK = {
-    "points": {"O": {"x": 0, "y": 0}},
-    "guides": {"way": {"angle": 0.0}},
-    "input": {"type": "crank", "pivot": "O", "pin": "A", "length": R, "speed": SPEED},
-    "groups": {
-        "g": {
-            "type": "RRP",
-            "inner": "B",
-            "first": {"link": "rod", "joint": "A", "length": ROD},
-            "second": {"link": "ram", "guide": "way"},
-        }
-    },
-    "bodies": {"disc": {"link": "crank", "mass": 1.0, "inertia": 0.5}},
-    "flywheel": {"speed_fluctuation": FLUCTUATION},
-}
+CRANK = slider_crank(
+    R,
+    ROD,
+    SPEED,
+    bodies={"disc": {"link": "crank", "mass": 1.0, "inertia": 0.5}},
+    flywheel={"speed_fluctuation": FLUCTUATION},
+)
 
 SUMMARIES = [
     "required_drive_moment",

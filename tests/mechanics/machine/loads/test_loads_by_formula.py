@@ -2,6 +2,7 @@
 
 import math
 
+import machines
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
@@ -18,24 +19,9 @@ EPS = np.finfo(float).eps
 
 def slider_crank(forces: dict | None = None, moments: dict | None = None, speed: float = 10.0) -> Scene:
     """A centric slider-crank; its fast shaft turns three times as fast."""
-    return Scene.model_validate(
-        {
-            "points": {"O": {"x": 0, "y": 0}},
-            "guides": {"way": {}},
-            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": CRANK, "speed": speed},
-            "groups": {
-                "drive": {
-                    "type": "RRP",
-                    "inner": "B",
-                    "first": {"link": "rod", "joint": "A", "length": ROD},
-                    "second": {"link": "ram", "guide": "way"},
-                }
-            },
-            "shafts": {"fast": {"geared_to": "crank", "ratio": 3.0}},
-            "forces": forces or {},
-            "moments": moments or {},
-        }
-    )
+    parts = {"forces": forces or {}, "moments": moments or {}}
+    fast = {"fast": {"geared_to": "crank", "ratio": 3.0}}
+    return Scene.model_validate(machines.slider_crank(CRANK, ROD, speed, "drive", shafts=fast, **parts))
 
 
 def force(formula: str, **more: object) -> dict:

@@ -100,7 +100,7 @@ def test_check__tells_what_each_regime_does_its_case_its_method_and_its_numbers(
     text = said("check", "press.toml").stdout
     start = indented_under(text, "start: run from rest until 60 rpm; off: punch, brake")
     assert start[0].strip() == "case 5: I(φ), M(ω) of motor (DC motor); energy form"
-    work = indented_under(text, "work: the motion that repeats itself every cycle; off: brake")
+    work = indented_under(text, "work: steady running; off: brake")
     stop = indented_under(text, "stop: run from where work ended to rest; off: motor, punch")
     assert stop[0].strip() == "case 3: I(φ), M constant of brake (block brake); energy form"
     scene = read_scene("press.toml")

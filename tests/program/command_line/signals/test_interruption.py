@@ -39,7 +39,7 @@ def test_signal__ends_the_program_with_one_sentence(number, code, busy, tmp_path
         process.send_signal(number)
         _, errors = process.communicate(timeout=60)
     assert process.returncode == code
-    assert errors == "Interrupted: no file is left half-written; go on with: sweeps run 'a b.toml'\n"
+    assert errors == "Interrupted: no file is left half-written; resume with: sweeps run 'a b.toml'\n"
     assert list(tmp_path.iterdir()) == []
 
 
@@ -87,7 +87,7 @@ def test_draft__is_removed_by_every_signal(number, tmp_path):
 
 def test_farewell__tells_what_the_innermost_run_keeps():
     with keeping(lambda: "two eggs are kept"):
-        assert farewell().startswith("Interrupted: two eggs are kept; go on with: sweeps")
+        assert farewell().startswith("Interrupted: two eggs are kept; resume with: sweeps")
     assert "two eggs" not in farewell()
 
 

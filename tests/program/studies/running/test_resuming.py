@@ -290,7 +290,7 @@ def test_interrupt__keeps_the_blocks_and_says_how_to_go_on(number, code, uninter
     _, errors = process.communicate()
     assert process.returncode == code
     assert errors.startswith("Interrupted: ")
-    again = "go on with: sweeps run long.toml --out long.h5 --no-plots --quiet\n"
+    again = "resume with: sweeps run long.toml --out long.h5 --no-plots --quiet\n"
     assert errors.endswith(f" of 400000 variants are done and kept; {again}")
     assert errors.count("\n") == 1
     assert blocks_done(tmp_path) >= 2
