@@ -32,7 +32,8 @@ def study_record(study: StudyContent) -> dict[str, Any]:
         `positions`, `field_precision`, `accuracy`, `best`, `optimise`, `tolerances`; `engine`, a digest of its sources.
     """
     return {
-        "scene": study.scene.model_dump(mode="json"),
+        # Defaults aren't given: where they would mean nothing they are refused.
+        "scene": study.scene.model_dump(mode="json", exclude_defaults=True),
         "parameters": {name: study.unit(name) for name in study.parameters},
         "vary": [_axis_record(axis) for axis in study.design.axes],
         "derive": {path: expression.text for path, expression in study.derived.items()},
