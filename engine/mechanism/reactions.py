@@ -627,7 +627,9 @@ class Reactions:
         """What the machine does to its frame, and the equilibrium of the machine without it."""
         left = self._loads.total(FRAME)
         on_frame = self._own[FRAME] + left
-        for key, node in zip(("x", "y", "moment"), (*on_frame.force, on_frame.moment), strict=True):
+        # The origin of the scene's coordinates, not that of the frame's as positions are counted.
+        about_origin = on_frame.moment + self.kinematics.coordinates(self.kinematics.nowhere).cross(on_frame.force)
+        for key, node in zip(("x", "y", "moment"), (*on_frame.force, about_origin), strict=True):
             self.variables[f"frame.reaction_{key}"] = named(node, f"frame reaction_{key}")
         whole = LinkLoads(self.kinematics)
         for name in self._moving:

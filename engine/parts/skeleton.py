@@ -177,7 +177,7 @@ class Part(BaseModel):
                 yield from ((here, kind, name) for name in ([value] if isinstance(value, str) else value))
 
     def gives(self, *keys: str) -> list[str]:
-        """Which of some keys are given, be it with their defaults.
+        """Which of some keys are given values of their own, not their defaults.
 
         What has no meaning where it stands is refused: ignored, it would be taken for granted.
 
@@ -185,7 +185,7 @@ class Part(BaseModel):
         ----------
         *keys : str
         """
-        return [key for key in keys if key in self.model_fields_set and getattr(self, key) is not None]
+        return [key for key in keys if getattr(self, key) != type(self).model_fields[key].default]
 
     def own_numbers(self) -> dict[str, np.ndarray]:
         """The part's numbers by their paths in it, as one variant."""

@@ -16,10 +16,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import AskError, Machine, Verdict, scene_numbers
+from engine import AskError, Machine, Verdict, made_ready, scene_numbers
 from sweeps.report.files.exports import scene_toml
 from sweeps.study.bundled import bundled_studies
-from sweeps.study.study import Study, made_ready, read_study
+from sweeps.study.study import Study
+from sweeps.study.study_reader import read_study
 from sweeps.text.engineer_units import quantity_text
 from sweeps.text.templates import bundled_templates
 

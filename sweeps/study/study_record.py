@@ -32,8 +32,7 @@ def study_record(study: StudyContent) -> dict[str, Any]:
         `positions`, `field_precision`, `accuracy`, `best`, `optimise`, `tolerances`; `engine`, a digest of its sources.
     """
     return {
-        # Defaults aren't given: where they would mean nothing they are refused.
-        "scene": study.scene.model_dump(mode="json", exclude_defaults=True),
+        "scene": study.scene.model_dump(mode="json"),
         "parameters": {name: study.unit(name) for name in study.parameters},
         "vary": [_axis_record(axis) for axis in study.design.axes],
         "derive": {path: expression.text for path, expression in study.derived.items()},

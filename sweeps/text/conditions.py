@@ -237,7 +237,7 @@ class _Comparison(NamedTuple):
 
     @property
     def is_equal(self) -> np.ndarray:
-        """Where both sides are the same but for what isn't worth a remark."""
+        """Where both sides are the same to nine digits, within their estimates."""
         return (np.abs(self.apart) <= self.error) & (self.error <= NEGLIGIBLE * self.whole)
 
 

@@ -10,7 +10,7 @@ from engine import Element, element_kinds, in_text, nearest_names
 from sweeps.text.engineer_units import show_in_units
 from sweeps.text.input_files import InputError
 
-# Problems that are told together; a message of more would be cut.
+# Most problems in one message.
 MOST_PROBLEMS = 20
 # Characters of a line in which slips are looked for, and parts that a key may have.
 _LINE_LOOKED_AT, _LONGEST_KEY = 300, 100

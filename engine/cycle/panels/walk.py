@@ -32,9 +32,9 @@ OPENED, NEXT_OPENED, AHEAD = range(15, 18)
 # panel under way, the first place where a curve of kinks changes its SIGN, on [−1, 1], else infinity.
 KINK, TRIED, SIGN = range(18, 21)
 WALK = 21
-# Of a curve: the greatest magnitude so far; what has turned out to be left of it by rounding; of the panels that were
-# refused in a row for its level coefficients what was LEFT in the first, and the LENGTH of that.
-GREATEST, ROUNDING, LEFT, LENGTH = range(4)
+# Of a curve: the greatest magnitude so far; what has turned out to be left of it by rounding; what was LEFT in the last
+# panel that was refused for its level coefficients, and in how many such panels in a row as much was left (SAME).
+GREATEST, ROUNDING, LEFT, SAME = range(4)
 SCALES = 4
 of_scales = memory(SCALES, LANES)
 # Parts of an edge: its place, and what that may be off by.
@@ -50,14 +50,10 @@ AIM = 0.2
 LAST_ONES = 0.1
 # Least length of a panel as a share of the range, and most panels a lane takes before it goes on in long ones.
 FLOOR, MOST = 1e-7, 200
-# Coefficients are level for what is narrower than the panel, or for rounding. Of a kink or a dip less is left in a
-# shorter panel from the same place, of rounding as much. Of a steep rise as much is left too, until the panel is as
-# short as that: the more is left, the less likely it is rounding. So where as much is left in a panel shorter by
-# MUCH_SHORTER, and by ROUNDED over the share of the greatest magnitude that is left, or in the shortest panel, it is
-# taken for rounding, and then MARGIN times what was left is tolerated.
-MUCH_SHORTER, ROUNDED, MARGIN = 1.0 / 16.0, 1e-9, 4.0
-# A panel refused for level coefficients is made this much shorter at least.
-SHORTER_IF_LEVEL = 0.5
+# Coefficients are level for what is narrower than the panel, or for rounding. Of the former less is left in a shorter
+# panel, or another amount; of the latter as much: so many panels in a row, it is taken for rounding, and then MARGIN
+# times what was left is tolerated.
+PATIENCE, MARGIN = 6.0, 4.0
 # As much is left if it is so many times what was left before, at most, or the reciprocal of that at least.
 AS_MUCH = 2.5
 # A panel may be longer than wanted by this share, so as not to leave a sliver of the distance to the next edge.
@@ -183,17 +179,14 @@ def compare_with_tolerance(
         tail = whole - larger(NOTHING * scale, known)
         left = smaller(of_mean, tail) if only_integral > 0.0 else tail
         excess = larger(left, 0.0) / larger(tolerance * scale, TINY)
-        before, long, length = scales[curve, LEFT, lane], scales[curve, LENGTH, lane], 2.0 * abs(walk[HALF, lane])
+        before, same = scales[curve, LEFT, lane], scales[curve, SAME, lane]
         flat = figures[curve, FLAT, lane] > 0.0
         level = flat & (excess > 1.0) & (walk[ACTIVE, lane] > 0.0)
         as_much = (whole <= AS_MUCH * before) & (before <= AS_MUCH * whole)
-        # A panel follows in the row where the one before was refused.
-        follows = as_much & (walk[ACCEPTED, lane] == 0.0)
-        enough = smaller(MUCH_SHORTER, ROUNDED * scale / larger(whole, TINY)) * long
-        learnt = level & follows & (length <= larger(enough, FLOOR * walk[RANGE, lane] * (1.0 + 2.0 * STRETCH)))
-        begins = level & ((not follows) | learnt)
-        scales[curve, LEFT, lane] = whole if begins else before
-        scales[curve, LENGTH, lane] = length if begins else long
+        same_now = (same + 1.0 if as_much else 0.0) if level else same
+        learnt = level & (same_now >= PATIENCE)
+        scales[curve, LEFT, lane] = whole if level else before
+        scales[curve, SAME, lane] = 0.0 if learnt else same_now
         scales[curve, ROUNDING, lane] = MARGIN * whole if learnt else known
         walk[EXCESS, lane] = larger(0.0 if flat else excess, walk[EXCESS, lane])
         walk[LEVEL, lane] = larger(excess if flat & (not learnt) else 0.0, walk[LEVEL, lane])
@@ -248,7 +241,6 @@ def judge(longest: float, walk: Memory) -> bool:
         # What is level where that is little enough is rounding, and tells nothing of how long a panel may be.
         excess = falling if level <= 1.0 else larger(falling, level)
         factor = larger(smaller(sixteenth_root(AIM / larger(excess, 1e-9)), LONGER), SHORTER)
-        factor = smaller(factor, SHORTER_IF_LEVEL) if level > 1.0 else factor
         wanted = larger(length * factor, least)
         # Where it isn't good enough for a kink inside, the next one ends there.
         sign, tries = walk[SIGN, lane], walk[TRIED, lane]

@@ -21,6 +21,7 @@ MOMENTS = ("inertia_x", "inertia_y", "inertia_z")
 SEMI_AXES = ("semi_axis_x", "semi_axis_y", "semi_axis_z")
 _PRODUCTS = ("product_xy", "product_yz", "product_zx")
 # By so much a plate's moments may miss their sum, as rounded numbers of a text do.
+_GREATEST_INERTIA = 1e150
 _PLATE = 1e-6
 PositiveLength = Annotated[Length, Field(gt=0)]
 
@@ -87,7 +88,9 @@ class TiltedBody(Element):
         away = np.stack([n["x"], n["y"], n["z"]], axis=1)
         square = (away**2).sum(axis=1)[:, None, None] * np.eye(3) - away[:, :, None] * away[:, None, :]
         fixed = _about_centre(n) + mass[:, None, None] * square
-        principal, axes = np.linalg.eigh(fixed)
+        # LAPACK gives up a whole batch for one matrix whose squares overflow.
+        usable = np.abs(fixed).max(axis=(1, 2)) < _GREATEST_INERTIA
+        principal, axes = np.linalg.eigh(np.where(usable[:, None, None], fixed, np.eye(3)))
         # Of an axis and its opposite the one along z; across it for the tangent, as a cosine near 1 says little.
         across = np.hypot(axes[:, 0], axes[:, 1])
         tilt = np.arctan2(across, np.abs(axes[:, 2])).min(axis=1)
@@ -95,7 +98,7 @@ class TiltedBody(Element):
         # Beside the greatest moment, of which it is a difference, such a product is rounding.
         products = [np.where(np.abs(p) < 16.0 * np.finfo(float).eps * principal[:, 2], 0.0, p) for p in products]
         # No body, not even a plate, has a moment greater than the sum of the two others.
-        sound = principal[:, 0] + principal[:, 1] >= principal[:, 2] * (1.0 - _PLATE)
+        sound = usable & (principal[:, 0] + principal[:, 1] >= principal[:, 2] * (1.0 - _PLATE))
         speed = n.get("speed", np.full(mass.shape, math.nan))
         found = {f"fixed_inertia_{axis}": fixed[:, i, i] for i, axis in enumerate("xyz")}
         found |= {f"fixed_{name}": product for name, product in zip(_PRODUCTS, products, strict=True)}

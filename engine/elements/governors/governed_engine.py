@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from engine.laws.tables import TableError, make_table
-from engine.parts.skeleton import Inertia, Length, Name, Number, Part, quantity
+from engine.parts.skeleton import ActionRef, Inertia, Length, Number, Part, quantity
 
 Positive = Annotated[Length, Field(gt=0)]
 Moment = quantity("moment")
@@ -91,7 +91,7 @@ class GovernedEngine(Part):
     """
 
     machine: bool = False
-    throttled: tuple[Name, ...] = ()
+    throttled: tuple[ActionRef, ...] = ()
     inertia: Annotated[Inertia, Field(ge=0)] = 0.0
     ratio: Annotated[Number, Field(gt=0)] = 1.0
     throttle: Throttle

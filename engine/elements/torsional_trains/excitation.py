@@ -1,16 +1,13 @@
 """What excites a torsional train: moments of given orders, those of an engine's cylinders, or the scene's machine."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from engine.elements.element import Numbers
+from engine.elements.element import Element, Numbers
 from engine.elements.engines.engine import ROUNDED_ORDERS, engine_torque
 from engine.elements.torsional_trains.reduced_train import ReducedTrain
 from engine.laws.rounding import EPS
-
-if TYPE_CHECKING:
-    from engine.elements.torsional_trains.torsional_train import TorsionalTrain
 
 # Orders of an engine's torque that are counted: what lies above hardly excites a train.
 ENGINE_ORDERS = tuple(k / 2 for k in range(1, 25))
@@ -43,7 +40,7 @@ class TrainExcitation(NamedTuple):
     mean_errors: np.ndarray
 
 
-def excitation_orders(train: "TorsionalTrain", revolutions: int = 1) -> tuple[float, ...]:
+def excitation_orders(train: Element, revolutions: int = 1) -> tuple[float, ...]:
     """Orders above 0 that excite a train, rising.
 
     Parameters
@@ -59,7 +56,7 @@ def excitation_orders(train: "TorsionalTrain", revolutions: int = 1) -> tuple[fl
     return tuple(sorted(found))
 
 
-def train_speed(train: "TorsionalTrain", n: Numbers) -> np.ndarray:
+def train_speed(train: Element, n: Numbers) -> np.ndarray:
     """Speed of a train, by magnitude: that of its engine, of the machine that excites it, or its own [rad/s].
 
     Parameters
@@ -73,7 +70,7 @@ def train_speed(train: "TorsionalTrain", n: Numbers) -> np.ndarray:
     return n["engine.speed"] if train.engine is not None else n["speed"]
 
 
-def train_excitation(train: "TorsionalTrain", reduced: ReducedTrain, n: Numbers) -> TrainExcitation:
+def train_excitation(train: Element, reduced: ReducedTrain, n: Numbers) -> TrainExcitation:
     """Everything that excites a train, reduced as the train is.
 
     Parameters

@@ -1,14 +1,11 @@
 """A train's numbers reduced to the shaft of its first mass, node by node."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from engine.elements.compliances.reduction import in_series, reduced_part
-from engine.elements.element import Numbers
-
-if TYPE_CHECKING:
-    from engine.elements.torsional_trains.torsional_train import TorsionalTrain
+from engine.elements.element import Element, Numbers
 
 
 class ReducedTrain(NamedTuple):
@@ -51,7 +48,7 @@ class ReducedTrain(NamedTuple):
     roundings: np.ndarray
 
 
-def reduced_train(train: "TorsionalTrain", n: Numbers) -> ReducedTrain:
+def reduced_train(train: Element, n: Numbers) -> ReducedTrain:
     """Reduce a train to the shaft of its first mass.
 
     Parameters
@@ -111,12 +108,12 @@ def reduced_train(train: "TorsionalTrain", n: Numbers) -> ReducedTrain:
     )
 
 
-def any_ratio(train: "TorsionalTrain") -> bool:
+def any_ratio(train: Element) -> bool:
     """Whether any of a train's masses turns at another speed than the first."""
     return bool(train.gears) or any(shaft.ratio != 1.0 for shaft in train.shafts.values())
 
 
-def _shaft(train: "TorsionalTrain", name: str, n: Numbers) -> tuple[np.ndarray, ...]:
+def _shaft(train: Element, name: str, n: Numbers) -> tuple[np.ndarray, ...]:
     """Stiffness, damping, energy absorption and roundings of a shaft about the axis of its first end."""
     shaft, path = train.shafts[name], f"shafts.{name}"
     if shaft.parts is not None:

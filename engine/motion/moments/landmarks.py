@@ -78,7 +78,7 @@ class Landmarks:
             +1 or −1, the sign of the crank's speed.
         """
         parameters = self.tabulation.parameters(numbers, direction)
-        found = np.full((len(self.watches), self._task.roots, direction.size), np.nan)
+        found = np.full((len(self.watches), self._task.most_roots, direction.size), np.nan)
         if self._task.sizes[0]:
             self._find(parameters, found)
         some = np.isfinite(found).any(axis=2)

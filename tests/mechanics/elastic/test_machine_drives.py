@@ -17,7 +17,7 @@ from sweeps.pictures.elements.elastic_sheets import machine_drive_sheet, machine
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import new_figure
 from sweeps.run.cost import on_shafts_text
-from sweeps.study.study import read_study
+from sweeps.study.study_reader import read_study
 from sweeps.text.scene_text import read_scene, write_scene
 from sweeps.text.templates import bundled_templates
 

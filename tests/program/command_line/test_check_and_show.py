@@ -55,7 +55,7 @@ interpolation = "linear\""""
     for command in (["check"], ["run", "--no-plots", "--quiet"]):
         answer = said(*command, "fields.toml")
         assert answer.exit_code == 0, answer.stderr
-        assert "between two kept positions these fields reach farther" in answer.stdout
+        assert "these fields have higher peaks between the kept positions" in answer.stdout
 
 
 def test_check_of_a_machine_that_turns_in_part__names_the_ranges(press_folder):
@@ -142,7 +142,7 @@ def test_show__says_so_of_the_study_s_own_condition(press_folder):
     Path("study.toml").write_text(STUDY.replace("> '90 mm'", ">= '80 mm'"))
     assert said("run", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 0
     answer = said("show", "r.h5").stdout
-    assert answer.count("\nAnswer: the least excess_work where ram.stroke >= '80 mm' is") == 1
+    assert answer.count("\nAnswer: the minimum excess_work where ram.stroke >= '80 mm' is") == 1
 
 
 def test_show_of_a_file_that_holds_no_study__says_so(press_result):

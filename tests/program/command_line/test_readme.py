@@ -28,7 +28,7 @@ AXIS = '[points]\nC = { x = "300 mm", y = 0 }'
 # What the compressor lacks for the fragments of each chapter, in their order.
 HOSTS = {
     "cams": ['[points]\nC = { x = "-200 mm", y = 0 }\n[input]\nrevolutions = 2'],
-    "gears": [AXIS, "", "", "", AXIS, AXIS, AXIS, AXIS],
+    "gears": [AXIS, "", "", "", AXIS, AXIS, AXIS],
     "inputs": ["", AXIS + "\n[input]\nrevolutions = 15"],
     "motion": [
         """[input]

@@ -18,10 +18,9 @@ from pydantic import ValidationError
 from engine import Mechanics, Scene, SceneError
 from engine.cycle.measured import Measured
 from engine.graph.nodes import Node
-from engine.parts.skeleton import Part
+from engine.parts.skeleton import Part, _marked
 from engine.quantities.expressions import Evaluation, VariantNumber, nodes_of
 from engine.quantities.machine import register_of
-from engine.scene.scene import _marked
 
 SHARES = np.array([0.04, 0.23, 0.62])
 

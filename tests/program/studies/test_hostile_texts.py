@@ -13,7 +13,7 @@ from commands import refused
 
 from engine import ExpressionError, UnitError, any_quantity, in_text, parse_expression
 from sweeps.imports.foreign_scene import import_scene
-from sweeps.study.study import read_study
+from sweeps.study.study_reader import read_study
 from sweeps.text.csv_text import read_csv
 from sweeps.text.input_files import InputError
 from sweeps.text.numbers_in_row import numbers_in_row

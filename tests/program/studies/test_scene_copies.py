@@ -44,6 +44,8 @@ def test_copy__has_the_new_numbers_and_all_others_as_they_were(name):
 def test_copy__is_what_its_text_says(name):
     scene, rng = scene_of(name), np.random.default_rng(1)
     numbers = {path: n for path, n in scene_numbers(scene).items() if not n.choices and n.value}
+    # Numbers of other kinds of wheels mean nothing here.
+    numbers = {path: n for path, n in numbers.items() if not path.endswith("_ratio")}
     new = {path: number.value * rng.uniform(0.99, 1.01) for path, number in list(numbers.items())[::3]}
     text = write_scene(scene, new)
     again = scene_from(parse_toml(text, ""), text, "", TEMPLATES)

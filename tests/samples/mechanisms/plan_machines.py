@@ -77,7 +77,8 @@ MACHINES = {name: SCENES[name] for name in MECHANISMS} | GALLERY
 MACHINES |= {"PRP": PRP, "geared to a rocker": GEARED_TO_A_ROCKER, "turning yoke": TURNING_YOKE}
 MACHINES |= {"without inertia": GEARED_TO_A_ROCKER.model_copy(update={"inertia_in_reactions": False})}
 _LOSING = {"pressure_angle": "20 deg", "efficiency": 0.95}
-_TRAIN = changed(TRAIN, gravity=9.81, shafts__moon__pressure_angle="25 deg", shafts__sun__inertia=0.01)
+_TRAIN = changed(TRAIN, input__revolutions=5, gravity=9.81)
+_TRAIN = changed(_TRAIN, shafts__moon__pressure_angle="25 deg", shafts__sun__inertia=0.01)
 _TRAIN["shafts"]["planet"] |= _LOSING
 _TRAIN["moments"] = {"load": {"type": "linear_drag", "on": "planet", "coefficient": 0.4}}
 _RUBBING_CAM = changed(SWINGING, gravity=9.81, shafts__camshaft__efficiency=0.9, shafts__camshaft__inertia=0.001)

@@ -45,7 +45,7 @@ def moved(scene, q, omega, epsilon):
 
     of, at = ReactionValues(scene, motion), np.array([q])
     turning = {name: link for name, link in of.kinematics.links.items() if name != FRAME}
-    nodes = [node for link in turning.values() for node in (*link.origin.r, *link.u)]
+    nodes = [node for link in turning.values() for node in (*of.kinematics.coordinates(link.origin.r), *link.u)]
     rows = np.reshape(of.values(nodes, at), (-1, 4))
     places = {}
     for name, (x, y, c, s) in zip(turning, rows.tolist(), strict=True):

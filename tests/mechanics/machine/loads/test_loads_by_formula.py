@@ -81,7 +81,6 @@ RESTATED_FORCES = {
             "over_angle": [1.0, 1.5],
             "force": [80.0, 20.0],
             "interpolation": "linear",
-            "outside": "hold",
             **SLOPED,
         },
         force(

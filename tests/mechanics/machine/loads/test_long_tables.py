@@ -11,7 +11,6 @@ ASKED = ["required_power", "flywheel_wittenbauer", "input_moment.peak"]
 STROKE = 0.1
 PLACES = {
     "over the angle": ({}, "over_angle", 2 * math.pi),
-    "over time": ({}, "over_time", 2 * math.pi / 30),
     "from the guide": ({"slider": "piston", "measured_from": "guide"}, "over_stroke", STROKE),
     "from the low end": ({"slider": "piston", "measured_from": "low end"}, "over_stroke", STROKE),
     "from the high end": ({"slider": "piston", "measured_from": "high end"}, "over_stroke", STROKE),

@@ -38,7 +38,6 @@ RUB = {"type": "against_motion", "on": "crank", "moment": 1.0, "role": "useful"}
 OIL = {"type": "linear_drag", "on": "crank", "coefficient": 0.02}
 FAN = {"type": "quadratic_drag", "on": "crank", "coefficient": 0.0005}
 GRAIN = {"type": "power_drag", "on": "crank", "moment": 2.0, "at_speed": 10.0, "exponent": 1.5}
-SPRING = {"type": "torsion_spring", "on": "crank", "stiffness": 2.0}
 KICK = {
     "type": "table",
     "on": "crank",
@@ -57,7 +56,7 @@ TURN = {
 
 
 MOMENTS = {"dc": DC, "induction": INDUCTION, "brake": BRAKE, "push": PUSH, "rub": RUB, "oil": OIL, "fan": FAN}
-ACTIONS = {**MOMENTS, "grain": GRAIN, "spring": SPRING, "kick": KICK, "again": KICK, "turn": TURN}
+ACTIONS = {**MOMENTS, "grain": GRAIN, "kick": KICK, "again": KICK, "turn": TURN}
 
 
 def crank(moments, regimes, speed=100.0, **more):
@@ -135,7 +134,6 @@ CASES = [
     ),
     (acting("dc", steady=True), "2: I constant, M(ω) of dc (DC motor)", "energy form", 5),
     (acting("turn"), "2: I constant, M(φ) of turn (table)", "energy form", 3),
-    (acting("spring", "rub"), "2: I constant, M(φ) of spring (torsion spring)", "energy form", 3),
     (acting("kick", "rub", time=3.0), "2: I constant, M(t) of kick (table)", "closed form", 5),
     (acting("kick"), "2: I constant, M(t) of kick (table)", "time form", 5),
     (acting("kick", "again", time=3.0), "2: I constant, M(t) of kick (table) and again (table)", "time form", 5),

@@ -131,7 +131,6 @@ def test_load_that_jumps_on_a_steep_motor__slows_it_down_to_their_balance():
                 "over_angle": [1.0, 1.0, 4.0, 4.0],
                 "moment": [0.0, -load, -load, 0.0],
                 "interpolation": "linear",
-                "outside": "zero",
             },
         },
         "regimes": {"go": {"type": "run", "from_speed": light, "cycles": turns}},

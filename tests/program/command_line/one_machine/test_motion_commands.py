@@ -223,7 +223,7 @@ FAILURES = [
         'type = "dc_motor"\non = "crank"\nstall_moment = "800 N m"\nno_load_speed = "66 rpm"',
         'type = "constant"\non = "crank"\nmoment = "800 N m"\nrole = "driving"',
         "RUNS_AWAY",
-        ("regime work", "at no speed do the loads hold the drive", "add a load"),
+        ("regime work", "the loads balance the drive at no speed", "add a load"),
     ),
 ]
 

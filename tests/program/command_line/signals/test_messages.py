@@ -214,7 +214,7 @@ def test_table_of_a_spreadsheet__is_read(text, tmp_path):
     [
         ("a [mm];b\n1.234,5;1\n", "line 2: '1.234,5' is not a number"),
         ("a [mm],b\n1,5,2\n", "line 2: has 3 cells, the header 2"),
-        ('a [mm],b\n"1,2\n3",4\n', "quotation marks"),
+        ('a [mm],b\n"1,2\n3",4\n', "a quoted cell spans several lines"),
     ],
 )
 def test_table_that_cannot_be_read__is_told_precisely(text, words, tmp_path):

@@ -8,7 +8,7 @@ import pytest
 from engine import Machine, Scene, Verdict
 from sweeps.cli.named_machine import numbers_replaced
 from sweeps.study.bundled import bundled_studies
-from sweeps.study.study import read_study
+from sweeps.study.study_reader import read_study
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import read_scene, with_numbers, with_values, write_scene
 from sweeps.text.templates import bundled_templates

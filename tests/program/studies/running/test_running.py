@@ -68,6 +68,8 @@ CODES = {
     25: "turns_back",
     26: "too_coarse",
     27: "does_not_close",
+    28: "interferes",
+    29: "contact_breaks",
     255: "not_computed",
 }
 
