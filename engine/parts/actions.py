@@ -348,7 +348,7 @@ class Carried(Part):
     @model_validator(mode="after")
     def _resists(self) -> "Carried":
         for key, others in self.needs.items():
-            if self.gives(key) and not self.gives(*others):
+            if self.gives(key) and not self.model_fields_set.intersection(others):
                 raise ValueError(f"{key} has no meaning without {' or '.join(others)}; leave it out")
         return self
 
@@ -521,6 +521,6 @@ class Spring(Part):
 
     @model_validator(mode="after")
     def _length_is_of_a_spring(self) -> "Spring":
-        if self.gives("free_length") and not self.gives("stiffness"):
+        if self.gives("free_length") and "stiffness" not in self.model_fields_set:
             raise ValueError("free_length has no meaning without stiffness; give stiffness, or leave it out")
         return self

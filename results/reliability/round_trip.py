@@ -65,7 +65,8 @@ def varied_values(study: Study, seed: int = 4) -> dict[str, np.ndarray]:
     """Values beside those of a scene, of every second number of it that may vary."""
     random, found = np.random.default_rng(seed), {}
     for path, number in list(scene_numbers(study.scene).items())[::2]:
-        if number.choices or number.value == 0.0:
+        # A wheel's width_ratio means nothing but for a mean rim.
+        if number.choices or number.value == 0.0 or path.endswith("width_ratio"):
             continue
         try:
             if study.scene.input is not None:
@@ -78,7 +79,7 @@ def varied_values(study: Study, seed: int = 4) -> dict[str, np.ndarray]:
 
 def written_again(study: Study, values: Mapping[str, np.ndarray], folder: Path) -> Iterator[Again]:
     """Some variants of a study as scenes of their own."""
-    kinds = (study.positions, np.dtype(study.precision).type, study.accuracy)
+    kinds = (study.positions, np.dtype(study.field_precision).type, study.accuracy)
     machine = made_ready(study.scene, study.summaries, study.fields, tuple(values), *kinds)
     together, quantities = machine.evaluate(values), machine.available_summaries
     for i in np.flatnonzero(together.status == Verdict.OK)[:WRITTEN]:

@@ -200,7 +200,7 @@ def test_first_input_that_slides__beside_a_second_by_its_travel(sliding, phase, 
 
 
 def test_speed_and_period_vary__where_nothing_has_to_close():
-    harmonics = changed(OVER_RANGE, inputs={"second": {**SECOND, "sections": {}, "period": PERIOD}})
+    harmonics = changed(OVER_RANGE, inputs={"second": {**SECOND, "sections": {}, "begin": 0.0, "period": PERIOD}})
     varied = ["input.speed", "inputs.second.period"]
     rows = rows_of(
         Machine(Scene.model_validate(harmonics), BALANCE, [*FIELDS, *DRIVES], varied, 24),

@@ -108,11 +108,9 @@ def a_table(draw: st.DrawFn, scene: dict, sliders: list[str]) -> dict:
     gaps = draw(st.lists(st.floats(1e-4, longest), min_size=count - 1, max_size=count - 1))
     if interpolation == "linear" and count > 2 and draw(st.booleans()):
         gaps[draw(st.integers(0, count - 2))] = 0.0
-    table = {
-        over: list(np.cumsum([begin, *gaps])),
-        "interpolation": interpolation,
-        "outside": draw(st.sampled_from(["hold", "zero"])),
-    }
+    table = {over: list(np.cumsum([begin, *gaps])), "interpolation": interpolation}
+    if over != "over_angle" or "start" in scene["input"]:
+        table["outside"] = draw(st.sampled_from(["hold", "zero"]))
     if over == "over_stroke":
         table |= {"slider": draw(st.sampled_from(sliders)), "measured_from": origin}
     return table

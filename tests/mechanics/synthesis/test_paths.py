@@ -1,6 +1,7 @@
 """Crank-rockers along a path: one that a linkage draws is found again, and the error told is that of the scene."""
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +30,7 @@ def test_path_of_a_linkage__is_found_again_by_the_command(tmp_path, monkeypatch)
     Path("wanted.csv").write_text("\n".join(["x [mm], y [mm]", *rows]))
     assert said("synthesise", "path", "wanted.csv", "--out", "found.toml").exit_code == 0
     text = Path("found.toml").read_text()
-    rms, greatest = (float(text.split(" at ")[i].split()[0]) for i in (1, 2))
+    rms, greatest = map(float, re.search(r"deviation (\S+) mm\n# \(rms\) and (\S+) mm", text).groups())
     machine = Machine(read_scene("found.toml"), [], ["P.x", "P.y"], positions=7200)
     path = np.array([1, 1j]) @ [row[0] for row in machine.evaluate({}).fields.values()]
     apart = 1e3 * np.array([abs(path - place).min() for place in wanted])

@@ -201,7 +201,7 @@ def test_objective__carries_the_error_figures_of_its_summaries(flywheel):
     ok = c["status"] == Verdict.OK
     np.testing.assert_allclose(c["objective_1"][ok], c["flywheel_excess_work"][ok] + 7 * c[ROD][ok], rtol=4e-16)
     # A sum of two numbers of some 100, rounded.
-    np.testing.assert_allclose(c["objective_1_error"][ok], c["flywheel_excess_work_error"][ok], rtol=0, atol=6e-14)
+    np.testing.assert_allclose(c["objective_1_error"][ok], c["flywheel_excess_work_error"][ok], rtol=0, atol=2e-13)
     assert result.units["objective_1"] == "kg m2"
     assert result.long_names["objective_1"] == "flywheel_excess_work + '7 kg' * '1 m' * groups.slide.first.length"
 

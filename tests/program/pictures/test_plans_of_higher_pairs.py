@@ -76,7 +76,7 @@ def test_wheel_rolling_on_a_circle__acceleration_of_what_touches():
     sun, planet = 0.02, 0.03
     data = {
         "points": {"O": {"x": 0, "y": 0}},
-        "input": CRANK,
+        "input": CRANK | {"revolutions": 3},
         "shafts": {
             "planet": {
                 "geared_to": "frame", "carrier": "crank", "pivot": "A", "ratio": -sun / planet, "inertia": 0.001,
