@@ -22,6 +22,14 @@ BUSY = {
 }
 
 
+def last_words(process: subprocess.Popen) -> str:
+    """What a process that was sent a signal writes to standard error; one that goes on is killed."""
+    try:
+        return process.communicate(timeout=60)[1]
+    finally:
+        process.kill()
+
+
 @pytest.mark.parametrize("busy", BUSY)
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
 def test_signal__ends_the_program_with_one_sentence(number, code, busy, tmp_path):
@@ -37,7 +45,7 @@ def test_signal__ends_the_program_with_one_sentence(number, code, busy, tmp_path
     ) as process:
         assert process.stdout.readline() == "here\n"
         process.send_signal(number)
-        _, errors = process.communicate(timeout=60)
+        errors = last_words(process)
     assert process.returncode == code
     assert errors == "Interrupted: no file is left half-written; resume with: sweeps run 'a b.toml'\n"
     assert list(tmp_path.iterdir()) == []
@@ -80,7 +88,7 @@ def test_draft__is_removed_by_every_signal(number, tmp_path):
         assert process.stdout.readline() == "here\n"
         assert len(list(tmp_path.iterdir())) == 1
         process.send_signal(number)
-        process.communicate(timeout=60)
+        last_words(process)
     assert process.returncode == 128 + number
     assert list(tmp_path.iterdir()) == []
 
