@@ -390,4 +390,30 @@ def lay_edges(
         for lane in range(LANES):
             edges[count + i, PLACE, lane] = walk[DIRECTION, lane] * block[cut_rows[i], lane]
             edges[count + i, PLACE_ERROR, lane] = ROUNDING * abs(block[cut_rows[i], lane])
+    sort_edges(count + cut_rows.shape[0], edges)
     return count + cut_rows.shape[0]
+
+
+@routine
+def sort_edges(count: int, edges: Memory) -> None:
+    """Put each lane's edges in order, those at one place by what they may be off by, NaN last, as infinity.
+
+    Source: D. L. Shell, A high-speed sorting procedure, Communications of the ACM 2 (1959).
+    """
+    for e in range(count):
+        for lane in range(LANES):
+            edges[e, PLACE, lane] = edges[e, PLACE, lane] if edges[e, PLACE, lane] < math.inf else math.inf
+    gap = count
+    while gap > 1:
+        gap = max(1, 5 * gap // 11)
+        for lane in range(LANES):
+            for e in range(gap, count):
+                place, off, k = edges[e, PLACE, lane], edges[e, PLACE_ERROR, lane], e
+                while k >= gap and (
+                    edges[k - gap, PLACE, lane] > place
+                    or (edges[k - gap, PLACE, lane] == place and edges[k - gap, PLACE_ERROR, lane] < off)
+                ):
+                    edges[k, PLACE, lane] = edges[k - gap, PLACE, lane]
+                    edges[k, PLACE_ERROR, lane] = edges[k - gap, PLACE_ERROR, lane]
+                    k -= gap
+                edges[k, PLACE, lane], edges[k, PLACE_ERROR, lane] = place, off

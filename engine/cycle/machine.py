@@ -57,7 +57,8 @@ from engine.cycle.measures.fluctuation import (
 )
 from engine.cycle.panels.chebyshev import TO_COEFFICIENTS, TO_INTEGRALS
 
-# Steps of the walk that there is room for to begin with; blocks that need more are evaluated again.
+# Steps of the walk that there is room for to begin with, besides two for each level of a crossing; blocks that
+# need more are evaluated again.
 _STEPS = 24
 _LEAST_SIDE, _GREATEST_SIDE = range(2)
 
@@ -402,8 +403,8 @@ class CycleMachine:
         answers = DriverAnswers(
             *(np.empty((math.prod(s), variants)) for s in shapes), spaced, np.zeros(blocks, np.bool_)
         )
-        self._run(numbers, tables, answers, range(blocks), _STEPS)
-        steps = _STEPS
+        steps = _STEPS + 2 * len(task.crossings)
+        self._run(numbers, tables, answers, range(blocks), steps)
         while answers.short_of_room.any():
             steps *= 2
             self._run(numbers, tables, answers, np.flatnonzero(answers.short_of_room), steps)

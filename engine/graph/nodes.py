@@ -9,7 +9,7 @@ stroke belongs to the variant's cycle; which segment of a table holds, to the pa
 """
 
 import operator
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from enum import IntEnum
 from functools import cache
 from typing import Literal, NamedTuple, get_args, get_type_hints
@@ -295,6 +295,11 @@ def name_of(law: Callable) -> str:
     return law.py_func.__name__
 
 
+def value_of(number: Node, numbers: Mapping[str, float | np.ndarray]) -> float | np.ndarray:
+    """Value of a constant or of a number of the variant."""
+    return number.value if isinstance(number, Constant) else number.compute(numbers)
+
+
 @cache
 def _annotated(law: Callable) -> object:
     return get_type_hints(law.py_func)["return"]
@@ -391,14 +396,10 @@ class Graph:
     def _of_numbers(self, symbol: str, a: Node, b: Node) -> Number:
         """Arithmetic on numbers of the variant: a number again."""
         does = _ARITHMETIC[symbol]
-
-        def value(node: Node, numbers: Mapping) -> float | np.ndarray:
-            return node.value if isinstance(node, Constant) else node.compute(numbers)
-
         roles = {node.role for node in (a, b) if isinstance(node, Number)}
         return self.derived(
             f"({a.label} {symbol} {b.label})",
-            lambda numbers: does(value(a, numbers), value(b, numbers)),
+            lambda numbers: does(value_of(a, numbers), value_of(b, numbers)),
             "load" if "load" in roles else "shape",
         )
 
@@ -437,11 +438,36 @@ class Graph:
         return self._once(("held", node), lambda: Held(self, node))
 
     def combination(self, terms: Iterable[tuple[Node, Node]]) -> Node:
-        """Sum of coefficients times curves."""
-        kept = tuple((c, b) for c, b in terms if self.zero not in (c, b))
+        """Sum of coefficients times curves; multiples of one curve are one term: many loads at a place are one load."""
+        kept = [(c, b) for c, b in terms if self.zero not in (c, b)]
+        multiples: dict[Node, list[tuple[Node, Node]]] = {}
+        for c, b in kept:
+            factor, curve = self._multiple(b) if isinstance(c, (Number, Constant)) else (self.one, b)
+            multiples.setdefault(curve, []).append((c * factor, (c, b)))
+        kept = [
+            own[0][1] if len(own) == 1 else (self._total([c for c, _ in own]), curve)
+            for curve, own in multiples.items()
+        ]
         if all(isinstance(node, (Number, Constant)) for term in kept for node in term):
-            return sum((c * b for c, b in kept), self.zero)
-        return self._once(("sum", kept), lambda: Sum(self, kept))
+            return self._total([c * b for c, b in kept])
+        return self._once(("sum", *kept), lambda: Sum(self, tuple(kept)))
+
+    def _multiple(self, curve: Node) -> tuple[Node, Node]:
+        """The number that a curve is a multiple of another by, and that other one."""
+        if isinstance(curve, Operation) and curve.symbol == "neg":
+            factor, other = self._multiple(curve.operands[0])
+            return -factor, other
+        if isinstance(curve, Operation) and curve.symbol == "*":
+            (f, a), (g, b) = (self._multiple(operand) for operand in curve.operands)
+            return f * g, a * b
+        return (curve, self.one) if isinstance(curve, (Number, Constant)) else (self.one, curve)
+
+    def _total(self, nodes: Sequence[Node]) -> Node:
+        """Sum of nodes; of numbers, one number."""
+        if len(nodes) < 2 or not all(isinstance(node, (Number, Constant)) for node in nodes):
+            return sum(nodes, self.zero)
+        label = " + ".join(node.label for node in nodes)
+        return self.derived(label, lambda numbers: sum(value_of(node, numbers) for node in nodes))
 
     def switches(self, curve: Node, rate: Node, level: Node | float = 0.0, kink: int = 0, offset: float = 0.0) -> None:
         """Say that something switches where a curve crosses a level; `kink` and `offset` as for `Crossing`."""

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from engine.graph.nodes import Constant, Graph, Node, Number, Return
+from engine.graph.nodes import Constant, Graph, Node, Number, Return, value_of
 from engine.mechanism.inertia import (
     BodyInertiaForces,
     FrameShaking,
@@ -35,11 +35,6 @@ _NONE_ALLOWED = {
     "moments": "the link goes on turning, by {turns:.12g} turns in a cycle, and would wind up spring {name!r}: name "
     "a link that swings, or give input.start and input.stop",
 }
-
-
-def _value(number: Node, numbers: Mapping[str, float | np.ndarray]) -> float | np.ndarray:
-    """Value of a constant or of a number of the variant."""
-    return number.value if isinstance(number, Constant) else number.compute(numbers)
 
 
 def _holds(condition: Return, turns: float | np.ndarray) -> bool | np.ndarray:
@@ -113,7 +108,7 @@ class Mechanics:
         """
         closed: bool | np.ndarray = True
         for condition in dict.fromkeys([*self._returns, *self.graph.returns_behind(nodes)]):
-            closed = closed & _holds(condition, _value(condition.turns, numbers))
+            closed = closed & _holds(condition, value_of(condition.turns, numbers))
         return closed
 
     def depends_on_time(self, nodes: Iterable[Node]) -> bool:
@@ -127,7 +122,7 @@ class Mechanics:
         """
         timed = [condition for condition in self.graph.returns_behind(nodes) if condition.of == TIME]
         fixed = [c for c in timed if isinstance(c.turns, Constant) or not self.varied]
-        return any(not _holds(condition, _value(condition.turns, self._as_is)) for condition in fixed)
+        return any(not _holds(condition, value_of(condition.turns, self._as_is)) for condition in fixed)
 
     @property
     def _as_is(self) -> dict[str, float]:
@@ -152,7 +147,7 @@ class Mechanics:
         if not self._returns:
             return []
         values, revolutions = self._as_is, self.scene.input.revolutions
-        found = [(c, float(_value(c.turns, values))) for c in self._returns]
+        found = [(c, float(value_of(c.turns, values))) for c in self._returns]
         mend = how_to_close([turns / revolutions for c, turns in found if not c.none], revolutions)
         problems = []
         for condition, turns in found:

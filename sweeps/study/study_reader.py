@@ -1,5 +1,6 @@
 """Reading a study's text: its scene, what varies, expressions with their dimensions; problems with their lines."""
 
+import math
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from functools import cached_property
@@ -42,7 +43,7 @@ from sweeps.study.study_text import AXIS_KEYS, TOLERANCE_KEYS, Between, Listing,
 from sweeps.study.variant_tables import read_variant_table
 from sweeps.text.conditions import Condition, UnknownNameError
 from sweeps.text.input_files import InputError, read_text
-from sweeps.text.scene_text import scene_from
+from sweeps.text.scene_text import scene_from, with_numbers
 from sweeps.text.toml_text import MOST_PROBLEMS, line_of, parse_toml, validate
 
 # A result of more variants fits on no disk.
@@ -189,12 +190,36 @@ class StudyReader:
             self._problem(["vary"], message)
         return design
 
-    def _is_variable(self, path: str, keys: list[str]) -> bool:
-        if path in self.numbers or (path.isidentifier() and path in self._names_used):
+    def _is_variable(self, path: str, keys: list[str], others: Iterable[str] = ()) -> bool:
+        if path in self.numbers:
+            refusal = self._refusal(path, others)
+            if refusal:
+                self._problem(keys, f"can't vary in this scene: {refusal}")
+            return not refusal
+        if path.isidentifier() and path in self._names_used:
             return True
         message = unknown_name_message(path, self.numbers)
         self._problem(keys, f"is not a number of the scene. {message}")
         return False
+
+    def _refusal(self, path: str, others: Iterable[str]) -> str:
+        """Why a number of the scene can have no other value than its own, as it means nothing there; "" where it can.
+
+        Others that vary may give it a meaning.
+        """
+        varying = (p for p in (*self.raw.vary, *self.raw.derive, *others, path) if p in self.numbers)
+        beside = {p: math.nextafter(self.numbers[p].value, math.inf) for p in varying}
+        value, refusals = self.numbers[path].value, []
+        # Its neighbours, and that of a count.
+        alone = [{path: other} for other in (beside[path], value + 1.0, math.nextafter(value, -math.inf))]
+        for values in (*alone, beside):
+            try:
+                with_numbers(self.scene, values)
+            except SceneError as error:
+                refusals.append(error.problems[0][1])
+            else:
+                return ""
+        return refusals[0]
 
     @cached_property
     def _names_used(self) -> set[str]:
@@ -246,7 +271,7 @@ class StudyReader:
         table = [
             self._column(path, values, unit)
             for path, (unit, values) in columns.items()
-            if self._is_variable(path, ["variants"])
+            if self._is_variable(path, ["variants"], columns)
         ]
         if len(table) == len(columns) and None not in table:
             axes.append(Columns(tuple(columns), tuple(table)))

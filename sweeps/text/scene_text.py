@@ -211,7 +211,8 @@ def _copied(part: ScenePart, changes: Mapping[str, Any] | float, path: str) -> S
         return type(part).model_validate(given)
     except ValidationError as error:
         problems = [(path + ".".join(map(str, e["loc"][:1])), e["msg"]) for e in error.errors()]
-        raise SceneError([(place.rstrip("."), message) for place, message in problems]) from None
+        told = [(place.rstrip("."), message.removeprefix("Value error, ")) for place, message in problems]
+        raise SceneError(told) from None
 
 
 # Units of the rows of governors' tables.

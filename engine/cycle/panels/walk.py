@@ -31,7 +31,9 @@ OPENED, NEXT_OPENED, AHEAD = range(15, 18)
 # Where the next KINK is that a refused panel had inside, and how many panels in a row were refused for one. In the
 # panel under way, the first place where a curve of kinks changes its SIGN, on [−1, 1], else infinity.
 KINK, TRIED, SIGN = range(18, 21)
-WALK = 21
+# How many edges lie behind.
+BEHIND = 21
+WALK = 22
 # Of a curve: the greatest magnitude so far; what has turned out to be left of it by rounding; what was LEFT in the last
 # panel that was refused for its level coefficients, and in how many such panels in a row as much was left (SAME).
 GREATEST, ROUNDING, LEFT, SAME = range(4)
@@ -77,7 +79,7 @@ def set_out(first: Memory, last: Memory, longest: float, walk: Memory) -> None:
         walk[RANGE, lane] = end - begin
         walk[CLOSE, lane] = ONE_EDGE * larger(abs(begin), abs(end))
         walk[MIDDLE, lane], walk[HALF, lane] = first[lane], 0.0
-        walk[TRIED, lane] = 0.0
+        walk[TRIED, lane] = walk[BEHIND, lane] = 0.0
         walk[KINK, lane] = math.inf
         walk[ACCEPTED, lane] = walk[OPENED, lane] = walk[NEXT_OPENED, lane] = 0.0
         walk[ACTIVE, lane] = 1.0 if end - begin < math.inf and end > begin else 0.0
@@ -90,8 +92,8 @@ def next_panels(edges: Memory, count: int, walk: Memory) -> bool:
     Parameters
     ----------
     edges : rows (edges, EDGES, LANES)
-        Positions that no panel may have inside, in any order, in the direction of the walk, NaN for none; what they may
-        be off by.
+        Positions that no panel may have inside, in the direction of the walk and in order, infinite for none; what they
+        may be off by.
     count : int
         Number of rows of `edges` that are used.
     walk : rows (WALK, LANES)
@@ -106,12 +108,14 @@ def next_panels(edges: Memory, count: int, walk: Memory) -> bool:
         walk[EDGE, lane] = kink if (kink > begin + walk[CLOSE, lane]) & (kink < last) else last
         walk[AHEAD, lane] = 0.0
         walk[OPENED, lane] = walk[NEXT_OPENED, lane]
-    for e in range(count):
+    if count > 0:
         for lane in range(LANES):
-            edge, off, close = edges[e, PLACE, lane], edges[e, PLACE_ERROR, lane], walk[CLOSE, lane]
-            ahead, off_ahead = walk[EDGE, lane], walk[AHEAD, lane]
-            nearer = (edge > walk[BEGIN, lane] + close) & (edge < walk[LAST, lane] - close) & (edge < ahead)
-            walk[EDGE, lane], walk[AHEAD, lane] = edge if nearer else ahead, off if nearer else off_ahead
+            behind, close, ahead = int(walk[BEHIND, lane]), walk[CLOSE, lane], walk[EDGE, lane]
+            while behind < count and edges[behind, PLACE, lane] <= walk[BEGIN, lane] + close:
+                behind += 1
+            walk[BEHIND, lane] = behind
+            if behind < count and edges[behind, PLACE, lane] < smaller(ahead, walk[LAST, lane] - close):
+                walk[EDGE, lane], walk[AHEAD, lane] = edges[behind, PLACE, lane], edges[behind, PLACE_ERROR, lane]
     for lane in range(LANES):
         begin, edge, active = walk[BEGIN, lane], walk[EDGE, lane], walk[ACTIVE, lane] > 0.0
         # A lane that has taken as many as it may goes on in a few long ones.

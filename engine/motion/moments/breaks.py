@@ -86,10 +86,13 @@ def watches_of(crossings: Iterable[Crossing], loads: Sequence[Load]) -> list[Wat
     loads : sequence of Load
     """
     behind = [set(reached(_held([load.characteristic, load.basis]))) for load in loads]
+    crossings = list(crossings)
+    # What depends on time switches at instants. Thousands of rows of a table are levels of one curve.
+    curves = dict.fromkeys(crossing.curve for crossing in crossings)
+    timed = {curve for curve in curves if any(isinstance(node, Given) for node in reached([curve]))}
     watches = []
     for crossing in crossings:
-        # What depends on time switches at instants.
-        if any(isinstance(node, Given) for node in reached([crossing.curve])):
+        if crossing.curve in timed:
             continue
         orders = {
             load: crossing.kink + _vanishes(load.velocity, crossing)

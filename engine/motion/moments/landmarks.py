@@ -141,10 +141,10 @@ def find_places(
         gather(numbers, first, block)
         set_out(block[task.ends[0]], block[task.ends[1]], task.longest[0], walk)
         count = cut(events, levels, task, tables, walk, edges, work)
-        for k in range(task.crossings.shape[0]):
-            slot = 0
-            for r in range(count):
-                if work.crossing_sought[r, LEVEL] == k:
-                    hand_out(1, in_lanes(work.crossings[r, X:]), first, slot, found[k])
-                    slot += 1
+        level, slot = -1, 0
+        for r in range(count):
+            # The roots of one level follow each other.
+            slot = slot + 1 if work.crossing_sought[r, LEVEL] == level else 0
+            level = work.crossing_sought[r, LEVEL]
+            hand_out(1, in_lanes(work.crossings[r, X:]), first, slot, found[level])
         hand_out(numbers.shape[0], block, first, 0, numbers)

@@ -16,6 +16,11 @@ from engine.motion.moments.grid import GAP
 # is off by D(1 − t)(t/2 − 1/8)h² at most, and the step before it shows D(1 − t)/4 of it, a quarter of which is taken
 # there already.
 BESIDE = 1.25
+# Polynomials beside a greatest value go through so many nodes, and are halved so often between two of them.
+LEAST_NODES, MOST_NODES, HALVINGS = 5, 8, 26
+# A curve is smooth where its value by more nodes changes by no more than such a share of what it did before, or where
+# it changes by rounding, as a share of its range.
+DRAWN_TOGETHER, ROUNDED = 0.1, 1e-14
 
 
 @scalar
@@ -38,22 +43,6 @@ def slope_of(values: np.ndarray, steps: np.ndarray, k: int) -> float:
         i = k if after else k - 1
         return (values[i + 1] - values[i]) / steps[i]
     return 0.0
-
-
-@scalar
-def extremes(values: np.ndarray) -> tuple[float, float, float, float]:
-    """Least value and its first node, greatest value and its first node; NaN where any value isn't finite."""
-    low = high = values[0]
-    low_at = high_at = 0
-    for k in range(values.shape[0]):
-        value = values[k]
-        if not abs(value) < math.inf:
-            return math.nan, math.nan, math.nan, math.nan
-        if value < low:
-            low, low_at = value, k
-        if value > high:
-            high, high_at = value, k
-    return low, float(low_at), high, float(high_at)
 
 
 @scalar
@@ -110,24 +99,107 @@ def rise_towards(values: np.ndarray, steps: np.ndarray, k: int, side: int, other
 
 
 @scalar
-def bound(values: np.ndarray, steps: np.ndarray) -> float:
-    """Greatest value that a curve may come to between its nodes.
+def bound(values: np.ndarray, steps: np.ndarray, k: int) -> float:
+    """Greatest value that a curve may come to from node k to the next.
 
-    Within a step it goes on as before it, and comes from what follows it: no farther than where those two straight
-    lines meet, even if it bends there. Beside a jump only one of them is known.
+    It goes on as before the step, and comes from what follows it: no farther than where those two straight lines meet,
+    even if it bends there. Beside a jump only one of them is known.
     """
-    best = values[0]
-    for k in range(steps.shape[0]):
-        h, a, b = steps[k], values[k], values[k + 1]
-        best = max(best, b)
-        if h > GAP:
-            near, far = slope_of(values, steps, k), slope_of(values, steps, k + 1)
-            left, right = rise_towards(values, steps, k, -1, near), rise_towards(values, steps, k + 1, 1, -far)
-            best = max(best, max(a, b) + h * bend_within(values, h, near, far, k))
-            if not joins(steps, k + 1):
-                best = max(best, a + max(left, 0.0) * h)
-            elif not joins(steps, k - 1):
-                best = max(best, b + max(right, 0.0) * h)
-            elif left > 0.0 and right > 0.0:
-                best = max(best, a + left * min(max((b - a + right * h) / (left + right), 0.0), h))
+    h, a, b = steps[k], values[k], values[k + 1]
+    best = max(a, b)
+    if h <= GAP:
+        return best
+    near, far = slope_of(values, steps, k), slope_of(values, steps, k + 1)
+    left, right = rise_towards(values, steps, k, -1, near), rise_towards(values, steps, k + 1, 1, -far)
+    best += h * bend_within(values, h, near, far, k)
+    if not joins(steps, k + 1):
+        return max(best, a + max(left, 0.0) * h)
+    if not joins(steps, k - 1):
+        return max(best, b + max(right, 0.0) * h)
+    if left > 0.0 and right > 0.0:
+        return max(best, a + left * min(max((b - a + right * h) / (left + right), 0.0), h))
     return best
+
+
+@scalar
+def crest(
+    values: np.ndarray, places: np.ndarray, first: int, last: int, k: int, room: np.ndarray, sign: float
+) -> float:
+    """Greatest value beside node k of the polynomial through nodes first … last − 1; NaN where it has none within.
+
+    By divided differences, for which there is `room`, and bisection of its slope; of squares with a sign, their root.
+    """
+    for i in range(first, last):
+        room[i - first] = values[i]
+    for order in range(1, last - first):
+        for i in range(last - 1, first + order - 1, -1):
+            room[i - first] = (room[i - first] - room[i - first - 1]) / (places[i] - places[i - order])
+    low, high = places[max(k - 1, first)], places[min(k + 1, last - 1)]
+    value = math.nan
+    for halving in range(HALVINGS + 2):
+        # The ends first: between them it is to rise and fall.
+        x = (low, high)[halving] if halving < 2 else 0.5 * (low + high)
+        value, slope = room[last - first - 1], 0.0
+        for i in range(last - first - 2, -1, -1):
+            slope = slope * (x - places[first + i]) + value
+            value = value * (x - places[first + i]) + room[i]
+        if halving < 2:
+            if not (slope > 0.0 if halving == 0 else slope < 0.0):
+                return math.nan
+        elif slope > 0.0:
+            low = x
+        else:
+            high = x
+    return sign * math.sqrt(max(sign * value, 0.0)) if sign != 0.0 else value
+
+
+@scalar
+def peak(values: np.ndarray, steps: np.ndarray) -> tuple[float, float, float]:
+    """Greatest value of a curve between its nodes, too; the node next to it; what it may come to at most.
+
+    Beside each node that lies above its neighbours, by polynomials of three degrees through those about it: where their
+    values draw together, they tell what the best of them is off by. Where they don't, the curve bends, and is known at
+    its nodes alone. The square of a curve of one sign is followed instead: that of a magnitude is smooth where it dips.
+    """
+    count, total, lowest, highest = values.shape[0], 0.0, math.inf, -math.inf
+    places, followed, room = np.empty(count), np.empty(count), np.empty(MOST_NODES)
+    for k in range(count):
+        if not abs(values[k]) < math.inf:
+            return math.nan, math.nan, math.nan
+        places[k] = total
+        total += steps[k] if k + 1 < count else 0.0
+        lowest, highest = min(lowest, values[k]), max(highest, values[k])
+    sign = 1.0 if lowest >= 0.0 else (-1.0 if highest <= 0.0 else 0.0)
+    for k in range(count):
+        followed[k] = values[k] * abs(values[k]) if sign != 0.0 else values[k]
+    best, node, most, first = -math.inf, 0, -math.inf, 0
+    for k in range(count):
+        before, after = joins(steps, k - 1), joins(steps, k)
+        first = first if before else k
+        if (before and values[k - 1] > values[k]) or (after and values[k + 1] > values[k]):
+            continue
+        top = limit = values[k]
+        if before:
+            limit = bound(values, steps, k - 1)
+        if after:
+            limit = max(limit, bound(values, steps, k))
+        if limit <= best:
+            continue
+        last = k + 1
+        while last - k < MOST_NODES and joins(steps, last - 1):
+            last += 1
+        nodes = min(last - first, MOST_NODES)
+        if nodes >= LEAST_NODES:
+            # Those about it in the middle of all nodes, towards either end of them, and fewest.
+            begin, fewer = max(first, min(k - (nodes - 1) // 2, last - nodes)), 2 if nodes > LEAST_NODES + 1 else 1
+            found = crest(followed, places, begin, begin + nodes, k, room, sign)
+            left = crest(followed, places, begin, begin + nodes - fewer, k, room, sign)
+            right = crest(followed, places, begin + fewer, begin + nodes, k, room, sign)
+            few = crest(followed, places, begin + fewer, begin + nodes - fewer, k, room, sign)
+            now, then = max(abs(found - left), abs(found - right)), abs(found - few)
+            if now <= max(DRAWN_TOGETHER * then, ROUNDED * (highest - lowest)) and found >= top:
+                top, limit = found, min(found + math.sqrt(now * then), max(limit, found))
+        most = max(most, limit)
+        if top > best:
+            best, node = top, k
+    return best, float(node), max(most, best)

@@ -1,13 +1,12 @@
 """Extremes of fields along runs, with the place and the instant of each."""
 
-import math
 from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 
 from engine.compiling.running import over_variants
-from engine.motion.moments.piecewise import bound, extremes
+from engine.motion.moments.piecewise import peak
 from engine.motion.quantities import Asked
 from engine.motion.runs.watching import Piece, RunFields
 
@@ -45,7 +44,7 @@ class RunExtremes:
     def __init__(self, fields: RunFields, names: Iterable[str]) -> None:
         self.fields, self.names = fields, tuple(dict.fromkeys(names))
         shape = 2, len(self.names), fields.variants.count
-        # By magnitude downwards and upwards: −least and greatest, and what these may come to between nodes.
+        # By magnitude downwards and upwards: −least and greatest, and what these may come to.
         self._most, self._bound = np.full(shape, -np.inf), np.full(shape, -np.inf)
         self._turned, self._time, self._pause = (np.full(shape, np.nan) for _ in range(3))
 
@@ -97,7 +96,7 @@ class RunExtremes:
 
 @over_variants
 def look_along(begin: int, end: int, row: np.ndarray, steps: np.ndarray, found: np.ndarray) -> None:
-    """Greatest value of a row, its node, and what it may come to between nodes: three numbers of each variant."""
+    """Greatest value of a row, the node next to it, and what it may come to: three numbers of each variant."""
     nodes = row.shape[0]
     own, h = np.empty(nodes), np.empty(nodes - 1)
     for v in range(begin, end):
@@ -105,6 +104,4 @@ def look_along(begin: int, end: int, row: np.ndarray, steps: np.ndarray, found: 
             own[k] = row[k, v]
         for k in range(nodes - 1):
             h[k] = steps[k, v]
-        _, _, high, at = extremes(own)
-        found[0, v], found[1, v] = high, at
-        found[2, v] = math.nan if math.isnan(high) else bound(own, h)
+        found[0, v], found[1, v], found[2, v] = peak(own, h)

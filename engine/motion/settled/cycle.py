@@ -1,4 +1,4 @@
-"""Fields of a settled cycle, and their statistics: extremes at its nodes, means over its time.
+"""Fields of a settled cycle, and their statistics: extremes, and means over its time.
 
 The nodes are those of the motion, on both sides of every place where a load sets in, bends or changes its direction.
 """
@@ -13,7 +13,7 @@ from engine.compiling.running import over_variants
 from engine.motion.loads import PairLoads
 from engine.motion.moments.dynamics import CHANNELS, Dynamics, Variants
 from engine.motion.moments.grid import Grid
-from engine.motion.moments.piecewise import bound, extremes, integral
+from engine.motion.moments.piecewise import integral, peak
 from engine.motion.quantities import EFFICIENCY_NOW, INSTANT, Asked
 from engine.motion.settled.steady import Steady
 from engine.motion.steppers.energy_form import NODES
@@ -228,7 +228,7 @@ def over_time(
     """Statistics of a row, over the time ∫dφ/ω: nine numbers of each variant into `found`.
 
     Least and greatest value, mean, root mean square; how far the extremes, the mean and the root mean square may be
-    missed between nodes; nodes of the least and the greatest value.
+    missed between nodes; nodes next to the least and the greatest value.
     """
     nodes = row.shape[0]
     own, pace, first, second = np.empty(nodes), np.empty(nodes), np.empty(nodes), np.empty(nodes)
@@ -241,8 +241,8 @@ def over_time(
             second[k] = own[k] * first[k]
         for k in range(nodes - 1):
             h[k] = steps[k, v]
-        low, low_at, high, high_at = extremes(own)
-        if math.isnan(low):
+        high, high_at, most = peak(own, h)
+        if math.isnan(high):
             for i in range(found.shape[0]):
                 found[i, v] = math.nan
             continue
@@ -250,11 +250,11 @@ def over_time(
         total, hidden = integral(first, h)
         squares, hidden_squares = integral(second, h)
         mean, rms = total / time, math.sqrt(max(squares, 0.0) / time)
-        found[0, v], found[1, v], found[2, v], found[3, v] = low, high, mean, rms
-        beyond = bound(own, h) - high
         for k in range(nodes):
             first[k] = -own[k]
-        found[4, v] = max(beyond, low + bound(first, h))
+        low, low_at, least = peak(first, h)
+        found[0, v], found[1, v], found[2, v], found[3, v] = -low, high, mean, rms
+        found[4, v] = max(most - high, least - low)
         found[5, v] = hidden / time
         found[6, v] = 0.5 * hidden_squares / (time * rms) if rms > 0.0 else 0.0
         found[7, v], found[8, v] = low_at, high_at

@@ -8,7 +8,9 @@ from hypothesis import strategies as st
 from numba import njit
 
 from engine.compiling.tiles import LANES, TILE_SIGNATURE
+from engine.cycle.events import sort_edges
 from engine.cycle.machine import CycleMachine, Plan
+from engine.cycle.panels.walk import of_edges
 
 TURN = 2.0 * math.pi
 PRESS = press(integrals=(1,), extremes=(1,))
@@ -195,3 +197,20 @@ def test_what_switches_more_often_than_there_is_room_for_has_no_results_and_spoi
     assert np.isnan(found.integrals.value[0][~known]).all()
     assert np.isnan(found.extremes.greatest.value[0][~known]).all()
     assert (np.isinf(found.broken_at) == ~known).all()
+
+
+@njit(error_model="numpy")
+def sorted_edges(edges):
+    sort_edges(edges.shape[0], of_edges(edges))
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 17, 300])
+def test_edges__are_put_in_order_in_every_lane(count):
+    rng = np.random.default_rng(count)
+    edges = np.round(rng.normal(size=(count, 2, LANES)), 1)
+    edges[:, 0][rng.random((count, LANES)) < 0.1] = np.nan
+    expected = np.where(np.isnan(edges[:, 0]), np.inf, edges[:, 0]) + 1j * -edges[:, 1]
+    sorted_edges(edges)
+    finite = np.isfinite(edges[:, 0])
+    found = np.where(finite, edges[:, 0] - 1j * edges[:, 1], 1e9)
+    np.testing.assert_array_equal(found, np.sort(np.where(np.isfinite(expected), expected, 1e9), axis=0))

@@ -235,3 +235,21 @@ def test_any_expression__is_printed_as_it_is_meant(symbols, random):
     scope["curves"](numbers, functions.memory, q, np.cos(q), np.sin(q), tile)
     for found, value in zip(tile, values_of(asked, NUMBERS, q), strict=True):
         np.testing.assert_allclose(found, value, rtol=1e-12, atol=1e-12)
+
+
+def test_multiples_of_one_curve__are_one_term():
+    g = Graph()
+    numbers = {f"n{i}": 0.1 * i - 3.0 for i in range(3000)}
+    curves = [g.cos_q, g.sin_q, g.cos_q * g.sin_q]
+    rng = np.random.default_rng(0)
+    terms, expected, q = [], 0.0, np.linspace(0.0, 6.0, 7)
+    for i, c in enumerate(rng.integers(3, size=1000)):
+        a, b, d = (g.number(f"n{3 * i + k}") for k in range(3))
+        curve = [(curves[c] * b) * d, (-curves[c]) * b, curves[c], -(b * curves[c])][i % 4]
+        terms.append((a, curve))
+        expected = expected + a.compute(numbers) * values_of([curve], numbers, q)[0]
+    # As many terms as curves, however many loads there are: and no number is a sum nested a thousand times.
+    assert len(g.combination(terms).terms) == 3
+    np.testing.assert_allclose(values_of([g.combination(terms)], numbers, q)[0], expected, rtol=1e-10, atol=1e-6)
+    apart = g.combination([(g.number("n1"), g.cos_q * g.number("n2")), (g.number("n3"), g.sin_q)])
+    assert [curve for _, curve in apart.terms] == [g.cos_q * g.number("n2"), g.sin_q]

@@ -202,3 +202,27 @@ def test_error_in_a_scene_inside_the_study__names_its_line_there(study_folder):
 def test_unknown_study__is_refused_with_what_there_is(study_folder):
     with pytest.raises(InputError, match="no such file, and no bundled study"):
         find_study("crank_pres")
+
+
+@pytest.mark.parametrize(
+    ("added", "path", "value", "words"),
+    [
+        ('[flywheel.wheel]\ntype = "disc"\n', "flywheel.wheel.width_ratio", "0.3", "belongs to a wheel of type"),
+        ('[shafts.s]\ngeared_to = "crank"\nratio = 2\n', "shafts.s.phase", '"10 deg"', "without a pivot"),
+        ('[springs.s]\nbetween = ["O", "B"]\ndamping = "10 N s/m"\n', "springs.s.free_length", '"1 m"', "stiffness"),
+    ],
+)
+def test_number_that_means_nothing_there__does_not_vary(tmp_path, added, path, value, words):
+    (tmp_path / "scene.toml").write_text(f"{SCENE}\n{added}", encoding="utf8")
+    text = f'scene = "scene.toml"\npositions = 48\n\n[{{}}]\n"{path}" = {{}}\n\n[outputs]\nsummaries = ["ram.stroke"]\n'
+    for table, given in (("vary", f"{{values = [{value}]}}"), ("derive", f"'{value.strip(chr(34))}'")):
+        with pytest.raises(InputError, match=words) as refused:
+            study_of(tmp_path, text.format(table, given))
+        assert f"{table}.{path}: can't vary in this scene" in str(refused.value)
+
+
+def test_number_that_another_one_gives_a_meaning__varies_with_it(tmp_path):
+    added = '[springs.s]\nbetween = ["O", "B"]\ndamping = "10 N s/m"\n'
+    (tmp_path / "scene.toml").write_text(f"{SCENE}\n{added}", encoding="utf8")
+    axes = '"springs.s.free_length" = "1 m to 2 m, 3"\n"springs.s.stiffness" = "10 N/m to 20 N/m, 3"\n'
+    assert study_of(tmp_path, f'scene = "scene.toml"\npositions = 48\n\n[vary]\n{axes}').design.size == 9

@@ -108,7 +108,7 @@ def test_start_and_stop__newton_euler_at_every_instant(speed):
         compare(found, bare, lambda of, at=(q, omega, epsilon): reactions(of, *at), rounding)
 
 
-def test_history__is_where_extremes_are_taken_from():
+def test_history__comes_near_the_extremes_and_never_beyond():
     regimes = {"go": run("dc cut gravity fan rub", speed=50.0), "stop": run("brake gravity rub", rest=True)}
     scene = slider_crank(regimes, flywheel=0.05)
     found, seen = ask(scene, asked(*regimes), 240), history(Scene.model_validate(scene), 240, PAIRS)
@@ -117,7 +117,9 @@ def test_history__is_where_extremes_are_taken_from():
         for pair in PAIRS:
             row = np.abs(seen.loads_on_pairs[pair][own]) if pair == PAIRS[3] else seen.loads_on_pairs[pair][own]
             key = "peak" if pair == PAIRS[3] else "max"
-            covered(found, f"{name}.{pair}.{key}", row.max())
+            peak = found[f"{name}.{pair}.{key}"]
+            # Between instants 0.026 rad apart: h²/8 of what changes within 0.3 rad.
+            assert -found.figure(f"{name}.{pair}.{key}") <= peak - row.max() <= 1e-3 * peak, pair
         energy = seen.energy[own]
         works = np.array([seen.motor_moment[own], *(row[own] for row in seen.load_moments.values())]).sum(axis=0)
         # Power balance between instants by the trapezoid rule: h²/12·M″, h = 0.026 rad, M changes within 0.3 rad.

@@ -1,4 +1,4 @@
-"""Integrals and bounds of curves known at nodes: against quadrature and dense sampling, with jumps and cusps."""
+"""Integrals and peaks of curves known at nodes: against quadrature and dense sampling, with jumps and cusps."""
 
 import math
 from itertools import pairwise
@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from engine.motion.moments.grid import JUMP
-from engine.motion.moments.piecewise import bound, integral, slope_of
+from engine.motion.moments.piecewise import integral, peak, slope_of
 
 TURN = 2 * math.pi
 
@@ -79,11 +79,54 @@ def test_cusps_and_a_jump__within_what_they_may_hide(level, phase, size, jump, c
     # Between dense nodes a parabola of curvature 15 rises by 15 (2π/20000)²/8 at most.
     room = 15 * (TURN / 20000) ** 2 / 8
     for sign in (1.0, -1.0):
-        within = bound(sign * values, h)
-        assert within >= (sign * values).max()
+        top, node, within = peak(sign * values, h)
+        assert (sign * values).max() <= top <= within
         # From a single step between a jump and a cusp nothing tells how its slope grows: by a curvature of 15 at most.
         ends = (0.0, jump, TURN)
         beside = min(abs(place - end) for place in places[3:] for end in ends) < 3 * TURN / count
         assert (sign * curve(dense)).max() <= within + room + (15 * (TURN / count) ** 2 if beside else 0.0)
         # A bound that says something: of the order of a step of the steepest slope.
         assert within - (sign * values).max() <= 30 * TURN / count
+        assert abs(top - sign * values[int(node)]) <= 30 * TURN / count
+
+
+def dense_top(curve, count: int) -> float:
+    """Greatest value of a curve over a turn, by looking ever more closely about each place above its neighbours."""
+    x = np.linspace(0.0, TURN, 10 * count + 1)
+    y, tops = curve(x), []
+    step = x[1]
+    for place in x[1:-1][(y[1:-1] >= y[:-2]) & (y[1:-1] >= y[2:])]:
+        around, half = place, step
+        for _ in range(5):
+            u = around + half * np.linspace(-1.0, 1.0, 101)
+            around, half = u[int(np.argmax(curve(u)))], 0.02 * half
+        tops.append(curve(np.array([around]))[0])
+    return max(*tops, y[0], y[-1])
+
+
+@pytest.mark.parametrize("kind", ["smooth", "bent", "magnitude"])
+def test_peaks_between_nodes__are_known_within_their_estimate(kind):
+    """Series of twelve harmonics; with a cusp that may be the peak; magnitudes of vectors that almost vanish."""
+    rng, apart = np.random.default_rng(7), []
+    for _ in range(150):
+        sizes, phases = rng.normal(size=(2, 12)) * 0.6 ** np.arange(12), rng.uniform(0.0, TURN, (2, 12))
+        small, bend, where = 10.0 ** rng.uniform(-3.0, 0.0), abs(rng.normal()), rng.uniform(0.0, TURN)
+
+        def series(x, which, sizes=sizes, phases=phases):
+            return sizes[which] @ np.cos(np.arange(1, 13)[:, None] * x - phases[which][:, None])
+
+        curves = {
+            "smooth": lambda x, series=series: series(x, 0),
+            "bent": lambda x, series=series, bend=bend, where=where: (
+                series(x, 0) - bend * np.abs(np.sin(0.5 * (x - where)))
+            ),
+            "magnitude": lambda x, series=series, small=small: np.hypot(series(x, 0), small * series(x, 1)),
+        }
+        curve, x = curves[kind], np.linspace(0.0, TURN, 361)
+        scale = np.abs(curve(x)).max()
+        for sign in (1.0, -1.0):
+            top, _, most = peak(sign * curve(x), np.diff(x))
+            exact = dense_top(lambda u, curve=curve, sign=sign: sign * curve(u), 360)
+            assert abs(top - exact) <= most - top + 1e-13 * scale
+            apart.append(abs(top - exact) / scale)
+    assert np.median(apart) < 1e-10
