@@ -232,8 +232,8 @@ def follow_motor_drives(
     kloss : ndarray (drives, 4 or 0)
         Constants of Kloss' formula; none where lines are meant.
     found : ndarray (drives, MOTOR_FOUND)
-        As for `backlash_phases.follow_drives`, and the moment of the motor at the begin; then 1 where the drive vibrates
-        too often to be followed: the first of them are NaN there.
+        As for `backlash_phases.follow_drives`, NaN where the drive vibrates too often to be followed; then the motor's
+        moment at the begin, and 1 where it does.
     shown : ndarray (drives, instants, SHOWN)
         To be filled at equally spaced instants, the last of them at the end.
     s : ndarray (MOTOR_ROOM, ORDER + 1)
@@ -259,12 +259,10 @@ def follow_motor_drives(
         most_steps = MOST_STEPS if horizon <= MOST_RADIANS * unit else 1
         while now < horizon and steps < most_steps:
             steps += 1
-            level, slope, below, above = 0.0, 0.0, -math.inf, math.inf
+            level, slope = 0.0, 0.0
             if curve.size == 0:
                 slope = (lines[i, row + 1, 1] - lines[i, row, 1]) / (lines[i, row + 1, 0] - lines[i, row, 0])
                 level = lines[i, row, 1] - slope * lines[i, row, 0]
-                below = lines[i, row, 0] if row > 0 else -math.inf
-                above = lines[i, row + 1, 0] if row + 2 < lines.shape[1] else math.inf
             s[_E, 0], s[_V, 0], s[_LOAD, 0] = e, v, speed
             if steps == 1:
                 _expand(s, own, curve, level, slope, unit, 0, moves)
