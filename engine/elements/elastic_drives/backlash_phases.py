@@ -20,7 +20,7 @@ import math
 import numpy as np
 
 from engine.compiling.decorators import driver, inlined, routine
-from engine.elements.elastic_drives.event_times import MOST_TURNS, newton_between
+from engine.cycle.roots import MOST_TURNS, newton_between
 from engine.elements.oscillators.damped_vibration import damped_vibration, next_turn
 
 # What a drive is given, and what is found; in this order in the tables.

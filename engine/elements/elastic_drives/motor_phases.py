@@ -16,6 +16,7 @@ import math
 import numpy as np
 
 from engine.compiling.decorators import driver, inlined, routine
+from engine.cycle.roots import MOST_TURNS, newton_between
 from engine.elements.elastic_drives.backlash_phases import (
     CLOSINGS,
     GREATEST,
@@ -26,7 +27,6 @@ from engine.elements.elastic_drives.backlash_phases import (
     LOAD_SPEED,
     MOTOR_SPEED,
 )
-from engine.elements.elastic_drives.event_times import MOST_TURNS, newton_between
 
 # What a drive is given; in this order in the table.
 MOTOR_INERTIA, LOAD_INERTIA, STIFFNESS, DAMPING, BACKLASH, LOAD, TIME, RUNNING, SPEED, LOAD_BEFORE = range(10)
