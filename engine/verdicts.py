@@ -54,7 +54,7 @@ class Verdict(IntEnum):
     NO_END = (
         *(8, "doesn't reach its end"),
         "a regime never reaches the state that ends it; change the end or the drive, or raise at_most. A governor may "
-        "also be damped too heavily, or a shaft be too stiff, for so long a run: reduce the damping or the time",
+        "also be damped too heavily for so long a run: reduce the damping or the time",
     )
     JAMS = (
         *(9, "friction jams"),
@@ -162,5 +162,11 @@ class Verdict(IntEnum):
         *(29, "contact ratio below 1"),
         "teeth lose contact: the contact ratio is below 1, so a pair parts before the next one meets; choose more "
         "teeth, or less profile_shift in total",
+    )
+    SHAFT_RIGID = (
+        *(30, "shaft rigid at this scale"),
+        "an elastic shaft is rigid at this scale: its vibration (natural_frequency, which is computed all the same) "
+        "turns too many times within the time asked for; shorten the time, use a softer shaft, or leave the shaft out "
+        "and treat both sides as one inertia",
     )
     NOT_COMPUTED = 255, "not computed yet"

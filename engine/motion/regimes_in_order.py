@@ -2,9 +2,8 @@
 
 Everything is computed twice. A run and a steady motion go with steps as they need them, for the second time each
 changed by its estimated error; steps of a run in time, or with a steep motor, may miss 64 times as much for the second
-time. A run of corrected steps from its begin to an angle carries along what they would change, and isn't gone again. A
-closed form has no steps: for the second time its moments are changed in their last digits. The error figure is the
-change, and the rounding of the energies.
+time. A run of corrected steps from its begin to an angle carries along what they would change, and isn't gone again.
+The error figure is the change, and the rounding of the energies.
 """
 
 from collections.abc import Callable
@@ -16,8 +15,6 @@ from engine.compiling.threads import on_all_threads, threads
 from engine.graph.nodes import Node
 from engine.mechanism.actions.motors import motor_ratio
 from engine.mechanism.mechanics import Mechanics
-from engine.motion.cases import case_of
-from engine.motion.closed_forms.closed_runs import run_in_closed_form
 from engine.motion.coupled.coupled_answers import CoupledOutcome, CoupledStanding, held_moment, run_coupled
 from engine.motion.coupled.coupled_run import CoupledEnds
 from engine.motion.coupled.coupled_steady import CoupledSteady, one_cycle, settled_at_two_speeds
@@ -71,8 +68,6 @@ ODD = 8
 ROUNDING = 16 * np.finfo(float).eps
 # So many steps round as much as everything else: each by half a unit in the last place.
 STEPS_OF_ROUNDING = 32
-# How sure moments are, for closed forms.
-DOUBT = 16 * np.finfo(float).eps
 
 TURN = 2.0 * np.pi
 # What is told by the least and the greatest speed.
@@ -206,9 +201,6 @@ class Schedule:
         self.dynamics = {off: Dynamics(self.reduction, off, works, friction) for off in sets}
         self.sides = {off: TwoSides(self.reduction, off, works) for off in sets} if scene.couplings else {}
         self._refuse_equal_steps()
-        self.cases = {
-            n: case_of(self.dynamics[frozenset(r.off)], r) for n, r in self.regimes.items() if n in self.needed
-        }
 
     @property
     def nodes(self) -> list[Node]:
@@ -329,7 +321,7 @@ class Schedule:
             elif self.at_two_speeds(name):
                 going, standing = self.run_at_two_speeds(name, variants, standing, half)
                 made, energy = going.turned / dynamics.cycle * steps, going.energy
-                found, scale = self._at_two_speeds(name, dynamics, going), {}
+                found, scale = self._at_two_speeds(name, dynamics, going), {"work_residual": np.ones(count)}
             elif isinstance(self.regimes[name], RunRegime):
                 outcome, extremes, standing = self.run(name, dynamics, variants, standing, half)
                 gone.fields.update({f"{name}.{key}": rows for key, rows in extremes.rows.items()})
@@ -340,7 +332,8 @@ class Schedule:
                     gone.by_equal_steps[name] = np.stack(outcome.state[:3])
                 found, scale = self._of_run(dynamics, outcome, energy) | extremes.values, extremes.scales
                 found |= self._at_end(outcome, standing)
-                scale |= {"end_reached": np.zeros(count)}
+                # A residual of works is a share of them, and rounds as they do.
+                scale |= {"end_reached": np.zeros(count), "work_residual": np.ones(count)}
                 gone.missed.update({f"{name}.{key}": most for key, most in extremes.missed.items()})
             else:
                 found, cycle, standing = self._steady(name, dynamics, variants, standing, half)
@@ -352,8 +345,7 @@ class Schedule:
             asked = {key: v for key, v in found.items() if f"{name}.{key}" in self.asked}
             gone.values.update({f"{name}.{key}": v for key, v in asked.items()})
             # Rounding gathers from step to step.
-            stepped = self.cases[name].law is None
-            growth = 1.0 + (np.abs(made) / STEPS_OF_ROUNDING if stepped else 0.0)
+            growth = 1.0 + np.abs(made) / STEPS_OF_ROUNDING
             gone.scales.update({f"{name}.{key}": growth * np.abs(scale.get(key, v)) for key, v in asked.items()})
             gone.scales[f"{name}.energy_change"] = growth * energy
             for key, rows in gone.fields.items() if name in self.instants else ():
@@ -497,7 +489,7 @@ class Schedule:
         def number(key: str, otherwise: float) -> np.ndarray:
             return self._number(name, key, variants, otherwise)
 
-        keys = self.keys
+        keys, rounded = self.keys, 1.0 - ROUNDING if half else 1.0
         if self._begins_anew(regime):
             standing = standing._replace(clock=np.zeros(count))
         omega = number(keys.from_speed, 0.0) if getattr(regime, keys.from_speed) is not None else standing.omega
@@ -505,7 +497,8 @@ class Schedule:
         ends = Ends(
             number("cycles", np.inf) * dynamics.cycle,
             number("time", np.inf),
-            number(keys.speed, np.inf),
+            # Near a speed that is never reached the time to it is as unsure as that speed's last digits.
+            number(keys.speed, np.inf) * rounded,
             regime.rest is True,
             number("at_most", np.inf) * dynamics.cycle,
             regime.end_of_range is True,
@@ -514,24 +507,18 @@ class Schedule:
         ready = np.flatnonzero(standing.verdict == Verdict.OK)
         part = variants.some(ready)
         ends = ends.some(ready)
-        begin, law = (angle[ready], omega[ready], standing.clock[ready]), self.cases[name].law
+        begin = angle[ready], omega[ready], standing.clock[ready]
         observers = [] if record is None else [record(self._along(name, dynamics, part, begin))]
-        if law is None or observers:
-            key, left, stepping = ("run", name), np.arange(ready.size), self._stepping(name)
-            known = variants.kept.get(key) if half and not observers else None
-            if known is not None:
-                outcome, left = known.outcome.doubted(), np.flatnonzero(~known.tells(ready, begin))
-            if left.size or known is None:
-                own = (dynamics, part.some(left), *(x[left] for x in begin), ends.some(left))
-                gone = run_to_end(Progress(*own, self.steps, half, observers, stepping))
-                outcome = gone if known is None else outcome.with_others(left, gone)
-            if not half:
-                variants.kept[key] = Known(ready, begin, outcome)
-        else:
-            doubt = DOUBT if half else 0.0
-            outcome = run_in_closed_form(
-                law, dynamics, part, *begin, ends, self.steps, half, doubt, self._stepping(name)
-            )
+        key, left, stepping = ("run", name), np.arange(ready.size), self._stepping(name)
+        known = variants.kept.get(key) if half and not observers else None
+        if known is not None:
+            outcome, left = known.outcome.doubted(), np.flatnonzero(~known.tells(ready, begin))
+        if left.size or known is None:
+            own = (dynamics, part.some(left), *(x[left] for x in begin), ends.some(left))
+            gone = run_to_end(Progress(*own, self.steps, half, observers, stepping))
+            outcome = gone if known is None else outcome.with_others(left, gone)
+        if not half:
+            variants.kept[key] = Known(ready, begin, outcome)
         extremes = FieldAnswers({}, {}, {}, {})
         if self.fields[name] and record is None:
             # Looked at are those that come to their end.

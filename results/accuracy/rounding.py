@@ -37,7 +37,7 @@ MODULES = (
     "laws.motor_characteristics",
     "laws.indicator_diagrams",
 )
-MODULES += ("laws.tables", "motion.closed_forms.closed_forms")
+MODULES += ("laws.tables",)
 MODULES += tuple(
     f"laws.friction.{name}" for name in ("belts", "coefficients", "guides", "inclines", "journals", "rolling")
 )

@@ -24,11 +24,11 @@ from pydantic import Field, model_validator
 
 from engine.elements.element import Columns, Element, ElementResult, Numbers
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.elements.sampled_peak import sampled_peak
 from engine.laws.masses.moments_of_inertia import ring_inertia
 from engine.parts.skeleton import AngularSpeed, Length, Number, quantity
 
-_PLACES, _ROUNDS, _SHOWN = 65, 48, 721
-_GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
+_PLACES, _SHOWN = 65, 721
 Positive = Annotated[Length, Field(gt=0)]
 Stress = quantity("pressure")
 
@@ -94,16 +94,8 @@ class WoundFlywheel(Element):
             """Hoop stress of the winding."""
             return wound_stresses(n, r, speed)[1]
 
-        # The greatest of some places, then golden section beside it.
-        places = c + (b - c) * np.linspace(0.0, 1.0, _PLACES)[:, None]
-        best = layer(places).argmax(axis=0)
-        step = (b - c) / (_PLACES - 1)
-        low, high = np.maximum(c + (best - 1) * step, c), np.minimum(c + (best + 1) * step, b)
-        for _ in range(_ROUNDS):
-            inner, outer = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
-            falls = layer(inner) > layer(outer)
-            low, high = np.where(falls, low, inner), np.where(falls, outer, high)
-        stress = np.maximum(np.maximum(layer(c), layer(b)), layer(0.5 * (low + high)))
+        between, _ = sampled_peak(layer, c + (b - c) * np.linspace(0.0, 1.0, _PLACES)[:, None])
+        stress = np.maximum(np.maximum(layer(c), layer(b)), between)
         about = np.log((b - a) * (b + a) / ((c - a) * (c + a)))
         pressure = 0.5 * tension * (1.0 - (a / c) ** 2) * about
         spun = 2.0 * spin * (b**2 + (1.0 - nu) / (3.0 + nu) * a**2)

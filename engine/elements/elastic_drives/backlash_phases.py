@@ -20,7 +20,7 @@ import math
 import numpy as np
 
 from engine.compiling.decorators import driver, inlined, routine
-from engine.elements.elastic_drives.event_times import MOST_TURNS, newton_between
+from engine.cycle.roots import MOST_TURNS, newton_between
 from engine.elements.oscillators.damped_vibration import damped_vibration, next_turn
 
 # What a drive is given, and what is found; in this order in the tables.
@@ -37,7 +37,6 @@ MOST_EVENTS = 20_000
 _SHORT = 1e-9
 _NEVER = math.inf
 _HIGHER = 1.0 + 1e-11
-_NOTHING = 1e-12
 
 
 @inlined
@@ -156,7 +155,7 @@ def follow_drives(begin: int, end: int, given: np.ndarray, found: np.ndarray, ph
         first, second, k, b = given[MOTOR_INERTIA, i], given[LOAD_INERTIA, i], given[STIFFNESS, i], given[DAMPING, i]
         backlash, moment, load, horizon = given[BACKLASH, i], given[MOMENT, i], given[LOAD, i], given[TIME, i]
         # What is lost in the rounding of the motor's moment resists nothing.
-        load = load if load > _NOTHING * moment else 0.0
+        load = load if moment + load > moment else 0.0
         touch, e, v, speed = int(given[TOUCH, i]), given[TWIST, i], 0.0, given[SPEED, i]
         # A load that doesn't resist never sticks.
         moves = 1 if speed > 0.0 or load == 0.0 else 0

@@ -5,8 +5,7 @@ between the rows of a table (a DC motor has two), or Kloss' formula. Within a ph
 Taylor series of high order: all that occurs is sums, products and one quotient, so that every coefficient follows from
 those before. The time is counted in 1/ω_n of the drive in touch. A step is as long as its last terms allow, by which it
 is exact but for rounding; what ends a phase is sought on the polynomials themselves, between their turning points.
-Many vibrations in which nothing ends a phase are few steps: one under straight lines (`calm_stretches`), and of a shaft
-stiff enough under Kloss' formula, as many as its slow motion needs (`averaged_stretches`).
+Every vibration is followed: a drive that vibrates too often within its time has no results (`MOST_RADIANS`).
 
 Sources: K. V. Frolov et al., Theory of Mechanisms and Machines (drives with elastic links and clearances); E. Hairer,
 S. P. Nørsett and G. Wanner, Solving Ordinary Differential Equations I, section I.8 (Taylor series).
@@ -17,7 +16,7 @@ import math
 import numpy as np
 
 from engine.compiling.decorators import driver, inlined, routine
-from engine.elements.elastic_drives.averaged_stretches import averaged_stretch
+from engine.cycle.roots import MOST_TURNS, newton_between
 from engine.elements.elastic_drives.backlash_phases import (
     CLOSINGS,
     GREATEST,
@@ -28,15 +27,13 @@ from engine.elements.elastic_drives.backlash_phases import (
     LOAD_SPEED,
     MOTOR_SPEED,
 )
-from engine.elements.elastic_drives.calm_stretches import LEAST_TURNS, calm_stretch
-from engine.elements.elastic_drives.event_times import MOST_TURNS, newton_between
 
 # What a drive is given; in this order in the table.
 MOTOR_INERTIA, LOAD_INERTIA, STIFFNESS, DAMPING, BACKLASH, LOAD, TIME, RUNNING, SPEED, LOAD_BEFORE = range(10)
 MOTOR_GIVEN = 10
-# What is found beyond that of `backlash_phases`: the motor's moment at the begin.
-MOMENT_AT_BEGIN = 8
-MOTOR_FOUND = 9
+# What is found beyond that of `backlash_phases`: the motor's moment at the begin, and 1 where the drive is too stiff.
+MOMENT_AT_BEGIN, TOO_STIFF = 8, 9
+MOTOR_FOUND = 10
 # Constants of Kloss' formula: breakdown moment and slip, rotor ratio, synchronous speed.
 BREAKDOWN_MOMENT, BREAKDOWN_SLIP, ROTOR_RATIO, SYNCHRONOUS_SPEED = range(4)
 # What is shown at an instant.
@@ -48,13 +45,12 @@ ORDER = 20
 # and what is known so far of the slip's square and of the divisor times the moment.
 _E, _V, _LOAD, _MOTOR, _SHAFT, _DRIVING, _SLIP, _DIVISOR, _SQUARE, _PRODUCT, _WATCHED = range(11)
 MOTOR_ROOM = 11
-MOST_STEPS = 200_000
 # The last terms of a step's series, over what they add to.
 _LAST_TERMS = 1e-16
 # Steps in touch, in 1/ω_n, and parts of a step between which signs are compared.
 _LONGEST, _PARTS = 1.5, 6
-# Turns of the vibration from one look for a stretch to leap over under Kloss' formula to the next.
-_BETWEEN_TRIES = 10
+# A drive is followed through no more of its vibration than this, nor in more steps.
+MOST_RADIANS, MOST_STEPS = 2e5, 200_000
 # Shares of what is watched that count as rounding.
 _ROUNDED = 1e-12
 _HIGHER = 1.0 + 1e-11
@@ -236,8 +232,8 @@ def follow_motor_drives(
     kloss : ndarray (drives, 4 or 0)
         Constants of Kloss' formula; none where lines are meant.
     found : ndarray (drives, MOTOR_FOUND)
-        As for `backlash_phases.follow_drives`, and the moment of the motor at the begin. NaN where there are more steps
-        than can be followed.
+        As for `backlash_phases.follow_drives`, NaN where the drive vibrates too often to be followed; then the motor's
+        moment at the begin, and 1 where it does.
     shown : ndarray (drives, instants, SHOWN)
         To be filled at equally spaced instants, the last of them at the end.
     s : ndarray (MOTOR_ROOM, ORDER + 1)
@@ -259,32 +255,14 @@ def follow_motor_drives(
         greatest, greatest_at, closings = 0.0, 0.0, 0
         impact_at, impact_speed = math.nan, math.nan
         load_at = 0.0 if speed > 0.0 or (moves != 0 and touch != 0) else math.nan
-        followed, fresh = 0.0, True
-        while now < horizon and steps < MOST_STEPS:
+        fresh = True
+        most_steps = MOST_STEPS if horizon <= MOST_RADIANS * unit else 1
+        while now < horizon and steps < most_steps:
             steps += 1
-            level, slope, below, above = 0.0, 0.0, -math.inf, math.inf
+            level, slope = 0.0, 0.0
             if curve.size == 0:
                 slope = (lines[i, row + 1, 1] - lines[i, row, 1]) / (lines[i, row + 1, 0] - lines[i, row, 0])
                 level = lines[i, row, 1] - slope * lines[i, row, 0]
-                below = lines[i, row, 0] if row > 0 else -math.inf
-                above = lines[i, row + 1, 0] if row + 2 < lines.shape[1] else math.inf
-            most = horizon
-            if instant < shown.shape[1]:
-                most = horizon * instant / max(shown.shape[1] - 1, 1)
-            if touch != 0 and most - now > LEAST_TURNS * math.tau * unit:
-                behind, held = backlash if touch < 0 else 0.0, touch if backlash > 0.0 else 0
-                state, shaft, limits = (e + behind, v, speed), (first, second, k, b), (greatest, followed, most - now)
-                if curve.size == 0:
-                    leap, twist, v, speed = calm_stretch(
-                        *state, *shaft, level, slope, load, moves, held, below, above, *limits
-                    )
-                else:
-                    leap, twist, v, speed = averaged_stretch(*state, *shaft, curve, load, moves, held, *limits, s)
-                if leap > 0.0:
-                    e, now, followed = twist - behind, now + leap, 0.0
-                elif curve.size > 0 and followed > math.tau * unit:
-                    # Trying costs more than following a turn.
-                    followed = -_BETWEEN_TRIES * math.tau * unit
             s[_E, 0], s[_V, 0], s[_LOAD, 0] = e, v, speed
             if steps == 1:
                 _expand(s, own, curve, level, slope, unit, 0, moves)
@@ -377,7 +355,7 @@ def follow_motor_drives(
                 instant += 1
             e, v, speed = _at(s[_E], took)[0], _at(s[_V], took)[0], _at(s[_LOAD], took)[0]
             carried = _at(s[_SHAFT], took)[0]
-            now, followed = until, followed + unit * took if what == _GOES_ON else 0.0
+            now = until
             if what == _NEXT_LINE:
                 row += towards
             elif what == _PARTS_WITH:
@@ -402,10 +380,11 @@ def follow_motor_drives(
                     v, speed = v + speed, 0.0
                     moves = 0 if abs(carried) <= load else (1 if carried > 0.0 else -1)
         if now < horizon:
-            for j in range(MOTOR_FOUND):
+            for j in range(MOMENT_AT_BEGIN):
                 found[i, j] = math.nan
         else:
             found[i, GREATEST], found[i, GREATEST_AT], found[i, CLOSINGS] = greatest, greatest_at, closings
             found[i, IMPACT_AT], found[i, IMPACT_SPEED], found[i, LOAD_AT] = impact_at, impact_speed, load_at
             found[i, MOTOR_SPEED], found[i, LOAD_SPEED] = speed + v, speed
-            found[i, MOMENT_AT_BEGIN] = at_begin
+        found[i, MOMENT_AT_BEGIN] = at_begin
+        found[i, TOO_STIFF] = 1.0 if now < horizon and steps == most_steps else 0.0

@@ -35,6 +35,7 @@ from engine.elements.elastic_drives.motor_phases import (
     ORDER,
     SHAFT_MOMENT,
     SHOWN,
+    TOO_STIFF,
     follow_motor_drives,
 )
 from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers, nudged
@@ -44,10 +45,11 @@ from engine.laws.rounding import EPS
 from engine.parts.actions import Moment, Time
 from engine.parts.motor_constants import kloss_constants, stall_moment
 from engine.parts.skeleton import Angle, AngularSpeed, Inertia
+from engine.verdicts import Verdict
 
 # The least backlash [rad] whose products still are numbers of full precision.
 SMALLEST = np.finfo(float).tiny / np.finfo(float).eps
-# Under Kloss' formula vibrations are followed in up to 200 000 steps, or averaged: an error of so many roundings.
+# Under a motor vibrations are followed in up to 200 000 steps: an error of so many roundings.
 STEPS = 1e4
 # Instants of curves.
 _INSTANTS = 8004
@@ -109,9 +111,10 @@ class TwoMassDrive(ElasticShaft, Element):
         """Results of a set of variants by their names."""
         if self.motor is None:
             (found, _, shaft), motor = followed_drive(self, n), n["motor_moment"]
+            too_stiff = np.zeros_like(motor)
         else:
             found, _, shaft = motor_driven(self, n)
-            motor = found[MOMENT_AT_BEGIN]
+            motor, too_stiff = found[MOMENT_AT_BEGIN], found[TOO_STIFF]
         load = n["load_moment"]
         rigid = rigid_moment(motor, load, n["motor_inertia"], n["load_inertia"])
         if self.begin == "at rest":
@@ -131,14 +134,20 @@ class TwoMassDrive(ElasticShaft, Element):
             "load_starts_at": found[LOAD_AT],
             "motor_speed": found[MOTOR_SPEED],
             "load_speed": found[LOAD_SPEED],
+            "too_stiff": too_stiff,
         }
 
     def evaluate(self, n: Numbers) -> Answers:
-        """Results with their errors; under Kloss' formula with those of many steps, which nudges don't show."""
+        """Results with their errors; under a motor with those of many steps, which nudges don't show."""
         found, errors = nudged(self.values, n)
-        if isinstance(self.motor, DriveInductionMotor):
+        if self.motor is not None:
             errors = {name: error + STEPS * EPS * np.abs(found[name]) for name, error in errors.items()}
-        return Answers(found, errors)
+            # A speed rounds as that of the vibration does, however small it is in the end.
+            swing = found["greatest_moment"] / found["stiffness"] * found["natural_frequency"]
+            for name in ("motor_speed", "load_speed"):
+                errors[name] = errors[name] + STEPS * EPS * swing
+        too_stiff = np.where(found["too_stiff"] > 0.0, Verdict.SHAFT_RIGID, Verdict.OK)
+        return Answers(found, errors, too_stiff.astype(np.uint8))
 
     def panels(self) -> tuple[Panel, ...]:
         """Moment of the shaft, speeds of motor and load, and play over time."""

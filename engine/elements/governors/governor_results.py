@@ -10,6 +10,7 @@ import numpy as np
 
 from engine.compiling.decorators import driver, routine
 from engine.cycle.panels.lanes import Memory, lane_of
+from engine.cycle.roots import MOST_TURNS, newton_between
 from engine.elements.governors.characteristic import (
     FROM,
     INNER,
@@ -139,16 +140,10 @@ def middle_of_lift(kind: int, p: Memory, low: float, high: float) -> float:
     """Position halfway up the lift between two positions."""
     half = 0.5 * (linkage_at(kind, p, low)[5] + linkage_at(kind, p, high)[5])
     x = 0.5 * (low + high)
-    for _ in range(_ROUNDS):
-        if linkage_at(kind, p, x)[5] < half:
-            low = x
-        else:
-            high = x
-        following = moved_to_lift(kind, p, x, half)
-        following = following if low < following < high else 0.5 * (low + high)
-        done = abs(following - x) <= EPS * abs(x)
-        x = following
-        if done:
+    for _ in range(MOST_TURNS):
+        link = linkage_at(kind, p, x)
+        x, low, high, settled = newton_between(x, link[5] - half, link[6], True, low, high)
+        if settled:
             break
     return x
 

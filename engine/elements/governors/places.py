@@ -9,6 +9,7 @@ from enum import IntEnum
 
 from engine.compiling.decorators import routine
 from engine.cycle.panels.lanes import Memory
+from engine.cycle.roots import MOST_TURNS, newton_between
 from engine.laws.governors.equilibrium import holding, sleeve_equivalent, stability_margin
 from engine.laws.governors.linkages import balls_on_bell_cranks, balls_on_lower_arms, balls_on_upper_arms
 from engine.laws.rounding import EPS
@@ -51,9 +52,8 @@ _UPPER_ARMS, _LOWER_ARMS, _BELL_CRANKS = (int(k) for k in tuple(Holding)[:3])
 _OVER_RADIUS = int(Holding.OVER_RADIUS)
 _LINEAR, _TABLE, _FULL_AND_SHUT = (int(k) for k in tuple(Throttling)[1:])
 
-# Samples in which a position is sought for a radius that no formula gives. Newton's method then takes a handful of
-# rounds, halving of the bracket one for each bit.
-_SAMPLES, _ROUNDS = 64, 100
+# Samples in which a position is sought for a radius that no formula gives.
+_SAMPLES = 64
 
 
 @routine
@@ -158,17 +158,10 @@ def margin_at(kind: int, p: Memory, memory: Memory, x: float, zero: float) -> tu
 def _narrowed(kind: int, p: Memory, radius: float, low: float, high: float) -> float:
     """Position between two others at which the balls have a radius: Newton's method, halving where that leaves them."""
     x = high
-    for _ in range(_ROUNDS):
+    for _ in range(MOST_TURNS):
         link = linkage_at(kind, p, x)
-        if link[0] < radius:
-            low = x
-        else:
-            high = x
-        following = x - (link[0] - radius) / link[1]
-        following = following if low < following < high else 0.5 * (low + high)
-        done = abs(following - x) <= EPS * abs(x)
-        x = following
-        if done:
+        x, low, high, settled = newton_between(x, link[0] - radius, link[1], True, low, high)
+        if settled:
             break
     return x
 

@@ -19,6 +19,7 @@ import math
 import numpy as np
 
 from engine.compiling.decorators import driver, routine
+from engine.cycle.roots import MOST_TURNS, newton_between
 from engine.elements.oscillators.damped_vibration import damped_vibration, next_turn
 
 # What an oscillator is given, and what is found; in this order in the tables.
@@ -28,7 +29,6 @@ FOUND = 7
 
 # Half periods at either end of a piece in which its greatest displacement is looked for: of each sign two tops.
 _ENDS = 4
-_TURNS = 60
 # Half periods that can be counted.
 _MOST = 2.0**52
 # Of tops that are the same but for rounding, the first.
@@ -40,19 +40,12 @@ def _when_it_turns(low: float, high: float, w: float, beta: float, u: float, v: 
     """When B + u̇ vanishes, which changes its sign once between two instants: Newton's method between bounds."""
     rises = drift + damped_vibration(w, beta, u, v, high)[1] > 0.0
     time = 0.5 * (low + high)
-    for _ in range(_TURNS):
+    for _ in range(MOST_TURNS):
         moved, rate = damped_vibration(w, beta, u, v, time)
-        if (drift + rate > 0.0) == rises:
-            high = time
-        else:
-            low = time
         slope = -2.0 * beta * rate - w * w * moved
-        new = time - (drift + rate) / slope if slope != 0.0 else low
-        if not low < new < high:
-            new = 0.5 * (low + high)
-        if abs(new - time) <= 4e-16 * new or high - low <= 4e-16 * high:
-            return new
-        time = new
+        time, low, high, settled = newton_between(time, drift + rate, slope, rises, low, high)
+        if settled:
+            break
     return time
 
 

@@ -18,12 +18,12 @@ import math
 import numpy as np
 from scipy.special import wofz
 
+from engine.elements.sampled_peak import sampled_peak
+
 # Instants at which the amplitude is looked up before its greatest one is narrowed down.
 INSTANTS = 64
 # The beats after the resonance decay; the greatest amplitude is the first of them, within so many units of time 1/√|α|.
 _BEFORE, _AFTER = 4.0, 8.0
-_NARROWINGS = 32
-_GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 _TURNED = np.exp(-0.25j * math.pi)
 
 
@@ -112,7 +112,7 @@ def run_through_peak(
         unit = 1.0 / np.sqrt(np.abs(acceleration))
     valid = (2.0 * ratio**2 < 1.0) & (crossed >= 0.0) & np.isfinite(crossed)
     frequency, ratio, start, acceleration, crossed, unit = (
-        np.where(valid, a, usual)[:, None]
+        np.where(valid, a, usual)
         for a, usual in zip(
             (frequency, ratio, start, acceleration, crossed, unit), (1.0, 0.1, 0.0, 0.1, 10.0, 1.0), strict=True
         )
@@ -121,27 +121,10 @@ def run_through_peak(
     lasts = np.maximum(1.0, 2.0 * ratio * frequency * unit)
     begin = np.maximum(crossed - _BEFORE * lasts * unit, 0.0)
     step = (crossed + _AFTER * lasts * unit - begin) / (INSTANTS - 1)
-    times = begin + step * np.arange(INSTANTS)
+    times = begin + step * np.arange(INSTANTS)[:, None]
 
     def size(time: np.ndarray) -> np.ndarray:
         return np.abs(run_through_motion(frequency, ratio, start, acceleration, time))
 
-    # Golden section on the steps beside the greatest of the instants.
-    best = np.take_along_axis(times, size(times).argmax(axis=1, keepdims=True), axis=1)
-    low, high = np.maximum(best - step, 0.0), best + step
-    inner, outer = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
-    at_inner, at_outer = size(inner), size(outer)
-    for _ in range(_NARROWINGS):
-        falls = at_inner > at_outer
-        low, high = np.where(falls, low, inner), np.where(falls, outer, high)
-        fresh = np.where(falls, high - _GOLDEN * (high - low), low + _GOLDEN * (high - low))
-        at_fresh = size(fresh)
-        inner, at_inner, outer, at_outer = (
-            np.where(falls, fresh, outer),
-            np.where(falls, at_fresh, at_outer),
-            np.where(falls, inner, fresh),
-            np.where(falls, at_inner, at_fresh),
-        )
-    found = at_inner > at_outer
-    peak, time = np.where(found, at_inner, at_outer), np.where(found, inner, outer)
-    return np.where(valid, peak[:, 0], math.nan), np.where(valid, time[:, 0], math.nan)
+    peak, time = sampled_peak(size, times)
+    return np.where(valid, peak, math.nan), np.where(valid, time, math.nan)

@@ -14,14 +14,13 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers
+from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers, nudged
 from engine.elements.rotors.bearings import BearingForces, peak_forces, rotating_forces, static_forces
 from engine.elements.rotors.correction import correct, corrected_unbalance, misplaced_share
 from engine.elements.rotors.grades import grade_needed, grade_reached, permissible_unbalance, tolerance_shares
 from engine.elements.rotors.hole_pattern import PatternError, best_holes
 from engine.elements.rotors.knife_edges import residual_unbalance, resting_angle
 from engine.elements.rotors.rotor_parts import CorrectionPlane, Unbalance
-from engine.elements.rotors.rotor_rounding import BalancedRotor, rotor_sizes
 from engine.elements.rotors.unbalance import (
     Resultant,
     about,
@@ -31,11 +30,12 @@ from engine.elements.rotors.unbalance import (
     unbalance,
     unbalance_in_two_planes,
 )
-from engine.laws.rounding import EPS
 from engine.parts.skeleton import AngularSpeed, Length, Mass, Name, Speed
 
 # So near to a whole number counts as one: error figures are made from numbers that are changed a little.
 WHOLE = 1e-6
+# Steps in which a correction is found, each with its rounding.
+STEPS = 32
 
 
 class RotorElement(Element):
@@ -123,11 +123,44 @@ class RotorElement(Element):
         return tuple(found)
 
     def evaluate(self, n: Numbers) -> Answers:
-        """Results with errors made of the sizes of their terms; those that are decided have none."""
-        found, sizes = rotor_columns(self, n)
-        finite = {name: np.where(np.isfinite(row), row, math.nan) for name, row in found.items()}
-        nothing = np.zeros(n["mass"].shape)
-        return Answers(finite, {name: EPS * np.nan_to_num(sizes.get(name, nothing), posinf=math.inf) for name in found})
+        """Results with error estimates by nudges of all numbers, and of what the corrections add as well.
+
+        What they leave is nothing but rounding where they balance the rotor, whatever its numbers.
+        """
+        added = {f"planes.{name}.added": np.ones_like(n["mass"]) for name in self.planes}
+        return Answers(*nudged(self.values, n | added))
+
+    def values(self, n: Numbers) -> Columns:
+        """Results of a set of variants by their names; NaN where there is no such rotor or correction."""
+        unbalances, places = rotor_unbalances(self, n)
+        before = resultant_unbalance(unbalances, places, n["centre"])
+        made, planes, added = rotor_corrections(self, n, before)
+        after = corrected_unbalance(before, made, planes)
+        bearings = n["first_bearing"], n["second_bearing"]
+        forces = [rotating_forces(state, *bearings, n["speed"]) for state in (before, after)]
+        weights = static_forces(n["mass"], n["centre"], *bearings)
+        permissible = permissible_unbalance(n["grade"], n["mass"], n["speed"])
+        allowed_couple = permissible * np.abs(bearings[1] - bearings[0])
+        shares = np.array(tolerance_shares(n["centre"], *bearings))
+        rolling_arm = n.get("rolling_arm", np.full_like(permissible, math.nan))
+        columns = added | {
+            "unbalance": np.abs(before.unbalance),
+            "couple": np.abs(about(before, n["centre"]).moment),
+            "kind": kind(before, n["centre"], permissible, allowed_couple).astype(float),
+            "single_plane": single_plane(before),
+            "permissible_unbalance": permissible,
+            "first_permissible": shares[0] * permissible,
+            "second_permissible": shares[1] * permissible,
+            **_qualities(n, (before, after), made, planes, permissible, shares, correction_errors(self, n)),
+            **_named(forces[0], "force_before"),
+            **_named(forces[1], "force_after"),
+            **_named(peak_forces(forces[0], weights), "peak_before"),
+            **_named(peak_forces(forces[1], weights), "peak_after"),
+            "correction_mass": sum(added[f"{name}.mass"] for name in self.planes),
+            "knife_edge_unbalance": residual_unbalance(n["mass"], rolling_arm),
+            "knife_edge_angle": resting_angle(np.abs(before.unbalance), n["mass"], rolling_arm),
+        }
+        return {name: np.where(np.isfinite(row), row, math.nan) for name, row in columns.items()}
 
 
 def _hole_results(name: str, plane: CorrectionPlane) -> Iterator[ElementResult]:
@@ -137,63 +170,6 @@ def _hole_results(name: str, plane: CorrectionPlane) -> Iterator[ElementResult]:
             f"{name}.hole_{k}", f"hole {k} used in plane {name}, counted from 1 (0 for none)", "1", exact=True
         )
         yield ElementResult(f"{name}.pieces_{k}", f"pieces in hole {k} used in plane {name}", "1", exact=True)
-
-
-def rotor_columns(rotor: RotorElement, numbers: Numbers) -> tuple[Columns, Columns]:
-    """All results of a rotor for a set of variants.
-
-    Parameters
-    ----------
-    rotor : RotorElement
-        Which unbalances and planes there are; its numbers are not used.
-    numbers : mapping of str to ndarray (variants,)
-        Its numbers by their keys, such as "planes.front.radius".
-
-    Returns
-    -------
-    columns : dict of str to ndarray (variants,)
-        As named by the results; NaN where there is no such rotor or correction.
-    sizes : dict of str to ndarray (variants,)
-        As for `rotor_sizes`; exact results have none.
-    """
-    n = numbers
-    unbalances, places = rotor_unbalances(rotor, n)
-    before = resultant_unbalance(unbalances, places, n["centre"])
-    made, planes, added = rotor_corrections(rotor, n, before)
-    after = corrected_unbalance(before, made, planes)
-    bearings = n["first_bearing"], n["second_bearing"]
-    forces = [rotating_forces(state, *bearings, n["speed"]) for state in (before, after)]
-    weights = static_forces(n["mass"], n["centre"], *bearings)
-    permissible = permissible_unbalance(n["grade"], n["mass"], n["speed"])
-    shares = np.array(tolerance_shares(n["centre"], *bearings))
-    off = correction_errors(rotor, n)
-    rolling_arm = n.get("rolling_arm", np.full_like(permissible, math.nan))
-    qualities, carried = _qualities(n, (before, after), made, planes, permissible, shares, off)
-    columns = added | {
-        "unbalance": np.abs(before.unbalance),
-        "couple": np.abs(about(before, n["centre"]).moment),
-        "kind": kind(before, n["centre"], permissible, permissible * np.abs(bearings[1] - bearings[0])).astype(float),
-        "single_plane": single_plane(before),
-        "permissible_unbalance": permissible,
-        "first_permissible": shares[0] * permissible,
-        "second_permissible": shares[1] * permissible,
-        **qualities,
-        **_named(forces[0], "force_before"),
-        **_named(forces[1], "force_after"),
-        **_named(peak_forces(forces[0], weights), "peak_before"),
-        **_named(peak_forces(forces[1], weights), "peak_after"),
-        "correction_mass": sum(added[f"{name}.mass"] for name in rotor.planes),
-        "knife_edge_unbalance": residual_unbalance(n["mass"], rolling_arm),
-        "knife_edge_angle": resting_angle(np.abs(before.unbalance), n["mass"], rolling_arm),
-    }
-    radii = np.stack([n[f"planes.{name}.radius"] for name in rotor.planes], axis=-1)
-    return columns, rotor_sizes(
-        rotor.unbalances,
-        rotor.planes,
-        n,
-        BalancedRotor(unbalances, places, made, planes, radii, shares, carried, off),
-        columns,
-    )
 
 
 def correction_errors(rotor: RotorElement, n: Numbers) -> np.ndarray:
@@ -210,21 +186,20 @@ def _qualities(
     permissible: np.ndarray,
     shares: np.ndarray,
     off: np.ndarray,
-) -> tuple[Columns, np.ndarray]:
-    """Quality and grade before, after, and with all errors adding up; what all corrections add in bearings' planes."""
+) -> Columns:
+    """Quality and grade before, after, and with all errors adding up."""
     first, second = n["first_bearing"], n["second_bearing"]
     before, after = (np.abs(unbalance_in_two_planes(state, first, second)) for state in states)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         levers = np.stack([planes.T - second, first - planes.T]) / (first - second)
         # What each plane's correction amounts to in the bearings' planes: (bearings, planes, variants).
         felt = np.abs(levers * made.T)
-        carried = felt.sum(axis=1)
-        room = ((shares * permissible - after) / carried).min(axis=0)
+        room = ((shares * permissible - after) / felt.sum(axis=1)).min(axis=0)
     columns = {"error_allowance": room}
     for word, residuals in (("before", before), ("after", after), ("at_worst", after + (felt * off).sum(axis=1))):
         needed = grade_needed(tuple(residuals), tuple(shares), n["mass"], n["speed"])
         columns[f"quality_{word}"], columns[f"grade_{word}"] = needed, grade_reached(needed) / 1000
-    return columns, carried
+    return columns
 
 
 def rotor_unbalances(rotor: RotorElement, n: Numbers) -> tuple[np.ndarray, np.ndarray]:
@@ -268,7 +243,7 @@ def rotor_corrections(rotor: RotorElement, n: Numbers, before: Resultant) -> tup
             for i in range(plane.used):
                 columns[f"{name}.hole_{i + 1}"], columns[f"{name}.pieces_{i + 1}"] = places[:, i], pieces[:, i]
         columns[f"{name}.angle"] = np.angle(meant) % math.tau
-        made[:, k] = meant
+        made[:, k] = meant * n.get(f"{path}.added", 1.0) ** STEPS
     return made, positions, columns
 
 

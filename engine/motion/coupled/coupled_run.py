@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.cycle.roots import regula_falsi
 from engine.motion.coupled.coupled_step import (
     APART,
     BACKWARDS,
@@ -28,7 +29,6 @@ from engine.motion.coupled.coupled_step import (
 )
 from engine.motion.coupled.two_sides import CoupledSides, Joined
 from engine.motion.moments.breaks import JUMP
-from engine.motion.regula_falsi import regula_falsi
 from engine.verdicts import Verdict
 
 TOLERANCE, FARTHEST_TURN = 1e-10, 0.25 * np.pi

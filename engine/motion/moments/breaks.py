@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.graph.nodes import Constant, Crossing, Given, Held, Node, Operation, reached
+from engine.laws.rounding import EPS
 from engine.mechanism.acting import Load
 from engine.mechanism.actions.tables import kinks_of
 from engine.scene.load_formulas import load_formulas
@@ -18,7 +19,7 @@ from engine.scene.scene import Numbers, Scene
 # Half the width of a jump [rad]: a node on either side. Beyond the rounding of the angle, and far below all else.
 JUMP = 1e-10
 # Half the width of a jump in time, of the times of its table.
-INSTANT = 1e-12
+INSTANT = 8.0 * EPS
 # The same about the time 0 [s].
 LEAST_INSTANT = 1e-200
 

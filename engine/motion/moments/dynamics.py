@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from engine.cycle.roots import regula_falsi
 from engine.graph.functions import functions_at
 from engine.graph.nodes import Node, reached
 from engine.laws.senses import sense
@@ -18,7 +19,6 @@ from engine.motion.moments.breaks import Breaks, instants_of
 from engine.motion.moments.grid import Grid, make_grid
 from engine.motion.moments.landmarks import Landmarks
 from engine.motion.moments.tabulation import Ends, Sums, Tabulation
-from engine.motion.regula_falsi import regula_falsi
 from engine.motion.steppers.energy_form import Tables
 from engine.parts.actions import Brake, DCMotor
 from engine.parts.motor_constants import kloss_constants, stall_moment

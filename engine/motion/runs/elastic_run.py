@@ -243,7 +243,8 @@ def run_on_shaft(
         h = np.minimum(np.where(np.isfinite(factor), factor, _SHRINKS) * np.maximum(h, 1e-9 * longest), longest)
         if record and taken[0]:
             history.append(np.array([time[0], *y[:, 0], going.moment(y)[0]]))
-    verdict = np.where(time >= duration, Verdict.OK, Verdict.NO_END).astype(np.uint8)
+    unfinished = np.where(hopeless, Verdict.SHAFT_RIGID, Verdict.NO_END)
+    verdict = np.where(time >= duration, Verdict.OK, unfinished).astype(np.uint8)
     return ElasticRun(greatest, greatest_at, y, stops, closings, verdict, np.array(history).T if record else None)
 
 

@@ -8,9 +8,9 @@ from numba import types
 
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES
+from engine.cycle.roots import regula_falsi
 from engine.laws.runge_kutta import ORDER_EIGHT, Method
 from engine.motion.moments.grid import edges_of
-from engine.motion.regula_falsi import regula_falsi
 from engine.motion.runs.run_progress import COARSER, Progress
 from engine.motion.runs.settled_runs import Carry, pass_mark
 from engine.motion.runs.watching import BetweenNodes, Piece

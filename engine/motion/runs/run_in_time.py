@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from engine.cycle.roots import regula_falsi
 from engine.motion.moments.grid import JUMP
-from engine.motion.regula_falsi import regula_falsi
 from engine.motion.runs.run_progress import Progress
 from engine.motion.runs.settled_runs import Carry, pass_mark
 from engine.motion.runs.watching import BetweenNodes, piece_in_time

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
 from engine import ElementsAlone, Scene, SceneError, Verdict
-from engine.elements.rotors.rotor import rotor_columns
 from sweeps.pictures.elements.unbalance_plan import plan_of, unbalance_plan
 from sweeps.pictures.picture_error import PictureError
 from sweeps.study.bundled import STUDIES
@@ -123,7 +122,7 @@ def test_rotor__quality_is_the_grade_whose_tolerances_just_hold_it():
 def test_rotor__errors_of_mass_and_angle_leave_at_most_the_quality_at_worst(mass_error, angle_error, parts):
     planes = planes_with(mass_error=mass_error, angle_error=angle_error)
     rotor = element(planes=planes)
-    found, _ = rotor_columns(rotor, rotor.own_numbers())
+    found = rotor.values(rotor.own_numbers())
     added = [
         (m * (1 + mass_error * p), r, a + angle_error * q, z)
         for (m, r, a, z), p, q in zip(added_masses(found, planes), parts[:2], parts[2:], strict=True)
@@ -263,7 +262,7 @@ def test_plan__shows_masses_corrections_and_what_the_bearings_feel():
     rotor = read_scene(STUDIES / "balancing" / "scenes" / "fan_rotor.toml").elements["fan"]
     plan = plan_of(rotor)
     assert plan.names == ("left_disc", "right_disc", "coupling", "left", "right")
-    found, _ = rotor_columns(rotor, rotor.own_numbers())
+    found = rotor.values(rotor.own_numbers())
     square = rotor.speed**2
     assert plan.bearings[0] * square == pytest.approx([found[f"{b}_force_before"][0] for b in ("first", "second")])
     assert plan.bearings[1] * square == pytest.approx([found[f"{b}_force_after"][0] for b in ("first", "second")])

@@ -54,6 +54,7 @@ sizes = st.floats(-1, 1).map(lambda x: 10**x)
 @example(10.0, 1.0, 2.0, 5e-324, 1.0, 0.0)
 @example(10.0, 1.0, 2.0, 1e-300, 1.0, 0.0)
 @example(10.0, 1.0, 2.0, 1e-290, 1.0, 0.0)
+@example(1.0, 1.0, 2.0, 0.0, 1.0, 5e-14)
 def test_first_peak_of_a_start__is_the_closed_form(first, second, k, gap, motor, share):
     k, load = 10**k, share * motor
     # Long enough for the gap, and for a half wave after it.

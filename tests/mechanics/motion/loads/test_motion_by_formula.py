@@ -201,7 +201,7 @@ def test_machine_that_swings_back__is_resisted_on_its_way_back_too():
 @pytest.mark.parametrize(
     ("formula", "words", "method"),
     [
-        ("12 N m", "case 1: I constant, M constant of load (by formula)", "closed form"),
+        ("12 N m", "case 1: I constant, M constant of load (by formula)", "energy form"),
         ("3 N m s * omega", "case 2: I constant, M(ω) of load (by formula)", "energy form"),
         ("3 N m * cos(2 * phi)", "case 2: I constant, M(φ) of load (by formula)", "energy form"),
         ("3 N m * cos(2 rad/s * t)", "case 2: I constant, M(t) of load (by formula)", "time form"),

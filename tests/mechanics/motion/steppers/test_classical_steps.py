@@ -46,7 +46,7 @@ def test_error__falls_with_the_fourth_power_and_stays_within_its_figure():
         assert -5.0 < order < -3.8, (name, errors)
 
 
-def test_closed_form__is_left_where_a_method_is_named():
+def test_method_that_is_named__is_used_and_told():
     # ω = ω₀(1 − e^(−t/T)) after 1 s, with T = I ω₀/M₀ = 2 s.
     named = {"method": "rk4", "steps_per_turn": 32}
     scene = rotor({"go": run("dc", from_speed=20.0, time=1.0, **named)})

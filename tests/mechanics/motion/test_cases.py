@@ -1,4 +1,4 @@
-"""The five cases recognised from scenes, and runs in closed form against quadrature by mpmath and the numerics."""
+"""The five cases recognised from scenes, and runs with constant inertia against quadrature by mpmath."""
 
 import math
 from itertools import pairwise
@@ -12,7 +12,7 @@ from mpmath import mpf
 from engine import Machine, Scene, Verdict
 from engine.laws.tables import make_table, table_value
 from engine.mechanism.mechanics import Mechanics
-from engine.motion.cases import MomentLaw, regime_text
+from engine.motion.cases import regime_text
 from engine.parts.motor_constants import kloss_constants
 from engine.scene.scene import Numbers, scene_numbers
 
@@ -81,13 +81,11 @@ def slider_crank(moments, regimes):
     return scene
 
 
-def asked(scene, varied=None, positions=240, forced=False):
-    """Every quantity of every regime, its error figure, and the verdicts; `forced` by the numerics."""
+def asked(scene, varied=None, positions=240):
+    """Every quantity of every regime, its error figure, and the verdicts."""
     scene, varied = Scene.model_validate(scene), varied or {}
     names = [f"{regime}.{quantity}" for regime in scene.regimes for quantity in QUANTITIES]
     machine = Machine(scene, summaries=names, varied=varied, positions=positions)
-    if forced:
-        machine.schedule.cases = {name: case._replace(law=None) for name, case in machine.schedule.cases.items()}
     return machine.evaluate(varied)
 
 
@@ -100,67 +98,66 @@ def acting(*names, steady=False, **end):
     return {"type": "steady", "off": off} if steady else {"type": "run", "off": off, **(end or {"speed": 50.0})}
 
 
-# Regime, case of a machine with constant I and its method, and of one with I(φ).
+# Regime, case of a machine with constant I, and of one with I(φ).
 CASES = [
-    (acting(), "1: I constant, no moment", "closed form", 3),
-    (acting("brake", rest=True), "1: I constant, M constant of brake (block brake)", "closed form", 3),
+    (acting(), "1: I constant, no moment", 3),
+    (acting("brake", rest=True), "1: I constant, M constant of brake (block brake)", 3),
     (
         acting("push", "rub", cycles=2.0),
         "1: I constant, M constant of push (constant) and rub (against motion)",
-        "closed form",
         3,
     ),
     (
         acting("dc", "rub", "oil", time=2.0),
         "2: I constant, M(ω) of dc (DC motor) and oil (viscous resistance)",
-        "closed form",
         5,
     ),
-    (acting("push", "fan"), "2: I constant, M(ω) of fan (resistance by ω²)", "closed form", 5),
+    (acting("push", "fan"), "2: I constant, M(ω) of fan (resistance by ω²)", 5),
     (
         acting("oil", "fan"),
         "2: I constant, M(ω) of oil (viscous resistance) and fan (resistance by ω²)",
-        "energy form",
         5,
     ),
-    (acting("grain"), "2: I constant, M(ω) of grain (resistance by a power of ω)", "energy form", 5),
-    (acting("induction", "rub"), "2: I constant, M(ω) of induction (induction motor)", "closed form", 5),
-    (acting("induction", "rub", time=1.0), "2: I constant, M(ω) of induction (induction motor)", "energy form", 5),
+    (acting("grain"), "2: I constant, M(ω) of grain (resistance by a power of ω)", 5),
+    (acting("induction", "rub"), "2: I constant, M(ω) of induction (induction motor)", 5),
+    (acting("induction", "rub", time=1.0), "2: I constant, M(ω) of induction (induction motor)", 5),
     (
         acting("induction", "oil"),
         "2: I constant, M(ω) of induction (induction motor) and oil (viscous resistance)",
-        "energy form",
         5,
     ),
-    (acting("dc", steady=True), "2: I constant, M(ω) of dc (DC motor)", "energy form", 5),
-    (acting("turn"), "2: I constant, M(φ) of turn (table)", "energy form", 3),
-    (acting("kick", "rub", time=3.0), "2: I constant, M(t) of kick (table)", "closed form", 5),
-    (acting("kick"), "2: I constant, M(t) of kick (table)", "time form", 5),
-    (acting("kick", "again", time=3.0), "2: I constant, M(t) of kick (table) and again (table)", "time form", 5),
-    (acting("dc", "turn"), "4: I constant, M(φ, ω) of dc (DC motor) and turn (table)", "energy form", 5),
-    (acting("kick", "dc", time=1.0), "4: I constant, M(ω, t) of dc (DC motor) and kick (table)", "time form", 5),
+    (acting("dc", steady=True), "2: I constant, M(ω) of dc (DC motor)", 5),
+    (acting("turn"), "2: I constant, M(φ) of turn (table)", 3),
+    (acting("kick", "rub", time=3.0), "2: I constant, M(t) of kick (table)", 5),
+    (acting("kick"), "2: I constant, M(t) of kick (table)", 5),
+    (acting("kick", "again", time=3.0), "2: I constant, M(t) of kick (table) and again (table)", 5),
+    (acting("dc", "turn"), "4: I constant, M(φ, ω) of dc (DC motor) and turn (table)", 5),
+    (acting("kick", "dc", time=1.0), "4: I constant, M(ω, t) of dc (DC motor) and kick (table)", 5),
     (
         acting("kick", "dc", "turn"),
         "4: I constant, M(φ, ω, t) of dc (DC motor), kick (table) and turn (table)",
-        "time form",
         5,
     ),
 ]
 
 
+def method_of(regime):
+    return "energy form" if "kick" in regime["off"] else "time form"
+
+
 def test_constant_inertia__its_cases():
     regimes = {f"r{i}": regime for i, (regime, *_) in enumerate(CASES)}
     found = regime_text(Mechanics(Scene.model_validate(crank(ACTIONS, regimes))))
-    assert found == [(f"r{i}", f"case {sentence}", method) for i, (_, sentence, method, _) in enumerate(CASES)]
+    expected = [(f"case {sentence}", method_of(regime)) for regime, sentence, _ in CASES]
+    assert found == [(f"r{i}", *case) for i, case in enumerate(expected)]
 
 
 def test_inertia_that_varies__its_cases():
     regimes = {f"r{i}": regime for i, (regime, *_) in enumerate(CASES)}
     found = regime_text(Mechanics(Scene.model_validate(slider_crank(ACTIONS, regimes))))
-    for (_, sentence, method), (regime, _, constant, number) in zip(found, CASES, strict=True):
+    for (_, sentence, method), (regime, _, number) in zip(found, CASES, strict=True):
         assert sentence.startswith(f"case {number}: I(φ), ")
-        timed = "kick" not in regime["off"]
-        assert method == ("time form" if timed else "energy form"), constant
+        assert method == method_of(regime)
 
 
 @pytest.mark.parametrize(("x", "number"), [(0.0, 1), (0.01, 2)])
@@ -178,7 +175,7 @@ def test_shaft_geared_to_a_shaft__leaves_inertia_constant():
     assert sentence.startswith("case 1: I constant")
 
 
-# Closed forms against quadrature
+# Runs against quadrature
 
 ENDS = {
     "until": {"speed": 60.0},
@@ -248,17 +245,19 @@ LAWS = {
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize(("begin", "way"), [(20.0, 1.0), (20.0, -1.0), (0.0, 1.0)])
-def test_run_in_closed_form__is_the_quadrature(law, begin, way):
+def test_run_with_constant_inertia__is_the_quadrature(law, begin, way):
     names, motor, loads = LAWS[law]
     moments = {**MOMENTS, "push": {**PUSH, "moment": math.copysign(6.0, way)}}
     outcome = asked(crank(moments, runs(begin, *names), speed=way * 100.0))
     assert outcome.status == [Verdict.OK]
     for regime, end in ENDS.items():
-        last = outcome.summaries[f"{regime}.final_speed"][0]
-        for name, value in references(begin, last, motor, loads).items():
+        last, unsure = (part[f"{regime}.final_speed"][0] for part in (outcome.summaries, outcome.errors))
+        found, beside = (references(begin, speed, motor, loads) for speed in (last, last - unsure))
+        for name, value in found.items():
             got, figure = (part[f"{regime}.{name}"][0] for part in (outcome.summaries, outcome.errors))
-            # The reference is taken to the speed that was found, right to its own figure, some ten EPS.
-            assert abs(got - value) <= figure + 40 * EPS * abs(value), (regime, name, got, value, figure)
+            # The reference is taken to the speed that was found, right to its own error estimate.
+            figure += abs(value - beside[name]) + 40 * EPS * abs(value)
+            assert abs(got - value) <= figure, (regime, name, got, value, figure)
         key, goal = next(iter(end.items()))
         name = {"speed": "final_speed", "time": "time", "cycles": "angle"}[key]
         expected = 2 * math.pi * goal if key == "cycles" else goal
@@ -289,11 +288,10 @@ def test_braking_to_rest__is_the_published_example():
     outcome = asked(crank({"brake": BRAKE}, {"stop": {"type": "run", "from_speed": 100.0, "rest": True}}))
     expected = {"time": 50.0, "angle": 2500.0, "final_speed": 0.0, "brake_heat": 2000.0}
     for name, value in expected.items():
-        assert outcome.summaries[f"stop.{name}"][0] == pytest.approx(value, rel=10 * EPS)
-        assert outcome.errors[f"stop.{name}"][0] <= 50 * EPS * value
+        assert abs(outcome.summaries[f"stop.{name}"][0] - value) <= outcome.errors[f"stop.{name}"][0] <= 1e-9 * value
 
 
-def test_figures_of_closed_forms__hold_near_the_final_speed():
+def test_error_figures__hold_near_the_final_speed():
     # The nearer to the final speed, the less certain is the time to it: the moment cancels.
     shares = 1.0 - np.geomspace(1e-1, 1e-12, 40)
     scene = crank({"dc": DC, "oil": OIL}, {"go": {"type": "run", "from_speed": 0.0, "speed": 1.0}})
@@ -304,64 +302,9 @@ def test_figures_of_closed_forms__hold_near_the_final_speed():
     outcome = asked(scene, {"regimes.go.speed": speeds})
     error = np.abs(outcome.summaries["go.time"] - exact)
     assert (error <= outcome.errors["go.time"]).all()
-    # And they say no more than a hundred times what the moment's last digit does.
-    assert (outcome.errors["go.time"] <= 100 * EPS * (np.array(exact) + INERTIA / 0.22 / (1.0 - shares))).all()
-
-
-# Closed forms against the numerics
-
-
-@pytest.mark.parametrize("speed", [100.0, -100.0])
-def test_schedule_in_closed_form__is_that_of_the_numerics(speed):
-    regimes = {
-        "start": {"type": "run", "off": ["brake", "kick"], "from_speed": 5.0, "speed": 60.0},
-        "work": {"type": "run", "off": ["brake", "kick"], "cycles": 30.0},
-        "coast": {"type": "run", "off": ["dc", "brake", "kick"], "time": 1.5},
-        "kicked": {"type": "run", "off": ["dc", "brake", "oil"], "time": 1.0},
-        "stop": {"type": "run", "off": ["dc", "kick"], "speed": 3.0},
-    }
-    kick = {**KICK, "over_time": [0.0, 8.0], "moment": [1.0, 8.0], "scale": math.copysign(1.0, speed)}
-    scene = crank({"dc": DC, "oil": OIL, "rub": RUB, "brake": BRAKE, "kick": kick}, regimes, speed)
-    machine = Machine(Scene.model_validate(scene), summaries=["stop.time"])
-    assert [case.law for case in machine.schedule.cases.values()] == [
-        MomentLaw.LINEAR,
-        MomentLaw.LINEAR,
-        MomentLaw.LINEAR,
-        MomentLaw.TIMED,
-        MomentLaw.LINEAR,
-    ]
-    closed, stepped = asked(scene), asked(scene, forced=True)
-    assert closed.status == stepped.status == [Verdict.OK]
-    for name, value in closed.summaries.items():
-        if name.endswith("work_residual"):
-            assert abs(value[0]) <= 10 * EPS
-            continue
-        if name == "start.motor_moment_peak":
-            # The numerics look at the ends of their steps only.
-            assert value[0] == pytest.approx(19.0, rel=4 * EPS)
-            continue
-        # RK4 with 240 steps a turn, at its worst in the first turns at 5 rad/s.
-        scale = max(abs(value[0]), 1e-9)
-        assert abs(value[0] - stepped.summaries[name][0]) <= 1e-8 * scale, name
-
-
-def test_variants_without_closed_form__go_step_by_step_beside_the_others():
-    # Within 3 s the strong brakes stop the machine, which then stands; the weak ones don't.
-    forces = np.array([50.0, 20.0, 800.0, 400.0, 30.0])
-    scene = crank({"brake": BRAKE}, {"go": {"type": "run", "from_speed": 20.0, "time": 3.0}})
-    outcome = asked(scene, {"moments.brake.force": forces})
-    assert (outcome.status == Verdict.OK).all()
-    moments = 2 * 0.2 * 0.1 * forces
-    stop = np.minimum(INERTIA * 20.0 / moments, 3.0)
-    assert list(stop < 3.0) == [False, False, True, True, False]
-    assert outcome.summaries["go.time"] == pytest.approx(3.0, rel=1e-12)
-    # The numerics have four or five figures of a stop so short.
-    tolerance = np.where(stop < 3.0, 1e-4, 20 * EPS)
-    angle = 20.0 * stop - moments / INERTIA * stop**2 / 2
-    assert (np.abs(outcome.summaries["go.angle"] - angle) <= tolerance * angle).all()
-    whole = asked(scene, {"moments.brake.force": forces}, forced=True)
-    for name, value in outcome.summaries.items():
-        assert (value[stop < 3.0] == whole.summaries[name][stop < 3.0]).all(), name
+    # And they say no more than a hundred times what the moment's last digit does, and what the steps may miss.
+    most = 100 * EPS * (np.array(exact) + INERTIA / 0.22 / (1.0 - shares)) + 1e-10 * np.array(exact)
+    assert (outcome.errors["go.time"] <= most).all()
 
 
 @pytest.mark.parametrize(
@@ -373,9 +316,9 @@ def test_variants_without_closed_form__go_step_by_step_beside_the_others():
         ({"fan": FAN}, {"speed": 10.0, "at_most": 50.0, "from_speed": 5.0}, Verdict.NO_END),
     ],
 )
-def test_run_that_does_not_end__is_judged_as_by_the_numerics(moments, end, verdict):
+def test_run_that_does_not_end__says_so(moments, end, verdict):
     scene = crank(moments, {"go": {"type": "run", **end}})
-    assert asked(scene).status == asked(scene, forced=True).status == [verdict]
+    assert asked(scene).status == [verdict]
 
 
 # Moment over time
@@ -417,7 +360,7 @@ def test_moment_over_time__is_its_impulse(interpolation, outside):
         for key, value in found.items():
             got, figure = (part[f"{name}.{key}"][0] for part in (outcome.summaries, outcome.errors))
             assert abs(got - value) <= figure + 200 * EPS * abs(value), (name, key, got, value)
-            assert figure <= 200 * EPS * max(abs(value), 100.0)
+            assert figure <= 2e-12 * max(abs(value), 100.0)
         course = np.array([speed(t, omega0, begin) for t in np.linspace(begin, end, 1001)])
         # Between instants 3.5e-3 s apart, with |dM/dt| up to 60 N·m/s, an extreme is higher by up to 60 t²/(8 I);
         # at a jump of the moment of 6 N·m, by up to 6 t/I.
@@ -425,12 +368,3 @@ def test_moment_over_time__is_its_impulse(interpolation, outside):
         assert -flat <= outcome.summaries[f"{name}.speed_min"][0] - course.min() <= 1e-13
         assert -1e-13 <= outcome.summaries[f"{name}.speed_max"][0] - course.max() <= flat
         omega0, begin = last, end
-
-
-def test_moment_over_time_that_stops_the_machine__goes_step_by_step():
-    kick = {**KICK, "over_time": [0.0, 4.0], "moment": [-3.0, 3.0]}
-    scene = crank({"kick": kick, "rub": RUB}, {"go": {"type": "run", "from_speed": 5.0, "time": 2.0}})
-    closed, stepped = asked(scene), asked(scene, forced=True)
-    assert closed.status == stepped.status
-    for name, value in closed.summaries.items():
-        np.testing.assert_array_equal(value, stepped.summaries[name])

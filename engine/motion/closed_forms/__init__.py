@@ -1,1 +1,0 @@
-"""Motions that have a closed form."""
