@@ -16,17 +16,18 @@ from engine.graph.nodes import Graph
 
 
 def over_arrays(law: Callable, *arguments: float | np.ndarray) -> np.ndarray:
-    """Results of a scalar law for every variant, (results, variants).
+    """Results of a scalar law, (results, ...).
 
     Parameters
     ----------
     law : callable
-        A compiled scalar law that gives a tuple of floats.
-    arguments : float or ndarray (variants,)
+        A compiled scalar law that gives a tuple of floats, or one.
+    arguments : float or ndarray (...)
         At least one of them an array.
     """
     function, count = _printed(law, len(arguments))
     table = np.array(np.broadcast_arrays(*arguments), float)
+    shape, table = table.shape[1:], table.reshape(len(table), -1)
     found = np.empty((count, table.shape[1]))
     nowhere, no_tables = np.zeros((1, LANES)), np.zeros(1)
 
@@ -36,7 +37,7 @@ def over_arrays(law: Callable, *arguments: float | np.ndarray) -> np.ndarray:
 
     prepare(_fill, [types.intp, types.intp, FILLS_TILE, *(numba.typeof(a) for a in memory()[1:])])
     spread(_fill, -(-table.shape[1] // LANES), memory)
-    return found
+    return found.reshape(count, *shape)
 
 
 @cache
@@ -45,6 +46,7 @@ def _printed(law: Callable, count: int) -> tuple[TileFunction, int]:
     graph = Graph()
     given = [graph.derived(f"number {i}", lambda numbers: 0.0) for i in range(count)]
     results = graph.apply(law, *given)
+    results = results if isinstance(results, tuple) else (results,)
     text = number_function(f"{law.__name__} over variants.", results, {node: i for i, node in enumerate(given)})
     return TileFunction(load_printed(text).numbers), len(results)
 
