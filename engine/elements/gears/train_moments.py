@@ -124,18 +124,12 @@ class _Equilibrium(NamedTuple):
     def solved(self, senses: np.ndarray) -> _Solved:
         """Equilibrium with first wheels driving where `senses` is 1, second ones where −1, no losses where 0."""
         structure = self.train.structure
-        count, meshes = len(structure.shafts), len(structure.meshes)
-        variants = senses.shape[1]
-        # What each mesh does to every shaft for a tooth force of one; the last row is the frame's.
-        acts = np.zeros((count + 1, meshes, variants))
+        count = len(structure.shafts)
         ends = self.teeth * np.where(
             np.array([senses < 0, senses > 0]).transpose(1, 0, 2), self.efficiencies[:, None], 1.0
         )
-        for j, place in enumerate(structure.meshes):
-            acts[place.first, j] += ends[j, 0]
-            acts[place.second, j] += ends[j, 1]
-            acts[place.carrier, j] -= ends[j].sum(axis=0)
-        acts = acts[:count]
+        # What each mesh does to every shaft for a tooth force of one.
+        acts = structure.equations(ends).swapaxes(0, 1)[:count]
         unknown = structure.number_of(structure.unknown_moments)
         known = [i for i in range(count) if i not in unknown]
         solution = solve(acts[known], -self.loads[known][:, None])

@@ -31,13 +31,8 @@ def train_speeds(train: GearTrain, n: Numbers) -> Measured:
         The frame's, 0, stand last: a shaft that is −1 stands still [rad/s]. NaN where none follow.
     """
     structure = train.structure
-    count, meshes = len(structure.shafts), len(structure.meshes)
-    variants = next(iter(n.values())).size
-    equations = np.zeros((meshes, count + 1, variants))
-    for j, place in enumerate(structure.meshes):
-        z_a, z_b = teeth_of(place, n)
-        for shaft, value in ((place.first, z_a), (place.second, z_b), (place.carrier, -(z_a + z_b))):
-            equations[j, shaft] += value
+    equations = structure.equations(np.array([teeth_of(place, n) for place in structure.meshes]))
+    count, variants = len(structure.shafts), equations.shape[-1]
     held, driven = structure.number_of(structure.held), structure.number_of(structure.driven)
     rest = [i for i in range(count) if i not in (*held, *driven)]
     given = np.array([n[f"shafts.{name}.speed"] for name in structure.driven])
