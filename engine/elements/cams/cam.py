@@ -7,17 +7,21 @@ from typing import Annotated, ClassVar, Literal, NamedTuple
 import numpy as np
 from pydantic import Field, model_validator
 
+from engine.elements.cams.cam_curves import cam_curves
 from engine.elements.cams.followers import CamLimits, LineContact, OscillatingFollower, TranslatingFollower
 from engine.elements.cams.least_base_circle import least_arm_angles, point_angle, room_at
 from engine.elements.cams.over_turn import Measures, Places, Sought, measure
 from engine.elements.cams.positions import at_positions, cam_variants, limit_radius, with_roundings
 from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, nudged
+from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.laws.cams.profiles import pressure_of_lines
 from engine.laws.rounding import EPS
-from engine.parts.motion_programs import TURN, CamProgram, Positive
+from engine.parts.motion_programs import TURN, CamProgram, Positive, sections_of
 from engine.parts.skeleton import AngularSpeed
 from engine.verdicts import Verdict
 
+# Curvatures beyond this many times the base circle's are left out of the diagram: edges have infinite ones.
+_MOST_CURVED = 30.0
 # Extremes over the turn, of which results are made.
 _SOUGHT = {
     "rise, leading": Sought("angle", 1, 1),
@@ -132,6 +136,19 @@ class CamElement(CamProgram, Element):
                 off = np.sqrt([errors[name] for name in of]) * found.places.blurs[[self._sought.index(x) for x in of]]
                 errors[at] = errors[at] + ROUNDING * EPS * TURN + np.choose(k, off)
         return self._answers(n, (values, errors), found.verdicts)
+
+    def panels(self) -> tuple[Panel, ...]:
+        """Motion, pressure angle, curvature and forces over the turn, with the ends of its sections."""
+        c, unit, rate = cam_curves(self), *(("m", "m") if self.translating else ("rad", "1"))
+        curvature = np.where(np.abs(c.curvature) * self.base_radius < _MOST_CURVED, c.curvature, np.nan)
+        rows = [("s", unit, c.displacement), ("s′", rate, c.first), ("s″", rate, c.second)]
+        rows += [] if self.follower.contact == "flat" else [("α", "rad", c.pressure_angle)]
+        rows += [("κ", "m-1", curvature)]
+        rows += [] if self.follower.moved is None else [("N", "N", c.force), ("M", "N m", c.moment)]
+        ends = sections_of(self, "", self.own_numbers()).begin
+        marks = (Mark("", None, 0.0), *(Mark("", float(np.squeeze(end)), None) for end in ends))
+        x = PanelAxis("angle of the cam", "rad")
+        return tuple(Panel(x, PanelAxis(name, u), c.angle, (Curve("", row),), marks) for name, u, row in rows)
 
     @property
     def _sought(self) -> tuple[str, ...]:

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.elements.cams.cam import CamElement
 from engine.elements.cams.positions import at_positions, cam_variants, sense_of
+from engine.parts.motion_programs import CamProgram
 
 
 class CamCurves(NamedTuple):
@@ -50,12 +50,13 @@ class CamCurves(NamedTuple):
     sense: int
 
 
-def cam_curves(cam: CamElement, points: int = 720) -> CamCurves:
+def cam_curves(cam: CamProgram, points: int = 720) -> CamCurves:
     """Courses of a cam with its own numbers.
 
     Parameters
     ----------
-    cam : CamElement
+    cam : CamProgram
+        A `CamElement`.
     points : int
         About how many over the turn; every smooth piece has at least nine.
 
@@ -80,7 +81,7 @@ def cam_curves(cam: CamElement, points: int = 720) -> CamCurves:
 
 
 @np.errstate(divide="ignore")
-def _courses(cam: CamElement, angle: np.ndarray, found: dict[str, np.ndarray]) -> CamCurves:
+def _courses(cam: CamProgram, angle: np.ndarray, found: dict[str, np.ndarray]) -> CamCurves:
     """Courses from what is found at points; places as complex numbers."""
     follower, sense, flat = cam.follower, sense_of(cam.follower), cam.follower.contact == "flat"
     y, s1, none = found["y"], found["s1"], np.zeros(angle.size)
