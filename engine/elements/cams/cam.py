@@ -83,7 +83,7 @@ class CamElement(CamProgram, Element):
     path of a cutter of `cutter_radius` is drawn and exported; unless given, it is as large as the roller.
     """
 
-    variants_at_once: ClassVar = 256
+    variants_at_once: ClassVar = 512
 
     type: Literal["cam"]
     base_radius: Positive
@@ -126,8 +126,8 @@ class CamElement(CamProgram, Element):
         angles = None if not limited else self._least_angles(n, found)
         values, errors = nudged(lambda m: self._values(m, found.places, angles), n)
         if self.follower.moved is not None:
-            relative = np.fmax(*(errors[name] / np.abs(values[name]) for name in ("driven", "driving")))
-            size = np.where(found.moment_size > 0.0, found.moment_size * (ROUNDING * EPS + relative), 0.0)
+            most, off = (np.abs([part["driven"], part["driving"]]).max(axis=0) for part in (values, errors))
+            size = np.where(most > 0.0, found.moment_size * (ROUNDING * EPS + off / most), 0.0)
             values["mean_moment"], errors["mean_moment"] = found.moment, size + found.moment_missed
         for result, _, _, of in made:
             at = f"{result.name}_at"
