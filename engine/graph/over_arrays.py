@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from functools import cache
 
-import numba
 import numpy as np
 from numba import types
 
@@ -13,6 +12,9 @@ from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
 from engine.graph.functions import number_function
 from engine.graph.nodes import Graph
+
+_ROWS = types.float64[:, ::1]
+_TYPES = types.intp, types.intp, FILLS_TILE, _ROWS, _ROWS, _ROWS, types.float64[:, :, ::1], _ROWS, types.float64[::1]
 
 
 def over_arrays(law: Callable, *arguments: float | np.ndarray) -> np.ndarray:
@@ -35,7 +37,7 @@ def over_arrays(law: Callable, *arguments: float | np.ndarray) -> np.ndarray:
         block, tile = np.empty((len(table), LANES)), np.empty((count, 1, LANES))
         return (function, table, found, block, tile, nowhere, no_tables)
 
-    prepare(_fill, [types.intp, types.intp, FILLS_TILE, *(numba.typeof(a) for a in memory()[1:])])
+    prepare(_fill, _TYPES)
     spread(_fill, -(-table.shape[1] // LANES), memory)
     return found.reshape(count, *shape)
 
