@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from functools import cache
 
-import numba
 import numpy as np
 from numba import types
 
@@ -14,19 +13,23 @@ from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
 from engine.graph.functions import number_function
 from engine.graph.nodes import Graph
 
+_ROWS = types.float64[:, ::1]
+_TYPES = types.intp, types.intp, FILLS_TILE, _ROWS, _ROWS, _ROWS, types.float64[:, :, ::1], _ROWS, types.float64[::1]
+
 
 def over_arrays(law: Callable, *arguments: float | np.ndarray) -> np.ndarray:
-    """Results of a scalar law for every variant, (results, variants).
+    """Results of a scalar law, (results, ...).
 
     Parameters
     ----------
     law : callable
-        A compiled scalar law that gives a tuple of floats.
-    arguments : float or ndarray (variants,)
+        A compiled scalar law that gives a tuple of floats, or one.
+    arguments : float or ndarray (...)
         At least one of them an array.
     """
     function, count = _printed(law, len(arguments))
     table = np.array(np.broadcast_arrays(*arguments), float)
+    shape, table = table.shape[1:], table.reshape(len(table), -1)
     found = np.empty((count, table.shape[1]))
     nowhere, no_tables = np.zeros((1, LANES)), np.zeros(1)
 
@@ -34,9 +37,9 @@ def over_arrays(law: Callable, *arguments: float | np.ndarray) -> np.ndarray:
         block, tile = np.empty((len(table), LANES)), np.empty((count, 1, LANES))
         return (function, table, found, block, tile, nowhere, no_tables)
 
-    prepare(_fill, [types.intp, types.intp, FILLS_TILE, *(numba.typeof(a) for a in memory()[1:])])
+    prepare(_fill, _TYPES)
     spread(_fill, -(-table.shape[1] // LANES), memory)
-    return found
+    return found.reshape(count, *shape)
 
 
 @cache
@@ -45,6 +48,7 @@ def _printed(law: Callable, count: int) -> tuple[TileFunction, int]:
     graph = Graph()
     given = [graph.derived(f"number {i}", lambda numbers: 0.0) for i in range(count)]
     results = graph.apply(law, *given)
+    results = results if isinstance(results, tuple) else (results,)
     text = number_function(f"{law.__name__} over variants.", results, {node: i for i, node in enumerate(given)})
     return TileFunction(load_printed(text).numbers), len(results)
 

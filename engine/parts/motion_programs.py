@@ -4,8 +4,10 @@ Second inputs, which have drives of their own, move by the same.
 """
 
 import math
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Literal, NamedTuple
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from engine.laws.tables import TableError, make_table
@@ -23,7 +25,8 @@ LawName = Literal[
     "modified trapezoid",
 ]
 _ONE_PROGRAM = "give sections, or a table of the motion over a turn, one of the two"
-# Angles and strokes as texts have them close to this.
+TURN = 2.0 * math.pi
+# Shares of a turn, or of a stroke, by which sums of sections may miss their end.
 CLOSING = 1e-9
 
 
@@ -184,6 +187,50 @@ class CamProgram(MotionProgram):
         if not self.sections and self.table is None:
             raise ValueError(_ONE_PROGRAM)
         return self
+
+
+class Sections(NamedTuple):
+    """Sections of a turn with the numbers of some variants: lists of float or ndarray (variants,), one for each.
+
+    `whole` says for each variant whether they make a turn that ends where that of the scene does.
+    """
+
+    begin: list[float | np.ndarray]
+    angle: list[float | np.ndarray]
+    before: list[float | np.ndarray]
+    stroke: list[float | np.ndarray]
+    whole: bool | np.ndarray
+
+
+def sections_of(program: MotionProgram, at: str, numbers: Mapping[str, float | np.ndarray]) -> Sections:
+    """Sections of a program.
+
+    Parameters
+    ----------
+    program : MotionProgram
+    at : str
+        What stands before its keys in the paths of numbers, with a dot at its end.
+    numbers : mapping of str to float or ndarray (variants,)
+    """
+    key = "lift" if program.translating else "swing"
+    given = {n: numbers[f"{at}sections.{n}.angle"] for n, s in program.sections.items() if s.angle is not None}
+    missing = TURN - sum(given.values())
+    is_open = len(given) < len(program.sections)
+    whole = missing > 0.0 if is_open else np.abs(missing) <= CLOSING * TURN
+    found, begin, before, greatest = ([], [], [], []), 0.0, 0.0, 0.0
+    for name, section in program.sections.items():
+        stroke = 0.0
+        if isinstance(section, RiseSection):
+            stroke = numbers[f"{at}sections.{name}.{key}"]
+        elif not isinstance(section, DwellSection):
+            stroke = -before if program.stroke_of(section) is None else -numbers[f"{at}sections.{name}.{key}"]
+        angle = given.get(name, missing)
+        for row, value in zip(found, (begin, angle, before, stroke), strict=True):
+            row.append(value)
+        begin, before = begin + angle, before + stroke
+        greatest = np.maximum(greatest, before)
+        whole = whole & (before >= -CLOSING * greatest)
+    return Sections(*found, whole & (np.abs(before - program.advance) <= CLOSING * greatest))
 
 
 def check_roller(contact: str, radius: float | None) -> None:

@@ -29,12 +29,12 @@ def _tables() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return places, values, shares
 
 
-PLACES, _values, _shares = _tables()
+PLACES, _values, SHARES = _tables()
 
 # The value in the middle is taken out as a constant. Coefficient 2i is then the sum over j of EVEN[i, j] (f_j +
 # f_{n−j}), coefficient 2i + 1 that of ODD[i, j] (f_j − f_{n−j}), j = 0 … n/2 − 1.
-EVEN = np.ascontiguousarray(_shares[0::2, :MIDDLE])
-ODD = np.ascontiguousarray(_shares[1::2, :MIDDLE])
+EVEN = np.ascontiguousarray(SHARES[0::2, :MIDDLE])
+ODD = np.ascontiguousarray(SHARES[1::2, :MIDDLE])
 
 
 def _integrals_from_middle() -> np.ndarray:

@@ -1,67 +1,78 @@
 """Cams: the shape of their profile, the motion of their follower, forces, and the least base circle."""
 
-import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from enum import IntEnum
-from functools import partial
 from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
-from numba import types
 from pydantic import Field, model_validator
 
-from engine.compiling.running import prepare
-from engine.elements.cams.cam_extremes import (
-    ACCELERATION_JUMP,
-    ANSWERS,
-    HALVINGS,
-    MEAN_MOMENT,
-    SAMPLES,
-    VELOCITY_DROP,
-    VELOCITY_JUMP,
-    TurnExtreme,
-    find_extremes,
-)
-from engine.elements.cams.cam_places import (
-    ARM,
-    DISTANCE,
-    LIMIT_RADIUS,
-    MODULUS,
-    NEVER,
-    POISSON,
-    QUANTITIES,
-    ROLLER,
-    WIDTH,
-)
+from engine.elements.cams.cam_curves import cam_curves
 from engine.elements.cams.followers import CamLimits, LineContact, OscillatingFollower, TranslatingFollower
-from engine.elements.cams.least_base_circle import least_arm_angles
-from engine.elements.cams.pieces import (
-    PIECE_NUMBERS,
-    PIECES_OF_A_SECTION,
-    cut_table,
-)
-from engine.elements.element import ROUNDING, Answers, Element, ElementResult, Numbers
-from engine.laws.cams.motion_laws import DWELL, LAW_KINDS
-from engine.laws.cams.profiles import least_arm_angle, pressure_of_lines
+from engine.elements.cams.least_base_circle import least_arm_angles, point_angle, room_at
+from engine.elements.cams.over_turn import Measures, Places, Sought, measure
+from engine.elements.cams.positions import at_positions, cam_variants, limit_radius, with_roundings
+from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, nudged
+from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.laws.cams.profiles import pressure_of_lines
 from engine.laws.rounding import EPS
-from engine.laws.tables import make_table
-from engine.parts.motion_programs import CamProgram, DwellSection, Positive, RiseSection
+from engine.parts.motion_programs import TURN, CamProgram, Positive, sections_of
 from engine.parts.skeleton import AngularSpeed
 from engine.verdicts import Verdict
 
-# An arm that is nearly in line with the line of centres; in line, its cam would have no room.
-_LEAST_ANGLE = 1e-9
-Found = tuple[np.ndarray, np.ndarray]
+# Curvatures beyond this many times the base circle's are left out of the diagram: edges have infinite ones.
+_MOST_CURVED = 30.0
+# Extremes over the turn, of which results are made.
+_SOUGHT = {
+    "rise, leading": Sought("angle", 1, 1),
+    "rise, lagging": Sought("angle", -1, 1),
+    "return, leading": Sought("angle", 1, -1),
+    "return, lagging": Sought("angle", -1, -1),
+    "convex": Sought("curvature", 1),
+    "hollow": Sought("curvature", -1),
+    "least radius": Sought("radius", -1),
+    "outwards": Sought("velocity", 1),
+    "inwards": Sought("velocity", -1),
+    "accelerated": Sought("acceleration", 1),
+    "decelerated": Sought("acceleration", -1),
+    "jerked": Sought("jerk", 1),
+    "jerked back": Sought("jerk", -1),
+    "face to": Sought("face", 1),
+    "face from": Sought("face", -1),
+    "pressed": Sought("force", 1),
+    "slack": Sought("force", -1),
+    "driven": Sought("moment", 1),
+    "driving": Sought("moment", -1),
+    "inner": Sought("inner", 1),
+    "outer": Sought("outer", 1),
+    "shortfall": Sought("shortfall", 1),
+    "growth": Sought("growth", 1),
+    "height, leading": Sought("height +1", 1),
+    "height, lagging": Sought("height -1", 1),
+    "curved height": Sought("curved height", 1),
+    "low angle": Sought("low angle", 1),
+    "high angle": Sought("high angle", -1),
+}
 
 
-class Sought(NamedTuple):
-    """What `find_extremes` finds of a set of variants: ndarrays (variants, ANSWERS), verdicts (variants,)."""
+class Lasting(IntEnum):
+    """Which results a cam has that can't move its follower as it should."""
 
-    values: np.ndarray
-    sizes: np.ndarray
-    places: np.ndarray
-    spreads: np.ndarray
-    verdicts: np.ndarray
+    ALWAYS = 0
+    UNLESS_UNDERCUT = 1
+    WHILE_TOUCHING = 2
+
+
+class Result(NamedTuple):
+    """A result of a cam, when it lasts, whether it has a value where the velocity jumps, and its extremes.
+
+    One with extremes is the greatest of them.
+    """
+
+    result: ElementResult
+    lasting: Lasting
+    with_impact: bool = True
+    of: tuple[str, ...] = ()
 
 
 class CamElement(CamProgram, Element):
@@ -72,7 +83,7 @@ class CamElement(CamProgram, Element):
     path of a cutter of `cutter_radius` is drawn and exported; unless given, it is as large as the roller.
     """
 
-    variants_at_once: ClassVar = 256
+    variants_at_once: ClassVar = 512
 
     type: Literal["cam"]
     base_radius: Positive
@@ -101,386 +112,254 @@ class CamElement(CamProgram, Element):
         """Those of its shape and motion, of forces where the follower's mass is known, and of its limits."""
         return tuple(made.result for made in _results(self))
 
-    def row(self, n: Numbers) -> np.ndarray:
-        """Numbers in the order of `engine.elements.cams.cam_places`, (variants, numbers); 0 where there is none.
-
-        Parameters
-        ----------
-        n : mapping of str to ndarray (variants,)
-        """
-        place, mass = ("offset", "mass") if self.translating else ("pivot_distance", "inertia")
-        follower = ("roller_radius", place, "arm", mass, "preload", "stiffness", "load", "friction")
-        found = [n["base_radius"], n["speed"]]
-        found += [n.get(f"follower.{key}", 0.0) for key in (*follower, "guide_length", "overhang")]
-        found += [np.tan(n.get("limits.pressure_angle", 0.0)), n.get("limits.convex_radius", 0.0)]
-        found += [n.get(f"line_contact.{key}", 0.0) for key in ("width", "elastic_modulus", "poisson")]
-        stroke = "lift" if self.translating else "swing"
-        for name in self.sections:
-            found += [n.get(f"sections.{name}.{key}", math.nan) for key in ("angle", stroke)]
-        return np.ascontiguousarray(np.array(np.broadcast_arrays(*found), float).T)
-
+    @np.errstate(all="ignore")
     def evaluate(self, n: Numbers) -> Answers:
-        """Results with errors made of the sizes of their terms, and verdicts."""
-        numbers = self.row(n)
-        seen = cam_extremes(self, numbers)
-        with np.errstate(all="ignore"):
-            made = _results(self)
-            found = [result.made(numbers, seen) for result in made]
-            verdicts = seen.verdicts.copy()
-            verdicts[(verdicts == Verdict.OK) & _is_undercut(self, numbers, seen)] = Verdict.UNDERCUT
-            if self.follower.moved is not None and self.closure == "spring":
-                lifts = (verdicts == Verdict.OK) & ~(-seen.values[:, TurnExtreme.SLACK] > 0.0)
-                verdicts[lifts & (seen.values[:, VELOCITY_JUMP] == 0.0)] = Verdict.LIFTS_OFF
+        """Results with their error estimates, and verdicts.
+
+        Extremes are sought once; what nudged numbers make of them is looked at where they are. Their places change with
+        that by the second order only, and by as much as rounding of a value leaves them undecided.
+        """
+        n, made = with_roundings({**n}), tuple(_results(self))
+        cams = cam_variants(self, n)
+        found = measure(cams, [_SOUGHT[name] for name in self._sought])
+        limited = self.limits is not None and not self.translating
+        angles = None if not limited else self._least_angles(n, found)
+        values, errors = nudged(lambda m: self._values(m, found.places, angles), n)
+        if self.follower.moved is not None:
+            most, off = (np.abs([part["driven"], part["driving"]]).max(axis=0) for part in (values, errors))
+            size = np.where(most > 0.0, found.moment_size * (ROUNDING * EPS + off / most), 0.0)
+            values["mean_moment"], errors["mean_moment"] = found.moment, size + found.moment_missed
+        for result, _, _, of in made:
+            at = f"{result.name}_at"
+            if at in values:
+                k = np.argmax([values[name] for name in of], axis=0)
+                off = np.sqrt([errors[name] for name in of]) * found.places.blurs[[self._sought.index(x) for x in of]]
+                errors[at] = errors[at] + ROUNDING * EPS * TURN + np.choose(k, off)
+        return self._answers(n, (values, errors), found.verdicts)
+
+    def panels(self) -> tuple[Panel, ...]:
+        """Motion, pressure angle, curvature and forces over the turn, with the ends of its sections."""
+        c, unit, rate = cam_curves(self), *(("m", "m") if self.translating else ("rad", "1"))
+        curvature = np.where(np.abs(c.curvature) * self.base_radius < _MOST_CURVED, c.curvature, np.nan)
+        rows = [("s", unit, c.displacement), ("s′", rate, c.first), ("s″", rate, c.second)]
+        rows += [] if self.follower.contact == "flat" else [("α", "rad", c.pressure_angle)]
+        rows += [("κ", "m-1", curvature)]
+        rows += [] if self.follower.moved is None else [("N", "N", c.force), ("M", "N m", c.moment)]
+        ends = sections_of(self, "", self.own_numbers()).begin
+        marks = (Mark("", None, 0.0), *(Mark("", float(np.squeeze(end)), None) for end in ends))
+        x = PanelAxis("angle of the cam", "rad")
+        return tuple(Panel(x, PanelAxis(name, u), c.angle, (Curve("", row),), marks) for name, u, row in rows)
+
+    @property
+    def _sought(self) -> tuple[str, ...]:
+        """Names of the extremes that this cam has."""
+        follower, limits = self.follower, self.limits
+        flat, dynamic, roller = follower.contact == "flat", follower.moved is not None, follower.contact == "roller"
+        steep = limits is not None and limits.pressure_angle is not None
+        has = {"angle": not flat, "curvature": not flat, "radius": flat, "face": flat}
+        has |= dict.fromkeys(("force", "moment", "shortfall", "growth"), dynamic)
+        has |= {"inner": dynamic and (flat or roller), "outer": dynamic and roller}
+        has |= dict.fromkeys(("height +1", "height -1"), steep and self.translating)
+        has |= dict.fromkeys(("low angle", "high angle"), steep and not self.translating)
+        has |= {"curved height": limits is not None and self.translating}
+        return tuple(name for name, sought in _SOUGHT.items() if has.get(sought.quantity, True))
+
+    def _least_angles(self, n: Numbers, found: Measures) -> tuple[np.ndarray, Places]:
+        """Least arm angles that keep the limits, and what keeps them from being less."""
+        angle, greatest, cams = point_angle(n), np.pi, cam_variants(self, n)
+        if "low angle" in self._sought:
+            x = self._extremes(n, found.places)[0]
+            angle, greatest = np.fmax(angle, x["low angle"]), -x["high angle"]
+        angle = np.where(angle < np.minimum(greatest, np.pi), angle, np.nan)
+        angle, at = least_arm_angles(cams, angle)
+        return np.where(angle <= greatest, angle, np.nan), at
+
+    def _extremes(self, n: Numbers, places: Places) -> tuple[Columns, Columns]:
+        """Extremes with their signs at their places, and the cam's angles there."""
+        cams = cam_variants(self, n)
+        variants = cams.lowest.size
+        p, u = (np.tile(part, variants // part.shape[1]) for part in places[:2])
+        v = np.broadcast_to(np.arange(variants), p.shape)
+        found, angle = at_positions(cams, p, v, u), cams.turn.cam_angle(p, v, u)
+        rows = {name: _SOUGHT[name].sign * found[_SOUGHT[name].quantity][k] for k, name in enumerate(self._sought)}
+        return rows, dict(zip(self._sought, angle, strict=True))
+
+    def _values(self, n: Numbers, places: Places, angles: tuple[np.ndarray, Places] | None) -> Columns:
+        """Extremes, and results by their names, whatever the verdict."""
+        x, at = self._extremes(n, places)
+        found, roller = {**x}, n.get("follower.roller_radius", 0.0)
+        for result, _, _, of in _results(self):
+            if of:
+                rows = [x[name] for name in of]
+                found[result.name] = np.max(rows, axis=0)
+                found[f"{result.name}_at"] = np.choose(np.argmax(rows, axis=0), [at[name] for name in of])
+        jump, drop, jump2 = cam_variants(self, n).turn.jumps()
+        found |= {"velocity_jump": n["speed"] * jump, "acceleration_jump": n["speed"] ** 2 * jump2, "drop": drop}
+        if self.follower.contact == "flat":
+            found |= {"convex_radius": -x["least radius"], "face_from": -x["face from"]}
+            found["face_length"] = x["face to"] + x["face from"]
+        else:
+            convex, hollow = x["convex"], x["hollow"]
+            radius = np.where(drop > 0.0, 0.0, np.where(convex > 0.0, 1.0 / convex, np.nan))
+            found |= {"convex_radius": radius - roller, "hollow_radius": np.where(hollow > 0.0, 1.0 / hollow, np.nan)}
+            found["hollow_radius"] = found["hollow_radius"] + roller
+            found["hollow_radius_at"] = np.where(hollow > 0.0, found["hollow_radius_at"], np.nan)
+            groove = self.closure == "form"
+            curved = np.maximum(convex, hollow) if groove else convex
+            corner = (jump if groove else drop) > 0.0
+            found["undercut_radius"] = np.where(corner, 0.0, np.where(curved > 0.0, 1.0 / curved, np.nan))
+        if self.follower.moved is not None:
+            found |= {"needed_preload": np.maximum(x["shortfall"], 0.0), "least_moment": -x["driving"]}
+            found |= {"least_contact_force": -x["slack"]}
+            found["lift_off_speed"] = np.where(x["growth"] > 0.0, x["growth"] ** -0.5, np.nan)
+        if self.line_contact is not None:
+            line = np.maximum(x["inner"], x["outer"]) if self.closure == "form" else x["inner"]
+            modulus = n["line_contact.elastic_modulus"] / (2.0 * (1.0 - n["line_contact.poisson"] ** 2))
+            found["contact_pressure"] = pressure_of_lines(line, modulus, n["line_contact.width"])
+        if self.limits is not None:
+            base = self._least_base(n, x) if angles is None else self._least_base_of_arm(n, x, angles)
+            # Corners of the profile stay below the limit whatever the base circle.
+            sharp = (limit_radius(n) > 0.0) & (drop > 0.0)
+            found["least_base_radius"] = np.where(sharp, np.nan, np.maximum(base, 0.0))
+        return found
+
+    def _least_base(self, n: Numbers, x: Columns) -> np.ndarray:
+        """Least base circle under a follower that slides: from the greatest of the heights that the positions need."""
+        height = np.max([x[name] for name in x if "height" in name], axis=0)
+        return np.hypot(np.maximum(height, 0.0), n["follower.offset"]) - n.get("follower.roller_radius", 0.0)
+
+    def _least_base_of_arm(self, n: Numbers, x: Columns, angles: tuple[np.ndarray, Places]) -> np.ndarray:
+        """Least base circle under a follower that swings, by its least arm angles with their own numbers."""
+        known, at = angles
+        d, variants = n["follower.pivot_distance"], n["speed"].size
+        copies = variants // known.size
+        angle, p, u = (np.tile(part, copies) for part in (known, at.pieces, at.u))
+        room, slope, bound = room_at(cam_variants(self, n), angle, p, np.arange(variants), u)
+        curved = angle - room / np.maximum(slope, np.sqrt(np.abs(bound * room)))
+        least = np.fmax(point_angle(n), x.get("low angle", 0.0))
+        angle = np.where(np.isnan(u), least, curved) + 0.0 * angle
+        if self.follower.contact == "flat":
+            return np.where(angle <= np.pi / 2, d * np.sin(angle), np.nan)
+        arm = n["follower.arm"]
+        prime = np.sqrt((d - arm) ** 2 + 4.0 * arm * d * np.sin(angle / 2) ** 2)
+        return prime - n.get("follower.roller_radius", 0.0)
+
+    def _answers(self, n: Numbers, found: tuple[Columns, Columns], verdicts: np.ndarray) -> Answers:
+        """Results that last under the verdicts, with these."""
+        values, errors = found
+        impact = values["velocity_jump"] > 0.0
+        verdicts = verdicts.copy()
+        verdicts[(verdicts == Verdict.OK) & self._is_undercut(n, values)] = Verdict.UNDERCUT
+        if self.follower.moved is not None and self.closure == "spring":
+            lifts = ~(values["least_contact_force"] > 0.0) & ~impact
+            verdicts[(verdicts == Verdict.OK) & lifts] = Verdict.LIFTS_OFF
         whole = np.isin(verdicts, (Verdict.OK, Verdict.UNDERCUT, Verdict.LIFTS_OFF))
-        values, errors = {}, {}
-        for (result, _, after), (value, size) in zip(made, found, strict=True):
-            gone = ~whole
-            if after >= Lasting.UNLESS_UNDERCUT:
-                gone = gone | (verdicts == Verdict.UNDERCUT)
-            if after == Lasting.WHILE_TOUCHING:
-                gone = gone | (verdicts == Verdict.LIFTS_OFF)
-            values[result.name] = np.where(gone, np.nan, value)
-            errors[result.name] = ROUNDING * EPS * np.where(np.isfinite(size), size, 0.0)
-        return Answers(values, errors, verdicts)
+        kept, off = {}, {}
+        for result, lasting, with_impact, _ in _results(self):
+            name, gone = result.name, ~whole
+            gone = gone | ((verdicts == Verdict.UNDERCUT) & (lasting >= Lasting.UNLESS_UNDERCUT))
+            gone = gone | ((verdicts == Verdict.LIFTS_OFF) & (lasting == Lasting.WHILE_TOUCHING))
+            gone = gone | (impact & (not with_impact))
+            if name == "greatest_jerk":
+                gone = gone | (values["acceleration_jump"] > 0.0)
+            kept[name] = np.where(gone, np.nan, values[name])
+            off[name] = np.where(np.isfinite(kept[name]), errors[name], 0.0)
+        return Answers(kept, off, verdicts)
+
+    def _is_undercut(self, n: Numbers, values: Columns) -> np.ndarray:
+        """Whether the profile can't be made; it has no corners but hollow ones under anything but a knife edge."""
+        contact = self.follower.contact
+        if contact == "knife edge":
+            return np.zeros(values["drop"].size, bool)
+        if contact == "flat":
+            return (values["drop"] > 0.0) | ~(values["convex_radius"] > 0.0)
+        return values["undercut_radius"] <= n["follower.roller_radius"]
 
 
-def cam_traits(cam: CamElement) -> np.ndarray:
-    """What a cam is, as `engine.elements.cams.cam_places` counts it."""
-    follower = cam.follower
-    opens = -1 if not cam.translating and follower.opens == "with" else 1
-    flat, dynamic = follower.contact == "flat", follower.moved is not None
-    return np.array([not cam.translating, flat, opens, dynamic, cam.limits is not None], np.int64)
-
-
-def cam_sections(cam: CamElement) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Kinds and directions of a cam's sections, and the pieces of its table; what it doesn't have is empty.
-
-    Parameters
-    ----------
-    cam : CamElement
-    """
-    kinds, directions = [], []
-    for section in cam.sections.values():
-        still = isinstance(section, DwellSection)
-        kinds.append(DWELL if still else LAW_KINDS[section.law])
-        directions.append(0 if still else 1 if isinstance(section, RiseSection) else -1)
-    tabled = np.empty((0, PIECE_NUMBERS))
-    if cam.table is not None:
-        table = cam.table
-        tabled = cut_table(make_table(table.over_angle, table.rows, table.interpolation, 2 * math.pi))
-    return np.array(kinds, np.int64), np.array(directions, np.int64), tabled
-
-
-def cam_extremes(cam: CamElement, numbers: np.ndarray) -> Sought:
-    """Sought over the turn.
-
-    Parameters
-    ----------
-    cam : CamElement
-        Its kind and its table; its numbers are not used.
-    numbers : ndarray (variants, NUMBERS + 2 sections)
-    """
-    variants = numbers.shape[0]
-    kinds, directions, tabled = cam_sections(cam)
-    values, sizes, places, spreads = np.full((4, variants, ANSWERS), np.nan)
-    verdicts = np.empty(variants, np.uint8)
-    pieces = np.empty((max(len(tabled), PIECES_OF_A_SECTION * kinds.size), PIECE_NUMBERS))
-    samples, stack = np.empty((SAMPLES + 1, 2 * QUANTITIES)), np.empty((2 * HALVINGS + 4, 2))
-    prepare(find_extremes, _TYPES)
-    find_extremes(
-        kinds, directions, cam_traits(cam), numbers, tabled, values, sizes, places, spreads, verdicts, pieces, samples,
-        stack,
-    )  # fmt: skip
-    return Sought(values, sizes, places, spreads, verdicts)
-
-
-_INTEGERS, _TABLE = types.int64[::1], types.float64[:, ::1]
-_TYPES = (*(_INTEGERS,) * 3, *(_TABLE,) * 6, types.uint8[::1], *(_TABLE,) * 3)
-
-
-class Result(NamedTuple):
-    """A result of a cam, what makes it of numbers and extremes, and what it doesn't survive."""
-
-    result: ElementResult
-    made: Callable[[np.ndarray, Sought], Found]
-    after: "Lasting"
-
-
-class Lasting(IntEnum):
-    """Which results a cam has that can't move its follower as it should."""
-
-    ALWAYS = 0
-    UNLESS_UNDERCUT = 1
-    WHILE_TOUCHING = 2
-
-
-def _results(cam: CamElement) -> list[Result]:
+def _results(cam: CamElement) -> Iterator[Result]:
     """Results of a cam."""
-    made = [*(_flat_shape(cam) if cam.follower.contact == "flat" else _shape(cam)), *_motion(cam)]
+    yield from (_flat_shape(cam) if cam.follower.contact == "flat" else _shape())
+    yield from _motion(cam)
     if cam.follower.moved is not None:
-        made += _forces(cam)
+        yield from _forces(cam)
     if cam.line_contact is not None:
-        result = ElementResult(
-            "contact_pressure", "greatest pressure by Hertz between cam and follower", "Pa", None, True
-        )
-        made.append(Result(result, partial(_pressure, cam.closure == "form"), Lasting.WHILE_TOUCHING))
+        words = "greatest pressure by Hertz between cam and follower"
+        yield _result("contact_pressure", words, "Pa", (Lasting.WHILE_TOUCHING, False))
     if cam.limits is not None:
         words = "least base radius that keeps the limits; none if no base circle does"
-        result = ElementResult("least_base_radius", words, "m", None, True)
-        make = _least_base if cam.translating else _least_base_of_arm
-        made.append(Result(result, partial(make, cam), Lasting.ALWAYS))
-    return made
+        yield _result("least_base_radius", words, "m")
 
 
-def _shape(cam: CamElement) -> Iterator[Result]:
+def _result(
+    name: str, words: str, unit: str, when: tuple[Lasting, bool] = (Lasting.ALWAYS, True), of: tuple[str, ...] = ()
+) -> Result:
+    return Result(ElementResult(name, words, unit, None, True), *when, of)
+
+
+def _with_angle(
+    name: str, words: str, unit: str, of: tuple[str, ...], when: tuple[Lasting, bool] = (Lasting.ALWAYS, True)
+) -> Iterator[Result]:
+    """A result and the cam's angle at which it is."""
+    yield _result(name, words, unit, when, of)
+    yield _result(f"{name}_at", f"cam angle of the {words.partition(';')[0]}", "rad", when)
+
+
+def _shape() -> Iterator[Result]:
     """Pressure angles and radii of curvature under a roller or knife edge."""
-    for stroke, ways in (
-        ("rise", (TurnExtreme.RISE_ANGLE, TurnExtreme.RISE_ANGLE_BACK)),
-        ("return", (TurnExtreme.RETURN_ANGLE, TurnExtreme.RETURN_ANGLE_BACK)),
-    ):
-        name, words = f"{stroke}_pressure_angle", f"greatest pressure angle of the {stroke}"
-        yield Result(ElementResult(name, words, "rad", None, True), partial(_greatest, ways), Lasting.ALWAYS)
-        at = ElementResult(f"{name}_at", f"cam angle of the {words}", "rad", None, True)
-        yield Result(at, partial(_where, ways), Lasting.ALWAYS)
-    curved, hollow = (TurnExtreme.CURVED,), (TurnExtreme.HOLLOW,)
-    for name, words, make, ways in (
-        ("convex_radius", "least radius of curvature of the convex profile", _convex, curved),
-        ("hollow_radius", "least radius of curvature of the hollow profile; none if it is convex", _hollow, hollow),
-    ):
-        yield Result(ElementResult(name, words, "m", None, True), make, Lasting.ALWAYS)
-        at = ElementResult(f"{name}_at", f"cam angle of the {words.partition(';')[0]}", "rad", None, True)
-        yield Result(at, partial(_where_hollow if make is _hollow else _where, ways), Lasting.ALWAYS)
-    limit = ElementResult("undercut_radius", "radius of the roller at which undercutting begins", "m", None, True)
-    yield Result(limit, partial(_undercut_radius, cam.closure == "form"), Lasting.ALWAYS)
+    for stroke in ("rise", "return"):
+        words, of = f"greatest pressure angle of the {stroke}", (f"{stroke}, leading", f"{stroke}, lagging")
+        yield from _with_angle(f"{stroke}_pressure_angle", words, "rad", of)
+    yield from _with_angle("convex_radius", "least radius of curvature of the convex profile", "m", ("convex",))
+    words = "least radius of curvature of the hollow profile; none if it is convex"
+    yield from _with_angle("hollow_radius", words, "m", ("hollow",))
+    yield _result("undercut_radius", "radius of the roller at which undercutting begins", "m")
 
 
 def _flat_shape(cam: CamElement) -> Iterator[Result]:
     """Curvature under a flat face, and the part of the face that is touched."""
-    radius = ElementResult("convex_radius", "least radius of curvature of the profile", "m")
-    yield Result(radius, _flat_radius, Lasting.ALWAYS)
-    at = ElementResult("convex_radius_at", "cam angle of the least radius of curvature", "rad")
-    yield Result(at, partial(_where, (TurnExtreme.HOLLOW,)), Lasting.ALWAYS)
-    origin = "beside the axis" if cam.translating else "from the pivot"
-    for name, words, make in (
-        ("face_from", f"least distance of the contact {origin}", partial(_least, TurnExtreme.FACE_FROM)),
-        ("face_to", f"greatest distance of the contact {origin}", partial(_most, TurnExtreme.FACE_TO)),
-        ("face_length", "length of the face that is touched", _face_length),
-    ):
-        yield Result(ElementResult(name, words, "m"), make, Lasting.UNLESS_UNDERCUT)
+    origin, made = "beside the axis" if cam.translating else "from the pivot", (Lasting.UNLESS_UNDERCUT, True)
+    found = (
+        _result("convex_radius", "least radius of curvature of the profile", "m", of=("least radius",)),
+        _result("convex_radius_at", "cam angle of the least radius of curvature", "rad"),
+        _result("face_from", f"least distance of the contact {origin}", "m", made),
+        _result("face_to", f"greatest distance of the contact {origin}", "m", made, ("face to",)),
+        _result("face_length", "length of the face that is touched", "m", made),
+    )
+    for made in found:
+        yield made._replace(result=made.result._replace(may_be_undefined=False))
 
 
 def _motion(cam: CamElement) -> Iterator[Result]:
     """The follower's motion."""
-    unit = "m" if cam.translating else "rad"
-    whole, speeds = Lasting.UNLESS_UNDERCUT, (TurnExtreme.OUTWARDS, TurnExtreme.INWARDS)
-    for name, words, power, make in (
-        ("greatest_velocity", "greatest velocity of the follower", 1, partial(_greatest, speeds)),
-        ("greatest_acceleration", "greatest acceleration of the follower, away from the cam", 2, _accelerated),
-        ("greatest_deceleration", "greatest acceleration of the follower, towards the cam", 2, _decelerated),
-        ("greatest_jerk", "greatest jerk of the follower; none where the acceleration jumps", 3, _jerked),
-        ("velocity_jump", "greatest jump of the follower's velocity", 1, partial(_most, VELOCITY_JUMP)),
-        ("acceleration_jump", "greatest jump of the follower's acceleration", 2, partial(_most, ACCELERATION_JUMP)),
+    unit, jerks = "m" if cam.translating else "rad", ("jerked", "jerked back")
+    for name, words, power, of in (
+        ("greatest_velocity", "greatest velocity of the follower", 1, ("outwards", "inwards")),
+        ("greatest_acceleration", "greatest acceleration of the follower, away from the cam", 2, ("accelerated",)),
+        ("greatest_deceleration", "greatest acceleration of the follower, towards the cam", 2, ("decelerated",)),
+        ("greatest_jerk", "greatest jerk of the follower; none where the acceleration jumps", 3, jerks),
+        ("velocity_jump", "greatest jump of the follower's velocity", 1, ()),
+        ("acceleration_jump", "greatest jump of the follower's acceleration", 2, ()),
     ):
-        unit_of = f"{unit} s-{power}"
-        yield Result(ElementResult(name, words, unit_of, None, True), make, whole)
+        smooth = name in ("greatest_velocity", "velocity_jump", "acceleration_jump")
+        yield _result(name, words, f"{unit} s-{power}", (Lasting.UNLESS_UNDERCUT, smooth), of)
 
 
 def _forces(cam: CamElement) -> Iterator[Result]:
     """Contact force, spring, driving moment."""
-    touching, spring = Lasting.WHILE_TOUCHING, cam.closure == "spring"
-    ways = (TurnExtreme.PRESSED,) if spring else (TurnExtreme.PRESSED, TurnExtreme.SLACK)
-    named = [
-        ("greatest_contact_force", "greatest force between cam and follower", "N", partial(_greatest, ways)),
-        ("greatest_contact_force_at", "cam angle of the greatest contact force", "rad", partial(_where, ways)),
-    ]
+    touching, spring = (Lasting.WHILE_TOUCHING, False), cam.closure == "spring"
+    of = ("pressed",) if spring else ("pressed", "slack")
+    yield from _with_angle("greatest_contact_force", "greatest force between cam and follower", "N", of, touching)
     if spring:
-        named += [
-            ("least_contact_force", "least force between cam and follower", "N", partial(_least, TurnExtreme.SLACK)),
-            (
-                "least_contact_force_at",
-                "cam angle of the least contact force",
-                "rad",
-                partial(_where, (TurnExtreme.SLACK,)),
-            ),
-        ]
-    named += [
-        ("greatest_moment", "greatest moment that turns the cam", "N m", partial(_most, TurnExtreme.DRIVEN)),
-        ("least_moment", "least moment that turns the cam; negative where it is driven", "N m", _driving),
-        ("mean_moment", "mean of the moment that turns the cam", "N m", partial(_most, MEAN_MOMENT)),
-    ]
-    for name, words, unit, make in named:
-        yield Result(ElementResult(name, words, unit, None, True), partial(_without_impact, make), touching)
+        words = "least force between cam and follower"
+        yield from _with_angle("least_contact_force", words, "N", ("slack",), touching)
+    for name, words, of in (
+        ("greatest_moment", "greatest moment that turns the cam", ("driven",)),
+        ("least_moment", "least moment that turns the cam; negative where it is driven", ()),
+        ("mean_moment", "mean of the moment that turns the cam", ()),
+    ):
+        yield _result(name, words, "N m", touching, of)
     if spring:
-        unit = "N" if cam.translating else "N m"
-        preload = ElementResult(
-            "needed_preload", "preload at which the follower just doesn't lift off", unit, None, True
-        )
-        yield Result(preload, partial(_without_impact, _needed_preload), Lasting.UNLESS_UNDERCUT)
+        unit, shaped = "N" if cam.translating else "N m", (Lasting.UNLESS_UNDERCUT, False)
+        yield _result("needed_preload", "preload at which the follower just doesn't lift off", unit, shaped)
         words = "speed of the cam at which the follower lifts off; none if it never does"
-        speed = ElementResult("lift_off_speed", words, "rad s-1", None, True)
-        yield Result(speed, partial(_without_impact, _lift_off_speed), Lasting.UNLESS_UNDERCUT)
-
-
-def _is_undercut(cam: CamElement, numbers: np.ndarray, seen: Sought) -> np.ndarray:
-    """Whether the profile can't be made; it has no corners but hollow ones under anything but a knife edge."""
-    if cam.follower.contact == "knife edge":
-        return np.zeros(numbers.shape[0], bool)
-    corner = seen.values[:, VELOCITY_DROP] > 0.0
-    if cam.follower.contact == "flat":
-        return corner | ~(-seen.values[:, TurnExtreme.HOLLOW] > 0.0)
-    radius = numbers[:, ROLLER]
-    limit = seen.values[:, TurnExtreme.CURVED]
-    if cam.closure == "form":
-        limit = np.maximum(limit, seen.values[:, TurnExtreme.HOLLOW])
-        corner = seen.values[:, VELOCITY_JUMP] > 0.0
-    return corner | ~(limit * radius < 1.0)
-
-
-def _better(ways: tuple[int, ...], seen: Sought) -> np.ndarray:
-    """Column of the greatest of several extremes, of each variant (1, variants)."""
-    return np.array(ways)[np.argmax(seen.values[:, ways], axis=1)][:, None]
-
-
-def _chosen(column: np.ndarray, array: np.ndarray) -> np.ndarray:
-    return np.take_along_axis(array, column, axis=1)[:, 0]
-
-
-def _greatest(ways: tuple[int, ...], numbers: np.ndarray, seen: Sought) -> Found:
-    column = _better(ways, seen)
-    return _chosen(column, seen.values), _chosen(column, seen.sizes)
-
-
-def _where(ways: tuple[int, ...], numbers: np.ndarray, seen: Sought) -> Found:
-    column = _better(ways, seen)
-    known = np.where(np.isfinite(_chosen(column, seen.values)), _chosen(column, seen.places), np.nan)
-    return known, _chosen(column, seen.spreads) / (ROUNDING * EPS)
-
-
-def _where_hollow(ways: tuple[int, ...], numbers: np.ndarray, seen: Sought) -> Found:
-    at, size = _where(ways, numbers, seen)
-    return np.where(seen.values[:, TurnExtreme.HOLLOW] > 0.0, at, np.nan), size
-
-
-def _most(which: int, numbers: np.ndarray, seen: Sought) -> Found:
-    return seen.values[:, which], seen.sizes[:, which]
-
-
-def _least(which: int, numbers: np.ndarray, seen: Sought) -> Found:
-    return -seen.values[:, which], seen.sizes[:, which]
-
-
-def _convex(numbers: np.ndarray, seen: Sought) -> Found:
-    curved, size = _most(TurnExtreme.CURVED, numbers, seen)
-    radius = np.where(curved > 0.0, 1.0 / curved, np.nan)
-    radius = np.where(seen.values[:, VELOCITY_DROP] > 0.0, 0.0, radius)
-    return radius - numbers[:, ROLLER], size * radius**2 + radius + numbers[:, ROLLER]
-
-
-def _hollow(numbers: np.ndarray, seen: Sought) -> Found:
-    hollow, size = _most(TurnExtreme.HOLLOW, numbers, seen)
-    radius = np.where(hollow > 0.0, 1.0 / hollow, np.nan)
-    return radius + numbers[:, ROLLER], size * radius**2 + radius + numbers[:, ROLLER]
-
-
-def _undercut_radius(groove: bool, numbers: np.ndarray, seen: Sought) -> Found:
-    curved, size = _greatest((TurnExtreme.CURVED, *((TurnExtreme.HOLLOW,) if groove else ())), numbers, seen)
-    corner = seen.values[:, VELOCITY_JUMP if groove else VELOCITY_DROP] > 0.0
-    radius = np.where(corner, 0.0, np.where(curved > 0.0, 1.0 / curved, np.nan))
-    return radius, size * radius**2 + radius
-
-
-def _flat_radius(numbers: np.ndarray, seen: Sought) -> Found:
-    return _least(TurnExtreme.HOLLOW, numbers, seen)
-
-
-def _face_length(numbers: np.ndarray, seen: Sought) -> Found:
-    values, sizes = seen.values, seen.sizes
-    both = (TurnExtreme.FACE_TO, TurnExtreme.FACE_FROM)
-    return values[:, both].sum(axis=1), sizes[:, both].sum(axis=1)
-
-
-def _without_impact(make: Callable[..., Found], numbers: np.ndarray, seen: Sought) -> Found:
-    """What has no value where the velocity jumps."""
-    value, size = make(numbers, seen)
-    return np.where(seen.values[:, VELOCITY_JUMP] > 0.0, np.nan, value), size
-
-
-def _accelerated(numbers: np.ndarray, seen: Sought) -> Found:
-    return _without_impact(partial(_most, TurnExtreme.ACCELERATED), numbers, seen)
-
-
-def _decelerated(numbers: np.ndarray, seen: Sought) -> Found:
-    return _without_impact(partial(_most, TurnExtreme.DECELERATED), numbers, seen)
-
-
-def _jerked(numbers: np.ndarray, seen: Sought) -> Found:
-    value, size = _without_impact(partial(_greatest, (TurnExtreme.JERKED, TurnExtreme.JERKED_BACK)), numbers, seen)
-    return np.where(seen.values[:, ACCELERATION_JUMP] > 0.0, np.nan, value), size
-
-
-def _driving(numbers: np.ndarray, seen: Sought) -> Found:
-    return _least(TurnExtreme.DRIVING, numbers, seen)
-
-
-def _needed_preload(numbers: np.ndarray, seen: Sought) -> Found:
-    value, size = _most(TurnExtreme.PRELOAD, numbers, seen)
-    return np.maximum(value, 0.0), size
-
-
-def _lift_off_speed(numbers: np.ndarray, seen: Sought) -> Found:
-    growth, size = _most(TurnExtreme.LIFT_OFF, numbers, seen)
-    at = np.where(growth >= NEVER, 0.0, np.where(growth > 0.0, growth**-0.5, np.nan))
-    return at, np.where(growth >= NEVER, 0.0, at * (1.0 + 0.5 * size / growth))
-
-
-def _pressure(groove: bool, numbers: np.ndarray, seen: Sought) -> Found:
-    ways = (TurnExtreme.INNER_FLANK, TurnExtreme.OUTER_FLANK) if groove else (TurnExtreme.INNER_FLANK,)
-    line, size = _without_impact(partial(_greatest, ways), numbers, seen)
-    modulus = numbers[:, MODULUS] / (2.0 * (1.0 - numbers[:, POISSON] ** 2))
-    pressure = pressure_of_lines(line, modulus, numbers[:, WIDTH])
-    return pressure, pressure * (4.0 + 0.5 * size / line)
-
-
-def _least_base(cam: CamElement, numbers: np.ndarray, seen: Sought) -> Found:
-    """Least base circle under a follower that slides: from the greatest of the heights that the positions need."""
-    height, size = _greatest((TurnExtreme.HEIGHT_FOR_ANGLE, TurnExtreme.HEIGHT_FOR_CURVATURE), numbers, seen)
-    offset = 0.0 if cam.follower.contact == "flat" else np.abs(numbers[:, DISTANCE])
-    base = np.hypot(np.maximum(height, 0.0), offset) - numbers[:, ROLLER]
-    return _without_corners(cam, numbers, seen, base), size + np.abs(height) + offset + numbers[:, ROLLER]
-
-
-def _least_base_of_arm(cam: CamElement, numbers: np.ndarray, seen: Sought) -> Found:
-    """Least base circle under a follower that swings."""
-    arm, d, roller = (numbers[:, k] for k in (ARM, DISTANCE, ROLLER))
-    flat = cam.follower.contact == "flat"
-    angle, size = np.full(numbers.shape[0], _LEAST_ANGLE), np.full(numbers.shape[0], _LEAST_ANGLE)
-    if not flat:
-        # The angle at which the base circle is a point, if the arm reaches so far.
-        point = np.vectorize(least_arm_angle, otypes=[float])(roller, arm, d)
-        angle = np.where(roller > np.abs(d - arm), np.maximum(angle, point), angle)
-    greatest = np.pi
-    if cam.limits.pressure_angle is not None:
-        needed, off = _most(TurnExtreme.HEIGHT_FOR_ANGLE, numbers, seen)
-        angle, size = np.where(needed > angle, needed, angle), np.where(needed > angle, off, size)
-        greatest = -seen.values[:, TurnExtreme.ARM_ANGLE_ABOVE]
-    angle[~(angle < np.minimum(greatest, np.pi))] = np.nan
-    if flat or _curved_limit(numbers).any():
-        angle, size = least_arm_angles(cam_sections(cam), cam_traits(cam), numbers, angle, size)
-    angle[~(angle <= greatest)] = np.nan
-    if flat:
-        base = np.where(angle <= np.pi / 2, d * np.sin(angle), np.nan)
-        return _without_corners(cam, numbers, seen, base), size * d * np.cos(angle) + d
-    prime = np.sqrt((d - arm) ** 2 + 4.0 * arm * d * np.sin(angle / 2) ** 2)
-    size = size * arm * d * np.sin(angle) / prime + 2.0 * prime + roller
-    return _without_corners(cam, numbers, seen, prime - roller), size
-
-
-def _curved_limit(numbers: np.ndarray) -> np.ndarray:
-    """Least radius of curvature of the pitch curve."""
-    return numbers[:, LIMIT_RADIUS] + numbers[:, ROLLER]
-
-
-def _without_corners(cam: CamElement, numbers: np.ndarray, seen: Sought, base: np.ndarray) -> np.ndarray:
-    """Radii of base circles, none where corners of the profile stay below the limit whatever the base circle."""
-    sharp = (_curved_limit(numbers) > 0.0) & (seen.values[:, VELOCITY_DROP] > 0.0)
-    return np.where(sharp, np.nan, np.maximum(base, 0.0))
+        yield _result("lift_off_speed", words, "rad s-1", shaped)

@@ -4,34 +4,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import types
 
-from engine.compiling.decorators import driver
-from engine.compiling.running import prepare
-from engine.elements.cams.cam import CamElement, cam_sections, cam_traits
-from engine.elements.cams.cam_places import (
-    ALPHA,
-    CURVE,
-    DISTANCE,
-    FACE,
-    FORCE,
-    MOMENT,
-    NUMBERS,
-    QUANTITIES,
-    SENSE,
-    fill_cam_place,
-    first_place,
-)
-from engine.elements.cams.pieces import (
-    BETA,
-    FROM,
-    ORIGIN,
-    PIECE_NUMBERS,
-    PIECES_OF_A_SECTION,
-    TO,
-    cut_sections,
-    motion_in,
-)
+from engine.elements.cams.positions import at_positions, cam_variants, sense_of
+from engine.parts.motion_programs import CamProgram
 
 
 class CamCurves(NamedTuple):
@@ -75,12 +50,13 @@ class CamCurves(NamedTuple):
     sense: int
 
 
-def cam_curves(cam: CamElement, points: int = 720) -> CamCurves:
+def cam_curves(cam: CamProgram, points: int = 720) -> CamCurves:
     """Courses of a cam with its own numbers.
 
     Parameters
     ----------
-    cam : CamElement
+    cam : CamProgram
+        A `CamElement`.
     points : int
         About how many over the turn; every smooth piece has at least nine.
 
@@ -89,105 +65,46 @@ def cam_curves(cam: CamElement, points: int = 720) -> CamCurves:
     CamCurves
         Empty where the cam's sections make no turn, or its follower doesn't reach the base circle.
     """
-    kinds, directions, tabled = cam_sections(cam)
-    numbers, traits = cam.row(cam.own_numbers()), cam_traits(cam)
-    pieces = tabled if len(tabled) else np.empty((PIECES_OF_A_SECTION * kinds.size, PIECE_NUMBERS))
-    if not len(tabled):
-        pieces = pieces[: _cut(kinds, directions, numbers, pieces)]
-    where, u = [], []
-    for i, piece in enumerate(pieces):
-        share = (piece[TO] - piece[FROM]) * piece[BETA] / (2 * math.pi)
+    cams = cam_variants(cam, cam.own_numbers())
+    turn, where, u = cams.turn, [np.empty(0, int)], [np.empty(0)]
+    for i, (first, last) in enumerate(zip(turn.first, turn.last, strict=True)):
+        share = (last - first) * turn.angle[i, 0] / math.tau
         count = max(9, math.ceil(points * share) + 1)
         where.append(np.full(count, i))
-        u.append(np.linspace(piece[FROM], piece[TO], count))
-    where, u = (np.concatenate(part) if part else np.empty(0) for part in (where, u))
-    found, motion = np.full((u.size, 2 * QUANTITIES), np.nan), np.empty((u.size, 4))
-    start = np.empty(1)
-    prepare(_trace, _TYPES)
-    _trace(traits, numbers, pieces, where.astype(np.int64), u, found, motion, start)
-    if math.isnan(start[0]):
-        found, motion, where, u = found[:0], motion[:0], where[:0], u[:0]
-    where = where.astype(int)
-    angle = pieces[where, ORIGIN] + pieces[where, BETA] * u
-    return _courses(cam, numbers[0], int(traits[SENSE]), angle, found, motion, start[0])
+        u.append(np.linspace(first, last, count))
+    p, v, u = np.concatenate(where), np.zeros(sum(map(len, u)), int), np.concatenate(u)
+    found = at_positions(cams, p, v, u)
+    if not (turn.whole[0] and found["reached"].all()):
+        p, v, u = p[:0], v[:0], u[:0]
+        found = {name: row[:0] for name, row in found.items() if name != "kinks"}
+    return _courses(cam, turn.cam_angle(p, v, u), found)
 
 
-def _courses(
-    cam: CamElement,
-    numbers: np.ndarray,
-    sense: int,
-    angle: np.ndarray,
-    found: np.ndarray,
-    motion: np.ndarray,
-    start: float,
-) -> CamCurves:
+@np.errstate(divide="ignore")
+def _courses(cam: CamProgram, angle: np.ndarray, found: dict[str, np.ndarray]) -> CamCurves:
     """Courses from what is found at points; places as complex numbers."""
-    s, s1, _, _ = motion.T
-    follower, distance, flat = cam.follower, numbers[DISTANCE], cam.follower.contact == "flat"
+    follower, sense, flat = cam.follower, sense_of(cam.follower), cam.follower.contact == "flat"
+    y, s1, none = found["y"], found["s1"], np.zeros(angle.size)
     radius = follower.roller_radius or 0.0
     cutter = radius if cam.cutter_radius is None else cam.cutter_radius
-    back = np.exp(-1j * sense * angle)
-    with np.errstate(divide="ignore"):
-        if flat:
-            y = start + s
-            if cam.translating:
-                contact, normal = s1 + 1j * y, np.full(y.size, 1j)
-            else:
-                arm = -np.exp(-1j * y)
-                contact, normal = distance + found[:, FACE] * arm, -1j * arm
-            centre, curvature = contact, 1.0 / found[:, CURVE]
+    arm = None if cam.translating else -np.exp(-1j * y)
+    if flat:
+        contact = s1 + 1j * y if cam.translating else follower.pivot_distance + found["face"] * arm
+        normal = np.full(y.size, 1j) if cam.translating else -1j * arm
+        centre, curvature = contact, 1.0 / found["radius"]
+    else:
+        if cam.translating:
+            centre, rate = follower.offset + 1j * y, 1j * s1
         else:
-            y = start + s
-            if cam.translating:
-                centre, rate = distance + 1j * y, 1j * s1
-            else:
-                centre = distance - follower.arm * np.exp(-1j * y)
-                rate = 1j * follower.arm * s1 * np.exp(-1j * y)
-            along = rate - 1j * sense * centre
-            normal = 1j * sense * along / np.abs(along)
-            contact, pitch = centre - radius * normal, found[:, CURVE]
-            curvature = pitch / (1.0 - radius * pitch)
+            centre, rate = follower.pivot_distance + follower.arm * arm, -1j * follower.arm * s1 * arm
+        along = rate - 1j * sense * centre
+        normal = 1j * sense * along / np.abs(along)
+        contact, pitch = centre - radius * normal, found["curvature"]
+        curvature = pitch / (1.0 - radius * pitch)
+    back = np.exp(-1j * sense * angle)
     return CamCurves(
-        angle, *motion.T, found[:, ALPHA], curvature, found[:, FORCE], found[:, MOMENT],
-        contact * back, centre * back, (contact + cutter * normal) * back, contact, centre, sense,
-    )  # fmt: skip
-
-
-_ROW, _INTEGERS, _TABLE = types.float64[::1], types.int64[::1], types.float64[:, ::1]
-_TYPES = (_INTEGERS, _TABLE, _TABLE, _INTEGERS, _ROW, _TABLE, _TABLE, _ROW)
-
-
-def _cut(kinds: np.ndarray, directions: np.ndarray, numbers: np.ndarray, pieces: np.ndarray) -> int:
-    """How many pieces the sections of one variant make; they are written to `pieces`."""
-    count = np.empty(1, np.int64)
-    prepare(_cut_one, (_INTEGERS, _INTEGERS, _TABLE, _TABLE, _INTEGERS))
-    _cut_one(kinds, directions, numbers, pieces, count)
-    return int(count[0])
-
-
-@driver
-def _cut_one(
-    kinds: np.ndarray, directions: np.ndarray, numbers: np.ndarray, pieces: np.ndarray, count: np.ndarray
-) -> None:
-    count[0] = cut_sections(kinds, directions, numbers, 0, NUMBERS, pieces)
-
-
-@driver
-def _trace(
-    traits: np.ndarray,
-    numbers: np.ndarray,
-    pieces: np.ndarray,
-    where: np.ndarray,
-    u: np.ndarray,
-    found: np.ndarray,
-    motion: np.ndarray,
-    start: np.ndarray,
-) -> None:
-    """Fill in all quantities and the motion at places of pieces; `start` is NaN where there is no such position."""
-    first, size = first_place(traits, numbers, 0)
-    start[0] = first
-    for k in range(u.size):
-        for order, value in enumerate(motion_in(pieces, where[k], u[k])):
-            motion[k, order] = value
-        if not fill_cam_place(traits, numbers, 0, pieces, where[k], u[k], first, size, -1, found, k):
-            start[0] = math.nan
+        angle,
+        *(found[key] for key in ("s", "s1", "s2", "s3")),
+        *(found.get("angle", none), curvature, found.get("force", none), found.get("moment", none)),
+        *((contact * back), centre * back, (contact + cutter * normal) * back, contact, centre, sense),
+    )

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from engine.cycle.measured import Measured
 from engine.elements.element import Answers, ElementResult, Numbers
 from engine.elements.gears.assembly_conditions import (
     AssemblyConditions,
@@ -14,10 +15,10 @@ from engine.elements.gears.assembly_conditions import (
     tooth_contact,
 )
 from engine.elements.gears.gear_elements import GearTrain
-from engine.elements.gears.load_columns import TOOTH_FORCES, Pairs, load_results, pinned_planets
+from engine.elements.gears.load_columns import TOOTH_FORCES, load_results, pinned_planets
 from engine.elements.gears.tooth_laws import minimum_teeth
 from engine.elements.gears.train_inertia import kinetic_energy
-from engine.elements.gears.train_speeds import TrainSpeeds, basic_ratios, speed_ratio, stages, train_speeds
+from engine.elements.gears.train_speeds import basic_ratios, stages, train_speeds
 from engine.laws.rounding import EPS
 from engine.verdicts import Verdict
 
@@ -135,37 +136,36 @@ def train_answers(train: GearTrain, n: Numbers) -> Answers:
     for result in gear_train_results(train):
         values[result.name], errors[result.name] = pair = np.full((2, fit.fits.size), np.nan)
         known, where = (told, slice(None)) if result.name.endswith(_OF_ASSEMBLY) else (found, here)
-        pair[0, where], pair[1, where] = known[result.name]
+        pair[0, where], pair[1, where] = known[result.name].value, known[result.name].error
     verdict = np.where(fit.fits, contact, Verdict.DOES_NOT_FIT).astype(np.uint8)
     verdict[here] = verdicts
     return Answers(values, errors, verdict)
 
 
-def _assembly(fit: AssemblyConditions) -> Pairs:
-    none = 0.0 * fit.fits
-    found = {f"{name}.distance_error": (value, none + 8.0 * EPS) for name, value in fit.distance_errors.items()}
-    found |= {f"{name}.spacing_remainder": (value, none) for name, value in fit.spacing_remainders.items()}
+def _assembly(fit: AssemblyConditions) -> dict[str, Measured]:
+    found = {f"{name}.distance_error": Measured(value, 8.0 * EPS) for name, value in fit.distance_errors.items()}
+    found |= {f"{name}.spacing_remainder": Measured(value) for name, value in fit.spacing_remainders.items()}
     return found | {
-        f"{name}.neighbour_clearance": (value, 16.0 * EPS * (1.0 + np.abs(value)))
+        f"{name}.neighbour_clearance": Measured(value, 16.0 * EPS * (1.0 + np.abs(value)))
         for name, value in fit.clearances.items()
     }
 
 
-def _of_teeth(train: GearTrain, sizes: dict[str, MeshSizes]) -> Pairs:
-    found: Pairs = {}
+def _of_teeth(train: GearTrain, sizes: dict[str, MeshSizes]) -> dict[str, Measured]:
+    found: dict[str, Measured] = {}
     for name, size in sizes.items():
         teeth, geometry, rough = size.teeth, size.geometry, angle_error(size)
         most = np.maximum(teeth.first, teeth.second)
-        found[f"{name}.contact_ratio"] = sum(geometry.contact), (64.0 * EPS + rough) * most
-        found[f"{name}.operating_pressure_angle"] = geometry.angle, (8.0 * EPS + rough) * geometry.angle
+        found[f"{name}.contact_ratio"] = Measured(sum(geometry.contact), (64.0 * EPS + rough) * most)
+        found[f"{name}.operating_pressure_angle"] = Measured(geometry.angle, (8.0 * EPS + rough) * geometry.angle)
         if train.has_modules:
-            found[f"{name}.centre_distance"] = size.distance, (8.0 * EPS + rough) * np.abs(size.distance)
-        found[f"{name}.minimum_teeth"] = minimum_teeth(teeth), 0.0 * most
+            found[f"{name}.centre_distance"] = Measured(size.distance, (8.0 * EPS + rough) * np.abs(size.distance))
+        found[f"{name}.minimum_teeth"] = Measured(minimum_teeth(teeth))
     return found
 
 
-def gear_results(train: GearTrain, n: Numbers) -> tuple[Pairs, np.ndarray]:
-    """All results of trains whose wheels fit and mesh, but for the conditions of that, with their errors.
+def gear_results(train: GearTrain, n: Numbers) -> tuple[dict[str, Measured], np.ndarray]:
+    """All results of trains whose wheels fit and mesh, but for the conditions of that.
 
     Parameters
     ----------
@@ -176,28 +176,28 @@ def gear_results(train: GearTrain, n: Numbers) -> tuple[Pairs, np.ndarray]:
 
     Returns
     -------
-    results : dict of str to (ndarray (variants,), ndarray (variants,))
-        Values and what they may be off by, as named by `gear_train_results`.
+    results : dict of str to Measured (variants,)
+        As named by `gear_train_results`.
     verdicts : ndarray (variants,) of uint8
         NOT_FINITE where a basic ratio lets no speeds follow, SELF_LOCKS or STANDS where losses take all power.
     """
     structure, driver = train.structure, driver_of(train)
     variants = next(iter(n.values())).size
     sizes, speeds = mesh_sizes(train, n), train_speeds(train, n)
-    found: Pairs = {"mobility": (np.full(variants, float(structure.mobility)), np.zeros(variants))}
-    for i, name in enumerate(structure.shafts):
-        found[f"{name}.speed"] = speeds.speeds[i], speeds.errors[i]
+    found: dict[str, Measured] = {"mobility": Measured(np.full(variants, float(structure.mobility)))}
+    found |= {f"{name}.speed": speeds[i] for i, name in enumerate(structure.shafts)}
     if driver is not None:
-        first = structure.shafts.index(driver)
+        first = speeds[structure.shafts.index(driver)]
         for name in _free_shafts(train):
-            i = structure.shafts.index(name)
-            ratio = speed_ratio(speeds.speeds, first, i)
-            off = speeds.errors[first] / np.abs(speeds.speeds[first]) + speeds.errors[i] / np.abs(speeds.speeds[i])
-            found[f"{name}.ratio"] = ratio, np.abs(ratio) * (off + EPS)
+            ratio = first / speeds[structure.shafts.index(name)]
+            # Over a shaft that stands it is infinite either way.
+            found[f"{name}.ratio"] = Measured(np.where(np.isinf(ratio.value), np.inf, ratio.value), ratio.error)
     found |= basic_ratios(train, n)
     if train.has_inertia:
-        found |= _inertias(train, n, speeds, sizes)
-    verdicts = np.where(np.isnan(speeds.speeds).any(axis=0), Verdict.NOT_FINITE, Verdict.OK).astype(np.uint8)
+        energy = found["kinetic_energy"] = kinetic_energy(train, n, speeds, sizes)
+        for name in _free_shafts(train):
+            found[f"{name}.reduced_inertia"] = 2.0 * energy / speeds[structure.shafts.index(name)] ** 2
+    verdicts = np.where(np.isnan(speeds.value).any(axis=0), Verdict.NOT_FINITE, Verdict.OK).astype(np.uint8)
     if train.has_loads:
         loads, moves = load_results(train, n, speeds, sizes)
         found |= loads
@@ -205,15 +205,3 @@ def gear_results(train: GearTrain, n: Numbers) -> tuple[Pairs, np.ndarray]:
         driven = any(train.shafts[name].speed is not None and not train.shafts[name].loaded for name in unknown)
         verdicts[(verdicts == Verdict.OK) & ~moves] = Verdict.SELF_LOCKS if driven else Verdict.STANDS
     return found, verdicts
-
-
-def _inertias(train: GearTrain, n: Numbers, speeds: TrainSpeeds, sizes: dict[str, MeshSizes]) -> Pairs:
-    energy, error = kinetic_energy(train, n, speeds, sizes)
-    found: Pairs = {"kinetic_energy": (energy, error)}
-    for name in _free_shafts(train):
-        i = train.structure.shafts.index(name)
-        speed = speeds.speeds[i]
-        reduced = 2.0 * energy / speed**2
-        off = error / energy + 2.0 * speeds.errors[i] / np.abs(speed) + 2.0 * EPS
-        found[f"{name}.reduced_inertia"] = reduced, np.where(energy > 0, reduced * off, 0.0)
-    return found

@@ -113,6 +113,20 @@ class GearStructure(NamedTuple):
         """Numbers of the shafts with these names."""
         return [self.shafts.index(name) for name in names]
 
+    def equations(self, teeth: np.ndarray) -> np.ndarray:
+        """Coefficients K of the meshes' equations K ω = 0 (meshes, shafts + 1, ...), the frame's last.
+
+        Parameters
+        ----------
+        teeth : ndarray (meshes, 2, ...)
+            Of both wheels, those of a ring negative.
+        """
+        found = np.zeros((len(self.meshes), len(self.shafts) + 1, *teeth.shape[2:]))
+        for row, place, (first, second) in zip(found, self.meshes, teeth, strict=True):
+            for shaft, value in ((place.first, first), (place.second, second), (place.carrier, -(first + second))):
+                row[shaft] += value
+        return found
+
     def name_of(self, shaft: int) -> str:
         """Name of a shaft by its number, or of the frame."""
         return FRAME if shaft == STANDS_STILL else self.shafts[shaft]
@@ -298,13 +312,8 @@ def _generic_ranks(structure: GearStructure) -> tuple[int, tuple[bool, bool]]:
     """Rank of the meshes' equations with numbers of teeth that nothing ties, and whether what isn't given follows."""
     rng = np.random.default_rng(1)
     teeth = {wheel: rng.uniform(10, 100) for place in structure.meshes for wheel in place.wheels}
-    equations = np.zeros((len(structure.meshes), len(structure.shafts) + 1))
-    for j, place in enumerate(structure.meshes):
-        z_a, z_b = teeth[place.wheels[0]], place.sense * teeth[place.wheels[1]]
-        for shaft, value in ((place.first, z_a), (place.second, z_b), (place.carrier, -z_a - z_b)):
-            equations[j, shaft] += value
-    # The last column is that of the frame, which number −1 stands for.
-    equations = equations[:, :-1]
+    in_mesh = [[teeth[place.wheels[0]], place.sense * teeth[place.wheels[1]]] for place in structure.meshes]
+    equations = structure.equations(np.array(in_mesh))[:, :-1]
 
     def follows(given: Sequence[str]) -> bool:
         rest = [i for i, name in enumerate(structure.shafts) if name not in given]

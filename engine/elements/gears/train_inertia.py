@@ -4,41 +4,41 @@ import math
 
 import numpy as np
 
+from engine.cycle.measured import Measured
 from engine.elements.element import Numbers
 from engine.elements.gears.assembly_conditions import MeshSizes
 from engine.elements.gears.gear_elements import GearTrain
-from engine.elements.gears.train_speeds import TrainSpeeds
 from engine.laws.rounding import EPS
 
+# Roundings of a disc's mass and inertia.
+_OF_DISCS = 8
 
-def kinetic_energy(
-    train: GearTrain, n: Numbers, speeds: TrainSpeeds, sizes: dict[str, MeshSizes]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Kinetic energy ½ Σ (I ω² + m (ω_h a)²) of all shafts and planets, and its error (variants,) [J].
+
+def kinetic_energy(train: GearTrain, n: Numbers, speeds: Measured, sizes: dict[str, MeshSizes]) -> Measured:
+    """Kinetic energy ½ Σ (I ω² + m (ω_h a)²) of all shafts and planets (variants,) [J].
 
     Parameters
     ----------
     train : GearTrain
     n : mapping of str to ndarray (variants,)
-    speeds : TrainSpeeds
+    speeds : Measured (shafts + 1, variants)
     sizes : dict of str to MeshSizes
     """
     structure = train.structure
-    energy, error = np.zeros((2, speeds.speeds.shape[1]))
+    energy = Measured(np.zeros(speeds.shape[1]))
     for i, name in enumerate(structure.shafts):
         mass, inertia = mass_and_inertia(train, n, name, sizes)
         carrier = structure.carriers[i]
         count = 1.0
-        parts = [(inertia, speeds.speeds[i], speeds.errors[i])]
+        parts = [(inertia, speeds[i])]
         if name in structure.planets:
             count = planet_sets(train, n, structure.name_of(carrier))
             if name in structure.pin_meshes:
                 radius = sizes[structure.meshes[structure.pin_meshes[name]].name].distance
-                parts.append((mass * radius**2, speeds.speeds[carrier], speeds.errors[carrier]))
-        for moved, speed, off in parts:
-            energy += 0.5 * count * moved * speed**2
-            error += count * moved * np.abs(speed) * (off + 8.0 * EPS * np.abs(speed))
-    return energy, error
+                parts.append((mass * radius**2, speeds[carrier]))
+        for moved, speed in parts:
+            energy = energy + 0.5 * count * moved * speed**2
+    return energy
 
 
 def planet_sets(train: GearTrain, n: Numbers, carrier: str) -> np.ndarray:
@@ -50,7 +50,7 @@ def planet_sets(train: GearTrain, n: Numbers, carrier: str) -> np.ndarray:
 
 def mass_and_inertia(
     train: GearTrain, n: Numbers, shaft: str, sizes: dict[str, MeshSizes]
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[Measured, Measured]:
     """Mass and inertia about its own axis of a shaft with its wheels (variants,).
 
     Parameters
@@ -71,4 +71,4 @@ def mass_and_inertia(
         diameter, bore = sizes[mesh].diameters[end], n[f"wheels.{name}.bore"]
         disc = n[f"wheels.{name}.density"] * n[f"wheels.{name}.width"] * math.pi / 4.0 * (diameter**2 - bore**2)
         mass, inertia = mass + disc, inertia + disc * (diameter**2 + bore**2) / 8.0
-    return mass, inertia
+    return Measured(mass, _OF_DISCS * EPS * mass), Measured(inertia, _OF_DISCS * EPS * inertia)

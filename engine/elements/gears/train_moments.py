@@ -10,10 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.cycle.measured import Measured
 from engine.elements.element import Numbers
 from engine.elements.gears.gear_elements import GearTrain
 from engine.elements.gears.mesh_equations import solve
-from engine.elements.gears.train_speeds import TrainSpeeds, teeth_of
+from engine.elements.gears.train_speeds import teeth_of
 from engine.laws.rounding import EPS
 
 # Powers below this share of the mesh's largest terms are nothing but rounding.
@@ -25,28 +26,24 @@ class TrainMoments(NamedTuple):
 
     Attributes
     ----------
-    moments, moment_errors : ndarray (shafts, variants)
+    moments : Measured (shafts, variants)
         From outside on every shaft [N·m].
-    tooth_moments : ndarray (meshes, 2, variants)
+    tooth_moments : Measured (meshes, 2, variants)
         Of the mesh on its two wheels [N·m].
-    tooth_moment_errors : ndarray (meshes, variants)
-        As a share of them.
-    rolling_powers : ndarray (meshes, variants)
+    rolling_powers : Measured (meshes, variants)
         What the first wheel gives the second, as seen from the carrier [W].
     moves : ndarray (variants,) of bool
         Whether what is given moves the train, so that power comes out of it.
     """
 
-    moments: np.ndarray
-    moment_errors: np.ndarray
-    tooth_moments: np.ndarray
-    tooth_moment_errors: np.ndarray
-    rolling_powers: np.ndarray
+    moments: Measured
+    tooth_moments: Measured
+    rolling_powers: Measured
     moves: np.ndarray
 
 
 def train_moments(
-    train: GearTrain, n: Numbers, speeds: TrainSpeeds, efficiencies: np.ndarray, backwards: bool = False
+    train: GearTrain, n: Numbers, speeds: Measured, efficiencies: np.ndarray, backwards: bool = False
 ) -> TrainMoments:
     """Moments from equilibrium, with the directions in which power flows.
 
@@ -58,20 +55,19 @@ def train_moments(
     train : GearTrain
     n : mapping of str to ndarray (variants,)
         Its numbers.
-    speeds : TrainSpeeds
+    speeds : Measured (shafts + 1, variants)
     efficiencies : ndarray (meshes, variants)
         Of the meshes with their carriers at rest.
     backwards : bool
         Whether the train turns the other way under the same moments.
     """
     structure = train.structure
-    loads = np.zeros_like(speeds.speeds)
+    loads = np.zeros((len(structure.shafts), speeds.shape[1]))
     for i, name in enumerate(structure.shafts):
         if train.shafts[name].moment is not None:
             loads[i] = n[f"shafts.{name}.moment"]
-    turned = TrainSpeeds((-1.0 if backwards else 1.0) * speeds.speeds, speeds.errors)
     teeth = np.array([teeth_of(place, n) for place in structure.meshes])
-    equilibrium = _Equilibrium(train, teeth, turned, loads, efficiencies)
+    equilibrium = _Equilibrium(train, teeth, -speeds if backwards else speeds, loads, efficiencies)
     senses = np.zeros(efficiencies.shape)
     found = equilibrium.solved(senses)
     for _ in range(len(structure.meshes) + 2):
@@ -88,14 +84,9 @@ def train_moments(
     moves = found.agrees & found.gives
     with np.errstate(invalid="ignore"):
         hidden = np.where(moves, 1.0, np.nan)
-    return TrainMoments(
-        found.moments * hidden,
-        found.moment_errors * hidden,
-        found.tooth_moments * hidden,
-        found.share_errors * hidden,
-        found.powers * hidden,
-        moves,
-    )
+    teeth = Measured(found.tooth_moments * hidden, np.abs(found.tooth_moments) * found.share_errors[:, None])
+    powers = Measured(found.powers * hidden, found.power_errors)
+    return TrainMoments(Measured(found.moments * hidden, found.moment_errors), teeth, powers, moves)
 
 
 class _Solved(NamedTuple):
@@ -106,6 +97,7 @@ class _Solved(NamedTuple):
     tooth_moments: np.ndarray
     share_errors: np.ndarray
     powers: np.ndarray
+    power_errors: np.ndarray
     senses: np.ndarray
     agrees: np.ndarray
     gives: np.ndarray
@@ -116,16 +108,15 @@ class _Equilibrium(NamedTuple):
 
     train: GearTrain
     teeth: np.ndarray
-    speeds: TrainSpeeds
+    speeds: Measured
     loads: np.ndarray
     efficiencies: np.ndarray
 
     def of(self, chosen: np.ndarray) -> "_Equilibrium":
         """That of some of the variants."""
-        speeds = TrainSpeeds(self.speeds.speeds[:, chosen], self.speeds.errors[:, chosen])
         return self._replace(
             teeth=self.teeth[..., chosen],
-            speeds=speeds,
+            speeds=self.speeds[:, chosen],
             loads=self.loads[:, chosen],
             efficiencies=self.efficiencies[:, chosen],
         )
@@ -133,18 +124,12 @@ class _Equilibrium(NamedTuple):
     def solved(self, senses: np.ndarray) -> _Solved:
         """Equilibrium with first wheels driving where `senses` is 1, second ones where −1, no losses where 0."""
         structure = self.train.structure
-        count, meshes = len(structure.shafts), len(structure.meshes)
-        variants = senses.shape[1]
-        # What each mesh does to every shaft for a tooth force of one; the last row is the frame's.
-        acts = np.zeros((count + 1, meshes, variants))
+        count = len(structure.shafts)
         ends = self.teeth * np.where(
             np.array([senses < 0, senses > 0]).transpose(1, 0, 2), self.efficiencies[:, None], 1.0
         )
-        for j, place in enumerate(structure.meshes):
-            acts[place.first, j] += ends[j, 0]
-            acts[place.second, j] += ends[j, 1]
-            acts[place.carrier, j] -= ends[j].sum(axis=0)
-        acts = acts[:count]
+        # What each mesh does to every shaft for a tooth force of one.
+        acts = structure.equations(ends).swapaxes(0, 1)[:count]
         unknown = structure.number_of(structure.unknown_moments)
         known = [i for i in range(count) if i not in unknown]
         solution = solve(acts[known], -self.loads[known][:, None])
@@ -158,28 +143,19 @@ class _Equilibrium(NamedTuple):
             force_errors += solution.errors[:, 0]
             moments[unknown] = -np.einsum("ujv,jv->uv", acts[unknown], force)
             errors[unknown] = np.einsum("ujv,jv->uv", np.abs(acts[unknown]), force_errors + 8.0 * EPS * np.abs(force))
-            powers = np.stack(
-                [
-                    -force[j] * self.teeth[j, 0] * self.speeds.relative(place.first, place.carrier)
-                    for j, place in enumerate(structure.meshes)
-                ]
-            )
-            largest = np.stack(
-                [
-                    np.abs(force[j] * self.teeth[j, 0])
-                    * (np.abs(self.speeds.of(place.first)) + np.abs(self.speeds.of(place.carrier)))
-                    for j, place in enumerate(structure.meshes)
-                ]
-            )
+            shares = np.where(force == 0, 0.0, force_errors / np.abs(force))
+            pulls = Measured(force, force_errors) * self.teeth[:, 0]
+            first, carrier = (self.speeds[[getattr(p, key) for p in structure.meshes]] for key in ("first", "carrier"))
+            rolling = -pulls * (first - carrier)
+            powers, largest = rolling.value, np.abs(pulls.value) * (np.abs(first.value) + np.abs(carrier.value))
             follows = np.where(np.abs(powers) > _NOTHING * largest, np.sign(powers), 0.0)
             agrees = ((follows == senses) | (follows == 0) | (self.efficiencies == 1.0)).all(axis=0)
-            shares = np.where(force == 0, 0.0, force_errors / np.abs(force))
-            given = moments * self.speeds.speeds
-            figure = errors * np.abs(self.speeds.speeds) + np.abs(moments) * self.speeds.errors
-            out, into = np.minimum(given + figure, 0.0).sum(axis=0), np.maximum(given - figure, 0.0).sum(axis=0)
+            given = Measured(moments, errors) * self.speeds[:-1]
+            out = np.minimum(given.value + given.error, 0.0).sum(axis=0)
+            into = np.maximum(given.value - given.error, 0.0).sum(axis=0)
         # Where nothing goes in nothing need come out: moments that do no work are in equilibrium.
         gives = (out < 0) | (into <= 0)
-        return _Solved(moments, errors, ends * force[:, None], shares, powers, follows, agrees, gives)
+        return _Solved(moments, errors, ends * force[:, None], shares, powers, rolling.error, follows, agrees, gives)
 
     def best(self) -> _Solved:
         """Of all directions that agree with what follows from them those in which most power comes out."""
@@ -198,6 +174,6 @@ class _Equilibrium(NamedTuple):
 def _quality(equilibrium: _Equilibrium, solved: _Solved) -> np.ndarray:
     """The share of the power put in that comes out; −1 where directions don't agree or nothing comes out."""
     with np.errstate(invalid="ignore", divide="ignore"):
-        given = solved.moments * equilibrium.speeds.speeds
+        given = solved.moments * equilibrium.speeds.value[:-1]
         share = -np.minimum(given, 0.0).sum(axis=0) / np.maximum(given, 0.0).sum(axis=0)
     return np.where(solved.agrees & solved.gives, np.nan_to_num(share, nan=1.0), -1.0)

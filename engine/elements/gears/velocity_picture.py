@@ -65,8 +65,7 @@ def velocity_picture(train: GearTrain) -> VelocityPicture:
     """
     n = train.own_numbers()
     structure, sizes = train.structure, mesh_sizes(train, n)
-    found = train_speeds(train, n).speeds[:, 0].tolist()
-    speeds = dict(zip(structure.shafts, found, strict=True)) | {FRAME: 0.0}
+    speeds = dict(zip((*structure.shafts, FRAME), train_speeds(train, n).value[:, 0].tolist(), strict=True))
     heights = _heights(train, sizes)
     axes = {name: heights[structure.axes[name]] for name in structure.shafts if structure.axes[name] in heights}
 

@@ -137,6 +137,22 @@ def contact_normal(x: float, y: float, x1: float, y1: float, sense: float) -> tu
 
 
 @scalar
+def sliding_roller(offset: float, y: float, s1: float, s2: float) -> tuple[float, float, float]:
+    """Parts of the normal across a translating follower's motion and along it, and the pitch curve's curvature."""
+    across, along = translating_pressure(offset, y, s1)
+    return across, along, pitch_curvature(translating_place(offset, y, s1, s2), 1.0)
+
+
+@scalar
+def swinging_roller(
+    arm: float, distance: float, psi: float, s1: float, s2: float, sense: float
+) -> tuple[float, float, float]:
+    """Parts of the normal along an oscillating follower's arm and across it, and the pitch curve's curvature."""
+    across, along = oscillating_pressure(arm, distance, psi, s1, sense)
+    return across, along, pitch_curvature(oscillating_place(arm, distance, psi, s1, s2), sense)
+
+
+@scalar
 def sliding_face_transmission(height: float) -> float:
     """Quality of transmission of a flat face that slides: 1, its pressure angle being zero; NaN below the axis."""
     return 1.0 if height > 0.0 else math.nan

@@ -23,8 +23,9 @@ from engine.laws.cams.profiles import (
 )
 from engine.laws.elementary import direction_of
 from engine.mechanism.assembly import Assembly, MovingPoint, Slide, Turning
-from engine.mechanism.higher_pairs.motion_program import TURN, Displacement, Turned, add_program, turns_of_input
+from engine.mechanism.higher_pairs.motion_program import Displacement, Turned, add_program, turns_of_input
 from engine.mechanism.vectors import Vector, named
+from engine.parts.motion_programs import TURN
 from engine.parts.skeleton import CrankInput
 from engine.scene.scene import Numbers, Scene
 

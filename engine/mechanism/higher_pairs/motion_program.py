@@ -12,13 +12,11 @@ import numpy as np
 from engine.graph.nodes import Graph, Node, Number
 from engine.laws.cams.motion_laws import DWELL, LAW_BREAKS, LAW_KINDS, section_at, unit_motion
 from engine.laws.tables import in_memory, make_table, periods_before, table_segment
-from engine.parts.motion_programs import DwellSection, MotionProgram, RiseSection
+from engine.parts.motion_programs import TURN, DwellSection, MotionProgram, Sections, sections_of
 from engine.parts.skeleton import CrankInput, SliderInput
 from engine.scene.scene import Numbers
 
-TURN = 2.0 * math.pi
-# Shares of a turn, or of a stroke, by which sums of a variant's sections may miss their end.
-MISSED = 1e-9
+_PARTS = ("begin", "angle", "before", "stroke")
 
 
 class Displacement(NamedTuple):
@@ -27,15 +25,6 @@ class Displacement(NamedTuple):
     s: Node
     s1: Node
     s2: Node
-
-
-class Sections(NamedTuple):
-    """Sections of a turn with the numbers of some variants: lists of float or ndarray (variants,), one for each."""
-
-    begin: list[float | np.ndarray]
-    angle: list[float | np.ndarray]
-    before: list[float | np.ndarray]
-    stroke: list[float | np.ndarray]
 
 
 class Turned(NamedTuple):
@@ -86,47 +75,15 @@ def turns_of_input(drive: CrankInput | SliderInput, rate: float) -> range:
     return range(math.floor(first / TURN) - 1, math.ceil(last / TURN + 1e-9) + 1)
 
 
-def sections_of(program: MotionProgram, at: str, numbers: Numbers) -> Sections:
-    """Sections of a program; the angles NaN where they don't make a turn that ends where that of the scene does.
-
-    Parameters
-    ----------
-    program : MotionProgram
-    at : str
-        Where it stands in the scene.
-    numbers : Numbers
-    """
-    key = "lift" if program.translating else "swing"
-    given = {n: numbers[f"{at}.sections.{n}.angle"] for n, s in program.sections.items() if s.angle is not None}
-    missing = TURN - sum(given.values())
-    is_open = len(given) < len(program.sections)
-    whole = missing > 0.0 if is_open else np.abs(missing) <= MISSED * TURN
-    found, begin, before, greatest = Sections([], [], [], []), 0.0, 0.0, 0.0
-    for name, section in program.sections.items():
-        stroke = 0.0
-        if isinstance(section, RiseSection):
-            stroke = numbers[f"{at}.sections.{name}.{key}"]
-        elif not isinstance(section, DwellSection):
-            stroke = -before if program.stroke_of(section) is None else -numbers[f"{at}.sections.{name}.{key}"]
-        angle = given.get(name, missing)
-        for row, value in zip(found, (begin, angle, before, stroke), strict=True):
-            row.append(value)
-        begin, before = begin + angle, before + stroke
-        greatest = np.maximum(greatest, before)
-        whole = whole & (before >= -MISSED * greatest)
-    whole = whole & (np.abs(before - program.advance) <= MISSED * greatest)
-    return found._replace(angle=[np.where(whole, angle, np.nan) for angle in found.angle])
-
-
 def _by_sections(graph: Graph, program: MotionProgram, at: str, turned: Turned) -> Displacement:
     laws = [DWELL if isinstance(s, DwellSection) else LAW_KINDS[s.law] for s in program.sections.values()]
 
     def number(k: int, part: str) -> Number:
-        return graph.derived(f"{at} section {k} {part}", lambda n: getattr(sections_of(program, at, n), part)[k])
+        return graph.derived(f"{at} section {k} {part}", lambda n: getattr(_of_a_turn(program, at, n), part)[k])
 
     rows: list[Number] = []
     for k, law in enumerate(laws):
-        rows += [number(k, part) for part in Sections._fields]
+        rows += [number(k, part) for part in _PARTS]
         rows.append(graph.derived(f"{at} section {k} law", lambda n, law=law: float(law)))
         for inside in (0.0, *LAW_BREAKS.get(law, ())):
             for turn in turned.turns:
@@ -143,12 +100,18 @@ def _by_sections(graph: Graph, program: MotionProgram, at: str, turned: Turned) 
     return Displacement(before + stroke * shape, stroke * rate * slope, stroke * (rate * rate) * bend)
 
 
+def _of_a_turn(program: MotionProgram, at: str, numbers: Numbers) -> Sections:
+    """Sections of a program; their angles NaN where they don't make a turn."""
+    found = sections_of(program, f"{at}.", numbers)
+    return found._replace(angle=[np.where(found.whole, angle, np.nan) for angle in found.angle])
+
+
 def _level(graph: Graph, program: MotionProgram, at: str, place: tuple[int, float, int]) -> Number:
     """Angle at which a section, or an expression of its law, begins in one of the turns."""
     k, inside, turn = place
 
     def angle(numbers: Numbers) -> float | np.ndarray:
-        found = sections_of(program, at, numbers)
+        found = _of_a_turn(program, at, numbers)
         return found.begin[k] + inside * found.angle[k] + TURN * turn
 
     return graph.derived(f"{at} section {k} at {inside} in turn {turn}", angle)

@@ -12,8 +12,9 @@ from engine.graph.nodes import Node
 from engine.laws.elementary import direction_of
 from engine.laws.kinematics.law_harmonics import law_harmonic
 from engine.mechanism.assembly import Assembly, Slide, Turning
-from engine.mechanism.higher_pairs.motion_program import TURN, Turned, add_program, turns_of_input
+from engine.mechanism.higher_pairs.motion_program import Turned, add_program, turns_of_input
 from engine.mechanism.vectors import Vector
+from engine.parts.motion_programs import TURN
 from engine.scene.pairs import drive_base
 from engine.scene.structure.input_laws import law_rate
 

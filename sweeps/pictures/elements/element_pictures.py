@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from engine import Element, EngineElement, GearTrain, Scene, TorsionalTrain, governed_scene
 from sweeps.pictures.elements.body_sheets import lever_layout, tie_layout, tilted_body_sheet
-from sweeps.pictures.elements.cam_sheet import cam_sheet
+from sweeps.pictures.elements.cam_layout import cam_layout
 from sweeps.pictures.elements.chain_layout import chain_layout
 from sweeps.pictures.elements.elastic_sheets import compliance_sheet, machine_drive_sheet, machine_run_sheet
 from sweeps.pictures.elements.engine_sheet import engine_sheet, engine_table
@@ -87,7 +87,7 @@ LOOKS = {
     "oscillator": Look("vibration"),
     "two_mass_drive": Look("transient"),
     "machine_drive": Look("cycle", _in_scene(machine_drive_sheet)),
-    "cam": Look("cam", _alone(cam_sheet)),
+    "cam": Look("cam", layout=cam_layout),
     "gear_train": Look("velocities", _alone(gear_sheet)),
 }
 

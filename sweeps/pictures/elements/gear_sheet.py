@@ -188,8 +188,8 @@ def gear_table(train: GearTrain) -> str:
     found, _ = gear_results(train, train.own_numbers())
     rows = [train.structure.words, f"{'shaft':<16}{'speed, rpm':>14}{'moment, N m':>16}{'power, W':>14}"]
     for name in train.shafts:
-        cells = [RPM * found[f"{name}.speed"][0][0]]
+        cells = [RPM * found[f"{name}.speed"].value[0]]
         if f"{name}.moment" in found:
-            cells += [0.0 + found[f"{name}.{key}"][0][0] for key in ("moment", "power")]
+            cells += [0.0 + found[f"{name}.{key}"].value[0] for key in ("moment", "power")]
         rows.append(f"{name:<16}" + "".join(f"{v:>{w}.6g}" for v, w in zip(cells, (14, 16, 14), strict=False)))
     return "\n".join(rows)

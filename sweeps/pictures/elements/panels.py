@@ -55,6 +55,7 @@ def panel_sheet(
             axes = part.subplots(len(stack), 1, squeeze=False, sharex=len(stack) > 1)[:, 0]
             for ax, i in zip(axes, stack, strict=True):
                 draw_panel(ax, panels[i], ax is axes[-1])
+            part.align_ylabels(axes)
     return figure
 
 

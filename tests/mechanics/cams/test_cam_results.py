@@ -358,6 +358,27 @@ def test_friction_in_the_guide__costs_work_and_may_jam():
     assert cam_answers(ROLLER, follower__friction=1.5, **guide)[2] == Verdict.JAMS
 
 
+def test_least_force_under_friction__is_where_the_pressure_angle_vanishes():
+    """There friction changes its side, and forces bend: the normal points along the guide, s′ being the offset."""
+    base, speed, offset, lift, angle = 0.016, 1.28, 0.013, 0.0133, 0.525
+    values, errors, status = cam_answers(
+        KNIFE,
+        base_radius=base,
+        speed=speed,
+        sections__out__law="parabolic",
+        sections__out__lift=lift,
+        sections__out__angle=angle,
+        follower__offset=offset,
+        **{f"follower__{key}": x for key, x in {"mass": 0.5, "preload": 80.0, "stiffness": 8000.0}.items()},
+        **{f"follower__{key}": x for key, x in {"friction": 0.15, "guide_length": 0.06, "overhang": 0.04}.items()},
+    )
+    assert status == Verdict.OK
+    at = offset * angle**2 / (4 * lift)
+    force = 80.0 + 8000.0 * 2 * lift * (at / angle) ** 2 + 0.5 * speed**2 * 4 * lift / angle**2
+    within(values["least_contact_force_at"], errors["least_contact_force_at"], at)
+    within(values["least_contact_force"], errors["least_contact_force"], force)
+
+
 def test_table_of_a_law__is_near_the_law():
     angles = np.linspace(0, 2 * math.pi, 181)[:-1]
     lift = 0.005 * (1 - np.cos(angles))

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from engine import Scene, cam_curves
 from sweeps import read_study, run_study
-from sweeps.pictures.elements.cam_sheet import cam_sheet
+from sweeps.pictures.elements.element_pictures import element_sheet
 from sweeps.pictures.picture_error import PictureError
 from sweeps.report.sweep_result import SweepResult
 from sweeps.study.bundled import bundled_studies
@@ -104,13 +104,13 @@ def test_valve_train_study__answers_its_question(result):
 @pytest.mark.parametrize("name", ["flat", "knife edge", "arm with", "face"])
 def test_cam_is_drawn(name, tmp_path):
     path = tmp_path / "cam.svg"
-    cam_sheet(cam_of(CAMS[name]), path, "a cam")
+    element_sheet(cam_of(CAMS[name]), path, "a cam")
     assert path.stat().st_size > 20_000
 
 
 def test_cam_that_cannot_be_placed__is_not_drawn(tmp_path):
-    with pytest.raises(PictureError, match="enlarge base_radius"):
-        cam_sheet(cam_of(ROLLER, follower__offset="39 mm"), tmp_path / "cam.png")
+    with pytest.raises(PictureError, match="no results that could be drawn"):
+        element_sheet(cam_of(ROLLER, follower__offset="39 mm"), tmp_path / "cam.png")
 
 
 @pytest.fixture

@@ -1,48 +1,17 @@
-"""Sheet of a cam: the cam with its follower, and the courses of motion, pressure angle, curvature and forces."""
-
-from pathlib import Path
+"""A cam with its follower, to scale."""
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from engine import CamCurves, CamElement, cam_curves
-from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PALE, VERMILION, sheet
-from sweeps.text.engineer_units import engineer_unit
+from engine import CamElement, cam_curves
+from sweeps.pictures.style import BLUE, GREEN, GREY, VERMILION
 
 DEGREES = 180 / np.pi
-# Curvatures beyond this many times the base circle's are left out of the diagram: edges have infinite ones.
-MOST_CURVED = 30.0
 
 
-def cam_sheet(cam: CamElement, target: Path | str | Figure, title: str = "") -> Figure:
-    """Draw a cam with its follower, and courses over the turn.
-
-    Parameters
-    ----------
-    cam : CamElement
-    target : path or Figure
-        File to write (.svg, .pdf, .png), or an empty figure to draw on.
-    title : str
-
-    Raises
-    ------
-    PictureError
-        The cam can't be drawn, or the file's ending isn't a picture's, or it can't be written.
-    """
-    curves = cam_curves(cam)
-    if not curves.angle.size:
-        raise PictureError(f"{title or 'the cam'}: its follower doesn't reach the base circle; enlarge base_radius")
-    with sheet(target, 180, 125, title) as figure:
-        left, right = figure.subfigures(1, 2, width_ratios=(1, 1.15))
-        _cam_with_follower(left.subplots(), cam, curves)
-        _courses(right, cam, curves)
-    return figure
-
-
-def _cam_with_follower(ax: Axes, cam: CamElement, curves: CamCurves) -> None:
+def cam_layout(ax: Axes, cam: CamElement) -> None:
     """The cam at the angle of its greatest pressure angle, or velocity, on the rise; the contact's normal marked."""
+    curves = cam_curves(cam)
     shown = curves.first if cam.follower.contact == "flat" else np.abs(curves.pressure_angle)
     at = int(np.argmax(np.where(curves.first > 0, shown, -1.0)))
     turned = np.exp(1j * curves.sense * curves.angle[at])
@@ -94,33 +63,3 @@ def _follower(ax: Axes, cam: CamElement, contact: complex, centre: complex, size
     end = centre if cam.follower.contact != "flat" else pivot + 1.35 * (contact - pivot)
     ax.plot([pivot, end.real], [0, end.imag], **look)
     ax.plot(pivot, 0, "o", color="black", markerfacecolor="white", markersize=6, zorder=6)
-
-
-def _courses(figure: Figure, cam: CamElement, curves: CamCurves) -> None:
-    """Courses over the cam's angle, one above the other."""
-    flat, dynamic = cam.follower.contact == "flat", cam.follower.moved is not None
-    stroke, rate = ("m", "m") if cam.translating else ("rad", "1")
-    curvature = np.where(np.abs(curves.curvature) * cam.base_radius < MOST_CURVED, curves.curvature, np.nan)
-    rows = [
-        ("s", curves.displacement, stroke, BLUE),
-        ("s′", curves.first, rate, BLUE),
-        ("s″", curves.second, rate, BLUE),
-        *([] if flat else [("α", curves.pressure_angle, "rad", VERMILION)]),
-        ("κ", curvature, "", ORANGE),
-        *([("N", curves.force, "N", GREEN), ("M", curves.moment, "N m", GREEN)] if dynamic else []),
-    ]
-    axes = figure.subplots(len(rows), 1, sharex=True)
-    angle = DEGREES * curves.angle
-    ends = [0.0]
-    for section in cam.sections.values():
-        rest = 2 * np.pi - sum(s.angle or 0.0 for s in cam.sections.values())
-        ends.append(ends[-1] + DEGREES * (rest if section.angle is None else section.angle))
-    for ax, (name, values, units, colour) in zip(axes, rows, strict=True):
-        factor, unit = (1e-3, "1/mm") if name == "κ" else engineer_unit(units, values)
-        for end in ends:
-            ax.axvline(end, color=PALE, linewidth=0.8)
-        ax.plot(angle, factor * values, color=colour)
-        ax.set_ylabel(f"{name}, {unit}" if unit not in ("", "1") else name)
-        ax.axhline(0, color="black", linewidth=0.5)
-    axes[-1].set(xlabel="angle of the cam, °", xlim=(0, 360), xticks=range(0, 361, 60))
-    figure.align_ylabels(axes)

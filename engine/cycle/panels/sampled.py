@@ -1,0 +1,101 @@
+"""Curves sampled at the positions of panels, as arrays: how well polynomials follow them, integrals, greatest values.
+
+For what is evaluated in NumPy; the cycle of a machine has the same in lanes.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.cycle.panels.chebyshev import DEGREE, PLACES, POSITIONS, SHARES
+from engine.laws.rounding import EPS
+
+# Coefficients by which a polynomial's convergence is judged.
+_LAST = 3
+_K = np.arange(POSITIONS)
+_OF_T = np.where(_K % 2 == 0, 2.0 / (1.0 - np.where(_K % 2 == 0, _K, 0) ** 2.0), 0.0)
+_WEIGHTS = (_OF_T @ SHARES)[None]
+_NEWTON_STEPS = 6
+# What the series of a curve that is followed to rounding ends with, as a share of its magnitude.
+_ROUNDING = 64 * EPS
+
+
+class Tops(NamedTuple):
+    """Greatest values of polynomials (panels,): their places on [−1, 1], and second derivatives there."""
+
+    values: np.ndarray
+    places: np.ndarray
+    bends: np.ndarray
+
+
+def _weighted(weights: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Sums over the positions (weights, ...), added up in their order however many panels there are."""
+    return sum(np.multiply.outer(weights[:, j], values[..., j]) for j in range(POSITIONS))
+
+
+def tails(values: np.ndarray) -> np.ndarray:
+    """Magnitude of the last coefficients of polynomials (...): about what they miss.
+
+    Parameters
+    ----------
+    values : ndarray (..., POSITIONS)
+    """
+    return np.abs(_weighted(SHARES[-_LAST:], values)).max(axis=0)
+
+
+def panel_integrals(values: np.ndarray) -> np.ndarray:
+    """Integrals of polynomials over [−1, 1] (...).
+
+    Parameters
+    ----------
+    values : ndarray (..., POSITIONS)
+    """
+    return _weighted(_WEIGHTS, values)[0]
+
+
+def root_inside(values: np.ndarray) -> np.ndarray:
+    """Where curves change their sign between their inner positions, as far as polynomials follow them (panels,).
+
+    On [−1, 1]; 0 where they don't change it.
+
+    Parameters
+    ----------
+    values : ndarray (panels, POSITIONS)
+    """
+    inner = values[:, 1:-1]
+    k = 1 + np.argmax(inner[:, :-1] * inner[:, 1:] < 0.0, axis=1)
+    here, after = (np.take_along_axis(values, i[:, None], axis=1)[:, 0] for i in (k, k + 1))
+    low, high = PLACES[k], PLACES[k + 1]
+    x, series = low + (high - low) * here / (here - after), _weighted(SHARES, values)
+    slope = np.polynomial.chebyshev.chebder(series)
+    for _ in range(_NEWTON_STEPS):
+        x = np.clip(x - _at(x, series) / _at(x, slope), low, high)
+    follows = tails(values) <= _ROUNDING * np.abs(values).max(axis=1)
+    return np.where(follows & (here * after < 0.0), x, 0.0)
+
+
+def _at(place: np.ndarray, series: np.ndarray) -> np.ndarray:
+    return np.polynomial.chebyshev.chebval(place, series, tensor=False)
+
+
+def tops(values: np.ndarray, noise: np.ndarray) -> Tops:
+    """Greatest values of polynomials between the positions too; of equals the first.
+
+    Parameters
+    ----------
+    values : ndarray (panels, POSITIONS)
+        Sampled densely enough that a top is next to the greatest of them.
+    noise : ndarray (panels,)
+        Values that differ by less are equal.
+    """
+    series = _weighted(SHARES, values)
+    k = np.argmax(values >= (values.max(axis=1) - noise)[:, None], axis=1)
+    x, low, high = PLACES[k], PLACES[np.maximum(k - 1, 0)], PLACES[np.minimum(k + 1, DEGREE)]
+    slope, bend = (np.polynomial.chebyshev.chebder(series, m) for m in (1, 2))
+    for _ in range(_NEWTON_STEPS):
+        rate, turn = _at(x, slope), _at(x, bend)
+        x = np.where(turn < 0.0, np.clip(x - rate / turn, low, high), x)
+    found, sampled = _at(x, series), np.take_along_axis(values, k[:, None], axis=1)[:, 0]
+    better = found > sampled + noise
+    x = np.where(better, x, PLACES[k])
+    return Tops(np.where(better, found, sampled), x, _at(x, bend))

@@ -1,0 +1,154 @@
+"""Greatest values over the turn of a cam with their places, and the mean of its moment, on Chebyshev panels.
+
+Every smooth piece of the turn is a panel to begin with. Panels are cut where friction bends a quantity, and halved
+until polynomials follow all quantities that are looked at; their tops are the extremes.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.cycle.panels.chebyshev import PLACES
+from engine.cycle.panels.sampled import Tops, panel_integrals, root_inside, tails, tops
+from engine.elements.cams.positions import CamVariants, at_positions
+from engine.laws.rounding import EPS
+from engine.parts.motion_programs import TURN
+from engine.verdicts import Verdict
+
+# What polynomials may leave of a quantity's greatest magnitude, and how often a piece is halved for it.
+_TOLERANCE, _HALVINGS = 1e-12, 10
+# Values that differ by less than this many roundings of the greatest magnitude are equal.
+_EQUAL = 64
+# How far a polynomial may go beyond its samples, as a share of their range.
+_BEYOND = 0.25
+
+
+class Sought(NamedTuple):
+    """The greatest of sign × a quantity over the turn, in rises (1), returns (−1) or everywhere (0)."""
+
+    quantity: str
+    sign: int
+    direction: int = 0
+
+
+class Places(NamedTuple):
+    """Where what is sought is the greatest (sought, variants): piece, u in it, NaN where there is none.
+
+    `blurs` times the root of what a value may be off by is what its place may be off by [rad].
+    """
+
+    pieces: np.ndarray
+    u: np.ndarray
+    blurs: np.ndarray
+
+
+class Measures(NamedTuple):
+    """What is found over the turn of some variants: places of extremes, verdicts, integrals of the moment.
+
+    `moment` is its mean, `moment_size` that of its magnitude, and `moment_missed` what polynomials leave of it
+    (variants,).
+    """
+
+    places: Places
+    verdicts: np.ndarray
+    moment: np.ndarray
+    moment_size: np.ndarray
+    moment_missed: np.ndarray
+
+
+class _Panels(NamedTuple):
+    """Panels: their piece, variant and both ends (panels,); samples of quantities (quantities, panels, POSITIONS)."""
+
+    p: np.ndarray
+    v: np.ndarray
+    left: np.ndarray
+    right: np.ndarray
+    values: np.ndarray
+
+    def of(self, some: np.ndarray) -> "_Panels":
+        return _Panels(*(part[some] for part in self[:-1]), self.values[:, some])
+
+
+@np.errstate(all="ignore")
+def measure(cams: CamVariants, sought: Sequence[Sought]) -> Measures:
+    """Find extremes over the turn.
+
+    Parameters
+    ----------
+    cams : CamVariants
+    sought : sequence of Sought
+    """
+    turn, variants = cams.turn, cams.lowest.size
+    stands = turn.whole & (cams.lowest > 0.0) & (cams.lowest < np.inf)
+    verdicts = np.where(stands, Verdict.OK, np.where(turn.whole, Verdict.CANNOT_ASSEMBLE, Verdict.OUTSIDE_LIMITS))
+    dynamic = any(s.quantity == "moment" for s in sought)
+    names = list(dict.fromkeys(s.quantity for s in sought))
+    p, v = (part[:, stands].ravel() for part in np.indices(turn.before.shape))
+    left, right = turn.first[p], turn.last[p]
+    taken, scale = [], np.zeros((variants, len(names)))
+    for halved in range(_HALVINGS + 1):
+        u = 0.5 * (left + right)[:, None] + 0.5 * (right - left)[:, None] * PLACES
+        found = at_positions(cams, p[:, None], v[:, None], u)
+        for failed, verdict in (
+            (dynamic and np.isinf(found["force"]).any(axis=1), Verdict.JAMS),
+            (~found["reached"].all(axis=1), Verdict.CANNOT_ASSEMBLE),
+        ):
+            verdicts[v[failed]] = verdict
+        panels = _Panels(p, v, left, right, np.array([found[name] for name in names]))
+        np.maximum.at(scale, v, np.abs(panels.values).max(axis=-1).T)
+        rough = (tails(panels.values) > _TOLERANCE * scale[v].T).any(axis=0) & (verdicts[v] == Verdict.OK)
+        rough &= halved < _HALVINGS
+        taken.append(panels.of(~rough))
+        cut = np.zeros(rough.sum())
+        for kink in found["kinks"]:
+            cut = np.where(cut == 0.0, root_inside(kink[rough]), cut)
+        p, v, left, right, cut = (np.concatenate([part] * 2) for part in (*(x[rough] for x in panels[:-1]), cut))
+        middle = 0.5 * (left + right) + 0.5 * (right - left) * cut
+        half = np.arange(p.size) < p.size // 2
+        left, right = np.where(half, left, middle), np.where(half, middle, right)
+        if not p.size:
+            break
+    panels = _Panels(*(np.concatenate(parts, axis=-1 - (k == 4)) for k, parts in enumerate(zip(*taken, strict=True))))
+    places = [_greatest(cams, panels, s, (names.index(s.quantity), scale[:, names.index(s.quantity)])) for s in sought]
+    moment = np.zeros((3, variants))
+    if dynamic:
+        samples = panels.values[names.index("moment")]
+        rates = 0.5 * (panels.right - panels.left) * turn.angle[panels.p, panels.v] / TURN
+        for row, part in zip(
+            moment, (panel_integrals(samples), panel_integrals(np.abs(samples)), tails(samples)), strict=True
+        ):
+            np.add.at(row, panels.v, rates * part)
+    return Measures(Places(*map(np.array, zip(*places, strict=True))), verdicts.astype(np.uint8), *moment)
+
+
+def _greatest(
+    cams: CamVariants, panels: _Panels, s: Sought, which: tuple[int, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Piece, u and blur of an extreme (variants,); of equal ones the first over the turn."""
+    quantity, scale = which
+    directions = cams.turn.directions[panels.p]
+    some = np.flatnonzero((directions == s.direction) | (s.direction == 0))
+    p, v, left, right = (part[some] for part in panels[:-1])
+    values = s.sign * panels.values[quantity, some]
+    high = values.max(axis=1)
+    best = np.full(scale.size, -np.inf)
+    np.maximum.at(best, v, high)
+    near = ~(high + _BEYOND * (high - values.min(axis=1)) < best[v]) & ~np.isnan(high)
+    p, v, left, right = (part[near] for part in (p, v, left, right))
+    noise = _EQUAL * EPS * np.where(np.isfinite(scale), scale, 0.0)[v]
+    found = tops(values[near], noise)
+    # Where a curve jumps its polynomial goes beyond it.
+    rough, high = tails(values[near]) > _TOLERANCE * scale[v], values[near].argmax(axis=1)
+    sampled = Tops(values[near].max(axis=1), PLACES[high], found.bends)
+    found = Tops(*(np.where(rough, one, other) for one, other in zip(sampled, found, strict=True)))
+    np.maximum.at(best, v, found.values)
+    u = 0.5 * (left + right) + 0.5 * (right - left) * found.places
+    order = np.lexsort((cams.turn.cam_angle(p, v, u), found.values < best[v] - noise, v))
+    variants, first = np.unique(v[order], return_index=True)
+    k = order[first]
+    angles = cams.turn.angle[p, v] * 0.5 * (right - left)
+    blurs = np.where(np.abs(found.places) < 1.0, angles * np.sqrt(2.0 / np.abs(found.bends)), 0.0)
+    pieces, places, blur = np.zeros(scale.size, int), *np.full((2, scale.size), np.nan)
+    pieces[variants], places[variants], blur[variants] = p[k], u[k], blurs[k]
+    return pieces, places, blur

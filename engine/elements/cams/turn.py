@@ -1,0 +1,122 @@
+"""The turn of a cam as smooth pieces: where they begin and end, and the follower's motion in each of them.
+
+A piece has a variable u of its own, on which the law of its section, or a cubic of a table, depends.
+"""
+
+import math
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.elements.element import Numbers
+from engine.graph.over_arrays import over_arrays
+from engine.laws.cams.motion_laws import DWELL, LAW_BREAKS, LAW_KINDS, unit_motion
+from engine.laws.tables import make_table
+from engine.parts.motion_programs import CamProgram, DwellSection, MotionTable, RiseSection, sections_of
+
+# Places of a piece at which its greatest velocity and acceleration are looked at; not the middle, where many laws have
+# no acceleration.
+_LOOKED_AT = np.array([0.0, 0.3, 1.0])
+# Jumps below this share of the greatest value are rounding.
+_ROUNDING_OF_JUMPS = 1e-9
+
+
+class CamTurn(NamedTuple):
+    """The pieces of some variants.
+
+    Attributes
+    ----------
+    directions : ndarray (pieces,)
+        1 in a rise, −1 in a return, 0 in a dwell.
+    first, last : ndarray (pieces,)
+        u at both ends.
+    kinds : ndarray (pieces,)
+        Of the sections' laws.
+    cubics : ndarray (3, pieces) or None
+        Coefficients of a table's pieces, of u³, u² and u.
+    begin, angle, before, stroke : ndarray (pieces, variants)
+        Cam angle at u = 0, and for each unit of u [rad]; displacement at u = 0, and for each unit of the law.
+    whole : ndarray (variants,) of bool
+        Whether they make a turn that ends where it began.
+    """
+
+    directions: np.ndarray
+    first: np.ndarray
+    last: np.ndarray
+    kinds: np.ndarray
+    cubics: np.ndarray | None
+    begin: np.ndarray
+    angle: np.ndarray
+    before: np.ndarray
+    stroke: np.ndarray
+    whole: np.ndarray
+
+    def motion(self, p: np.ndarray, v: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Displacement and its derivatives by the cam's angle at places of pieces, of variants (...)."""
+        before, stroke, rate = self.before[p, v], self.stroke[p, v], 1.0 / self.angle[p, v]
+        if self.cubics is None:
+            shape = over_arrays(unit_motion, self.kinds[p], u, 0.5 * (self.first[p] + self.last[p]))
+        else:
+            c3, c2, c1 = self.cubics[:, p]
+            shape = ((c3 * u + c2) * u + c1) * u, (3 * c3 * u + 2 * c2) * u + c1, 6 * c3 * u + 2 * c2, 6 * c3 + 0 * u
+        return before + stroke * shape[0], *(stroke * rate**k * shape[k] for k in (1, 2, 3))
+
+    def cam_angle(self, p: np.ndarray, v: np.ndarray, u: np.ndarray) -> np.ndarray:
+        """Angle of the cam at places of pieces (...)."""
+        return self.begin[p, v] + self.angle[p, v] * u
+
+    def jumps(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Greatest jump and drop of s', greatest jump of s'' (variants,); such as rounding makes count as none."""
+        p, v = np.indices(self.before.shape)
+        ends = self.first + _LOOKED_AT[:, None] * (self.last - self.first)
+        _, s1, s2, _ = self.motion(p[None], v[None], ends[:, :, None])
+        found = []
+        for s, change in ((s1, np.abs), (s1, np.negative), (s2, np.abs)):
+            jump = change(np.roll(s[0], -1, axis=0) - s[-1])
+            large = jump > _ROUNDING_OF_JUMPS * np.abs(s).max(axis=(0, 1))
+            found.append(np.where(large, jump, 0.0).max(axis=0))
+        return tuple(found)
+
+
+def turn_of(program: CamProgram, n: Numbers) -> CamTurn:
+    """The turn of a cam.
+
+    Parameters
+    ----------
+    program : CamProgram
+    n : mapping of str to ndarray (variants,)
+        Its numbers.
+    """
+    variants = next(iter(n.values())).size
+    if program.table is not None:
+        return _tabled(program.table, variants)
+    sections, pieces, rows = sections_of(program, "", n), [], []
+    for k, section in enumerate(program.sections.values()):
+        still, rises = isinstance(section, DwellSection), isinstance(section, RiseSection)
+        kind = DWELL if still else LAW_KINDS[section.law]
+        ends = 0.0, *LAW_BREAKS.get(kind, ()), 1.0
+        for first, last in pairwise(ends):
+            pieces.append((0 if still else 1 if rises else -1, first, last, kind))
+            rows.append([part[k] for part in sections[:-1]])
+    numbers = np.array([[np.broadcast_to(x, variants) for x in row] for row in rows]).transpose(1, 0, 2)
+    return CamTurn(*np.array(pieces, float).T, None, *numbers, np.broadcast_to(sections.whole, variants))
+
+
+def _tabled(motion: MotionTable, variants: int) -> CamTurn:
+    """The turn by a table: its cubics, cut once more where the follower turns back."""
+    table = make_table(motion.over_angle, motion.rows, motion.interpolation, 2 * math.pi)
+    pieces = []
+    for left, right, (c3, c2, c1, c0) in zip(table.breaks, table.breaks[1:], table.coefficients, strict=False):
+        length = right - left
+        turns = np.roots([3 * c3, 2 * c2, c1]) if c3 or c2 else np.empty(0)
+        real = np.sort(turns[np.abs(turns.imag) < 1e-12 * length].real)
+        inside = real[(real > 1e-9 * length) & (real < (1 - 1e-9) * length)]
+        for a, b in zip([0.0, *inside], [*inside, length], strict=True):
+            middle = (a + b) / 2
+            pieces.append(
+                (np.sign((3 * c3 * middle + 2 * c2) * middle + c1), a, b, 0.0, c3, c2, c1, left, 1.0, c0, 1.0)
+            )
+    rows = np.array(pieces).T
+    numbers = np.repeat(rows[7:, :, None], variants, axis=2)
+    return CamTurn(*rows[:4], rows[4:7], *numbers, np.ones(variants, bool))
