@@ -70,8 +70,9 @@ def machine_pictures(
     if scene.input is None:
         return made
     second = path.with_name(f"{path.stem}_diagrams{path.suffix}")
-    picture(scene, path, at, paths, values, shown)
-    diagrams(scene, second, values)
+    motion = DrawnMotion(scene, values)
+    picture(motion, path, at, paths, shown)
+    diagrams(motion.machine, second)
     return [path, second, *(motion_pictures(with_values(scene, values), path) if scene.regimes else []), *made]
 
 
@@ -230,13 +231,13 @@ def drawing_file(scene: Scene, values: Mapping[str, float], out: Path, position:
     """
     if scene.input is None:
         raise PictureError("the scene has machine elements alone: there is no mechanism to draw")
+    motion = DrawnMotion(scene, values)
     if out.suffix == ".dxf":
         from sweeps.pictures.drawing.dxf import write_dxf
 
-        shown = default_position(DrawnMotion(scene, values)) if position is None else position
-        write_dxf(out, scene, shown, dict(values))
+        write_dxf(out, motion, default_position(motion) if position is None else position)
         return
-    picture(scene, out, () if position is None else (position,), values=values)
+    picture(motion, out, () if position is None else (position,))
 
 
 def sweep_data(
