@@ -5,7 +5,7 @@ from typing import Literal, NamedTuple
 
 from engine.parts.pair_friction import PairFriction
 from engine.parts.skeleton import FRAME, CrankInput, Sliding, Yoke
-from engine.scene.names import Problem, did_you_mean, joint_owners
+from engine.scene.names import Problem, did_you_mean, guide_of, joint_owners
 from engine.scene.scene import Scene, once
 
 OF_JOURNALS = ("diameter", "contact", "above_prismatic")
@@ -46,6 +46,17 @@ def holder_of(scene: Scene, point: str) -> str:
         if getattr(group, "inner", None) == point:
             return group.second.link if group.type == "RRP" else group.first.link
     return joint_owners(scene).get(point, scene.input.link)
+
+
+def bearer_of(scene: Scene, slider: str) -> str:
+    """Link that carries the guide or slot of a slider."""
+    if slider in {**scene.links, **scene.racks, **scene.inputs}:
+        return scene.guides[guide_of(scene, slider)].link
+    for group in scene.groups.values():
+        for part in (group.first, group.second):
+            if part.link == slider:
+                return scene.guides[part.guide].link if isinstance(part, (Sliding, Yoke)) else group.second.link
+    return FRAME
 
 
 def drive_base(scene: Scene, name: str) -> str:

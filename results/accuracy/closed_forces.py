@@ -13,8 +13,7 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 from taylor import Series
 
 from engine import Scene
-from engine.scene.names import guide_of
-from engine.scene.pairs import holder_of
+from engine.scene.pairs import bearer_of, holder_of
 
 Ends = dict[str, tuple[object, object]]
 
@@ -199,7 +198,7 @@ class Loads:
             pressure = self._compressor(at, travel, inside, toward, high - low)
         area = self.motion.arithmetic.pi * n[f"{at}.bore"] ** 2 / 4
         force = (pressure - n[f"{at}.ambient"]) * (-sign * area)
-        assert self.scene.guides[guide_of(self.scene, cylinder.piston)].link == "frame"
+        assert bearer_of(self.scene, cylinder.piston) == "frame"
         self._push(cylinder.piston, piston.origin, piston.way.times(force))
 
     def _compressor(self, at: str, travel: Series, inside: np.ndarray, toward: np.ndarray, stroke: object) -> Series:
