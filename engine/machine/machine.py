@@ -140,9 +140,13 @@ class Machine:
         self._ask(summaries, fields)
 
     def asked_for(
-        self, summaries: Iterable[str] = (), fields: Iterable[str] = (), curves: Mapping[str, Node] = NOTHING_MORE
+        self,
+        summaries: Iterable[str] = (),
+        fields: Iterable[str] = (),
+        curves: Mapping[str, Node] = NOTHING_MORE,
+        positions: int | None = None,
     ) -> "Machine":
-        """The same machine, asked for something else.
+        """The same machine, asked for something else; fields are kept in double precision.
 
         Parameters
         ----------
@@ -150,10 +154,13 @@ class Machine:
             As for the class.
         curves : mapping of str to Node
             Curves of its own graph, kept as fields of these names.
+        positions : int, optional
+            As for the class; its own unless given.
         """
         other = copy(self)
         for name in [name for name in vars(self) if isinstance(getattr(Machine, name, None), cached_property)]:
             del other.__dict__[name]
+        other.positions, other.dtype = positions or self.positions, np.dtype(float)
         other._ask(summaries, fields, curves)
         return other
 

@@ -76,6 +76,8 @@ class MovingMachine:
         Numbers (SI) in place of the scene's.
     positions : int
         Intervals over the cycle, or over the input's range.
+    made : Machine, optional
+        A machine that is used if it is one of this scene and takes the same numbers.
 
     Attributes
     ----------
@@ -90,10 +92,17 @@ class MovingMachine:
         By its properties: what is asked has no value at any position.
     """
 
-    def __init__(self, scene: Scene, values: Mapping[str, float] | None = None, positions: int = 720) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        values: Mapping[str, float] | None = None,
+        positions: int = 720,
+        made: Machine | None = None,
+    ) -> None:
         self.scene, self.values = scene, dict(values or {})
         values = self.values
-        self.machine = Machine(scene, varied=values, positions=positions)
+        fits = made is not None and made.scene is scene and {*made.varied} == {*values}
+        self.machine = made.asked_for(positions=positions) if fits else Machine(scene, (), (), values, positions)
         self.numbers = Numbers(scene_numbers(scene), values)
         self._varied = {path: np.array([value]) for path, value in values.items()}
         self._kinematics = self.machine.mechanics.kinematics

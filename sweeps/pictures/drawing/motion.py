@@ -11,6 +11,7 @@ from engine import (
     CrankInput,
     DrivingCam,
     Hinged,
+    Machine,
     MovingMachine,
     NoncircularWheel,
     NowhereDefinedError,
@@ -48,6 +49,8 @@ class DrawnMotion:
     scene : Scene
     values : mapping of path to float, optional
         Numbers (SI) in place of the scene's.
+    made : Machine, optional
+        As for `MovingMachine`.
 
     Attributes
     ----------
@@ -74,9 +77,9 @@ class DrawnMotion:
         The mechanism can't be assembled at any position, or a value is outside the limits of its number.
     """
 
-    def __init__(self, scene: Scene, values: Mapping[str, float] | None = None) -> None:
+    def __init__(self, scene: Scene, values: Mapping[str, float] | None = None, made: Machine | None = None) -> None:
         self.values, self.scene = dict(values or {}), scene
-        self.machine = MovingMachine(scene, values, POSITIONS)
+        self.machine = MovingMachine(scene, values, POSITIONS, made)
         self.numbers, self.q = self.machine.numbers, self.machine.q
         try:
             places = self.machine.places
