@@ -139,6 +139,7 @@ from engine.parts.units import (
     unit_in,
 )
 from engine.quantities.quantity import STATISTICS, InputUnits, Quantity, has_cycle
+from engine.scene.masses import places_on
 from engine.scene.names import did_you_mean, guide_of
 from engine.scene.names import nearest as nearest_names
 from engine.scene.pairs import (
@@ -331,6 +332,7 @@ __all__ = [
     "parse_expression",
     "permissible_unbalance",
     "piston_harmonics",
+    "places_on",
     "radial_engine",
     "recognised",
     "reduced_train",

@@ -9,16 +9,10 @@ import numpy as np
 from engine import (
     FRAME,
     CrankInput,
-    DrivingCam,
-    Hinged,
     Machine,
     MovingMachine,
-    NoncircularWheel,
     NowhereDefinedError,
-    Pinion,
-    Rack,
     Scene,
-    SecondCrank,
     SecondSlider,
     Sliding,
     Verdict,
@@ -26,6 +20,7 @@ from engine import (
     joint_of,
     order_groups,
     pairs_of,
+    places_on,
 )
 from sweeps.pictures.picture_error import PictureError
 
@@ -120,14 +115,6 @@ class DrawnMotion:
             raise PictureError(f"position {at:g} can't be drawn: {sentence}; or ask for another position")
         return k
 
-    def _part(self, link: str) -> tuple[str, object]:
-        """The group and the part of it that a link is."""
-        for name, group in self.scene.groups.items():
-            for part in (group.first, group.second):
-                if part.link == link:
-                    return name, part
-        raise KeyError(link)
-
     def axes(self, link: str) -> tuple[np.ndarray, np.ndarray]:
         """Origin and direction of a link's axes at every node."""
         return self._axes[link]
@@ -185,42 +172,7 @@ class DrawnMotion:
 
     def members(self, link: str) -> list[str]:
         """Names of the points of a link, the origin of its axes first where that is a point."""
-        drive, found = self.scene.input, []
-        if link == drive.link:
-            found = [drive.pivot, drive.pin] if isinstance(drive, CrankInput) else [drive.point]
-        elif link in self.scene.shafts:
-            found = [self.scene.shafts[link].pivot]
-        elif link in self._wheels:
-            found = [self._wheels[link].pivot]
-        elif link in self._driven_sliders:
-            found = []
-        elif link in self.scene.links:
-            found = list(self.scene.links[link].joints)
-        elif link in self._followers:
-            found = [] if self._followers[link].translating else [self._followers[link].follower.pivot]
-        elif link != FRAME:
-            name, part = self._part(link)
-            inner = isinstance(part, (Hinged, Sliding))
-            found = [part.joint] if hasattr(part, "joint") else []
-            found += [self.scene.groups[name].inner] if inner else []
-        return found + [n for n, p in self.scene.points.items() if p.link == link]
-
-    @property
-    def _followers(self) -> dict[str, DrivingCam]:
-        """Cams by the links that they drive."""
-        return {cam.follower.link: cam for cam in self.scene.cams.values()}
-
-    @property
-    def _wheels(self) -> dict[str, SecondCrank | Pinion | NoncircularWheel]:
-        """Second inputs that turn, pinions that racks drive, and non-circular wheels."""
-        turning = {n: second for n, second in self.scene.inputs.items() if isinstance(second, SecondCrank)}
-        return {**turning, **self.scene.pinions, **self.scene.noncircular_wheels}
-
-    @property
-    def _driven_sliders(self) -> dict[str, Rack | SecondSlider]:
-        """Racks, and second inputs that slide."""
-        sliding = {n: second for n, second in self.scene.inputs.items() if isinstance(second, SecondSlider)}
-        return {**sliding, **self.scene.racks}
+        return list(places_on(self.scene, link))
 
     @property
     def hinges(self) -> set[str]:
