@@ -65,8 +65,6 @@ from engine.elements.torsional_trains.reduced_train import ReducedTrain, reduced
 from engine.elements.torsional_trains.torsional_train import TorsionalTrain, is_excited
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
-from engine.laws.friction.teeth import lost_share as mesh_lost_share
-from engine.laws.friction.teeth import shifted_contact as mesh_shifted_contact
 from engine.laws.tables import TableError
 from engine.machine.assembly_modes import assembly_modes, near_of_variant
 from engine.machine.balancing.counterweights import BalancedMachine, BalanceError, CounterweightPlace, balance
@@ -79,8 +77,11 @@ from engine.machine.elements.elements_alone import ElementsAlone, made_ready
 from engine.machine.full_rotation import assembly_ranges
 from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine
 from engine.machine.machine import OF_ACCURACY as ACCURACY_SUMMARIES
+from engine.machine.moving_machine import Motions, MovingMachine, NowhereDefinedError
 from engine.machine.results import AskError, Outcome
+from engine.mechanism.assembly import MovingPoint
 from engine.mechanism.groups.seed_tables import AssemblyMode
+from engine.mechanism.link_loads import LinkForce
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import regime_text
 from engine.motion.history import History, history, history_fields
@@ -137,24 +138,18 @@ from engine.parts.units import (
     recognised,
     unit_in,
 )
-from engine.quantities.friction import friction_in_pairs
 from engine.quantities.quantity import STATISTICS, InputUnits, Quantity, has_cycle
-from engine.quantities.reactions import acting_fields, tooth_force_fields
-from engine.scene.inertia import body_mass, carried_inertia, centre_along
-from engine.scene.names import did_you_mean, guide_of, input_point, joint_owners
+from engine.scene.masses import places_on
+from engine.scene.names import did_you_mean, guide_of
 from engine.scene.names import nearest as nearest_names
 from engine.scene.pairs import (
     Pair,
-    bearer_of,
-    contact_pairs,
-    drive_base,
-    driving_field,
     holder_of,
     joint_of,
+    mesh_driver,
     own_drives,
 )
 from engine.scene.pairs import pairs as pairs_of
-from engine.scene.scene import Numbers as SceneNumbers
 from engine.scene.scene import Scene, SceneError, scene_numbers
 from engine.scene.structure.free_groups import FreeGroup
 from engine.scene.structure.ordering import group_links
@@ -217,16 +212,21 @@ __all__ = [
     "HolzerTable",
     "InductionMotor",
     "InputUnits",
+    "LinkForce",
     "LoadChange",
     "Machine",
     "Mark",
     "MasterRod",
     "Mechanics",
+    "Motions",
     "Move",
+    "MovingMachine",
+    "MovingPoint",
     "NaturalVibration",
     "Near",
     "NonZero",
     "NoncircularWheel",
+    "NowhereDefinedError",
     "Outcome",
     "Pair",
     "Panel",
@@ -244,7 +244,6 @@ __all__ = [
     "RunRegime",
     "Scene",
     "SceneError",
-    "SceneNumbers",
     "ScenePart",
     "SecondCrank",
     "SecondSlider",
@@ -265,24 +264,18 @@ __all__ = [
     "VelocityPicture",
     "Verdict",
     "Yoke",
-    "acting_fields",
     "any_quantity",
     "assembly_modes",
     "assembly_ranges",
     "balance",
     "balance_shafts",
     "base_powers",
-    "bearer_of",
     "body_ellipsoid",
-    "body_mass",
     "boxer_engine",
     "cam_curves",
-    "carried_inertia",
-    "centre_along",
     "check_yields",
     "column_in_text",
     "common_units",
-    "contact_pairs",
     "corrected_unbalance",
     "crank_radius",
     "crankshaft_counterweights",
@@ -292,10 +285,8 @@ __all__ = [
     "dimension_of",
     "dimension_of_unit",
     "dimensions_by_unit",
-    "drive_base",
     "drive_cycle",
     "drive_run",
-    "driving_field",
     "element_kinds",
     "engine_shaking",
     "engine_torque",
@@ -307,7 +298,6 @@ __all__ = [
     "firing_sums",
     "first_last_count",
     "four_runs",
-    "friction_in_pairs",
     "gear_results",
     "governed_scene",
     "governor_curves",
@@ -323,18 +313,15 @@ __all__ = [
     "in_text",
     "influence_coefficients",
     "influence_correction",
-    "input_point",
     "is_compiling",
     "is_excited",
     "joined_by_and",
     "joint_of",
-    "joint_owners",
     "load_change",
     "made_engine",
     "made_ready",
     "mesh_axis",
-    "mesh_lost_share",
-    "mesh_shifted_contact",
+    "mesh_driver",
     "names_in_tree",
     "natural_vibration",
     "near_of_variant",
@@ -345,6 +332,7 @@ __all__ = [
     "parse_expression",
     "permissible_unbalance",
     "piston_harmonics",
+    "places_on",
     "radial_engine",
     "recognised",
     "reduced_train",
@@ -367,7 +355,6 @@ __all__ = [
     "stability_point",
     "threads",
     "tolerance_shares",
-    "tooth_force_fields",
     "train_excitation",
     "train_speed",
     "turning_moment_from_areas",

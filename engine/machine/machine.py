@@ -2,7 +2,9 @@
 
 import math
 from collections.abc import Iterable, Mapping
+from copy import copy
 from functools import cached_property
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -44,6 +46,7 @@ SURELY_NOTHING = 4.0 * UNKNOWN_ROOT
 VARIANTS_AT_ONCE = 4096
 # Variants whose governors are given the curves of their machines together.
 GOVERNED_AT_ONCE = 1024
+NOTHING_MORE: Mapping[str, Node] = MappingProxyType({})
 # What compares two numbers with one of them, and is zero where they agree.
 _RELATIVE_ALREADY = ("_difference", "_residual", "_disagreement")
 
@@ -118,7 +121,6 @@ class Machine:
         check_positions(positions)
         self.scene, self.positions, self.dtype, self.accuracy = scene, positions, np.dtype(dtype), accuracy
         self.varied = tuple(varied)
-        self.asked_summaries, self.asked_fields = list(summaries), list(fields)
         self._limits = scene_numbers(scene)
         check_names(self.varied, self._limits, "number of the scene")
         if isinstance(scene.input, CrankInput) and {"input.start", "input.stop"} & set(self.varied):
@@ -135,6 +137,37 @@ class Machine:
             raise AskError(f"{told[0]}: its turns in a cycle are the same for all variants; vary another number")
         self.mechanics = Mechanics(scene, frozenset(self.varied))
         self.register = register_of(self.mechanics)
+        self._ask(summaries, fields)
+
+    def asked_for(
+        self,
+        summaries: Iterable[str] = (),
+        fields: Iterable[str] = (),
+        curves: Mapping[str, Node] = NOTHING_MORE,
+        positions: int | None = None,
+    ) -> "Machine":
+        """The same machine, asked for something else; fields are kept in double precision.
+
+        Parameters
+        ----------
+        summaries, fields : iterable of str
+            As for the class.
+        curves : mapping of str to Node
+            Curves of its own graph, kept as fields of these names.
+        positions : int, optional
+            As for the class; its own unless given.
+        """
+        other = copy(self)
+        for name in [name for name in vars(self) if isinstance(getattr(Machine, name, None), cached_property)]:
+            del other.__dict__[name]
+        other.positions, other.dtype = positions or self.positions, np.dtype(float)
+        other._ask(summaries, fields, curves)
+        return other
+
+    def _ask(self, summaries: Iterable[str], fields: Iterable[str], curves: Mapping[str, Node] = NOTHING_MORE) -> None:
+        """Take what is asked by name, and curves that have no name of their own."""
+        scene, positions, accuracy = self.scene, self.positions, self.accuracy
+        self.asked_summaries, self.asked_fields = list(summaries), list(fields)
         self._elements = AskedElements(scene, self.asked_summaries)
         of_machine = {n: e for n, e in self._elements.elements.items() if any(e.machine_needed())}
         self._trains = [name for name, element in of_machine.items() if element.type == "torsional_train"]
@@ -149,6 +182,8 @@ class Machine:
         self._fields: dict[str, Field] = {
             name: self.register.fields[name] for name in self.asked_fields if name not in others
         }
+        self._fields |= {name: Field(name, "", "", lambda node=node: node) for name, node in curves.items()}
+        self.asked_fields += curves
         self.kept_at = {name: at for name, at in self.regimes.kept_at.items() if name in self.asked_fields}
         self.fields_with_error = tuple(name for name in self.asked_fields if name in self.regimes.fields)
         self._spaced = [name for name in self.asked_fields if name not in self.kept_at]

@@ -1,10 +1,52 @@
-"""What acts on each link: forces and moments, summed about the link's origin."""
+"""What acts on each link: forces and moments one by one, and summed about the link's origin."""
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from engine.graph.nodes import Node
 from engine.mechanism.assembly import Assembly, MovingPoint
 from engine.mechanism.vectors import Vector
+
+
+class LinkForce(NamedTuple):
+    """A force or a moment on a link.
+
+    Attributes
+    ----------
+    kind : {"weight", "inertia", "load", "reaction", "friction", "gears", "drive"}
+        Of journals friction is a moment; "gears" are moments between wheels whose teeth have no pressure angle.
+    name : str
+        Of the body, load, pair or wheel that it belongs to; `WHEEL.teeth` of a force between teeth.
+    link : str
+        On which it acts.
+    source : str or None
+        Link from which it comes; None where it comes from outside the machine.
+    at : Vector or None
+        Point of a force [m]; None of a moment.
+    force : Vector or None
+        [N]
+    moment : Node or None
+        [N·m]
+    """
+
+    kind: Literal["weight", "inertia", "load", "reaction", "friction", "gears", "drive"]
+    name: str
+    link: str
+    source: str | None
+    at: Vector | None = None
+    force: Vector | None = None
+    moment: Node | None = None
+
+    def __add__(self, other: "LinkForce") -> "LinkForce":
+        """What another one like it at the same point adds up to."""
+        if self.moment is not None:
+            return self._replace(moment=self.moment + other.moment)
+        return self._replace(force=self.force + other.force)
+
+    @property
+    def opposite(self) -> "LinkForce":
+        """What acts on the link that it comes from."""
+        force, moment = (None if part is None else -part for part in (self.force, self.moment))
+        return self._replace(link=self.source, source=self.link, force=force, moment=moment)
 
 
 class Wrench(NamedTuple):

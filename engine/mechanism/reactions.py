@@ -11,7 +11,7 @@ Sources: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapter on kinet
 the input moment by virtual power.
 """
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -38,12 +38,13 @@ from engine.mechanism.higher_pairs.cam_forces import cam_forces
 from engine.mechanism.higher_pairs.mesh import mesh_of
 from engine.mechanism.higher_pairs.rack_motion import Toothing, toothing
 from engine.mechanism.higher_pairs.second_input_motion import rate_of_drive
+from engine.mechanism.inertia import inertia_forces
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics
-from engine.mechanism.link_loads import LinkLoads, Wrench
+from engine.mechanism.link_loads import LinkForce, LinkLoads, Wrench
 from engine.mechanism.vectors import Vector, named
 from engine.parts.skeleton import FRAME, CrankInput
-from engine.scene.inertia import carried_inertia, carried_on
+from engine.scene.inertia import body_mass, carried_inertia, carried_on
 from engine.scene.pairs import (
     Pair,
     contact_pairs,
@@ -111,6 +112,7 @@ class Reactions:
         self._lossy = {name: paths[name] for name in lossy_meshes(self.scene)}
         self.lost_in_teeth: dict[str, Node] = {}
         self.lost = {friction.pair: self.graph.zero for friction in self.scene.friction.values()}
+        self._forces: list[LinkForce] = []
         self._own = self._loads_on_links(loads)
         self._loads = LinkLoads(kinematics)
         for name in self._moving:
@@ -147,6 +149,30 @@ class Reactions:
         """Force of a pair on its link, in the axes of the frame."""
         return Vector(*(self.variables[f"{pair}.reaction_{axis}"] for axis in "xy"))
 
+    def link_forces(self) -> list[LinkForce]:
+        """Everything that acts on each link, one by one: each link is in equilibrium, but for the frame."""
+        found: dict[tuple, LinkForce] = {}
+        for one in (*self._on_bodies(), *self._forces):
+            # A load may have several parts, as the pull and the damping of a spring.
+            key = (one.kind, one.name, one.link, one.source, one.at)
+            found[key] = one + found[key] if key in found else one
+        return list(found.values())
+
+    def _on_bodies(self) -> Iterator[LinkForce]:
+        """Weights and inertia forces of the bodies, even where point masses replace them."""
+        scene, graph = self.scene, self.graph
+        for name, body in scene.bodies.items():
+            mass = graph.derived(f"mass of body {name}", partial(body_mass, scene, name), "load")
+            field = Vector(graph.zero, graph.number("gravity", "load"))
+            if scene.base is not None:
+                field += Vector(*(graph.number(f"base.acceleration_{axis}", "load") for axis in "xy"))
+            at = self.kinematics.body_centre(name).r
+            yield LinkForce("weight", name, body.link, None, at, -(mass * field))
+            if scene.inertia_in_reactions:
+                inertia = inertia_forces(self.kinematics, name)
+                yield LinkForce("inertia", name, body.link, None, at, inertia.force)
+                yield LinkForce("inertia", name, body.link, None, moment=inertia.moment)
+
     # Loads
 
     def _loads_on_links(self, loads: Iterable[Load]) -> dict[str, Wrench]:
@@ -156,7 +182,8 @@ class Reactions:
             for name in self.kinematics.masses:
                 self._inertia(of_links, name)
             for name in self.scene.shafts:
-                self._rotary_inertia(of_links, name, turning_inertia(self.kinematics, name))
+                moment = self._rotary_inertia(of_links, name, turning_inertia(self.kinematics, name))
+                self._forces.append(LinkForce("inertia", name, name, None, moment=moment))
             crank = self.scene.input.link
             if carried_on(self.scene, crank):
                 own = partial(carried_inertia, self.scene, crank)
@@ -177,27 +204,37 @@ class Reactions:
         if part.inertia is not None:
             self._rotary_inertia(of_links, part.link, self.graph.derived(f"inertia of {name}", part.inertia, "load"))
 
-    def _rotary_inertia(self, of_links: LinkLoads, name: str, inertia: Node) -> None:
+    def _rotary_inertia(self, of_links: LinkLoads, name: str, inertia: Node) -> Node:
         link = self.kinematics.links[name]
         epsilon = self.motion.acceleration(link.e, link.w)
-        if epsilon is not self.graph.zero:
-            of_links.twist(name, self.graph.apply(inertia_moment, inertia, epsilon))
+        if epsilon is self.graph.zero:
+            return epsilon
+        moment = self.graph.apply(inertia_moment, inertia, epsilon)
+        of_links.twist(name, moment)
+        return moment
 
     def _apply(self, of_links: LinkLoads, load: Load) -> None:
         """A force or moment of the scene, and its counterpart where something in the machine bears it."""
         grip = load.grip
         value = load.coefficient * self.motion.power(load.order) * load.characteristic
+        bearer, at = grip.bearer or (None, None)
         if grip.at is None:
             self._acts(load.action, acting_moment=value)
             of_links.twist(grip.link, value)
-            if grip.bearer is not None:
-                of_links.twist(grip.bearer[0], -value)
-            return
-        force = value * grip.direction
-        self._acts(load.action, force_x=force.x, force_y=force.y)
-        of_links.push(grip.link, grip.at, force)
-        if grip.bearer is not None:
-            of_links.push(*grip.bearer, -force)
+            if bearer is not None:
+                of_links.twist(bearer, -value)
+            found = LinkForce("load", load.action, grip.link, bearer, moment=value)
+        else:
+            force = value * grip.direction
+            self._acts(load.action, force_x=force.x, force_y=force.y)
+            of_links.push(grip.link, grip.at, force)
+            if bearer is not None:
+                of_links.push(bearer, at, -force)
+            found = LinkForce("load", load.action, grip.link, bearer, grip.at.r, force)
+        if load.action != "gravity":
+            self._forces.append(found)
+            if bearer is not None:
+                self._forces.append(found.opposite._replace(at=None if grip.at is None else at.r))
 
     def _acts(self, action: str, **parts: Node) -> None:
         """Fields of a force or moment of the scene; the damping of a spring adds to its pull."""
@@ -212,8 +249,14 @@ class Reactions:
     def _revolute(self, pair: Pair, force: Vector, within: Collection[str]) -> None:
         """Register the reaction of a revolute pair; a link beyond the group bears its part."""
         self._in_joint(pair, force)
+        at = self._place(pair)
+        self._between(LinkForce("reaction", pair.name, pair.link, pair.other, at.r, force))
         for link, sign in self._beyond(pair, within):
-            self._loads.push(link, self._place(pair), sign * force)
+            self._loads.push(link, at, sign * force)
+
+    def _between(self, found: LinkForce) -> None:
+        """Register what acts between two links."""
+        self._forces += [found, found.opposite]
 
     def _beyond(self, pair: Pair, within: Collection[str]) -> list[tuple[str, float]]:
         """Links of a pair beyond a group, each with the sign by which it bears what acts on the pair's own link."""
@@ -222,7 +265,7 @@ class Reactions:
 
     def _place(self, pair: Pair) -> MovingPoint:
         """Where a pair's reaction acts: in its joint, or in the origin of what slides."""
-        if pair.kind == "revolute" and pair.link in self.scene.links:
+        if pair.kind == "revolute":
             return self.kinematics.points[joint_of(pair)]
         return self.kinematics.links[pair.link].origin
 
@@ -240,6 +283,8 @@ class Reactions:
         force = normal * link.u.normal
         found = {"": normal, "_x": force.x, "_y": force.y, "_moment": moment}
         self.variables |= {f"{pair.name}.reaction{part}": node for part, node in found.items()}
+        self._between(LinkForce("reaction", pair.name, pair.link, pair.other, link.origin.r, force))
+        self._between(LinkForce("reaction", pair.name, pair.link, pair.other, moment=moment))
         for name, sign in self._beyond(pair, within):
             self._loads.push(name, link.origin, sign * force)
             self._loads.twist(name, sign * moment)
@@ -308,7 +353,9 @@ class Reactions:
         self.variables |= {f"{name}.contact_force": contact, f"{name}.closing_force": closing}
         if touching.name in self._pressing:
             self.graph.bends(self._pressing[touching.name], contact)
-        self._loads.push(cam.on, self.kinematics.at_rest(motion.contact), -(contact * motion.normal))
+        force = contact * motion.normal
+        self._loads.push(cam.on, self.kinematics.at_rest(motion.contact), -force)
+        self._between(LinkForce("reaction", touching.name, links[0], cam.on, motion.contact, force))
         if holding.kind == "revolute":
             self._revolute(holding, Vector(*held), links)
         else:
@@ -325,9 +372,22 @@ class Reactions:
         if shaft.pivot is not None:
             moment = moment + self._in_pivot(name, load)
         passed = self.graph.number(f"shafts.{name}.ratio") * moment * self._lost_share(name, -moment)
+        self._pass_on(name, shaft.geared_to, shaft.carrier or FRAME, moment, passed)
+
+    def _pass_on(self, name: str, driver: str, carrier: str, moment: Node, passed: Node) -> None:
+        """Balance a wheel, and load its driver and what carries both."""
         self.graph.bends(passed, moment)
-        self._loads.twist(shaft.geared_to, passed)
-        self._loads.twist(shaft.carrier or FRAME, moment - passed)
+        on = ((name, driver, -moment), (driver, name, passed), (carrier, name, moment - passed))
+        self._forces += [LinkForce("gears", name, link, source, moment=twist) for link, source, twist in on]
+        for link, _, twist in on[1:]:
+            self._loads.twist(link, twist)
+
+    def _push_apart(self, name: str, driver: str, place: Vector, force: Vector) -> None:
+        """Load a wheel or rack and its driver by the force between their teeth."""
+        at = self.kinematics.at_rest(place)
+        self._loads.push(name, at, force)
+        self._loads.push(driver, at, -force)
+        self._between(LinkForce("reaction", f"{name}.teeth", name, driver, place, force))
 
     def _in_mesh(self, name: str, load: Wrench) -> None:
         """Teeth balance the moments on a shaft by a force at the pitch point, and push both wheels apart."""
@@ -343,9 +403,7 @@ class Reactions:
         apart = abs(tangential) * found.slope
         self.graph.bends(apart, tangential)
         force = -(tangential * found.across) + apart * found.away
-        place = self.kinematics.at_rest(at)
-        self._loads.push(name, place, force)
-        self._loads.push(shaft.geared_to, place, -force)
+        self._push_apart(name, shaft.geared_to, at, force)
         self._in_teeth(name, tangential, apart)
         self._in_pivot(name, self._loads.total(name))
 
@@ -379,9 +437,7 @@ class Reactions:
         )
         if wheel.pressure_angle is None:
             passed = -(found.rate * load.moment * self._lost_share(name, -load.moment))
-            self.graph.bends(passed, load.moment)
-            self._loads.twist(wheel.geared_to, passed)
-            self._loads.twist(FRAME, load.moment - passed)
+            self._pass_on(name, wheel.geared_to, FRAME, load.moment, passed)
             self._in_pivot(name, load)
             return
         place = found.pitch_point
@@ -397,9 +453,7 @@ class Reactions:
         self.graph.bends(tangential, load.moment)
         self.graph.bends(apart, load.moment)
         self._in_teeth(name, tangential, apart)
-        at, force = self.kinematics.at_rest(place), tangential * found.tangent + apart * found.away
-        self._loads.push(name, at, force)
-        self._loads.push(wheel.geared_to, at, -force)
+        self._push_apart(name, wheel.geared_to, place, tangential * found.tangent + apart * found.away)
         self._in_pivot(name, self._loads.total(name))
 
     def _line_of_centres(self, name: str) -> Vector:
@@ -450,9 +504,7 @@ class Reactions:
         place = found.pitch_point
         if arm is not found.radius:
             place = place + (found.radius - arm) * found.along.normal
-        at = self.kinematics.at_rest(place)
-        self._loads.push(on, at, force)
-        self._loads.push(bearer, at, -force)
+        self._push_apart(on, bearer, place, force)
 
     def _in_pivot(self, name: str, load: Wrench) -> Node:
         """Register the reaction of a pivot on the frame; the moment of its friction."""
@@ -469,10 +521,12 @@ class Reactions:
             total = load.moment + self._in_pivot("input", load)
             needed = -total
             self._loads.twist(FRAME, total)
+            self._between(LinkForce("drive", drive.link, drive.link, FRAME, moment=needed))
         else:
             total = load.force.dot(link.u) + self._in_guide(pair, load)
             needed = -total
             self._loads.push(FRAME, link.origin, total * link.u)
+            self._between(LinkForce("drive", drive.link, drive.link, FRAME, link.origin.r, needed * link.u))
         self.variables["input_moment_by_equilibrium"] = named(needed, "input_moment_by_equilibrium")
 
     def _in_guide(self, pair: Pair, load: Wrench) -> Node:
@@ -492,13 +546,16 @@ class Reactions:
         if name in self.kinematics.slides:
             total = load.force.dot(link.u) + self._in_guide(self._pairs[name], load)
             self._loads.push(base, link.origin, total * link.u)
+            self._between(LinkForce("drive", name, name, base, link.origin.r, -(total * link.u)))
         else:
             total = load.moment + self._in_pivot(name, load)
             self._loads.twist(base, total)
+            self._between(LinkForce("drive", name, name, base, moment=-total))
         if self.scene.inputs[name].drive == "crank":
             passed = total * rate_of_drive(self.kinematics, name)
             self._loads.twist(self.scene.input.link, passed)
             self._loads.twist(FRAME, -passed)
+            self._forces.append(LinkForce("gears", name, self.scene.input.link, name, moment=passed))
         field = driving_field(self.scene, name)
         self.variables[field] = named(-total, field.replace(".", "_"))
 
@@ -556,15 +613,20 @@ class Reactions:
 
     def _rub_on(self, loads: LinkLoads, pair: Pair, sides: Iterable[tuple[str, float]], friction: Node) -> None:
         """Load sides of a pair, each with its sign, by friction on the pair's link."""
-        link = self.kinematics.links[pair.link]
         for name, sign in sides:
             if pair.kind == "revolute":
                 loads.twist(name, sign * friction)
-            elif pair.kind == "prismatic":
-                loads.push(name, link.origin, (sign * friction) * link.u)
             else:
-                motion = self.kinematics.cams[pair.name.partition(".")[0]]
-                loads.push(name, self.kinematics.at_rest(motion.contact), (sign * friction) * motion.normal.normal)
+                at, along = self._rubs_along(pair)
+                loads.push(name, at, (sign * friction) * along)
+
+    def _rubs_along(self, pair: Pair) -> tuple[MovingPoint, Vector]:
+        """Where friction in a guide or on a cam acts, and its direction."""
+        if pair.kind == "prismatic":
+            link = self.kinematics.links[pair.link]
+            return link.origin, link.u
+        motion = self.kinematics.cams[pair.name.partition(".")[0]]
+        return self.kinematics.at_rest(motion.contact), motion.normal.normal
 
     def _rubbed(self, pair: Pair, pressing: Node, within: Collection[str]) -> Node:
         """Friction on a pair's link by its pressing force; a link beyond the group bears its part."""
@@ -576,6 +638,11 @@ class Reactions:
         self.variables[f"{pair.name}.{_FRICTION[pair.kind]}"] = friction
         self.lost[pair.name] = rub.lost * pressing
         self._rub_on(self._loads, pair, self._beyond(pair, within), friction)
+        if pair.kind == "revolute":
+            self._between(LinkForce("friction", pair.name, pair.link, pair.other, moment=friction))
+        else:
+            at, along = self._rubs_along(pair)
+            self._between(LinkForce("friction", pair.name, pair.link, pair.other, at.r, friction * along))
         return friction
 
     def _kinks(self, pair: Pair, unloaded: Iterable[str]) -> None:

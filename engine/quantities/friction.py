@@ -17,14 +17,6 @@ from engine.quantities.expressions import (
 from engine.quantities.quantity import drive_words
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
 from engine.scene.pairs import contact_pairs, has_friction, lossy_meshes, mesh_driver, pairs
-from engine.scene.scene import Scene
-
-
-def friction_in_pairs(scene: Scene) -> dict[str, str]:
-    """Field of the friction in each pair that has it: a moment or a force on the pair's link."""
-    rubbing = [*pairs(scene), *contact_pairs(scene)]
-    kinds = {pair.name: "moment" if pair.kind == "revolute" else "force" for pair in rubbing}
-    return {friction.pair: f"{friction.pair}.friction_{kinds[friction.pair]}" for friction in scene.friction.values()}
 
 
 def declare(mechanics: Mechanics) -> Declared:

@@ -147,8 +147,8 @@ def free_pairs(scene: Scene) -> list[Pair]:
 
 
 def joint_of(pair: Pair) -> str:
-    """Name of the joint of a revolute pair of a free link."""
-    return pair.name.removeprefix(f"{pair.link}.")
+    """Name of the joint of a revolute pair."""
+    return pair.place.removeprefix("joint ")
 
 
 def pairs_of_group(scene: Scene, name: str) -> tuple[Pair, Pair, Pair]:

@@ -109,7 +109,7 @@ def run(
 
             run_study(found, out, restart, update, replace, tell_aside, client)
         bar.close()
-        result = SweepResult(out)
+        result = SweepResult(out, found)
         if as_json:
             best = result.best()
             told = [best] if best is not None else range(min(found.design.size, 1))

@@ -171,7 +171,7 @@ def plots_of(result: object) -> list[Path]:
 
     try:
         with doing("Drawing the pictures"):
-            return picture_files.result_pictures(result.path)
+            return picture_files.result_pictures(result)
     except PictureError as error:
         tell(f"No picture: {error}", err=True)
         return []

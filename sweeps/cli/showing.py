@@ -172,6 +172,7 @@ def plot(
     from sweeps.pictures import picture_files
     from sweeps.pictures.elements.element_pictures import element_tables
     from sweeps.pictures.plans import bearing_pictures, plan_pictures
+    from sweeps.report.sweep_result import SweepResult
     from sweeps.text.scene_text import with_values
 
     # What is loaded by now stays to the end: the collector of garbage need not go through it at every sheet.
@@ -180,7 +181,7 @@ def plot(
     if is_result(file):
         tell_altered(file)
     if is_result(file) and variant is None and not (plans or bearings or hodograph or beside or settings):
-        made = picture_files.result_pictures(Path(file), out, x, y, colour)
+        made = picture_files.result_pictures(SweepResult(Path(file)), out, x, y, colour)
     elif x or y:
         scene, values, name = machine_of(file, variant, settings)
         fields = names_in(y or "")

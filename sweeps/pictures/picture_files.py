@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from engine import Scene, SteadyRegime, Verdict, history, history_fields
+from engine import Machine, Scene, SteadyRegime, Verdict, history, history_fields
 from sweeps.optimising.optimum import is_front
 from sweeps.pictures.drawing import DrawnMotion, picture
 from sweeps.pictures.drawing.figures import default_position
@@ -39,6 +39,7 @@ def machine_pictures(
     at: Sequence[float] = (),
     paths: Sequence[str] = (),
     shown: Sequence[str] = (),
+    made: Machine | None = None,
 ) -> list[Path]:
     """Drawing of a machine and its diagrams in two files; its regimes and machine elements in others.
 
@@ -55,6 +56,8 @@ def machine_pictures(
         Points whose paths are drawn.
     shown : sequence of str
         What else the drawing shows: some of `ANNOTATIONS`, and `SCALE`.
+    made : Machine, optional
+        As for `MovingMachine`.
 
     Returns
     -------
@@ -66,13 +69,14 @@ def machine_pictures(
     PictureError
         The mechanism can't be assembled, or an element can't be drawn.
     """
-    made = element_pictures(with_values(scene, values), path)
+    of_elements = element_pictures(with_values(scene, values), path)
     if scene.input is None:
-        return made
+        return of_elements
     second = path.with_name(f"{path.stem}_diagrams{path.suffix}")
-    picture(scene, path, at, paths, values, shown)
-    diagrams(scene, second, values)
-    return [path, second, *(motion_pictures(with_values(scene, values), path) if scene.regimes else []), *made]
+    motion = DrawnMotion(scene, values, made)
+    picture(motion, path, at, paths, shown)
+    diagrams(motion.machine, second)
+    return [path, second, *(motion_pictures(with_values(scene, values), path) if scene.regimes else []), *of_elements]
 
 
 def field_picture(
@@ -164,7 +168,7 @@ def motion_pictures(scene: Scene, path: Path) -> list[Path]:
 
 
 def result_pictures(
-    path: Path, out: Path | None = None, x: str | None = None, y: str | None = None, colour: str | None = None
+    result: SweepResult, out: Path | None = None, x: str | None = None, y: str | None = None, colour: str | None = None
 ) -> list[Path]:
     """Picture of a sweep, chosen by what varies; with nothing asked, also of its best machine and the reactions kept.
 
@@ -172,8 +176,7 @@ def result_pictures(
 
     Parameters
     ----------
-    path : Path
-        Result file.
+    result : SweepResult
     out : Path, optional
         Picture; beside the result unless given.
     x, y, colour : str, optional
@@ -184,13 +187,13 @@ def result_pictures(
     list of Path
         The files made.
     """
-    result = SweepResult(path)
     result.show_own_units()
+    path = result.path
     if result.description.variants == 1:
         values, picture_file = result.variant_values(0), out or path.with_suffix(".png")
         if result.scene.input is None:
             return machine_pictures(result.scene, values, picture_file)
-        made = machine_pictures(result.scene, values, picture_file)
+        made = machine_pictures(result.scene, values, picture_file, made=result.machine)
         return made + reaction_pictures(result.scene, picture_file, result.fields, values)
     best = result.best()
     made = [out or path.with_suffix(".png")]
@@ -216,7 +219,7 @@ def _pictures_of_one(result: SweepResult, best: int | None) -> list[Path]:
     stem, values = path.with_name(f"{path.stem}_best.png"), result.variant_values(best)
     if result.scene.input is None:
         return element_pictures(with_values(result.scene, values), stem)
-    made = machine_pictures(result.scene, values, stem)
+    made = machine_pictures(result.scene, values, stem, made=result.machine)
     return made + reaction_pictures(result.scene, stem, result.fields, values)
 
 
@@ -230,13 +233,13 @@ def drawing_file(scene: Scene, values: Mapping[str, float], out: Path, position:
     """
     if scene.input is None:
         raise PictureError("the scene has machine elements alone: there is no mechanism to draw")
+    motion = DrawnMotion(scene, values)
     if out.suffix == ".dxf":
         from sweeps.pictures.drawing.dxf import write_dxf
 
-        shown = default_position(DrawnMotion(scene, values)) if position is None else position
-        write_dxf(out, scene, shown, dict(values))
+        write_dxf(out, motion, default_position(motion) if position is None else position)
         return
-    picture(scene, out, () if position is None else (position,), values=values)
+    picture(motion, out, () if position is None else (position,))
 
 
 def sweep_data(

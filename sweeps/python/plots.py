@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from engine import Scene, history, history_fields
+from engine import MovingMachine, Scene, history, history_fields
 from sweeps.optimising.optimum import is_front
-from sweeps.pictures.drawing import mechanism_figure
+from sweeps.pictures.drawing import DrawnMotion, mechanism_figure
 from sweeps.pictures.machine.diagrams import diagrams
 from sweeps.pictures.machine.field_curves import POSITIONS, field_figure
 from sweeps.pictures.machine.motion_diagrams import history_diagrams
@@ -54,7 +54,7 @@ def plot_mechanism(
         The scene has no mechanism, a position can't be drawn, or a point of `paths` doesn't exist.
     """
     _need_mechanism(scene)
-    return mechanism_figure(scene, at, paths, values, shown)
+    return mechanism_figure(DrawnMotion(scene, values), at, paths, shown)
 
 
 def plot_diagrams(scene: Scene, values: Mapping[str, float] | None = None) -> Figure:
@@ -72,7 +72,7 @@ def plot_diagrams(scene: Scene, values: Mapping[str, float] | None = None) -> Fi
         The scene has no mechanism, or the machine can't be computed.
     """
     _need_mechanism(scene)
-    return diagrams(scene, new_figure(180, 115), values)
+    return diagrams(MovingMachine(scene, values), new_figure(180, 115))
 
 
 def plot_fields(scene: Scene, names: Sequence[str], x: str | None = None, positions: int = POSITIONS) -> Figure:

@@ -10,6 +10,7 @@ import numpy as np
 
 from engine import (
     ExpressionError,
+    Machine,
     Scene,
     Verdict,
     any_quantity,
@@ -20,7 +21,7 @@ from engine import (
 )
 from sweeps.report.recorded_study import recorded_scene, recorded_study
 from sweeps.store import Description, FieldAxis, MappedResult, describe_result, mapped_columns, read_columns
-from sweeps.study.study import Requirements
+from sweeps.study.study import Requirements, Study
 from sweeps.study.study_text import Best
 from sweeps.text.conditions import Condition, Judgement, errors_in
 from sweeps.text.engineer_units import show_units
@@ -39,9 +40,12 @@ class SweepResult:
     Attributes
     ----------
     path : Path
+    study : Study, optional
+        The study that the file is the result of, where it is known.
     """
 
     path: Path
+    study: Study | None = None
 
     @cached_property
     def description(self) -> Description:
@@ -172,7 +176,12 @@ class SweepResult:
     @cached_property
     def scene(self) -> Scene:
         """The scene as the study gives it, tables and all."""
-        return recorded_scene(self.record, self.description)
+        return recorded_scene(self.record, self.description) if self.study is None else self.study.scene
+
+    @property
+    def machine(self) -> Machine | None:
+        """The machine that answered the study, where it is known."""
+        return None if self.study is None or self.scene.input is None else self.study.machine()
 
     def show_own_units(self) -> None:
         """Show numbers in the units of other systems that the scene was written in, as for `show_units`."""

@@ -95,12 +95,14 @@ def changed_study(
     for path in given_values(study.scene, settings):
         if path in study.parameters:
             raise InputError("--set", [(None, path, "varies in this study; change the study, or set another number")])
-    changes: dict[str, object] = {"scene": changed_scene(study.scene, settings)}
+    changes: dict[str, object] = {"scene": changed_scene(study.scene, settings)} if settings else {}
     if positions is not None:
         changes["positions"] = positions
     if accuracy is not None:
         changes["accuracy"] = _share(accuracy)
         changes["summaries"] = tuple(dict.fromkeys((*study.summaries, *ACCURACY_SUMMARIES)))
+    if not changes:
+        return study
     changed = replace(study, **changes)
     changed.machine()
     return changed

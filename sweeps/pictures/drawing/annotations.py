@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from engine import FRAME, Machine, acting_fields, centre_along, did_you_mean
-from sweeps.pictures.drawing.motion import POSITIONS, DrawnMotion
+from engine import FRAME, LinkForce, NowhereDefinedError, did_you_mean
+from sweeps.pictures.drawing.motion import DrawnMotion
 from sweeps.pictures.drawing.names import outline_points
 from sweeps.pictures.drawing.symbols import TIP, Primitive, arrow, polygon
 from sweeps.pictures.picture_error import PictureError
@@ -58,9 +58,7 @@ def _masses(m: DrawnMotion, k: int, outlines: np.ndarray) -> tuple[list[Primitiv
     for name, body in m.scene.bodies.items():
         if body.link in m.scene.shafts and m.scene.shafts[body.link].pivot is None:
             continue
-        origin, u = (values[k] for values in m.axes(body.link))
-        arm = centre_along(m.scene, name, m.numbers) + 1j * m.numbers[f"bodies.{name}.y"]
-        at, r = complex(origin + arm * u), 0.9 * m.radius
+        at, r = complex(m.centres[name][k]), 0.9 * m.radius
         figures.append(Primitive("masses", "circle", (at,), r, "paper"))
         for turn in (0.0, math.pi):
             rim = at + r * np.exp(1j * (turn + np.linspace(0, math.pi / 2, 12)))
@@ -71,42 +69,42 @@ def _masses(m: DrawnMotion, k: int, outlines: np.ndarray) -> tuple[list[Primitiv
 
 def _forces(m: DrawnMotion, k: int, outlines: np.ndarray) -> tuple[list[Primitive], list[Primitive]]:
     """Forces and moments of the scene as they act on its links, with their magnitudes; what is zero is left out."""
-    fields = [quantity.name for quantity in acting_fields(m.scene)]
-    if not fields:
-        return [], []
-    machine = Machine(m.scene, fields=fields, varied=m.values, positions=POSITIONS)
-    rows = machine.evaluate({path: np.array([value]) for path, value in m.values.items()}).fields
-    now = {name: float(row[0][k]) for name, row in rows.items()}
-    if not np.isfinite(list(now.values())).all():
+    acting = _acting(m)
+    values = {name: complex((load.moment if load.at is None else load.force)[k]) for name, load in acting.items()}
+    if not np.isfinite(list(values.values())).all():
         raise PictureError("the forces at this position are not defined; ask for another position")
-    places = {name: m.points[force.on][k] for name, force in m.scene.forces.items()}
-    places |= {name: m.points[spring.between[1]][k] for name, spring in m.scene.springs.items()}
-    places |= {name: m.axes(cylinder.piston)[0][k] for name, cylinder in m.scene.cylinders.items()}
-    forces = {name: complex(now[f"{name}.force_x"], now[f"{name}.force_y"]) for name in places}
+    forces = {name: values[name] for name, load in acting.items() if load.at is not None}
     greatest = max((abs(force) for force in forces.values()), default=0.0)
     figures, marks = [], []
     for name, force in forces.items():
         if abs(force) <= NOTHING * greatest:
             continue
-        u, at = force / abs(force), complex(places[name])
+        u, at = force / abs(force), complex(acting[name].at[k])
         length = m.radius * max(LONGEST * abs(force) / greatest, SHORTEST)
         # A pull begins at its point, a push ends there: whichever runs less over the mechanism.
         pull, push = (_crossed(outlines, at, way * length * u, m.radius) for way in (1, -1))
         tail, free = (at, at + length * u) if pull <= push else (at - length * u, at - length * u)
         figures += arrow([tail, tail + (length - TIP * m.radius) * u], m.radius, "forces")
         marks.append(_mark("forces", free, 0.3 * m.radius, f"{name} = {quantity_text(abs(force), 'N')}"))
-    for name, moment in m.scene.moments.items():
-        value = now.get(f"{name}.acting_moment", 0.0)
-        if value == 0.0 or moment.on == FRAME:
+    for name in (name for name in acting if name not in forces):
+        link, value = acting[name].link, values[name].real
+        if value == 0.0 or link == FRAME or (link in m.scene.shafts and m.scene.shafts[link].pivot is None):
             continue
-        if moment.on in m.scene.shafts and m.scene.shafts[moment.on].pivot is None:
-            continue
-        at, r = complex(m.axes(moment.on)[0][k]), ARC * m.radius
+        at, r = complex(m.axes(link)[0][k]), ARC * m.radius
         sense = math.copysign(1.0, value)
         figures += arrow(at + r * np.exp(1j * sense * np.linspace(0.4, SPAN, 32)), m.radius, "forces")
         words = f"{name} = {quantity_text(abs(value), 'N m')}"
         marks.append(_mark("forces", at + 1j * sense * r, 0.3 * m.radius, words))
     return figures, marks
+
+
+def _acting(m: DrawnMotion) -> dict[str, LinkForce]:
+    """Forces and moments of the scene, on the links that they are described for."""
+    try:
+        found = [force for force in m.machine.forces if force.kind == "load"]
+    except NowhereDefinedError as error:
+        raise PictureError(f"the forces are not defined at any position: {error}") from None
+    return {force.name: force for force in reversed(found)}
 
 
 def _links(m: DrawnMotion, k: int, outlines: np.ndarray) -> tuple[list[Primitive], list[Primitive]]:

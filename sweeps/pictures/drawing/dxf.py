@@ -2,7 +2,7 @@
 
 import os
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from engine import Scene
-from sweeps.pictures.drawing import Primitive, primitives
+from sweeps.pictures.drawing import DrawnMotion, Primitive, primitives
 from sweeps.pictures.picture_error import PictureError
 from sweeps.text.whole_files import whole_file
 
@@ -58,20 +58,14 @@ def new_document() -> "Drawing":
     return ezdxf.new("R2010", setup=["linetypes"], units=ezdxf.units.MM)
 
 
-def write_dxf(
-    path: Path | str,
-    scene: Scene,
-    phi: float,
-    values: Mapping[str, float] | None = None,
-    paths: Sequence[str] = (),
-) -> None:
+def write_dxf(path: Path | str, drawn: Scene | DrawnMotion, phi: float, paths: Sequence[str] = ()) -> None:
     """Write a mechanism at one position as DXF (R2010, millimetres), on the layers of `sweeps.pictures.drawing`.
 
     Parameters
     ----------
     path : path
         File to write.
-    scene, phi, values, paths
+    drawn, phi, paths
         As for `sweeps.pictures.drawing.primitives`.
 
     Raises
@@ -83,11 +77,11 @@ def write_dxf(
     for layer, (colour, line) in _LOOKS.items():
         document.layers.add(layer, color=colour, linetype=line)
     space = document.modelspace()
-    drawn = primitives(scene, phi, values, paths)
+    shown = primitives(drawn, phi, paths)
     # Dashes as long as the names are high.
-    document.header["$LTSCALE"] = MM * next(p.size for p in drawn if p.kind == "text")
-    for i, p in enumerate(drawn):
-        covers = [outline for q in drawn[i + 1 :] if (outline := _cover(q)) is not None]
+    document.header["$LTSCALE"] = MM * next(p.size for p in shown if p.kind == "text")
+    for i, p in enumerate(shown):
+        covers = [outline for q in shown[i + 1 :] if (outline := _cover(q)) is not None]
         _add(space, p, covers)
     try:
         with whole_file(path) as draft:

@@ -1,7 +1,7 @@
 """A mechanism at some positions as figures in metres, in painting order: what comes later hides what it covers."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -21,18 +21,14 @@ TEXT_HEIGHT = 1.9
 DOT = 0.45
 
 
-def primitives(
-    scene: Scene, phi: float, values: Mapping[str, float] | None = None, paths: Sequence[str] = ()
-) -> list[Primitive]:
+def primitives(drawn: Scene | DrawnMotion, phi: float, paths: Sequence[str] = ()) -> list[Primitive]:
     """Figures of a mechanism at a position, in painting order.
 
     Parameters
     ----------
-    scene : Scene
+    drawn : Scene or DrawnMotion
     phi : float
         Crank angle [rad], or displacement of a sliding input [m]; the nearest of 720 nodes is drawn.
-    values : mapping of path to float, optional
-        Numbers (SI) in place of the scene's.
     paths : sequence of str
         Points whose paths over the cycle are wanted.
 
@@ -46,7 +42,7 @@ def primitives(
     PictureError
         The position can't be drawn, or a point of `paths` doesn't exist.
     """
-    return figures(DrawnMotion(scene, values), [phi], paths)[-1]
+    return figures(DrawnMotion.of(drawn), [phi], paths)[-1]
 
 
 def figures(

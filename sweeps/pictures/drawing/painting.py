@@ -1,6 +1,6 @@
 """Figures of a mechanism painted to scale on axes of matplotlib, or to a file."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -42,26 +42,19 @@ GHOST = "#a8adb3"
 
 
 def draw(
-    scene: Scene,
-    ax: Axes,
-    at: Sequence[float] = (),
-    paths: Sequence[str] = (),
-    values: Mapping[str, float] | None = None,
-    shown: Sequence[str] = (),
+    drawn: Scene | DrawnMotion, ax: Axes, at: Sequence[float] = (), paths: Sequence[str] = (), shown: Sequence[str] = ()
 ) -> float:
     """Draw a mechanism to scale on axes of matplotlib.
 
     Parameters
     ----------
-    scene : Scene
+    drawn : Scene or DrawnMotion
     ax : matplotlib.axes.Axes
     at : sequence of float
         Crank angles [rad] or displacements of a sliding input [m]: the first is drawn in black, the others lightly.
         Without any, the crank stands at 60°, a sliding input in mid-range.
     paths : sequence of str
         Points whose paths over the cycle are drawn dashed.
-    values : mapping of path to float, optional
-        Numbers (SI) in place of the scene's.
     shown : sequence of str
         What else is shown of the first position: some of `ANNOTATIONS`.
 
@@ -75,7 +68,7 @@ def draw(
     PictureError
         A position can't be drawn, a point of `paths` doesn't exist, or something of `shown` is unknown.
     """
-    motion = DrawnMotion(scene, values)
+    motion = DrawnMotion.of(drawn)
     poses = figures(motion, list(at) or [default_position(motion)], paths, shown)
     extent = bounds(q for pose in poses for q in pose)
     factor = prepare_axes(ax, extent, motion.radius)
@@ -145,32 +138,28 @@ def _lettering(p: Primitive, factor: float, zorder: float) -> PathPatch:
 
 
 def picture(
-    scene: Scene,
+    drawn: Scene | DrawnMotion,
     path: Path | str,
     at: Sequence[float] = (),
     paths: Sequence[str] = (),
-    values: Mapping[str, float] | None = None,
     shown: Sequence[str] = (),
 ) -> None:
     """Draw a mechanism to a file by itself (.svg, .pdf, .png); arguments and errors as for `mechanism_figure`."""
-    save(mechanism_figure(scene, at, paths, values, shown), path)
+    save(mechanism_figure(drawn, at, paths, shown), path)
 
 
 def mechanism_figure(
-    scene: Scene,
-    at: Sequence[float] = (),
-    paths: Sequence[str] = (),
-    values: Mapping[str, float] | None = None,
-    shown: Sequence[str] = (),
+    drawn: Scene | DrawnMotion, at: Sequence[float] = (), paths: Sequence[str] = (), shown: Sequence[str] = ()
 ) -> Figure:
     """Draw a mechanism on a figure of its own, 160 mm wide at most.
 
     Arguments and errors as for `draw`; of `shown`, `SCALE` is told in the title.
     """
+    scene = drawn.scene if isinstance(drawn, DrawnMotion) else drawn
     with house_style():
         fig = new_figure(160, 160)
         ax = fig.add_subplot()
-        factor = draw(scene, ax, at, paths, values, [kind for kind in shown if kind != SCALE])
+        factor = draw(drawn, ax, at, paths, [kind for kind in shown if kind != SCALE])
         title = ax.set_title(_title(scene, at), loc="left", wrap=True)
         width, height = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
         scale = min(145 / width, 200 / height)

@@ -1,7 +1,6 @@
 """Diagrams of one machine over its cycle: reduced inertia and moment, work, the energy loop, the speed that follows."""
 
 import math
-from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-from engine import FRAME, CrankInput, Machine, Scene, Verdict, has_cycle, sliders_of
+from engine import FRAME, CrankInput, MovingMachine, Scene, Verdict, has_cycle, sliders_of
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, GREEN, GREY, VERMILION, sheet
 from sweeps.text.engineer_units import engineer_unit
@@ -64,64 +63,49 @@ def _has_flywheel(scene: Scene) -> bool:
     return wheel is not None and (wheel.inertia is not None or wheel.speed_fluctuation is not None)
 
 
-def cycle_curves(
-    scene: Scene, values: Mapping[str, float] | None = None, fields: Mapping[str, np.ndarray] | None = None
-) -> CycleCurves:
+def cycle_curves(moving: MovingMachine) -> CycleCurves:
     """Compute the rows of one machine.
 
     Parameters
     ----------
-    scene : Scene
-    values : mapping of path to float, optional
-        Numbers (SI) in place of the scene's.
-    fields : mapping of str to ndarray (positions,), optional
-        Fields that are known already, from an `Outcome` or a result file; all over the same positions.
+    moving : MovingMachine
 
     Raises
     ------
     PictureError
         The machine can't be computed.
     """
-    values, known = dict(values or {}), dict(fields or {})
-    positions = next((len(row) for row in known.values()), 720)
-    if not has_cycle(scene) and known:
-        positions -= 1
+    scene = moving.scene
     names = ["reduced_inertia", "reduced_inertia_phi", "reduced_moment", "input_moment"]
     names += ["work", *(["speed"] if _has_flywheel(scene) else [])] if has_cycle(scene) else []
     main = main_slider(scene)
     ends = [f"{main}.stroke_{end}_at" for end in ("low", "high")] if main and has_cycle(scene) else []
     # The rows step over jumps of a load, and their mean would miss the exact one by more than the picture tells.
     means = ["reduced_moment.mean"] if has_cycle(scene) else []
-    machine = Machine(scene, [*ends, *means], [n for n in names if n not in known], values, positions)
-    outcome = machine.evaluate({path: np.array([value]) for path, value in values.items()})
+    outcome = moving.outcome([*ends, *means], names)
     verdict = Verdict(int(outcome.status[0]))
     if verdict not in (Verdict.OK, Verdict.NOT_FINITE):
         raise PictureError(f"no diagrams of this machine: {verdict.sentence}")
-    rows = known | {name: row[0].astype(float) for name, row in outcome.fields.items()}
-    q, label, factor = input_axis(scene, values, machine.nodes)
+    rows = {name: row[0] for name, row in outcome.fields.items()}
+    label, factor = input_axis(scene, moving.q)
     centres = (math.degrees(outcome.summaries[end][0]) for end in ends)
-    units = {name: quantity.units for name, quantity in machine.available_fields.items()}
+    units = {name: quantity.units for name, quantity in moving.machine.available_fields.items()}
     centres = tuple(c for c in centres if math.isfinite(c))
     mean = float(outcome.summaries[means[0]][0]) if means else math.nan
-    return CycleCurves(q * factor, label, rows, units, has_cycle(scene), main if centres else None, centres, mean)
+    return CycleCurves(
+        moving.q * factor, label, rows, units, has_cycle(scene), main if centres else None, centres, mean
+    )
 
 
-def input_axis(scene: Scene, values: Mapping[str, float], nodes: np.ndarray) -> tuple[np.ndarray, str, float]:
-    """Values, label and factor of the axis of the input's position at shares of its range, or at crank angles."""
+def input_axis(scene: Scene, q: np.ndarray) -> tuple[str, float]:
+    """Label and factor of the axis of the input's position at crank angles [rad], or displacements [m]."""
     if isinstance(scene.input, CrankInput):
-        return nodes, "crank angle φ, °", 180 / math.pi
-    start, stop = (values.get(f"input.{end}", getattr(scene.input, end)) for end in ("start", "stop"))
-    q = start + (stop - start) * nodes
+        return "crank angle φ, °", 180 / math.pi
     factor, label = engineer_unit("m", q)
-    return q, f"displacement of {scene.input.link} q, {label}", factor
+    return f"displacement of {scene.input.link} q, {label}", factor
 
 
-def diagrams(
-    scene: Scene,
-    target: Path | str | Figure,
-    values: Mapping[str, float] | None = None,
-    fields: Mapping[str, np.ndarray] | None = None,
-) -> Figure:
+def diagrams(machine: Scene | MovingMachine, target: Path | str | Figure) -> Figure:
     """Diagrams of one machine on one sheet, 180 mm wide.
 
     Over a full cycle: I(φ), dI/dφ, M(φ), W(φ), the loop W(I) with Wittenbauer's tangents where a coefficient of
@@ -130,11 +114,9 @@ def diagrams(
 
     Parameters
     ----------
-    scene : Scene
+    machine : Scene or MovingMachine
     target : path or Figure
         File to write (.svg, .pdf, .png), or an empty figure to draw on.
-    values, fields : mapping, optional
-        As for `cycle_curves`.
 
     Returns
     -------
@@ -145,10 +127,11 @@ def diagrams(
     PictureError
         The machine can't be computed, or the file's ending isn't a picture's.
     """
-    cycle = cycle_curves(scene, values, fields)
+    moving = machine if isinstance(machine, MovingMachine) else MovingMachine(machine)
+    cycle, scene = cycle_curves(moving), moving.scene
     with sheet(target, 180, 115) as figure:
         if has_cycle(scene):
-            _sheet_of_cycle(figure, scene, dict(values or {}), cycle)
+            _sheet_of_cycle(figure, moving, cycle)
         else:
             _sheet_of_range(figure, cycle)
         if scene.title:
@@ -158,13 +141,13 @@ def diagrams(
     return figure
 
 
-def _sheet_of_cycle(figure: Figure, scene: Scene, values: Mapping[str, float], cycle: CycleCurves) -> None:
+def _sheet_of_cycle(figure: Figure, moving: MovingMachine, cycle: CycleCurves) -> None:
     axes = figure.subplots(2, 3)
     _panel(axes[0, 0], cycle, "reduced_inertia", "Reduced moment of inertia", "I")
     _panel(axes[0, 1], cycle, "reduced_inertia_phi", "Its derivative", "dI/dφ")
     _panel(axes[0, 2], cycle, "reduced_moment", "Moment, mean", "M", cycle.mean_moment)
     _panel(axes[1, 0], cycle, "work", "Work, change of energy", "W = ΔE")
-    _energy_loop(axes[1, 1], scene, values, cycle)
+    _energy_loop(axes[1, 1], moving, cycle)
     speed = cycle.rows.get("speed", np.array([np.nan]))
     if np.isfinite(speed).all():
         # The mean that δ refers to is half the sum of the extremes.
@@ -222,13 +205,13 @@ def _show_range(ax: Axes, shown: np.ndarray) -> None:
         ax.set_ylim(low - 0.1 * size - (size == 0), high + 0.1 * size + (size == 0))
 
 
-def _energy_loop(ax: Axes, scene: Scene, values: Mapping[str, float], cycle: CycleCurves) -> None:
+def _energy_loop(ax: Axes, moving: MovingMachine, cycle: CycleCurves) -> None:
     """The loop W(I), with Wittenbauer's tangents and the flywheel they give where δ is asked for."""
     inertia, work = cycle.rows["reduced_inertia"], cycle.rows["work"]
     with np.errstate(over="ignore", invalid="ignore"):
         span_i, span_w = np.ptp(inertia) or 0.1 * inertia.max() or 1.0, np.ptp(work) or 1.0
         ends = np.array([inertia.min() - span_i, inertia.max() + span_i])
-        tangents = _tangents(scene, values, inertia, work)
+        tangents = _tangents(moving, inertia, work)
         heights = [[height + slope * end for end in ends] for slope, height, _ in tangents]
     if not np.max(np.abs([span_i, span_w, *np.ravel(heights)])) < LARGEST:
         _say(ax, "Energy loop: infinite or undefined")
@@ -264,14 +247,12 @@ def _mark_quarters(ax: Axes, cycle: CycleCurves, x: np.ndarray, y: np.ndarray) -
         ax.annotate(text, (x[k], y[k]), (3, 3), textcoords="offset points", fontsize=6)
 
 
-def _tangents(
-    scene: Scene, values: Mapping[str, float], inertia: np.ndarray, work: np.ndarray
-) -> list[tuple[float, float, int]]:
+def _tangents(moving: MovingMachine, inertia: np.ndarray, work: np.ndarray) -> list[tuple[float, float, int]]:
     """Wittenbauer's tangents of the greatest and of the least speed: slope, height at I = 0, node touched."""
-    if scene.flywheel is None or scene.flywheel.speed_fluctuation is None:
+    wheel = moving.scene.flywheel
+    if wheel is None or wheel.speed_fluctuation is None:
         return []
-    delta = values.get("flywheel.speed_fluctuation", scene.flywheel.speed_fluctuation)
-    omega = np.float64(values.get("input.speed", scene.input.speed))
+    delta, omega = moving.numbers["flywheel.speed_fluctuation"], np.float64(moving.numbers["input.speed"])
     found = []
     for sign, best in ((1, np.argmax), (-1, np.argmin)):
         slope = 0.5 * (omega * (1 + sign * delta / 2)) ** 2

@@ -59,8 +59,8 @@ def field_figure(scene: Scene, names: Sequence[str], x: str | None = None, posit
         factor, label = engineer_unit(known[x].units, rows[x])
         places, title = rows[x] * factor, f"{x}{_comma(label)}"
     else:
-        places, title, factor = input_axis(scene, {}, machine.nodes)
-        places = places * factor
+        title, factor = input_axis(scene, machine.input_values)
+        places = machine.input_values * factor
     closed = has_cycle(scene)
     with house_style():
         figure = new_figure(180, 25 + 45 * len(names))

@@ -14,7 +14,7 @@ replacement of higher pairs.
 
 from typing import NamedTuple
 
-from engine import guide_of, mesh_axis
+from engine import guide_of, mesh_axis, mesh_driver
 from sweeps.pictures.plans.pose import Pose
 
 
@@ -87,18 +87,17 @@ def rolling(pose: Pose, name: str) -> Rolling | None:
     if name in scene.shafts:
         return _of_shaft(pose, name, letter)
     if name in scene.noncircular_wheels:
-        place, tangent = pose.vector(f"{name}.pitch"), pose.vector(f"{name}.tangent")
-        curvatures = pose.value(f"{name}.curvature") + pose.value(f"{name}.driver_curvature")
-        # The tangent's normal to the right points to the wheel.
-        return Rolling(letter, scene.noncircular_wheels[name].geared_to, name, place, -1j * tangent / curvatures)
+        wheel, k = pose.cycle.rates.noncircular[name], pose.k
+        drift = complex(wheel.away[k] / (wheel.curvature[k] + wheel.driver_curvature[k]))
+        return Rolling(letter, mesh_driver(scene, name), name, complex(wheel.pitch_point[k]), drift)
     if name in scene.racks:
         rack = scene.racks[name]
         arm = 1j * pose.cycle.numbers[f"racks.{name}.radius"] * pose.guide(rack.guide)
-        return Rolling(letter, rack.pinion, name, _at(pose, rack.pivot) - arm, -arm)
+        return Rolling(letter, mesh_driver(scene, name), name, _at(pose, rack.pivot) - arm, -arm)
     pinion = scene.pinions[name]
     guide = pinion.guide or guide_of(scene, pinion.rack)
     arm = 1j * pose.cycle.numbers[f"pinions.{name}.radius"] * pose.guide(guide)
-    return Rolling(letter, pinion.rack or scene.guides[guide].link, name, _at(pose, pinion.pivot) - arm, arm)
+    return Rolling(letter, mesh_driver(scene, name), name, _at(pose, pinion.pivot) - arm, arm)
 
 
 def _of_shaft(pose: Pose, name: str, letter: str) -> Rolling | None:
@@ -129,7 +128,8 @@ def touching(pose: Pose, name: str) -> Touching:
     """
     cam = pose.scene.cams[name]
     follower, link = cam.follower, cam.follower.link
-    normal, curvature = pose.vector(f"{name}.normal"), pose.value(f"{name}.curvature")
+    motion = pose.cycle.rates.cams[name]
+    normal, curvature = complex(motion.normal[pose.k]), float(motion.curvature[pose.k])
     if follower.contact == "flat":
         centre = complex(pose.motion.contacts[name][pose.k]) - normal / curvature
         return Touching(lettered(pose, "C", link), cam.on, link, centre, normal, None)

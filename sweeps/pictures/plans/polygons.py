@@ -270,7 +270,7 @@ class _Composer:
         guide = guide_of(pose.scene, link)
         if guide is not None:
             carrier = pose.scene.guides[guide].link
-            self._image(name, pose.slid(link, guide, place))
+            self._image(name, pose.rigid(link, place))
             start = self._under(carrier, name.rstrip("'"), name[len(name.rstrip("'")) :] + "''")
             self._slid(start, name, link, carrier, pose.guide(guide))
             return name

@@ -1,34 +1,31 @@
 """One machine over its cycle, and its motion at one position: velocities and accelerations at uniform input speed."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from engine import (
     FRAME,
     CrankInput,
-    Machine,
+    LinkForce,
+    Motions,
+    MovingPoint,
+    NowhereDefinedError,
+    Pair,
     Scene,
-    Verdict,
-    Yoke,
-    acting_fields,
-    centre_along,
-    driving_field,
-    friction_in_pairs,
     group_links,
-    guide_of,
     has_cycle,
     order_groups,
     pairs_of,
-    tooth_force_fields,
 )
 from sweeps.pictures.drawing import DrawnMotion
 from sweeps.pictures.drawing.figures import default_position
-from sweeps.pictures.drawing.motion import POSITIONS
 from sweeps.pictures.picture_error import PictureError
+
+Found = TypeVar("Found")
 
 
 class MachineCycle:
@@ -56,7 +53,7 @@ class MachineCycle:
     def __init__(self, scene: Scene, values: Mapping[str, float] | None = None) -> None:
         if scene.input is None:
             raise PictureError("the scene has machine elements alone: there is no mechanism to draw")
-        self.scene, self._values = scene, dict(values or {})
+        self.scene = scene
         self.motion = DrawnMotion(scene, values)
         self.numbers = self.motion.numbers
         self.structure = order_groups(scene)
@@ -82,42 +79,36 @@ class MachineCycle:
         """Whether the first position follows the last."""
         return has_cycle(self.scene)
 
-    def _rows(self, fields: list[str]) -> dict[str, np.ndarray]:
-        machine = Machine(self.scene, fields=fields, varied=self._values, positions=POSITIONS)
-        outcome = machine.evaluate({path: np.array([value]) for path, value in self._values.items()})
-        rows = {name: row[0].astype(float) for name, row in outcome.fields.items()}
-        if not all(np.isfinite(row).any() for row in rows.values()):
-            raise PictureError(f"no plans of this machine: {Verdict(int(outcome.status[0])).sentence}")
-        return rows
+    def _found(self, find: Callable[[], Found]) -> Found:
+        try:
+            return find()
+        except NowhereDefinedError as error:
+            raise PictureError(f"no plans of this machine: {error}") from None
 
     @cached_property
-    def rates(self) -> dict[str, np.ndarray]:
-        """Transfer functions of points, links and sliders, and shapes of cams and wheels where they touch."""
-        known = Machine(self.scene).available_fields
-        fields = [name for name in known if name.endswith(("_phi", "_phiphi")) and "inertia" not in name]
-        for name in self.scene.cams:
-            fields += [f"{name}.{field}" for field in ("normal_x", "normal_y", "curvature")]
-        for name in self.scene.noncircular_wheels:
-            shape = ("pitch_x", "pitch_y", "tangent_x", "tangent_y", "curvature", "driver_curvature")
-            fields += [f"{name}.{field}" for field in shape]
-        return self._rows(fields)
+    def rates(self) -> Motions:
+        """Transfer functions of points, links, sliders and bodies, and shapes of cams and wheels where they touch."""
+        return self._found(lambda: self.motion.machine.motions)
+
+    @cached_property
+    def link_forces(self) -> list[LinkForce]:
+        """Everything that acts on each link."""
+        return self._found(lambda: self.motion.machine.forces)
+
+    @cached_property
+    def pairs(self) -> dict[str, Pair]:
+        """Lower pairs by their names."""
+        return {pair.name: pair for pair in pairs_of(self.scene)}
 
     @cached_property
     def forces(self) -> dict[str, np.ndarray]:
-        """Reactions, forces between teeth and on cams, inertia and acting forces, what drives, by their fields."""
-        fields = [f"{pair.name}.reaction_{axis}" for pair in pairs_of(self.scene) for axis in "xy"]
-        fields += [f"{pair.name}.reaction_moment" for pair in pairs_of(self.scene) if pair.kind == "prismatic"]
-        parts = ("inertia_force_x", "inertia_force_y", "inertia_moment")
-        fields += [f"{body}.{part}" for body in self.scene.bodies for part in parts]
-        fields += [quantity.name for quantity in acting_fields(self.scene)]
-        fields += [quantity.name for quantity in tooth_force_fields(self.scene)]
-        fields += [f"{name}.contact_force" for name in self.scene.cams]
-        fields += [driving_field(self.scene, name) for name in self.scene.inputs]
-        fields += friction_in_pairs(self.scene).values()
-        return self._rows([*fields, "input_moment_by_equilibrium"])
+        """Reactions in pairs and what drives the input, by their fields."""
+        fields = [f"{name}.reaction_{axis}" for name in self.pairs for axis in "xy"]
+        fields += [f"{name}.reaction_moment" for name, pair in self.pairs.items() if pair.kind == "prismatic"]
+        return self._found(lambda: self.motion.machine.fields([*fields, "input_moment_by_equilibrium"]))
 
     def force(self, name: str) -> np.ndarray:
-        """A force over the cycle, x + iy [N]: `PAIR.reaction`, `BODY.inertia_force` or `ACTION.force`."""
+        """A reaction over the cycle, x + iy [N]: `PAIR.reaction`."""
         return self.forces[f"{name}_x"] + 1j * self.forces[f"{name}_y"]
 
     def at(self, position: float | None = None) -> "Pose":
@@ -183,40 +174,27 @@ class Pose:
         """Number of a link."""
         return self.cycle.link_numbers[link]
 
-    def value(self, field: str) -> float:
-        """A number of a contact at this position, by its field."""
-        return float(self.cycle.rates[field][self.k])
+    def _now(self, *rows: np.ndarray) -> Iterator[complex]:
+        return (complex(row[self.k]) for row in rows)
 
-    def vector(self, stem: str) -> complex:
-        """A place or direction of a contact at this position, x + iy."""
-        return complex(self.value(f"{stem}_x"), self.value(f"{stem}_y"))
-
-    def _rate(self, stem: str) -> tuple[float, float]:
-        """First and second derivative by time of a kinematic field at uniform input speed."""
-        rows, omega = self.cycle.rates, self.cycle.omega
-        return float(rows[f"{stem}_phi"][self.k]) * omega, float(rows[f"{stem}_phiphi"][self.k]) * omega**2
+    def _movement(self, point: MovingPoint) -> Movement:
+        place, v, a = self._now(*point)
+        return Movement(place, v * self.cycle.omega, a * self.cycle.omega**2)
 
     def point(self, name: str) -> Movement:
         """Movement of a point of the scene."""
-        place = complex(self.motion.points[name][self.k])
-        if name in self.scene.points and self.scene.points[name].link == FRAME:
-            return Movement(place, 0j, 0j)
-        (vx, ax), (vy, ay) = self._rate(f"{name}.x"), self._rate(f"{name}.y")
-        return Movement(place, complex(vx, vy), complex(ax, ay))
+        return self._movement(self.cycle.rates.points[name])
 
     def turn(self, link: str) -> Turn:
         """How a link turns."""
-        if link == FRAME:
-            return Turn(0.0, 0.0)
-        if link in self.scene.shafts and self.scene.shafts[link].pivot is None:
-            shaft, ratio = self.scene.shafts[link], self.cycle.numbers[f"shafts.{link}.ratio"]
-            driver, carrier = self.turn(shaft.geared_to), self.turn(shaft.carrier or FRAME)
-            return Turn(*(c + ratio * (d - c) for c, d in zip(carrier, driver, strict=True)))
-        return Turn(*self._rate(f"{link}.angle"))
+        turning = self.cycle.rates.links[link]
+        w, e = (float(row[self.k]) for row in (turning.w, turning.e))
+        return Turn(w * self.cycle.omega, e * self.cycle.omega**2)
 
     def slide(self, link: str) -> tuple[float, float]:
         """Velocity [m/s] and acceleration [m/s²] of a slider along its guide or slot."""
-        return self._rate(f"{link}.slide")
+        slide = self.cycle.rates.slides[link]
+        return float(slide.v[self.k]) * self.cycle.omega, float(slide.a[self.k]) * self.cycle.omega**2
 
     def direction(self, link: str) -> complex:
         """Unit vector of a link's x axis."""
@@ -228,44 +206,27 @@ class Pose:
 
     def origin(self, link: str) -> Movement:
         """Movement of the origin of a link's axes."""
-        if link == FRAME or (link in self.scene.shafts and self.scene.shafts[link].pivot is None):
-            return Movement(0j, 0j, 0j)
-        guide = guide_of(self.scene, link)
-        if guide is not None and self._is_where_it_slides(link):
-            return self.slid(link, guide, complex(self.motion.axes(link)[0][self.k]))
-        point = self.point(self.motion.members(link)[0])
-        # The axes of a free link may begin where it has no joint.
-        return self._beside(link, point, complex(self.motion.axes(link)[0][self.k]))
-
-    def _is_where_it_slides(self, link: str) -> bool:
-        """Whether the origin of a slider's axes goes by its guide, where no joint need be."""
-        yokes = (group.second for group in self.scene.groups.values() if isinstance(group.second, Yoke))
-        followers = (cam.follower for cam in self.scene.cams.values())
-        known = {*self.scene.inputs, *self.scene.racks, *self.scene.links}
-        return link in known or any(part.link == link for part in (*yokes, *followers))
-
-    def slid(self, slider: str, guide: str, place: complex) -> Movement:
-        """Movement of the place of a slider that is at `place` [m] at the moment, by its motion along its guide."""
-        carrier, u = self.scene.guides[guide].link, self.guide(guide)
-        under = self.rigid(carrier, place)
-        v, a = self.slide(slider)
-        return Movement(place, under.v + v * u, under.a + 2j * self.turn(carrier).omega * v * u + a * u)
+        return self._movement(self.cycle.rates.links[link].origin)
 
     def rigid(self, link: str, place: complex) -> Movement:
         """Movement of the place of a link that is at `place` [m] at the moment."""
-        return self._beside(link, self.origin(link), place)
-
-    def _beside(self, link: str, o: Movement, place: complex) -> Movement:
-        """Movement of a place of a link from that of another."""
-        turn, arm = self.turn(link), place - o.place
+        o, turn = self.origin(link), self.turn(link)
+        arm = place - o.place
         v = o.v + 1j * turn.omega * arm
         return Movement(place, v, o.a + 1j * turn.epsilon * arm - turn.omega**2 * arm)
 
+    @cached_property
+    def acting(self) -> list[LinkForce]:
+        """Everything that acts on each link, in numbers: points and forces as x + iy."""
+        found = self.cycle.link_forces
+        moments = [None if force.moment is None else float(force.moment[self.k]) for force in found]
+        vectors = [
+            [None if row is None else complex(row[self.k]) for row in (force.at, force.force)] for force in found
+        ]
+        return [
+            f._replace(at=at, force=force, moment=m) for f, (at, force), m in zip(found, vectors, moments, strict=True)
+        ]
+
     def centre(self, body: str) -> Movement:
         """Movement of the centre of mass of a body."""
-        numbers, link = self.cycle.numbers, self.scene.bodies[body].link
-        if link in self.scene.shafts and self.scene.shafts[link].pivot is None:
-            return Movement(0j, 0j, 0j)
-        arm = centre_along(self.scene, body, numbers) + 1j * numbers[f"bodies.{body}.y"]
-        origin, u = (complex(values[self.k]) for values in self.motion.axes(link))
-        return self.rigid(link, origin + arm * u)
+        return self._movement(self.cycle.rates.centres[body])

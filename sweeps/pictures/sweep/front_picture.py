@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sweeps.optimising.optimum import Choice, choices, front, met, objectives
-from sweeps.pictures.drawing import draw
+from sweeps.pictures.drawing import DrawnMotion, draw
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, COLOURS, GREY, PALE, VERMILION, house_style, new_figure, save
 from sweeps.pictures.sweep.sweep_data import SweepData, wrapped
@@ -95,7 +95,7 @@ def _number(result: SweepResult, name: str, choice: Choice) -> str:
 def _mechanisms(axes: Sequence[Axes], result: SweepResult, chosen: Sequence[Choice]) -> None:
     """The machines of chosen points, all to the same scale."""
     for letter, ax, choice in zip("ABCDEFGH", axes, chosen, strict=False):
-        draw(result.scene, ax, values=result.variant_values(choice.variant))
+        draw(DrawnMotion(result.scene, result.variant_values(choice.variant)), ax)
         lines = [
             *wrapped(f"{letter}: {choice.why}", 30),
             *(_number(result, n, choice) for n in result.varied[:MOST_TOLD]),

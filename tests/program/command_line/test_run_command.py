@@ -10,6 +10,7 @@ import pytest
 from commands import STUDY, refused, said
 from press_texts import PRESS
 
+from engine import Machine
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run.progress import ProgressBar
 from sweeps.run.runner import layout_of
@@ -30,6 +31,20 @@ def test_run__tells_counts_blame_answer_and_files(press_folder):
     assert lines[-1].strip() == str(Path("results/study.h5"))
     assert answer.stderr == ""
     assert SweepResult(Path("results/study.h5")).best() == 6
+
+
+def test_run_with_pictures__builds_one_machine(press_folder, monkeypatch):
+    built, build = [], Machine.__init__
+
+    def noted(self, *arguments, **options):
+        built.append(self)
+        build(self, *arguments, **options)
+
+    monkeypatch.setattr(Machine, "__init__", noted)
+    answer = said("run", "study.toml")
+    assert answer.exit_code == 0
+    assert "_best_diagrams.png" in answer.stdout
+    assert len(built) == 1
 
 
 def test_run_of_a_scene__answers_for_the_machine_as_it_is(press_folder):

@@ -338,7 +338,7 @@ def test_picture__shows_the_front_and_its_chosen_machines_to_one_scale(tmp_path)
     drawn = next(line for line in top.lines if line.get_label() == "Pareto front")
     np.testing.assert_array_equal(drawn.get_xdata(), result.columns["objective_1"][front(result)])
     assert (tmp_path / "front.svg").stat().st_size > 10_000
-    assert result_pictures(result.path, tmp_path / "again.png") == [tmp_path / "again.png"]
+    assert result_pictures(result, tmp_path / "again.png") == [tmp_path / "again.png"]
 
 
 def test_picture_of_an_empty_front__is_refused(tmp_path):

@@ -8,7 +8,7 @@ import pytest
 from drawn_machines import four_bar, slider_crank, sliding_input
 from matplotlib.figure import Figure
 
-from engine import Machine
+from engine import Machine, MovingMachine
 from sweeps.pictures.machine.diagrams import diagrams, main_slider
 from sweeps.pictures.picture_error import PictureError
 
@@ -79,13 +79,6 @@ def test_dead_centres__marked_where_the_in_line_slider_has_them():
     )
 
 
-def test_fields_given__are_shown_in_place_of_computed_ones():
-    row = np.linspace(1.0, 2.0, 180)
-    figure = diagrams(COMPRESSOR, Figure(), fields={"reduced_inertia": row})
-    assert figure.axes[0].lines[0].get_ydata()[:-1] == pytest.approx(row)
-    assert figure.axes[2].lines[0].get_ydata().size == 181
-
-
 def test_diagrams_without_cycle__four_panels_over_the_displacement():
     figure = diagrams(sliding_input(), Figure())
     assert len(figure.axes) == 4
@@ -100,7 +93,7 @@ def test_diagrams_without_flywheel__speed_left_out_with_the_reason():
 
 def test_diagrams_of_a_machine_that_cannot_be_assembled__refused():
     with pytest.raises(PictureError, match="can't be assembled"):
-        diagrams(COMPRESSOR, Figure(), {"groups.g.first.length": 0.01})
+        diagrams(MovingMachine(COMPRESSOR, {"groups.g.first.length": 0.01}), Figure())
 
 
 @pytest.mark.parametrize(
@@ -115,6 +108,6 @@ def test_diagrams_of_a_machine_that_cannot_be_assembled__refused():
 def test_diagrams_of_what_is_not_finite__say_so_in_place_of_its_panels(changes, panels, tmp_path):
     punch = {"type": "constant", "on": "B", "force": 1e4, "angle": 3.0, "acts": "against"}
     scene = slider_crank(forces={"p": punch}, flywheel={"speed_fluctuation": 0.04})
-    figure = diagrams(scene, tmp_path / "a.png", changes)
+    figure = diagrams(MovingMachine(scene, changes), tmp_path / "a.png")
     told = {i for i, axes in enumerate(figure.axes) if any("undefined" in text.get_text() for text in axes.texts)}
     assert told >= panels

@@ -115,7 +115,7 @@ def test_link_of_three_points__polygon_through_them():
 
 
 def test_values__replace_numbers_of_the_scene():
-    drawn = primitives(slider_crank(), 0.0, {"input.length": 0.08})
+    drawn = primitives(DrawnMotion(slider_crank(), {"input.length": 0.08}), 0.0)
     assert circle(drawn, "A").points[0] == pytest.approx(0.08)
 
 
@@ -325,11 +325,11 @@ def test_position_outside_the_range__refused_with_the_range():
 
 def test_mechanism_that_locks__drawn_where_it_exists():
     values = {"groups.g.first.length": 0.1, "groups.g.second.length": 0.1}
-    assert primitives(four_bar(), 0.0, values)
+    assert primitives(DrawnMotion(four_bar(), values), 0.0)
     with pytest.raises(PictureError, match=r"position 3\.1.* can't be drawn: a group can't be assembled"):
-        primitives(four_bar(), 3.1, values)
+        primitives(DrawnMotion(four_bar(), values), 3.1)
     with pytest.raises(PictureError, match="can't be drawn at any position"):
-        primitives(four_bar(), 0.0, {"groups.g.first.length": 0.001})
+        primitives(DrawnMotion(four_bar(), {"groups.g.first.length": 0.001}), 0.0)
 
 
 def test_draw__first_position_black_others_light_axes_equal():

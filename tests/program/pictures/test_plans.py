@@ -152,6 +152,13 @@ def test_force_plan_of_a_group__without_its_inner_pair_and_reactions_last():
     assert [load.text for load in loads] == [f"${s}$" for s in ("G_{2}", "U_{2}", "G_{3}", "U_{3}", "R_{03}", "R_{12}")]
 
 
+def acting(cycle, action, k):
+    """Force or moment of an action on the link that it is described for."""
+    found = [force for force in cycle.link_forces if (force.kind, force.name) == ("load", action)]
+    own = [force for force in found if (force.link, force.source) == (found[0].link, found[0].source)]
+    return sum((force.moment if force.force is None else force.force)[k] for force in own)
+
+
 @pytest.mark.parametrize("name", MACHINES)
 def test_acting_forces__their_power_is_their_reduced_moment(name):
     cycle, scene = cycle_of(name), MACHINES[name]
@@ -169,12 +176,12 @@ def test_acting_forces__their_power_is_their_reduced_moment(name):
                 velocity = pose.point(b).v - pose.point(a).v
             else:
                 velocity = pose.origin(scene.cylinders[action].piston).v
-            power = (cycle.force(f"{action}.force")[pose.k].conjugate() * velocity).real
+            power = (acting(cycle, action, pose.k).conjugate() * velocity).real
             # Two products and a sum of the same numbers in another order.
             greatest = np.abs(reduced[f"{action}.moment"][0]).max() * abs(cycle.omega)
             assert power == pytest.approx(reduced[f"{action}.moment"][0, pose.k] * cycle.omega, abs=1e-12 * greatest)
         for action in moments:
-            power = cycle.forces[f"{action}.acting_moment"][pose.k] * pose.turn(scene.moments[action].on).omega
+            power = acting(cycle, action, pose.k) * pose.turn(scene.moments[action].on).omega
             assert power == pytest.approx(reduced[f"{action}.moment"][0, pose.k] * cycle.omega, rel=1e-12)
 
 

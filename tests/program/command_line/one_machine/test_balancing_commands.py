@@ -253,10 +253,10 @@ def test_result_without_a_goal__shows_the_reactions_of_the_first_variant_that_wo
     outputs = '[outputs]\nsummaries = ["piston.stroke"]\nfields = ["drive.inner.reaction_x"]\n'
     Path("rods.toml").write_text(study + outputs, encoding="utf8")
     said("run", "rods.toml", "--quiet", "--no-plots")
-    made = [path.name for path in result_pictures(Path("results/rods.h5"))]
+    made = [path.name for path in result_pictures(SweepResult(Path("results/rods.h5")))]
     assert made == ["rods.png", "rods_1_reactions.png", "rods_1_bearing_drive_inner.png"]
     # A picture that was asked for comes alone.
-    assert len(result_pictures(Path("results/rods.h5"), Path("a.png"))) == 1
+    assert len(result_pictures(SweepResult(Path("results/rods.h5")), Path("a.png"))) == 1
 
 
 def test_elements_alone__are_no_mechanism_to_draw(folder):
