@@ -69,6 +69,7 @@ from engine.cycle.panels.walk import (
     find_kink,
     judge,
     next_panels,
+    note_rounding,
     of_edges,
     of_scales,
     set_out,
@@ -281,10 +282,6 @@ class Workspace(NamedTuple):
     place : ndarray (3, POSITIONS, LANES)
         Input positions of each lane's panel with cosine and sine.
     tile, level_tile, state_tile : ndarray (curves, POSITIONS, LANES), (levels, 1, LANES), (states, 1, LANES)
-    beside : ndarray (3, 1, LANES)
-        The middle of each lane's panel, with cosine and sine changed by their rounding.
-    beside_tile : ndarray (curves, POSITIONS, LANES)
-        Curves there, in the first row.
     figures : ndarray (curves, FIGURES, LANES)
     scales : ndarray (curves, SCALES, LANES)
     integrals : ndarray (integrals, INTEGRAL, LANES)
@@ -329,8 +326,6 @@ class Workspace(NamedTuple):
     tile: np.ndarray
     level_tile: np.ndarray
     state_tile: np.ndarray
-    beside: np.ndarray
-    beside_tile: np.ndarray
     figures: np.ndarray
     scales: np.ndarray
     integrals: np.ndarray
@@ -375,8 +370,6 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
         tiles(count),
         rows(task.sizes[1], 1),
         rows(task.sizes[2], 1),
-        rows(3, 1),
-        tiles(count),
         rows(count, FIGURES, aside=ASIDE),
         rows(count, SCALES, aside=ASIDE),
         rows(task.integrals.size, INTEGRAL, aside=ASIDE),
@@ -529,7 +522,7 @@ def follow(
     count, kept, step = task.sizes[3], task.kept.shape[0], 0 * edge_count
     block, tile, q = in_lanes(work.block), in_panels(work.tile), in_lanes(work.place[0])
     cos_q, sin_q, too_many = in_lanes(work.place[1]), in_lanes(work.place[2]), lane_of(work.marks[5])
-    any_lost, beside, first = any_positive(too_many), in_panels(work.beside_tile), kept > 0
+    any_lost = any_positive(too_many)
     while next_panels(edges, edge_count, walk):
         panel_positions(walk[PANEL_MIDDLE], walk[PANEL_HALF], q, cos_q, sin_q)
         if task.sizes[2] > 0:
@@ -537,19 +530,12 @@ def follow(
             states(work.block, tables, middle_q, middle_cos, work.place[2, MIDDLE : MIDDLE + 1], work.state_tile)
             copy_rows(in_lanes(work.state_tile), task.state_rows, block)
         curves(work.block, tables, work.place[0], work.place[1], work.place[2], work.tile)
-        if first:
-            # Of the first panel that is tried, which is the same whatever the other lanes are.
-            place = work.beside[0], work.beside[1], work.beside[2]
-            change_by_rounding(MIDDLE, q, cos_q, sin_q, 0, in_lanes(place[0]), in_lanes(place[1]), in_lanes(place[2]))
-            curves(work.block, tables, place[0], place[1], place[2], work.beside_tile)
-            for k in range(kept):
-                keep_rounding(tile, task.kept[k], beside, record, k)
-            first = False
         if any_lost:
             spoil(count, too_many, tile)
         broken = False
         for c in range(count):
             panel_figures(tile, c, figures, c)
+            note_rounding(tile, c, scales, c, walk)
             broken |= compare_with_tolerance(figures, c, task.tolerances[c], task.only_integrals[c], scales, walk)
         for k in range(task.rooted.shape[0]):
             c = task.rooted[k]
@@ -570,6 +556,8 @@ def follow(
                 c = task.kept[k]
                 keep_curve(tile, c, task.tolerances[c], figures, walk, record, k, step)
         step += 1
+    for k in range(kept):
+        keep_rounding(scales, task.kept[k], record, k)
     return step
 
 

@@ -137,12 +137,13 @@ class Measuring:
         self.groups = self._taking_part([*parts, *(margin.curve for margin in self.margins)])
         self._sines = [mechanics.kinematics.sines[group] for group in self.groups]
         # Pressing forces stop being finite where a group jams first.
-        jamming = [margin.group for margin in self.margins if margin.verdict == Verdict.JAMS]
-        pressing = [mechanics.reactions.settlings[group].pressing[0] for group in jamming]
+        jamming = [margin for margin in self.margins if margin.verdict == Verdict.JAMS]
+        pressing = [mechanics.reactions.settlings[margin.group].pressing[0] for margin in jamming]
         curves = list(dict.fromkeys([*curves, *self._sines, *(m.curve for m in self.margins), *pressing]))
         self._kinks = mechanics.graph.kinks_behind(curves)
         curves = list(dict.fromkeys([*curves, *self._kinks]))
-        self._beside = [*self._kinks, *pressing]
+        # At kinks margins jump, however short a panel is; near 0 the forces that are asked take panels short enough.
+        self._beside = [*self._kinks, *pressing, *(margin.curve for margin in jamming if self._kinks)]
         self.curves = list(dict.fromkeys([*curves, *fields]))
         shared = dict.fromkeys(_shared(a) for a in cycles)
         self._steady = [_Steady(s, {a.result for a in cycles if _shared(a) == s}, mechanics) for s in shared]
@@ -259,7 +260,7 @@ class Measuring:
         found += [node for a in (*of[Unbalanced],) for node in (a.rate, a.curve)]
         found += [node for force, square in self._arcs for node in (*force, square)]
         found += [node for f in self._followed for node in _parts(f)]
-        return {*found, *self._sines, *(margin.curve for margin in self.margins)}
+        return {*found, *self._sines, *(margin.curve for margin in self.margins if margin.curve not in self._beside)}
 
     def _cycle_of(self, asked: SteadyCycle) -> "_Steady":
         """The steady cycle of which a result is asked."""

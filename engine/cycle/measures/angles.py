@@ -10,7 +10,7 @@ from engine.compiling.tiles import LANES
 from engine.cycle.panels.chebyshev import POSITIONS
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import Memory
-from engine.cycle.panels.record import HALF, SCALE, TAIL, Record, keep_derived
+from engine.cycle.panels.record import HALF, OFFSET, SCALE, TAIL, Record, keep_derived
 from engine.cycle.panels.series import TINY, larger, smaller
 from engine.laws.elementary import angle_of
 
@@ -73,5 +73,7 @@ def add_angle(record: Record, steps: int, x: int, y: int, angle: int, figures: M
         keep_derived(record, step, angle, figures)
         for lane in range(LANES):
             rounding = ROUNDING * larger(whole[x, SCALE, lane], whole[y, SCALE, lane])
-            aside = errors[of_x, TAIL, lane] + errors[of_y, TAIL, lane] + rounding
-            errors[of_angle, TAIL, lane] += smaller(aside / larger(state[_SHORTEST, lane], TINY), np.pi)
+            rounding += whole[x, OFFSET, lane] + whole[y, OFFSET, lane]
+            tail, shortest = errors[of_x, TAIL, lane] + errors[of_y, TAIL, lane], larger(state[_SHORTEST, lane], TINY)
+            errors[of_angle, TAIL, lane] += smaller(tail / shortest, np.pi)
+            whole[angle, OFFSET, lane] = larger(smaller(rounding / shortest, np.pi), whole[angle, OFFSET, lane])

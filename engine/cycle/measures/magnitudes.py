@@ -22,7 +22,6 @@ from engine.cycle.panels.walk import (
     ACCEPTED,
     EDGES,
     GREATEST,
-    LEFT,
     ONE_EDGE,
     SCALES,
     WALK,
@@ -30,13 +29,14 @@ from engine.cycle.panels.walk import (
     find_kink,
     judge,
     next_panels,
+    note_rounding,
     of_edges,
     of_scales,
     set_out,
 )
 from engine.cycle.panels.walk import HALF as PART_HALF
 from engine.cycle.panels.walk import MIDDLE as PART_MIDDLE
-from engine.cycle.panels.walk import ROUNDING as LEFT_BY_ROUNDING
+from engine.cycle.panels.walk import ROUNDING as SO_FAR
 
 # Share of what may be left of the square that may be missing of the root's mean in a panel.
 OF_TOLERANCE = 1e-3
@@ -185,10 +185,11 @@ def integrate_roots(
         set_out(own[_LOW], own[_HIGH], 2.0, walk)
         for lane in range(LANES):
             scales[0, GREATEST, lane] = math.sqrt(record.whole[curve, SCALE, lane])
-            scales[0, LEFT_BY_ROUNDING, lane] = scales[0, LEFT, lane] = 0.0
+            scales[0, SO_FAR, lane] = 0.0
         while next_panels(edges, 0, walk):
             _roots_in_part(record, slot, walk)
             panel_figures(record.work, SHIFTED, figures, 0)
+            note_rounding(record.work, SHIFTED, scales, 0, walk)
             compare_with_tolerance(figures, 0, fine, 1.0, scales, walk)
             # Parts end where the square is least: a dip inside may be missed by a part that happens to fit.
             find_kink(record.work, _SLOPES, walk)

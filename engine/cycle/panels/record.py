@@ -10,14 +10,14 @@ import numpy as np
 
 from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
-from engine.cycle.panels.chebyshev import MIDDLE as CENTRE
-from engine.cycle.panels.chebyshev import POSITIONS
+from engine.cycle.panels.chebyshev import DEGREE, POSITIONS
+from engine.cycle.panels.chebyshev import MIDDLE as MIDDLE_POSITION
 from engine.cycle.panels.lanes import ASIDE, Memory, in_panels, memory, rows, tiles
 from engine.cycle.panels.series import FLAT, MAGNITUDE, SUM, larger, panel_figures, smaller
 from engine.cycle.panels.series import MISSING as FIGURE_MISSING
 from engine.cycle.panels.series import TAIL as FIGURE_TAIL
 from engine.cycle.panels.transforms import to_coefficients
-from engine.cycle.panels.walk import ACCEPTED, NEXT_OPENED, TAKEN
+from engine.cycle.panels.walk import ACCEPTED, NEXT_OPENED, ROUNDING, TAKEN
 from engine.cycle.panels.walk import HALF as PANEL_HALF
 from engine.cycle.panels.walk import MIDDLE as PANEL_MIDDLE
 from engine.cycle.panels.walk import OPENED as PANEL_OPENED
@@ -33,7 +33,7 @@ PANEL = 4
 SCALE, FIRST, OFFSET = range(3)
 
 
-# How many times their change by rounding of the input's direction values may be off.
+# How many times the rounding that was measured values may be off.
 OF_ROUNDING = 16.0
 
 of_pairs = memory(2, LANES)
@@ -127,10 +127,11 @@ def begin_record(record: Record) -> None:
 
 
 @routine
-def keep_rounding(tile: Memory, curve: int, beside: Memory, record: Record, kept: int) -> None:
-    """Note how a curve changes in the middle of the first panel by rounding of the input's direction."""
+def keep_rounding(scales: Memory, curve: int, record: Record, kept: int) -> None:
+    """Note what values of a curve may be off by rounding, as far as its scales in a walk tell."""
     for lane in range(LANES):
-        record.whole[kept, OFFSET, lane] = OF_ROUNDING * abs(tile[curve, CENTRE, lane] - beside[curve, 0, lane])
+        rounding, offset = scales[curve, ROUNDING, lane], record.whole[kept, OFFSET, lane]
+        record.whole[kept, OFFSET, lane] = larger(OF_ROUNDING * rounding, offset)
 
 
 @routine
@@ -182,7 +183,12 @@ def keep_curve(
         whole[kept, SCALE, lane] = scale if accepted else whole[kept, SCALE, lane]
         # What is level below the tolerance is rounding, of the values at the positions too.
         rounding = smaller(figures[curve, FIGURE_TAIL, lane], tolerance * scale)
+        # What acts from a cut on or up to it moves with it.
+        moved = larger(walk[PANEL_OPENED, lane], walk[NEXT_OPENED, lane]) / abs(walk[PANEL_HALF, lane])
+        middle = tile[curve, MIDDLE_POSITION, lane]
+        moved *= larger(abs(tile[curve, 0, lane] - middle), abs(tile[curve, DEGREE, lane] - middle))
         offset = larger(rounding if figures[curve, FLAT, lane] > 0.0 else 0.0, whole[kept, OFFSET, lane])
+        offset = larger(moved, offset)
         whole[kept, OFFSET, lane] = offset if accepted else whole[kept, OFFSET, lane]
         whole[kept, FIRST, lane] = tile[curve, 0, lane] if accepted & first else whole[kept, FIRST, lane]
 

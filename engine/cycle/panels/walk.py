@@ -23,9 +23,10 @@ BEGIN, END, EDGE, LAST, RANGE, CLOSE = range(6)
 # The length WANTED of the next panel, how many were TAKEN; DIRECTION 1 or −1; the panel's MIDDLE and HALF length as the
 # machine's functions see them.
 WANTED, TAKEN, DIRECTION, MIDDLE, HALF = range(6, 11)
-# Whether the lane is still on its way; whether its panel is ACCEPTED; what is left over what is tolerated, at most, of
-# curves whose coefficients fall (EXCESS), and of those whose last ones are LEVEL.
+# Whether the lane is still on its way; whether its panel is ACCEPTED, or there is NOTHING_BEFORE; what is left over
+# what is tolerated, at most, of curves whose coefficients fall (EXCESS), and of those whose last ones are LEVEL.
 ACTIVE, ACCEPTED, EXCESS, LEVEL = range(11, 15)
+NOTHING_BEFORE = -1.0
 # What the place may be off by of the edges where this panel begins, where the next one does, and of the edge AHEAD.
 OPENED, NEXT_OPENED, AHEAD = range(15, 18)
 # Where the next KINK is that a refused panel had inside, and how many panels in a row were refused for one. In the
@@ -34,9 +35,9 @@ KINK, TRIED, SIGN = range(18, 21)
 # How many edges lie behind.
 BEHIND = 21
 WALK = 22
-# Of a curve: the greatest magnitude so far; what has turned out to be left of it by rounding; what was LEFT in the last
-# panel that was refused for its level coefficients, and in how many such panels in a row as much was left (SAME).
-GREATEST, ROUNDING, LEFT, SAME = range(4)
+# Of a curve: the greatest magnitude so far; by how much it differed so far where one panel ended and the next began, or
+# began anew; its value at either end of the panel tried before.
+GREATEST, ROUNDING, AT_BEGIN, AT_END = range(4)
 SCALES = 4
 of_scales = memory(SCALES, LANES)
 # Parts of an edge: its place, and what that may be off by.
@@ -52,16 +53,15 @@ AIM = 0.2
 LAST_ONES = 0.1
 # Least length of a panel as a share of the range, and most panels a lane takes before it goes on in long ones.
 FLOOR, MOST = 1e-7, 200
-# Coefficients are level for what is narrower than the panel, or for rounding. Of the former less is left in a shorter
-# panel, or another amount; of the latter as much: so many panels in a row, it is taken for rounding, and then MARGIN
-# times what was left is tolerated.
-PATIENCE, MARGIN = 6.0, 4.0
-# As much is left if it is so many times what was left before, at most, or the reciprocal of that at least.
-AS_MUCH = 2.5
+# Coefficients are level for what is narrower than the panel, or for rounding. Rounding is measured: positions of panels
+# that begin or end at one place are computed from their middles, and a curve there differs by the rounding of its
+# direction and of all that follows from it. What is left is rounding where it is no more than so many times that.
+LEFT_BY_ROUNDING = 32.0
 # A panel may be longer than wanted by this share, so as not to leave a sliver of the distance to the next edge.
 STRETCH = 1e-9
 # So many panels in a row are made to end at a kink, told more and more closely, before they are made shorter instead.
-TRIES = 4.0
+# Each try is ten to a hundred times as close.
+TRIES = 8.0
 # Share of the greatest magnitude that rounding leaves of a smooth curve.
 NOTHING = 2e-15
 # Edges that are closer than this share of the greatest position are one.
@@ -81,7 +81,8 @@ def set_out(first: Memory, last: Memory, longest: float, walk: Memory) -> None:
         walk[MIDDLE, lane], walk[HALF, lane] = first[lane], 0.0
         walk[TRIED, lane] = walk[BEHIND, lane] = 0.0
         walk[KINK, lane] = math.inf
-        walk[ACCEPTED, lane] = walk[OPENED, lane] = walk[NEXT_OPENED, lane] = 0.0
+        walk[ACCEPTED, lane] = NOTHING_BEFORE
+        walk[OPENED, lane] = walk[NEXT_OPENED, lane] = 0.0
         walk[ACTIVE, lane] = 1.0 if end - begin < math.inf and end > begin else 0.0
 
 
@@ -105,8 +106,8 @@ def next_panels(edges: Memory, count: int, walk: Memory) -> bool:
     """
     for lane in range(LANES):
         begin, last, kink = walk[BEGIN, lane], walk[LAST, lane], walk[KINK, lane]
-        walk[EDGE, lane] = kink if (kink > begin + walk[CLOSE, lane]) & (kink < last) else last
-        walk[AHEAD, lane] = 0.0
+        bent = (kink > begin + walk[CLOSE, lane]) & (kink < last)
+        walk[EDGE, lane], walk[AHEAD, lane] = kink if bent else last, walk[CLOSE, lane] if bent else 0.0
         walk[OPENED, lane] = walk[NEXT_OPENED, lane]
     if count > 0:
         for lane in range(LANES):
@@ -152,10 +153,34 @@ def find_kink(tile: Memory, curve: int, walk: Memory) -> None:
 
 
 @routine
+def note_rounding(tile: Memory, row: int, scales: Memory, curve: int, walk: Memory) -> None:
+    """Widen each lane's rounding of a curve by how much it differs from before where its panel begins.
+
+    Parameters
+    ----------
+    tile : panels (curves, POSITIONS, LANES)
+    row : int
+        Of the curve in the tile.
+    scales : rows (curves, SCALES, LANES)
+    curve : int
+        Row of the scales.
+    walk : rows (WALK, LANES)
+    """
+    for lane in range(LANES):
+        accepted = walk[ACCEPTED, lane]
+        before = scales[curve, AT_END, lane] if accepted > 0.0 else scales[curve, AT_BEGIN, lane]
+        # At a cut or a kink a curve may jump; lanes that have arrived stay where they are.
+        unknown = (accepted < 0.0) | (walk[OPENED, lane] > 0.0) | (walk[ACTIVE, lane] == 0.0)
+        here, known = tile[row, 0, lane], scales[curve, ROUNDING, lane]
+        scales[curve, ROUNDING, lane] = larger(0.0 if unknown else abs(here - before), known)
+        scales[curve, AT_BEGIN, lane], scales[curve, AT_END, lane] = here, tile[row, DEGREE, lane]
+
+
+@routine
 def compare_with_tolerance(
     figures: Memory, curve: int, tolerance: float, only_integral: float, scales: Memory, walk: Memory
 ) -> bool:
-    """Widen each lane's excess by that of a curve, unless that turns out to be its rounding.
+    """Widen each lane's excess by that of a curve, but for its rounding.
 
     Parameters
     ----------
@@ -178,22 +203,14 @@ def compare_with_tolerance(
         scale = larger(figures[curve, MAGNITUDE, lane], scales[curve, GREATEST, lane])
         scales[curve, GREATEST, lane] = scale
         # What is nothing but rounding doesn't tell how long a panel may be.
-        whole, known = figures[curve, TAIL, lane], scales[curve, ROUNDING, lane]
+        rounding = larger(NOTHING * scale, LEFT_BY_ROUNDING * scales[curve, ROUNDING, lane])
         of_mean = figures[curve, MISSING, lane] * abs(walk[HALF, lane]) * (2.0 / walk[RANGE, lane])
-        tail = whole - larger(NOTHING * scale, known)
+        tail = figures[curve, TAIL, lane] - rounding
         left = smaller(of_mean, tail) if only_integral > 0.0 else tail
         excess = larger(left, 0.0) / larger(tolerance * scale, TINY)
-        before, same = scales[curve, LEFT, lane], scales[curve, SAME, lane]
         flat = figures[curve, FLAT, lane] > 0.0
-        level = flat & (excess > 1.0) & (walk[ACTIVE, lane] > 0.0)
-        as_much = (whole <= AS_MUCH * before) & (before <= AS_MUCH * whole)
-        same_now = (same + 1.0 if as_much else 0.0) if level else same
-        learnt = level & (same_now >= PATIENCE)
-        scales[curve, LEFT, lane] = whole if level else before
-        scales[curve, SAME, lane] = 0.0 if learnt else same_now
-        scales[curve, ROUNDING, lane] = MARGIN * whole if learnt else known
         walk[EXCESS, lane] = larger(0.0 if flat else excess, walk[EXCESS, lane])
-        walk[LEVEL, lane] = larger(excess if flat & (not learnt) else 0.0, walk[LEVEL, lane])
+        walk[LEVEL, lane] = larger(excess if flat else 0.0, walk[LEVEL, lane])
         broken |= not abs(figures[curve, SUM, lane]) < math.inf
     return broken
 
@@ -215,7 +232,7 @@ def compare_root(tile: Memory, figures: Memory, curve: int, tolerance: float, sc
         least = scale
         for j in range(POSITIONS):
             least = smaller(tile[curve, j, lane], least)
-        left = larger(whole - larger(NOTHING * scale, scales[curve, ROUNDING, lane]), 0.0)
+        left = larger(whole - larger(NOTHING * scale, LEFT_BY_ROUNDING * scales[curve, ROUNDING, lane]), 0.0)
         off = left / (2.0 * math.sqrt(larger(least, larger(left, TINY))))
         excess = off / larger(tolerance * math.sqrt(scale), TINY)
         flat = figures[curve, FLAT, lane] > 0.0

@@ -2,6 +2,7 @@
 
 import math
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -22,6 +23,40 @@ def four_bar(crank, rod, rocker, frame):
             "bodies": {"rocker_body": {"link": "rocker", "mass": 1.0, "x": 0.1, "y": 0, "inertia": 0.01}},
         }
     )
+
+
+LENGTHS = ("input.length", "groups.g.first.length", "groups.g.second.length", "points.D.x")
+BESIDE = ("rocker.angular_velocity.max", "rocker.angular_acceleration.max", "B.x.mean")
+
+
+def near_change_points(count):
+    """Crank-rockers whose longest link is 1e-11 to 0.01 too short for all links to fall in line; by how much."""
+    rng = np.random.default_rng(6)
+    crank, one, other = rng.uniform(0.5, 1.0, count), rng.uniform(1.2, 3.0, count), rng.uniform(1.2, 3.0, count)
+    short = 10.0 ** rng.uniform(-11.0, -2.0, count)
+    links = rng.permuted(np.array([one, other, one + other - crank - short]), axis=0)
+    return np.array([crank, *links]), short
+
+
+def true_swing(*lengths):
+    """Between the positions with crank and rod in line."""
+    crank, rod, rocker, frame = map(mpmath.mpf, lengths)
+    angles = [mpmath.acos((frame**2 + rocker**2 - r**2) / (2 * frame * rocker)) for r in (rod + crank, rod - crank)]
+    return angles[0] - angles[1]
+
+
+def test_swing_near_a_change_point__is_right_whatever_else_is_asked():
+    lengths, short = near_change_points(128)
+    varied = dict(zip(LENGTHS, lengths, strict=True))
+    with mpmath.workdps(40):
+        true = [true_swing(*variant) for variant in lengths.T]
+        for beside in ((), BESIDE[:1], BESIDE):
+            found = Machine(four_bar(0.5, 1.5, 1.5, 1.5), ["rocker.swing", *beside], (), LENGTHS).evaluate(varied)
+            swing, error = found.summaries["rocker.swing"], found.errors["rocker.swing"]
+            off = np.array([float(abs(value - exact)) for value, exact in zip(swing, true, strict=True)])
+            assert (found.status == 0).all()
+            assert (off <= error).all()
+            assert off[short > 1e-9].max() < 1e-9
 
 
 PRESS = {
