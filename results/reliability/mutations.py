@@ -65,41 +65,8 @@ LONG = 10.0
 TURNS, TOLD = 20, 60
 UNDEFINED = "results, undefined: "
 
-NUMBERS = (
-    "0",
-    "-1",
-    "1",
-    "1e-300",
-    "1e-12",
-    "1e12",
-    "1e150",
-    "1e300",
-    "1e400",
-    "nan",
-    "inf",
-    "-inf",
-    "1/0",
-    "1_0",
-    "٣",
-)
-UNITS = (
-    "",
-    "mm",
-    "m",
-    "deg",
-    "rpm",
-    "kg",
-    "N",
-    "N m",
-    "s",
-    "1/s",
-    "%",
-    "kg m2",
-    "m/s**999",
-    "furlong",
-    "degC",
-    "mm mm",
-)
+NUMBERS = ("0", "-1", "1", "1e-300", "1e-12", "1e12", "1e150", "1e300", "1e400", "nan", "inf", "-inf", "1/0", "٣")  # fmt: skip
+UNITS = ("", "mm", "m", "deg", "rpm", "kg", "N", "N m", "s", "1/s", "%", "kg m2", "m/s**999", "furlong", "degC")  # fmt: skip
 CODE = "open('carried_out', 'w').close()"
 HOSTILE = (
     f"__import__('builtins').{CODE}",
@@ -125,7 +92,7 @@ HOSTILE = (
 )
 
 
-# Units of one dimension, and what stands for one another in a formula.
+# Units of one dimension.
 SAME = (
     ("mm", "cm", "m", "in", "ft"),
     ("deg", "rad", "rev"),
@@ -133,12 +100,7 @@ SAME = (
     ("kg", "g", "t", "lb"),
     ("N", "kN", "MN", "lbf"),
     ("N m", "kN m", "J", "lbf ft"),
-    ("kg m2", "g cm2", "kg mm2"),
-    ("s", "ms", "min", "h"),
-    ("W", "kW", "MW", "hp"),
-    ("bar", "Pa", "MPa", "psi"),
 )
-SIGNS = (("+", "-", "*", "/", "**"), ("<", ">", "<=", ">="), ("sin", "cos", "tan", "sqrt", "exp", "log", "abs"))
 
 
 class Slow(BaseException):
@@ -254,35 +216,18 @@ def garbled_text(dice: random.Random, text: str) -> str:
 def changed_number(dice: random.Random, text: str) -> str:
     """A number, perhaps with its unit, that is another, or in another unit of its dimension."""
     number, _, unit = text.partition(" ")
-    family = next((f for f in SAME if unit in f), (unit,))
     try:
         value = float(number)
     except ValueError:
         return text
-    way = dice.random()
-    if way < 0.5:
-        number = f"{value * 10 ** dice.gauss(0, 0.15):.6g}"
-    elif way < 0.65:
-        number = f"{value * 10 ** dice.uniform(-4, 4):.6g}"
-    elif way < 0.72:
-        number = repr(value * (1 + dice.choice((-1, 1)) * 10.0 ** -dice.randrange(6, 16)))
-    elif way < 0.8:
-        number = dice.choice(NUMBERS)
-    elif way < 0.85:
-        number = f"{-value:.6g}"
-    if way > 0.85:
-        unit = dice.choice(family)
+    scaled = value * 10 ** dice.choice((dice.gauss(0, 0.15), dice.uniform(-4, 4)))
+    nearby = value * (1 + dice.choice((-1, 1)) * 10.0 ** -dice.randrange(6, 16))
+    number = dice.choice(
+        (f"{scaled:.6g}", f"{scaled:.6g}", repr(nearby), f"{-value:.6g}", dice.choice(NUMBERS), number)
+    )
+    if dice.random() < 0.15:
+        unit = dice.choice(next((family for family in SAME if unit in family), (unit,)))
     return f"{number} {unit}".strip()
-
-
-def changed_formula(dice: random.Random, text: str) -> str:
-    """A formula or a condition with a sign, a function or a number exchanged."""
-    words = text.split(" ")
-    i = dice.randrange(len(words))
-    bare = words[i].strip("()'\"")
-    family = next((f for f in SIGNS if bare in f), None)
-    words[i] = words[i].replace(bare, dice.choice(family)) if family else changed_number(dice, words[i])
-    return " ".join(words)
 
 
 def few_variants(study: dict) -> dict:
@@ -299,31 +244,22 @@ def few_variants(study: dict) -> dict:
 
 
 def with_other_numbers(dice: random.Random, document: dict) -> str:
-    """A scene or study with one to three numbers, units, formulas, goals or names changed."""
+    """A scene or study with one to three numbers, units or goals changed; what compiling depends on stays as it is."""
     for _ in range(dice.choice((1, 1, 2, 3))):
         leaves = [(t, k) for t, k in places(document) if isinstance(t[k], (str, int, float)) and k != "scene"]
-        if not leaves:
-            break
-        # What is no number or formula decides more often on the structure.
-        numeric = [(t, k) for t, k in leaves if str(t[k])[:1] in "-.0123456789" or " " in str(t[k])]
+        numeric = [(t, k) for t, k in leaves if str(t[k])[:1] in "-.0123456789"]
         table, key = dice.choice(numeric if numeric and dice.random() < 0.9 else leaves)
         old = table[key]
         if isinstance(old, bool):
             table[key] = not old if dice.random() < 0.2 else old
         elif isinstance(old, int):
-            table[key] = dice.randint(1, 4) if key == "count" else dice.choice((old - 1, old + 1, 2 * old, old))
+            table[key] = dice.randint(1, 4) if key == "count" else dice.choice((old - 1, old + 1, 2 * old))
         elif isinstance(old, float):
             table[key] = old * 10 ** dice.gauss(0, 0.3)
-        elif old[:1].isdigit() or old[:1] in "-.":
-            table[key] = changed_number(dice, old)
-        elif " " in old and key not in ("title", "question"):
-            table[key] = changed_formula(dice, old)
         elif key in ("minimise", "maximise"):
             table[{"minimise": "maximise", "maximise": "minimise"}[key]] = table.pop(key)
-        elif isinstance(table, dict) and dice.random() < 0.1:
-            table[f"{key}_{dice.randrange(9)}"] = table.pop(key)
-        elif dice.random() < 0.1:
-            table[key] = dice.choice([t[k] for t, k in leaves if isinstance(t[k], str)])
+        else:
+            table[key] = changed_number(dice, old)
     return tomlkit.dumps(document)
 
 
@@ -379,21 +315,8 @@ def garbled_lines(dice: random.Random, scenes: list[str], made: str) -> list[str
         ("--help",),
         (dice.choice(HOSTILE)[:1000],),
     )
-    commands = (
-        "list",
-        "help",
-        "guide",
-        "new",
-        "modes",
-        "quantities",
-        "check",
-        "show",
-        "plot",
-        "report",
-        "export",
-        "compare",
-    )
-    line = [dice.choice((*commands, "verify", "flywheel", "balance", "orders", "nothing"))]
+    commands = ("list", "help", "guide", "new", "modes", "quantities", "check", "show", "plot", "report", "export")
+    line = [dice.choice((*commands, "compare", "verify", "flywheel", "balance", "orders", "nothing"))]
     line += [dice.choice(files).replace("\x00", "") for _ in range(dice.choice((0, 1, 1, 2)))]
     for _ in range(dice.choice((0, 1, 1, 2, 3))):
         line += dice.choice(options)
