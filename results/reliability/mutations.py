@@ -65,8 +65,8 @@ LONG = 10.0
 TURNS, TOLD = 20, 60
 UNDEFINED = "results, undefined: "
 
-NUMBERS = ("0", "-1", "1", "1e-300", "1e-12", "1e12", "1e150", "1e300", "1e400", "nan", "inf", "-inf", "1/0", "٣")  # fmt: skip
-UNITS = ("", "mm", "m", "deg", "rpm", "kg", "N", "N m", "s", "1/s", "%", "kg m2", "m/s**999", "furlong", "degC")  # fmt: skip
+NUMBERS = ("0", "-1", "1", "1e-300", "1e12", "1e150", "1e300", "1e400", "nan", "inf", "-inf", "1/0", "٣")  # fmt: skip
+UNITS = ("", "mm", "m", "deg", "rpm", "kg", "N", "N m", "s", "1/s", "kg m2", "m/s**999", "furlong", "degC")  # fmt: skip
 CODE = "open('carried_out', 'w').close()"
 HOSTILE = (
     f"__import__('builtins').{CODE}",
