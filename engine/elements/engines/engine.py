@@ -59,6 +59,8 @@ _BLOCK = 2**19
 
 _WORDS = {1: "primary", 2: "secondary", 3: "third_order", 4: "fourth_order", 5: "fifth_order", 6: "sixth_order"}
 TORQUE_ORDERS = tuple(k / 2 for k in range(1, 13))
+# Keys that matter to forces and couples alone.
+OF_SHAKING = ("spacing", "rod_distance", "throw_mass", "balanced_rotating", "balanced_reciprocating", "crank_angle")
 _SHARES = ("balanced_rotating", "balanced_reciprocating")
 _DIRECTIONS = {"along": "along the engine's axis", "across": "across the engine's axis, to its left"}
 _GAS = ("bore", "clearance", "intake", "exhaust", "peak", "n_compression", "n_expansion", "ambient")
@@ -153,8 +155,9 @@ class EngineElement(Element):
             raise ValueError("gas: the torque is that of rods on the crankpin; leave out gas, or the link rods")
         elif self.master_cylinder > self.cylinders:
             raise ValueError(f"master_cylinder = {self.master_cylinder}: there are {self.cylinders} cylinders")
-        if self.firing_order is not None and self.gas is None:
-            raise ValueError("firing_order matters to the torque alone, which needs gas: give gas, or leave it out")
+        lost = [key for key in ("firing_order", "rod_inertia") if getattr(self, key) is not None]
+        if lost and self.gas is None:
+            raise ValueError(f"{lost[0]} matters to the torque alone, which needs gas: give gas, or leave it out")
 
     def pattern(self) -> Pattern:
         """The cylinders, with sizes still open.

@@ -61,6 +61,8 @@ class GearShaft(Part):
             raise ValueError("held: a shaft that is stopped has no speed, and its moment follows; leave those out")
         if self.loaded and (self.held or self.moment is not None):
             raise ValueError("loaded: the shaft's moment is to follow from the others; leave out moment and held")
+        if self.loaded and self.speed is not None:
+            raise ValueError("loaded: the moment of a driven shaft without one follows anyway; leave loaded out")
         return self
 
 
@@ -118,6 +120,12 @@ class GearTrain(Part):
         if any(given) and not all(given):
             missing = list(self.meshes)[given.index(False)]
             raise ValueError(f"meshes.{missing}.module is missing: give it, or module once for the whole train")
+        for name, wheel in self.wheels.items():
+            lost = wheel.gives("bore", "density")
+            if wheel.width is None and lost:
+                raise ValueError(
+                    f"wheels.{name}.{lost[0]} tells the mass of a wheel with a width; give width, or leave it out"
+                )
         rings = {mesh.between[1] for mesh in self.meshes.values() if mesh.type == "internal"}
         for name, wheel in self.wheels.items():
             if wheel.width is not None and name in rings:
@@ -129,6 +137,9 @@ class GearTrain(Part):
     def _check_orbits(self) -> None:
         """A planet with mass needs a known circle to go round on."""
         structure = self.structure
+        for name, shaft in self.shafts.items():
+            if shaft.mass is not None and shaft.carrier is None:
+                raise ValueError(f"shafts.{name}.mass counts for planets, which go round; leave it out")
         wide = {wheel.shaft for wheel in self.wheels.values() if wheel.width is not None}
         for name in structure.planets:
             if self.shafts[name].mass is None and name not in wide:

@@ -121,6 +121,8 @@ class Governor(Element):
                 f"greatest_radius = {self.greatest_radius:g} m is not above least_radius = {self.least_radius:g} m: "
                 "give the radii of the balls at the inner and the outer stop"
             )
+        if self.engine is None and self.gives("damping"):
+            raise ValueError("damping matters to the motion with an engine alone; give engine, or leave damping out")
         return self
 
     @property

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from engine.elements.element import Answers, Element, ElementResult, Numbers
-from engine.elements.engines.engine import EngineElement
+from engine.elements.engines.engine import OF_SHAKING, EngineElement
 from engine.elements.torsional_trains.excitation import TrainExcitation, excitation_orders, train_excitation
 from engine.elements.torsional_trains.forced_vibration import ForcedVibration, forced_vibration, under_mean_moments
 from engine.elements.torsional_trains.natural_frequencies import NaturalVibration, natural_vibration
@@ -105,6 +105,9 @@ class TorsionalTrain(Element):
     def _check_engine(self, engine: EngineElement) -> None:
         if engine.gas is None:
             raise ValueError("engine.gas is missing: without it the engine has no torque")
+        lost = engine.gives(*OF_SHAKING)
+        if lost:
+            raise ValueError(f"engine.{lost[0]} matters to what shakes the engine, not to its torque; leave it out")
         if len(self.cylinders_at) != engine.cylinders:
             raise ValueError(f"cylinders_at: give a mass for each of the {engine.cylinders} cylinders, in their order")
         unknown = [mass for mass in self.cylinders_at if mass not in self.masses]

@@ -154,7 +154,7 @@ def crest(
 
 
 @scalar
-def peak(values: np.ndarray, steps: np.ndarray) -> tuple[float, float, float]:
+def peak_between(values: np.ndarray, steps: np.ndarray) -> tuple[float, float, float]:
     """Greatest value of a curve between its nodes, too; the node next to it; what it may come to at most.
 
     Beside each node that lies above its neighbours, by polynomials of three degrees through those about it: where their

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.running import over_variants
-from engine.motion.moments.piecewise import peak
+from engine.motion.moments.piecewise import peak_between
 from engine.motion.quantities import Asked
 from engine.motion.runs.watching import Piece, RunFields
 
@@ -104,4 +104,4 @@ def look_along(begin: int, end: int, row: np.ndarray, steps: np.ndarray, found: 
             own[k] = row[k, v]
         for k in range(nodes - 1):
             h[k] = steps[k, v]
-        found[0, v], found[1, v], found[2, v] = peak(own, h)
+        found[0, v], found[1, v], found[2, v] = peak_between(own, h)

@@ -13,7 +13,7 @@ from engine.compiling.running import over_variants
 from engine.motion.loads import PairLoads
 from engine.motion.moments.dynamics import CHANNELS, Dynamics, Variants
 from engine.motion.moments.grid import Grid
-from engine.motion.moments.piecewise import integral, peak
+from engine.motion.moments.piecewise import integral, peak_between
 from engine.motion.quantities import EFFICIENCY_NOW, INSTANT, Asked
 from engine.motion.settled.steady import Steady
 from engine.motion.steppers.energy_form import NODES
@@ -241,7 +241,7 @@ def over_time(
             second[k] = own[k] * first[k]
         for k in range(nodes - 1):
             h[k] = steps[k, v]
-        high, high_at, most = peak(own, h)
+        high, high_at, most = peak_between(own, h)
         if math.isnan(high):
             for i in range(found.shape[0]):
                 found[i, v] = math.nan
@@ -252,7 +252,7 @@ def over_time(
         mean, rms = total / time, math.sqrt(max(squares, 0.0) / time)
         for k in range(nodes):
             first[k] = -own[k]
-        low, low_at, least = peak(first, h)
+        low, low_at, least = peak_between(first, h)
         found[0, v], found[1, v], found[2, v], found[3, v] = -low, high, mean, rms
         found[4, v] = max(most - high, least - low)
         found[5, v] = hidden / time

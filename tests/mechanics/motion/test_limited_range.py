@@ -205,3 +205,32 @@ def test_what_has_no_meaning__is_refused(reading, text, keys, path, mend):
         reading(f"{text}\n[regimes.go]\n{keys}\n")
     assert path in str(error.value)
     assert mend in str(error.value)
+
+
+CHANGE_POINT = """
+points.O = { x = "0 m", y = "0 m" }
+points.C = { x = "2 m", y = "0 m" }
+input = { type = "crank", pivot = "O", pin = "A", length = "2 m", speed = "10 rad/s" }
+bodies.crank_body = { link = "crank", mass = "1 kg", inertia = "1 kg m2" }
+bodies.rocker_body = { link = "rocker", mass = "1 kg", x = "1 m" }
+moments.push = { type = "constant", on = "crank", moment = "5 N m" }
+regimes.go = { type = "run", from_speed = "5 rad/s", from_angle = "90 deg", time = "1 ms" }
+
+[groups.pair]
+type = "RRR"
+inner = "B"
+first = { link = "coupler", joint = "A", length = "2 m" }
+second = { link = "rocker", joint = "C", length = "2 m" }
+"""
+
+
+def test_run_that_stays_off_a_change_point__is_refused_with_the_remedy_and_goes_within_a_range(reading):
+    """A parallelogram: its rocker turns like the crank, 1 + 1·1² kg·m² in all, 5 N·m for 1 ms."""
+    asked = ["go.final_speed"]
+    whole = Machine(reading(CHANGE_POINT), asked).evaluate({})
+    assert whole.status[0] == Verdict.SINGULAR
+    assert "input.start and input.stop" in Verdict.SINGULAR.sentence
+    limited = CHANGE_POINT.replace('"10 rad/s"', '"10 rad/s", start = "45 deg", stop = "135 deg"')
+    found = Machine(reading(limited), asked).evaluate({})
+    assert found.status[0] == Verdict.OK
+    assert found.summaries[asked[0]][0] == pytest.approx(5.0 + 5.0 * 1e-3 / 2.0, rel=1e-12)

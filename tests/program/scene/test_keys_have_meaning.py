@@ -1,4 +1,4 @@
-"""Every key of every part of a mechanism changes something where it stands, or is refused there.
+"""Every key of every part of a scene changes something where it stands, or is refused there.
 
 A key counts in each position: with the other keys that its part has, and under the input. It is given other values, one
 after another; what may be asked of the machine (nodes of all fields and summaries, at some positions of the input) must
@@ -11,6 +11,8 @@ from typing import Literal, get_args, get_origin
 
 import numpy as np
 import pytest
+from element_samples import EVERY
+from governor_samples import EVERY_GOVERNOR
 from graph_values import GraphValues
 from machines import crank, four_bar, frame, on, rpr
 from pydantic import ValidationError
@@ -21,6 +23,8 @@ from engine.graph.nodes import Node
 from engine.parts.skeleton import Part, _marked
 from engine.quantities.expressions import Evaluation, VariantNumber, nodes_of
 from engine.quantities.machine import register_of
+from sweeps import read_study
+from sweeps.study.bundled import bundled_studies
 
 SHARES = np.array([0.04, 0.23, 0.62])
 
@@ -91,6 +95,7 @@ def law(**own: object) -> dict:
     return slider_crank(points={"C": frame(0.5, 0.0)}, inputs={"second": second}, bodies=masses)
 
 
+WANTED = {"over_angle": [0.2, 1.5, 4.0]}
 ARMS = {"type": "arms", "arm_area": 1e-3, "hub_diameter": 0.05, "hub_width": 0.04}
 LINES = {"piston": "ram", "bore": 0.05, "suction": 1e5, "discharge": 5e5}
 SCENES = {
@@ -158,6 +163,9 @@ SCENES = {
         }
     ),
     "base": slider_crank(base={"acceleration_x": 1.0}),
+    "wanted_path": slider_crank(wanted={"w": {"type": "path", "point": "K", "x": [0.1, 0.12], "y": [0.02, 0.03]}}),
+    "wanted_slide": slider_crank(wanted={"w": {"type": "slider", "of": "ram", "slide": [0.1, 0.2, 0.1], **WANTED}}),
+    "wanted_angle": slider_crank(wanted={"w": {"type": "link", "of": "rod", "angle": [0.1, 0.4, 0.2], **WANTED}}),
     "slider": {
         "points": {"D": frame(0.05, 0.25)},
         "guides": {"way": {"angle": 0.2}},
@@ -186,6 +194,10 @@ NO_EFFECT = {
     ("ConveyorMoment", "gravity"): "on the level, without friction",
     ("VehicleMoment", "role"): "where it resists by its mass alone",
     ("ConveyorMoment", "role"): "where it resists by its mass alone",
+    ("EngineElement", "spacing"): "of cylinders on one throw, which gives couples all the same: none",
+    ("TableGovernor", "sleeve_mass"): "where the controlling force is measured, without an engine",
+    ("CamElement", "cutter_radius"): "of the cutter's path, which is drawn and exported",
+    ("RunRegime", "at_most"): "of a run that ends before",
 }
 OTHERWISE = {"title", "source", "type", "regimes", "elements"}
 
@@ -297,3 +309,72 @@ def test_key__changes_something_or_is_refused(name):
             if is_ignored(data, (*path, key), values, before):
                 ignored.append(".".join((*path, key)))
     assert not ignored
+
+
+def element_scenes() -> dict[str, Scene]:
+    """Elements of all kinds: samples, and those of bundled studies that need no machine."""
+    samples = {name: Scene.model_validate({"elements": {"e": e}}) for name, e in (EVERY | EVERY_GOVERNOR).items()}
+    studies = {name: read_study(path).scene for name, path in bundled_studies().items()}
+    return samples | {f"study {name}": s for name, s in studies.items() if s.elements and s.input is None}
+
+
+@pytest.mark.parametrize("scene", [pytest.param(scene, id=name) for name, scene in element_scenes().items()])
+def test_key_of_an_element__changes_something_or_is_refused(scene):
+    ignored = []
+    for name, element in scene.elements.items():
+        data, before = element.model_dump(exclude_unset=True, exclude_none=True), element.own_values()
+        for path, part in parts_of(element):
+            for key in set(type(part).model_fields) - OTHERWISE:
+                position = (type(part).__name__, key, type(element).__name__, *sorted(part.model_fields_set))
+                if position in SEEN or position[:2] in NO_EFFECT:
+                    continue
+                SEEN.add(position)
+                found = [values_with(name, put(data, (*path, key), value)) for value in other_values(part, key)]
+                accepted = [values for values in found if values is not None]
+                if accepted and all(is_same(values, before) for values in accepted):
+                    ignored.append(".".join((name, *path, key)))
+    assert not ignored
+
+
+def values_with(name: str, data: dict) -> dict[str, float] | None:
+    """Results of an element; None where it is refused."""
+    try:
+        return Scene.model_validate({"elements": {name: data}}).elements[name].own_values()
+    except (ValidationError, SceneError):
+        return None
+
+
+def is_same(some: dict[str, float], more: dict[str, float]) -> bool:
+    return some.keys() == more.keys() and all(
+        np.allclose(some[key], more[key], rtol=1e-9, atol=0.0, equal_nan=True) for key in some
+    )
+
+
+# Keys of a run, and what each has a meaning with.
+RUN_KEYS = {
+    "from_speed": (2.0, "crank"),
+    "from_angle": (0.3, "crank"),
+    "from_velocity": (0.1, "slider"),
+    "from_position": (0.01, "slider"),
+    "from_shaft_speed": (2.0, "coupling"),
+}
+RUN_ENDS = {
+    "speed": (9.0, "crank"),
+    "velocity": (9.0, "slider"),
+    "end_of_range": (True, "range"),
+    "lock_up": (True, "coupling"),
+}
+
+
+@pytest.mark.parametrize("key", [*RUN_KEYS, *RUN_ENDS])
+@pytest.mark.parametrize("name", ["constant", "range", "slider"])
+def test_key_of_a_run__is_refused_where_it_means_nothing(name, key):
+    value, needs = (RUN_KEYS | RUN_ENDS)[key]
+    has = {"constant": {"crank"}, "range": {"crank", "range"}, "slider": {"slider", "range"}}[name]
+    regime = {"type": "run", key: value} | ({} if key in RUN_ENDS else {"time": 1.0})
+    scene = SCENES[name] | {"regimes": {"go": regime}}
+    if needs in has:
+        assert Mechanics(Scene.model_validate(scene))
+        return
+    with pytest.raises(SceneError, match=key):
+        Mechanics(Scene.model_validate(scene))

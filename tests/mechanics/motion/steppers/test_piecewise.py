@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from engine.motion.moments.grid import JUMP
-from engine.motion.moments.piecewise import integral, peak, slope_of
+from engine.motion.moments.piecewise import integral, peak_between, slope_of
 
 TURN = 2 * math.pi
 
@@ -79,7 +79,7 @@ def test_cusps_and_a_jump__within_what_they_may_hide(level, phase, size, jump, c
     # Between dense nodes a parabola of curvature 15 rises by 15 (2π/20000)²/8 at most.
     room = 15 * (TURN / 20000) ** 2 / 8
     for sign in (1.0, -1.0):
-        top, node, within = peak(sign * values, h)
+        top, node, within = peak_between(sign * values, h)
         assert (sign * values).max() <= top <= within
         # From a single step between a jump and a cusp nothing tells how its slope grows: by a curvature of 15 at most.
         ends = (0.0, jump, TURN)
@@ -125,7 +125,7 @@ def test_peaks_between_nodes__are_known_within_their_estimate(kind):
         curve, x = curves[kind], np.linspace(0.0, TURN, 361)
         scale = np.abs(curve(x)).max()
         for sign in (1.0, -1.0):
-            top, _, most = peak(sign * curve(x), np.diff(x))
+            top, _, most = peak_between(sign * curve(x), np.diff(x))
             exact = dense_top(lambda u, curve=curve, sign=sign: sign * curve(u), 360)
             assert abs(top - exact) <= most - top + 1e-13 * scale
             apart.append(abs(top - exact) / scale)
