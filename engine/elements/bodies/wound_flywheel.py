@@ -90,12 +90,14 @@ class WoundFlywheel(Element):
         inertia = ring_inertia(mass, 2.0 * b, 2.0 * a)
         energy = 0.5 * inertia * speed**2
 
-        def layer(r: np.ndarray) -> np.ndarray:
-            """Hoop stress of the winding."""
-            return wound_stresses(n, r, speed)[1]
+        def layer(r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            """Hoop stress of the winding, and its slope."""
+            inwards = 0.5 * np.log((b - a) * (b + a) / ((r - a) * (r + a)))
+            slope = tension * ((1.0 + (a / r) ** 2) * r / ((r - a) * (r + a)) + 2.0 * inwards * a**2 / r**3)
+            slope = slope - 2.0 * spin * ((a * b) ** 2 / r**3 + (1.0 + 3.0 * nu) / (3.0 + nu) * r)
+            return wound_stresses(n, r, speed)[1], slope
 
-        between, _ = sampled_peak(layer, c + (b - c) * np.linspace(0.0, 1.0, _PLACES)[:, None])
-        stress = np.maximum(np.maximum(layer(c), layer(b)), between)
+        stress, _ = sampled_peak(layer, c + (b - c) * np.linspace(0.0, 1.0, _PLACES)[:, None])
         about = np.log((b - a) * (b + a) / ((c - a) * (c + a)))
         pressure = 0.5 * tension * (1.0 - (a / c) ** 2) * about
         spun = 2.0 * spin * (b**2 + (1.0 - nu) / (3.0 + nu) * a**2)

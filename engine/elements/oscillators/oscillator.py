@@ -176,6 +176,12 @@ class OscillatorElement(Element):
     def evaluate(self, n: Numbers) -> Answers:
         """Results with their errors, over time with what the pieces of a formula miss and rounding that they carry."""
         found, errors = nudged(self.values, n)
+        if self.run_through is not None:
+            time = found["run_through_time"]
+            turned = (np.abs(n["run_through.start"]) + np.abs(n["run_through.acceleration"]) * time) * time
+            for result in _THROUGH:
+                # The angle that the rotor has turned is rounded in a few steps, whatever depends on it.
+                errors[result.name] += 4.0 * EPS * turned * np.abs(found[result.name])
         if isinstance(self.excitation, OverTime):
             stiffness, _, ratio, _ = _constants(self, n)
             coarse, carried = over_time_columns(self.excitation, n, stiffness, ratio, PIECES // 2)
@@ -266,7 +272,7 @@ class OscillatorElement(Element):
         given = own["natural_frequency"], own["damping_ratio"], run.start, run.acceleration
         speed = run.start + run.acceleration * time
         unit = self.excitation.mass * self.excitation.radius / self.mass
-        size = unit * np.abs(run_through_motion(*(np.full(time.shape, value) for value in given), time))
+        size = unit * np.abs(run_through_motion(*(np.full(time.shape, value) for value in given), time)[0])
         kept = speed >= 0.0
         steady = self.model_copy(update={"run_through": None}).over("excitation.speed", speed[kept])["amplitude"]
         curves = Curve("on the way", size[kept]), Curve("at steady speed", steady, True)

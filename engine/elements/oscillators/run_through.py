@@ -53,8 +53,8 @@ def _scaled(z: np.ndarray) -> np.ndarray:
 
 def run_through_motion(
     frequency: np.ndarray, ratio: np.ndarray, start: np.ndarray, acceleration: np.ndarray, time: np.ndarray
-) -> np.ndarray:
-    """Deflection of a rotor while its speed changes, over the eccentricity m e/M of all that vibrates.
+) -> tuple[np.ndarray, np.ndarray]:
+    """Deflection of a rotor and its rate while its speed changes, over the eccentricity m e/M of all that vibrates.
 
     Parameters
     ----------
@@ -69,7 +69,8 @@ def run_through_motion(
 
     Returns
     -------
-    ndarray of complex
+    deflection, rate : ndarray of complex
+        The latter in 1/s.
     """
     # A run-down is a run-up of the mirrored rotor, −i instead of i, from a negative speed.
     down = acceleration < 0.0
@@ -80,13 +81,15 @@ def run_through_motion(
     steady = speed**2 / (frequency**2 - speed**2 + 2j * beta * speed)
     # y and its rate at the start, in the steady vibration.
     y, y_rate = steady + 1.0, 1j * speed * (steady + 1.0)
-    found = np.zeros(np.shape(phase), complex)
+    found, change = np.zeros((2, *np.shape(phase)), complex)
     for root, other in ((first, second), (second, first)):
         driven = -(root**2) * _driven_part(root, speed, rate, time)
         free = (y_rate - other * y - 2.0 * beta) * np.exp(root * time)
-        found = found + (driven + free) / (root - other)
-    found = found - phase
-    return np.where(down, found.conj(), found)
+        part = (driven + free) / (root - other)
+        found, change = found + part, change + root * part
+    # Each driven part grows by e^(iφ) − λ times itself, −λ² of it by 2β e^(iφ) in both.
+    found, change = found - phase, change + (2.0 * beta - 1j * (speed + rate * time)) * phase
+    return np.where(down, found.conj(), found), np.where(down, change.conj(), change)
 
 
 def run_through_peak(
@@ -123,8 +126,10 @@ def run_through_peak(
     step = (crossed + _AFTER * lasts * unit - begin) / (INSTANTS - 1)
     times = begin + step * np.arange(INSTANTS)[:, None]
 
-    def size(time: np.ndarray) -> np.ndarray:
-        return np.abs(run_through_motion(frequency, ratio, start, acceleration, time))
+    def size(time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Amplitude, and its slope times itself."""
+        moved, change = run_through_motion(frequency, ratio, start, acceleration, time)
+        return np.abs(moved), (moved.conj() * change).real
 
     peak, time = sampled_peak(size, times)
     return np.where(valid, peak, math.nan), np.where(valid, time, math.nan)

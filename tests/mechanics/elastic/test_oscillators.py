@@ -188,6 +188,22 @@ def test_run_through_resonance__is_that_of_the_integrated_equation(ratio, start,
     assert 0 < error < 1e-9 * amplitude
 
 
+def test_run_through__scales_with_its_unit_of_time_within_its_error_estimates():
+    generator, n = np.random.default_rng(8), 300
+    frequency, faster = generator.uniform(5.0, 50.0, n), generator.uniform(1.1, 3.0, n)
+    start, acceleration = generator.uniform(0.0, 0.9, n) * frequency, 10 ** generator.uniform(-2, 1, n) * frequency
+    ratio, names = generator.uniform(0.001, 0.4, n), ("run_through_time", "run_through_speed", "run_through_amplitude")
+
+    def found(scale):
+        varied = {"it__damping_ratio": ratio, "it__stiffness": ROTOR["mass"] * (scale * frequency) ** 2}
+        varied |= {"it__run_through__start": scale * start, "it__run_through__acceleration": scale**2 * acceleration}
+        values, outcome = asked({"it": ROTOR | {"damping_ratio": 0.1}}, *(f"it.{name}" for name in names), **varied)
+        return zip(values, (outcome.errors[f"it.{name}"] for name in names), strict=True)
+
+    for own, other, scale in zip(found(1.0), found(faster), (1.0 / faster, faster, 1.0), strict=True):
+        assert (np.abs(own[0] * scale - other[0]) <= own[1] * scale + other[1]).all()
+
+
 def test_slow_run_through__comes_near_the_steady_resonance_and_a_quick_one_stays_below():
     slow = ROTOR | {"damping_ratio": 0.05, "run_through": {"start": 30.0, "acceleration": -0.01}}
     quick = ROTOR | {"damping_ratio": 0.05, "run_through": {"start": 30.0, "acceleration": -20.0}}
