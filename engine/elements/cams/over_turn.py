@@ -16,8 +16,9 @@ from engine.laws.rounding import EPS
 from engine.parts.motion_programs import TURN
 from engine.verdicts import Verdict
 
-# What polynomials may leave of a quantity's greatest magnitude, and how often a piece is halved for it.
-_TOLERANCE, _HALVINGS = 1e-12, 10
+# What polynomials may leave of a quantity's greatest magnitude; how often a piece is halved for it, and how often where
+# it has its least or greatest value.
+_TOLERANCE, _HALVINGS, _MOST_HALVINGS = 1e-12, 10, 20
 # Values that differ by less than this many roundings of the greatest magnitude are equal.
 _EQUAL = 64
 # How far a polynomial may go beyond its samples, as a share of their range.
@@ -86,8 +87,8 @@ def measure(cams: CamVariants, sought: Sequence[Sought]) -> Measures:
     names = list(dict.fromkeys(s.quantity for s in sought))
     p, v = (part[:, stands].ravel() for part in np.indices(turn.before.shape))
     left, right = turn.first[p], turn.last[p]
-    taken, scale = [], np.zeros((variants, len(names)))
-    for halved in range(_HALVINGS + 1):
+    taken, best = [], np.full((2, variants, len(names)), -np.inf)
+    for halved in range(_MOST_HALVINGS + 1):
         u = 0.5 * (left + right)[:, None] + 0.5 * (right - left)[:, None] * PLACES
         found = at_positions(cams, p[:, None], v[:, None], u)
         for failed, verdict in (
@@ -96,9 +97,13 @@ def measure(cams: CamVariants, sought: Sequence[Sought]) -> Measures:
         ):
             verdicts[v[failed]] = verdict
         panels = _Panels(p, v, left, right, np.array([found[name] for name in names]))
-        np.maximum.at(scale, v, np.abs(panels.values).max(axis=-1).T)
-        rough = (tails(panels.values) > _TOLERANCE * scale[v].T).any(axis=0) & (verdicts[v] == Verdict.OK)
-        rough &= halved < _HALVINGS
+        both = np.array([panels.values.max(axis=-1).T, -panels.values.min(axis=-1).T])
+        for most, here in zip(best, both, strict=True):
+            np.maximum.at(most, v, here)
+        scale = np.abs(best).max(axis=0)
+        matters = (both >= best[:, v]).any(axis=0) | (halved < _HALVINGS)
+        rough = (matters & (_TOLERANCE * scale[v] < tails(panels.values).T)).any(axis=1)
+        rough &= (verdicts[v] == Verdict.OK) & (halved < _MOST_HALVINGS)
         taken.append(panels.of(~rough))
         cut = np.zeros(rough.sum())
         for kink in found["kinks"]:

@@ -193,7 +193,8 @@ def least_height_for_curvature(s: float, s1: float, s2: float, offset: float, ra
     above, in a bracket. It is sought above y = s alone: 0 where there is none, as any height will do.
     """
     v = s1 - offset
-    low, high = max(s, 0.0), radius + math.sqrt(radius * abs(s2)) + (radius * abs(v * s1)) ** (1.0 / 3.0)
+    least_y = max(s, 0.0)
+    low, high = least_y, radius + math.sqrt(radius * abs(s2)) + (radius * abs(v * s1)) ** (1.0 / 3.0)
     # R³ outgrows the rest from here: each of its terms is less than a third of R³ beyond three times its own bound.
     high = 3.0 * high
     if high <= low:
@@ -212,8 +213,9 @@ def least_height_for_curvature(s: float, s1: float, s2: float, offset: float, ra
         slope = 3.0 * r * y - radius * (2.0 * y - s2)
         new = y - f / slope if slope > 0.0 else 0.5 * (low + high)
         if not low <= new <= high:
-            # From above, Newton's method stays above the root of what bends upwards: passing `low`, it tells of none.
-            if f >= 0.0 and (bends_up or high - low <= 1e-6 * radius):
+            # From above, Newton's method stays above the root of what bends upwards: passing the lowest y, it tells of
+            # none.
+            if f >= 0.0 and low == least_y and (bends_up or high - low <= 1e-6 * radius):
                 return 0.0
             new = 0.5 * (low + high)
         if abs(new - y) <= 2e-16 * high:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from engine.laws.cams import motion_laws as laws
+from engine.laws.cams.profiles import least_height_for_curvature
 
 WITHOUT_PLACE = {
     "uniform": laws.uniform_motion,
@@ -126,3 +127,22 @@ def test_peaks__are_the_known_ones(name):
 def test_drive_of_an_inertia__has_the_known_peak(name):
     values = sampled(name)
     assert (values[1] * values[2]).max() == pytest.approx(DRIVES[name], abs=0.006)
+
+
+def test_least_height_for_curvature__is_the_greatest_root_of_its_polynomial():
+    """Squared, R³ = ρ(R² + v s′ − y s″) has six roots; those of the equation itself have a positive right side."""
+    rng, seen = np.random.default_rng(0), 0
+    for _ in range(6000):
+        s, (s1, s2, offset) = rng.uniform(0, 0.03), rng.normal(size=3) * 10 ** rng.uniform([-3, -3, -2.5], [-1, 0, -2])
+        radius, v = 10 ** rng.uniform(-3, -1.3), s1 - offset
+        square, right = np.array([1.0, 0.0, v * v]), np.array([1.0, -s2, v * v + v * s1])
+        cube = np.polymul(square, np.polymul(square, square))
+        roots = np.roots(np.polysub(cube, radius**2 * np.polymul(right, right)))
+        y = roots[np.abs(roots.imag) < 1e-9 * np.abs(roots)].real
+        y = y[(np.polyval(right, y) > 0.0) & (y > s)]
+        seen += y.size > 0
+        expected = y.max() - s if y.size else 0.0
+        found = least_height_for_curvature(s, s1, s2, offset, radius)
+        # A double root has half the digits.
+        assert found == pytest.approx(expected, abs=1e-6 * max(expected, radius))
+    assert seen > 1000
