@@ -6,7 +6,7 @@ from typing import Any
 
 from engine import Verdict
 from sweeps.optimising.optimum import is_search, optimum_text
-from sweeps.page.digest import Digest, digest_of
+from sweeps.page.digest import Digest
 from sweeps.page.page_pictures import drawn_pictures, linked_data
 from sweeps.page.page_tables import (
     errors_table,
@@ -50,7 +50,7 @@ def write_page(path: Path, out: Path) -> None:
     except ImportError as error:
         mend = "pip install 'machine-sweeps[report]'"
         raise InputError(str(out), [(None, "", f"a report needs {error.name}: {mend}")]) from None
-    digest = digest_of(path)
+    digest = Digest(path)
     here = files("sweeps.page")
     css, script = (Markup((here / name).read_text("utf8")) for name in ("page.css", "linked.js"))
     template = jinja2.Environment(autoescape=True, finalize=_shown).from_string((here / "page.html").read_text("utf8"))
@@ -111,8 +111,8 @@ def _answer(digest: Digest) -> str:
     condition = f" where {aim.where}" if aim.where else ""
     if digest.best is None:
         return "No variant meets all conditions."
-    value = value_text(digest, aim.name, digest.best)
-    return f"The {aim.word} {aim.name}{condition} is {value}, with variant {digest.best}."
+    value = value_text(digest, aim.goal, digest.best)
+    return f"The {aim.word} {aim.goal}{condition} is {value}, with variant {digest.best}."
 
 
 def _remark(digest: Digest) -> str:

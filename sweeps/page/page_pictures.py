@@ -92,10 +92,10 @@ def _data_of(digest: Digest) -> SweepData:
         result.units,
         result.long_names,
         result.varied,
-        sorted(alone, key=lambda name: aim is None or name != aim.name),
+        sorted(alone, key=lambda name: aim is None or name != aim.goal),
         (places.size,),
         digest.rows["status"][places],
-        condition=aim.where if aim else "",
+        condition=(aim.where if aim else None) or "",
         candidates=digest.meets[places],
     )
 
@@ -133,7 +133,7 @@ def linked_data(digest: Digest) -> dict[str, Any] | None:
         (columns along x and y), `best` (its place, or None).
     """
     data = _data_of(digest)
-    shade = digest.aim.name if digest.aim else next(iter(data.summaries), None)
+    shade = digest.aim.goal if digest.aim else next(iter(data.summaries), None)
     if shade is None:
         return None
     names = chosen_columns(data, shade)

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.stats import spearmanr
 
 from engine import Verdict
-from sweeps.page.digest import Digest, condition_of
+from sweeps.page.digest import Digest
 from sweeps.report.regime_words import by_regime, regime_words
 from sweeps.study.sensitivity import RSS, WORST_CASE
 from sweeps.text.engineer_units import engineer_unit, figure_text, quantity_text
@@ -68,13 +68,13 @@ def limit_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
     for price in digest.prices:
         without, gain = "", ""
         if price.without is not None:
-            without = f"{value_text(digest, aim.name, price.without)}, variant {price.without}"
+            without = f"{value_text(digest, aim.goal, price.without)}, variant {price.without}"
             gain = "inactive" if price.without == digest.best else "active"
         rows.append((price.text, _room(price.margin), gain, without))
     if rows:
         yield (
             "Active: without this condition the optimum would change. Margin: relative distance from the limit.",
-            PageTable(("condition", "margin", "", f"{aim.word} {aim.name} without it"), rows, (1,)),
+            PageTable(("condition", "margin", "", f"{aim.word} {aim.goal} without it"), rows, (1,)),
         )
     if digest.missed:
         rows = [(text, str(count), str(alone)) for text, (count, alone) in digest.missed.items()]
@@ -124,16 +124,16 @@ def sensitivity_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
         yield "What tolerances do to it, to first order:", PageTable(head, rows, (1, 2))
     if digest.aim is None or digest.best is None:
         return
-    best = value_text(digest, digest.aim.name, digest.best)
+    best = value_text(digest, digest.aim.goal, digest.best)
     rows = [(", ".join(n.names), _step(digest, n.below), best, _step(digest, n.above)) for n in digest.neighbours]
     if rows:
         head = ("number", "one step below", "best", "one step above")
-        words = f"{digest.aim.name} one step of the grid away; in brackets where that misses the condition:"
+        words = f"{digest.aim.goal} one step of the grid away; in brackets where that misses the condition:"
         yield words, PageTable(head, rows, (1, 2, 3))
     rows = _ranks(digest)
     if rows:
         words = (
-            f"How {digest.aim.name} goes with each number over the variants shown that work (Spearman's rank "
+            f"How {digest.aim.goal} goes with each number over the variants shown that work (Spearman's rank "
             "correlation: 1 always up, −1 always down, 0 neither):"
         )
         yield words, PageTable(("number", "rank correlation"), rows, (1,))
@@ -145,7 +145,7 @@ def _step(digest: Digest, variant: int | None) -> str:
     verdict = Verdict(int(digest.value("status", variant)))
     if verdict != Verdict.OK:
         return verdict.name.lower().replace("_", " ")
-    value = quantity_text(digest.value(digest.aim.name, variant), digest.result.units[digest.aim.name])
+    value = quantity_text(digest.value(digest.aim.goal, variant), digest.result.units[digest.aim.goal])
     return value if digest.meets[digest.place(variant)] else f"({value})"
 
 
@@ -153,11 +153,11 @@ def _ranks(digest: Digest) -> list[tuple[str, str]]:
 
     works = digest.shown_places
     works = works[digest.rows["status"][works] == Verdict.OK]
-    goal = digest.rows[digest.aim.name][works]
+    goal = digest.rows[digest.aim.goal][works]
     works = works[np.isfinite(goal)]
     found = []
     for name in digest.result.varied:
-        pair = digest.rows[name][works], digest.rows[digest.aim.name][works]
+        pair = digest.rows[name][works], digest.rows[digest.aim.goal][works]
         if works.size > 10 and all(np.ptp(values) > 0 for values in pair):
             found.append((name, float(spearmanr(*pair).statistic)))
     return [
@@ -172,8 +172,8 @@ def _ranks(digest: Digest) -> list[tuple[str, str]]:
 def leaders_table(digest: Digest) -> PageTable:
     """The best variants, one a row."""
     result, shown = digest.result, digest.leaders[:MOST_ROWS]
-    condition = condition_of(digest.aim)
-    decisive = [digest.aim.name] if digest.aim else []
+    condition = digest.condition
+    decisive = [digest.aim.goal] if digest.aim else []
     asked = [name for name in (condition.names if condition else ()) if name in result.summaries]
     # Paper has room for the first of them only.
     names = list(dict.fromkeys([*decisive, *result.varied, *asked, *result.parameters, *result.summaries]))

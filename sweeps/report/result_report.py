@@ -13,7 +13,7 @@ from engine import (
 )
 from sweeps.report import accuracy_words
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
-from sweeps.report.sweep_result import SweepResult
+from sweeps.report.sweep_result import SweepResult, drop_counts
 from sweeps.text.engineer_units import engineer_unit, figure_text, quantity_text
 from sweeps.text.scene_text import with_values
 from sweeps.text.tables import table
@@ -81,11 +81,7 @@ def drop_lines(conditions: Sequence[str], missed: Iterable[np.ndarray], variants
     variants : int, optional
         Number of all variants, where those looked at are a sample.
     """
-    counts, alone, seen = np.zeros(len(conditions), int), np.zeros(len(conditions), int), 0
-    for part in missed:
-        counts += part.sum(axis=1)
-        alone += (part & (part.sum(axis=0) == 1)).sum(axis=1)
-        seen += part.shape[1]
+    counts, alone, seen = drop_counts(len(conditions), missed)
     lines = []
     for text, *found in zip(conditions, counts.tolist(), alone.tolist(), strict=True):
         first, only = (f"{c}" if variants is None else f"about {c * variants // seen}" for c in found)
@@ -138,7 +134,6 @@ def answer_text(result: SweepResult) -> str:
     if goal is None:
         return "No [best] in the study: nothing to choose by. Look with `sweeps show`."
     best = result.best()
-    word = "minimum" if goal.sign > 0 else "maximum"
     if best is None:
         left_open = undecided_text(result, goal.where)
         return f"No variant meets all conditions{left_open}."
@@ -146,7 +141,7 @@ def answer_text(result: SweepResult) -> str:
     value = quantity_text(result.columns[goal.goal][best], result.units[goal.goal], _error(result, goal.goal, best))
     condition = f" where {goal.where}" if goal.where else ""
     rivals = result.rivals(best)
-    lines.append(f"Answer: the {word} {goal.goal}{condition} is {value}, with variant {best}:")
+    lines.append(f"Answer: the {goal.word} {goal.goal}{condition} is {value}, with variant {best}:")
     rows = [(name, "=", quantity_text(result.columns[name][best], result.units[name])) for name in result.parameters]
     rows += [row for row in _summary_rows(result, best) if row[0] != goal.goal]
     lines.append(table(rows, "  "))

@@ -385,15 +385,39 @@ class SweepResult:
         chosen = self.select(goal.where, goal.goal, goal.sign < 0, most=1)
         return int(chosen[0]) if chosen.size and np.isfinite(self.columns[goal.goal][chosen[0]]) else None
 
-    def rivals(self, best: int) -> int:
-        """How many other variants may be as good as the best one, within both error figures."""
-        goal, count = self.goal, 0
-        met = self.meets(goal.where)
-        values, errors = self.columns[goal.goal], self.columns[f"{goal.goal}_error"]
+    def rivals(self, best: int, goal: Best | None = None) -> int:
+        """How many other variants may be as good as the best one, within both error figures.
+
+        Parameters
+        ----------
+        best : int
+        goal : Best, optional
+            Another one than that of the study.
+        """
+        goal, count = goal or self.goal, 0
+        met, values, errors = self.meets(goal.where), self.columns[goal.goal], self.columns.get(f"{goal.goal}_error")
         for part in self.parts():
             gap = goal.sign * (values[part] - values[best])
-            count += np.count_nonzero(met(part) & (gap <= errors[part] + errors[best]))
+            count += np.count_nonzero(met(part) & (gap <= (0.0 if errors is None else errors[part] + errors[best])))
         return int(count) - 1
+
+
+def drop_counts(conditions: int, missed: Iterable[np.ndarray]) -> tuple[np.ndarray, np.ndarray, int]:
+    """How many variants fail each of some conditions, how many of them no other, and how many were looked at.
+
+    Parameters
+    ----------
+    conditions : int
+        How many there are.
+    missed : iterable of ndarray of bool (conditions, variants)
+        Which conditions some variants fail, and others, and others.
+    """
+    counts, alone, seen = np.zeros(conditions, int), np.zeros(conditions, int), 0
+    for part in missed:
+        counts += part.sum(axis=1)
+        alone += (part & (part.sum(axis=0) == 1)).sum(axis=1)
+        seen += part.shape[1]
+    return counts, alone, seen
 
 
 def _first(found: list[tuple[np.ndarray, np.ndarray]], most: int | None) -> tuple[np.ndarray, np.ndarray]:

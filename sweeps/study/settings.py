@@ -14,6 +14,7 @@ from engine import (
 )
 from sweeps.study.study import Study
 from sweeps.text.input_files import InputError
+from sweeps.text.numbers_in_row import numbers_in_row
 from sweeps.text.scene_text import with_numbers
 
 
@@ -109,10 +110,7 @@ def changed_study(
 
 
 def _share(text: str) -> float:
-    try:
-        share = in_text(text, "number")
-    except UnitError as error:
-        raise InputError("--accuracy", [(None, "", str(error))]) from None
+    (share,) = numbers_in_row("--accuracy", text, ("number",))
     if not 0.0 < share < 1.0:
         raise InputError("--accuracy", [(None, "", f"{text!r}: a share between 0 and 1 is needed, such as '0.1 %'")])
     return share

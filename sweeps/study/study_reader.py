@@ -44,7 +44,7 @@ from sweeps.study.variant_tables import read_variant_table
 from sweeps.text.conditions import Condition, UnknownNameError
 from sweeps.text.input_files import InputError, read_text
 from sweeps.text.scene_text import scene_from, with_numbers
-from sweeps.text.toml_text import MOST_PROBLEMS, line_of, parse_toml, validate
+from sweeps.text.toml_text import MOST_PROBLEMS, line_of, parse_toml, problems_in, validate
 
 # A result of more variants fits on no disk.
 MOST_VARIANTS = 10**12
@@ -406,19 +406,18 @@ def _checked(study: Study, path: Path) -> Study:
     try:
         machine = study.machine()
         if found := refusals(study):
-            raise InputError(path.name, [(line_of(study.text, key.split(".")), key, text) for key, text in found])
+            raise InputError(path.name, problems_in(study.text, found))
         if study.best and study.best.where:
             _check_where(study, machine, study.best.where)
     except AskError as error:
         key = next((k for k in ("accuracy", "positions", "vary") if k in str(error)), "outputs")
         if study.best and str(error).startswith(repr(study.best.goal)):
             key = f"best.{'maximise' if study.best.minimise is None else 'minimise'}"
-        raise InputError(path.name, [(line_of(study.text, key.split(".")), key, str(error))]) from None
+        raise InputError(path.name, problems_in(study.text, [(key, str(error))])) from None
     except SceneError as error:
-        problems = [(line_of(study.text, key.split(".")), key, message) for key, message in error.problems]
-        raise InputError(path.name, problems) from None
+        raise InputError(path.name, problems_in(study.text, error.problems)) from None
     except ExpressionError as error:
-        raise InputError(path.name, [(line_of(study.text, ["best", "where"]), "best.where", str(error))]) from None
+        raise InputError(path.name, problems_in(study.text, [("best.where", str(error))])) from None
     if study.optimise is not None:
         task_of(study)
     return study

@@ -72,6 +72,11 @@ class Best(ScenePart):
         """+1 to minimise, −1 to maximise."""
         return -1.0 if self.minimise is None else 1.0
 
+    @property
+    def word(self) -> str:
+        """Whether the minimum or the maximum is sought."""
+        return "maximum" if self.minimise is None else "minimum"
+
 
 def _listed(value: object) -> object:
     """A single text as a list of one."""

@@ -2,9 +2,10 @@
 
 import csv
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from engine import column_in_text
 from sweeps.text.input_files import InputError, read_text
 
 # Bytes that a table may have; a million rows of ten columns fit in.
@@ -41,6 +42,33 @@ def read_csv(path: Path) -> dict[str, tuple[str, list[str]]]:
     for column in columns:
         _check_numbers(path, numbers[1:], column)
     return {key: (unit, column) for key, unit, column in zip(keys, units, columns, strict=True)}
+
+
+def named_columns(path: Path, dimensions: Mapping[str, str | None], header: str) -> list[list[float]]:
+    """Numbers (SI) of some columns of a CSV file.
+
+    Parameters
+    ----------
+    path : Path
+    dimensions : mapping of str to str or None
+        Of each column by its name; None for numbers as they stand.
+    header : str
+        What the header is like, for messages.
+
+    Raises
+    ------
+    InputError, UnitError
+        As for `read_csv`; a column is missing, or has another dimension.
+    """
+    columns = read_csv(path)
+    for key in dimensions:
+        if key not in columns:
+            message = f"no column {key!r}: the header must be '{header}', it has {', '.join(columns)}"
+            raise InputError(str(path), [(1, "", message)])
+    return [
+        [float(cell) for cell in columns[key][1]] if kind is None else column_in_text(*columns[key][::-1], kind)
+        for key, kind in dimensions.items()
+    ]
 
 
 def _with_point(cell: str) -> str:

@@ -19,7 +19,7 @@ from engine import (
 )
 from sweeps.text.csv_text import read_csv
 from sweeps.text.input_files import InputError, read_text
-from sweeps.text.toml_text import line_of, parse_toml, validate
+from sweeps.text.toml_text import line_of, parse_toml, problems_in, validate
 
 
 def read_scene(path: Path | str) -> Scene:
@@ -70,8 +70,7 @@ def scene_from(data: dict[str, Any], text: str, source: str, folder: Path, prefi
         if scene.input is not None:
             order_groups(scene)
     except SceneError as error:
-        problems = [(line_of(text, [*prefix, *key.split(".")]), key, message) for key, message in error.problems]
-        raise InputError(source, problems) from None
+        raise InputError(source, problems_in(text, error.problems, prefix)) from None
     return scene
 
 

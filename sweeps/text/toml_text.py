@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from collections.abc import Iterable, Sequence
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, Tag, ValidationError
@@ -286,6 +287,22 @@ def _tags(arm: Any) -> tuple[object, ...]:
 _HEADER = re.compile(r"^\s*\[\[?(?P<keys>[^\[\]]+)\]\]?\s*(#.*)?$")
 _KEY = re.compile(r"""^\s*(?P<keys>(?:"[^"]*"|'[^']*'|[\w-]+)(?:\s*\.\s*(?:"[^"]*"|'[^']*'|[\w-]+))*)\s*=""")
 _PART = re.compile(r""""[^"]*"|'[^']*'|[\w-]+""")
+
+
+def problems_in(
+    text: str, problems: Iterable[tuple[str, str]], prefix: Sequence[str] = ()
+) -> list[tuple[int | None, str, str]]:
+    """Problems with the lines of a text at which they are.
+
+    Parameters
+    ----------
+    text : str
+    problems : iterable of (str, str)
+        The key, its steps joined by dots, and what is wrong.
+    prefix : sequence of str
+        Keys of the table in which these keys stand.
+    """
+    return [(line_of(text, [*prefix, *key.split(".")]), key, message) for key, message in problems]
 
 
 def line_of(text: str, keys: list[str | int]) -> int | None:

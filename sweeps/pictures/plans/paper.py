@@ -2,16 +2,17 @@
 
 import math
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Polygon
+from matplotlib.text import Text
 from matplotlib.textpath import TextPath
 
 from sweeps.pictures.drawing import Primitive, paint
-from sweeps.pictures.plans.symbol_text import SymbolText, line_of_symbols
 from sweeps.pictures.style import GREY, MM_PER_INCH
 
 MM_PER_POINT = MM_PER_INCH / 72
@@ -50,15 +51,11 @@ class _Label(NamedTuple):
     origin: complex
 
 
+@lru_cache(4096)
 def half_size(text: str) -> complex:
     """Half the width and height of a text on paper [mm]."""
-    line = line_of_symbols(text)
-    if line is None:
-        box = TextPath((0, 0), text, size=LETTERS).get_extents()
-        width, height = box.width, box.height
-    else:
-        width, height = LETTERS * line.width, LETTERS * (line.above + line.below)
-    return complex(width, max(height, 0.55 * LETTERS)) * MM_PER_POINT / 2
+    box = TextPath((0, 0), text, size=LETTERS).get_extents()
+    return complex(box.width, max(box.height, 0.55 * LETTERS)) * MM_PER_POINT / 2
 
 
 class Paper:
@@ -190,7 +187,7 @@ class Paper:
         self._text(b + 3 * self.per_mm, note, fontsize=7, ha="left", va="bottom")
 
     def _text(self, at: complex, text: str, **look: object) -> None:
-        self.ax.add_artist(SymbolText(at.real, at.imag, text, transform=self.ax.transData, **look))
+        self.ax.add_artist(Text(at.real, at.imag, text, transform=self.ax.transData, **look))
 
     def letter(self, places: Sequence[complex] = ()) -> list[complex]:
         """Write every text that was asked for.

@@ -5,6 +5,7 @@ from textwrap import fill
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from engine import FRAME, Scene
 from sweeps.pictures.plans.forces.force_plan import force_lines, force_plan
@@ -14,7 +15,6 @@ from sweeps.pictures.plans.lettering import subscript
 from sweeps.pictures.plans.mechanism_plan import mechanism_plan
 from sweeps.pictures.plans.polygons import VectorPlan, accelerations, velocities
 from sweeps.pictures.plans.pose import Pose
-from sweeps.pictures.plans.symbol_text import SymbolText
 from sweeps.pictures.style import MM_PER_INCH, Sheet, house_style
 
 WIDTH, HEIGHT = 180.0, 130.0
@@ -37,7 +37,7 @@ def place(figure: Figure, left: float, bottom: float, width: float, height: floa
 def write(figure: Figure, left: float, top: float, text: str, **look: object) -> None:
     """Text at a place on a sheet [mm], below and to the right of it."""
     w, h = figure.get_size_inches() * MM_PER_INCH
-    figure.add_artist(SymbolText(left / w, top / h, text, ha="left", va="top", **look))
+    figure.add_artist(Text(left / w, top / h, text, ha="left", va="top", **look))
 
 
 def heading(figure: Figure, scene: Scene, what: str) -> None:
@@ -91,7 +91,7 @@ def kinematic_sheet(pose: Pose, which: str) -> Figure:
         draw(pose, place(figure, 80, 2 + strip, 98, HEIGHT - HEADING - 2))
         for i, text in enumerate(columns(lines, rows)):
             at = (4 + 26 * i, 52 + strip) if few else (4 + 29 * i, strip)
-            write(figure, *at, text, fontsize=6.5, linespacing=1.45)
+            write(figure, *at, text, fontsize=6.5, linespacing=1.2)
         write(figure, 4, 4 + 3.2 * len(notes), "\n".join(notes), fontsize=6.5)
     return figure
 
@@ -137,7 +137,7 @@ def force_sheet(pose: Pose, of: str) -> Figure:
             text = "\n".join(force_lines(loads))
             row, column = divmod(i, columns_of_text)
             at = (4 + 33 * column, 46 if not strip else strip + 8 - 40 * row)
-            write(figure, *at, f"on {link}:\n{text}", fontsize=6.5, linespacing=1.4)
+            write(figure, *at, f"on {link}:\n{text}", fontsize=6.5, linespacing=1.2)
         mechanism_plan(pose, place(figure, 2, 48 + strip, 62, 50))
         force_plan(pose, of, place(figure, 66, 9 + strip, 112, 88))
         notes = [

@@ -8,16 +8,14 @@ from engine import (
     EngineElement,
     EngineShaking,
     Scene,
-    UnitError,
     balance_shafts,
     crankshaft_counterweights,
     engine_shaking,
-    in_text,
     made_engine,
     remaining_shaking,
 )
 from sweeps.text.engineer_units import quantity_text
-from sweeps.text.input_files import InputError
+from sweeps.text.numbers_in_row import numbers_in_row
 from sweeps.text.tables import table
 
 # Shafts that turn faster than twice the crank's speed are not built.
@@ -44,7 +42,7 @@ def balance_shaft_text(scene: Scene, planes: str | None = None) -> str:
     InputError
         Positions that can't be read.
     """
-    given = None if planes is None else _positions(planes)
+    given = None if planes is None else numbers_in_row("--planes", planes, ("length", "length"))
     return "\n\n".join(_engine_text(name, engine, given) for name, engine in engines_of(scene).items())
 
 
@@ -93,14 +91,3 @@ def _shaking_rows(found: EngineShaking, element: EngineElement) -> list[tuple[st
 def _polar_text(unbalance: complex) -> str:
     angle = math.degrees(math.atan2(unbalance.imag, unbalance.real)) % 360.0
     return f"{quantity_text(abs(unbalance), 'kg m')} at {angle:.1f}°"
-
-
-def _positions(text: str) -> tuple[float, float]:
-    parts = text.split(",")
-    try:
-        positions = [in_text(part.strip(), "length") for part in parts]
-    except UnitError as error:
-        raise InputError("--planes", [(None, "", str(error))]) from None
-    if len(positions) != 2:
-        raise InputError("--planes", [(None, "", f"{text!r}: give two positions along the crank, '-80 mm, 80 mm'")])
-    return positions[0], positions[1]

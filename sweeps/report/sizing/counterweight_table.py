@@ -3,9 +3,10 @@
 import math
 from collections.abc import Sequence
 
-from engine import BalancedMachine, CounterweightPlace, Machine, Scene, UnitError, balance, in_text, made_ready
+from engine import BalancedMachine, CounterweightPlace, Machine, Scene, balance, made_ready
 from sweeps.text.engineer_units import quantity_text
 from sweeps.text.input_files import InputError
+from sweeps.text.numbers_in_row import numbers_in_row
 from sweeps.text.tables import table
 
 # What is compared: a better balance may load other things more.
@@ -32,10 +33,9 @@ def counterweight_place(text: str) -> CounterweightPlace:
         The text is not a link and a place on it.
     """
     link, _, place = text.partition(":")
-    parts = [part.strip() for part in place.split(",")]
-    if len(parts) != 2:
+    if place.count(",") != 1:
         raise InputError("--place", [(None, "", f"{text!r}: write a link and a place on it, 'rod: -60 mm, 0 mm'")])
-    return CounterweightPlace(link.strip(), *(_length("--place", part) for part in parts))
+    return CounterweightPlace(link.strip(), *numbers_in_row("--place", place, ("length", "length")))
 
 
 def counterweights_of(
@@ -71,11 +71,11 @@ def counterweights_of(
     if scene.input is None:
         raise InputError(scene.title or "scene", [(None, "input", "machine elements alone have no links to balance")])
     links = tuple(links) if links or places else (scene.input.link,)
-    size = None if radius is None else _length("--radius", radius)
+    size = None if radius is None else numbers_in_row("--radius", radius, ("length",))[0]
     found = [counterweight_place(place) for place in places]
     limits: dict[str, float] = {}
     if most is not None:
-        mass = _quantity("--most", most, "mass")
+        mass = numbers_in_row("--most", most, ("mass",))[0]
         limits = {link: mass * (size or getattr(scene.input, "length", 1.0)) for link in links}
         found = [place._replace(most=mass) for place in found]
     return balance(scene, links, found, criterion, size, limits)
@@ -120,14 +120,3 @@ def _values(machine: Machine) -> dict[str, str]:
         name: quantity_text(float(outcome.summaries[name][0]), known[name].units, float(outcome.errors[name][0]))
         for name in COMPARED
     }
-
-
-def _length(option: str, text: str) -> float:
-    return _quantity(option, text, "length")
-
-
-def _quantity(option: str, text: str, dimension: str) -> float:
-    try:
-        return in_text(text, dimension)
-    except UnitError as error:
-        raise InputError(option, [(None, "", str(error))]) from None

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from engine import TurningMoment, UnitError, in_text, turning_moment_from_areas, turning_moment_from_table
-from sweeps.text.csv_text import read_csv
+from engine import TurningMoment, in_text, turning_moment_from_areas, turning_moment_from_table
+from sweeps.text.csv_text import named_columns
 from sweeps.text.engineer_units import quantity_text
-from sweeps.text.input_files import InputError
+from sweeps.text.numbers_in_row import numbers_in_row
 from sweeps.text.tables import table
 
 
@@ -36,16 +36,13 @@ def flywheel_from_csv(
     ------
     InputError, UnitError, TableError
     """
-    columns = read_csv(path)
     mean_speed, delta = in_text(speed, "angular_speed"), in_text(fluctuation, "number")
     already = in_text(inertia, "inertia")
     if area_energy is not None:
-        _expect(path, columns, ("area",), "area [mm2]")
-        energy = _energy(area_energy)
-        areas = [float(value) for value in columns["area"][1]]
+        (areas,) = named_columns(path, {"area": None}, "area [mm2]")
+        (energy,) = numbers_in_row("--area-energy", area_energy, ("energy",))
         return turning_moment_from_areas(areas, energy, mean_speed, delta, already)
-    _expect(path, columns, ("phi", "moment"), "phi [deg], moment [N m]")
-    phi, moment = _numbers(columns["phi"], "angle"), _numbers(columns["moment"], "moment")
+    phi, moment = named_columns(path, {"phi": "angle", "moment": "moment"}, "phi [deg], moment [N m]")
     return turning_moment_from_table(phi, moment, mean_speed, delta, interpolation=interpolation, inertia=already)
 
 
@@ -65,22 +62,3 @@ def flywheel_text(
     rows.append(("flywheel inertia", quantity_text(found.flywheel_inertia, "kg m2")))
     rows.append(("speed fluctuation", quantity_text(found.speed_fluctuation, "1")))
     return table(rows)
-
-
-def _expect(path: Path, columns: dict, keys: tuple[str, ...], header: str) -> None:
-    for key in keys:
-        if key not in columns:
-            message = f"no column {key!r}: the header must be '{header}', it has {', '.join(columns)}"
-            raise InputError(str(path), [(1, "", message)])
-
-
-def _numbers(column: tuple[str, list[str]], dimension: str) -> list[float]:
-    unit, values = column
-    return [in_text(f"{value} {unit}".strip(), dimension) for value in values]
-
-
-def _energy(text: str) -> float:
-    try:
-        return in_text(text, "energy")
-    except UnitError as error:
-        raise InputError("--area-energy", [(None, "", str(error))]) from None

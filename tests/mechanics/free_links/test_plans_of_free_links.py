@@ -5,6 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 from free_link_scenes import free_link_scene
+from matplotlib.text import Text
 
 from engine import Scene
 from sweeps.pictures.plans import (
@@ -15,7 +16,6 @@ from sweeps.pictures.plans import (
     loads_on_links,
     velocities,
 )
-from sweeps.pictures.plans.symbol_text import SymbolText
 
 # A plan adds a few vectors of the engine's, each good to some tens of roundings of the largest in it.
 EXACT = 1e-12
@@ -79,7 +79,7 @@ def test_loads_with_friction__every_free_link_in_equilibrium(kind):
 
 def test_sheet_of_a_triad__names_its_special_point():
     figure = kinematic_sheet(cycle_of("three bars").at(0.7), "acceleration")
-    texts = [text.get_text() for text in figure.findobj(SymbolText)]
+    texts = [text.get_text() for text in figure.findobj(Text)]
     assert any("special points of Assur: $W$ on 5" in text for text in texts)
 
 

@@ -15,7 +15,8 @@ from press_sweeps import ASKED, BEST, SCENE, run, text_of
 
 from engine import Verdict
 from sweeps.page import digest as digest_module
-from sweeps.page.digest import digest_of
+from sweeps.page.digest import Digest
+from sweeps.report import sweep_result
 from sweeps.report.sweep_result import SweepResult
 from sweeps.store import FileLayout, Store
 
@@ -49,10 +50,10 @@ def page(result):
 # What is found in the file
 
 
-@pytest.mark.parametrize("at_a_time", [1, 70, 10**6])
+@pytest.mark.parametrize("at_a_time", [1, 7, 10**6])
 def test_digest__is_what_the_whole_file_says(result, at_a_time, monkeypatch):
-    monkeypatch.setattr(digest_module, "NUMBERS_AT_A_TIME", at_a_time)
-    digest, whole = digest_of(result), SweepResult(result)
+    monkeypatch.setattr(sweep_result, "VARIANTS_AT_A_TIME", at_a_time)
+    digest, whole = Digest(result), SweepResult(result)
     assert digest.best == whole.best()
     assert digest.rivals == whole.rivals(whole.best())
     assert digest.meeting == np.count_nonzero(whole.candidates())
@@ -69,7 +70,7 @@ def test_digest__is_what_the_whole_file_says(result, at_a_time, monkeypatch):
 
 
 def test_digest__price_of_a_condition_is_the_best_without_it(result):
-    digest, whole = digest_of(result), SweepResult(result)
+    digest, whole = Digest(result), SweepResult(result)
     (price,) = digest.prices
     assert price.text == whole.goal.where
     assert price.without == whole.select(None, "excess_work")[0]
@@ -78,7 +79,7 @@ def test_digest__price_of_a_condition_is_the_best_without_it(result):
 
 
 def test_digest__neighbours_are_a_step_of_the_grid_away(result):
-    digest, whole = digest_of(result), SweepResult(result)
+    digest, whole = Digest(result), SweepResult(result)
     length, mass = whole.columns["input.length"], whole.columns["bodies.ram.mass"]
     by_name = {n.names[0]: n for n in digest.neighbours}
     here = digest.best
@@ -108,10 +109,11 @@ def test_digest__a_million_variants_take_the_memory_of_a_piece(tmp_path, result,
         store.write(0, values)
         store.finish()
     least = np.where(values["ram.stroke"] > 0.08, values["excess_work"], np.inf)
-    monkeypatch.setattr(digest_module, "NUMBERS_AT_A_TIME", 200_000)
+    monkeypatch.setattr(sweep_result, "VARIANTS_AT_A_TIME", 15_000)
     tracemalloc.start()
     try:
-        digest = digest_of(path)
+        digest = Digest(path)
+        assert digest.rows["status"].size == digest.numbers.size
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()

@@ -13,9 +13,7 @@ from hypothesis import strategies as st
 from machines import chain
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.font_manager import FontProperties
 from matplotlib.text import Text
-from matplotlib.textpath import TextPath
 from plan_machines import MACHINES, MECHANISMS, cycle_of
 
 from engine import Scene
@@ -42,7 +40,6 @@ from sweeps.pictures.plans.forces.free_body import LONGEST
 from sweeps.pictures.plans.mechanism_plan import mechanism_plan
 from sweeps.pictures.plans.paper import Paper, round_scale
 from sweeps.pictures.plans.sheets import kinematic_sheet
-from sweeps.pictures.plans.symbol_text import SymbolText, line_of_symbols
 from sweeps.pictures.style import BLUE, MM_PER_INCH
 from sweeps.text.templates import bundled_templates
 
@@ -235,68 +232,13 @@ def test_plan_pictures_of_many_bearings__those_that_bear_most(tmp_path, monkeypa
     assert drawn == [f"a_bearing_{max(peaks, key=peaks.get).replace('.', '_')}"]
 
 
-SYMBOLS = (
-    "$A$",
-    r"$\mathrm{B3}$",
-    "$v_{BA}$",
-    r"$a^{t}_{\mathrm{pin},\mathrm{B}}$",
-    r"$\omega_{12}$ = −3.5 rad/s",
-    r"$\rho_{\mathrm{f}12}$ = 4 mm",
-    r"$R_{0,12}$",
-    "$p_v$, o",
-)
-
-
-@pytest.mark.parametrize("text", SYMBOLS)
-def test_symbols__as_wide_and_high_as_in_mathematical_text(text):
-    size = 100.0
-    box = TextPath((0, 0), text, size=size, prop=FontProperties(family="DejaVu Sans")).get_extents()
-    line = line_of_symbols(text)
-    # An advance ends beyond the ink; spaces after indices and commas, and shifts of indices, differ a little.
-    room = 0.1 * size * (1 + text.count("_") + text.count(","))
-    assert size * line.width == pytest.approx(box.x1, abs=room)
-    assert size * line.above == pytest.approx(box.y1, abs=0.1 * size)
-    assert size * line.below == pytest.approx(-box.y0, abs=0.1 * size)
-
-
-def test_letters_of_one_look__are_one_text_in_vector_pictures():
-    runs = line_of_symbols("$v_{BA}$ = 3 m/s").runs
-    assert [run.letters for run in runs] == ["v", "BA", "= 3 m/s"]
-    assert runs[0].right < runs[1].right < runs[2].right
-
-
-@pytest.mark.parametrize("text", [r"$\frac{1}{2}$", "$a + b$", r"$\int x$"])
-def test_other_formulas__left_to_matplotlib(text):
-    assert line_of_symbols(text) is None
-    drawn = {}
-    for kind in (Text, SymbolText):
-        ax = axes_on_paper()
-        ax.set_axis_off()
-        ax.add_artist(kind(0.5, 0.5, text))
-        canvas = FigureCanvasAgg(ax.figure)
-        canvas.draw()
-        drawn[kind] = np.asarray(canvas.buffer_rgba())
-    assert (drawn[Text] == drawn[SymbolText]).all()
-
-
-@pytest.mark.parametrize("dpi", [72, 100, 150, 200])
-def test_long_run__ends_where_the_next_one_begins(dpi):
-    text = "special points of Assur, of which there are three:"
-    figure = Figure(figsize=(5, 0.5), dpi=dpi)
-    canvas = FigureCanvasAgg(figure)
-    figure.add_artist(SymbolText(0.0, 0.5, text, fontsize=7))
-    canvas.draw()
-    inked = np.flatnonzero((np.asarray(canvas.buffer_rgba())[..., :3] < 128).any(axis=(0, 2)))
-    next_begins = line_of_symbols(text + "$W$").runs[-1].right * 7 * dpi / 72
-    # A colon has a third of its advance beside it, and ink half a pixel that isn't black.
-    assert next_begins - 0.2 * 7 * dpi / 72 - 1 <= inked[-1] + 1 <= next_begins
-
-
 def test_values_of_many_points__in_a_strip_under_the_plan_clear_of_the_notes():
     few = kinematic_sheet(cycle_of("four_bar").at(1.0), "acceleration")
     many = kinematic_sheet(MachineCycle(Scene.model_validate(chain(1, 6, in_series=True))).at(1.0), "acceleration")
     assert many.get_size_inches()[1] > few.get_size_inches()[1]
-    texts = [text for text in many.findobj(SymbolText) if text.get_transform() is many.transSubfigure]
+    texts = [
+        text for text in many.findobj(Text) if text.get_transform() is many.transSubfigure and text.get_fontsize() < 8
+    ]
     boxes = [text.get_window_extent() for text in texts]
     lowest = min(ax.get_window_extent().y0 for ax in many.axes)
     for box in boxes:

@@ -132,7 +132,7 @@ def test_engine_that_is_balanced__needs_no_shafts(folder):
 
 
 @pytest.mark.parametrize(
-    ("planes", "words"), [("3, 4", "--planes: 3 has no unit"), ("30 mm", "--planes: '30 mm': give two positions")]
+    ("planes", "words"), [("3, 4", "--planes: 3 has no unit"), ("30 mm", "--planes: '30 mm': 2 numbers are needed")]
 )
 def test_planes_that_cannot_be_read__are_refused(folder, planes, words):
     Path("triple.toml").write_text(TRIPLE)
