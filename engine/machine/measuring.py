@@ -442,8 +442,8 @@ class MeasuredCycles:
         return Measured(np.where(value < 0.0, 0.0, value), found.error)
 
     @cached_property
-    def _spread(self) -> np.ndarray:
-        """What rounding makes of a relative error of its size: near a dead centre a group's accelerations go with 1/γ².
+    def _transmission(self) -> np.ndarray:
+        """What a relative error is divided by near dead centres: positions once, accelerations of a group twice.
 
         Sines of transmission angles γ, or what takes their place, are known to rounding over themselves; a group hands
         on what those before it left. Loops that are solved together hand theirs on to each other.
@@ -452,14 +452,15 @@ class MeasuredCycles:
         for group, (sine, _) in zip(self._m.groups, self.sines(), strict=True):
             loops = len(free[group].closure.slides) if group in free else 1
             product *= np.where((sine > 0.0) & (sine < 1.0), sine, 1.0) / loops
-        return ROUNDING_OF_RATES / product**2
+        return product
 
     def _with_spread(self, asked: Measurement) -> Measured:
         """What was measured, with what rounding near dead centres makes of it."""
         found = self._measured(asked)
         if isinstance(asked, VariantNumber):
             return found
-        spread = self._spread * self._size(asked, found.value)
+        power = 1 if isinstance(asked, Extreme) and isinstance(asked.curve, Angle) else 2
+        spread = ROUNDING_OF_RATES / self._transmission**power * self._size(asked, found.value)
         return Measured(found.value, found.error + spread * (found.error != 0.0))
 
     def allowed(self, expression: Expression, accuracy: float) -> np.ndarray:
