@@ -554,7 +554,7 @@ def follow(
             keep_panels(walk, step, record.panels)
             for k in range(kept):
                 c = task.kept[k]
-                keep_curve(tile, c, task.tolerances[c], figures, walk, record, k, step)
+                keep_curve(tile, c, figures, walk, record, k, step)
         step += 1
     for k in range(kept):
         keep_rounding(scales, task.kept[k], record, k)

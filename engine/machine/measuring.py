@@ -143,7 +143,8 @@ class Measuring:
         self._kinks = mechanics.graph.kinks_behind(curves)
         curves = list(dict.fromkeys([*curves, *self._kinks]))
         # At kinks margins jump, however short a panel is; near 0 the forces that are asked take panels short enough.
-        self._beside = [*self._kinks, *pressing, *(margin.curve for margin in jamming if self._kinks)]
+        self._jumping = {margin.curve for margin in jamming if self._kinks}
+        self._beside = [*self._kinks, *pressing]
         self.curves = list(dict.fromkeys([*curves, *fields]))
         shared = dict.fromkeys(_shared(a) for a in cycles)
         self._steady = [_Steady(s, {a.result for a in cycles if _shared(a) == s}, mechanics) for s in shared]
@@ -216,7 +217,7 @@ class Measuring:
         self._speeds = [s for s in self._followed if isinstance(s, Speed)]
         self._averages = list(dict.fromkeys(a.curve for a in of[Average]))
         unresolved = {a.curve for a in of[Extreme] if not a.resolved}.union(self._beside)
-        unresolved -= self._resolved(of)
+        unresolved = (unresolved - self._resolved(of)).union(self._jumping)
         # An extreme that lasts, as in a cam's dwell, has no place of its own: figures then reach as far as it may be.
         closes = self.mechanics.has_cycle and not self.mechanics.scene.cams
         turns = getattr(self.mechanics.scene.input, "revolutions", 1)
@@ -260,7 +261,7 @@ class Measuring:
         found += [node for a in (*of[Unbalanced],) for node in (a.rate, a.curve)]
         found += [node for force, square in self._arcs for node in (*force, square)]
         found += [node for f in self._followed for node in _parts(f)]
-        return {*found, *self._sines, *(margin.curve for margin in self.margins if margin.curve not in self._beside)}
+        return {*found, *self._sines, *(margin.curve for margin in self.margins)}
 
     def _cycle_of(self, asked: SteadyCycle) -> "_Steady":
         """The steady cycle of which a result is asked."""
@@ -442,8 +443,8 @@ class MeasuredCycles:
         return Measured(np.where(value < 0.0, 0.0, value), found.error)
 
     @cached_property
-    def _spread(self) -> np.ndarray:
-        """What rounding makes of a relative error of its size: near a dead centre a group's accelerations go with 1/γ².
+    def _transmission(self) -> np.ndarray:
+        """What a relative error is divided by near dead centres: positions once, accelerations of a group twice.
 
         Sines of transmission angles γ, or what takes their place, are known to rounding over themselves; a group hands
         on what those before it left. Loops that are solved together hand theirs on to each other.
@@ -452,14 +453,15 @@ class MeasuredCycles:
         for group, (sine, _) in zip(self._m.groups, self.sines(), strict=True):
             loops = len(free[group].closure.slides) if group in free else 1
             product *= np.where((sine > 0.0) & (sine < 1.0), sine, 1.0) / loops
-        return ROUNDING_OF_RATES / product**2
+        return product
 
     def _with_spread(self, asked: Measurement) -> Measured:
         """What was measured, with what rounding near dead centres makes of it."""
         found = self._measured(asked)
         if isinstance(asked, VariantNumber):
             return found
-        spread = self._spread * self._size(asked, found.value)
+        power = 1 if isinstance(asked, Extreme) and isinstance(asked.curve, Angle) else 2
+        spread = ROUNDING_OF_RATES / self._transmission**power * self._size(asked, found.value)
         return Measured(found.value, found.error + spread * (found.error != 0.0))
 
     def allowed(self, expression: Expression, accuracy: float) -> np.ndarray:

@@ -13,7 +13,7 @@ from engine.compiling.tiles import LANES
 from engine.cycle.panels.chebyshev import DEGREE, POSITIONS
 from engine.cycle.panels.chebyshev import MIDDLE as MIDDLE_POSITION
 from engine.cycle.panels.lanes import ASIDE, Memory, in_panels, memory, rows, tiles
-from engine.cycle.panels.series import FLAT, MAGNITUDE, SUM, larger, panel_figures, smaller
+from engine.cycle.panels.series import MAGNITUDE, SUM, larger, panel_figures
 from engine.cycle.panels.series import MISSING as FIGURE_MISSING
 from engine.cycle.panels.series import TAIL as FIGURE_TAIL
 from engine.cycle.panels.transforms import to_coefficients
@@ -148,7 +148,6 @@ def keep_panels(walk: Memory, step: int, panels: Memory) -> None:
 def keep_curve(
     tile: Memory,
     curve: int,
-    tolerance: float,
     figures: Memory,
     walk: Memory,
     record: Record,
@@ -161,8 +160,6 @@ def keep_curve(
     ----------
     tile : panels (curves, POSITIONS, LANES)
     curve : int
-    tolerance : float
-        Share of its scale that may be left of it.
     figures : rows (curves, FIGURES, LANES)
     walk : rows (WALK, LANES)
     record : Record
@@ -181,14 +178,11 @@ def keep_curve(
         finite = abs(figures[curve, SUM, lane]) < math.inf
         scale = larger(figures[curve, MAGNITUDE, lane] if finite else math.inf, whole[kept, SCALE, lane])
         whole[kept, SCALE, lane] = scale if accepted else whole[kept, SCALE, lane]
-        # What is level below the tolerance is rounding, of the values at the positions too.
-        rounding = smaller(figures[curve, FIGURE_TAIL, lane], tolerance * scale)
         # What acts from a cut on or up to it moves with it.
         moved = larger(walk[PANEL_OPENED, lane], walk[NEXT_OPENED, lane]) / abs(walk[PANEL_HALF, lane])
         middle = tile[curve, MIDDLE_POSITION, lane]
         moved *= larger(abs(tile[curve, 0, lane] - middle), abs(tile[curve, DEGREE, lane] - middle))
-        offset = larger(rounding if figures[curve, FLAT, lane] > 0.0 else 0.0, whole[kept, OFFSET, lane])
-        offset = larger(moved, offset)
+        offset = larger(moved, whole[kept, OFFSET, lane])
         whole[kept, OFFSET, lane] = offset if accepted else whole[kept, OFFSET, lane]
         whole[kept, FIRST, lane] = tile[curve, 0, lane] if accepted & first else whole[kept, FIRST, lane]
 

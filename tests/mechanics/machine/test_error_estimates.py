@@ -57,6 +57,7 @@ def test_swing_near_a_change_point__is_right_whatever_else_is_asked():
             assert (found.status == 0).all()
             assert (off <= error).all()
             assert off[short > 1e-9].max() < 1e-9
+            assert error[short > 1e-9].max() < 1e-6
 
 
 PRESS = {
