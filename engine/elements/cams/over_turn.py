@@ -19,6 +19,8 @@ from engine.verdicts import Verdict
 # What polynomials may leave of a quantity's greatest magnitude; how often a piece is halved for it, and how often where
 # it has its least or greatest value.
 _TOLERANCE, _HALVINGS, _MOST_HALVINGS = 1e-12, 10, 20
+# More panels to be halved at once, beside two of every piece, aren't due to peaks or bends but to rounding.
+_CROWD = 64
 # Values that differ by less than this many roundings of the greatest magnitude are equal.
 _EQUAL = 64
 # How far a polynomial may go beyond its samples, as a share of their range.
@@ -104,6 +106,7 @@ def measure(cams: CamVariants, sought: Sequence[Sought]) -> Measures:
         matters = (both >= best[:, v]).any(axis=0) | (halved < _HALVINGS)
         rough = (matters & (_TOLERANCE * scale[v] < tails(panels.values).T)).any(axis=1)
         rough &= (verdicts[v] == Verdict.OK) & (halved < _MOST_HALVINGS)
+        rough &= np.bincount(v[rough], minlength=variants)[v] <= _CROWD + 2 * turn.first.size
         taken.append(panels.of(~rough))
         cut = np.zeros(rough.sum())
         for kink in found["kinks"]:
