@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from engine import ElementsAlone, InputUnits, Machine, Outcome, Verdict, described_dimension, scene_numbers
+from engine import ElementsAlone, Machine, Outcome, Verdict, described_dimension, scene_numbers
 from sweeps.report.sweep_result import SweepResult
-from sweeps.store import FieldAxis, StoreError, open_dataset
+from sweeps.run.columns import field_columns, number_columns, position_axis
+from sweeps.store import StoreError, open_dataset
 
 if TYPE_CHECKING:
     import pandas
@@ -112,30 +113,18 @@ def to_xarray(outcome: Outcome, machine: Machine | ElementsAlone, varied: Mappin
         "flag_values": np.array([int(v) for v in Verdict], np.uint8),
         "flag_meanings": " ".join(v.name.lower() for v in Verdict),
     }
-    columns = {"status": ("variant", outcome.status, {"long_name": "verdict on the variant"} | codes)}
-    q = InputUnits.of(machine.scene).q
-    where = {"long_name": "input position at which the variant fails", "units": q}
-    columns["status_at"] = ("variant", outcome.status_at, where)
-    for name, values in outcome.summaries.items():
-        asked = machine.available_summaries[name]
-        about = {"long_name": asked.long_name, "units": asked.units}
-        columns[name] = ("variant", values, about)
-        error = about | {"long_name": f"error figure of: {asked.long_name}"}
-        columns[f"{name}_error"] = ("variant", outcome.errors[name], error)
-    crank = q == "rad"
-    words = "crank angle" if crank else "displacement of the input as a fraction of its range"
-    cycle = FieldAxis("phi" if crank else "travel", words, "rad" if crank else "1", machine.nodes)
-    for name, rows in outcome.fields.items():
-        axis, asked = cycle, machine.available_fields[name]
-        about = {"long_name": asked.long_name, "units": asked.units}
-        if name in machine.kept_at:
-            along, values = machine.kept_at[name]
-            axis = FieldAxis(along.name, along.long_name, along.units, values)
-        if name in machine.fields_with_error:
-            error = about | {"long_name": f"maximum error figure of: {asked.long_name}"}
-            columns[f"{name}_error"] = ("variant", outcome.errors[name], error)
-        coordinates[axis.name] = (axis.name, axis.values, {"long_name": axis.long_name, "units": axis.units})
-        columns[name] = (("variant", axis.name), rows, about)
+    fields, axes = field_columns(machine, outcome.fields)
+    axes["position"] = position_axis(machine)
+    errors = {f"{name}_error": values for name, values in outcome.errors.items()}
+    values = {"status": outcome.status, "status_at": outcome.status_at, **outcome.summaries, **errors, **outcome.fields}
+    columns = {}
+    for column in (*number_columns(machine, outcome.summaries), *fields):
+        if column.name in values:
+            along = [axes[dim] for dim in column.dims[1:]]
+            coordinates |= {a.name: (a.name, a.values, {"long_name": a.long_name, "units": a.units}) for a in along}
+            about = {"long_name": column.long_name, "units": column.units}
+            columns[column.name] = (("variant", *(axis.name for axis in along)), values[column.name], about)
+    columns["status"][2].update(codes)
     return xarray.Dataset(columns, coordinates, {"title": machine.scene.title})
 
 

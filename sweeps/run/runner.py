@@ -12,15 +12,14 @@ import llvmlite
 import numba
 import numpy as np
 
-from engine import ElementsAlone, InputUnits, Machine, Quantity, Verdict, threads
+from engine import ElementsAlone, Machine, Verdict, threads
 from sweeps.run.blocks import block_size, largest_block
 from sweeps.run.carrying import Blocks, Earlier, Excerpt, excerpts_of, filled_in
 from sweeps.run.cluster.cluster_errors import UnfinishedError
+from sweeps.run.columns import field_columns, number_columns, position_axis
 from sweeps.run.cost import FEW, on_shafts_text, seconds_of_variant
 from sweeps.store import (
-    POSITION_NAMES,
     Column,
-    FieldAxis,
     FileLayout,
     MappedResult,
     Store,
@@ -49,30 +48,10 @@ WORDS = ("title", "question", "study", "study_json", "scene", "scene_text")
 
 def layout_of(study: Study, machine: Machine) -> FileLayout:
     """Shape of the result file of a study."""
-    units = InputUnits.of(study.scene)
-    columns = [_parameter_column(study, name) for name in study.parameters]
-    columns += [
-        Column("status", "verdict on the variant", "1", dtype=np.uint8),
-        Column("status_group", "number of the structural group to blame, -1 if none", "1", dtype=np.int16),
-        Column("status_at", "input position at which the variant fails", units.q),
-    ]
-    for name in study.summaries:
-        quantity = machine.available_summaries[name]
-        columns.append(Column(name, quantity.long_name, quantity.units))
-        columns.append(Column(f"{name}_error", f"error figure of: {quantity.long_name}", quantity.units))
-    columns += study.sensitivity.columns
-    axes: dict[str, FieldAxis] = {}
-    for name in study.fields:
-        quantity: Quantity = machine.available_fields[name]
-        axis, words = "position", quantity.long_name
-        if name in machine.kept_at:
-            along, values = machine.kept_at[name]
-            axis = along.name
-            axes[axis] = FieldAxis(axis, along.long_name, along.units, values)
-        if name in machine.fields_with_error:
-            columns.append(Column(f"{name}_error", f"greatest error figure of: {words}", quantity.units))
-        columns.append(Column(name, words, quantity.units, ("variant", axis), machine.dtype.type))
-    crank = units.q == "rad"
+    fields, axes = field_columns(machine, study.fields)
+    columns = [Column(name, name, study.unit(name)) for name in study.parameters]
+    columns += [*number_columns(machine, study.summaries), *study.sensitivity.columns, *fields]
+    position = position_axis(machine)
     return FileLayout(
         variants=study.design.size,
         block=min(largest_block(study, machine), study.design.size),
@@ -80,16 +59,12 @@ def layout_of(study: Study, machine: Machine) -> FileLayout:
         attributes=_attributes(study, machine),
         coordinates=study.parameters,
         status_codes={int(v): v.name.lower() for v in Verdict if v != Verdict.NOT_COMPUTED},
-        position=machine.nodes,
-        position_name=_position_name(study),
-        position_long_name="crank angle" if crank else "displacement of the input as a fraction of its range",
-        position_units="rad" if crank else "1",
+        position=position.values,
+        position_name=position.name,
+        position_long_name=position.long_name,
+        position_units=position.units,
         axes=tuple(axes.values()),
     )
-
-
-def _parameter_column(study: Study, name: str) -> Column:
-    return Column(name, name, study.unit(name))
 
 
 def _attributes(study: Study, machine: Machine) -> dict[str, str]:
@@ -107,10 +82,6 @@ def _attributes(study: Study, machine: Machine) -> dict[str, str]:
         "versions": ", ".join(f"{k} {v}" for k, v in versions.items()),
         "machine": f"{platform.machine()} {platform.system()}, {threads()} threads",
     }
-
-
-def _position_name(study: Study) -> str:
-    return POSITION_NAMES[0 if InputUnits.of(study.scene).q == "rad" else 1]
 
 
 def run_study(
