@@ -130,20 +130,20 @@ class Crew:
             return
         self._looked = time.monotonic()
         try:
-            there = set(self.client.nthreads())
+            there = self.client.nthreads()
         except OSError:
             raise self._lost() from None
         self.members = {address: member for address, member in self.members.items() if address in there}
         self._refused = {address: why for address, why in self._refused.items() if address in there}
-        new = sorted(there - self.members.keys() - self._refused.keys())
+        new = sorted(there.keys() - self.members.keys() - self._refused.keys())
         if new and not self._greeting:
-            self._greeting = self._aside.submit(self._greet, new)
+            self._greeting = self._aside.submit(self._greet, {worker: there[worker] for worker in new})
 
-    def _greet(self, workers: list[str]) -> tuple[dict[str, Greeting], dict[str, str]]:
-        """Those of some workers that are ready now, and why others are refused."""
+    def _greet(self, threads: dict[str, int]) -> tuple[dict[str, Greeting], dict[str, str]]:
+        """Those of some workers, by their threads, that are ready now, and why others are refused."""
         own, ready, refused = own_greeting().versions, {}, {}
         try:
-            greetings = self.client.sync(_greetings, self.client, workers)
+            greetings = self.client.sync(_greetings, self.client, list(threads))
         except OSError:
             return {}, {}
         for worker, found in greetings.items():
@@ -152,7 +152,7 @@ class Crew:
             elif differing := [name for name, version in own.items() if found.versions.get(name) != version]:
                 refused[worker] = _other_version(differing[0], found.versions, own)
             else:
-                ready[worker] = found
+                ready[worker] = found._replace(threads=threads[worker])
         answers = self._asked(make_ready, list(ready), self._content)
         refused |= {w: f"it can't compile the study ({why})" for w, why in answers.items() if why is not None}
         return {worker: ready[worker] for worker, why in answers.items() if why is None}, refused
@@ -335,12 +335,20 @@ def _other_version(name: str, theirs: Mapping[str, str], ours: Mapping[str, str]
 async def _greetings(client: Client, workers: list[str]) -> dict[str, Greeting | str]:
     """Greetings of those workers that answer, or why one is a stranger.
 
-    Nothing of what they send is unpickled.
+    Nothing of what they send is unpickled. What they are asked is an expression, so that a module that is missing there
+    is an answer: a function that can't be unpickled there would be none.
     """
-    asked = {"op": "run", "function": pickle.dumps(greet), "args": pickle.dumps(()), "kwargs": pickle.dumps({})}
+    expression = f"__import__({greet.__module__!r}, fromlist=['greet']).greet()"
+    call = {"function": pickle.dumps(eval), "args": pickle.dumps((expression,)), "kwargs": pickle.dumps({})}
     comm = await connect(client.scheduler.address, deserialize=False, **client.connection_args)
     answers = await send_recv(
-        comm, op="broadcast", msg=asked, workers=workers, on_error="ignore", serializers=PLAIN, close=True
+        comm,
+        op="broadcast",
+        msg={"op": "run", **call},
+        workers=workers,
+        on_error="ignore",
+        serializers=PLAIN,
+        close=True,
     )
     return {worker: _greeting(answer) for worker, answer in answers.items()}
 
@@ -352,7 +360,7 @@ def _greeting(answer: Mapping[str, Any]) -> Greeting | str:
     try:
         sent = answer["result"]
         found = Greeting(**json.loads(merge_and_deserialize(sent.header, sent.frames, deserializers=PLAIN)))
-        return found._replace(versions={**found.versions}, processor=str(found.processor), threads=int(found.threads))
+        return found._replace(versions={**found.versions}, processor=str(found.processor))
     except Exception as error:
         # Whatever a stranger may send.
         return _stranger(f"{type(error).__name__}: {error}")

@@ -83,10 +83,9 @@ def own_greeting() -> Greeting:
     return Greeting(versions, get_host_cpu_name(), platform.node(), threads())
 
 
-async def greet(dask_worker: Worker) -> str:
+def greet() -> str:
     """What a worker is, as a JSON text: it must be known before anything that the worker pickled is unpickled."""
-    found = await asyncio.to_thread(own_greeting)
-    return json.dumps(found._replace(threads=dask_worker.state.nthreads)._asdict())
+    return json.dumps(own_greeting()._asdict())
 
 
 async def make_ready(content: bytes, dask_worker: Worker) -> None:
