@@ -33,10 +33,10 @@ def listening_ports() -> list[str]:
     return [str(connection.laddr.port) for connection in found if connection.status == psutil.CONN_LISTEN]
 
 
-def attacked(ports: list[str], mark: Path) -> list[str]:
-    """Ports that answered a stranger, another user where that can be had; MARK holds what workers ran for it."""
+def attacked(ports: list[str], mark: Path, seconds: float = 2.0) -> list[str]:
+    """Ports that answered a stranger in time, another user where that can be had; what workers ran leaves MARK."""
     mark.parent.chmod(0o777)
-    line = [sys.executable, str(SAMPLES / "cluster_attack.py"), str(mark), *ports]
+    line = [sys.executable, str(SAMPLES / "cluster_attack.py"), str(mark), str(seconds), *ports]
     environment = {**HERE, "PYTHONPATH": os.pathsep.join([str(SAMPLES), HERE["PYTHONPATH"]]), "HOME": str(mark.parent)}
     done = subprocess.run(line, env=environment, cwd="/", capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -76,7 +76,8 @@ def test_attack__succeeds_where_nothing_is_encrypted(open_folder, monkeypatch):
     ):
         client.wait_for_workers(1)
         ports = [port for port in listening_ports() if port not in before]
-        assert len(attacked(ports, mark)) >= 2
+        # A busy machine is slow to carry out what is asked.
+        assert len(attacked(ports, mark, 8.0)) >= 2
     assert mark.read_text().startswith("here\n")
 
 

@@ -1,4 +1,6 @@
-"""What a stranger tries on the ports of a cluster: `python cluster_attack.py MARK PORT…` prints what it could do."""
+"""What a stranger tries on the ports of a cluster: `python cluster_attack.py MARK SECONDS PORT…` prints what it
+could do, waiting so long for each answer.
+"""
 
 import asyncio
 import os
@@ -12,7 +14,6 @@ from distributed import Security
 from distributed.comm import connect
 from distributed.core import send_recv
 
-PATIENCE = 2
 NOBODY = 65534
 
 
@@ -31,21 +32,21 @@ class Bomb:
         return left_mark, (self.path,)
 
 
-async def asked(address: str, mark: str, **security: object) -> bool:
+async def asked(address: str, mark: str, seconds: float, **security: object) -> bool:
     try:
-        comm = await asyncio.wait_for(connect(address, timeout=PATIENCE, **security), PATIENCE)
+        comm = await asyncio.wait_for(connect(address, timeout=seconds, **security), seconds)
         job = {"function": pickle.dumps(left_mark), "args": pickle.dumps((mark,)), "kwargs": pickle.dumps({})}
         for message in ({"op": "identity"}, {"op": "run", **job}, {"op": "run_function", **job, "wait": True}):
-            await asyncio.wait_for(send_recv(comm, **message), PATIENCE)
+            await asyncio.wait_for(send_recv(comm, **message), seconds)
     except Exception:
         return False
     return True
 
 
-def page_of(port: str) -> bool:
+def page_of(port: str, seconds: float) -> bool:
     for page in ("", "info/main/workers.html", "json/counts.json", "metrics", "sysinfo", "health"):
         try:
-            urllib.request.urlopen(f"http://127.0.0.1:{port}/{page}", timeout=PATIENCE)
+            urllib.request.urlopen(f"http://127.0.0.1:{port}/{page}", timeout=seconds)
         except (OSError, urllib.error.HTTPError):
             continue
         except Exception:
@@ -62,13 +63,14 @@ def become_another_user() -> None:
         os.setuid(NOBODY)
 
 
-async def main(mark: str, *ports: str) -> None:
+async def main(mark: str, patience: str, *ports: str) -> None:
+    seconds = float(patience)
     own = Security.temporary().get_connection_args("client")
     become_another_user()
     for port in ports:
-        plain = await asked(f"tcp://127.0.0.1:{port}", mark)
-        encrypted = await asked(f"tls://127.0.0.1:{port}", mark, **own)
-        if plain or encrypted or page_of(port):
+        plain = await asked(f"tcp://127.0.0.1:{port}", mark, seconds)
+        encrypted = await asked(f"tls://127.0.0.1:{port}", mark, seconds, **own)
+        if plain or encrypted or page_of(port, seconds):
             print(port)
 
 

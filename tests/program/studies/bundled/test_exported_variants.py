@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from free_link_scenes import triad_data
 
 from engine import Machine, Scene, Verdict
 from sweeps.cli.named_machine import numbers_replaced
@@ -12,7 +13,6 @@ from sweeps.study.study_reader import read_study
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import read_scene, with_numbers, with_values, write_scene
 from sweeps.text.templates import bundled_templates
-from tests.samples.mechanisms.free_link_scenes import triad_data
 
 CAMPAIGN = Path(__file__).parents[4] / "results" / "reliability"
 SUMMARIES = ["upper.swing", "plate.swing", "D.x.max", "required_drive_moment"]
