@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from engine.elements.cams.cam_curves import cam_curves
 from engine.elements.cams.followers import CamLimits, LineContact, OscillatingFollower, TranslatingFollower
 from engine.elements.cams.least_base_circle import least_arm_angles, point_angle, room_at
-from engine.elements.cams.over_turn import Measures, Places, Sought, measure
+from engine.elements.cams.over_turn import Measures, PeakPlaces, Sought, measure
 from engine.elements.cams.positions import at_positions, cam_variants, limit_radius, with_roundings
 from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, nudged
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
@@ -164,7 +164,7 @@ class CamElement(CamProgram, Element):
         has |= {"curved height": limits is not None and self.translating}
         return tuple(name for name, sought in _SOUGHT.items() if has.get(sought.quantity, True))
 
-    def _least_angles(self, n: Numbers, found: Measures) -> tuple[np.ndarray, Places]:
+    def _least_angles(self, n: Numbers, found: Measures) -> tuple[np.ndarray, PeakPlaces]:
         """Least arm angles that keep the limits, and what keeps them from being less."""
         angle, greatest, cams = point_angle(n), np.pi, cam_variants(self, n)
         if "low angle" in self._sought:
@@ -174,7 +174,7 @@ class CamElement(CamProgram, Element):
         angle, at = least_arm_angles(cams, angle)
         return np.where(angle <= greatest, angle, np.nan), at
 
-    def _extremes(self, n: Numbers, places: Places) -> tuple[Columns, Columns]:
+    def _extremes(self, n: Numbers, places: PeakPlaces) -> tuple[Columns, Columns]:
         """Extremes with their signs at their places, and the cam's angles there."""
         cams = cam_variants(self, n)
         variants = cams.lowest.size
@@ -184,7 +184,7 @@ class CamElement(CamProgram, Element):
         rows = {name: _SOUGHT[name].sign * found[_SOUGHT[name].quantity][k] for k, name in enumerate(self._sought)}
         return rows, dict(zip(self._sought, angle, strict=True))
 
-    def _values(self, n: Numbers, places: Places, angles: tuple[np.ndarray, Places] | None) -> Columns:
+    def _values(self, n: Numbers, places: PeakPlaces, angles: tuple[np.ndarray, PeakPlaces] | None) -> Columns:
         """Extremes, and results by their names, whatever the verdict."""
         x, at = self._extremes(n, places)
         found, roller = {**x}, n.get("follower.roller_radius", 0.0)
@@ -228,7 +228,7 @@ class CamElement(CamProgram, Element):
         height = np.max([x[name] for name in x if "height" in name], axis=0)
         return np.hypot(np.maximum(height, 0.0), n["follower.offset"]) - n.get("follower.roller_radius", 0.0)
 
-    def _least_base_of_arm(self, n: Numbers, x: Columns, angles: tuple[np.ndarray, Places]) -> np.ndarray:
+    def _least_base_of_arm(self, n: Numbers, x: Columns, angles: tuple[np.ndarray, PeakPlaces]) -> np.ndarray:
         """Least base circle under a follower that swings, by its least arm angles with their own numbers."""
         known, at = angles
         d, variants = n["follower.pivot_distance"], n["speed"].size

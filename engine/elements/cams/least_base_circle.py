@@ -8,7 +8,7 @@ is, so that ψ₀ is the least.
 
 import numpy as np
 
-from engine.elements.cams.over_turn import Places, Sought, measure
+from engine.elements.cams.over_turn import PeakPlaces, Sought, measure
 from engine.elements.cams.positions import CamVariants, limit_radius, sense_of
 from engine.graph.over_arrays import over_arrays
 from engine.laws.cams.profiles import curvature_room, face_room, least_arm_angle
@@ -45,7 +45,7 @@ def room_at(
 
 
 @np.errstate(all="ignore")
-def least_arm_angles(cams: CamVariants, begin: np.ndarray) -> tuple[np.ndarray, Places]:
+def least_arm_angles(cams: CamVariants, begin: np.ndarray) -> tuple[np.ndarray, PeakPlaces]:
     """Least arm angles, from given ones upwards, at which the curvature of cams keeps its limit.
 
     Parameters
@@ -58,12 +58,12 @@ def least_arm_angles(cams: CamVariants, begin: np.ndarray) -> tuple[np.ndarray, 
     -------
     angles : ndarray (variants,)
         NaN where none keeps the limit.
-    places : Places (variants,)
+    places : PeakPlaces (variants,)
         What keeps them from being less; u is NaN where they are those given.
     """
     flat = cams.cam.follower.contact == "flat"
     sought, limit = [Sought("radius", -1) if flat else Sought("curvature", 1)], limit_radius(cams.n)
-    psi, at = begin.copy(), Places(np.zeros(begin.size, int), *np.full((2, begin.size), np.nan))
+    psi, at = begin.copy(), PeakPlaces(np.zeros(begin.size, int), *np.full((2, begin.size), np.nan))
     left = np.flatnonzero(np.isfinite(begin) & (flat | (limit > 0.0)))
     # Forces and limits have nothing to do with it.
     bare = cams.cam.model_copy(

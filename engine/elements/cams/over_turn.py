@@ -35,7 +35,7 @@ class Sought(NamedTuple):
     direction: int = 0
 
 
-class Places(NamedTuple):
+class PeakPlaces(NamedTuple):
     """Where what is sought is the greatest (sought, variants): piece, u in it, NaN where there is none.
 
     `blurs` times the root of what a value may be off by is what its place may be off by [rad].
@@ -53,7 +53,7 @@ class Measures(NamedTuple):
     (variants,).
     """
 
-    places: Places
+    places: PeakPlaces
     verdicts: np.ndarray
     moment: np.ndarray
     moment_size: np.ndarray
@@ -127,7 +127,7 @@ def measure(cams: CamVariants, sought: Sequence[Sought]) -> Measures:
             moment, (panel_integrals(samples), panel_integrals(np.abs(samples)), tails(samples)), strict=True
         ):
             np.add.at(row, panels.v, rates * part)
-    return Measures(Places(*map(np.array, zip(*places, strict=True))), verdicts.astype(np.uint8), *moment)
+    return Measures(PeakPlaces(*map(np.array, zip(*places, strict=True))), verdicts.astype(np.uint8), *moment)
 
 
 def _greatest(

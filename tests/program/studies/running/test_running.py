@@ -70,6 +70,7 @@ CODES = {
     27: "does_not_close",
     28: "interferes",
     29: "contact_breaks",
+    30: "shaft_rigid",
     255: "not_computed",
 }
 
