@@ -69,15 +69,14 @@ def test_attack__succeeds_where_nothing_is_encrypted(open_folder, monkeypatch):
     """Otherwise the test above would prove nothing."""
     mark = open_folder / "mark"
     monkeypatch.syspath_prepend(str(SAMPLES))
-    before = set(listening_ports())
     with (
         LocalCluster(n_workers=1, threads_per_worker=1, protocol="tcp", dashboard_address="127.0.0.1:0") as cluster,
         Client(cluster) as client,
     ):
         client.wait_for_workers(1)
-        ports = [port for port in listening_ports() if port not in before]
-        # A busy machine is slow to carry out what is asked.
-        assert len(attacked(ports, mark, 8.0)) >= 2
+        ports = [cluster.workers[0].worker_address.rpartition(":")[2]]
+        # Patient: a busy machine is slow to carry out what is asked.
+        assert attacked(ports, mark, 60.0) == ports
     assert mark.read_text().startswith("here\n")
 
 

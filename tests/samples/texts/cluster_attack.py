@@ -33,14 +33,17 @@ class Bomb:
 
 
 async def asked(address: str, mark: str, seconds: float, **security: object) -> bool:
-    try:
-        comm = await asyncio.wait_for(connect(address, timeout=seconds, **security), seconds)
-        job = {"function": pickle.dumps(left_mark), "args": pickle.dumps((mark,)), "kwargs": pickle.dumps({})}
-        for message in ({"op": "identity"}, {"op": "run", **job}, {"op": "run_function", **job, "wait": True}):
+    """Whether anything was answered; a scheduler and a worker know different words, so each is a try of its own."""
+    job = {"function": pickle.dumps(left_mark), "args": pickle.dumps((mark,)), "kwargs": pickle.dumps({})}
+    answered = False
+    for message in ({"op": "identity"}, {"op": "run", **job}, {"op": "run_function", **job, "wait": True}):
+        try:
+            comm = await asyncio.wait_for(connect(address, timeout=seconds, **security), seconds)
             await asyncio.wait_for(send_recv(comm, **message), seconds)
-    except Exception:
-        return False
-    return True
+        except Exception:
+            continue
+        answered = True
+    return answered
 
 
 def page_of(port: str, seconds: float) -> bool:
@@ -67,10 +70,16 @@ async def main(mark: str, patience: str, *ports: str) -> None:
     seconds = float(patience)
     own = Security.temporary().get_connection_args("client")
     become_another_user()
-    for port in ports:
-        plain = await asked(f"tcp://127.0.0.1:{port}", mark, seconds)
-        encrypted = await asked(f"tls://127.0.0.1:{port}", mark, seconds, **own)
-        if plain or encrypted or page_of(port, seconds):
+
+    async def answered(port: str) -> bool:
+        return (
+            await asked(f"tcp://127.0.0.1:{port}", mark, seconds)
+            or await asked(f"tls://127.0.0.1:{port}", mark, seconds, **own)
+            or await asyncio.to_thread(page_of, port, seconds)
+        )
+
+    for port, done in zip(ports, await asyncio.gather(*map(answered, ports)), strict=True):
+        if done:
             print(port)
 
 
