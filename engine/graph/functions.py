@@ -46,9 +46,8 @@ dtype = np.{dtype}
 
 
 class Landmark(NamedTuple):
-    """Ends of a curve over the cycle: which event it is, and rows of P for its ends and their places (−1: none)."""
+    """Rows of P for the ends of a curve over the cycle, and for their places (−1: none)."""
 
-    event: int
     low: int
     high: int
     low_at: int
@@ -244,7 +243,7 @@ def _printed(graph: Graph, title: str, plan: _Plan, *parts: _Part) -> Functions:
         rows,
         tuple(n for n in rows if isinstance(n, (Number, Constant))),
         tuple(plan.events),
-        tuple(_landmark(place, curve, plan.found, rows) for place, (curve, _) in enumerate(plan.events)),
+        tuple(_landmark(curve, plan.found, rows) for curve, _ in plan.events),
         tuple(rows[n] for n in plan.cycle),
         tuple(rows[n] for n in plan.held),
         tuple((places[c.curve], rows[c.level], c.offset) for c in plan.crossings),
@@ -307,9 +306,9 @@ def _rows(
     return {node: row for row, node in enumerate(n for n in order if not isinstance(n, TableMemory))}
 
 
-def _landmark(event: int, curve: Node, found: list[Found], rows: dict[Node, int]) -> Landmark:
+def _landmark(curve: Node, found: list[Found], rows: dict[Node, int]) -> Landmark:
     own = {f.which: rows[f] for f in found if f.curve is curve}
-    return Landmark(event, *(own.get(which, -1) for which in ("low", "high", "low_at", "high_at")))
+    return Landmark(*(own.get(which, -1) for which in ("low", "high", "low_at", "high_at")))
 
 
 def _imports(laws: list) -> list[str]:

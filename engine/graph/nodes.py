@@ -17,7 +17,6 @@ from typing import Literal, NamedTuple, get_args, get_type_hints
 import numpy as np
 
 Compute = Callable[[Mapping[str, float | np.ndarray]], float | np.ndarray]
-Role = Literal["shape", "load"]
 
 
 class Stage(IntEnum):
@@ -99,15 +98,13 @@ class Number(Node):
     ----------
     compute : callable
         Its values (SI) from the numbers of the variants.
-    role : {"shape", "load"}
-        A "load" (a mass, a force) enters the curves of moments linearly; all others decide the shape of the motion.
     """
 
-    __slots__ = ("compute", "role")
+    __slots__ = ("compute",)
 
-    def __init__(self, graph: "Graph", label: str, compute: Compute, role: Role) -> None:
+    def __init__(self, graph: "Graph", label: str, compute: Compute) -> None:
         super().__init__(graph, Stage.VARIANT, label=label)
-        self.compute, self.role = compute, role
+        self.compute = compute
 
 
 class NumberTable(Node):
@@ -338,13 +335,13 @@ class Graph:
         """A constant."""
         return self._once(("constant", float(value)), lambda: Constant(self, float(value)))
 
-    def number(self, path: str, role: Role = "shape") -> Number:
+    def number(self, path: str) -> Number:
         """A number of the scene as it is."""
-        return self.derived(path, lambda numbers: numbers[path], role)
+        return self.derived(path, lambda numbers: numbers[path])
 
-    def derived(self, label: str, compute: Compute, role: Role = "shape") -> Number:
+    def derived(self, label: str, compute: Compute) -> Number:
         """A number computed once for each variant from the scene's; the same label means the same number."""
-        return self._once(("number", label), lambda: Number(self, label, compute, role))
+        return self._once(("number", label), lambda: Number(self, label, compute))
 
     def number_table(self, label: str, numbers: Iterable[Number]) -> NumberTable:
         """Numbers to be looked up by their place; none of them may be used otherwise."""
@@ -396,11 +393,9 @@ class Graph:
     def _of_numbers(self, symbol: str, a: Node, b: Node) -> Number:
         """Arithmetic on numbers of the variant: a number again."""
         does = _ARITHMETIC[symbol]
-        roles = {node.role for node in (a, b) if isinstance(node, Number)}
         return self.derived(
             f"({a.label} {symbol} {b.label})",
             lambda numbers: does(value_of(a, numbers), value_of(b, numbers)),
-            "load" if "load" in roles else "shape",
         )
 
     def function(self, symbol: Literal["sqrt", "abs", "neg"], x: Node) -> Node:
@@ -409,7 +404,7 @@ class Graph:
         if isinstance(x, Constant):
             return self.constant(float(does(x.value)) + 0.0)
         if isinstance(x, Number):
-            return self.derived(f"{symbol}({x.label})", lambda numbers: does(x.compute(numbers)), x.role)
+            return self.derived(f"{symbol}({x.label})", lambda numbers: does(x.compute(numbers)))
         if symbol == "neg" and isinstance(x, Operation) and x.symbol == "neg":
             return x.operands[0]
         return self._once((symbol, x), lambda: Operation(self, symbol, (x,)))

@@ -150,7 +150,7 @@ class Measuring:
         self._steady = [_Steady(s, {a.result for a in cycles if _shared(a) == s}, mechanics) for s in shared]
         numbers = [number for steady in self._steady for number in steady.numbers]
         numbers += [a.number for a in of[VariantNumber]]
-        self._one = mechanics.graph.derived("one", lambda n: 1.0, "load")
+        self._one = mechanics.graph.derived("one", lambda n: 1.0)
         numbers += [self._one] if of[Unbalanced] else []
         self.functions: Functions = functions_of(
             mechanics.graph,
@@ -224,7 +224,7 @@ class Measuring:
         self.plan = cycle.Plan(
             ends=(row[self.mechanics.first], row[self.mechanics.last]),
             curves=len(curve),
-            landmarks=[tuple(mark[1:]) for mark in f.landmarks],
+            landmarks=f.landmarks,
             levels=f.level_rows,
             states=f.held_rows,
             crossings=f.crossings,
@@ -366,7 +366,7 @@ class _Steady:
     def __init__(self, of: SteadyCycle, results: set[str], mechanics: Mechanics) -> None:
         self.of = of
         half_square = 0.5 * mechanics.speed_squared
-        nothing = mechanics.graph.derived("flywheel used", lambda n: 0.0, "load")
+        nothing = mechanics.graph.derived("flywheel used", lambda n: 0.0)
         self.speed_asked = "" in results
         others = {*_OF_WORKS, "flywheel_merzalov"}
         exact = "flywheel_wittenbauer" in results or (of.wheel is None and not results <= others)

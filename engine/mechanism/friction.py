@@ -216,7 +216,7 @@ def _rub(kinematics: Kinematics, motion: InputMotion, pair: Pair, path: str, fri
     moves = graph.held(graph.apply(sense, rate))
     edge = graph.zero
     if friction.length is not None:
-        edge = graph.derived(f"edge of {path}", lambda n: 2.0 / n[f"{path}.length"], "load")
+        edge = graph.derived(f"edge of {path}", lambda n: 2.0 / n[f"{path}.length"])
     return Rub(
         JOURNAL if turns else GUIDE,
         named(-(drag * moves * input_sense(kinematics)), f"drag in {pair.name}"),
@@ -242,13 +242,13 @@ def _drag(motion: InputMotion, pair: Pair, path: str, friction: PairFriction, ra
         return factor(n) * arm(n) * f / (np.sqrt(1.0 + f * f) if turns else 1.0)
 
     if friction.stribeck_speed is None:
-        return graph.derived(f"drag of {path}", drag, "load")
-    arm_of_sliding = graph.derived(f"arm of {path}", arm, "load")
-    limit = graph.number(f"{path}.stribeck_speed", "load")
-    rest = graph.derived(f"static coefficient of {path}", lambda n: raised(n, n[f"{path}.static_coefficient"]), "load")
-    at_speed = graph.derived(f"kinetic coefficient of {path}", kinetic, "load")
+        return graph.derived(f"drag of {path}", drag)
+    arm_of_sliding = graph.derived(f"arm of {path}", arm)
+    limit = graph.number(f"{path}.stribeck_speed")
+    rest = graph.derived(f"static coefficient of {path}", lambda n: raised(n, n[f"{path}.static_coefficient"]))
+    at_speed = graph.derived(f"kinetic coefficient of {path}", kinetic)
     f = graph.apply(stribeck, rest, at_speed, motion.speed * arm_of_sliding * rate, limit, GAUSS)
-    scaled = graph.derived(f"scale of {path}", lambda n: factor(n) * arm(n), "load") * f
+    scaled = graph.derived(f"scale of {path}", lambda n: factor(n) * arm(n)) * f
     return scaled / graph.function("sqrt", 1.0 + f * f) if turns else scaled
 
 

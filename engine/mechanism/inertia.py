@@ -62,15 +62,15 @@ def reduced_inertia(kinematics: Kinematics) -> ReducedInertia:
         if part.link in uniform:
             continue
         centre = kinematics.mass_centre(name)
-        mass = graph.derived(f"mass of {name}", part.mass, "load")
+        mass = graph.derived(f"mass of {name}", part.mass)
         inertia.append((mass, centre.v.dot(centre.v)))
         slope.append((mass, centre.v.dot(centre.a)))
         if part.inertia is not None:
-            rotation(graph.derived(f"inertia of {name}", part.inertia, "load"), part.link)
+            rotation(graph.derived(f"inertia of {name}", part.inertia), part.link)
     for name in scene.shafts:
         if name not in about_frame:
             rotation(turning_inertia(kinematics, name), name)
-    first_kind = graph.derived("first kind inertia", lambda n: _first_kind(kinematics, n), "load")
+    first_kind = graph.derived("first kind inertia", lambda n: _first_kind(kinematics, n))
     return ReducedInertia(
         first_kind,
         graph.combination([(first_kind, graph.one), *inertia]),
@@ -119,12 +119,11 @@ def inertia_forces(kinematics: Kinematics, name: str) -> BodyInertiaForces:
     """
     scene, graph = kinematics.scene, kinematics.graph
     centre, e = kinematics.body_centre(name), kinematics.links[scene.bodies[name].link].e
-    push = graph.derived(f"inertia force of {name}", _by_square(lambda n: body_mass(scene, name, n)), "load")
-    twist = graph.derived(f"inertia moment of {name}", _by_square(lambda n: inertia_of(scene, name, n)), "load")
+    push = graph.derived(f"inertia force of {name}", _by_square(lambda n: body_mass(scene, name, n)))
+    twist = graph.derived(f"inertia moment of {name}", _by_square(lambda n: inertia_of(scene, name, n)))
     gyration2 = graph.derived(
         f"square of the radius of gyration of {name}",
         lambda n: inertia_of(scene, name, n) / body_mass(scene, name, n),
-        "load",
     )
     offset = graph.apply(inertia_offset, gyration2, *centre.a, e)
     force = Vector(*(graph.combination([(push, part)]) for part in centre.a))
@@ -179,18 +178,18 @@ def shaking(
     moment: Terms = []
     for name, part in kinematics.masses.items():
         at, link = kinematics.mass_centre(name), kinematics.links[part.link]
-        push = graph.derived(f"inertia force of mass {name}", _by_square(part.mass), "load")
+        push = graph.derived(f"inertia force of mass {name}", _by_square(part.mass))
         x.append((push, rate(at).x))
         y.append((push, rate(at).y))
         moment.append((push, (at.r - centre).cross(rate(at))))
         if part.inertia is not None:
-            twist = graph.derived(f"inertia moment of mass {name}", _by_square(part.inertia), "load")
+            twist = graph.derived(f"inertia moment of mass {name}", _by_square(part.inertia))
             moment.append((twist, turning(link)))
     own = {name: turning_inertia(kinematics, name).compute for name in scene.shafts}
     if carried_on(scene, scene.input.link):
         own[scene.input.link] = partial(carried_inertia, scene, scene.input.link)
     for name, inertia in own.items():
-        twist = graph.derived(f"inertia moment of shaft {name}", _by_square(inertia), "load")
+        twist = graph.derived(f"inertia moment of shaft {name}", _by_square(inertia))
         moment.append((twist, turning(kinematics.links[name])))
     return FrameShaking(Vector(graph.combination(x), graph.combination(y)), graph.combination(moment))
 

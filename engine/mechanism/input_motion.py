@@ -43,8 +43,8 @@ class InputMotion(NamedTuple):
     @classmethod
     def uniform(cls, graph: Graph) -> "InputMotion":
         """The uniform motion at the speed of the scene."""
-        square = graph.derived("square of the input's speed", lambda n: n["input.speed"] ** 2, "load")
-        speed = graph.derived("magnitude of the input's speed", lambda n: np.abs(n["input.speed"]), "load")
+        square = graph.derived("square of the input's speed", lambda n: n["input.speed"] ** 2)
+        speed = graph.derived("magnitude of the input's speed", lambda n: np.abs(n["input.speed"]))
         return cls(square, graph.zero, speed, given=False)
 
     def power(self, order: float | str) -> Node:

@@ -71,9 +71,7 @@ class Loads:
         for name, mass in self.kinematics.masses.items():
             centre = self.kinematics.mass_centre(name)
             for path, direction in fields.items():
-                size = graph.derived(
-                    f"{path} on {name}", lambda n, path=path, mass=mass.mass: n[path] * mass(n), "load"
-                )
+                size = graph.derived(f"{path} on {name}", lambda n, path=path, mass=mass.mass: n[path] * mass(n))
                 grip = Grip(mass.link, centre, direction)
                 yield load("gravity", Characteristic(size, graph.one), grip, centre.v.dot(direction), None)
 

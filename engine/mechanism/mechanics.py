@@ -170,12 +170,12 @@ class Mechanics:
     @property
     def speed(self) -> Number:
         """Speed of the input [rad/s or m/s]."""
-        return self.graph.number("input.speed", "load")
+        return self.graph.number("input.speed")
 
     @property
     def speed_squared(self) -> Number:
         """Square of the input's speed."""
-        return self.graph.derived("square of the input's speed", lambda n: n["input.speed"] ** 2, "load")
+        return self.graph.derived("square of the input's speed", lambda n: n["input.speed"] ** 2)
 
     @property
     def forward(self) -> Number:

@@ -162,10 +162,10 @@ class Reactions:
         """Weights and inertia forces of the bodies, even where point masses replace them."""
         scene, graph = self.scene, self.graph
         for name, body in scene.bodies.items():
-            mass = graph.derived(f"mass of body {name}", partial(body_mass, scene, name), "load")
-            field = Vector(graph.zero, graph.number("gravity", "load"))
+            mass = graph.derived(f"mass of body {name}", partial(body_mass, scene, name))
+            field = Vector(graph.zero, graph.number("gravity"))
             if scene.base is not None:
-                field += Vector(*(graph.number(f"base.acceleration_{axis}", "load") for axis in "xy"))
+                field += Vector(*(graph.number(f"base.acceleration_{axis}") for axis in "xy"))
             at = self.kinematics.body_centre(name).r
             yield LinkForce("weight", name, body.link, None, at, -(mass * field))
             if scene.inertia_in_reactions:
@@ -187,7 +187,7 @@ class Reactions:
             crank = self.scene.input.link
             if carried_on(self.scene, crank):
                 own = partial(carried_inertia, self.scene, crank)
-                inertia = self.graph.derived(f"inertia of what {crank} carries", own, "load")
+                inertia = self.graph.derived(f"inertia of what {crank} carries", own)
                 self._rotary_inertia(of_links, crank, inertia)
         for load in loads:
             # At its speed a machine runs with its brakes released; regimes apply them.
@@ -198,11 +198,11 @@ class Reactions:
     def _inertia(self, of_links: LinkLoads, name: str) -> None:
         """Inertia force and moment of one of the mechanism's masses."""
         part, centre = self.kinematics.masses[name], self.kinematics.mass_centre(name)
-        mass = self.graph.derived(f"mass of {name}", part.mass, "load")
+        mass = self.graph.derived(f"mass of {name}", part.mass)
         acceleration = self.motion.acceleration_of(centre.a, centre.v)
         of_links.push(part.link, centre, Vector(*self.graph.apply(inertia_force, mass, *acceleration)))
         if part.inertia is not None:
-            self._rotary_inertia(of_links, part.link, self.graph.derived(f"inertia of {name}", part.inertia, "load"))
+            self._rotary_inertia(of_links, part.link, self.graph.derived(f"inertia of {name}", part.inertia))
 
     def _rotary_inertia(self, of_links: LinkLoads, name: str, inertia: Node) -> Node:
         link = self.kinematics.links[name]
@@ -423,7 +423,7 @@ class Reactions:
         self.graph.switches(rate, slope)
         sense_of_input = input_sense(self.kinematics)
         way = self.graph.held(self.graph.apply(sense, rate)) * sense_of_input
-        k = self.graph.apply(lost_share, way * taken, self.graph.number(f"{self._lossy[name]}.efficiency", "load"))
+        k = self.graph.apply(lost_share, way * taken, self.graph.number(f"{self._lossy[name]}.efficiency"))
         self.graph.bends(k, taken)
         self.lost_in_teeth[name] = sense_of_input * ((k - 1.0) * (taken * rate))
         return k

@@ -62,7 +62,7 @@ def declare(mechanics: Mechanics) -> Declared:
         symbol="I_0",
     )
     if m.loads.motors:
-        number = graph.derived("motor moment", lambda n: motor_moment(scene, m.loads.motors, n), "load")
+        number = graph.derived("motor moment", lambda n: motor_moment(scene, m.loads.motors, n))
         yield Summary(
             "motor_moment",
             "torque of the motors at the input's speed, reduced to the input",
@@ -194,7 +194,7 @@ def steady_cycle(m: Mechanics, result: str) -> SteadyCycle:
 
     def number(key: str) -> Node | None:
         given = flywheel is not None and getattr(flywheel, key) is not None
-        return m.graph.number(f"flywheel.{key}", "load") if given else None
+        return m.graph.number(f"flywheel.{key}") if given else None
 
     return SteadyCycle(
         m.reduced.inertia,

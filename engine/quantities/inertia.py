@@ -60,7 +60,7 @@ def _swung(m: Mechanics, name: str) -> Expression:
         found = inertia_from_swing(m.scene, name, dict(zip(paths, numbers, strict=True)))
         return where(found.value < 0.0, Measured(np.nan), found)
 
-    return Formula(inertia, tuple(VariantNumber(m.graph.number(path, "load")) for path in paths))
+    return Formula(inertia, tuple(VariantNumber(m.graph.number(path)) for path in paths))
 
 
 def _replacement(m: Mechanics, name: str) -> Declared:
@@ -76,13 +76,12 @@ def _replacement(m: Mechanics, name: str) -> Declared:
             ("x", f"x coordinate on the link of {whose}", "m", part.along),
             ("y", f"y coordinate on the link of {whose}", "m", part.across),
         ):
-            number = graph.derived(f"replacement {key} {i + 1} of {name}", compute, "load")
+            number = graph.derived(f"replacement {key} {i + 1} of {name}", compute)
             yield Summary(f"{name}.replacement_{key}_{i + 1}", words, unit, lambda number=number: VariantNumber(number))
     if count:
         error = graph.derived(
             f"replacement error of {name}",
             lambda n: inertia_error(replacement(m.scene, name, n), body_inertia(m.scene, name, n)),
-            "load",
         )
         words = f"moment of inertia of the point masses that stand for body {name}, less its own"
         yield Summary(f"{name}.replacement_error", words, "kg m2", lambda: VariantNumber(error))

@@ -44,7 +44,7 @@ def declare(mechanics: Mechanics) -> Declared:
 def _size(m: Mechanics, key: str) -> Expression:
     """A size of the wheel that gives the inertia asked for at the peak speed."""
     paths = [path for path in scene_numbers(m.scene) if path.startswith("flywheel.wheel.")]
-    given = [VariantNumber(m.graph.number(path, "load")) for path in paths]
+    given = [VariantNumber(m.graph.number(path)) for path in paths]
     operands = (steady_cycle(m, "flywheel_used"), steady_cycle(m, "speed_max"), *given)
     return Formula(_made(m.scene.flywheel.wheel, paths, key), operands)
 

@@ -51,15 +51,6 @@ class TrainLayout(NamedTuple):
     path: tuple[tuple[str, str, str, bool], ...]
 
     @property
-    def is_chain(self) -> bool:
-        """Whether no node has more than two others beside it."""
-        beside = [0] * len(self.parents)
-        for node, parent in enumerate(self.parents[1:], 1):
-            beside[node] += 1
-            beside[parent] += 1
-        return max(beside) <= 2
-
-    @property
     def is_free(self) -> bool:
         """Whether the whole train can turn: no shaft holds it to the frame."""
         return not self.grounded

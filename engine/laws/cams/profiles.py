@@ -180,12 +180,6 @@ def pressure_of_lines(curved_force: np.ndarray, modulus: np.ndarray, width: np.n
 
 
 @scalar
-def least_height_for_angle(s: float, s1: float, offset: float, slope: float) -> float:
-    """Height s₀ above which |tan α| of a translating follower stays below `slope` at this position."""
-    return abs(s1 - offset) / slope - s
-
-
-@scalar
 def least_height_for_curvature(s: float, s1: float, s2: float, offset: float, radius: float) -> float:
     """Height s₀ above which the pitch curve of a translating follower is never more curved than 1/`radius` here.
 

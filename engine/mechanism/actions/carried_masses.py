@@ -43,12 +43,12 @@ def carried_characteristics(kinematics: Kinematics, load: Carried, at: str, alon
     gravity = _gravity(load, at)
 
     def number(words: str, value: _OfNumbers) -> Node:
-        return graph.derived(f"{words} of {at}", value, "load")
+        return graph.derived(f"{words} of {at}", value)
 
     if isinstance(load, HoistMoment):
         weight = number("moment of the weight", lambda n: n[f"{at}.mass"] * gravity(n) * n[f"{at}.drum_radius"])
         yield Characteristic(weight, graph.constant(-way))
-        efficiency = graph.number(f"{at}.efficiency", "load")
+        efficiency = graph.number(f"{at}.efficiency")
         factor = along.switch(lifting_factor, efficiency, way * input_sense(kinematics))
         yield Characteristic(weight, -way * (graph.held(factor) - 1.0), role="harmful")
         return
@@ -102,6 +102,6 @@ def turning_inertia(kinematics: Kinematics, shaft: str) -> Node:
     """Inertia of a shaft, with m r² of what it carries."""
     scene, own = kinematics.scene, f"shafts.{shaft}.inertia"
     if not carried_on(scene, shaft):
-        return kinematics.graph.number(own, "load")
+        return kinematics.graph.number(own)
     words = f"inertia of shaft {shaft} with what it carries"
-    return kinematics.graph.derived(words, lambda n: n[own] + carried_inertia(scene, shaft, n), "load")
+    return kinematics.graph.derived(words, lambda n: n[own] + carried_inertia(scene, shaft, n))

@@ -59,27 +59,27 @@ def _characteristic(
     value = f"{at}.force" if at.startswith("forces.") else f"{at}.moment"
     match action.type:
         case "constant":
-            return Characteristic(graph.number(value, "load"), graph.held(acts))
+            return Characteristic(graph.number(value), graph.held(acts))
         case "table":
-            return Characteristic(graph.number(f"{at}.scale", "load"), tabled(kinematics, action, acts, time))
+            return Characteristic(graph.number(f"{at}.scale"), tabled(kinematics, action, acts, time))
         case "against_motion":
-            force = graph.derived(f"{at} at speed", lambda n: n[value] * _sense(n), "load")
+            force = graph.derived(f"{at} at speed", lambda n: n[value] * _sense(n))
             return Characteristic(force, _against(along, acts))
         case "linear_drag":
-            drag = graph.derived(f"{at} at speed", lambda n: n[f"{at}.coefficient"] * n["input.speed"], "load")
+            drag = graph.derived(f"{at} at speed", lambda n: n[f"{at}.coefficient"] * n["input.speed"])
             return Characteristic(drag, -v * graph.held(acts), 1)
         case "quadratic_drag":
             drag = graph.derived(
-                f"{at} at speed", lambda n: n[f"{at}.coefficient"] * n["input.speed"] * np.abs(n["input.speed"]), "load"
+                f"{at} at speed", lambda n: n[f"{at}.coefficient"] * n["input.speed"] * np.abs(n["input.speed"])
             )
             return Characteristic(drag, _against(along, acts) * (v * v), 2)
         case "power_drag":
             exponent = f"{at}.exponent"
             growth = graph.apply(power, abs(v), graph.number(exponent))
-            drag = graph.derived(f"{at} at speed", lambda n: _power_drag(n, at, value), "load")
+            drag = graph.derived(f"{at} at speed", lambda n: _power_drag(n, at, value))
             return Characteristic(drag, _against(along, acts) * growth, exponent)
         case _:
-            moment = graph.derived(f"{at} at speed", lambda n: braking_moment(action, at, n) * _sense(n), "load")
+            moment = graph.derived(f"{at} at speed", lambda n: braking_moment(action, at, n) * _sense(n))
             return Characteristic(moment, _against(along, acts))
 
 

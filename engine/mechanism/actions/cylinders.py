@@ -42,7 +42,7 @@ def cylinder_load(kinematics: Kinematics, name: str) -> Load:
     cylinder = scene.cylinders[name]
     slide, piston = kinematics.slides[cylinder.piston], kinematics.links[cylinder.piston]
     from_head = -1.0 if cylinder.head == "high" else 1.0
-    area = graph.derived(f"{at}.area", lambda n: from_head * math.pi / 4 * n[f"{at}.bore"] ** 2, "load")
+    area = graph.derived(f"{at}.area", lambda n: from_head * math.pi / 4 * n[f"{at}.bore"] ** 2)
     gauge = _Diagram(kinematics, name).pressure() - graph.number(f"{at}.ambient")
     grip = Grip(cylinder.piston, piston.origin, piston.u, (bearer_of(scene, cylinder.piston), piston.origin))
     return load(name, Characteristic(area, gauge), grip, slide.v, cylinder.role)

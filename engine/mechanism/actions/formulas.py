@@ -67,7 +67,7 @@ def formula_characteristics(
     curves = _Curves(kinematics, formula, along, speed, time)
     for exponent, part in parts.items():
         order = int(exponent) if exponent in (0, 1, 2) else float(exponent)
-        size = graph.derived(f"{formula.at} over speed^{order}", _speed_to(order), "load")
+        size = graph.derived(f"{formula.at} over speed^{order}", _speed_to(order))
         yield Characteristic(size, curves.of(part).value * factor, order)
 
 

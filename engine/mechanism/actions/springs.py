@@ -28,9 +28,9 @@ def spring_loads(kinematics: Kinematics, name: str) -> Iterator[Load]:
     holder, bearer = holder_of(scene, ends[1]), holder_of(scene, ends[0])
     grip = Grip(holder, b, direction, (bearer, a))
     pull = graph.apply(spring, 1.0, graph.number(f"{at}.free_length"), length)
-    yield load(name, Characteristic(graph.number(f"{at}.stiffness", "load"), pull), grip, rate, None)
+    yield load(name, Characteristic(graph.number(f"{at}.stiffness"), pull), grip, rate, None)
     if scene.springs[name].damping or f"{at}.damping" in kinematics.varied:
-        damping = graph.derived(f"{at} at speed", lambda n: n[f"{at}.damping"] * n["input.speed"], "load")
+        damping = graph.derived(f"{at} at speed", lambda n: n[f"{at}.damping"] * n["input.speed"])
         yield load(name, Characteristic(damping, -rate, 1), grip, rate, None)
 
 
@@ -48,7 +48,7 @@ def torsion_spring(kinematics: Kinematics, name: str) -> Characteristic:
     angle = _angle(kinematics, on)
     graph.returns((angle,), Return(f"{at}.on", kinematics.turns(on), none=True))
     moment = graph.apply(spring, 1.0, graph.number(f"{at}.free_angle"), angle)
-    return Characteristic(graph.number(f"{at}.stiffness", "load"), moment)
+    return Characteristic(graph.number(f"{at}.stiffness"), moment)
 
 
 def _angle(kinematics: Kinematics, name: str) -> Node:

@@ -63,9 +63,10 @@ class Landmarks:
         events = {curve: i for i, (curve, _) in enumerate(functions.events)}
         asked = [watch.crossing for watch in self.watches]
         crossings = [(events[c.curve], functions.rows[c.level], c.offset) for c in asked]
-        marks = [mark[1:] for mark in functions.landmarks]
         looked_at = {"scan": SCANNED_PER_TURN * turns + 1, "looks": functions.looks, "turns": turns}
-        plan = Plan((0, 1), 0, landmarks=marks, levels=functions.level_rows, crossings=crossings, **looked_at)
+        plan = Plan(
+            (0, 1), 0, landmarks=functions.landmarks, levels=functions.level_rows, crossings=crossings, **looked_at
+        )
         return CycleMachine(plan, nothing).task
 
     def __call__(self, numbers: Numbers, direction: np.ndarray) -> tuple[Ends, Breaks]:

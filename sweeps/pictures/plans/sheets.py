@@ -91,7 +91,7 @@ def kinematic_sheet(pose: Pose, which: str) -> Figure:
         draw(pose, place(figure, 80, 2 + strip, 98, HEIGHT - HEADING - 2))
         for i, text in enumerate(columns(lines, rows)):
             at = (4 + 26 * i, 52 + strip) if few else (4 + 29 * i, strip)
-            write(figure, *at, text, fontsize=6.5, linespacing=1.2)
+            write(figure, *at, text, fontsize=6.5, linespacing=1.4)
         write(figure, 4, 4 + 3.2 * len(notes), "\n".join(notes), fontsize=6.5)
     return figure
 
@@ -137,7 +137,7 @@ def force_sheet(pose: Pose, of: str) -> Figure:
             text = "\n".join(force_lines(loads))
             row, column = divmod(i, columns_of_text)
             at = (4 + 33 * column, 46 if not strip else strip + 8 - 40 * row)
-            write(figure, *at, f"on {link}:\n{text}", fontsize=6.5, linespacing=1.2)
+            write(figure, *at, f"on {link}:\n{text}", fontsize=6.5, linespacing=1.4)
         mechanism_plan(pose, place(figure, 2, 48 + strip, 62, 50))
         force_plan(pose, of, place(figure, 66, 9 + strip, 112, 88))
         notes = [

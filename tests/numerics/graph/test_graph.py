@@ -64,9 +64,8 @@ def test_same_operation__is_the_same_node():
 
 def test_stages__are_the_latest_of_what_a_node_depends_on():
     g = Graph()
-    a, b = g.number("a"), g.number("b", "load")
+    a, b = g.number("a"), g.number("b")
     assert isinstance(a * b, Number)
-    assert (a * b).role == "load"
     assert (a * b).compute({"a": 3.0, "b": 2.0}) == 6.0
     low = g.found(g.q * a, a, "low")
     assert (low.stage, (low + b).stage) == (Stage.CYCLE, Stage.CYCLE)
@@ -116,7 +115,7 @@ def values_of(nodes: list[Node], numbers: dict[str, np.ndarray], q: np.ndarray) 
 def some_graph() -> tuple[Graph, list[Node]]:
     """A graph with every kind of node, and what is asked of it."""
     g = Graph()
-    a, b, load = g.number("a"), g.number("b"), g.number("load", "load")
+    a, b, load = g.number("a"), g.number("b"), g.number("load")
     x, y = g.apply(turned, a + g.q, b, g.cos_q, g.sin_q)
     shared = x * y - a / (2 + g.cos_q)
     root = g.function("sqrt", shared * shared + 1.0)
