@@ -239,7 +239,6 @@ taken off the errors. The last two coefficients of its series are at most {tail:
 {near_tail:.0e}).
 Errors are relative to the peak of the field, for statistics of fields; to the value, for others.
 Two thirds of the machines stand 1 km and 1000 km from the origin; coordinates of their points are left out.
-Two thirds of the machines stand 1 km and 1000 km from the origin; coordinates of their points are left out.
 {failed}Made by `python results/accuracy/calibration.py`, in {minutes:.0f} minutes of processor time; {system}.
 
 ![figures against errors](calibration.png)
