@@ -219,7 +219,7 @@ class Machine:
         Parameters
         ----------
         name : str
-            From `available_summaries`, `available_fields` or a statistic of a field.
+            Of a summary, a field or a statistic of a field.
         """
         timed = time_dependent(self.scene) if self.has_cycle else []
         field, summary = self.register.fields.get(name), self.register.summary(name)
@@ -237,14 +237,15 @@ class Machine:
     @property
     def available_fields(self) -> dict[str, Quantity]:
         """Every field one may ask of this scene."""
-        return {name: field.quantity for name, field in self.register.fields.items()} | self.regimes.fields
+        own = {name: field.quantity for name, field in self.register.fields.items() if self.why_not(name) is None}
+        return own | self.regimes.fields
 
     @property
     def available_summaries(self) -> dict[str, Quantity]:
         """Every summary one may ask, besides the statistics of fields: FIELD.max, FIELD.rms, … (see STATISTICS)."""
-        own = {name: summary.quantity for name, summary in self.register.summaries.items()}
-        statistics = {name: self.register.summary(name) for name in self.asked_summaries}
-        own |= {name: summary.quantity for name, summary in statistics.items() if summary is not None}
+        names = [name for name in self.register.summaries if self.why_not(name) is None]
+        summaries = {name: self.register.summary(name) for name in (*names, *self.asked_summaries)}
+        own = {name: summary.quantity for name, summary in summaries.items() if summary is not None}
         elements = {q.name: q for q in element_summaries(self.scene)}
         of_accuracy = {q.name: q for q in (POSITIONS_USED, ACCURACY_REACHED)}
         return own | self.regimes.summaries | elements | of_accuracy

@@ -158,13 +158,15 @@ def _timed_where_motion_repeats(scene: Scene) -> list[Problem]:
     """Loads that depend on time, and are on in what motion settles to."""
     settled = {f"regimes.{n}": regime for n, regime in scene.regimes.items() if not isinstance(regime, RunRegime)}
     settled |= {f"elements.{n}": e for n, e in scene.elements.items() if isinstance(e, MachineDrive)}
-    mend = "switch it off here, or use a run"
-    return [
-        (f"{path}.off", f"{name!r} depends on time: {NOTHING_REPEATS}; {mend}")
-        for name in time_dependent(scene)
-        for path, what in settled.items()
-        if name not in what.off
-    ]
+    governing = [n for n, e in scene.elements.items() if e.machine_needed()[0] == ".engine.machine" and e.is_followed]
+    found = []
+    for name in time_dependent(scene):
+        words = f"{name!r} depends on time: {NOTHING_REPEATS}; "
+        mend = "switch it off here, or use a run"
+        found += [(f"{path}.off", words + mend) for path, what in settled.items() if name not in what.off]
+        mend = "leave it out, or engine.duration, with which a change of load is followed over the machine's cycle"
+        found += [(f"elements.{n}.engine.duration", words + mend) for n in governing]
+    return found
 
 
 def _problems(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem]:

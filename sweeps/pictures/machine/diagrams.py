@@ -16,6 +16,7 @@ from sweeps.text.engineer_units import engineer_unit
 
 # Beyond this the ends of an axis overflow.
 LARGEST = 1e300
+TIMED = "a load depends on time"
 
 
 class CycleCurves(NamedTuple):
@@ -27,7 +28,7 @@ class CycleCurves(NamedTuple):
         Crank angle [deg], or displacement of a sliding input in the unit of `q_label`.
     q_label : str
     rows : dict of str to ndarray (positions,)
-        Fields by name, SI.
+        Fields by name, SI; without those that don't repeat with the cycle.
     units : dict of str to str
     closed : bool
         Whether the first position follows the last.
@@ -82,14 +83,15 @@ def cycle_curves(moving: MovingMachine) -> CycleCurves:
     ends = [f"{main}.stroke_{end}_at" for end in ("low", "high")] if main and has_cycle(scene) else []
     # The rows step over jumps of a load, and their mean would miss the exact one by more than the picture tells.
     means = ["reduced_moment.mean"] if has_cycle(scene) else []
-    outcome = moving.outcome([*ends, *means], names)
+    units = {name: quantity.units for name, quantity in moving.machine.available_fields.items()}
+    means = [name for name in means if name.partition(".")[0] in units]
+    outcome = moving.outcome([*ends, *means], [name for name in names if name in units])
     verdict = Verdict(int(outcome.status[0]))
     if verdict not in (Verdict.OK, Verdict.NOT_FINITE):
         raise PictureError(f"no diagrams of this machine: {verdict.sentence}")
     rows = {name: row[0] for name, row in outcome.fields.items()}
     label, factor = input_axis(scene, moving.q)
     centres = (math.degrees(outcome.summaries[end][0]) for end in ends)
-    units = {name: quantity.units for name, quantity in moving.machine.available_fields.items()}
     centres = tuple(c for c in centres if math.isfinite(c))
     mean = float(outcome.summaries[means[0]][0]) if means else math.nan
     return CycleCurves(
@@ -154,8 +156,8 @@ def _sheet_of_cycle(figure: Figure, moving: MovingMachine, cycle: CycleCurves) -
         middle = (speed.max() + speed.min()) / 2
         _panel(axes[1, 2], cycle, "speed", f"δ = {np.ptp(speed) / abs(middle):.3g}, mean speed", "ω", middle)
     else:
-        why = "the machine stops within the cycle" if "speed" in cycle.rows else "no flywheel is described"
-        _say(axes[1, 2], f"ω(φ): {why}")
+        why = "the machine stops within the cycle" if "speed" in cycle.rows else TIMED
+        _say(axes[1, 2], f"ω(φ): {why if _has_flywheel(moving.scene) else 'no flywheel is described'}")
 
 
 def _say(ax: Axes, why: str) -> None:
@@ -174,7 +176,10 @@ def _sheet_of_range(figure: Figure, cycle: CycleCurves) -> None:
 
 def _panel(ax: Axes, cycle: CycleCurves, name: str, title: str, symbol: str, mean: float | None = None) -> None:
     """One quantity over the input's position, with its mean (SI) if that is given."""
-    row = cycle.rows[name]
+    row = cycle.rows.get(name)
+    if row is None:
+        _say(ax, f"{symbol}: {TIMED}")
+        return
     if np.isfinite(row).sum() < 2 or np.nanmax(np.abs(row)) > LARGEST:
         _say(ax, f"{symbol}: infinite or undefined")
         return
@@ -207,6 +212,9 @@ def _show_range(ax: Axes, shown: np.ndarray) -> None:
 
 def _energy_loop(ax: Axes, moving: MovingMachine, cycle: CycleCurves) -> None:
     """The loop W(I), with Wittenbauer's tangents and the flywheel they give where δ is asked for."""
+    if "work" not in cycle.rows:
+        _say(ax, f"Energy loop: {TIMED}")
+        return
     inertia, work = cycle.rows["reduced_inertia"], cycle.rows["work"]
     with np.errstate(over="ignore", invalid="ignore"):
         span_i, span_w = np.ptp(inertia) or 0.1 * inertia.max() or 1.0, np.ptp(work) or 1.0

@@ -10,6 +10,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from governor_samples import ENGINE, PORTER
 from graph_values import GraphValues
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
@@ -193,6 +194,28 @@ def test_load_over_time__is_taken_where_its_period_fits_the_cycle():
     open_, closed = Verdict.DOES_NOT_CLOSE, Verdict.OK
     assert [Verdict(code) for code in outcome.status] == [closed, closed, open_, closed, open_]
     np.testing.assert_allclose(outcome.summaries["mean_useful_moment"][[0, 1, 3]], -1.5, rtol=1e-13)
+
+
+GOVERNED = PORTER | {"damping": 600.0, "engine": ENGINE | {"machine": True, "inertia": 3.0}}
+TRAIN = {
+    "type": "torsional_train",
+    "masses": {"motor": {"inertia": 0.2, "damping": 0.02}, "end": {"inertia": 0.05}},
+    "shafts": {"shaft": {"between": ["motor", "end"], "stiffness": 800.0, "damping": 0.3}},
+    "machine_at": "end",
+}
+
+
+def test_element_that_follows_the_cycle__is_not_given_a_load_over_time():
+    """A change of load goes through cycles of any speed; a train is excited at that of the input."""
+    element = GOVERNED | {"engine": GOVERNED["engine"] | {"duration": 2.0}}
+    with pytest.raises(SceneError, match=r"elements\.e\.engine\.duration: 'push' depends on time: no motion repeats"):
+        Mechanics(Scene.model_validate(WEIGHT | {"moments": {"push": TABLED}, "elements": {"e": element}}))
+    fine = Scene.model_validate(WEIGHT | {"moments": {"push": TABLED}, "elements": {"e": GOVERNED}})
+    assert Machine(fine, ["e.decay_rate"]).evaluate({}).status[0] == Verdict.OK
+    for share, verdict in ((0.5, Verdict.OK), (0.4, Verdict.DOES_NOT_CLOSE)):
+        moments = {"push": PULSE | {"moment": f"3 N m * sin({share} * w * t)"}}
+        train = Scene.model_validate(WEIGHT | {"moments": moments, "elements": {"e": TRAIN}})
+        assert Machine(train, ["e.shaft.alternating_moment"]).evaluate({}).status[0] == verdict
 
 
 # Torsion springs

@@ -412,3 +412,49 @@ def test_telling_summaries__ask_for_the_flywheel_where_none_is_given(folder):
     for wheel, told in ((asked, True), (f'{asked}\ninertia = "30 kg m2"', False)):
         changed('inertia = "30 kg m2"', wheel)
         assert ("work.flywheel" in telling_summaries(read_scene("press.toml"))) == told
+
+
+# A push of 0.1 s when the machine starts: its cycle at constant speed has no reduced moment.
+TIMED = (
+    PRESS
+    + """
+[flywheel]
+inertia = "30 kg m2"
+
+[moments.push]
+type = "table"
+on = "crank"
+over_time = ["0 s", "0.1 s"]
+moment = ["90 N m", "0 N m"]
+interpolation = "linear"
+
+[regimes.start]
+type = "run"
+time = "0.3 s"
+from_speed = "40 rpm"
+"""
+)
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "run scene.toml --out r.h5",
+        "check scene.toml",
+        "show scene.toml --at 10,20",
+        "export scene.toml --to t.csv",
+        "export scene.toml --to t.toml",
+        "plot scene.toml --out p.png",
+        "report scene.toml --out p.html",
+        "balance scene.toml",
+        "quantities scene.toml",
+    ],
+)
+def test_load_over_time__leaves_every_command_what_repeats_with_the_cycle(command, press_folder):
+    Path("scene.toml").write_text(TIMED, encoding="utf8")
+    answer = said(*command.split())
+    assert answer.exit_code == 0, answer.output
+    told = answer.output + "".join(path.read_text() for path in Path().glob("t.csv"))
+    assert "reduced_inertia" in told or not command.startswith(("show", "export scene.toml --to t.csv", "quant"))
+    assert "reduced_moment" not in told
+    assert "drive torque" not in told
