@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import Verdict, any_quantity, parse_expression, scene_numbers
+from engine import Verdict, any_quantity, parse_expression
 from sweeps.report.sweep_result import SweepResult
-from sweeps.text.conditions import Condition, errors_in
+from sweeps.text.conditions import Condition
 from sweeps.text.engineer_units import engineer_unit, quantity_text
 from sweeps.text.tables import table
 
@@ -46,9 +46,9 @@ def front(result: SweepResult) -> np.ndarray:
 
 def met(result: SweepResult) -> np.ndarray:
     """Which candidates were computed and meet all conditions (candidates,)."""
-    there = result.columns["status"] == Verdict.OK
+    there, known = result.columns["status"] == Verdict.OK, result.requirements.known(result.columns)
     for condition in _conditions(result):
-        there = there & condition.judged(result.columns, errors_in(result.columns), there.size).met
+        there = there & condition.judged(*known, there.size).met
     return there
 
 
@@ -143,11 +143,9 @@ def _ends(result: SweepResult, variant: int) -> dict[str, str]:
 
 def _limits(result: SweepResult, variant: int) -> list[str]:
     """Conditions on whose limit a candidate lies, each by itself; an equality always is."""
-    fixed = {path: number.value for path, number in scene_numbers(result.scene).items()}
-    here = {name: column[variant : variant + 1] for name, column in result.columns.items()}
-    required = [Condition(parse_expression(text, any_quantity)) for text in result.record["require"]]
+    known = result.requirements.known({name: row[variant : variant + 1] for name, row in result.columns.items()})
     found = []
-    for part in (part for condition in (*required, *_conditions(result)) for part in condition.parts):
-        if not part.is_equality and (np.abs(part.margins(fixed | here, errors_in(here), 1)) <= ON_LIMIT).any():
+    for part in (part for one in (*result.requirements.conditions, *_conditions(result)) for part in one.parts):
+        if not part.is_equality and (np.abs(part.margins(*known, 1)) <= ON_LIMIT).any():
             found.append(part.text)
     return found

@@ -82,7 +82,9 @@ def _spread(
     for tolerance, column in zip(task.tolerances, off.T, strict=True):
         values[tolerance.path] = values[tolerance.path] + np.tile(column, count)
     outcome = machine.evaluate(values)
-    misses = _misses(task, fixed | {n: np.repeat(v, len(off)) for n, v in made.items()} | values | outcome.summaries)
+    made = {name: np.repeat(column, len(off)) for name, column in made.items()}
+    errors = {f"{name}_error": error for name, error in outcome.errors.items()}
+    misses = _misses(task, made | values | outcome.summaries | errors)
     misses |= outcome.status != Verdict.OK
     found = {"tolerance_misses": misses.reshape(count, -1)[:, :DRAWN].mean(axis=1)}
     for name in task.study.summaries:
@@ -95,10 +97,10 @@ def _spread(
     return found
 
 
-def _misses(task: SearchTask, values: Mapping[str, np.ndarray]) -> np.ndarray:
-    found = np.zeros(values["status"].shape, bool)
+def _misses(task: SearchTask, columns: Mapping[str, np.ndarray]) -> np.ndarray:
+    found, known = np.zeros(columns["status"].shape, bool), task.study.requirements.known(columns)
     for condition in (*task.study.require, *task.conditions):
-        found |= ~condition.judged(values, {}, found.size).met
+        found |= ~condition.judged(*known, found.size).met
     return found
 
 

@@ -107,7 +107,7 @@ class Trials:
         """What columns of candidates mean for the search."""
         task, status = self.task, columns["status"]
         costs = np.column_stack([o.sign * columns[o.name] for o in task.objectives])
-        conditions, known = (*task.study.require, *task.conditions), (task.study.fixed | columns, errors_in(columns))
+        conditions, known = (*task.study.require, *task.conditions), task.study.requirements.known(columns)
         apart = [condition.margins(*known, status.size) for condition in conditions]
         parts = np.concatenate(apart) if apart else np.zeros((0, status.size))
         violation = np.maximum(parts, 0).sum(axis=0)

@@ -11,7 +11,7 @@ import numpy as np
 from engine import Verdict, any_quantity, parse_expression, scene_numbers
 from sweeps.report.sweep_result import SweepResult, drop_counts
 from sweeps.study.study_text import Best
-from sweeps.text.conditions import Condition, errors_in
+from sweeps.text.conditions import Condition
 
 MOST_BEST, MOST_SAMPLED = 500, 2000
 # Axes of a design along which a neighbour is a step away; samples and tables have no order.
@@ -129,12 +129,13 @@ class Digest:
         return tuple(self._prices(self.condition.parts)) if self.condition else ()
 
     def _prices(self, parts: tuple[Condition, ...]) -> Iterator[Price]:
+        required = self.result.requirements
         for part in parts:
             others = " and ".join(f"({other.text})" for other in parts if other is not part)
             without, margin = self._first(others or None, 1), np.nan
             if self.best is not None:
-                here = self.result.rows(np.array([self.best]), part.names)
-                margin = -float(part.margins(here, errors_in(here), 1).max())
+                here = self.result.rows(np.array([self.best]), required.behind(part.names))
+                margin = -float(part.margins(*required.known(here), 1).max())
             yield Price(part.text, margin, int(without[0]) if without.size else None)
 
     @cached_property
@@ -217,7 +218,7 @@ class Digest:
         ok = self.rows["status"] == Verdict.OK
         if not self.condition:
             return ok
-        return ok & self.condition.judged(self.rows, errors_in(self.rows), ok.size).met
+        return ok & self.condition.judged(*self.result.requirements.known(self.rows), ok.size).met
 
     @property
     def is_one(self) -> bool:

@@ -23,7 +23,7 @@ from sweeps.report.recorded_study import recorded_scene, recorded_study
 from sweeps.store import Description, FieldAxis, MappedResult, describe_result, mapped_columns, read_columns
 from sweeps.study.study import Requirements, Study
 from sweeps.study.study_text import Best
-from sweeps.text.conditions import Condition, Judgement, errors_in
+from sweeps.text.conditions import Condition, Judgement
 from sweeps.text.engineer_units import show_units
 from sweeps.text.input_files import InputError, check_file
 
@@ -287,9 +287,12 @@ class SweepResult:
         except ExpressionError as error:
             raise InputError(str(self.path), [(None, "where", str(error))]) from None
 
+        required = self.requirements
+        names = required.behind(condition.names)
+
         def judged(part: slice | np.ndarray) -> Judgement:
-            here = self.rows(part, condition.names)
-            return condition.judged(here, errors_in(here), self.columns["status"][part].size)
+            known = required.known(self.rows(part, names))
+            return condition.judged(*known, self.columns["status"][part].size)
 
         return judged
 
@@ -372,7 +375,7 @@ class SweepResult:
         was dropped.
         """
         required = self.requirements
-        names = {name for used in (*required.conditions, *required.derived.values()) for name in used.names}
+        names = required.behind(name for condition in required.conditions for name in condition.names)
         for part in self.parts():
             found = required.misses(self.rows(part, names), part.stop - part.start)
             yield found & (self.columns["status"][part] != Verdict.NOT_COMPUTED)

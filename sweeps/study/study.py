@@ -1,6 +1,6 @@
 """A study: its variants, the machine that answers them, and what results depend on."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from functools import cached_property
 from typing import NamedTuple
@@ -11,7 +11,7 @@ from engine import ElementsAlone, Machine, TextExpression, made_ready
 from sweeps.study.sensitivity import Sensitivity
 from sweeps.study.study_content import StudyContent
 from sweeps.study.study_record import study_digest
-from sweeps.text.conditions import Condition, value_with_error
+from sweeps.text.conditions import Condition, Values, errors_in, value_with_error
 
 
 class Requirements(NamedTuple):
@@ -44,13 +44,36 @@ class Requirements(NamedTuple):
         -------
         ndarray (conditions, count) of bool
         """
-        values, errors = self.fixed | values, {}
-        if self.conditions:
-            with np.errstate(all="ignore"):
-                for path, expression in self.derived.items():
-                    errors[path] = value_with_error(expression.tree, values, errors)[1]
-        found = [~condition.judged(values, errors, count).met for condition in self.conditions]
+        known = self.known(values) if self.conditions else ({}, {})
+        found = [~condition.judged(*known, count).met for condition in self.conditions]
         return np.array(found, bool).reshape(len(self.conditions), count)
+
+    def known(self, columns: Mapping[str, np.ndarray]) -> tuple[Values, Values]:
+        """Values and error estimates of all that a condition may name.
+
+        Parameters
+        ----------
+        columns : mapping of str to float or ndarray
+            Of some variants (SI), estimates in NAME_error; of a derived parameter also what it is derived from.
+        """
+        values, errors = {**self.fixed, **columns}, errors_in(columns)
+        with np.errstate(all="ignore"):
+            for path, expression in self.derived.items():
+                if path in columns:
+                    errors[path] = value_with_error(expression.tree, values, errors)[1]
+        return values, errors
+
+    def behind(self, names: Iterable[str]) -> tuple[str, ...]:
+        """Some names, and those that parameters among them are derived from.
+
+        Parameters
+        ----------
+        names : iterable of str
+        """
+        found = list(names)
+        for path, expression in reversed(self.derived.items()):
+            found += expression.names if path in found else ()
+        return tuple(dict.fromkeys(found))
 
 
 class Study(StudyContent):
@@ -117,7 +140,12 @@ class Study(StudyContent):
         values = dict(varied)
         for path, expression in self.derived.items():
             values[path] = np.broadcast_to(expression.evaluate(self.fixed | values), (count,)).astype(float)
-        return values, Requirements(self.require, self.derived, self.fixed).misses(values, count)
+        return values, self.requirements.misses(values, count)
+
+    @cached_property
+    def requirements(self) -> Requirements:
+        """What is required of parameters."""
+        return Requirements(self.require, self.derived, self.fixed)
 
     @property
     def digest(self) -> str:

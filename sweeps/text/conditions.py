@@ -31,7 +31,7 @@ from engine import (
 WORST = 1.0
 # Rounding of a number read, converted or derived, and of a comparison, relative.
 ROUNDING = 4 * float(np.finfo(float).eps)
-# Sides that agree within an estimate below this share of them are equal for all that is ever shown of them.
+# Sides that agree within an estimate below this share of what they are made of are equal for all that is ever shown.
 NEGLIGIBLE = 1e-9
 
 
@@ -212,6 +212,8 @@ class _Comparison(NamedTuple):
         The difference and its error estimate; infinite where a side has none.
     whole : ndarray
         Sum of the magnitudes of both sides.
+    rounding : ndarray
+        What the error of the difference would be by rounding alone.
     """
 
     sign: str
@@ -219,6 +221,7 @@ class _Comparison(NamedTuple):
     apart: np.ndarray
     error: np.ndarray
     whole: np.ndarray
+    rounding: np.ndarray
 
     def holds(self, error: np.ndarray) -> np.ndarray:
         """Whether it holds by as much as an error; by a negative one, whether it fails by no more than that."""
@@ -237,18 +240,22 @@ class _Comparison(NamedTuple):
 
     @property
     def is_equal(self) -> np.ndarray:
-        """Where both sides are the same to nine digits, within their estimates."""
-        return (np.abs(self.apart) <= self.error) & (self.error <= NEGLIGIBLE * self.whole)
+        """Where both sides are the same within their estimates, to nine digits of what they are made of."""
+        # A difference of great numbers is known by their rounding only, however small it is.
+        size = np.maximum(self.whole, self.rounding / ROUNDING)
+        return (np.abs(self.apart) <= self.error) & (self.error <= NEGLIGIBLE * size)
 
 
 def _comparison(tree: TextOperation, values: Values, errors: Values) -> _Comparison:
-    apart, error = value_with_error(TextOperation("-", tree.operands, tree.column), values, errors)
+    difference = TextOperation("-", tree.operands, tree.column)
+    apart, error = value_with_error(difference, values, errors)
+    _, rounding = value_with_error(difference, values, {})
     whole = sum(np.abs(evaluate_tree(operand, values)) for operand in tree.operands)
     error = np.where(np.isfinite(apart), error + ROUNDING * whole, 0.0)
     if tree.name in (">", ">="):
         apart = -apart
     sign = {">": "<", ">=": "<=", "!=": "=="}.get(tree.name, tree.name)
-    return _Comparison(sign, tree.name == "!=", apart, error, whole)
+    return _Comparison(sign, tree.name == "!=", apart, error, whole, rounding)
 
 
 def _judged(tree: TextOperation, values: Values, errors: Values, wanted: bool, surely: bool) -> np.ndarray:

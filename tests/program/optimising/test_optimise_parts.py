@@ -14,10 +14,12 @@ from engine import Verdict
 from engine.parts.formulas.expressions import parse
 from sweeps.optimising.optimum import choices, front
 from sweeps.optimising.trials import Trials
+from sweeps.page.digest import Digest
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.picture_files import result_pictures, sweep_data
 from sweeps.pictures.sweep.front_picture import front_picture
 from sweeps.report.sweep_result import SweepResult
+from sweeps.run.runner import run_study
 from sweeps.study.sampling import Columns, Design, Linear, Listed, Logarithmic, Sampled
 from sweeps.study.search_task import task_of
 from sweeps.study.search_variables import Span, Variables
@@ -354,3 +356,52 @@ def test_scene__of_the_tests_is_the_one_that_is_searched(tmp_path):
     study = study_of(tmp_path, ASKED)
     assert study.paths == (CRANK, ROD)
     assert (tmp_path / "press.toml").read_text() == SCENE
+
+
+# Conditions on what is derived
+
+BY_ROUNDING = """
+title = "Offset"
+scene = "press.toml"
+positions = 48
+require = ["groups.slide.second.offset <= '0 mm'"]
+
+[vary]
+"input.length" = {values = ["40 mm", "50 mm", "60 mm"]}
+
+[derive]
+"groups.slide.second.offset" = "3 * input.length - '150 mm'"
+
+[outputs]
+summaries = ["ram.stroke"]
+"""
+
+
+def test_parameter_that_misses_a_limit_by_the_rounding_of_its_derivation__meets_it_for_every_judge(tmp_path):
+    """3 · 0.05 − 0.15 is 2.8e-17: by its own rounding that isn't 0, by those of what it follows from it is."""
+    (tmp_path / "press.toml").write_text(SCENE)
+    limit = "groups.slide.second.offset <= '0 mm'"
+    aim = f'[best]\nmaximise = "ram.stroke"\nwhere = "{limit}"\n'
+    (tmp_path / "study.toml").write_text(BY_ROUNDING + aim)
+    study = read_study(tmp_path / "study.toml")
+    values, dropped = study.values(0, 3)
+    assert 0.0 < values["groups.slide.second.offset"][1] < 1e-16
+    assert dropped.tolist() == [False, False, True]
+    result = SweepResult(run_study(study, tmp_path / "r.h5"))
+    assert result.best() == 1
+    digest = Digest(result.path)
+    assert digest.meets[digest.place(1)]
+    assert digest.prices[0].margin >= 0.0
+    search = "[optimise]\nmaximise = 'ram.stroke'\n"
+    (tmp_path / "search.toml").write_text(BY_ROUNDING + f'{search}subject_to = "{limit}"\n')
+    trials = Trials(task_of(read_study(tmp_path / "search.toml")))
+    assert trials.judged(trials.columns({CRANK: np.array([0.04, 0.05, 0.06])}, 3, drop=False)).met.tolist() == [1, 1, 0]
+
+
+def test_machines_within_tolerances__on_a_limit_that_the_tolerance_leaves_alone_meet_it(tmp_path):
+    """The stroke of a crank in line is twice the crank's length whatever the rod's is, but for rounding."""
+    rest = f'[tolerances]\n"{ROD}" = {{plus_minus = "0.5 mm"}}\n'
+    vary = f'[vary]\n"{CRANK}" = {{values = ["50 mm"]}}\n"{ROD}" = {{low = "150 mm", high = "400 mm"}}\n'
+    asked = "minimise = \"excess_work\"\nsubject_to = \"ram.stroke >= '100 mm' and ram.stroke <= '100 mm'\"\n"
+    result = searched(tmp_path, f"{asked}population = 8\ngenerations = 2", vary=vary, rest=rest)
+    assert result.columns["tolerance_misses"][result.best()] == 0

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from engine import any_quantity
@@ -57,6 +57,7 @@ def box(a: float, b: float, a_error: float, b_error: float) -> dict[str, np.ndar
 
 @settings(deadline=None, max_examples=300)
 @given(linear_conditions(), NUMBERS, NUMBERS, SIZES, SIZES)
+@example(("1 * a <= b + -1", ("<=", 1, -1)), 0.0, 1.0, 0.0, 0.0)
 def test_sides_that_agree_within_their_estimates__count_as_equal(condition, a, b, a_error, b_error):
     text, tree = condition
     judged = condition_of(text).judged({"a": a, "b": b}, {"a": a_error, "b": b_error}, 1)
