@@ -399,9 +399,9 @@ def test_parameter_that_misses_a_limit_by_the_rounding_of_its_derivation__meets_
 
 
 def test_machines_within_tolerances__on_a_limit_that_the_tolerance_leaves_alone_meet_it(tmp_path):
-    """The stroke of a crank in line is twice the crank's length whatever the rod's is, but for rounding."""
+    """The stroke of a crank in line is twice the crank's length whatever the rod's is, but for the rod's rounding."""
     rest = f'[tolerances]\n"{ROD}" = {{plus_minus = "0.5 mm"}}\n'
-    vary = f'[vary]\n"{CRANK}" = {{values = ["50 mm"]}}\n"{ROD}" = {{low = "150 mm", high = "400 mm"}}\n'
+    vary = f'[vary]\n"{CRANK}" = {{values = ["50 mm"]}}\n"{ROD}" = {{low = "15 m", high = "40 m"}}\n'
     asked = "minimise = \"excess_work\"\nsubject_to = \"ram.stroke >= '100 mm' and ram.stroke <= '100 mm'\"\n"
     result = searched(tmp_path, f"{asked}population = 8\ngenerations = 2", vary=vary, rest=rest)
     assert result.columns["tolerance_misses"][result.best()] == 0
