@@ -52,6 +52,9 @@ class MovedByLaw(MotionProgram):
     def _has_one_argument(self) -> "MovedByLaw":
         if self.period is not None and self.travel is not None:
             raise ValueError("give period, of a law of time, or travel, of one of the first input, one of the two")
+        lost = self.gives("period", "travel")
+        if lost and not self.repeats and getattr(self, "ratio", 0.0) == 0.0:
+            raise ValueError(f"{lost[0]} is what a ratio, harmonics, sections or a table go by, and there are none")
         if self.gives("begin") and not self.sections and self.table is None:
             raise ValueError("begin is where sections or a table begin, and there are none; leave it out")
         if self.drive == "crank" and (self.period is not None or getattr(self, "speed", 0.0) != 0.0):

@@ -15,6 +15,13 @@ Stiffness = Annotated[quantity("stiffness"), Field(ge=0)]
 TorsionalStiffness = Annotated[quantity("torsional_stiffness"), Field(ge=0)]
 
 
+def _check_forces(follower: Part, moved: str) -> None:
+    """Refuse what presses a follower on its cam where no forces are computed."""
+    lost = follower.gives("preload", "stiffness", "load")
+    if lost and getattr(follower, moved) is None:
+        raise ValueError(f"{lost[0]} matters to forces, which need the follower's {moved}: give that, or leave it out")
+
+
 class TranslatingFollower(Part):
     """A follower that slides; `offset` of its line of motion from the cam's axis, positive lowers α on the rise.
 
@@ -37,6 +44,7 @@ class TranslatingFollower(Part):
     @model_validator(mode="after")
     def _contact_fits(self) -> "TranslatingFollower":
         check_roller(self.contact, self.roller_radius)
+        _check_forces(self, "mass")
         given = [self.friction is None, self.guide_length is None, self.overhang is None]
         if any(given) and not all(given):
             raise ValueError("friction, guide_length and overhang belong together: give all three, or none")
@@ -73,6 +81,7 @@ class OscillatingFollower(Part):
     @model_validator(mode="after")
     def _contact_fits(self) -> "OscillatingFollower":
         check_roller(self.contact, self.roller_radius)
+        _check_forces(self, "inertia")
         if (self.arm is None) != (self.contact == "flat"):
             raise ValueError("arm is the distance of a roller or knife edge from the pivot; a flat face has none")
         return self

@@ -113,4 +113,7 @@ class GovernedEngine(Part):
     def _load_changes(self) -> "GovernedEngine":
         if self.duration is not None and self.new_load is None:
             raise ValueError("duration belongs to a change of load: give new_load, or leave duration out")
+        lost = self.gives("settling_band", "throttled")
+        if lost and self.duration is None:
+            raise ValueError(f"{lost[0]} counts where a change of load is followed: give duration, or leave it out")
         return self

@@ -6,19 +6,27 @@ change with one of them, or all of them must be refused.
 """
 
 import copy
+import math
 from collections.abc import Iterator
 from typing import Literal, get_args, get_origin
 
 import numpy as np
 import pytest
+from cam_samples import KNIFE
+from driving_cams import SLIDING, SWINGING, changed
 from element_samples import EVERY
-from governor_samples import EVERY_GOVERNOR
+from free_link_scenes import triad_data
+from governor_samples import ENGINE, EVERY_GOVERNOR, PORTER
 from graph_values import GraphValues
 from machines import crank, four_bar, frame, on, rpr
+from noncircular_wheels import CHAIN, ELLIPSES
 from pydantic import ValidationError
+from racks import DOUBLER, LIFT, ON_CRANK
+from rubbing_machines import yoke
 
 from engine import Mechanics, Scene, SceneError
 from engine.cycle.measured import Measured
+from engine.elements.element import Element
 from engine.graph.nodes import Node
 from engine.parts.skeleton import Part, _marked
 from engine.quantities.expressions import Evaluation, VariantNumber, nodes_of
@@ -26,7 +34,8 @@ from engine.quantities.machine import register_of
 from sweeps import read_study
 from sweeps.study.bundled import bundled_studies
 
-SHARES = np.array([0.04, 0.23, 0.62])
+# Of the input's range; enough for windows of loads and for pieces of motion programs.
+SHARES = np.linspace(0.013, 0.987, 13)
 
 
 def slider_crank(**tables: dict) -> dict:
@@ -95,6 +104,51 @@ def law(**own: object) -> dict:
     return slider_crank(points={"C": frame(0.5, 0.0)}, inputs={"second": second}, bodies=masses)
 
 
+def rubbing(**own: object) -> dict:
+    return slider_crank(friction={"f": {"coefficient": 0.1} | own})
+
+
+def cylinder(**own: object) -> dict:
+    gas = {"piston": "ram", "bore": 0.05, "clearance": 0.1, "intake": 1e5, "exhaust": 1.1e5, "peak": 4e6}
+    scene = slider_crank(cylinders={"c": gas | own})
+    scene["input"]["revolutions"] = 2 if own["type"] == "four_stroke" else 1
+    return scene
+
+
+def slide(**own: object) -> dict:
+    second = {"second": {"type": "slider", "guide": "up"} | own}
+    masses = {"second_body": {"link": "second", "mass": 1.0}}
+    return slider_crank(guides={"up": {"x": 0.4, "angle": 1.0}}, inputs=second, bodies=masses)
+
+
+def brake(**own: object) -> dict:
+    return on_shaft(force=10.0, friction=0.3, **own)
+
+
+def program(key: str) -> dict:
+    return {
+        "up": {"type": "rise", "law": "cycloidal", "angle": 2.0, key: 0.025},
+        "back": {"type": "return", "law": "3-4-5", "angle": 2.0},
+        "low": {"type": "dwell"},
+    }
+
+
+ROWS = {"over_angle": [0.0, 2.0, 4.0], "lift": [0.0, 0.02, 0.01]}
+BAND = {"type": "band_brake", "radius": 0.1, "lever_arm": 0.5, "slack_arm": 0.1}
+TWO_GUIDES = {
+    "points": {"O": frame(0, 0)},
+    "input": crank(length=0.05),
+    "guides": {"a": {"angle": 0.1}, "b": {"link": "crank", "x": 0.05, "angle": 1.5}},
+    "groups": {
+        "g": {
+            "type": "PRP",
+            "inner": "B",
+            "first": {"link": "one", "guide": "a"},
+            "second": {"link": "other", "guide": "b"},
+        }
+    },
+    "bodies": {"m": {"link": "one", "mass": 2.0}},
+}
 WANTED = {"over_angle": [0.2, 1.5, 4.0]}
 ARMS = {"type": "arms", "arm_area": 1e-3, "hub_diameter": 0.05, "hub_width": 0.04}
 LINES = {"piston": "ram", "bore": 0.05, "suction": 1e5, "discharge": 5e5}
@@ -166,6 +220,53 @@ SCENES = {
     "wanted_path": slider_crank(wanted={"w": {"type": "path", "point": "K", "x": [0.1, 0.12], "y": [0.02, 0.03]}}),
     "wanted_slide": slider_crank(wanted={"w": {"type": "slider", "of": "ram", "slide": [0.1, 0.2, 0.1], **WANTED}}),
     "wanted_angle": slider_crank(wanted={"w": {"type": "link", "of": "rod", "angle": [0.1, 0.4, 0.2], **WANTED}}),
+    "doubler": DOUBLER,
+    "lossy_doubler": changed(DOUBLER, pinions__wheel__efficiency=0.9, racks__table__efficiency=0.9),
+    "lifted": LIFT,
+    "rack_on_crank": ON_CRANK,
+    "ellipses": ELLIPSES,
+    "chain": CHAIN,
+    "cam": changed(SLIDING, cams__cam__sections=program("lift")),
+    "flat_cam": changed(
+        SLIDING,
+        cams__cam__sections=program("lift"),
+        cams__cam__follower={"type": "translating", "link": "tappet", "guide": "way", "contact": "flat"},
+    ),
+    "tabled_cam": changed(SLIDING, cams__cam__sections=None, cams__cam__table=ROWS),
+    "swinging_cam": SWINGING,
+    "journal": rubbing(pair="g.inner", diameter=0.02),
+    "worn_journal": rubbing(pair="g.inner", diameter=0.02, contact="worn in"),
+    "rule_journal": rubbing(pair="g.inner", diameter=0.02, above_prismatic=0.3),
+    "way": rubbing(pair="g.second"),
+    "vee": rubbing(pair="g.second", form="vee", vee_angle=1.0),
+    "stribeck": rubbing(pair="g.second", static_coefficient=0.2, stribeck_speed=0.1),
+    "yoke": yoke(0.3, 0.1),
+    "two_guides": TWO_GUIDES,
+    "four_stroke": cylinder(type="four_stroke"),
+    "two_stroke": cylinder(type="two_stroke", port=0.8),
+    "block_brake": brake(type="block_brake", radius=0.1),
+    "disc_brake": brake(type="disc_brake", inner_radius=0.05, outer_radius=0.1),
+    "band_brake": brake(**BAND, wrap=3.0),
+    "lined_band": brake(**BAND, blocks=8, block_angle=0.3),
+    "bifilar": body(mass=1.0, x=0.1, swing={"type": "bifilar", "period": 1.0, "spacing": 0.1, "length": 1.0}),
+    "trifilar": body(mass=1.0, x=0.1, swing={"type": "trifilar", "period": 1.0, "radius": 0.1, "length": 1.0}),
+    "replaced": body(mass=1.0, x=0.1, inertia=0.004, replace={"type": "dynamic", "at": ["A", "K"], "mass": 0.2}),
+    "statically": body(mass=1.0, x=0.1, inertia=0.004, replace={"type": "static", "at": ["A", "B"]}),
+    "slide": slide(harmonics={"one": {"order": 1, "cosine": 0.03}}),
+    "slide_sections": slide(sections=program("lift")),
+    "slide_table": slide(table=ROWS),
+    "swing_sections": law(sections=program("swing")),
+    "over_time_input": law(period=2 * math.pi / 5, harmonics={"one": {"order": 1, "cosine": 0.3}}),
+    "even_in_time": law(speed=5.0),
+    "triad": triad_data(),
+    "formula_moment": on_shaft(type="formula", moment="k * omega", numbers={"k": "3 N m s"}),
+    "drag_moment": on_shaft(type="linear_drag", coefficient=1.0),
+    "power_moment": on_shaft(type="power_drag", moment=1.0, at_speed=2.0, exponent=1.5),
+    "square_drag": force(type="quadratic_drag", on="K", coefficient=10.0),
+    "planet": slider_crank(
+        shafts={"s": {"geared_to": "frame", "carrier": "crank", "pivot": "A", "ratio": 2.0}},
+        bodies={"p": {"link": "s", "mass": 1.0, "x": 0.03}},
+    ),
     "slider": {
         "points": {"D": frame(0.05, 0.25)},
         "guides": {"way": {"angle": 0.2}},
@@ -198,7 +299,15 @@ NO_EFFECT = {
     ("TableGovernor", "sleeve_mass"): "where the controlling force is measured, without an engine",
     ("CamElement", "cutter_radius"): "of the cutter's path, which is drawn and exported",
     ("RunRegime", "at_most"): "of a run that ends before",
+    ("Scene", "gravity"): "where nothing has a mass",
+    ("DrivingCam", "closure"): "on a verdict alone",
+    ("FourStroke", "firing_angle"): "until the next dead centre",
+    ("PairFriction", "length"): "of a slider that doesn't tilt",
+    ("Near", "x"): "as long as the same mode is nearest",
+    ("Near", "y"): "as long as the same mode is nearest",
 }
+# What counts in regimes, or names something.
+IN_MOTION = {"RunRegime", "SteadyRegime", "Instants", "FrictionClutch", "FluidCoupling", "Balance"}
 OTHERWISE = {"title", "source", "type", "regimes", "elements"}
 
 
@@ -311,9 +420,29 @@ def test_key__changes_something_or_is_refused(name):
     assert not ignored
 
 
+def models() -> set[type[Part]]:
+    """Every part that a scene may have, but machine elements."""
+    found, pending = set(), [Scene]
+    while pending:
+        kind = pending.pop()
+        if isinstance(kind, type) and issubclass(kind, Part) and kind not in found and kind is not Element:
+            found.add(kind)
+            pending += [field.annotation for field in kind.model_fields.values()]
+        pending += get_args(kind)
+    return found
+
+
+def test_every_part__stands_in_one_of_the_scenes():
+    tried = {type(part) for data in SCENES.values() for _, part in parts_of(Scene.model_validate(data))}
+    assert {kind.__name__ for kind in models() - tried} == IN_MOTION
+
+
 def element_scenes() -> dict[str, Scene]:
     """Elements of all kinds: samples, and those of bundled studies that need no machine."""
-    samples = {name: Scene.model_validate({"elements": {"e": e}}) for name, e in (EVERY | EVERY_GOVERNOR).items()}
+    governed = {"governed": PORTER | {"damping": 600.0, "engine": ENGINE}}
+    governed |= {"followed": PORTER | {"damping": 600.0, "engine": ENGINE | {"duration": 2.0}}}
+    every = EVERY | EVERY_GOVERNOR | governed | {"knife": KNIFE | {"sections": program("lift")}}
+    samples = {name: Scene.model_validate({"elements": {"e": e}}) for name, e in every.items()}
     studies = {name: read_study(path).scene for name, path in bundled_studies().items()}
     return samples | {f"study {name}": s for name, s in studies.items() if s.elements and s.input is None}
 
