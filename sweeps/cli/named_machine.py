@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from engine import CrankInput, Scene, UnitError, in_text, near_of_variant, scene_numbers
+from engine import CrankInput, Scene, UnitError, in_text, scene_numbers
 from sweeps.optimising.optimum import choices, is_front
 from sweeps.report.readings import Readings, readings_at, readings_in_time
 from sweeps.report.sweep_result import SweepResult
@@ -80,16 +80,11 @@ def numbers_replaced(file: str, values: Mapping[str, float], settings: Sequence[
 
     Raises
     ------
-    InputError
+    SceneError
         The scene's assembly mode isn't reached in the variant.
     """
     scene = SweepResult(Path(file)).scene if is_result(file) else read_study(find_study(file)).scene
     own, rest = _set_anew(scene, values, settings)
-    if near_of_variant(own, rest) is None:
-        message = (
-            "the scene's assembly mode isn't reached in this variant, so there is no machine to write; take another"
-        )
-        raise InputError(file, [(None, "variant", message)])
     told = {p: number.value for p, number in scene_numbers(with_values(own, rest)).items() if p.startswith("near.")}
     return scene, {**values, **given_values(scene, settings), **(told if rest or settings else {})}
 

@@ -146,10 +146,19 @@ def values_of_variant(scene: Scene, values: Mapping[str, float]) -> dict[str, fl
     scene : Scene
     values : mapping of path to float
         New values (SI). With a place that tells a mode among them they stay as they are.
+
+    Raises
+    ------
+    SceneError
+        The scene's mode isn't reached in the variant.
     """
     if any(path.startswith("near.") for path in values):
         return dict(values)
-    return {**values, **(near_of_variant(scene, values) or {})}
+    found = near_of_variant(scene, values)
+    if found is None:
+        message = "the scene's assembly mode isn't reached in this variant, so there is no such machine; take another"
+        raise SceneError([("near", message)])
+    return {**values, **found}
 
 
 def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
@@ -164,7 +173,7 @@ def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
     Raises
     ------
     SceneError
-        A value isn't allowed where it goes.
+        A value isn't allowed where it goes, or the scene's assembly mode isn't reached.
     """
     return with_numbers(scene, values_of_variant(scene, values))
 

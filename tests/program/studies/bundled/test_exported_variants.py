@@ -4,13 +4,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from commands import refused
 from free_link_scenes import triad_data
 
 from engine import Machine, Scene, Verdict
-from sweeps.cli.named_machine import numbers_replaced
+from sweeps.report.sweep_result import SweepResult
+from sweeps.run.runner import run_study
 from sweeps.study.bundled import bundled_studies
 from sweeps.study.study_reader import read_study
-from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import read_scene, with_numbers, with_values, write_scene
 from sweeps.text.templates import bundled_templates
 
@@ -52,8 +53,43 @@ def test_variants_of_free_links__are_put_together_as_in_the_sweep(tmp_path: Path
     assert otherwise
 
 
-def test_variant_whose_mode_is_not_reached__is_not_written(tmp_path: Path):
-    to = tmp_path / "triad.toml"
-    to.write_text(write_scene(Scene.model_validate(triad_data())), encoding="utf8")
-    with pytest.raises(InputError, match="assembly mode isn't reached"):
-        numbers_replaced(str(to), {"links.lower.length": 0.6}, ())
+UNREACHED = """
+title = "Legs"
+scene = "triad.toml"
+positions = 24
+
+[vary]
+"links.lower.length" = {values = ["0.2 m", "0.6 m"]}
+
+[outputs]
+summaries = ["upper.swing"]
+"""
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "show FILE --variant 1 --at 10",
+        "export FILE --variant 1 --at 10 --to t.csv",
+        "export FILE --variant 1 --to t.csv",
+        "export FILE --variant 1 --to t.toml",
+        "export FILE --variant 1 --to t.svg",
+        "plot FILE --variant 1 --out p.png",
+        "plot FILE --variant 1 -y upper.angle --out p.png",
+    ],
+)
+def test_variant_whose_mode_is_not_reached__is_no_machine_for_any_command(command, unreached):
+    """Put together by the scene's own near it would be another machine than the one that the sweep refuses."""
+    for file in ("r.h5", "study.toml"):
+        assert "assembly mode isn't reached" in refused(*command.replace("FILE", file).split())
+    assert {path.name for path in Path().iterdir()} == {"r.h5", "study.toml", "triad.toml"}
+
+
+@pytest.fixture
+def unreached(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A folder with a study of two variants, the second in another assembly mode, and its result."""
+    monkeypatch.chdir(tmp_path)
+    Path("triad.toml").write_text(write_scene(Scene.model_validate(triad_data())), encoding="utf8")
+    Path("study.toml").write_text(UNREACHED, encoding="utf8")
+    result = SweepResult(run_study(read_study(Path("study.toml")), "r.h5"))
+    assert result.columns["status"].tolist() == [Verdict.OK, Verdict.MODE_NOT_REACHED]
