@@ -88,6 +88,8 @@ def given_numbers(
 
 def _row(path: str, values: object) -> np.ndarray:
     """What is given for a path, as a row of float64."""
+    if np.ma.is_masked(values):
+        raise AskError(f"{path!r} has masked values: leave out the variants that have none")
     try:
         row = np.atleast_1d(np.asarray(values))
     except ValueError:

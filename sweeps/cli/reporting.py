@@ -1,6 +1,5 @@
 """The command report."""
 
-import tempfile
 from pathlib import Path
 
 import click
@@ -24,6 +23,7 @@ def report(file: str, out: Path | None) -> None:
     from sweeps.study.bundled import find_study
     from sweeps.study.study_reader import read_study
     from sweeps.text.input_files import InputError
+    from sweeps.text.whole_files import scratch_folder
 
     text = None if is_result(file) else find_study(file)
     out = out or Path(file).with_suffix(".html")
@@ -37,6 +37,6 @@ def report(file: str, out: Path | None) -> None:
         if study.design.size > 1:
             mend = f"run it first, `sweeps run {file}`, then report its result, results/{study.name}.h5"
             raise InputError(file, [(None, "", f"is a study of {study.design.size} variants: {mend}")])
-        with tempfile.TemporaryDirectory() as folder, doing("Writing the page"):
-            write_page(run_study(study, Path(folder, f"{study.name}.h5")), out)
+        with scratch_folder() as folder, doing("Writing the page"):
+            write_page(run_study(study, folder / f"{study.name}.h5"), out)
     tell(f"Wrote {out}")

@@ -1,6 +1,7 @@
 """What the commands have in common: options, messages, files and threads."""
 
 import json
+import re
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -127,7 +128,9 @@ def study_options(command: Command) -> Command:
 
 def tell_data(data: object) -> None:
     """Answer with JSON."""
-    tell(json.dumps(data, ensure_ascii=False, indent=2))
+    text = json.dumps(data, ensure_ascii=False, indent=2)
+    # In JSON these have no short names.
+    tell(re.sub("[\x7f-\x9f]", lambda found: f"\\u{ord(found[0]):04x}", text))
 
 
 def stop_if_all_failed(status: Iterable[int]) -> None:

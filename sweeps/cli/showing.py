@@ -234,7 +234,7 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
 @click.option("--out", type=click.Path(path_type=Path), help="GIF file; NAME.gif unless given.")
 @click.option("--variant", type=int, help="Machine of one variant of a result file.")
 @click.option("--paths", default="", help="Points whose paths are drawn, separated by commas.")
-@click.option("--frames", type=click.IntRange(min=4), default=60, show_default=True)
+@click.option("--frames", type=click.IntRange(4, 1000), default=60, show_default=True)
 @SET
 @errors_as_messages
 @doing("Drawing the frames")

@@ -2,7 +2,6 @@
 
 import html
 import re
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -21,6 +20,7 @@ from sweeps.pictures.sweep.parallel_coordinates import chosen_columns
 from sweeps.pictures.sweep.sweep_data import SweepData, wrapped
 from sweeps.study.sensitivity import RSS, WORST_CASE
 from sweeps.text.visible import visible
+from sweeps.text.whole_files import scratch_folder
 
 if TYPE_CHECKING:
     from markupsafe import Markup
@@ -52,16 +52,16 @@ class Drawn(NamedTuple):
 def drawn_pictures(digest: Digest) -> Drawn:
     """Draw the machine with its diagrams, and all variants."""
     machine, variants, complaints = [], None, []
-    with tempfile.TemporaryDirectory() as folder:
+    with scratch_folder() as folder:
         if digest.drawn is not None:
-            scene, path = digest.result.scene, Path(folder, "machine.svg")
+            scene, path = digest.result.scene, folder / "machine.svg"
             try:
                 made = machine_pictures(scene, digest.values(digest.drawn), path)
                 machine = [inline_svg(picture, f"m{k}") for k, picture in enumerate(made)]
             except PictureError as error:
                 complaints.append(f"No drawing of the machine: {error}")
         if not digest.is_one:
-            path = Path(folder, "variants.svg")
+            path = folder / "variants.svg"
             try:
                 _draw_variants(digest, path)
                 variants = inline_svg(path, "v")

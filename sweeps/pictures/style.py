@@ -1,14 +1,16 @@
 """The look of all pictures, their sizes on paper and their files."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
 
 from matplotlib import rc_context
+from matplotlib.cbook import is_math_text
 from matplotlib.figure import Figure
+from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
-from matplotlib.ticker import ScalarFormatter
+from matplotlib.ticker import FuncFormatter, ScalarFormatter
 
 from sweeps.pictures.picture_error import PictureError
 from sweeps.text.visible import visible
@@ -101,18 +103,37 @@ def new_figure(width: float, height: float) -> Figure:
 
 
 def _lettered(figure: Figure) -> None:
-    """A title is the user's own, and a $ in it begins no formula; numbers along axes are plain, all texts visible."""
+    """A title is the user's own, and a $ in it begins no formula; numbers along axes are plain, all texts legible."""
     for text in figure.findobj(Text):
-        if (shown := visible(text.get_text())) != text.get_text():
+        if (shown := _legible(text.get_text())) != text.get_text():
             text.set_text(shown)
     for text in figure.texts:
         if text.get_text() == figure.get_suptitle():
             text.set_parse_math(False)
     for axes in figure.axes:
         for axis in (axes.xaxis, axes.yaxis):
-            if type(axis.get_major_formatter()) is ScalarFormatter:
+            formatter = axis.get_major_formatter()
+            if type(formatter) is ScalarFormatter:
                 with house_style():
                     axis.set_major_formatter(PlainNumbers())
+            elif isinstance(formatter, FuncFormatter):
+                # Texts at ticks are taken from it anew when they are drawn.
+                axis.set_major_formatter(FuncFormatter(_legible_texts_of(formatter)))
+
+
+def _legible_texts_of(formatter: FuncFormatter) -> Callable[[float, int | None], str]:
+    return lambda x, pos: _legible(formatter(x, pos))
+
+
+def _legible(text: str) -> str:
+    """A text as `visible` shows it, in which no $ begins a formula that can't be read, as in a foreign result."""
+    text = visible(text)
+    if is_math_text(text):
+        try:
+            MathTextParser("path").parse(text)
+        except ValueError:
+            return text.replace("$", r"\$")
+    return text
 
 
 def save(figure: Figure, path: Path | str) -> None:

@@ -410,7 +410,8 @@ def _checked(study: Study, path: Path) -> Study:
         if study.best and study.best.where:
             _check_where(study, machine, study.best.where)
     except AskError as error:
-        key = next((k for k in ("accuracy", "positions", "vary") if k in str(error)), "outputs")
+        named = [key for key in ("accuracy", "positions", "vary") if key in str(error)]
+        key = min(named, key=str(error).index, default="outputs")
         if study.best and str(error).startswith(repr(study.best.goal)):
             key = f"best.{'maximise' if study.best.minimise is None else 'minimise'}"
         raise InputError(path.name, problems_in(study.text, [(key, str(error))])) from None

@@ -7,6 +7,7 @@ import numpy as np
 
 from engine import Scene, UnitError, in_text, scene_numbers, unknown_name_message
 from sweeps.study.study_text import ToleranceText
+from sweeps.text.toml_text import MOST_PROBLEMS
 
 
 class Tolerance(NamedTuple):
@@ -41,6 +42,8 @@ def read_tolerances(
     """
     numbers, found, problems = scene_numbers(scene), [], []
     for path, text in texts.items():
+        if len(problems) == MOST_PROBLEMS:
+            break
         if path not in numbers:
             problems.append((path, f"is not a number of the scene. {unknown_name_message(path, numbers)}"))
             continue

@@ -7,13 +7,14 @@ sometimes for seconds.
 
 import os
 import shlex
+import shutil
 import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-# Drafts of files, by name: removed on the way out.
+# Drafts of files and scratch folders, by name: removed on the way out.
 half_written: set[str] = set()
 _HEARD = (signal.SIGINT, signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else []))
 _state: list[Callable[[], str]] = [lambda: "no file is left half-written"]
@@ -63,6 +64,9 @@ def farewell() -> str:
 def _wait(reading: int) -> None:
     number = os.read(reading, 1)[0]
     for draft in list(half_written):
+        if os.path.isdir(draft):
+            shutil.rmtree(draft, ignore_errors=True)
+            continue
         try:
             os.unlink(draft)
         except OSError:

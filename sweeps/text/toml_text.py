@@ -3,6 +3,7 @@
 import re
 import tomllib
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, Tag, ValidationError
@@ -307,9 +308,22 @@ def problems_in(
 
 def line_of(text: str, keys: list[str | int]) -> int | None:
     """Line of a TOML text that holds a key, or the deepest table or key around it that has a line of its own."""
-    names = [part for k in keys if not isinstance(k, int) for part in str(k).split(".")]
-    best, deepest = None, 0
-    table: list[str] = []
+    names = tuple(part for k in keys if not isinstance(k, int) for part in str(k).split("."))
+    at, within = _lines_of(text)
+    if names in within:
+        return within[names]
+    return next((at[names[:depth]] for depth in range(len(names), 0, -1) if names[:depth] in at), None)
+
+
+@lru_cache(2)
+def _lines_of(text: str) -> tuple[dict[tuple[str, ...], int], dict[tuple[str, ...], int]]:
+    """First lines of a TOML text by the keys that they hold, and by all beginnings of these keys.
+
+    Kept, as a text with thousands of mistakes is looked through for each of them.
+    """
+    at: dict[tuple[str, ...], int] = {}
+    within: dict[tuple[str, ...], int] = {}
+    table: tuple[str, ...] = ()
     for number, line in enumerate(text.splitlines(), 1):
         if header := _HEADER.match(line):
             table = here = _split(header["keys"])
@@ -317,11 +331,11 @@ def line_of(text: str, keys: list[str | int]) -> int | None:
             here = table + _split(key["keys"])
         else:
             continue
-        depth = min(len(here), len(names))
-        if depth > deepest and names[:depth] == here[:depth]:
-            best, deepest = number, depth
-    return best
+        at.setdefault(here, number)
+        for depth in range(1, len(here) + 1):
+            within.setdefault(here[:depth], number)
+    return at, within
 
 
-def _split(keys: str) -> list[str]:
-    return [name for part in _PART.findall(keys) for name in part.strip("\"'").split(".")]
+def _split(keys: str) -> tuple[str, ...]:
+    return tuple(name for part in _PART.findall(keys) for name in part.strip("\"'").split("."))

@@ -1,8 +1,9 @@
-"""Files that are there whole or not at all: written beside, then renamed."""
+"""Files that are there whole or not at all: written beside, then renamed. And folders for what nobody keeps."""
 
 import errno
 import os
 import secrets
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -49,6 +50,23 @@ def whole_file(path: Path | str) -> Iterator[Path]:
             draft.unlink(missing_ok=True)
     finally:
         half_written.discard(str(draft))
+
+
+@contextmanager
+def scratch_folder(within: Path | str | None = None) -> Iterator[Path]:
+    """A folder that only this user reaches, removed at the end, and by a signal too.
+
+    Parameters
+    ----------
+    within : Path or str, optional
+        The folder in which it is made; the system's one for such folders unless given.
+    """
+    with tempfile.TemporaryDirectory(prefix=".sweeps-", dir=within, ignore_cleanup_errors=True) as folder:
+        half_written.add(folder)
+        try:
+            yield Path(folder)
+        finally:
+            half_written.discard(folder)
 
 
 def refuse_foreign_link(path: Path) -> None:

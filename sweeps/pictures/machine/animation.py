@@ -19,6 +19,8 @@ from sweeps.text.whole_files import whole_file
 
 DOTS_PER_INCH = 100
 LARGEST_WIDTH, LARGEST_HEIGHT = 6.4, 6.4
+# All pictures are in memory at the same time.
+MOST_FRAMES = 1000
 
 
 def save_animation(
@@ -37,7 +39,7 @@ def save_animation(
     path : path
         File to write, ending in .gif.
     frames : int
-        Pictures per cycle, at least 4.
+        Pictures per cycle, 4 to 1000.
     fps : int
         Pictures per second, 1 to 50 (browsers slow down what is faster).
     paths : sequence of str
@@ -53,8 +55,8 @@ def save_animation(
     """
     if Path(path).suffix.lower() != ".gif":
         raise PictureError(f"{path}: an animation is a .gif file")
-    if frames < 4:
-        raise PictureError(f"frames = {frames}: at least 4 are needed, such as 60")
+    if not 4 <= frames <= MOST_FRAMES:
+        raise PictureError(f"frames = {frames}: allowed are 4 to {MOST_FRAMES}, such as 60")
     if not 1 <= fps <= 50:
         raise PictureError(f"fps = {fps}: allowed are 1 to 50, such as 20")
     motion = DrawnMotion(scene, values)

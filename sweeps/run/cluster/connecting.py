@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from engine import threads
 from sweeps.run.cluster.cluster_errors import ClusterError
+from sweeps.text.whole_files import scratch_folder
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -59,7 +60,12 @@ def connected(address: str) -> Iterator["Client"]:
         others = filter(None, [os.environ.get("PYTHONWARNINGS")])
         os.environ["PYTHONWARNINGS"] = ",".join([*others, "ignore:resource_tracker:UserWarning"])
         with (
-            dask.config.set(WITH_MEMORY_KEPT | WITHOUT_PAGES | _new_certificate()),
+            # Python looks for modules in Dask's folder first, and the usual one, /tmp/dask-scratch-space, may have been
+            # made by anybody.
+            scratch_folder(dask.config.get("temporary-directory", None)) as folder,
+            dask.config.set(
+                WITH_MEMORY_KEPT | WITHOUT_PAGES | _new_certificate() | {"temporary-directory": str(folder)}
+            ),
             distributed.LocalCluster(
                 n_workers=count,
                 protocol="tls",

@@ -1,7 +1,6 @@
 """What will limit a run on a cluster: its workers, the network to the client, or the disk there."""
 
 import math
-import tempfile
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +12,7 @@ from sweeps.run.cluster.cluster_errors import UnfinishedError
 from sweeps.run.cluster.crew import Crew
 from sweeps.run.cluster.on_workers import make_noise, time_variant
 from sweeps.store import FileLayout, Store
+from sweeps.text.whole_files import scratch_folder
 
 # Bytes that are sent and written to see how fast that goes, and how often they are sent.
 TRIED = 32_000_000
@@ -101,9 +101,9 @@ def _written_rate(layout: FileLayout, row: int, folder: Path) -> float:
         c.name: noise.random(shape).astype(c.dtype) if np.dtype(c.dtype).kind == "f" else np.zeros(shape, c.dtype)
         for c, shape in shapes.items()
     }
-    with tempfile.TemporaryDirectory(prefix=".speed", dir=folder) as scratch:
+    with scratch_folder(folder) as scratch:
         begin = time.perf_counter()
-        with Store.open(Path(scratch) / "trial.h5", draft) as store:
+        with Store.open(scratch / "trial.h5", draft) as store:
             for i in store.pending:
                 store.write(i, block)
             store.finish()

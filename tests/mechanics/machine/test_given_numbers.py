@@ -64,6 +64,7 @@ GOOD = [0.05, 0.06]
     ("given", "words"),
     [
         ({TWO[0]: [0.05 + 0.01j, 0.06], TWO[1]: [0.2, 0.2]}, "'input.length' has complex values"),
+        ({TWO[0]: np.ma.array([0.05, 0.06], mask=[0, 1]), TWO[1]: [0.2, 0.2]}, "'input.length' has masked values"),
         ({TWO[0]: GOOD, TWO[1]: [0.2, 0.2, 0.2]}, "'groups.drive.first.length' has 3 values, 'input.length' has 2"),
         ({TWO[0]: GOOD, TWO[1]: []}, "'groups.drive.first.length' has 0 values, 'input.length' has 2"),
         ({TWO[0]: [GOOD, GOOD], TWO[1]: [0.2, 0.2]}, "'input.length' has 2 × 2 values"),

@@ -65,6 +65,25 @@ def test_local_workers__answer_nobody_else(open_folder):
     assert dask.config.get("distributed.comm.tls.client.key", None) is None
 
 
+LOOKED_FOR = "__import__('importlib.util').util.find_spec('planted')"
+
+
+def test_local_workers__load_modules_from_no_shared_folder(tmp_path, monkeypatch):
+    """Python looks for modules in Dask's folder first, and in the usual one anybody can leave some."""
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    shared = tmp_path / "dask-scratch-space"
+    shared.mkdir()
+    shared.chmod(0o777)
+    (shared / "planted.py").write_text("")
+    with connected("local:1") as client:
+        assert [path.stat().st_mode & 0o777 for path in tmp_path.iterdir() if path != shared] == [0o700]
+        assert eval(LOOKED_FOR) is None
+        assert client.submit(eval, LOOKED_FOR).result() is None
+    assert list(tmp_path.iterdir()) == [shared]
+    assert [path.name for path in shared.iterdir()] == ["planted.py"]
+
+
 def test_attack__succeeds_where_nothing_is_encrypted(open_folder, monkeypatch):
     """Otherwise the test above would prove nothing."""
     mark = open_folder / "mark"

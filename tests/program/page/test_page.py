@@ -16,6 +16,7 @@ from press_sweeps import ASKED, BEST, SCENE, run, text_of
 from engine import Verdict
 from sweeps.page import digest as digest_module
 from sweeps.page.digest import Digest
+from sweeps.pictures.style import new_figure, save
 from sweeps.report import sweep_result
 from sweeps.report.sweep_result import SweepResult
 from sweeps.store import FileLayout, Store
@@ -227,7 +228,7 @@ def test_page__brushing_one_figure_selects_in_the_other(page, tmp_path):
 
 # Texts of a file that anyone may have written
 
-ACTING = "\x1b]0;taken\x07 \u202egnp.exe\u202c \u2066 \u200f \x9b31m \u2028 \x7f"
+ACTING = "\x1b]0;taken\x07 \u202egnp.exe\u202c \u2066 \u200f \x9b31m \u2028 \x7f $\\foo{$"
 ACTS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
 
 
@@ -258,8 +259,10 @@ def test_acting_characters_of_a_foreign_result__are_spelled_out(result, tmp_path
         progress.attrs["layout"] = json.dumps(planted(json.loads(progress.attrs["layout"])))
         del progress.attrs["text_checksums"]
     name = str(path)
+    assert json.loads(said("show", name, "--json").stdout)
     commands = [
         ("show", name),
+        ("show", name, "--json"),
         ("report", name, "--out", "page.html"),
         ("plot", name, "--out", "plot.svg"),
         ("plot", name, "--variant", "0", "--out", "machine.svg"),
@@ -283,3 +286,18 @@ def test_acting_characters_of_a_foreign_result__are_spelled_out(result, tmp_path
     texts = [column[key] for column in json.loads(data)["columns"] for key in ("label", "lines", "markup")]
     assert any("gnp.exe" in text for text in texts)
     assert not any(ACTS.search(text) for text in texts)
+
+
+def test_acting_characters_in_every_text_of_a_figure__are_spelled_out(tmp_path):
+    """Texts at ticks too, which Matplotlib makes anew while it draws."""
+    figure = new_figure(600, 600)
+    axes = figure.add_subplot(title=ACTING, xlabel=ACTING, ylabel=f"$M_{{in}}$ {ACTING}")
+    axes.plot([0, 1], label=ACTING)
+    axes.set_xticks([0, 1], labels=[ACTING, "$M_{in}$"])
+    axes.text(0.5, 0.5, ACTING, wrap=True)
+    axes.legend(title=ACTING)
+    figure.suptitle(ACTING)
+    save(figure, tmp_path / "all.svg")
+    text = (tmp_path / "all.svg").read_text("utf8")
+    assert not ACTS.search(text)
+    assert text.count("gnp.exe") >= 8

@@ -100,22 +100,45 @@ def test_time__grows_with_the_length_of_a_text(reader, press_folder):
         assert longer < max(MOST * short, NOISE), (piece, short, longer)
 
 
-@pytest.mark.parametrize(
-    "line",
-    [
-        "{key} = {number}",
-        '"{key}" = ["1 kg"]',
-        '"{key}" = "1 mm to 2 mm, 3"',
-        "{key} = {{ low = 1, high = 2 }}",
-    ],
-)
-def test_many_wrong_keys__take_a_time_in_proportion(line, press_folder):
+VARY = '[vary]\n"input.length" = ["40 mm", "50 mm"]\n'
+GROUP = """
+[groups.g{i}]
+type = "RRP"
+inner = "B{i}"
+first = {{link = "r{i}", joint = "A", length = "200 mm"}}
+second = {{link = "s{i}", guide = "g{i}"}}
+"""
+WRONG_LINES = {
+    "numbers": ("[vary]\n", "a{i} = {i}"),
+    "lists": ("[vary]\n", '"a{i}" = ["1 kg"]'),
+    "ranges": ("[vary]\n", '"a{i}" = "1 mm to 2 mm, 3"'),
+    "samples": ("[vary]\n", '"a{i}" = {{ low = 1, high = 2 }}'),
+    "derived": (f"{VARY}[derive]\n", 'a{i} = "b{i}"'),
+    "tolerances": (f"{VARY}[tolerances]\n", '"input.a{i}" = "1 mm"'),
+    "outputs": (f"{VARY}[outputs]\n", "a{i} = 1"),
+}
+
+
+@pytest.mark.parametrize("kind", WRONG_LINES)
+def test_many_wrong_keys__take_a_time_in_proportion(kind, press_folder):
+    head, line = WRONG_LINES[kind]
+
     def of(count: int) -> float:
-        lines = (line.format(key=f"a{i}", number=i) for i in range(count))
-        return seconds(study, "[vary]\n" + "\n".join(lines))
+        return seconds(study, head + "\n".join(line.format(i=i) for i in range(count)))
 
     short = of(5000)
     assert min(of(20000) for _ in range(2)) < max(MOST * short, 2 * NOISE)
+
+
+def test_many_wrong_groups__take_a_time_in_proportion(press_folder):
+    press = Path("press.toml").read_text(encoding="utf8")
+
+    def of(count: int) -> float:
+        groups = "".join(GROUP.format(i=i) for i in range(count))
+        return seconds(lambda text: read_study(written("hostile.toml", text)), press + groups)
+
+    short = of(250)
+    assert min(of(1000) for _ in range(2)) < max(MOST * short, 2 * NOISE)
 
 
 # Sizes that no memory holds
@@ -136,6 +159,16 @@ def test_more_variants_than_any_disk_holds__are_refused(command, count, press_fo
         message = refused(*command, "many.toml")
         assert "many.toml, line" in message
         assert re.search(r"at most \d+|count 10+", message)
+
+
+def test_more_pictures_than_memory_holds__are_refused(press_folder):
+    for count in ("1001", "1000000000000"):
+        assert "4<=x<=1000" in refused("animate", "press.toml", "--frames", count)
+
+
+def test_positions_beyond_all_bounds__are_told_as_positions(press_folder):
+    Path("many.toml").write_text(f'scene = "press.toml"\npositions = 1{30 * "0"}\n{VARY}')
+    assert "many.toml, line 2: positions: positions = 1000" in refused("check", "many.toml")
 
 
 def test_key_of_many_parts__is_refused_before_it_is_read(press_folder):

@@ -71,22 +71,23 @@ def test_signal_while_python_ends__changes_nothing(number, tmp_path):
 
 DRAFTING = """
 import sys, time
-from sweeps.text.whole_files import whole_file
+from sweeps.text.whole_files import scratch_folder, whole_file
 from sweeps.text.interruption import listen
 listen()
-with whole_file("out.csv") as draft:
+with whole_file("out.csv") as draft, scratch_folder(".") as folder:
     draft.write_text("much")
+    (folder / "part.h5").write_text("more")
     print("here", flush=True)
     time.sleep(60)
 """
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_draft__is_removed_by_every_signal(number, tmp_path):
+def test_draft_and_scratch_folder__are_removed_by_every_signal(number, tmp_path):
     line, pipes = [sys.executable, "-c", DRAFTING], {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     with subprocess.Popen(line, cwd=tmp_path, env=ENVIRONMENT, text=True, **pipes) as process:
         assert process.stdout.readline() == "here\n"
-        assert len(list(tmp_path.iterdir())) == 1
+        assert len(list(tmp_path.iterdir())) == 2
         process.send_signal(number)
         last_words(process)
     assert process.returncode == 128 + number
