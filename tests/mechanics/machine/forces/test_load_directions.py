@@ -168,7 +168,7 @@ def test_bearings_of_variants__as_sorted_by_numpy_however_panels_fall(template, 
             name = f"{pair.name}.unloaded_arc_of_{link}"
             for i in sound:
                 found, error = outcome.summaries[name][i], outcome.errors[name][i]
-                # No direction lies in the arc, but those of chords by their distance from the curve; little is left out.
+                # No direction lies in the arc, but those of chords by what they miss of the curve.
                 assert -error - 0.01 < sorted_arc(with_chords(own[i]))[0] - found < 0.05, (name, i, found)
 
 
