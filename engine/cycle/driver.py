@@ -19,6 +19,7 @@ from engine.cycle.events import (
     find_landmarks,
     find_turns,
     lay_edges,
+    note_coarse,
     of_landmarks,
     scan_positions,
 )
@@ -296,8 +297,8 @@ class Workspace(NamedTuple):
     edges : ndarray (edges, EDGES, LANES)
     sums : ndarray (WORK_ROWS, LANES)
     marks : ndarray (6, LANES)
-        Zeros; first position where a curve isn't finite; three rows used meanwhile; whether something switches more
-        often than there is room for.
+        Zeros; first position where a curve isn't finite; three rows used meanwhile; whether positions scanned are too
+        far apart, or something switches more often than there is room for.
     series : ndarray (2, POSITIONS, LANES)
     candidates : ndarray (steps, CANDIDATE, LANES)
     search : ndarray (SEARCH, LANES)
@@ -469,6 +470,7 @@ def cut(
             solve_roots(events, work.block, tables, turn_rows, work.turn_sought, heights, turned, turns)
             for f in range(functions):
                 find_landmarks(f, scan, turn_rows, work.turn_sought, turned, turns, beside, spare, landmarks)
+                note_coarse(f, scan, landmarks[f, SCALE], spare, marks, counts, too_many)
                 copy_rows(landmarks[f], task.landmark_rows[f], block)
         if task.sizes[1] > 0:
             levels(work.block, tables, work.place[0, :1], work.place[1, :1], work.place[2, :1], work.level_tile)

@@ -1,6 +1,6 @@
 """Where a machine's switching functions turn and cross levels: its landmarks and the cuts of its cycle.
 
-Each function f(q), given with its derivative, is looked at in equally spaced positions over each lane's range. Between
+Each function f(q), given with its derivative, is looked at in positions over each lane's range. Between
 two of them where f′ has opposite signs it turns; between its turns it is monotone and takes a level once at most.
 """
 
@@ -45,17 +45,74 @@ MOST_ROOTS = 12
 LOOKED_BESIDE = 4
 # A root beside a turn is off by no more than this share of the range.
 FLAT = 1e-7
+# Positions scanned aren't equally spaced: whole numbers of periods between all of them would hide what moves so fast.
+UNEVEN = 0.1 / (2.0 * math.pi)
+# Positions are too far apart where in more than this share of the intervals in which a function moves its slope isn't
+# what a cubic tells, by this share of its root mean square: of a sine where they are more than a fifth of its period.
+COARSE, MISSED = 0.25, 0.05
+# What is no more than so many roundings of a function isn't motion.
+STILL = 64.0 * ROUNDING
 
 
 @routine
 def scan_positions(first: Memory, last: Memory, count: int, q: Memory) -> None:
-    """Equally spaced positions over each lane's range, both ends included."""
+    """Positions over each lane's range, both ends included."""
     for k in range(count):
-        share = k / (count - 1.0)
+        even = k / (count - 1.0)
+        share = even + UNEVEN * math.sin(2.0 * math.pi * even)
         for lane in range(LANES):
             q[k, lane] = first[lane] + share * (last[lane] - first[lane])
     for lane in range(LANES):
         q[count - 1, lane] = last[lane]
+
+
+@routine
+def note_coarse(
+    function: int,
+    samples: SampledFunctions,
+    scale: Memory,
+    square: Memory,
+    moving: Memory,
+    missed: Memory,
+    coarse: Memory,
+) -> None:
+    """Note the lanes in which positions are too far apart to tell where a function turns.
+
+    Every second position is compared with the cubic through those beside it.
+
+    Parameters
+    ----------
+    function : int
+    samples : SampledFunctions
+        All functions at the positions scanned.
+    scale : row (LANES,)
+        Greatest magnitude of the function.
+    square, moving, missed : row (LANES,)
+        Used meanwhile: mean square of the slope, in how many intervals it moves, in how many of them it is missed.
+    coarse : row (LANES,)
+        1 where they are noted.
+    """
+    q, values, f_row = samples.q, samples.values, 2 * function * samples.room
+    slope_row = f_row + samples.room
+    for lane in range(LANES):
+        square[lane] = moving[lane] = missed[lane] = 0.0
+    for k in range(samples.room):
+        for lane in range(LANES):
+            square[lane] += values[slope_row + k, lane] ** 2 / samples.room
+    for i in range((samples.room - 1) // 2):
+        k = 2 * i + 1
+        for lane in range(LANES):
+            before, here = values[slope_row + k - 1, lane], values[slope_row + k, lane]
+            after = values[slope_row + k + 1, lane]
+            width = q[k + 1, lane] - q[k - 1, lane]
+            t = (q[k, lane] - q[k - 1, lane]) / width
+            chord = (values[f_row + k + 1, lane] - values[f_row + k - 1, lane]) / width
+            told = 6.0 * t * (1.0 - t) * chord + (1.0 - t) * (1.0 - 3.0 * t) * before + t * (3.0 * t - 2.0) * after
+            least = larger(MISSED * math.sqrt(square[lane]), STILL * scale[lane] / abs(width))
+            moving[lane] += 1.0 if larger(larger(abs(before), abs(here)), abs(after)) > least else 0.0
+            missed[lane] += 1.0 if abs(here - told) > least else 0.0
+    for lane in range(LANES):
+        coarse[lane] = 1.0 if missed[lane] > COARSE * moving[lane] else coarse[lane]
 
 
 @routine

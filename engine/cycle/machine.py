@@ -60,6 +60,8 @@ from engine.cycle.panels.chebyshev import TO_COEFFICIENTS, TO_INTEGRALS
 # Steps of the walk that there is room for to begin with, besides two for each level of a crossing; blocks that
 # need more are evaluated again.
 _STEPS = 24
+# How often positions scanned, and room for roots, are doubled for variants that need more, before they have no results.
+MOST_DOUBLINGS = 6
 _LEAST_SIDE, _GREATEST_SIDE = range(2)
 
 
@@ -124,7 +126,7 @@ class Plan:
         After which length of the input all is the same again, and after which its crank is where it was; infinite where
         the range is no cycle.
     scan : int
-        Positions over the range at which switching functions are looked at.
+        Positions over the range at which switching functions are looked at, doubled for variants that need more.
     looks : int
         How many times they are: twice where some of them depend on landmarks of others.
     turns : int
@@ -235,7 +237,7 @@ class CycleOutcome:
         How many panels were taken.
     broken_at : ndarray (variants,)
         First input position found where a curve isn't finite; NaN where all are; infinite, and all results NaN, where a
-        switching function takes a level more often than there is room for.
+        switching function goes up and down too often to be looked at.
     """
 
     integrals: Measured
@@ -381,10 +383,24 @@ class CycleMachine:
         tables : ndarray, optional
             T.
         """
-        task, plan = self._task, self.plan
+        task = self._task
         numbers = np.ascontiguousarray(numbers, dtype=float)
         tables = np.zeros(1) if tables is None else np.ascontiguousarray(tables, dtype=float)
-        variants = numbers.shape[1]
+        answers = self._answers(task, numbers, tables)
+        for _ in range(MOST_DOUBLINGS):
+            coarse = np.flatnonzero(np.isinf(answers.broken_at[0]))
+            if not coarse.size:
+                break
+            # In blocks of their own: what a variant is told depends on nothing but the variant.
+            task = task._replace(scan=2 * task.scan, most_roots=2 * task.most_roots)
+            again = self._answers(task, np.ascontiguousarray(numbers[:, coarse]), tables)
+            for part, finer in zip(answers[:-2], again[:-2], strict=True):
+                part[..., coarse] = finer
+            answers.spaced[:, coarse] = again.spaced
+        return self._outcome(numbers, answers)
+
+    def _answers(self, task: Task, numbers: np.ndarray, tables: np.ndarray) -> DriverAnswers:
+        plan, variants = self.plan, numbers.shape[1]
         blocks = -(-variants // LANES)
         shapes = (
             (len(plan.integrals), 2),
@@ -404,23 +420,29 @@ class CycleMachine:
             *(np.empty((math.prod(s), variants)) for s in shapes), spaced, np.zeros(blocks, np.bool_)
         )
         steps = _STEPS + 2 * len(task.crossings)
-        self._run(numbers, tables, answers, range(blocks), steps)
+        self._run(task, numbers, tables, answers, range(blocks), steps)
         while answers.short_of_room.any():
             steps *= 2
-            self._run(numbers, tables, answers, np.flatnonzero(answers.short_of_room), steps)
+            self._run(task, numbers, tables, answers, np.flatnonzero(answers.short_of_room), steps)
         parts = (part.reshape(*shape, variants) for part, shape in zip(answers, shapes, strict=False))
-        return self._outcome(numbers, DriverAnswers(*parts, spaced, answers.short_of_room))
+        return DriverAnswers(*parts, spaced, answers.short_of_room)
 
     def _run(
-        self, numbers: np.ndarray, tables: np.ndarray, answers: DriverAnswers, blocks: Sequence[int], steps: int
+        self,
+        task: Task,
+        numbers: np.ndarray,
+        tables: np.ndarray,
+        answers: DriverAnswers,
+        blocks: Sequence[int],
+        steps: int,
     ) -> None:
         matrices, plan, functions = (TO_COEFFICIENTS, TO_INTEGRALS), self.plan, self._functions
         arcs_asked = 1 if plan.arcs else None
         chosen = np.asarray(blocks, dtype=np.int64)
 
         def arguments() -> tuple:
-            work = self._workspace(len(numbers), steps)
-            return (chosen, *functions, self._task, numbers, tables, *matrices, answers, work, arcs_asked)
+            work = self._workspace(task, len(numbers), steps)
+            return (chosen, *functions, task, numbers, tables, *matrices, answers, work, arcs_asked)
 
         kinds = (arcs_asked, numbers.flags.writeable, tables.flags.writeable)
         if kinds not in self._prepared:
@@ -430,11 +452,12 @@ class CycleMachine:
             self._prepared.add(kinds)
         spread(evaluate_blocks, len(chosen), arguments)
 
-    def _workspace(self, numbers: int, steps: int) -> Workspace:
+    def _workspace(self, task: Task, numbers: int, steps: int) -> Workspace:
         """Memory for this thread: that of the call before where it is large enough."""
         mine = self._of_thread.__dict__
-        if mine.get("size") != (numbers, steps):
-            mine["size"], mine["work"] = (numbers, steps), new_workspace(self._task, numbers, steps)
+        size = (task.scan, numbers, steps)
+        if mine.get("size") != size:
+            mine["size"], mine["work"] = size, new_workspace(task, numbers, steps)
         return mine["work"]
 
     def _outcome(self, numbers: np.ndarray, answers: DriverAnswers) -> CycleOutcome:

@@ -43,7 +43,7 @@ def _follow(values: Memory, of_x: int, of_y: int, panels: Memory, step: int, ang
             values[angle, j, lane] = reached + turned
             state[_REACHED, lane] = reached + turned if taken else reached
             state[_X, lane], state[_Y, lane] = x if taken else x_before, y if taken else y_before
-            state[_SHORTEST, lane] = smaller(size, shortest)
+            state[_SHORTEST, lane] = smaller(size, shortest) if panels[step, HALF, lane] != 0.0 else shortest
 
 
 @routine

@@ -34,6 +34,10 @@ ARCS = 4
 # by; where they are in the panel; whether they are known between the positions, too.
 LOW, HIGH, LOW_ERROR, HIGH_ERROR, LOW_PLACE, HIGH_PLACE, LOW_KNOWN, HIGH_KNOWN, STEP = range(9)
 STRETCH = 9
+# A force that turns by more from one position to the next [rad] may be nearly 0 in between, and turn either way.
+SHARP = 0.5
+# What a force is followed to between positions, instead of a value of its square: where it turns back, or is least.
+TURNS_BACK, IS_LEAST = 0.0, -1.0
 # Stretches that there is room for; halvings of the interval between two positions.
 MOST_STRETCHES, HALVINGS = 1024, 50
 
@@ -73,14 +77,13 @@ def force_at(force: ForceSeries, x: float) -> tuple[float, float, float, float]:
 
 @routine
 def place_where(force: ForceSeries, low: float, high: float, square: float) -> float:
-    """Where between two places the force turns back, or where its square takes a value that is above 0."""
-    _, _, turning, _ = force_at(force, low)
-    fx, fy, _, _ = force_at(force, low)
-    at_low = fx * fx + fy * fy - square if square > 0.0 else turning
+    """Where between two places the force turns back or is least, or its square takes a value; else the second one."""
+    fx, fy, turning, growing = force_at(force, low)
+    at_low = fx * fx + fy * fy - square if square > 0.0 else (turning if square == TURNS_BACK else growing)
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        fx, fy, turning, _ = force_at(force, middle)
-        here = fx * fx + fy * fy - square if square > 0.0 else turning
+        fx, fy, turning, growing = force_at(force, middle)
+        here = fx * fx + fy * fy - square if square > 0.0 else (turning if square == TURNS_BACK else growing)
         beside_low = (here > 0.0) == (at_low > 0.0)
         low, high = middle if beside_low else low, high if beside_low else middle
     return 0.5 * (low + high)
@@ -93,8 +96,23 @@ def turn_to(x: float, y: float, x_after: float, y_after: float) -> float:
 
 
 @routine
+def add_stretch(angle: float, step: int, j: int, count: int, stretches: np.ndarray) -> int:
+    """Enter a stretch that is one direction so far, where there is room; returns how many there are, or would be."""
+    if count < stretches.shape[0]:
+        stretches[count, LOW] = stretches[count, HIGH] = angle
+        stretches[count, LOW_PLACE] = stretches[count, HIGH_PLACE] = j
+        stretches[count, LOW_ERROR] = stretches[count, HIGH_ERROR] = 0.0
+        stretches[count, LOW_KNOWN] = stretches[count, HIGH_KNOWN] = 0.0
+        stretches[count, STEP] = step
+    return count + 1
+
+
+@routine
 def find_stretches(record: Record, steps: int, x: int, y: int, lane: int, least: float, stretches: np.ndarray) -> int:
     """Stretches of directions of a force over the panels of a lane, from its values at the positions.
+
+    Where it begins or ceases to count, or turns sharply, it may turn there and back between two positions: those beside
+    are stretches of their own, too.
 
     Returns
     -------
@@ -109,21 +127,21 @@ def find_stretches(record: Record, steps: int, x: int, y: int, lane: int, least:
         angle = x_before = y_before = 0.0
         for j in range(POSITIONS):
             fx, fy = values[of_x, j, lane], values[of_y, j, lane]
-            if fx * fx + fy * fy < least * least:
-                loaded = False
-                continue
-            angle = angle + turn_to(x_before, y_before, fx, fy) if loaded else math.atan2(fy, fx)
-            x_before, y_before = fx, fy
-            if not loaded:
-                if count == stretches.shape[0]:
-                    return count + 1
-                stretches[count, LOW], stretches[count, HIGH], stretches[count, STEP] = math.inf, -math.inf, step
-                stretches[count, LOW_ERROR] = stretches[count, HIGH_ERROR] = 0.0
-                stretches[count, LOW_KNOWN] = stretches[count, HIGH_KNOWN] = 0.0
-                loaded, count = True, count + 1
-            if angle < stretches[count - 1, LOW]:
+            counts = fx * fx + fy * fy >= least * least
+            turned = turn_to(x_before, y_before, fx, fy)
+            goes_on = counts & loaded & (abs(turned) <= SHARP)
+            if loaded and not goes_on:
+                count = add_stretch(angle, step, j - 1, count, stretches)
+            angle, x_before, y_before = angle + turned if goes_on else math.atan2(fy, fx), fx, fy
+            if counts and not goes_on:
+                count = add_stretch(angle, step, j, count, stretches) if j > 0 else count
+                count = add_stretch(angle, step, j, count, stretches)
+            if count > stretches.shape[0]:
+                return count
+            loaded = counts
+            if counts and angle < stretches[count - 1, LOW]:
                 stretches[count - 1, LOW], stretches[count - 1, LOW_PLACE] = angle, j
-            if angle > stretches[count - 1, HIGH]:
+            if counts and angle > stretches[count - 1, HIGH]:
                 stretches[count - 1, HIGH], stretches[count - 1, HIGH_PLACE] = angle, j
     return count
 
@@ -144,12 +162,16 @@ def extend(
         if beside < 0 or beside > DEGREE:
             continue
         gx, gy = record.values[slot_x, beside, lane], record.values[slot_y, beside, lane]
+        limit = PLACES[beside]
+        if abs(turn_to(fx, fy, gx, gy)) > SHARP:
+            limit = place_where(force, PLACES[j], limit, IS_LEAST)
+            gx, gy, _, _ = force_at(force, limit)
         _, _, turning, _ = force_at(force, PLACES[j])
-        away = turning * sense * (PLACES[beside] - PLACES[j]) > 0.0
+        away = turning * sense * (limit - PLACES[j]) > 0.0
         ends = gx * gx + gy * gy < least * least
         if not (away or ends):
             continue
-        place = place_where(force, PLACES[j], PLACES[beside], least * least if ends else 0.0)
+        place = place_where(force, PLACES[j], limit, least * least if ends else TURNS_BACK)
         hx, hy, turning, growing = force_at(force, place)
         turned = turn_to(fx, fy, hx, hy)
         if turned * sense > farthest:
@@ -163,12 +185,16 @@ def extend(
 
 @routine
 def margin_of(record: Record, x: int, y: int, lane: int, side: int, stretch: np.ndarray) -> float:
-    """How far one end of a stretch may be beyond its position: as far as the force turns to its neighbours."""
+    """How far one end of a stretch may be beyond its position: as far as the force turns to its neighbours.
+
+    Where it turns sharply, it may be anywhere.
+    """
     slot, j, most = int(stretch[STEP]) * record.curves, int(stretch[LOW_PLACE + side]), 0.0
     fx, fy = record.values[slot + x, j, lane], record.values[slot + y, j, lane]
     for beside in range(max(j - 1, 0), min(j + 1, DEGREE) + 1):
         gx, gy = record.values[slot + x, beside, lane], record.values[slot + y, beside, lane]
-        most = max(most, abs(turn_to(fx, fy, gx, gy)))
+        turned = abs(turn_to(fx, fy, gx, gy))
+        most = max(most, turned if turned <= SHARP else math.pi)
     return most
 
 
@@ -211,13 +237,18 @@ def widest_gap(count: int, stretches: np.ndarray, order: np.ndarray) -> tuple[fl
             k -= 1
         order[k] = i
     widest, before, after, last = -1.0, order[0], order[0], order[0]
+    reach = stretches[last, HIGH]
+    # Stretches that begin before the turn's end may go on beyond its begin.
+    for i in range(count):
+        if stretches[i, HIGH] - TURN > reach:
+            last, reach = i, stretches[i, HIGH] - TURN
     for k in range(1, count + 1):
         i = order[k % count]
         begins = stretches[i, LOW] + (TURN if k == count else 0.0)
-        if begins - stretches[last, HIGH] > widest:
-            widest, before, after = begins - stretches[last, HIGH], last, i
-        if stretches[i, HIGH] > stretches[last, HIGH]:
-            last = i
+        if begins - reach > widest:
+            widest, before, after = begins - reach, last, i
+        if stretches[i, HIGH] > reach:
+            last, reach = i, stretches[i, HIGH]
     return widest, before, after
 
 

@@ -11,8 +11,8 @@ from engine.compiling.nothing import nothing
 from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES
-from engine.cycle.driver import Task, Workspace, cut, gather, hand_out, new_workspace
-from engine.cycle.machine import CycleMachine, Plan
+from engine.cycle.driver import Task, Workspace, cut, fill, gather, hand_out, new_workspace
+from engine.cycle.machine import MOST_DOUBLINGS, CycleMachine, Plan
 from engine.cycle.panels.lanes import in_lanes
 from engine.cycle.panels.walk import of_edges, set_out
 from engine.cycle.roots import LEVEL, X
@@ -79,27 +79,45 @@ class Landmarks:
             +1 or −1, the sign of the crank's speed.
         """
         parameters = self.tabulation.parameters(numbers, direction)
-        found = np.full((len(self.watches), self._task.most_roots, direction.size), np.nan)
-        if self._task.sizes[0]:
-            self._find(parameters, found)
+        found = self._find(parameters) if self._task.sizes[0] else np.full((0, 0, direction.size), np.nan)
         some = np.isfinite(found).any(axis=2)
         which, angles = np.nonzero(some)[0], found[some]
         ends = {node: parameters[self.tabulation.functions.rows[node]] for node in self._found}
         jumps = np.array([self.watches[i].jumps for i in which], bool)
         return ends, Breaks(angles, jumps, self.actions, self._acting(parameters, angles, which))
 
-    def _find(self, parameters: np.ndarray, found: np.ndarray) -> None:
-        functions, task = self.tabulation.functions, self._task
+    def _find(self, parameters: np.ndarray) -> np.ndarray:
+        """Places of the crossings, (crossings, places, variants); landmarks are entered in the parameters."""
+        task, found = self._task, np.full((len(self.watches), 0, parameters.shape[1]), np.nan)
+        chosen = np.arange(parameters.shape[1])
+        for _ in range(1 + MOST_DOUBLINGS):
+            some = np.ascontiguousarray(parameters[:, chosen])
+            places, coarse = self._found_at(task, some)
+            parameters[:, chosen] = some
+            room = np.full((len(found), task.most_roots - found.shape[1], found.shape[2]), np.nan)
+            found = np.concatenate([found, room], axis=1)
+            found[..., chosen] = places
+            chosen = chosen[coarse > 0.0]
+            if not chosen.size:
+                break
+            task = task._replace(scan=2 * task.scan, most_roots=2 * task.most_roots)
+        return found
+
+    def _found_at(self, task: Task, parameters: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Places that positions so far apart tell, and in which variants these are too far apart."""
+        functions, variants = self.tabulation.functions, parameters.shape[1]
         module = load_printed(functions.text)
+        found, coarse = np.full((len(self.watches), task.most_roots, variants), np.nan), np.zeros((1, variants))
 
         def arguments() -> tuple:
             work = new_workspace(task, len(parameters), 0)
-            return module.events, module.levels, task, parameters, functions.memory, work, found
+            return module.events, module.levels, task, parameters, functions.memory, work, found, coarse
 
         if not find_places.overloads:
             kinds = [numba.typeof(argument) for argument in arguments()[2:]]
             prepare(find_places, [types.intp, types.intp, FILLS_TILE, FILLS_TILE, *kinds])
-        spread(find_places, -(-found.shape[2] // LANES), arguments)
+        spread(find_places, -(-variants // LANES), arguments)
+        return found, coarse[0]
 
     def _acting(self, parameters: np.ndarray, angles: np.ndarray, which: np.ndarray) -> np.ndarray:
         """Where the moments of actions aren't zero on both sides of their breaks, (actions, places, variants)."""
@@ -130,17 +148,19 @@ def find_places(
     tables: np.ndarray,
     work: Workspace,
     found: np.ndarray,
+    coarse: np.ndarray,
 ) -> None:
     """Find what is asked of the cycles of the blocks begin … end − 1 of variants.
 
-    `found` (crossings, roots, variants) receives the places, NaN where a variant has fewer; `numbers` the landmarks and
-    what follows from them.
+    `found` (crossings, roots, variants) receives the places, NaN where a variant has fewer; `coarse` (1, variants)
+    where the positions scanned are too far apart; `numbers` the landmarks and what follows from them.
     """
     block, walk, edges = in_lanes(work.block), in_lanes(work.walk), of_edges(work.edges)
     for b in range(begin, end):
         first = b * LANES
         gather(numbers, first, block)
         set_out(block[task.ends[0]], block[task.ends[1]], task.longest[0], walk)
+        fill(1, in_lanes(work.marks[5:]), 0.0)
         count = cut(events, levels, task, tables, walk, edges, work)
         level, slot = -1, 0
         for r in range(count):
@@ -149,3 +169,4 @@ def find_places(
             level = work.crossing_sought[r, LEVEL]
             hand_out(1, in_lanes(work.crossings[r, X:]), first, slot, found[level])
         hand_out(numbers.shape[0], block, first, 0, numbers)
+        hand_out(coarse.shape[0], in_lanes(work.marks[5:]), first, 0, coarse)

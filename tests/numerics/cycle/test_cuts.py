@@ -186,13 +186,14 @@ def constant_curve(P, T, q, cos_q, sin_q, tile):
             tile[0, i, lane] = 1.0
 
 
-def test_what_switches_more_often_than_there_is_room_for_has_no_results_and_spoils_no_other():
+def test_what_switches_ever_more_often_is_looked_at_more_closely_until_it_has_no_results_and_spoils_no_other():
     plan = Plan((0, 1), 1, landmarks=[(-1, -1, -1, -1)], crossings=[(0, 3, 0.0)], integrals=[0], extremes=[0])
     machine = CycleMachine(plan, constant_curve, events=wavy_events)
-    # A sine of n waves has 2 n zeros; there is room for twelve.
-    waves = np.array([1.0, 6.0, 7.0, 9.0, 3.0])
-    found = machine.evaluate(np.stack([np.zeros(5), np.full(5, TURN), waves, np.zeros(5)]))
-    known = waves <= 6.0
+    # A sine of n waves has 2 n zeros, and at first there is room for twelve; among waves at 2304 positions it is lost.
+    waves = np.array([1.0, 6.0, 7.0, 35.0, 300.0, 2e4, 3.0])
+    found = machine.evaluate(np.stack([np.zeros(7), np.full(7, TURN), waves, np.zeros(7)]))
+    known = waves <= 300.0
+    assert found.landmarks.greatest.value[0][known] == pytest.approx(1.0, abs=1e-12)
     assert found.integrals.value[0][known] == pytest.approx(TURN, rel=1e-14)
     assert np.isnan(found.integrals.value[0][~known]).all()
     assert np.isnan(found.extremes.greatest.value[0][~known]).all()

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from machines import slider_crank
+from machines import frame, on, slider_crank
 
 from engine import Machine, Scene, Verdict
 
@@ -232,3 +232,50 @@ def test_no_load_at_all__gives_exact_zeros(speed):
         # Of squares below the least number that is kept in full nothing is known but that.
         assert outcome.errors[name][0] <= 1.5e-154
     assert np.isfinite(outcome.summaries["flywheel_wittenbauer"][0])
+
+
+FORCE, FROM, TO = 1000.0, 0.01, 0.03
+HEAVY = 200.0
+
+
+def behind_a_fast_shaft() -> Scene:
+    """A ram whose crank is on a shaft geared to the input, and what cuts in each of its strokes."""
+    cut = {"type": "table", "on": "B", "angle": 0.2, "slider": "ram", "measured_from": "high end", "acts": "against"}
+    cut |= {"over_stroke": [FROM, TO], "force": [FORCE, FORCE], "interpolation": "linear", "outside": "zero"}
+    drive = slider_crank(
+        R,
+        ROD,
+        SPEED,
+        points={"O": frame(0.0, 0.0), "Q": frame(0.3, 0.0), "P": on("fast", R, 0.0)},
+        guides={"way": {"x": 0.3, "angle": 0.2}},
+        shafts={"fast": {"geared_to": "crank", "ratio": 1.0, "pivot": "Q", "phase": 0.3}},
+        bodies={"disc": {"link": "crank", "mass": 1.0, "inertia": HEAVY}},
+        forces={"cut": cut},
+        regimes={"run": {"type": "run", "from_speed": SPEED, "from_angle": 0.0, "cycles": 1}},
+    )
+    drive["groups"]["g"]["first"]["joint"] = "P"
+    return Scene.model_validate(drive)
+
+
+def test_windows_behind_a_shaft_of_any_ratio__each_stroke_does_its_work():
+    scene, rng = behind_a_fast_shaft(), np.random.default_rng(3)
+    # In 35 and 59 intervals of a turn, as in any other whole number, such shafts are where they were.
+    ratios = np.concatenate([np.arange(1.0, 121.0), -rng.integers(1, 121, 60)])
+    varied = {"shafts.fast.ratio": ratios, "shafts.fast.phase": rng.permutation(np.r_[np.zeros(60), rng.random(120)])}
+    asked = ["ram.stroke", "required_drive_moment", "run.final_speed"]
+    machine = Machine(scene, asked, varied=list(varied))
+    found = machine.evaluate(varied)
+    assert (found.status == Verdict.OK).all()
+    work = FORCE * (TO - FROM) * np.abs(ratios)
+    exact = {"ram.stroke": 2.0 * R, "required_drive_moment": work / TURN}
+    exact["run.final_speed"] = np.sqrt(SPEED**2 - 2.0 * work / HEAVY)
+    for name, value in exact.items():
+        # Of the reference a few roundings. Runs take moments 1e-10 rad of the crank beside each break.
+        room = (1e-10 if name == "run.final_speed" else 1e-15) * np.abs(value)
+        assert (np.abs(found.summaries[name] - value) <= found.errors[name] + room).all(), name
+        assert (found.errors[name] <= 1e-9 * np.abs(value)).all(), name
+    for i in (0, 34, 69, 119):
+        alone = machine.evaluate({path: values[i : i + 1] for path, values in varied.items()})
+        for name in asked:
+            assert alone.summaries[name][0] == found.summaries[name][i]
+            assert alone.errors[name][0] == found.errors[name][i]
