@@ -29,4 +29,6 @@ def sampled_peak(
     )
     turns = (f(low)[1] > 0.0) & (f(high)[1] < 0.0)
     place = np.where(turns, regula_falsi(lambda x: f(x)[1], low, high), there)
+    # At a bend the slope may change its sign beside the peak.
+    place = np.where(f(place)[0] < f(there)[0], there, place)
     return f(place)[0], place

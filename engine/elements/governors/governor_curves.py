@@ -5,19 +5,9 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
-from engine.compiling.decorators import driver
 from engine.compiling.running import prepare
-from engine.cycle.panels.lanes import lane_of
-from engine.elements.governors.characteristic import FROM, INNER, OUTER, TO
-from engine.elements.governors.governor import Governor, equilibria_of, governor_memory
-from engine.elements.governors.governor_results import (
-    SPEED_CHANGE,
-    VYSHNEGRADSKY_X,
-    VYSHNEGRADSKY_Y,
-    WORKING_SPEED,
-    equilibrium_at,
-)
-from engine.elements.governors.places import linkage_at
+from engine.elements.governors.equilibria import governor_marks, governor_memory, governor_variants, near_equilibrium
+from engine.elements.governors.governor import Governor
 from engine.elements.governors.transients import ANSWERS, MOTION_ROOM, follow_one
 from engine.verdicts import Verdict
 
@@ -54,36 +44,8 @@ class GovernorCurves(NamedTuple):
     verdict: Verdict
 
 
-@driver
-def sample_states(
-    kind: int, p: np.ndarray, memory: np.ndarray, zero_at: float, places: np.ndarray, rows: np.ndarray
-) -> None:
-    """Write `equilibrium_at` positions.
-
-    Parameters
-    ----------
-    kind : int
-        `Holding`.
-    p : ndarray (NUMBERS,)
-    memory : ndarray
-    zero_at : float
-        Position of the inner stop.
-    places : ndarray (positions,)
-    rows : ndarray (positions, 6)
-        To be written to: the first six numbers of `equilibrium_at`.
-    """
-    own, tables = lane_of(p), lane_of(memory)
-    zero = linkage_at(kind, own, zero_at)[5]
-    for k in range(places.size):
-        state = equilibrium_at(kind, own, tables, places[k], zero)
-        for j in range(6):
-            rows[k, j] = state[j]
-
-
 _LINE = types.float64[::1]
-_TABLE = types.float64[:, ::1]
-_TYPES = (types.intp, _LINE, _LINE, types.float64, _LINE, _TABLE)
-_MOTION_TYPES = (types.intp, types.intp, _LINE, _LINE, types.float64, _LINE, _TABLE, _LINE)
+_MOTION_TYPES = (types.intp, types.intp, _LINE, _LINE, types.float64, _LINE, types.float64[:, ::1], _LINE)
 
 
 def governor_curves(governor: Governor, positions: int = 401) -> GovernorCurves:
@@ -99,20 +61,17 @@ def governor_curves(governor: Governor, positions: int = 401) -> GovernorCurves:
     GovernorCurves
         Without positions where arms don't reach as far as the stops.
     """
-    numbers = governor.row(governor.own_numbers())
-    kept, verdicts = equilibria_of(governor, numbers)[2:]
-    inner, outer, begin, end = kept[0, [INNER, OUTER, FROM, TO]]
-    room = BEYOND * (outer - inner)
-    places = np.concatenate([np.linspace(inner - room, outer + room, positions), [inner, outer, begin, end]])
-    rows = np.empty((places.size, 6))
-    prepare(sample_states, _TYPES)
-    sample_states(int(governor.holding), numbers[0], governor_memory(governor)[0], inner, places, rows)
-    radii, columns, places = rows[positions:, 0], rows[:positions], places[:positions]
+    g = governor_variants(governor, governor.own_numbers())
+    marks, verdicts = governor_marks(g)
+    room = BEYOND * (marks.outer[0] - marks.inner[0])
+    places = np.linspace(marks.inner[0] - room, marks.outer[0] + room, positions)
+    found = g.at(places[:, None], marks.inner)
+    ends = g.at(np.stack([marks.inner, marks.outer, marks.begin, marks.end]), marks.inner).radius[:, 0]
     # Without stops, or without equilibrium between them, there is nothing to see.
-    between = (places >= inner) & (places <= outer)
-    seen = slice(None) if np.isfinite(columns[between, 3]).any() else slice(0)
-    stops, stable = (radii[0], radii[1]), (radii[2], radii[3])
-    return GovernorCurves(*columns[seen].T.copy(), between[seen], stops, stable, Verdict(verdicts[0]))
+    between = (places >= marks.inner[0]) & (places <= marks.outer[0])
+    seen = slice(None) if np.isfinite(found.speed[between, 0]).any() else slice(0)
+    rows = (row[seen, 0] for row in found[:6])
+    return GovernorCurves(*rows, between[seen], tuple(ends[:2]), tuple(ends[2:]), Verdict(verdicts[0]))
 
 
 class LoadChange(NamedTuple):
@@ -151,17 +110,20 @@ def load_change(governor: Governor, cycle: np.ndarray | None = None) -> LoadChan
     LoadChange or None
         As far as the motion can be followed; None without a change that is to be followed, or without equilibrium.
     """
-    own = governor.row(governor.own_numbers())
-    numbers = own if cycle is None else np.concatenate([own, cycle[None]], axis=1)
-    found, _, kept, verdicts = equilibria_of(governor, numbers)
-    if not governor.is_followed or verdicts[0] != Verdict.OK:
+    if not governor.is_followed:
         return None
+    g = governor_variants(governor, governor.own_numbers())
+    marks, verdicts = governor_marks(g)
+    if verdicts[0] != Verdict.OK:
+        return None
+    numbers = g.rows[0] if cycle is None else np.concatenate([g.rows[0], cycle])
     rows, (memory, offset) = np.full((MOST_INSTANTS, 3), np.nan), governor_memory(governor)
     kind, throttle = int(governor.holding), int(governor.throttling)
     prepare(follow_one, _MOTION_TYPES)
-    follow_one(kind, throttle, numbers[0], memory, offset, kept[0], rows, np.empty(MOTION_ROOM + ANSWERS))
-    after = found[0, WORKING_SPEED]
-    return LoadChange(*rows[np.isfinite(rows[:, 0])].T, after - found[0, SPEED_CHANGE], after)
+    follow_one(kind, throttle, numbers, memory, offset, marks.of_motion[0], rows, np.empty(MOTION_ROOM + ANSWERS))
+    steady = near_equilibrium(g, marks)
+    after = steady["working_speed"][0]
+    return LoadChange(*rows[np.isfinite(rows[:, 0])].T, after - steady["steady_speed_change"][0], after)
 
 
 class StabilityPoint(NamedTuple):
@@ -185,6 +147,6 @@ def stability_point(governor: Governor) -> StabilityPoint | None:
     """
     if governor.engine is None:
         return None
-    found = equilibria_of(governor, governor.row(governor.own_numbers()))[0][0]
-    x, y = found[[VYSHNEGRADSKY_X, VYSHNEGRADSKY_Y]]
-    return StabilityPoint(float(x), float(y)) if np.isfinite(x) else None
+    found = governor.evaluate(governor.own_numbers()).values
+    x, y = (float(found[f"vyshnegradsky_{axis}"][0]) for axis in "xy")
+    return StabilityPoint(x, y) if np.isfinite(x) else None
