@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from importlib import import_module
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, get_args, get_origin
 
 import numpy as np
@@ -67,11 +68,14 @@ class Element(Part):
         For how many variants at a time it is evaluated.
     infinite : Verdict
         On a variant with an infinite result: JAMS where no force or moment moves the element.
+    picture : str
+        What its diagrams show, in a word that their files' names end with.
     """
 
     RESULTS: ClassVar[tuple[ElementResult, ...]] = ()
     variants_at_once: ClassVar[int] = 2048
     infinite: ClassVar[Verdict] = Verdict.JAMS
+    picture: ClassVar[str] = "results"
 
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
@@ -128,8 +132,14 @@ class Element(Part):
         rows = {r.name: np.broadcast_to(found[r.name], (variants,)) for r in self.results()}
         return {name: np.where(np.isfinite(row), row, math.nan) for name, row in rows.items()}
 
-    def panels(self) -> tuple[Panel, ...]:
-        """Diagrams that show the element: its results over the first of its numbers, unless it has better ones."""
+    def panels(self, given: Numbers = MappingProxyType({})) -> tuple[Panel, ...]:
+        """Diagrams that show the element: its results over the first of its numbers, unless it has better ones.
+
+        Parameters
+        ----------
+        given : mapping of str to ndarray (1,)
+            What the machine of its scene gives it, by the keys that `values` knows it by.
+        """
         key, number = next(self.numbers_within())
         groups: dict[str, list[str]] = {}
         for result in self.results():

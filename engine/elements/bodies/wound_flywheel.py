@@ -26,10 +26,9 @@ from engine.elements.element import Columns, Element, ElementResult, Numbers
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.elements.sampled_peak import sampled_peak
 from engine.laws.masses.moments_of_inertia import ring_inertia
-from engine.parts.skeleton import AngularSpeed, Length, Number, quantity
+from engine.parts.skeleton import AngularSpeed, Number, Positive, quantity
 
 _PLACES, _SHOWN = 65, 721
-Positive = Annotated[Length, Field(gt=0)]
 Stress = quantity("pressure")
 
 
@@ -40,6 +39,7 @@ class WoundFlywheel(Element):
     `strength`.
     """
 
+    picture: ClassVar = "stresses"
     RESULTS: ClassVar = (
         ElementResult("mass", "mass of the wheel", "kg"),
         ElementResult("inertia", "moment of inertia", "kg m2"),
@@ -121,7 +121,7 @@ class WoundFlywheel(Element):
         }
         return {name: np.where(sound, row, math.nan) for name, row in found.items()}
 
-    def panels(self) -> tuple[Panel, ...]:
+    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Hoop and radial stresses over the radius at rest, at its speed, and where layers part."""
         n = {key: float(value[0]) for key, value in self.own_numbers().items()}
         inner, edge, outer = (0.5 * n[key] for key in ("bore", "winding_diameter", "diameter"))

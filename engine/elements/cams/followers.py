@@ -5,8 +5,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from engine.parts.motion_programs import Positive, check_roller
-from engine.parts.skeleton import Angle, Inertia, Length, Mass, Number, Part, quantity
+from engine.parts.motion_programs import check_roller
+from engine.parts.skeleton import Angle, Inertia, Length, Mass, Number, Part, Positive, quantity
 
 NotNegative = Annotated[Length, Field(ge=0)]
 Force = quantity("force")

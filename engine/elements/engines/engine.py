@@ -11,9 +11,9 @@ but stays within what is allowed for: 0.9 of it at a ratio of 0.99999.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -22,7 +22,6 @@ from engine.elements.element import Answers, Columns, Element, ElementResult, Nu
 from engine.elements.engines.engine_layout import (
     Engine,
     EngineLayout,
-    MasterRod,
     Pattern,
     boxer_engine,
     in_line_engine,
@@ -30,40 +29,32 @@ from engine.elements.engines.engine_layout import (
     v_engine,
     w_engine,
 )
-from engine.elements.engines.engine_torque import CylinderParts, Indicator, Torque, cylinder_torque
+from engine.elements.engines.engine_panels import engine_panels
 from engine.elements.engines.firing import (
     FOUR_STROKE,
     even_firing_order,
     firing_angles,
-    firing_sequence,
-    firing_sums,
 )
-from engine.elements.engines.harmonics import CrankMasses, crank_masses, crank_radius
 from engine.elements.engines.hodograph import Hodograph
+from engine.elements.engines.made_engine import ROUNDED_ORDERS, SIZES, TORQUE_ORDERS, engine_torque, made_engine
 from engine.elements.engines.master_rod import POSITIONS
 from engine.elements.engines.shafts import crankshaft_counterweights, remaining_shaking
 from engine.elements.engines.shaking import EngineShaking, engine_shaking
+from engine.elements.panels import Panel
 from engine.laws.rounding import EPS
-from engine.parts.skeleton import Angle, AngularSpeed, Inertia, Length, Mass, Number, Part, quantity
+from engine.parts.skeleton import Angle, AngularSpeed, Inertia, Length, Mass, Number, Part, Positive, quantity
 
-Positive = Annotated[Length, Field(gt=0)]
 MassOrNone = Annotated[Mass, Field(ge=0)]
 Pressure = Annotated[quantity("pressure"), Field(gt=0)]
 Exponent = Annotated[Number, Field(gt=0)]
-SIZES = ("bank_angle", "pin_offset", "spacing", "rod_distance")
-# Roundings of a sum over cylinders, relative to the sum of the sizes of its terms: phases up to 6 · 2π, products, sums,
-# and masses, shares and the speed as they are given.
-ROUNDED_ORDERS = 64
 # Numbers in memory at a time.
 _BLOCK = 2**19
 
 _WORDS = {1: "primary", 2: "secondary", 3: "third_order", 4: "fourth_order", 5: "fifth_order", 6: "sixth_order"}
-TORQUE_ORDERS = tuple(k / 2 for k in range(1, 13))
 # Keys that matter to forces and couples alone.
 OF_SHAKING = ("spacing", "rod_distance", "throw_mass", "balanced_rotating", "balanced_reciprocating", "crank_angle")
 _SHARES = ("balanced_rotating", "balanced_reciprocating")
 _DIRECTIONS = {"along": "along the engine's axis", "across": "across the engine's axis, to its left"}
-_GAS = ("bore", "clearance", "intake", "exhaust", "peak", "n_compression", "n_expansion", "ambient")
 
 
 class EngineGas(Part):
@@ -95,6 +86,7 @@ class EngineElement(Element):
     knuckle pins. `gas` gives the torque; `rod_inertia`, about the centre of mass, matters to it alone.
     """
 
+    picture: ClassVar = "orders"
     type: Literal["engine"]
     layout: Literal["in-line", "V", "W", "boxer", "radial"]
     cylinders: Annotated[int, Field(ge=1, le=100)]
@@ -213,6 +205,10 @@ class EngineElement(Element):
             found, sizes = engine_columns(self, n)
         return Answers(found, {name: EPS * size for name, size in sizes.items()})
 
+    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+        """Its vectors of force and couple and their orders, throws along the crank, torque."""
+        return engine_panels(self)
+
 
 def _w(cylinders: int, throws: tuple[float, ...] | None) -> Pattern:
     return w_engine(cylinders, throws=throws)
@@ -293,35 +289,6 @@ def engine_columns(engine: EngineElement, numbers: Numbers) -> tuple[Columns, Co
     return columns, sizes
 
 
-def made_engine(engine: EngineElement, numbers: Numbers) -> Engine:
-    """The engine of an element, with the numbers of all variants.
-
-    Parameters
-    ----------
-    engine, numbers
-        As for `engine_columns`.
-    """
-    n = numbers
-    layout = engine.pattern().layout(**{key: n[key] for key in SIZES if key in n})
-    offset = n.get("gudgeon_offset", np.zeros_like(n["stroke"]))
-    own = _masses(n, "", n.get("rod_inertia"))
-    reciprocating, rotating, master = own.reciprocating[..., None], own.rotating[..., None], None
-    if engine.master_index is not None:
-        link = _masses(n, "link_")
-        here = np.arange(engine.cylinders) == engine.master_index
-        reciprocating = np.where(here, reciprocating, link.reciprocating[..., None])
-        rotating = np.where(here, rotating, link.rotating[..., None])
-        knuckle = link.rotating - n["throw_mass"]
-        master = MasterRod(engine.master_index, n["knuckle_radius"], n["link_rod"], knuckle)
-    radius = crank_radius(n["stroke"], n["rod"], offset)
-    return Engine(layout, radius, n["rod"], reciprocating, rotating, offset, own.rod_correction, master)
-
-
-def _masses(n: Numbers, which: str, inertia: np.ndarray | None = None) -> CrankMasses:
-    rod, mass, centre = n[f"{which}rod"], n[f"{which}rod_mass"], n[f"{which}rod_centre"]
-    return crank_masses(n["piston_mass"], mass, rod, centre, inertia, n["throw_mass"])
-
-
 def _carried(engine: EngineElement, n: Numbers, made: Engine, terms: np.ndarray, orders: tuple[int, ...]) -> np.ndarray:
     """Roundings of 1 that sums of terms (..., orders) carry, with those of the numbers they are made of."""
     steps = np.array(orders)
@@ -341,40 +308,6 @@ def _couples_carry(
     pitch, apart = (np.abs(n.get(key, np.ones(1)))[..., None] for key in ("spacing", "rod_distance"))
     longest = (places * pitch + shifts * apart).max(axis=-1)
     return _carried(engine, n, made, left.couple_terms, orders) + left.force_terms * longest[..., None]
-
-
-def engine_torque(
-    engine: EngineElement, n: Numbers, orders: Sequence[float] = TORQUE_ORDERS
-) -> tuple[Torque, np.ndarray, np.ndarray]:
-    """Torque of the gas and the inertia of all cylinders.
-
-    Parameters
-    ----------
-    engine, n
-        As for `engine_columns`; with gas.
-    orders : sequence of float
-        Multiples of ½, above 0.
-
-    Returns
-    -------
-    one : Torque
-        Of one cylinder.
-    found : ndarray of complex (variants, orders)
-        Of all; T = mean + Re Σ T_n exp(i n phi). NaN where the throws don't let the cylinders fire in their order.
-    angles : ndarray (variants, cylinders)
-        At which the cylinders fire [rad].
-    """
-    made = made_engine(engine, n)
-    gas = {key: n[f"gas.{key}"] for key in _GAS}
-    bore, outside = gas.pop("bore"), gas.pop("ambient")
-    mass = made.reciprocating_mass[..., 0]
-    moving = CylinderParts(made.radius, made.rod, made.offset, mass, made.rod_correction, n["speed"])
-    one = cylinder_torque(Indicator(**gas, outside=outside), bore, moving, orders)
-    angles, taken = firing_sequence(made.layout, engine.order_of_firing)
-    with np.errstate(invalid="ignore"):
-        top = np.arcsin(made.offset / (made.rod + made.radius))
-    angles = np.where((taken < FOUR_STROKE)[..., None], angles + top[..., None], np.nan)
-    return one, one.orders * firing_sums(orders, angles), angles
 
 
 def _torque_columns(engine: EngineElement, n: Numbers) -> tuple[Columns, Columns]:

@@ -11,11 +11,10 @@ from engine.elements.element import PLACES, Columns, Element, ElementResult, Num
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.graph.over_arrays import over_arrays
 from engine.laws.brakes import axle_shares
-from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Angle, Length, Number, Speed, Time
+from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Angle, Number, Positive, Speed, Time
 
 # Speeds up to so many times the one given.
 _FASTEST, _KMH = 1.5, 3.6
-Positive = Annotated[Length, Field(gt=0)]
 
 
 @scalar
@@ -36,6 +35,7 @@ class CarElement(Element):
     `slope`, down a negative one; the brakes begin to act after the `reaction_time`.
     """
 
+    picture: ClassVar = "braking"
     RESULTS: ClassVar = (
         ElementResult("deceleration", "greatest deceleration of the braking car", "m s-2"),
         ElementResult("stopping_distance", "way to rest, that of the reaction time with it", "m"),
@@ -66,7 +66,7 @@ class CarElement(Element):
         keys = ("wheelbase", "rear_distance", "height", "slope", "reaction_time", "gravity")
         return self.in_order(over_arrays(car, n["speed"], front, rear, *(n[key] for key in keys)))
 
-    def panels(self) -> tuple[Panel, ...]:
+    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Way to rest over the speed by the wheels that brake, and the speed along the way as given."""
         speed = np.linspace(1e-3, _FASTEST, PLACES) * self.speed
         curves = []

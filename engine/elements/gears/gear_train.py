@@ -1,6 +1,6 @@
 """Gear trains as machine elements: speeds and ratios, whether they fit, moments, losses, tooth forces, inertia."""
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from engine.elements.element import Answers, Element, ElementResult, Numbers
 from engine.elements.gears.gear_columns import gear_train_results, train_answers
@@ -12,6 +12,7 @@ class GearTrainElement(GearTrain, Element):
 
     __doc__ = GearTrain.__doc__
 
+    picture: ClassVar = "velocities"
     type: Literal["gear_train"]
 
     def results(self) -> tuple[ElementResult, ...]:

@@ -24,14 +24,15 @@ from engine.elements.governors.governed_engine import (
     LinearThrottle,
     TableThrottle,
 )
+from engine.elements.governors.governor_curves import governor_panels
 from engine.elements.governors.places import GEOMETRY_NUMBERS, Holding, Throttling
 from engine.elements.governors.transients import ANSWERS, FINE, MOTION_ROOM, follow_changes
+from engine.elements.panels import Panel
 from engine.elements.rotors.bearings import STANDARD_GRAVITY
 from engine.laws.tables import Table
-from engine.parts.skeleton import Acceleration, Length, Mass, Number, quantity
+from engine.parts.skeleton import Acceleration, Length, Mass, Number, Positive, quantity
 from engine.verdicts import Verdict
 
-Positive = Annotated[Length, Field(gt=0)]
 Force = quantity("force")
 _FLAG = {"units": "1", "exact": True}
 _STATICS = (
@@ -102,6 +103,7 @@ class Governor(Element):
     inner stop. `speed_change` is the share of the speed for which effort and power are told.
     """
 
+    picture: ClassVar = "governor"
     # Keys of what holds the balls, in the order of `engine.elements.governors.places`.
     holding: ClassVar[Holding]
     geometry: ClassVar[tuple[str, ...]]
@@ -199,6 +201,10 @@ class Governor(Element):
                 found[result.name], errors[result.name] = row, missed
         found = {name: np.where(well, row, np.nan) for name, row in found.items()}
         return Answers(found, {name: np.where(well, row, 0.0) for name, row in errors.items()}, verdicts)
+
+    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+        """Its characteristic; with an engine its stability and a change of load."""
+        return governor_panels(self, (given or {}).get("cycle"))
 
     def machine_needed(self) -> tuple[str, str]:
         """A crank that turns, where the engine is the scene's mechanism."""

@@ -1,16 +1,21 @@
 """One governor as curves, to be drawn: its characteristic, and what a change of load does over time."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numba import types
 
 from engine.compiling.running import prepare
+from engine.elements.element import Element
 from engine.elements.governors.equilibria import governor_marks, governor_memory, governor_variants, near_equilibrium
-from engine.elements.governors.governor import Governor
+from engine.elements.governors.governed_engine import GovernedEngine
 from engine.elements.governors.transients import ANSWERS, MOTION_ROOM, follow_one
+from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.verdicts import Verdict
 
+# Margins nearer to 0 than this are drawn as stable: sweeps tell them apart, a line can't.
+_FLAT = 1e-12
 # How far beyond the stops curves are drawn, as a share of the range between them.
 BEYOND = 0.25
 
@@ -48,7 +53,7 @@ _LINE = types.float64[::1]
 _MOTION_TYPES = (types.intp, types.intp, _LINE, _LINE, types.float64, _LINE, types.float64[:, ::1], _LINE)
 
 
-def governor_curves(governor: Governor, positions: int = 401) -> GovernorCurves:
+def governor_curves(governor: Element, positions: int = 401) -> GovernorCurves:
     """Characteristic of a governor from one stop to the other, and somewhat beyond.
 
     Parameters
@@ -96,7 +101,7 @@ class LoadChange(NamedTuple):
 MOST_INSTANTS = 8000
 
 
-def load_change(governor: Governor, cycle: np.ndarray | None = None) -> LoadChange | None:
+def load_change(governor: Element, cycle: np.ndarray | None = None) -> LoadChange | None:
     """Follow what the change of load of a governor's engine does.
 
     Parameters
@@ -133,7 +138,7 @@ class StabilityPoint(NamedTuple):
     y: float
 
 
-def stability_point(governor: Governor) -> StabilityPoint | None:
+def stability_point(governor: Element) -> StabilityPoint | None:
     """Place of a governor's engine in Vyshnegradsky's diagram.
 
     Parameters
@@ -150,3 +155,82 @@ def stability_point(governor: Governor) -> StabilityPoint | None:
     found = governor.evaluate(governor.own_numbers()).values
     x, y = (float(found[f"vyshnegradsky_{axis}"][0]) for axis in "xy")
     return StabilityPoint(x, y) if np.isfinite(x) else None
+
+
+def governor_panels(governor: Element, cycle: np.ndarray | None = None) -> tuple[Panel, ...]:
+    """Controlling force and speed in equilibrium; with an engine, its stability and a change of load.
+
+    Parameters
+    ----------
+    governor : Governor
+    cycle : ndarray, optional
+        Curves of the mechanism that is its engine, as for `load_change`.
+    """
+    curve, point, change = governor_curves(governor), stability_point(governor), load_change(governor, cycle)
+    if not curve.radius.size:
+        return ()
+    found = [_characteristic(curve), _speeds(curve, governor.friction)]
+    found += [] if point is None else [_diagram(point)]
+    return (*found, *([] if change is None else _change(change, governor.engine)))
+
+
+def _parts(curve: GovernorCurves, row: np.ndarray) -> list[Curve]:
+    """A row where the governor is stable between its stops, and where it isn't."""
+    stable = curve.margin >= -_FLAT
+    chosen = (("stable", stable & curve.between), ("unstable", ~stable & curve.between))
+    return [Curve(words, np.where(part, row, np.nan)) for words, part in chosen if part.any()]
+
+
+def _characteristic(curve: GovernorCurves) -> Panel:
+    """Controlling force of one ball, with rays of constant speed and the stops."""
+    inside = curve.speed[curve.between]
+    mass = np.nanmean(curve.force / (curve.radius * curve.speed**2))
+    along = np.array([0.0, curve.stops[1] + 0.3 * (curve.stops[1] - curve.stops[0])])
+    rays = [
+        Curve(f"{speed * 30.0 / math.pi:.4g} rpm", mass * speed**2 * along, True, along)
+        for speed in sorted({float(np.nanmin(inside)), float(np.nanmax(inside))})
+    ]
+    curves = [*_parts(curve, curve.force), Curve("", curve.force, True), *rays]
+    marks = [Mark(words, stop, None) for words, stop in zip(("stops", ""), curve.stops, strict=True)]
+    x, y = PanelAxis("radius of the balls", "m"), PanelAxis("controlling force of one ball", "N")
+    title = "Controlling force" if curve.verdict == Verdict.OK else curve.verdict.sentence
+    return Panel(x, y, curve.radius, curves, marks, title)
+
+
+def _speeds(curve: GovernorCurves, friction: float) -> Panel:
+    """Speed of the spindle over the lift, with the band in which friction holds the sleeve."""
+    curves, chosen = _parts(curve, curve.speed), curve.between
+    if friction > 0.0:
+        share = np.minimum(friction / curve.sleeve, 1.0)
+        edges = (("held by friction up to here", -1.0), ("", 1.0))
+        curves += [Curve(words, curve.speed * np.sqrt(1.0 + side * share), True) for words, side in edges]
+    curves = [one._replace(values=one.values[chosen]) for one in curves]
+    x, y = PanelAxis("lift of the sleeve", "m"), PanelAxis("speed of the spindle", "rad s-1")
+    return Panel(x, y, curve.lift[chosen], curves, title="Speed in equilibrium")
+
+
+def _diagram(point: StabilityPoint) -> Panel:
+    """Vyshnegradsky's diagram: where an engine with its governor hunts, oscillates or comes to rest without."""
+    top = max(6.0, 1.25 * point.x, 1.25 * point.y)
+    x = np.linspace(top / 400.0, top, 400)
+    # Double roots −a, −a, −1/a²: X = 2a + 1/a², Y = a² + 2/a; the two branches meet at (3, 3).
+    above, below = (
+        np.where(x >= 3.0, np.interp(x, 2.0 * a + 1.0 / a**2, a**2 + 2.0 / a), np.nan)
+        for a in (np.geomspace(1.0, top, 2000), np.geomspace(1.0, 1.0 / top, 2000))
+    )
+    curves = Curve("hunts below", 1.0 / x), Curve("no oscillation below", above), Curve("no oscillation above", below)
+    marks = (Mark(f"X Y = {point.x * point.y:.3g}", point.x, point.y),)
+    axes = PanelAxis("X, damping", "1"), PanelAxis("Y, stiffness", "1")
+    return Panel(*axes, x, curves, marks, "Vyshnegradsky's diagram", (0.0, top))
+
+
+def _change(change: LoadChange, engine: GovernedEngine) -> tuple[Panel, Panel]:
+    """Speed of the engine and lift of the sleeve after a change of load."""
+    x, y = PanelAxis("time after the change of load", "s"), PanelAxis("speed of the engine", "rad s-1")
+    band = [Mark(words, None, change.after * (1.0 + side * engine.settling_band)) for words, side in _BAND]
+    title = f"Load from {engine.load:g} to {engine.new_load:g} N·m"
+    lift = Panel(x, PanelAxis("lift of the sleeve", "m"), change.time, (Curve("", change.lift),))
+    return Panel(x, y, change.time, (Curve("", change.speed),), band, title), lift
+
+
+_BAND = (("settled", -1.0), ("", 1.0))

@@ -10,12 +10,14 @@ from pydantic import Field, model_validator
 
 from engine.elements.element import Answers, Element, ElementResult, Numbers
 from engine.elements.engines.engine import OF_SHAKING, EngineElement
+from engine.elements.panels import Panel
 from engine.elements.torsional_trains.excitation import TrainExcitation, excitation_orders, train_excitation
 from engine.elements.torsional_trains.forced_vibration import ForcedVibration, forced_vibration, under_mean_moments
 from engine.elements.torsional_trains.natural_frequencies import NaturalVibration, natural_vibration
 from engine.elements.torsional_trains.order_sums import extremes_of_orders
 from engine.elements.torsional_trains.reduced_train import ReducedTrain, reduced_train
 from engine.elements.torsional_trains.train_layout import FRAME_END, Joint, LayoutProblem, TrainLayout, train_layout
+from engine.elements.torsional_trains.train_panels import train_panels
 from engine.elements.torsional_trains.train_parts import HarmonicMoment, TrainGear, TrainMass, TrainShaft
 from engine.laws.rounding import EPS
 from engine.parts.skeleton import AngularSpeed, Name
@@ -39,6 +41,7 @@ class TorsionalTrain(Element):
     At the mass `load` something takes what mean moments leave over; without it that accelerates the whole train.
     """
 
+    picture: ClassVar = "vibration"
     infinite: ClassVar = Verdict.RESONANCE
 
     type: Literal["torsional_train"]
@@ -128,6 +131,11 @@ class TorsionalTrain(Element):
         return train_layout(tuple(self.masses), joints)
 
     @property
+    def is_excited(self) -> bool:
+        """Whether anything excites the train."""
+        return bool(self.excitations) or self.engine is not None or self.machine_at is not None
+
+    @property
     def reported_modes(self) -> int:
         """How many natural frequencies above zero are computed: those asked for, or as many as there are."""
         return min(self.modes, len(self.layout.parents) - (1 if self.layout.is_free else 0))
@@ -147,16 +155,15 @@ class TorsionalTrain(Element):
         found = train_results(self, n)
         return Answers(*({name: pair[part] for name, pair in found.items()} for part in (0, 1)))
 
+    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+        """Modes along the train, and the Campbell diagram."""
+        return train_panels(self, self.own_numbers() | dict(given or {}))
+
     def machine_needed(self) -> tuple[str, str]:
         """A crank that turns, where the machine excites the train."""
         if self.machine_at is None:
             return "", ""
         return ".machine_at", "only a crank that turns fully excites a train"
-
-
-def is_excited(train: TorsionalTrain) -> bool:
-    """Whether anything excites a train."""
-    return bool(train.excitations) or train.engine is not None or train.machine_at is not None
 
 
 def _results(train: TorsionalTrain) -> Iterator[ElementResult]:
@@ -169,7 +176,7 @@ def _results(train: TorsionalTrain) -> Iterator[ElementResult]:
             yield ElementResult(
                 f"mode_{k}.{mass}", f"amplitude of {mass} in mode {k}, over the greatest of all", "1", None, True
             )
-    if not is_excited(train):
+    if not train.is_excited:
         return
     if excitation_orders(train):
         for k in modes:
@@ -207,7 +214,7 @@ def train_results(train: TorsionalTrain, n: Numbers) -> Pairs:
     for k in range(train.reported_modes):
         found[f"frequency_{k + 1}"] = natural.frequencies[k], natural.frequency_errors[k]
         found |= _shape(train, reduced, natural, k)
-    if is_excited(train):
+    if train.is_excited:
         excitation = train_excitation(train, reduced, n)
         if excitation.orders:
             found |= _margins(natural, excitation)
