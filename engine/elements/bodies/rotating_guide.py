@@ -17,6 +17,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
+from engine.cycle.roots import regula_falsi
 from engine.elements.element import Columns, Element, ElementResult, Numbers
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, path, plan
 from engine.parts.skeleton import AngularSpeed, Length, Mass, Number, Speed
@@ -78,16 +79,9 @@ class RotatingGuide(Element):
             high = np.where(reached, 2.0 * high, high)
             if not reached.any():
                 break
-        time = high
-        for _ in range(_ROUNDS):
-            radius, rate = slides_out(w, start, velocity, friction, time)
-            low, high = np.where(radius < there, time, low), np.where(radius < there, high, time)
-            with np.errstate(all="ignore"):
-                new = time - (radius - there) / rate
-            new = np.where((new >= low) & (new <= high), new, 0.5 * (low + high))
-            if (np.abs(new - time) <= 1e-16 * time).all():
-                break
-            time = new
+        time = regula_falsi(lambda t: slides_out(w, start, velocity, friction, t)[0] - there, low, high)
+        radius, rate = slides_out(w, start, velocity, friction, time)
+        time = time - (radius - there) / rate
         _, rate = slides_out(w, start, velocity, friction, time)
         back, second = -w * (root + friction), start - first
         slowing = -2.0 * friction * w

@@ -19,13 +19,13 @@ _FASTEST, _KMH = 1.5, 3.6
 
 @scalar
 def car(
-    speed: float, front: float, rear: float, base: float, behind: float, h: float, slope: float, delay: float, g: float
+    speed: float, front: float, rear: float, base: float, behind: float, height: float, slope: float, g: float
 ) -> tuple[float, float, float, float]:
-    """Braking car: its results in their order; NaN for one that doesn't come to rest."""
-    on_front, on_rear = axle_shares(base, behind, h, front, rear)
+    """Braking car without a time of reaction: its results in their order; NaN for one that doesn't come to rest."""
+    on_front, on_rear = axle_shares(base, behind, height, front, rear)
     held = g * (math.cos(slope) * (front * on_front + rear * on_rear) + math.sin(slope))
     slowing = held if held > 0.0 else math.nan
-    return slowing, speed * delay + speed * speed / (2 * slowing), delay + speed / slowing, on_front
+    return slowing, speed * speed / (2 * slowing), speed / slowing, on_front
 
 
 class CarElement(Element):
@@ -63,8 +63,10 @@ class CarElement(Element):
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by their names."""
         front, rear = (n["friction"] if self.brakes in (axle, "all") else 0.0 for axle in ("front", "rear"))
-        keys = ("wheelbase", "rear_distance", "height", "slope", "reaction_time", "gravity")
-        return self.in_order(over_arrays(car, n["speed"], front, rear, *(n[key] for key in keys)))
+        keys = ("wheelbase", "rear_distance", "height", "slope", "gravity")
+        slowing, way, time, share = over_arrays(car, n["speed"], front, rear, *(n[key] for key in keys))
+        delay = n["reaction_time"]
+        return self.in_order((slowing, n["speed"] * delay + way, delay + time, share))
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Way to rest over the speed by the wheels that brake, and the speed along the way as given."""
