@@ -35,8 +35,8 @@ from engine.elements.engines.made_engine import engine_torque, made_engine
 from engine.elements.engines.shafts import balance_shafts, crankshaft_counterweights, remaining_shaking
 from engine.elements.engines.shaking import SHAKING_ORDERS, EngineShaking, engine_shaking
 from engine.elements.gears.chain_drive import ChainDrive
-from engine.elements.gears.gear_columns import gear_results
 from engine.elements.gears.gear_elements import GearTrain
+from engine.elements.gears.train_results import train_results
 from engine.elements.gears.velocity_picture import VelocityPicture, velocity_picture
 from engine.elements.governors.governor import Governor
 from engine.elements.governors.governor_curves import (
@@ -292,7 +292,6 @@ __all__ = [
     "firing_sums",
     "first_last_count",
     "four_runs",
-    "gear_results",
     "governed_scene",
     "governor_curves",
     "group_links",
@@ -347,6 +346,7 @@ __all__ = [
     "threads",
     "tolerance_shares",
     "torque_orders",
+    "train_results",
     "train_speed",
     "turning_moment_from_areas",
     "turning_moment_from_table",

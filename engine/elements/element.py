@@ -20,6 +20,7 @@ from pydantic import SerializeAsAny, ValidationError, ValidationInfo, WrapValida
 from pydantic_core import InitErrorDetails, PydanticCustomError, PydanticKnownError
 from pydantic_core.core_schema import ErrorType
 
+from engine.cycle.measured import Measured
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, bounded
 from engine.laws.rounding import EPS, NUDGE
 from engine.parts.dimensions import described
@@ -55,6 +56,11 @@ class Answers(NamedTuple):
     values: Columns
     errors: Columns
     verdicts: np.ndarray | Verdict = Verdict.OK
+
+    @classmethod
+    def of(cls, found: Mapping[str, Measured]) -> "Answers":
+        """Results that carry their errors, without a complaint."""
+        return cls({name: m.value for name, m in found.items()}, {name: m.error for name, m in found.items()})
 
 
 class Element(Part):

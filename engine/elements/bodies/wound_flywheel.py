@@ -26,10 +26,9 @@ from engine.elements.element import Columns, Element, ElementResult, Numbers
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.elements.sampled_peak import sampled_peak
 from engine.laws.masses.moments_of_inertia import ring_inertia
-from engine.parts.skeleton import AngularSpeed, Number, Positive, quantity
+from engine.parts.skeleton import AngularSpeed, Number, Positive, Pressure, quantity
 
 _PLACES, _SHOWN = 65, 721
-Stress = quantity("pressure")
 
 
 class WoundFlywheel(Element):
@@ -64,9 +63,9 @@ class WoundFlywheel(Element):
     width: Positive
     density: Annotated[quantity("density"), Field(gt=0)]
     poisson_ratio: Annotated[Number, Field(ge=0, lt=0.5)] = 0.3
-    winding_stress: Annotated[Stress, Field(ge=0)]
+    winding_stress: Annotated[Pressure, Field(ge=0)]
     speed: Annotated[AngularSpeed, Field(gt=0)]
-    strength: Annotated[Stress, Field(gt=0)] | None = None
+    strength: Annotated[Pressure, Field(gt=0)] | None = None
 
     @model_validator(mode="after")
     def _from_inside_out(self) -> "WoundFlywheel":

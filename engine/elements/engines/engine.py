@@ -18,7 +18,8 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers
+from engine.cycle.measured import Measured
+from engine.elements.element import Answers, Element, ElementResult, Numbers
 from engine.elements.engines.engine_layout import (
     Engine,
     EngineLayout,
@@ -202,8 +203,7 @@ class EngineElement(Element):
     def evaluate(self, n: Numbers) -> Answers:
         """Results with errors made of the sizes of their terms."""
         with np.errstate(invalid="ignore", divide="ignore"):
-            found, sizes = engine_columns(self, n)
-        return Answers(found, {name: EPS * size for name, size in sizes.items()})
+            return Answers.of(engine_results(self, n))
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Its vectors of force and couple and their orders, throws along the crank, torque."""
@@ -245,48 +245,40 @@ def torque_name(order: float) -> str:
     return f"torque_order_{order:g}".replace(".", "_")
 
 
-def engine_columns(engine: EngineElement, numbers: Numbers) -> tuple[Columns, Columns]:
+def engine_results(engine: EngineElement, numbers: Numbers) -> dict[str, Measured]:
     """All results of an engine for a set of variants.
 
     Parameters
     ----------
     engine : EngineElement
-        Its layout; its numbers are not used.
     numbers : mapping of str to ndarray (variants,)
-        Its numbers by their keys.
-
-    Returns
-    -------
-    columns : dict of str to ndarray (variants,)
-        NaN where the crank can't turn.
-    sizes : dict of str to ndarray (variants,)
-        Magnitudes whose rounding each of them carries.
     """
     made = made_engine(engine, numbers)
     weights = crankshaft_counterweights(made, *(numbers[key] for key in _SHARES))
     orders = shaking_orders(engine)
     left = remaining_shaking(engine_shaking(made, orders), [weights])
     square = np.square(numbers["speed"])
-    columns = {"crank_unbalance": np.abs(weights.unbalances).sum(axis=-1)}
-    sizes = {"crank_unbalance": ROUNDED_ORDERS * columns["crank_unbalance"]}
+    unbalance = np.abs(weights.unbalances).sum(axis=-1)
+    found = {"crank_unbalance": _rounded(unbalance, ROUNDED_ORDERS * unbalance)}
     for kind, vector, terms, carried in (
         ("force", left.forces, left.force_terms, _carried(engine, numbers, made, left.force_terms, orders)),
         ("couple", left.couples, left.couple_terms, _couples_carry(engine, numbers, made, left, orders)),
     ):
         least = ROUNDED_ORDERS * EPS * terms
-        columns[f"rms_{kind}"] = _settled(vector, least).rms * square
-        sizes[f"rms_{kind}"] = np.sqrt(np.square(carried).sum(axis=-1)) * square
+        whole = np.sqrt(np.square(carried).sum(axis=-1)) * square
+        found[f"rms_{kind}"] = _rounded(_settled(vector, least).rms * square, whole)
         for i, word in enumerate(_WORDS[n] for n in orders):
             for name, axis in ((f"{word}_{kind}", vector.major), (f"{word}_{kind}_least", vector.minor)):
-                columns[name] = np.where(axis[..., i] <= least[..., i], 0.0, axis[..., i]) * square
-                sizes[name] = carried[..., i] * square
+                value = np.where(axis[..., i] <= least[..., i], 0.0, axis[..., i]) * square
+                found[name] = _rounded(value, carried[..., i] * square)
         if kind == "force" and engine.crank_angle is not None:
-            for table, more in zip((columns, sizes), _at_angle(vector, terms, carried, numbers), strict=True):
-                table |= more
-    if engine.gas is not None:
-        for table, more in zip((columns, sizes), _torque_columns(engine, numbers), strict=True):
-            table |= more
-    return columns, sizes
+            found |= _at_angle(vector, terms, carried, numbers)
+    return found if engine.gas is None else found | _torque_results(engine, numbers)
+
+
+def _rounded(value: np.ndarray, size: np.ndarray) -> Measured:
+    """A sum of terms, with the rounding of their sizes."""
+    return Measured(value, EPS * size)
 
 
 def _carried(engine: EngineElement, n: Numbers, made: Engine, terms: np.ndarray, orders: tuple[int, ...]) -> np.ndarray:
@@ -310,35 +302,33 @@ def _couples_carry(
     return _carried(engine, n, made, left.couple_terms, orders) + left.force_terms * longest[..., None]
 
 
-def _torque_columns(engine: EngineElement, n: Numbers) -> tuple[Columns, Columns]:
-    """Torque of all cylinders by orders, and sizes of its terms."""
+def _torque_results(engine: EngineElement, n: Numbers) -> dict[str, Measured]:
+    """Torque of all cylinders by orders."""
     one, all_together, angles = engine_torque(engine, n)
-    count, steps, found = engine.cylinders, np.array(TORQUE_ORDERS), np.abs(all_together)
+    count, steps, sums = engine.cylinders, np.array(TORQUE_ORDERS), np.abs(all_together)
     phases = np.abs(one.orders) * (steps * (2 * FOUR_STROKE + np.abs(angles).max(axis=-1)[..., None]) + count)
     carried = count * (ROUNDED_ORDERS * one.sizes[..., 1:] + phases)
-    found = np.where(found <= ROUNDED_ORDERS * EPS * count * np.abs(one.orders), 0.0, found)
-    columns = {"mean_torque": count * one.mean, "mean_power": count * one.mean * n["speed"]}
+    sums = np.where(sums <= ROUNDED_ORDERS * EPS * count * np.abs(one.orders), 0.0, sums)
     mean_size = count * ROUNDED_ORDERS * one.sizes[..., 0]
-    sizes = {"mean_torque": mean_size, "mean_power": mean_size * n["speed"]}
-    for i, order in enumerate(TORQUE_ORDERS):
-        columns[torque_name(order)], sizes[torque_name(order)] = found[..., i], carried[..., i]
-    return columns, sizes
+    mean = {"mean_torque": _rounded(count * one.mean, mean_size)}
+    mean["mean_power"] = _rounded(count * one.mean * n["speed"], mean_size * n["speed"])
+    return mean | {torque_name(h): _rounded(sums[..., i], carried[..., i]) for i, h in enumerate(TORQUE_ORDERS)}
 
 
-def _at_angle(forces: Hodograph, terms: np.ndarray, carried: np.ndarray, numbers: Numbers) -> tuple[Columns, Columns]:
-    """Primary and whole force at the element's crank angle, and sizes of their terms."""
+def _at_angle(forces: Hodograph, terms: np.ndarray, carried: np.ndarray, numbers: Numbers) -> dict[str, Measured]:
+    """Primary and whole force at the element's crank angle."""
     steps = np.array(forces.orders) * numbers["crank_angle"][..., None]
     square = np.square(numbers["speed"])
     orders = forces.forward * np.exp(1j * steps) + forces.backward * np.exp(-1j * steps)
     with_phases = carried + (np.abs(steps) + 1) * terms
-    columns, sizes = {}, {}
+    found = {}
     for name, force, size in (
         ("primary_force", orders[..., 0], with_phases[..., 0]),
         ("force", orders.sum(axis=-1), with_phases.sum(axis=-1)),
     ):
         for key, part in zip(_DIRECTIONS, (force.real, force.imag), strict=True):
-            columns[f"{name}_{key}"], sizes[f"{name}_{key}"] = part * square, size * square
-    return columns, sizes
+            found[f"{name}_{key}"] = _rounded(part * square, size * square)
+    return found
 
 
 def _settled(found: Hodograph, least: np.ndarray) -> Hodograph:

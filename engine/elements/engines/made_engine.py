@@ -24,7 +24,7 @@ def made_engine(engine: Element, numbers: Numbers) -> Engine:
     Parameters
     ----------
     engine, numbers
-        As for `engine_columns`.
+        As for `engine_results`.
     """
     n = numbers
     layout = engine.pattern().layout(**{key: n[key] for key in SIZES if key in n})
@@ -55,7 +55,7 @@ def engine_torque(
     Parameters
     ----------
     engine, n
-        As for `engine_columns`; with gas.
+        As for `engine_results`; with gas.
     orders : sequence of float
         Multiples of ½, above 0.
 

@@ -28,12 +28,11 @@ from engine.elements.governors.governor_curves import governor_panels
 from engine.elements.governors.places import GEOMETRY_NUMBERS, Holding, Throttling
 from engine.elements.governors.transients import ANSWERS, FINE, MOTION_ROOM, follow_changes
 from engine.elements.panels import Panel
-from engine.elements.rotors.bearings import STANDARD_GRAVITY
 from engine.laws.tables import Table
-from engine.parts.skeleton import Acceleration, Length, Mass, Number, Positive, quantity
+from engine.parts.actions import Force
+from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Length, Mass, Number, Positive, quantity
 from engine.verdicts import Verdict
 
-Force = quantity("force")
 _FLAG = {"units": "1", "exact": True}
 _STATICS = (
     ElementResult("inner_speed", "speed of the spindle in equilibrium at the inner stop", "rad s-1"),

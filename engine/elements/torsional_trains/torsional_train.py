@@ -8,6 +8,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
+from engine.cycle.measured import Measured
 from engine.elements.element import Answers, Element, ElementResult, Numbers
 from engine.elements.engines.engine import OF_SHAKING, EngineElement
 from engine.elements.panels import Panel
@@ -24,7 +25,6 @@ from engine.parts.skeleton import AngularSpeed, Name
 from engine.verdicts import Verdict
 
 MOST_MASSES = 1000
-Pairs = dict[str, tuple[np.ndarray, np.ndarray]]
 # Complex numbers in memory at a time.
 _BLOCK = 2**17
 
@@ -152,8 +152,7 @@ class TorsionalTrain(Element):
 
     def evaluate(self, n: Numbers) -> Answers:
         """Results with what they may be off by."""
-        found = train_results(self, n)
-        return Answers(*({name: pair[part] for name, pair in found.items()} for part in (0, 1)))
+        return Answers.of(_found(self, n))
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Modes along the train, and the Campbell diagram."""
@@ -193,7 +192,7 @@ def _results(train: TorsionalTrain) -> Iterator[ElementResult]:
     yield ElementResult("dissipated_power", "mean power that all dampers dissipate", "W")
 
 
-def train_results(train: TorsionalTrain, n: Numbers) -> Pairs:
+def _found(train: TorsionalTrain, n: Numbers) -> dict[str, Measured]:
     """All results of a torsional train for a set of variants, with their errors.
 
     Parameters
@@ -210,9 +209,9 @@ def train_results(train: TorsionalTrain, n: Numbers) -> Pairs:
     """
     reduced = reduced_train(train, n)
     natural = natural_vibration(reduced, train.reported_modes)
-    found: Pairs = {"rigid_body_modes": (1.0 if train.layout.is_free else 0.0, 0.0)}
+    found: dict[str, Measured] = {"rigid_body_modes": Measured(1.0 if train.layout.is_free else 0.0)}
     for k in range(train.reported_modes):
-        found[f"frequency_{k + 1}"] = natural.frequencies[k], natural.frequency_errors[k]
+        found[f"frequency_{k + 1}"] = Measured(natural.frequencies[k], natural.frequency_errors[k])
         found |= _shape(train, reduced, natural, k)
     if train.is_excited:
         excitation = train_excitation(train, reduced, n)
@@ -222,7 +221,7 @@ def train_results(train: TorsionalTrain, n: Numbers) -> Pairs:
     return found
 
 
-def _shape(train: TorsionalTrain, reduced: ReducedTrain, natural: NaturalVibration, k: int) -> Pairs:
+def _shape(train: TorsionalTrain, reduced: ReducedTrain, natural: NaturalVibration, k: int) -> dict[str, Measured]:
     """A mode as its masses swing about their own axes, over the greatest amplitude."""
     layout = train.layout
     own = np.stack([reduced.ratios[mass] for mass in layout.masses])
@@ -233,31 +232,31 @@ def _shape(train: TorsionalTrain, reduced: ReducedTrain, natural: NaturalVibrati
     with np.errstate(invalid="ignore", divide="ignore"):
         values = q / top
         errors = (e + np.abs(values) * top_error) / np.abs(top)
-    return {f"mode_{k + 1}.{mass}": (values[i], errors[i]) for i, mass in enumerate(layout.masses)}
+    return {f"mode_{k + 1}.{mass}": Measured(values[i], errors[i]) for i, mass in enumerate(layout.masses)}
 
 
-def _margins(natural: NaturalVibration, excitation: TrainExcitation) -> Pairs:
+def _margins(natural: NaturalVibration, excitation: TrainExcitation) -> dict[str, Measured]:
     """How far the nearest order is from each natural frequency."""
-    found: Pairs = {}
+    found: dict[str, Measured] = {}
     orders = np.array(excitation.orders)
     for k, (frequency, error) in enumerate(zip(natural.frequencies, natural.frequency_errors, strict=True), 1):
         with np.errstate(invalid="ignore"):
             away = np.abs(orders[:, None] * excitation.speed / frequency - 1.0)
         nearest = away.argmin(axis=0)
         margin = np.take_along_axis(away, nearest[None], axis=0)[0]
-        found[f"margin_{k}"] = margin, (1.0 + margin) * (error / frequency + 4.0 * EPS)
-        found[f"nearest_order_{k}"] = orders[nearest], np.zeros_like(margin)
+        found[f"margin_{k}"] = Measured(margin, (1.0 + margin) * (error / frequency + 4.0 * EPS))
+        found[f"nearest_order_{k}"] = Measured(orders[nearest])
     return found
 
 
-def _vibration(train: TorsionalTrain, reduced: ReducedTrain, excitation: TrainExcitation) -> Pairs:
+def _vibration(train: TorsionalTrain, reduced: ReducedTrain, excitation: TrainExcitation) -> dict[str, Measured]:
     """Moments of the shafts, amplitudes of the masses, and what is dissipated."""
     layout, orders = train.layout, excitation.orders
     frequencies = np.array(orders).reshape(-1, 1) * excitation.speed
     swings = forced_vibration(reduced, frequencies, excitation.moments, excitation.moment_errors)
     mean = under_mean_moments(reduced, excitation.means, excitation.mean_errors)
     still = np.zeros((1, excitation.speed.size))
-    found: Pairs = {}
+    found: dict[str, Measured] = {}
     # What is infinite stays so whatever it is multiplied by.
     with np.errstate(invalid="ignore"):
         for name in train.shafts:
@@ -267,15 +266,15 @@ def _vibration(train: TorsionalTrain, reduced: ReducedTrain, excitation: TrainEx
             constant_off = np.abs(constant_off[0] / own)
             constant = constant[0].real / own
             (least, greatest), off = _range(excitation, alternating / own, off / own)
-            found[f"{name}.mean_moment"] = constant, constant_off
-            found[f"{name}.alternating_moment"] = 0.5 * (greatest - least), off
+            found[f"{name}.mean_moment"] = Measured(constant, constant_off)
+            found[f"{name}.alternating_moment"] = Measured(0.5 * (greatest - least), off)
             total = np.maximum(np.abs(constant + greatest), np.abs(constant + least))
-            found[f"{name}.greatest_moment"] = total, constant_off + off
+            found[f"{name}.greatest_moment"] = Measured(total, constant_off + off)
         for mass, node in zip(layout.masses, layout.node_of, strict=True):
             own = reduced.ratios[mass]
             (least, greatest), off = _range(excitation, own * swings.angles[node], own * swings.angle_errors[node])
-            found[f"{mass}.amplitude"] = 0.5 * (greatest - least), off
-        found["dissipated_power"] = swings.dissipated, _dissipation_error(reduced, swings)
+            found[f"{mass}.amplitude"] = Measured(0.5 * (greatest - least), off)
+        found["dissipated_power"] = Measured(swings.dissipated, _dissipation_error(reduced, swings))
     return found
 
 
