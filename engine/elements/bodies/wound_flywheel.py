@@ -96,7 +96,9 @@ class WoundFlywheel(Element):
             slope = slope - 2.0 * spin * ((a * b) ** 2 / r**3 + (1.0 + 3.0 * nu) / (3.0 + nu) * r)
             return wound_stresses(n, r, speed)[1], slope
 
-        stress, _ = sampled_peak(layer, c + (b - c) * np.linspace(0.0, 1.0, _PLACES)[:, None])
+        stress, _ = sampled_peak(
+            lambda r: layer(r)[0], lambda r: layer(r)[1], c + (b - c) * np.linspace(0.0, 1.0, _PLACES)[:, None]
+        )
         about = np.log((b - a) * (b + a) / ((c - a) * (c + a)))
         pressure = 0.5 * tension * (1.0 - (a / c) ** 2) * about
         spun = 2.0 * spin * (b**2 + (1.0 - nu) / (3.0 + nu) * a**2)

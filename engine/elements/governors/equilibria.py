@@ -267,11 +267,10 @@ def governor_marks(g: GovernorVariants) -> tuple[Marks, np.ndarray]:
     def peak_of(name: str, where: np.ndarray) -> np.ndarray:
         """Where a state is least, beside the least of samples."""
 
-        def turned(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            behind, ahead = (getattr(g.at(x + side * step, low), name) for side in (-1.0, 1.0))
-            return -getattr(g.at(x, low), name), behind - ahead
+        def turned(x: np.ndarray) -> np.ndarray:
+            return -getattr(g.at(x, low), name)
 
-        return sampled_peak(turned, where)[1]
+        return sampled_peak(turned, lambda x: turned(x + step) - turned(x - step), where)[1]
 
     k = found.margin.argmin(axis=0)
     beside = np.clip(k + np.array([[-1], [1]]), 0, len(places) - 1)
