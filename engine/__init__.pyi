@@ -7,7 +7,7 @@ from engine.compiling.kept_code import is_compiling
 from engine.compiling.sources import sources_digest
 from engine.compiling.threads import set_threads, threads
 from engine.cycle.turning_moment import TurningMoment, turning_moment_from_areas, turning_moment_from_table
-from engine.elements.bodies.rotating_guide import RotatingGuide, slides_out
+from engine.elements.bodies.rotating_guide import RotatingGuide
 from engine.elements.bodies.tethered_body import TetheredBody
 from engine.elements.bodies.tilted_body import TiltedBody, body_ellipsoid
 from engine.elements.bodies.wound_flywheel import wound_stresses
@@ -15,7 +15,7 @@ from engine.elements.cams.cam import CamElement
 from engine.elements.cams.cam_curves import CamCurves, cam_curves
 from engine.elements.compliances.compliance import ComplianceElement
 from engine.elements.element import Element, ElementResult, element_kinds
-from engine.elements.engines.engine import ROUNDED_ORDERS, EngineElement, engine_torque, made_engine
+from engine.elements.engines.engine import EngineElement
 from engine.elements.engines.engine_layout import (
     Engine,
     EngineLayout,
@@ -27,20 +27,19 @@ from engine.elements.engines.engine_layout import (
     v_engine,
     w_engine,
 )
+from engine.elements.engines.engine_panels import SHOWN_ORDERS, shaken, torque_orders
 from engine.elements.engines.firing import FOUR_STROKE, even_firing_order, firing_angles, firing_intervals, firing_sums
 from engine.elements.engines.harmonics import crank_radius, piston_harmonics
 from engine.elements.engines.hodograph import Hodograph
+from engine.elements.engines.made_engine import engine_torque, made_engine
 from engine.elements.engines.shafts import balance_shafts, crankshaft_counterweights, remaining_shaking
 from engine.elements.engines.shaking import SHAKING_ORDERS, EngineShaking, engine_shaking
 from engine.elements.gears.chain_drive import ChainDrive
-from engine.elements.gears.gear_columns import gear_results
 from engine.elements.gears.gear_elements import GearTrain
+from engine.elements.gears.train_results import train_results
 from engine.elements.gears.velocity_picture import VelocityPicture, velocity_picture
 from engine.elements.governors.governor import Governor
 from engine.elements.governors.governor_curves import (
-    GovernorCurves,
-    LoadChange,
-    StabilityPoint,
     governor_curves,
     load_change,
     stability_point,
@@ -55,14 +54,14 @@ from engine.elements.rotors.influence import (
     influence_correction,
     residual_confidence,
 )
-from engine.elements.rotors.rotor import RotorElement, rotor_corrections, rotor_unbalances
+from engine.elements.rotors.rotor import RotorElement
 from engine.elements.rotors.static_rotor import StaticRotor
 from engine.elements.rotors.unbalance import resultant_unbalance, unbalance_in_two_planes
-from engine.elements.torsional_trains.excitation import TrainExcitation, train_excitation, train_speed
+from engine.elements.torsional_trains.excitation import train_speed
 from engine.elements.torsional_trains.holzer import HolzerTable, holzer_table
-from engine.elements.torsional_trains.natural_frequencies import NaturalVibration, natural_vibration
+from engine.elements.torsional_trains.natural_frequencies import natural_vibration
 from engine.elements.torsional_trains.reduced_train import ReducedTrain, reduced_train
-from engine.elements.torsional_trains.torsional_train import TorsionalTrain, is_excited
+from engine.elements.torsional_trains.torsional_train import TorsionalTrain
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.tables import TableError
@@ -169,10 +168,10 @@ __all__ = [
     "FRAME",
     "PLACE_STATISTICS",
     "POSITIONS_USED",
-    "ROUNDED_ORDERS",
     "RPP",
     "RPR",
     "SHAKING_ORDERS",
+    "SHOWN_ORDERS",
     "STATISTICS",
     "AskError",
     "AssemblyMode",
@@ -205,7 +204,6 @@ __all__ = [
     "FreeGroup",
     "GearTrain",
     "Governor",
-    "GovernorCurves",
     "Hinged",
     "History",
     "Hodograph",
@@ -213,7 +211,6 @@ __all__ = [
     "InductionMotor",
     "InputUnits",
     "LinkForce",
-    "LoadChange",
     "Machine",
     "Mark",
     "MasterRod",
@@ -222,7 +219,6 @@ __all__ = [
     "Move",
     "MovingMachine",
     "MovingPoint",
-    "NaturalVibration",
     "Near",
     "NonZero",
     "NoncircularWheel",
@@ -248,7 +244,6 @@ __all__ = [
     "SecondCrank",
     "SecondSlider",
     "Sliding",
-    "StabilityPoint",
     "StaticRotor",
     "SteadyRegime",
     "TableError",
@@ -258,7 +253,6 @@ __all__ = [
     "TiltedBody",
     "TorsionSpring",
     "TorsionalTrain",
-    "TrainExcitation",
     "TurningMoment",
     "UnitError",
     "VelocityPicture",
@@ -298,7 +292,6 @@ __all__ = [
     "firing_sums",
     "first_last_count",
     "four_runs",
-    "gear_results",
     "governed_scene",
     "governor_curves",
     "group_links",
@@ -314,7 +307,6 @@ __all__ = [
     "influence_coefficients",
     "influence_correction",
     "is_compiling",
-    "is_excited",
     "joined_by_and",
     "joint_of",
     "load_change",
@@ -340,22 +332,21 @@ __all__ = [
     "remaining_shaking",
     "residual_confidence",
     "resultant_unbalance",
-    "rotor_corrections",
-    "rotor_unbalances",
     "run_keys",
     "scale_of",
     "scene_numbers",
     "set_threads",
+    "shaken",
     "slider_tilts",
     "sliders_of",
-    "slides_out",
     "sliding_quantity",
     "sources_digest",
     "split_on_neighbours",
     "stability_point",
     "threads",
     "tolerance_shares",
-    "train_excitation",
+    "torque_orders",
+    "train_results",
     "train_speed",
     "turning_moment_from_areas",
     "turning_moment_from_table",

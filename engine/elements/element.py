@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from importlib import import_module
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, get_args, get_origin
 
 import numpy as np
@@ -19,6 +20,7 @@ from pydantic import SerializeAsAny, ValidationError, ValidationInfo, WrapValida
 from pydantic_core import InitErrorDetails, PydanticCustomError, PydanticKnownError
 from pydantic_core.core_schema import ErrorType
 
+from engine.cycle.measured import Measured
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, bounded
 from engine.laws.rounding import EPS, NUDGE
 from engine.parts.dimensions import described
@@ -55,6 +57,11 @@ class Answers(NamedTuple):
     errors: Columns
     verdicts: np.ndarray | Verdict = Verdict.OK
 
+    @classmethod
+    def of(cls, found: Mapping[str, Measured]) -> "Answers":
+        """Results that carry their errors, without a complaint."""
+        return cls({name: m.value for name, m in found.items()}, {name: m.error for name, m in found.items()})
+
 
 class Element(Part):
     """A machine element; a subclass with a `type` of its own registers itself by being defined.
@@ -67,11 +74,14 @@ class Element(Part):
         For how many variants at a time it is evaluated.
     infinite : Verdict
         On a variant with an infinite result: JAMS where no force or moment moves the element.
+    picture : str
+        What its diagrams show, in a word that their files' names end with.
     """
 
     RESULTS: ClassVar[tuple[ElementResult, ...]] = ()
     variants_at_once: ClassVar[int] = 2048
     infinite: ClassVar[Verdict] = Verdict.JAMS
+    picture: ClassVar[str] = "results"
 
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
@@ -128,8 +138,14 @@ class Element(Part):
         rows = {r.name: np.broadcast_to(found[r.name], (variants,)) for r in self.results()}
         return {name: np.where(np.isfinite(row), row, math.nan) for name, row in rows.items()}
 
-    def panels(self) -> tuple[Panel, ...]:
-        """Diagrams that show the element: its results over the first of its numbers, unless it has better ones."""
+    def panels(self, given: Numbers = MappingProxyType({})) -> tuple[Panel, ...]:
+        """Diagrams that show the element: its results over the first of its numbers, unless it has better ones.
+
+        Parameters
+        ----------
+        given : mapping of str to ndarray (1,)
+            What the machine of its scene gives it, by the keys that `values` knows it by.
+        """
         key, number = next(self.numbers_within())
         groups: dict[str, list[str]] = {}
         for result in self.results():

@@ -1,7 +1,8 @@
 """Diagrams of an element as data: curves, marks and units, for whoever draws them."""
 
+import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -17,11 +18,15 @@ class PanelAxis(NamedTuple):
 
 
 class Curve(NamedTuple):
-    """A curve by its words, NaN where it has no value; one that stands `beside` the element's own is drawn faintly."""
+    """A curve by its words, NaN where it has no value; one that stands `beside` the element's own is drawn faintly.
+
+    It may have `places` of its own; a faint one that has is named at its end, but for a plan.
+    """
 
     words: str
     values: np.ndarray
     beside: bool = False
+    places: np.ndarray | None = None
 
 
 class Mark(NamedTuple):
@@ -44,7 +49,11 @@ class Panel(NamedTuple):
     marks : sequence of Mark
     title : str
     limits : (float, float), optional
-        Of what is shown upwards; all unless given.
+        Of what is shown upwards, in a logarithmic scale where both are above 0; all unless given.
+    kind : {"curves", "plan", "bars"}
+        A plan has one scale along both axes; bars stand beside each other at every place.
+    names : sequence of str
+        Of the places, where they are no numbers.
     """
 
     x: PanelAxis
@@ -54,6 +63,34 @@ class Panel(NamedTuple):
     marks: Sequence[Mark] = ()
     title: str = ""
     limits: tuple[float, float] | None = None
+    kind: Literal["curves", "plan", "bars"] = "curves"
+    names: Sequence[str] = ()
+
+
+def path(words: str, points: np.ndarray | Sequence[complex], beside: bool = False) -> Curve:
+    """A line through points of a plane, complex."""
+    points = np.asarray(points)
+    return Curve(words, points.imag, beside, points.real)
+
+
+def circle(words: str, radius: float, centre: complex = 0.0, beside: bool = True) -> Curve:
+    """A circle in a plane."""
+    return path(words, centre + radius * np.exp(1j * np.linspace(0.0, math.tau, 361)), beside)
+
+
+def plan(curves: Sequence[Curve], title: str = "", unit: str = "m", words: tuple[str, str] = ("x", "y")) -> Panel:
+    """Lines of a plane, to scale.
+
+    Parameters
+    ----------
+    curves : sequence of Curve
+        With places of their own.
+    title, unit : str
+    words : (str, str)
+        What both axes are.
+    """
+    every = np.concatenate([curve.places for curve in curves])
+    return Panel(PanelAxis(words[0], unit), PanelAxis(words[1], unit), every, curves, title=title, kind="plan")
 
 
 def bounded(places: np.ndarray, curves: Sequence[Curve], given: float) -> tuple[float, float] | None:

@@ -4,8 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from engine.parts.motion_programs import CamProgram, Positive, check_roller
-from engine.parts.skeleton import Angle, GuideRef, LinkRef, Mode, Name, Part, PointRef
+from engine.parts.motion_programs import CamProgram, check_roller
+from engine.parts.skeleton import Angle, GuideRef, LinkRef, Mode, Name, Part, PointRef, Positive
 
 
 class SlidingFollower(Part):

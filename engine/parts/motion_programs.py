@@ -11,9 +11,8 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from engine.laws.tables import TableError, make_table
-from engine.parts.skeleton import Angle, Length, Name, Part
+from engine.parts.skeleton import Angle, Length, Name, Part, Positive
 
-Positive = Annotated[Length, Field(gt=0)]
 LawName = Literal[
     "uniform",
     "parabolic",

@@ -5,13 +5,11 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from engine.laws.friction.coefficients import SLIDING, STATIC_AND_KINETIC
-from engine.parts.skeleton import Angle, Length, Number, Part, Speed
+from engine.parts.skeleton import Angle, Number, Part, Positive, Speed
 
 # Kinetic coefficients; of a range its middle.
 MATERIALS = {name: (pair.low + pair.high) / 2 for name, pair in SLIDING.items()}
 MATERIALS |= {name: pair.kinetic for name, pair in STATIC_AND_KINETIC.items()}
-
-Positive = Annotated[Length, Field(gt=0)]
 
 
 class PairFriction(Part):

@@ -102,6 +102,7 @@ def quantity(dimension: str) -> type:
 
 
 Length = quantity("length")
+Positive = Annotated[Length, Field(gt=0)]
 Angle = quantity("angle")
 Mass = quantity("mass")
 Inertia = quantity("inertia")

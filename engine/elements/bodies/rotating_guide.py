@@ -17,13 +17,14 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
+from engine.cycle.roots import regula_falsi
 from engine.elements.element import Columns, Element, ElementResult, Numbers
-from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.elements.panels import Curve, Mark, Panel, PanelAxis, path, plan
 from engine.parts.skeleton import AngularSpeed, Length, Mass, Number, Speed
 
 _ROUNDS = 60
-# Instants of curves.
-_SHOWN = 721
+# Instants of curves; at how many of them the lever is drawn.
+_SHOWN, _LEVERS = 721, 8
 
 
 class RotatingGuide(Element):
@@ -32,6 +33,7 @@ class RotatingGuide(Element):
     At time 0 it is at `start_radius` from the axis, with `start_velocity` along the lever; at `length` it leaves it.
     """
 
+    picture: ClassVar = "sliding"
     RESULTS: ClassVar = (
         ElementResult("time", "time to the end of the lever", "s"),
         ElementResult("turned_angle", "angle by which the lever turns meanwhile", "rad"),
@@ -77,16 +79,9 @@ class RotatingGuide(Element):
             high = np.where(reached, 2.0 * high, high)
             if not reached.any():
                 break
-        time = high
-        for _ in range(_ROUNDS):
-            radius, rate = slides_out(w, start, velocity, friction, time)
-            low, high = np.where(radius < there, time, low), np.where(radius < there, high, time)
-            with np.errstate(all="ignore"):
-                new = time - (radius - there) / rate
-            new = np.where((new >= low) & (new <= high), new, 0.5 * (low + high))
-            if (np.abs(new - time) <= 1e-16 * time).all():
-                break
-            time = new
+        time = regula_falsi(lambda t: slides_out(w, start, velocity, friction, t)[0] - there, low, high)
+        radius, rate = slides_out(w, start, velocity, friction, time)
+        time = time - (radius - there) / rate
         _, rate = slides_out(w, start, velocity, friction, time)
         back, second = -w * (root + friction), start - first
         slowing = -2.0 * friction * w
@@ -110,18 +105,25 @@ class RotatingGuide(Element):
             "friction_work": 2.0 * friction * mass * w * squares,
         }
 
-    def panels(self) -> tuple[Panel, ...]:
-        """Distance from the axis and reaction over the time to the end of the lever."""
+    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+        """The path seen from above, distance from the axis and reaction over the time to the end of the lever."""
         end = self.own_values()["time"]
         time = np.linspace(0.0, end, _SHOWN)
         given = (np.full(time.shape, v) for v in (self.speed, self.start_radius, self.start_velocity, self.friction))
         radius, rate = slides_out(*given, time)
         reaction = 2.0 * self.mass * self.speed * rate
         rows = (("distance", "m", radius), ("reaction", "N", reaction))
-        return tuple(
+        over_time = (
             Panel(PanelAxis("time", "s"), PanelAxis(words, unit), time, (Curve("", row),), (Mark("", end, row[-1]),))
             for words, unit, row in rows
         )
+        turned = np.exp(1j * self.speed * time)
+        leaves = (rate[-1] + 1j * self.speed * radius[-1]) * turned[-1]
+        track = radius * turned
+        beyond = track[-1] + 0.5 * self.length * leaves / np.abs(leaves)
+        levers = [path("", (0.0, self.length * turn), True) for turn in turned[:: (_SHOWN - 1) // _LEVERS]]
+        lines = (*levers, path("path", track), path("velocity as it leaves", (track[-1], beyond)))
+        return plan(lines, "From above"), *over_time
 
 
 def slides_out(

@@ -13,13 +13,15 @@ speed by impulse comes nearer to that by spin-up.
 Source: J. P. Den Hartog, Mechanics (conservation of energy and of moment of momentum).
 """
 
+import math
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
+from scipy.integrate import solve_ivp
 
 from engine.elements.element import Columns, Element, ElementResult, Numbers
-from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.elements.panels import Curve, Mark, Panel, PanelAxis, circle, path, plan
 from engine.parts.actions import Force, Stiffness
 from engine.parts.skeleton import Length, Mass, Speed
 
@@ -35,6 +37,7 @@ class TetheredBody(Element):
     rim of radius R and section A is one with the length R, the stiffness 2πEA/R and 2π times its section's strength.
     """
 
+    picture: ClassVar = "pull"
     RESULTS: ClassVar = (
         ElementResult("impulse", "impulse that gives the speed at once", "N s"),
         ElementResult("impulse_stretch", "greatest stretch of the tie after the impulse", "m"),
@@ -80,8 +83,8 @@ class TetheredBody(Element):
             "bursts_by_spin_up": (speed > by_spin_up).astype(float),
         }
 
-    def panels(self) -> tuple[Panel, ...]:
-        """Greatest pull over the speed."""
+    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+        """The way after the impulse, and the greatest pull over the speed."""
         own, kinds = self.own_values(), {"impulse": "by an impulse", "spin_up": "spun up slowly"}
         bursts = {kind: own[f"{kind}_burst_speed"] for kind in kinds}
         speed = np.linspace(0.0, 1.15 * max(self.speed, *bursts.values()), _SHOWN + 1)[1:]
@@ -90,7 +93,29 @@ class TetheredBody(Element):
         marks = [Mark("", at, self.strength) for at in bursts.values()]
         marks += [Mark("strength of the tie", None, self.strength), Mark("its speed", self.speed, None)]
         x, y = PanelAxis("speed", "m s-1"), PanelAxis("greatest pull", "N")
-        return (Panel(x, y, speed, curves, marks, limits=(0.0, 2.2 * self.strength)),)
+        pull = Panel(x, y, speed, curves, marks, limits=(0.0, 2.2 * self.strength))
+        track = self._track()
+        farthest = track[np.abs(track).argmax()]
+        slow = self.length + own["spin_up_stretch"]
+        lines = (
+            circle("tie without force", self.length),
+            circle("spun up slowly", slow),
+            path("after the impulse", track),
+            path("greatest pull", (0.0, farthest)),
+        )
+        return plan(lines, "Along the axis"), pull
+
+    def _track(self) -> np.ndarray:
+        """The way after the impulse, about a turn of it."""
+        moment, last = self.speed * self.length, math.tau * self.length / self.speed
+
+        def motion(_: float, state: np.ndarray) -> tuple[float, float, float]:
+            radius, rate, _ = state
+            pulled = self.stiffness / self.mass * (radius - self.length)
+            return rate, moment**2 / radius**3 - pulled, moment / radius**2
+
+        way = solve_ivp(motion, (0.0, last), (self.length, 0.0, 0.0), rtol=1e-8, max_step=last / _SHOWN)
+        return way.y[0] * np.exp(1j * way.y[2])
 
 
 def _relative_stretch(stiffness: np.ndarray) -> np.ndarray:

@@ -15,7 +15,8 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from engine.elements.element import Columns, Element, ElementResult, Numbers
-from engine.parts.skeleton import Angle, AngularSpeed, Inertia, Length, Mass
+from engine.elements.panels import Panel, path, plan
+from engine.parts.skeleton import Angle, AngularSpeed, Inertia, Length, Mass, Positive
 
 MOMENTS = ("inertia_x", "inertia_y", "inertia_z")
 SEMI_AXES = ("semi_axis_x", "semi_axis_y", "semi_axis_z")
@@ -23,7 +24,6 @@ _PRODUCTS = ("product_xy", "product_yz", "product_zx")
 # By so much a plate's moments may miss their sum, as rounded numbers of a text do.
 _GREATEST_INERTIA = 1e150
 _PLATE = 1e-6
-PositiveLength = Annotated[Length, Field(gt=0)]
 
 
 class TiltedBody(Element):
@@ -35,6 +35,7 @@ class TiltedBody(Element):
     `speed` it turns about the fixed z axis.
     """
 
+    picture: ClassVar = "views"
     RESULTS: ClassVar = (
         *(
             ElementResult(f"fixed_inertia_{axis}", f"moment of inertia about the fixed {axis} axis", "kg m2")
@@ -62,9 +63,9 @@ class TiltedBody(Element):
     product_xy: Inertia = 0.0
     product_yz: Inertia = 0.0
     product_zx: Inertia = 0.0
-    semi_axis_x: PositiveLength | None = None
-    semi_axis_y: PositiveLength | None = None
-    semi_axis_z: PositiveLength | None = None
+    semi_axis_x: Positive | None = None
+    semi_axis_y: Positive | None = None
+    semi_axis_z: Positive | None = None
     yaw: Angle = 0.0
     pitch: Angle = 0.0
     roll: Angle = 0.0
@@ -111,6 +112,25 @@ class TiltedBody(Element):
             "centrifugal_force": mass * speed**2 * np.hypot(n["x"], n["y"]),
         }
         return {name: np.where(sound, row, math.nan) for name, row in found.items()}
+
+    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+        """Three views of the uniform ellipsoid that is inert as the body is, in fixed axes; none where none is."""
+        semi_axes, axes = body_ellipsoid(self)
+        if np.isnan(semi_axes).any():
+            return ()
+        centre, found = np.array([self.x, self.y, self.z]), []
+        outwards = np.exp(1j * np.linspace(0.0, math.tau, 361))
+        for title, across, up in (("the front", 0, 2), ("the side", 1, 2), ("above", 0, 1)):
+            seen = (axes[across] + 1j * axes[up]) * semi_axes
+            # Of points c + A u on the ellipsoid the outermost to each side are those with u along Aᵀ of that direction.
+            reach = (np.conj(seen) * outwards[:, None]).real
+            size = np.linalg.norm(reach, axis=1)
+            middle = centre[across] + 1j * centre[up]
+            outline = middle + np.divide(reach @ seen, size, out=np.zeros(size.size, complex), where=size > 0.0)
+            lines = [path("", (middle - 1.25 * end, middle + 1.25 * end), True) for end in seen]
+            words = "xyz"[across], "xyz"[up]
+            found.append(plan((path("outline", outline), *lines), f"From {title}", words=words))
+        return tuple(found)
 
 
 def _turned(yaw: np.ndarray, pitch: np.ndarray, roll: np.ndarray) -> np.ndarray:

@@ -26,11 +26,9 @@ from engine.elements.element import Columns, Element, ElementResult, Numbers
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.elements.sampled_peak import sampled_peak
 from engine.laws.masses.moments_of_inertia import ring_inertia
-from engine.parts.skeleton import AngularSpeed, Length, Number, quantity
+from engine.parts.skeleton import AngularSpeed, Number, Positive, Pressure, quantity
 
 _PLACES, _SHOWN = 65, 721
-Positive = Annotated[Length, Field(gt=0)]
-Stress = quantity("pressure")
 
 
 class WoundFlywheel(Element):
@@ -40,6 +38,7 @@ class WoundFlywheel(Element):
     `strength`.
     """
 
+    picture: ClassVar = "stresses"
     RESULTS: ClassVar = (
         ElementResult("mass", "mass of the wheel", "kg"),
         ElementResult("inertia", "moment of inertia", "kg m2"),
@@ -64,9 +63,9 @@ class WoundFlywheel(Element):
     width: Positive
     density: Annotated[quantity("density"), Field(gt=0)]
     poisson_ratio: Annotated[Number, Field(ge=0, lt=0.5)] = 0.3
-    winding_stress: Annotated[Stress, Field(ge=0)]
+    winding_stress: Annotated[Pressure, Field(ge=0)]
     speed: Annotated[AngularSpeed, Field(gt=0)]
-    strength: Annotated[Stress, Field(gt=0)] | None = None
+    strength: Annotated[Pressure, Field(gt=0)] | None = None
 
     @model_validator(mode="after")
     def _from_inside_out(self) -> "WoundFlywheel":
@@ -97,7 +96,9 @@ class WoundFlywheel(Element):
             slope = slope - 2.0 * spin * ((a * b) ** 2 / r**3 + (1.0 + 3.0 * nu) / (3.0 + nu) * r)
             return wound_stresses(n, r, speed)[1], slope
 
-        stress, _ = sampled_peak(layer, c + (b - c) * np.linspace(0.0, 1.0, _PLACES)[:, None])
+        stress, _ = sampled_peak(
+            lambda r: layer(r)[0], lambda r: layer(r)[1], c + (b - c) * np.linspace(0.0, 1.0, _PLACES)[:, None]
+        )
         about = np.log((b - a) * (b + a) / ((c - a) * (c + a)))
         pressure = 0.5 * tension * (1.0 - (a / c) ** 2) * about
         spun = 2.0 * spin * (b**2 + (1.0 - nu) / (3.0 + nu) * a**2)
@@ -121,7 +122,7 @@ class WoundFlywheel(Element):
         }
         return {name: np.where(sound, row, math.nan) for name, row in found.items()}
 
-    def panels(self) -> tuple[Panel, ...]:
+    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Hoop and radial stresses over the radius at rest, at its speed, and where layers part."""
         n = {key: float(value[0]) for key, value in self.own_numbers().items()}
         inner, edge, outer = (0.5 * n[key] for key in ("bore", "winding_diameter", "diameter"))

@@ -16,8 +16,8 @@ from engine.elements.element import ROUNDING, Answers, Columns, Element, Element
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.laws.cams.profiles import pressure_of_lines
 from engine.laws.rounding import EPS
-from engine.parts.motion_programs import TURN, CamProgram, Positive, sections_of
-from engine.parts.skeleton import AngularSpeed
+from engine.parts.motion_programs import TURN, CamProgram, sections_of
+from engine.parts.skeleton import AngularSpeed, Positive
 from engine.verdicts import Verdict
 
 # Curvatures beyond this many times the base circle's are left out of the diagram: edges have infinite ones.
@@ -83,6 +83,7 @@ class CamElement(CamProgram, Element):
     path of a cutter of `cutter_radius` is drawn and exported; unless given, it is as large as the roller.
     """
 
+    picture: ClassVar = "cam"
     variants_at_once: ClassVar = 512
 
     type: Literal["cam"]
@@ -137,7 +138,7 @@ class CamElement(CamProgram, Element):
                 errors[at] = errors[at] + ROUNDING * EPS * TURN + np.choose(k, off)
         return self._answers(n, (values, errors), found.verdicts)
 
-    def panels(self) -> tuple[Panel, ...]:
+    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Motion, pressure angle, curvature and forces over the turn, with the ends of its sections."""
         c, unit, rate = cam_curves(self), *(("m", "m") if self.translating else ("rad", "1"))
         curvature = np.where(np.abs(c.curvature) * self.base_radius < _MOST_CURVED, c.curvature, np.nan)

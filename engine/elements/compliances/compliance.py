@@ -1,12 +1,15 @@
 """The parts of a drive in series: their stiffness and damping as one shaft feels them, and their shares."""
 
-from typing import Annotated, Literal
+import math
+from typing import Annotated, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field
 
 from engine.elements.compliances.elastic_parts import ElasticPart
 from engine.elements.compliances.reduction import damping_and_absorption, in_series, leaf_paths, reduced_part
 from engine.elements.element import Columns, Element, ElementResult, Numbers
+from engine.elements.panels import Curve, Panel, PanelAxis
 from engine.parts.actions import Moment
 from engine.parts.skeleton import Name, quantity
 
@@ -18,6 +21,7 @@ class ComplianceElement(Element):
     absorption and damping follow from each other.
     """
 
+    picture: ClassVar = "shares"
     type: Literal["compliance"]
     parts: Annotated[dict[Name, ElasticPart], Field(min_length=1)]
     moment: Annotated[Moment, Field(gt=0)] | None = None
@@ -62,3 +66,16 @@ class ComplianceElement(Element):
         if self.moment is not None:
             found["twist"] = n["moment"] / whole.stiffness
         return found
+
+    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+        """What share of the energy each part has, in series that of the twist, the softest last."""
+        own = self.own_values()
+        shares = {name.removesuffix(".share"): value for name, value in own.items() if name.endswith(".share")}
+        parts = sorted(shares, key=shares.get)
+        names = [f"{part.replace('.', ' · ')}\n{own[f'{part}.stiffness']:.4g} N·m/rad" for part in parts]
+        title = f"whole line: {own['stiffness']:.4g} N·m/rad"
+        if "twist" in own:
+            title += f", {math.degrees(own['twist']):.3g}° under {self.moment:g} N·m"
+        x, y = PanelAxis("", "1"), PanelAxis("share of the energy", "%")
+        bars = Curve("", np.array([100.0 * shares[part] for part in parts]))
+        return (Panel(x, y, np.arange(float(len(parts))), (bars,), title=title, kind="bars", names=names),)

@@ -5,9 +5,8 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from engine.parts.actions import Stiffness, TorsionalDamping, TorsionalStiffness
-from engine.parts.skeleton import Area, Length, Name, Number, Part, quantity
+from engine.parts.skeleton import Area, Length, Name, Number, Part, Positive, quantity
 
-PartLength = Annotated[Length, Field(gt=0)]
 PartModulus = Annotated[quantity("pressure"), Field(gt=0)]
 
 
@@ -33,9 +32,9 @@ class ShaftPart(_TurningPart):
     """A round shaft between two steps of its diameter."""
 
     type: Literal["shaft"]
-    diameter: PartLength
+    diameter: Positive
     bore: Annotated[Length, Field(ge=0)] = 0.0
-    length: PartLength
+    length: Positive
     shear_modulus: PartModulus
 
     @model_validator(mode="after")
@@ -50,9 +49,9 @@ class RodPart(_TurningPart):
 
     type: Literal["rod"]
     area: Annotated[Area, Field(gt=0)]
-    length: PartLength
+    length: Positive
     elastic_modulus: PartModulus
-    radius: PartLength
+    radius: Positive
     strands: Annotated[Number, Field(ge=1)] = 1.0
 
 
@@ -61,7 +60,7 @@ class StrandPart(_TurningPart):
 
     type: Literal["strand"]
     stiffness: Annotated[Stiffness, Field(gt=0)]
-    radius: PartLength
+    radius: Positive
 
 
 class MeshPart(_TurningPart):
@@ -72,8 +71,8 @@ class MeshPart(_TurningPart):
 
     type: Literal["gear_mesh"]
     mesh_stiffness: PartModulus
-    width: PartLength
-    base_radius: PartLength
+    width: Positive
+    base_radius: Positive
 
 
 class CouplingPart(_TurningPart):

@@ -86,6 +86,7 @@ class MachineDrive(ElasticShaft, Element):
     What is named as `off` doesn't act in steady motion. A `run` is followed over time.
     """
 
+    picture: ClassVar = "cycle"
     RESULTS: ClassVar = (*RESULTS, *RUN_RESULTS)
 
     type: Literal["machine_drive"]

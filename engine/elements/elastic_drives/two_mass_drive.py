@@ -67,6 +67,7 @@ class TwoMassDrive(ElasticShaft, Element):
     happens is computed up to `time`.
     """
 
+    picture: ClassVar = "transient"
     RESULTS: ClassVar = (
         ElementResult("stiffness", "torsional stiffness of the shaft", "N m rad-1"),
         ElementResult("damping", "torsional damping of the shaft", "N m s rad-1"),
@@ -149,7 +150,7 @@ class TwoMassDrive(ElasticShaft, Element):
         too_stiff = np.where(found["too_stiff"] > 0.0, Verdict.SHAFT_RIGID, Verdict.OK)
         return Answers(found, errors, too_stiff.astype(np.uint8))
 
-    def panels(self) -> tuple[Panel, ...]:
+    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Moment of the shaft, speeds of motor and load, and play over time."""
         history, x = drive_history(self, _INSTANTS), PanelAxis("time", "s")
         peak = np.abs(history.moment).argmax()

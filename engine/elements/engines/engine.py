@@ -11,18 +11,18 @@ but stays within what is allowed for: 0.9 of it at a ratio of 0.99999.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers
+from engine.cycle.measured import Measured
+from engine.elements.element import Answers, Element, ElementResult, Numbers
 from engine.elements.engines.engine_layout import (
     Engine,
     EngineLayout,
-    MasterRod,
     Pattern,
     boxer_engine,
     in_line_engine,
@@ -30,40 +30,32 @@ from engine.elements.engines.engine_layout import (
     v_engine,
     w_engine,
 )
-from engine.elements.engines.engine_torque import CylinderParts, Indicator, Torque, cylinder_torque
+from engine.elements.engines.engine_panels import engine_panels
 from engine.elements.engines.firing import (
     FOUR_STROKE,
     even_firing_order,
     firing_angles,
-    firing_sequence,
-    firing_sums,
 )
-from engine.elements.engines.harmonics import CrankMasses, crank_masses, crank_radius
 from engine.elements.engines.hodograph import Hodograph
+from engine.elements.engines.made_engine import ROUNDED_ORDERS, SIZES, TORQUE_ORDERS, engine_torque, made_engine
 from engine.elements.engines.master_rod import POSITIONS
 from engine.elements.engines.shafts import crankshaft_counterweights, remaining_shaking
 from engine.elements.engines.shaking import EngineShaking, engine_shaking
+from engine.elements.panels import Panel
 from engine.laws.rounding import EPS
-from engine.parts.skeleton import Angle, AngularSpeed, Inertia, Length, Mass, Number, Part, quantity
+from engine.parts.skeleton import Angle, AngularSpeed, Inertia, Length, Mass, Number, Part, Positive, quantity
 
-Positive = Annotated[Length, Field(gt=0)]
 MassOrNone = Annotated[Mass, Field(ge=0)]
 Pressure = Annotated[quantity("pressure"), Field(gt=0)]
 Exponent = Annotated[Number, Field(gt=0)]
-SIZES = ("bank_angle", "pin_offset", "spacing", "rod_distance")
-# Roundings of a sum over cylinders, relative to the sum of the sizes of its terms: phases up to 6 · 2π, products, sums,
-# and masses, shares and the speed as they are given.
-ROUNDED_ORDERS = 64
 # Numbers in memory at a time.
 _BLOCK = 2**19
 
 _WORDS = {1: "primary", 2: "secondary", 3: "third_order", 4: "fourth_order", 5: "fifth_order", 6: "sixth_order"}
-TORQUE_ORDERS = tuple(k / 2 for k in range(1, 13))
 # Keys that matter to forces and couples alone.
 OF_SHAKING = ("spacing", "rod_distance", "throw_mass", "balanced_rotating", "balanced_reciprocating", "crank_angle")
 _SHARES = ("balanced_rotating", "balanced_reciprocating")
 _DIRECTIONS = {"along": "along the engine's axis", "across": "across the engine's axis, to its left"}
-_GAS = ("bore", "clearance", "intake", "exhaust", "peak", "n_compression", "n_expansion", "ambient")
 
 
 class EngineGas(Part):
@@ -95,6 +87,7 @@ class EngineElement(Element):
     knuckle pins. `gas` gives the torque; `rod_inertia`, about the centre of mass, matters to it alone.
     """
 
+    picture: ClassVar = "orders"
     type: Literal["engine"]
     layout: Literal["in-line", "V", "W", "boxer", "radial"]
     cylinders: Annotated[int, Field(ge=1, le=100)]
@@ -210,8 +203,11 @@ class EngineElement(Element):
     def evaluate(self, n: Numbers) -> Answers:
         """Results with errors made of the sizes of their terms."""
         with np.errstate(invalid="ignore", divide="ignore"):
-            found, sizes = engine_columns(self, n)
-        return Answers(found, {name: EPS * size for name, size in sizes.items()})
+            return Answers.of(engine_results(self, n))
+
+    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+        """Its vectors of force and couple and their orders, throws along the crank, torque."""
+        return engine_panels(self)
 
 
 def _w(cylinders: int, throws: tuple[float, ...] | None) -> Pattern:
@@ -249,77 +245,40 @@ def torque_name(order: float) -> str:
     return f"torque_order_{order:g}".replace(".", "_")
 
 
-def engine_columns(engine: EngineElement, numbers: Numbers) -> tuple[Columns, Columns]:
+def engine_results(engine: EngineElement, numbers: Numbers) -> dict[str, Measured]:
     """All results of an engine for a set of variants.
 
     Parameters
     ----------
     engine : EngineElement
-        Its layout; its numbers are not used.
     numbers : mapping of str to ndarray (variants,)
-        Its numbers by their keys.
-
-    Returns
-    -------
-    columns : dict of str to ndarray (variants,)
-        NaN where the crank can't turn.
-    sizes : dict of str to ndarray (variants,)
-        Magnitudes whose rounding each of them carries.
     """
     made = made_engine(engine, numbers)
     weights = crankshaft_counterweights(made, *(numbers[key] for key in _SHARES))
     orders = shaking_orders(engine)
     left = remaining_shaking(engine_shaking(made, orders), [weights])
     square = np.square(numbers["speed"])
-    columns = {"crank_unbalance": np.abs(weights.unbalances).sum(axis=-1)}
-    sizes = {"crank_unbalance": ROUNDED_ORDERS * columns["crank_unbalance"]}
+    unbalance = np.abs(weights.unbalances).sum(axis=-1)
+    found = {"crank_unbalance": _rounded(unbalance, ROUNDED_ORDERS * unbalance)}
     for kind, vector, terms, carried in (
         ("force", left.forces, left.force_terms, _carried(engine, numbers, made, left.force_terms, orders)),
         ("couple", left.couples, left.couple_terms, _couples_carry(engine, numbers, made, left, orders)),
     ):
         least = ROUNDED_ORDERS * EPS * terms
-        columns[f"rms_{kind}"] = _settled(vector, least).rms * square
-        sizes[f"rms_{kind}"] = np.sqrt(np.square(carried).sum(axis=-1)) * square
+        whole = np.sqrt(np.square(carried).sum(axis=-1)) * square
+        found[f"rms_{kind}"] = _rounded(_settled(vector, least).rms * square, whole)
         for i, word in enumerate(_WORDS[n] for n in orders):
             for name, axis in ((f"{word}_{kind}", vector.major), (f"{word}_{kind}_least", vector.minor)):
-                columns[name] = np.where(axis[..., i] <= least[..., i], 0.0, axis[..., i]) * square
-                sizes[name] = carried[..., i] * square
+                value = np.where(axis[..., i] <= least[..., i], 0.0, axis[..., i]) * square
+                found[name] = _rounded(value, carried[..., i] * square)
         if kind == "force" and engine.crank_angle is not None:
-            for table, more in zip((columns, sizes), _at_angle(vector, terms, carried, numbers), strict=True):
-                table |= more
-    if engine.gas is not None:
-        for table, more in zip((columns, sizes), _torque_columns(engine, numbers), strict=True):
-            table |= more
-    return columns, sizes
+            found |= _at_angle(vector, terms, carried, numbers)
+    return found if engine.gas is None else found | _torque_results(engine, numbers)
 
 
-def made_engine(engine: EngineElement, numbers: Numbers) -> Engine:
-    """The engine of an element, with the numbers of all variants.
-
-    Parameters
-    ----------
-    engine, numbers
-        As for `engine_columns`.
-    """
-    n = numbers
-    layout = engine.pattern().layout(**{key: n[key] for key in SIZES if key in n})
-    offset = n.get("gudgeon_offset", np.zeros_like(n["stroke"]))
-    own = _masses(n, "", n.get("rod_inertia"))
-    reciprocating, rotating, master = own.reciprocating[..., None], own.rotating[..., None], None
-    if engine.master_index is not None:
-        link = _masses(n, "link_")
-        here = np.arange(engine.cylinders) == engine.master_index
-        reciprocating = np.where(here, reciprocating, link.reciprocating[..., None])
-        rotating = np.where(here, rotating, link.rotating[..., None])
-        knuckle = link.rotating - n["throw_mass"]
-        master = MasterRod(engine.master_index, n["knuckle_radius"], n["link_rod"], knuckle)
-    radius = crank_radius(n["stroke"], n["rod"], offset)
-    return Engine(layout, radius, n["rod"], reciprocating, rotating, offset, own.rod_correction, master)
-
-
-def _masses(n: Numbers, which: str, inertia: np.ndarray | None = None) -> CrankMasses:
-    rod, mass, centre = n[f"{which}rod"], n[f"{which}rod_mass"], n[f"{which}rod_centre"]
-    return crank_masses(n["piston_mass"], mass, rod, centre, inertia, n["throw_mass"])
+def _rounded(value: np.ndarray, size: np.ndarray) -> Measured:
+    """A sum of terms, with the rounding of their sizes."""
+    return Measured(value, EPS * size)
 
 
 def _carried(engine: EngineElement, n: Numbers, made: Engine, terms: np.ndarray, orders: tuple[int, ...]) -> np.ndarray:
@@ -343,69 +302,33 @@ def _couples_carry(
     return _carried(engine, n, made, left.couple_terms, orders) + left.force_terms * longest[..., None]
 
 
-def engine_torque(
-    engine: EngineElement, n: Numbers, orders: Sequence[float] = TORQUE_ORDERS
-) -> tuple[Torque, np.ndarray, np.ndarray]:
-    """Torque of the gas and the inertia of all cylinders.
-
-    Parameters
-    ----------
-    engine, n
-        As for `engine_columns`; with gas.
-    orders : sequence of float
-        Multiples of ½, above 0.
-
-    Returns
-    -------
-    one : Torque
-        Of one cylinder.
-    found : ndarray of complex (variants, orders)
-        Of all; T = mean + Re Σ T_n exp(i n phi). NaN where the throws don't let the cylinders fire in their order.
-    angles : ndarray (variants, cylinders)
-        At which the cylinders fire [rad].
-    """
-    made = made_engine(engine, n)
-    gas = {key: n[f"gas.{key}"] for key in _GAS}
-    bore, outside = gas.pop("bore"), gas.pop("ambient")
-    mass = made.reciprocating_mass[..., 0]
-    moving = CylinderParts(made.radius, made.rod, made.offset, mass, made.rod_correction, n["speed"])
-    one = cylinder_torque(Indicator(**gas, outside=outside), bore, moving, orders)
-    angles, taken = firing_sequence(made.layout, engine.order_of_firing)
-    with np.errstate(invalid="ignore"):
-        top = np.arcsin(made.offset / (made.rod + made.radius))
-    angles = np.where((taken < FOUR_STROKE)[..., None], angles + top[..., None], np.nan)
-    return one, one.orders * firing_sums(orders, angles), angles
-
-
-def _torque_columns(engine: EngineElement, n: Numbers) -> tuple[Columns, Columns]:
-    """Torque of all cylinders by orders, and sizes of its terms."""
+def _torque_results(engine: EngineElement, n: Numbers) -> dict[str, Measured]:
+    """Torque of all cylinders by orders."""
     one, all_together, angles = engine_torque(engine, n)
-    count, steps, found = engine.cylinders, np.array(TORQUE_ORDERS), np.abs(all_together)
+    count, steps, sums = engine.cylinders, np.array(TORQUE_ORDERS), np.abs(all_together)
     phases = np.abs(one.orders) * (steps * (2 * FOUR_STROKE + np.abs(angles).max(axis=-1)[..., None]) + count)
     carried = count * (ROUNDED_ORDERS * one.sizes[..., 1:] + phases)
-    found = np.where(found <= ROUNDED_ORDERS * EPS * count * np.abs(one.orders), 0.0, found)
-    columns = {"mean_torque": count * one.mean, "mean_power": count * one.mean * n["speed"]}
+    sums = np.where(sums <= ROUNDED_ORDERS * EPS * count * np.abs(one.orders), 0.0, sums)
     mean_size = count * ROUNDED_ORDERS * one.sizes[..., 0]
-    sizes = {"mean_torque": mean_size, "mean_power": mean_size * n["speed"]}
-    for i, order in enumerate(TORQUE_ORDERS):
-        columns[torque_name(order)], sizes[torque_name(order)] = found[..., i], carried[..., i]
-    return columns, sizes
+    mean = {"mean_torque": _rounded(count * one.mean, mean_size)}
+    mean["mean_power"] = _rounded(count * one.mean * n["speed"], mean_size * n["speed"])
+    return mean | {torque_name(h): _rounded(sums[..., i], carried[..., i]) for i, h in enumerate(TORQUE_ORDERS)}
 
 
-def _at_angle(forces: Hodograph, terms: np.ndarray, carried: np.ndarray, numbers: Numbers) -> tuple[Columns, Columns]:
-    """Primary and whole force at the element's crank angle, and sizes of their terms."""
+def _at_angle(forces: Hodograph, terms: np.ndarray, carried: np.ndarray, numbers: Numbers) -> dict[str, Measured]:
+    """Primary and whole force at the element's crank angle."""
     steps = np.array(forces.orders) * numbers["crank_angle"][..., None]
     square = np.square(numbers["speed"])
     orders = forces.forward * np.exp(1j * steps) + forces.backward * np.exp(-1j * steps)
     with_phases = carried + (np.abs(steps) + 1) * terms
-    columns, sizes = {}, {}
+    found = {}
     for name, force, size in (
         ("primary_force", orders[..., 0], with_phases[..., 0]),
         ("force", orders.sum(axis=-1), with_phases.sum(axis=-1)),
     ):
         for key, part in zip(_DIRECTIONS, (force.real, force.imag), strict=True):
-            columns[f"{name}_{key}"], sizes[f"{name}_{key}"] = part * square, size * square
-    return columns, sizes
+            found[f"{name}_{key}"] = _rounded(part * square, size * square)
+    return found
 
 
 def _settled(found: Hodograph, least: np.ndarray) -> Hodograph:

@@ -26,9 +26,8 @@ from engine.elements.element import Columns, Element, ElementResult, Numbers
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.elements.rotors.unbalance import Resultant, unbalance_in_two_planes
 from engine.parts.actions import Force
-from engine.parts.skeleton import Angle, AngularSpeed, Length, Mass, Number
+from engine.parts.skeleton import Angle, AngularSpeed, Length, Mass, Number, Positive
 
-Positive = Annotated[Length, Field(gt=0)]
 # Two cylinders start from every position with cranks at a right angle; three and four have even ones.
 USUAL_THROW_ANGLES = {1: 0.0, 2: math.pi / 2, 3: 2 * math.pi / 3, 4: math.pi / 2}
 # Places of curves; speeds up to so many times the one given.
@@ -45,6 +44,7 @@ class LocomotiveElement(Element):
     as long: orders above the first are left out. `wheel_load` is what a wheel presses on its rail at rest.
     """
 
+    picture: ClassVar = "shaking"
     RESULTS: ClassVar = (
         *(ElementResult(f"{side}_balance_mass", f"balance weight in the {side} wheel", "kg") for side in _SIDES),
         *(
@@ -118,7 +118,7 @@ class LocomotiveElement(Element):
             found |= {f"{side}_hammer_blow": np.abs(part), f"{side}_rail_force": (part * turned).imag}
         return found
 
-    def panels(self) -> tuple[Panel, ...]:
+    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Forces and the swaying couple over a turn, hammer blows over the speed."""
         angle = np.linspace(0.0, math.tau, _SHOWN)
         turn = self.model_copy(update={"crank_angle": 0.0}).over("crank_angle", angle)

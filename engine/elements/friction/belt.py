@@ -6,9 +6,8 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from engine.compiling.decorators import scalar
-from engine.elements.element import Columns, Element, ElementResult, Numbers
-from engine.elements.friction.over_friction import over_friction
-from engine.elements.panels import Panel
+from engine.elements.element import Columns, ElementResult, Numbers
+from engine.elements.friction.friction_element import FrictionElement, Load, Positive
 from engine.graph.over_arrays import over_arrays
 from engine.laws.friction.belts import (
     belt_moment,
@@ -21,11 +20,8 @@ from engine.laws.friction.belts import (
     tight_tension,
 )
 from engine.laws.friction.guides import vee_friction
-from engine.parts.actions import Force, Moment
-from engine.parts.skeleton import Angle, Length, Number, Speed, quantity
-
-Positive = Annotated[Length, Field(gt=0)]
-Load = Annotated[Force, Field(gt=0)]
+from engine.parts.actions import Moment
+from engine.parts.skeleton import Angle, Number, Speed, quantity
 
 
 @scalar
@@ -51,13 +47,14 @@ def belt(
     )
 
 
-class BeltElement(Element):
+class BeltElement(FrictionElement):
     """A belt on a pulley on the point of slipping: the moment that its `tension` carries, or the tension for a moment.
 
     `tension` is that of the tight strand; `groove_angle` lies between the faces of a V groove. A belt that runs has a
     `speed`, and with its `linear_density` a centrifugal tension.
     """
 
+    shown: ClassVar = (("force", ("tight_tension", "slack_tension", "shaft_force")), ("ratio", ("tension_ratio",)))
     RESULTS: ClassVar = (
         ElementResult("tension_ratio", "tension of the tight strand over the slack one's, without centrifugal", "1"),
         ElementResult("tight_tension", "tension of the tight strand", "N"),
@@ -92,8 +89,3 @@ class BeltElement(Element):
         usual = {"groove_angle": math.pi, "tension": math.nan, "moment": math.nan, "linear_density": 0.0, "speed": 0.0}
         others = (n.get(key, value) for key, value in usual.items())
         return self.in_order(over_arrays(belt, n["diameter"], n["wrap"], n["friction"], *others))
-
-    def panels(self) -> tuple[Panel, ...]:
-        """Forces or moments, and a ratio, over the friction."""
-        first, second = ("force", ("tight_tension", "slack_tension", "shaft_force")), ("ratio", ("tension_ratio",))
-        return over_friction(self, first, second)

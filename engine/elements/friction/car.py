@@ -11,22 +11,21 @@ from engine.elements.element import PLACES, Columns, Element, ElementResult, Num
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.graph.over_arrays import over_arrays
 from engine.laws.brakes import axle_shares
-from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Angle, Length, Number, Speed, Time
+from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Angle, Number, Positive, Speed, Time
 
 # Speeds up to so many times the one given.
 _FASTEST, _KMH = 1.5, 3.6
-Positive = Annotated[Length, Field(gt=0)]
 
 
 @scalar
 def car(
-    speed: float, front: float, rear: float, base: float, behind: float, h: float, slope: float, delay: float, g: float
+    speed: float, front: float, rear: float, base: float, behind: float, height: float, slope: float, g: float
 ) -> tuple[float, float, float, float]:
-    """Braking car: its results in their order; NaN for one that doesn't come to rest."""
-    on_front, on_rear = axle_shares(base, behind, h, front, rear)
+    """Braking car without a time of reaction: its results in their order; NaN for one that doesn't come to rest."""
+    on_front, on_rear = axle_shares(base, behind, height, front, rear)
     held = g * (math.cos(slope) * (front * on_front + rear * on_rear) + math.sin(slope))
     slowing = held if held > 0.0 else math.nan
-    return slowing, speed * delay + speed * speed / (2 * slowing), delay + speed / slowing, on_front
+    return slowing, speed * speed / (2 * slowing), speed / slowing, on_front
 
 
 class CarElement(Element):
@@ -36,6 +35,7 @@ class CarElement(Element):
     `slope`, down a negative one; the brakes begin to act after the `reaction_time`.
     """
 
+    picture: ClassVar = "braking"
     RESULTS: ClassVar = (
         ElementResult("deceleration", "greatest deceleration of the braking car", "m s-2"),
         ElementResult("stopping_distance", "way to rest, that of the reaction time with it", "m"),
@@ -63,10 +63,12 @@ class CarElement(Element):
     def values(self, n: Numbers) -> Columns:
         """Results of a set of variants by their names."""
         front, rear = (n["friction"] if self.brakes in (axle, "all") else 0.0 for axle in ("front", "rear"))
-        keys = ("wheelbase", "rear_distance", "height", "slope", "reaction_time", "gravity")
-        return self.in_order(over_arrays(car, n["speed"], front, rear, *(n[key] for key in keys)))
+        keys = ("wheelbase", "rear_distance", "height", "slope", "gravity")
+        slowing, way, time, share = over_arrays(car, n["speed"], front, rear, *(n[key] for key in keys))
+        delay = n["reaction_time"]
+        return self.in_order((slowing, n["speed"] * delay + way, delay + time, share))
 
-    def panels(self) -> tuple[Panel, ...]:
+    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Way to rest over the speed by the wheels that brake, and the speed along the way as given."""
         speed = np.linspace(1e-3, _FASTEST, PLACES) * self.speed
         curves = []

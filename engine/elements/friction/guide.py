@@ -6,9 +6,8 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from engine.compiling.decorators import scalar
-from engine.elements.element import Columns, Element, ElementResult, Numbers
-from engine.elements.friction.over_friction import over_friction
-from engine.elements.panels import Panel
+from engine.elements.element import Columns, ElementResult, Numbers
+from engine.elements.friction.friction_element import Friction, FrictionElement, Load, Positive
 from engine.graph.over_arrays import over_arrays
 from engine.laws.friction.coefficients import BUSHES
 from engine.laws.friction.guides import (
@@ -20,11 +19,7 @@ from engine.laws.friction.guides import (
     vee_friction,
 )
 from engine.parts.actions import Force
-from engine.parts.skeleton import Angle, Length, Number
-
-Positive = Annotated[Length, Field(gt=0)]
-Load = Annotated[Force, Field(gt=0)]
-Friction = Annotated[Number, Field(ge=0)]
+from engine.parts.skeleton import Angle, Length
 
 
 @scalar
@@ -47,12 +42,16 @@ def guide(
     )
 
 
-class GuideElement(Element):
+class GuideElement(FrictionElement):
     """A slider on its guide, moved against a `resistance` along its middle by a force at an `overhang`.
 
     `load` presses it on the guide: flat, a V of `vee_angle` between its faces, or half-round, new or worn in.
     """
 
+    shown: ClassVar = (
+        ("force", ("drive_force", "front_edge_force", "rear_edge_force")),
+        ("efficiency", ("efficiency",)),
+    )
     RESULTS: ClassVar = (
         ElementResult(
             "effective_friction", "coefficient of friction in terms of the force that presses the slider", "1"
@@ -86,11 +85,3 @@ class GuideElement(Element):
         keys = ("load", "resistance", "overhang", "length", "friction")
         factor = BUSHES.get(self.form, 1.0)
         return self.in_order(over_arrays(guide, *(n[key] for key in keys), n.get("vee_angle", math.pi), factor))
-
-    def panels(self) -> tuple[Panel, ...]:
-        """Forces or moments, and a ratio, over the friction."""
-        first, second = (
-            ("force", ("drive_force", "front_edge_force", "rear_edge_force")),
-            ("efficiency", ("efficiency",)),
-        )
-        return over_friction(self, first, second)

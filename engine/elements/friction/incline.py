@@ -6,16 +6,11 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from engine.compiling.decorators import scalar
-from engine.elements.element import Columns, Element, ElementResult, Numbers
-from engine.elements.friction.over_friction import over_friction
-from engine.elements.panels import Panel
+from engine.elements.element import Columns, ElementResult, Numbers
+from engine.elements.friction.friction_element import Friction, FrictionElement, Load
 from engine.graph.over_arrays import over_arrays
 from engine.laws.friction.inclines import incline_down, incline_up, self_locking
-from engine.parts.actions import Force
-from engine.parts.skeleton import Angle, Number
-
-Load = Annotated[Force, Field(gt=0)]
-Friction = Annotated[Number, Field(ge=0)]
+from engine.parts.skeleton import Angle
 
 
 @scalar
@@ -34,9 +29,10 @@ def incline(
     )
 
 
-class InclineElement(Element):
+class InclineElement(FrictionElement):
     """A load on an inclined plane, pulled at `pull_angle` above the plane; at rest `static_friction` holds it."""
 
+    shown: ClassVar = (("force", ("up_force", "down_force")), ("efficiency", ("efficiency",)))
     RESULTS: ClassVar = (
         ElementResult("friction_angle", "angle of friction", "rad"),
         ElementResult("up_force", "force that moves the load up", "N"),
@@ -57,8 +53,3 @@ class InclineElement(Element):
         """Results of a set of variants by their names."""
         static = n.get("static_friction", n["friction"])
         return self.in_order(over_arrays(incline, n["load"], n["angle"], n["friction"], static, n["pull_angle"]))
-
-    def panels(self) -> tuple[Panel, ...]:
-        """Forces or moments, and a ratio, over the friction."""
-        first, second = ("force", ("up_force", "down_force")), ("efficiency", ("efficiency",))
-        return over_friction(self, first, second)

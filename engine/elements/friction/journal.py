@@ -1,23 +1,17 @@
 """Journals in their bearings."""
 
-from typing import Annotated, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
-from pydantic import Field
 
 from engine.compiling.decorators import scalar
 from engine.elements.element import PLACES, Columns, Element, ElementResult, Numbers
-from engine.elements.friction.over_friction import BEYOND, DRY
-from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.elements.friction.friction_element import BEYOND, DRY, Friction, Load, Positive
+from engine.elements.panels import Curve, Mark, Panel, PanelAxis, circle, path, plan
 from engine.graph.over_arrays import over_arrays
 from engine.laws.friction.coefficients import BUSHES
 from engine.laws.friction.journals import friction_circle, journal_moment
-from engine.parts.actions import Force
-from engine.parts.skeleton import AngularSpeed, Length, Number
-
-Positive = Annotated[Length, Field(gt=0)]
-Load = Annotated[Force, Field(gt=0)]
-Friction = Annotated[Number, Field(ge=0)]
+from engine.parts.skeleton import AngularSpeed
 
 
 @scalar
@@ -30,6 +24,7 @@ def journal(load: float, diameter: float, friction: float, factor: float, speed:
 class JournalElement(Element):
     """A journal in its bearing, touching on a line, or in a new or worn-in bush that embraces half of it."""
 
+    picture: ClassVar = "friction"
     RESULTS: ClassVar = (
         ElementResult("friction_circle", "radius of the friction circle", "m"),
         ElementResult("friction_moment", "moment of friction in the journal", "N m"),
@@ -48,10 +43,14 @@ class JournalElement(Element):
         factor, speed = BUSHES[self.contact], n.get("speed", 0.0)
         return self.in_order(over_arrays(journal, n["load"], n["diameter"], n["friction"], factor, speed))
 
-    def panels(self) -> tuple[Panel, ...]:
-        """Moment of friction over the friction, by contact."""
+    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+        """The journal with its friction circle and forces, and the moment of friction over the friction, by contact."""
         friction = np.linspace(0.0, max(BEYOND * self.friction, DRY), PLACES)
         contacts = {contact: self.model_copy(update={"contact": contact}) for contact in ("line", "new", "worn in")}
         curves = [Curve(contact, it.over("friction", friction)["friction_moment"]) for contact, it in contacts.items()]
         x, y = PanelAxis("coefficient of friction", "1"), PanelAxis("moment of friction", "N m")
-        return (Panel(x, y, friction, curves, (Mark("as given", self.friction, None),), "by contact"),)
+        over = Panel(x, y, friction, curves, (Mark("as given", self.friction, None),), "by contact")
+        # Turning to the left, it is held to the right, by the reaction on the right of its middle.
+        radius, rho = 0.5 * self.diameter, self.own_values()["friction_circle"]
+        lines = circle("", radius), circle("friction circle", rho), path("load", (2j * radius, 0.0))
+        return plan((*lines, path("reaction", (rho, rho - 2j * radius))), "Turning to the left"), over

@@ -8,16 +8,11 @@ from pydantic import Field
 
 from engine.compiling.decorators import scalar
 from engine.elements.element import PLACES, Columns, Element, ElementResult, Numbers
-from engine.elements.friction.over_friction import BEYOND
-from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.elements.friction.friction_element import BEYOND, Friction, Load, Positive
+from engine.elements.panels import Curve, Mark, Panel, PanelAxis, circle, path, plan
 from engine.graph.over_arrays import over_arrays
 from engine.laws.friction.rolling import pull, reduced_friction, reduced_radius, rollers_moment, rolling_moment, rolls
-from engine.parts.actions import Force
-from engine.parts.skeleton import Length, Number
-
-Positive = Annotated[Length, Field(gt=0)]
-Load = Annotated[Force, Field(gt=0)]
-Friction = Annotated[Number, Field(ge=0)]
+from engine.parts.skeleton import Length
 
 
 @scalar
@@ -43,6 +38,7 @@ class RollerElement(Element):
     `rolling_arm` is the arm k of rolling friction, `friction` that of sliding.
     """
 
+    picture: ClassVar = "friction"
     RESULTS: ClassVar = (
         ElementResult("rolling_moment", "moment of rolling friction", "N m"),
         ElementResult("rolling_friction", "rolling friction as a coefficient", "1"),
@@ -70,10 +66,19 @@ class RollerElement(Element):
             over_arrays(roller, n["load"], n["diameter"], n["rolling_arm"], n["friction"], height, mate)
         )
 
-    def panels(self) -> tuple[Panel, ...]:
-        """Force that moves the roller over the arm of rolling friction."""
+    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+        """The roller with its forces, and that which moves it over the arm of rolling friction."""
         height = self.diameter / 2 if self.pull_height is None else self.pull_height
         arm = np.linspace(0.0, BEYOND * (self.rolling_arm or self.friction * height), PLACES)
         curve = Curve("force that moves it", self.over("rolling_arm", arm)["pull_force"])
         mark = Mark("as given", self.rolling_arm, None)
-        return (Panel(PanelAxis("arm of rolling friction", "m"), PanelAxis("pull", "N"), arm, (curve,), (mark,)),)
+        over = Panel(PanelAxis("arm of rolling friction", "m"), PanelAxis("pull", "N"), arm, (curve,), (mark,))
+        r, k = 0.5 * self.diameter, self.rolling_arm
+        lines = (
+            circle("", r, 1j * r),
+            path("", (-2.0 * r, 2.0 * r), True),
+            path("load", (3j * r, 1j * r)),
+            path("pull", (1j * height, 2.0 * r + 1j * height)),
+            path("reaction, ahead by the arm", (k, k - 1j * r)),
+        )
+        return plan(lines), over

@@ -6,9 +6,8 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from engine.compiling.decorators import scalar
-from engine.elements.element import Columns, Element, ElementResult, Numbers
-from engine.elements.friction.over_friction import over_friction
-from engine.elements.panels import Panel
+from engine.elements.element import Columns, ElementResult, Numbers
+from engine.elements.friction.friction_element import Friction, FrictionElement, Load, Positive
 from engine.graph.over_arrays import over_arrays
 from engine.laws.friction.screws import (
     collar_moment,
@@ -20,13 +19,9 @@ from engine.laws.friction.screws import (
     raise_moment,
     thread_slope,
 )
-from engine.parts.actions import Force
-from engine.parts.skeleton import Angle, Length, Number
+from engine.parts.skeleton import Angle, Length
 
 THREAD_ANGLES = {"square": 0.0, "trapezoidal": math.radians(30.0), "metric": math.radians(60.0)}
-Positive = Annotated[Length, Field(gt=0)]
-Load = Annotated[Force, Field(gt=0)]
-Friction = Annotated[Number, Field(ge=0)]
 
 
 @scalar
@@ -52,12 +47,16 @@ def screw(
     )
 
 
-class ScrewElement(Element):
+class ScrewElement(FrictionElement):
     """A screw that raises and lowers a load, its thread named or of any `thread_angle` between the flanks.
 
     `collar_diameter` is the mean one of the thrust collar.
     """
 
+    shown: ClassVar = (
+        ("moment", ("raise_moment", "lower_moment")),
+        ("efficiency", ("raise_efficiency", "lower_efficiency")),
+    )
     RESULTS: ClassVar = (
         ElementResult("lead_angle", "lead angle of the thread", "rad"),
         ElementResult("friction_angle", "angle of friction of the thread, with the inclination of its flanks", "rad"),
@@ -92,11 +91,3 @@ class ScrewElement(Element):
         angle = n["thread_angle"] if self.thread is None else THREAD_ANGLES[self.thread]
         lead, collar = n["pitch"] * self.starts, (n["collar_diameter"], n["collar_friction"])
         return self.in_order(over_arrays(screw, n["load"], n["mean_diameter"], lead, angle, n["friction"], *collar))
-
-    def panels(self) -> tuple[Panel, ...]:
-        """Forces or moments, and a ratio, over the friction."""
-        first, second = (
-            ("moment", ("raise_moment", "lower_moment")),
-            ("efficiency", ("raise_efficiency", "lower_efficiency")),
-        )
-        return over_friction(self, first, second)

@@ -6,16 +6,11 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from engine.compiling.decorators import scalar
-from engine.elements.element import Columns, Element, ElementResult, Numbers
-from engine.elements.friction.over_friction import over_friction
-from engine.elements.panels import Panel
+from engine.elements.element import Columns, ElementResult, Numbers
+from engine.elements.friction.friction_element import Friction, FrictionElement, Load
 from engine.graph.over_arrays import over_arrays
 from engine.laws.friction.inclines import wedge_drive, wedge_withdraw
-from engine.parts.actions import Force
-from engine.parts.skeleton import Angle, Number
-
-Load = Annotated[Force, Field(gt=0)]
-Friction = Annotated[Number, Field(ge=0)]
+from engine.parts.skeleton import Angle
 
 
 @scalar
@@ -29,12 +24,13 @@ def wedge(load: float, angle: float, friction: float, base: float, guide: float)
     return drive, withdraw, load * slope / drive, 0.0 if withdraw < 0.0 else 1.0
 
 
-class WedgeElement(Element):
+class WedgeElement(FrictionElement):
     """A wedge under a load that is guided at a right angle to the wedge's base.
 
     `friction` is that of the inclined face; the base has the same unless `base_friction` is given.
     """
 
+    shown: ClassVar = (("force", ("drive_force", "withdraw_force")), ("efficiency", ("efficiency",)))
     RESULTS: ClassVar = (
         ElementResult("drive_force", "force that drives the wedge in", "N"),
         ElementResult("withdraw_force", "force that withdraws the wedge, negative where the load presses it out", "N"),
@@ -53,8 +49,3 @@ class WedgeElement(Element):
         """Results of a set of variants by their names."""
         faces = n["friction"], n.get("base_friction", n["friction"]), n["guide_friction"]
         return self.in_order(over_arrays(wedge, n["load"], n["angle"], *faces))
-
-    def panels(self) -> tuple[Panel, ...]:
-        """Forces or moments, and a ratio, over the friction."""
-        first, second = ("force", ("drive_force", "withdraw_force")), ("efficiency", ("efficiency",))
-        return over_friction(self, first, second)

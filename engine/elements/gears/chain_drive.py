@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers, nudged
-from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.elements.panels import Curve, Mark, Panel, PanelAxis, path, plan
 from engine.parts.actions import Moment
 from engine.parts.skeleton import AngularSpeed, Length, Number, quantity
 from engine.verdicts import Verdict
@@ -24,6 +24,7 @@ class ChainDrive(Element):
     with the `linear_density` of the chain its centrifugal tension.
     """
 
+    picture: ClassVar = "chain"
     RESULTS: ClassVar = (
         ElementResult("ratio", "mean speed of the driving sprocket over that of the driven one", "1"),
         ElementResult("driven_speed", "mean angular speed of the driven sprocket", "rad s-1"),
@@ -94,8 +95,8 @@ class ChainDrive(Element):
         verdicts = np.where(fits, Verdict.OK, Verdict.DOES_NOT_FIT).astype(np.uint8)
         return Answers({name: np.where(fits, row, np.nan) for name, row in found.items()}, errors, verdicts)
 
-    def panels(self) -> tuple[Panel, ...]:
-        """Speed of the chain while links come on.
+    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+        """The chain on its sprockets, to scale, and its speed while links come on.
 
         It is ω R cos β of the joint that carries the strand, within half a pitch angle of the tangent point.
         """
@@ -104,7 +105,26 @@ class ChainDrive(Element):
         from_tangent = np.mod(angle, pitch_angle) - 0.5 * pitch_angle
         curve = Curve("", own["greatest_chain_speed"] * np.cos(from_tangent))
         x, y = PanelAxis("angle of the driving sprocket", "rad"), PanelAxis("speed of the chain", "m s-1")
-        return (Panel(x, y, angle, (curve,), (Mark("mean", None, own["chain_speed"]),)),)
+        return self._layout(), Panel(x, y, angle, (curve,), (Mark("mean", None, own["chain_speed"]),))
+
+    def _layout(self) -> Panel:
+        """Both pitch circles with the chain; without a distance of the axes as far apart as both diameters."""
+        own = self.own_values()
+        radii = 0.5 * own["driving_diameter"], 0.5 * own["driven_diameter"]
+        distance = 2.0 * sum(radii) if self.distance is None else self.distance
+        # Both strands touch the circles where a radius stands square to them.
+        lean = math.acos(max(-1.0, min(1.0, (radii[0] - radii[1]) / distance)))
+        arcs = np.linspace(lean, math.tau - lean, 241), np.linspace(-lean, lean, 241)
+        ends = (0.0, radii[0], arcs[0]), (distance, radii[1], arcs[1])
+        chain = np.concatenate([centre + radius * np.exp(1j * arc) for centre, radius, arc in ends])
+        # The driving sprocket draws the strand in on the side that moves towards it.
+        tight = np.exp(1j * math.copysign(lean, self.speed))
+        teeth, lines = (self.driving_teeth, self.driven_teeth), []
+        for (centre, radius, _), count, way in zip(ends, teeth, ("drives", "driven"), strict=True):
+            joints = centre + radius * np.exp(1j * math.tau * np.arange(round(count) + 1) / count)
+            lines.append(path(f"z = {count:g}, {way}", joints))
+        strand = path("tight strand", [centre + radius * tight for centre, radius, _ in ends])
+        return plan((path("chain", np.append(chain, chain[0])), *lines, strand))
 
 
 def pitch_circle(pitch: np.ndarray, teeth: np.ndarray) -> np.ndarray:

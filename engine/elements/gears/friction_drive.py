@@ -6,9 +6,8 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers
-from engine.elements.friction.over_friction import over_friction
-from engine.elements.panels import Panel
+from engine.elements.element import Answers, Columns, ElementResult, Numbers
+from engine.elements.friction.friction_element import FrictionElement
 from engine.parts.actions import Force, Moment
 from engine.parts.skeleton import Angle, AngularSpeed, Length, Number
 from engine.verdicts import Verdict
@@ -17,13 +16,14 @@ from engine.verdicts import Verdict
 _TOLD = ("tangential_force", "needed_press_force", "traction_share")
 
 
-class FrictionDrive(Element):
+class FrictionDrive(FrictionElement):
     """Two wheels pressed together, the second inside out if `internal`; with a `groove_angle` between V-shaped faces.
 
     `moment` resists on the driven wheel. `creep` is the share of the rim's speed that the driven one lags behind.
     `safety` is how many times the force is to press that just suffices; `press_force` that which does.
     """
 
+    shown: ClassVar = (("force", ("needed_press_force", "tangential_force")), ("efficiency", ("efficiency",)))
     RESULTS: ClassVar = (
         ElementResult("ratio", "speed of the driving wheel over that of the driven one", "1"),
         ElementResult("driven_speed", "angular speed of the driven wheel", "rad s-1"),
@@ -76,8 +76,3 @@ class FrictionDrive(Element):
             found[name] = np.where(fits & (~slides | (name in _TOLD)), found[name], np.nan)
         verdicts = np.where(fits, np.where(slides, Verdict.SLIDES, Verdict.OK), Verdict.DOES_NOT_FIT)
         return Answers(found, errors, verdicts.astype(np.uint8))
-
-    def panels(self) -> tuple[Panel, ...]:
-        """Forces or moments, and a ratio, over the friction."""
-        first, second = ("force", ("needed_press_force", "tangential_force")), ("efficiency", ("efficiency",))
-        return over_friction(self, first, second)

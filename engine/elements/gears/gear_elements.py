@@ -8,8 +8,6 @@ from pydantic import Field, model_validator
 
 from engine.elements.gears.gear_structure import (
     GearStructure,
-    MeshEnds,
-    ShaftPlace,
     TrainRefused,
     gear_structure,
 )
@@ -64,6 +62,11 @@ class GearShaft(Part):
         if self.loaded and self.speed is not None:
             raise ValueError("loaded: the moment of a driven shaft without one follows anyway; leave loaded out")
         return self
+
+    @property
+    def moment_follows(self) -> bool:
+        """Whether the shaft's moment follows from equilibrium."""
+        return self.held or self.loaded or (self.speed is not None and self.moment is None)
 
 
 class GearMesh(Part):
@@ -190,19 +193,7 @@ class GearTrain(Part):
         TrainRefused
             They make no train.
         """
-        places = {
-            name: ShaftPlace(
-                s.carrier,
-                s.axis,
-                s.held,
-                s.speed is not None,
-                s.held or s.loaded or (s.speed is not None and s.moment is None),
-                s.planets is not None,
-            )
-            for name, s in self.shafts.items()
-        }
-        ends = {name: MeshEnds(*mesh.between, mesh.type == "internal") for name, mesh in self.meshes.items()}
-        return gear_structure({name: wheel.shaft for name, wheel in self.wheels.items()}, places, ends)
+        return gear_structure(self.wheels, self.shafts, self.meshes)
 
     @property
     def has_modules(self) -> bool:

@@ -11,32 +11,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.parts.skeleton import FRAME
+from engine.parts.skeleton import FRAME, Part
 
 STANDS_STILL = -1
 
 
 class TrainRefused(ValueError):
     """Wheels, shafts and meshes that make no train."""
-
-
-class ShaftPlace(NamedTuple):
-    """A shaft: its carrier and axis; whether it is held, is driven, its moment follows, it carries sets of planets."""
-
-    carrier: str | None
-    axis: str | None
-    held: bool
-    driven: bool
-    moment_follows: bool
-    has_planets: bool
-
-
-class MeshEnds(NamedTuple):
-    """A mesh: its wheels, and whether the second has its teeth inside."""
-
-    first: str
-    second: str
-    internal: bool
 
 
 class MeshPlace(NamedTuple):
@@ -132,37 +113,33 @@ class GearStructure(NamedTuple):
         return FRAME if shaft == STANDS_STILL else self.shafts[shaft]
 
 
-def gear_structure(
-    wheels: Mapping[str, str], shafts: Mapping[str, ShaftPlace], meshes: Mapping[str, MeshEnds]
-) -> GearStructure:
+def gear_structure(wheels: Mapping[str, Part], shafts: Mapping[str, Part], meshes: Mapping[str, Part]) -> GearStructure:
     """Find out how a train hangs together.
 
     Parameters
     ----------
-    wheels : mapping of str to str
-        Shaft of each wheel.
-    shafts : mapping of str to ShaftPlace
-    meshes : mapping of str to MeshEnds
+    wheels, shafts, meshes : mapping of str to Part
+        As a train has them.
 
     Raises
     ------
     TrainRefused
         A name is unknown, wheels don't stay in mesh, nothing can move, or a mesh closes a loop.
     """
-    names = tuple(shafts)
+    names, shaft_of = tuple(shafts), {name: wheel.shaft for name, wheel in wheels.items()}
     number = {FRAME: STANDS_STILL} | {name: i for i, name in enumerate(names)}
     carriers = _carriers(shafts, number)
-    for wheel, shaft in wheels.items():
+    for wheel, shaft in shaft_of.items():
         if shaft not in number:
             raise TrainRefused(f"wheels.{wheel}.shaft: there is no shaft {shaft!r}; shafts are {', '.join(number)}")
-    places = tuple(_mesh_place(name, ends, wheels, number, names, carriers) for name, ends in meshes.items())
-    axes = _axes(wheels, shafts, number, places)
+    places = tuple(_mesh_place(name, mesh, shaft_of, number, carriers) for name, mesh in meshes.items())
+    axes = _axes(shaft_of, shafts, number, places)
     turning = {i for place in places for i in (place.first, place.second, place.carrier)}
     idle = [name for name in names if number[name] not in turning]
     if idle:
         raise TrainRefused(f"shafts.{idle[0]} has no wheel in mesh and carries no planet; leave it out")
     carrying = {place.carrier for place in places if place.central is not None}
-    wrong = [name for name, shaft in shafts.items() if shaft.has_planets and number[name] not in carrying]
+    wrong = [name for name, shaft in shafts.items() if shaft.planets is not None and number[name] not in carrying]
     if wrong:
         raise TrainRefused(f"shafts.{wrong[0]}.planets: no planet turns in this shaft; leave it out")
     same, distances = [], {}
@@ -174,7 +151,7 @@ def gear_structure(
         if place.central is not None:
             pins.setdefault(names[(place.second, place.first)[place.central]], j)
     held = tuple(name for name, shaft in shafts.items() if shaft.held)
-    driven = tuple(name for name, shaft in shafts.items() if shaft.driven)
+    driven = tuple(name for name, shaft in shafts.items() if shaft.speed is not None)
     unknown = tuple(name for name, shaft in shafts.items() if shaft.moment_follows)
     paths = _central_paths(names, places)
     structure = GearStructure(
@@ -191,7 +168,7 @@ def gear_structure(
     return structure._replace(speeds_follow=follow[0], moments_follow=follow[1])
 
 
-def _carriers(shafts: Mapping[str, ShaftPlace], number: Mapping[str, int]) -> tuple[int, ...]:
+def _carriers(shafts: Mapping[str, Part], number: Mapping[str, int]) -> tuple[int, ...]:
     found = []
     for name, shaft in shafts.items():
         carrier = FRAME if shaft.carrier is None else shaft.carrier
@@ -212,40 +189,39 @@ def _carriers(shafts: Mapping[str, ShaftPlace], number: Mapping[str, int]) -> tu
 
 def _mesh_place(
     name: str,
-    ends: MeshEnds,
+    mesh: Part,
     wheels: Mapping[str, str],
     number: Mapping[str, int],
-    names: tuple[str, ...],
     carriers: tuple[int, ...],
 ) -> MeshPlace:
-    for wheel in ends[:2]:
+    ends = mesh.between
+    for wheel in ends:
         if wheel not in wheels:
             raise TrainRefused(f"meshes.{name}.between: there is no wheel {wheel!r}; wheels are {', '.join(wheels)}")
-    first, second = (number[wheels[wheel]] for wheel in ends[:2])
+    first, second = (number[wheels[wheel]] for wheel in ends)
     if first == second:
-        where = FRAME if first == STANDS_STILL else names[first]
-        raise TrainRefused(f"meshes.{name}.between: both wheels are fixed to {where}, so that they can't roll")
-    sense = -1 if ends.internal else 1
+        raise TrainRefused(f"meshes.{name}.between: both are fixed to {wheels[ends[0]]}, so that they can't roll")
+    sense = -1 if mesh.type == "internal" else 1
     # The frame turns about every axis that it has a wheel on, in whatever the planet's carrier turns in.
     held_by = [None if shaft == STANDS_STILL else carriers[shaft] for shaft in (first, second)]
     if held_by[0] == held_by[1]:
-        return MeshPlace(name, ends[:2], first, second, held_by[0], sense, None)
+        return MeshPlace(name, ends, first, second, held_by[0], sense, None)
     for central, planet in ((0, 1), (1, 0)):
         carrier, shaft = held_by[planet], (first, second)[central]
         if carrier in (None, STANDS_STILL, shaft):
             continue
         about = STANDS_STILL if held_by[central] is None else held_by[central]
         if carriers[carrier] == about:
-            return MeshPlace(name, ends[:2], first, second, carrier, sense, central)
+            return MeshPlace(name, ends, first, second, carrier, sense, central)
     raise TrainRefused(
-        f"meshes.{name}.between: {ends.first} and {ends.second} don't keep their distance: both have to turn in the "
+        f"meshes.{name}.between: {ends[0]} and {ends[1]} don't keep their distance: both have to turn in the "
         "same carrier, or one is a planet and the other coaxial with the planet's carrier"
     )
 
 
 def _axes(
     wheels: Mapping[str, str],
-    shafts: Mapping[str, ShaftPlace],
+    shafts: Mapping[str, Part],
     number: Mapping[str, int],
     places: Sequence[MeshPlace],
 ) -> dict[str, str]:

@@ -1,10 +1,11 @@
 """Gear trains as machine elements: speeds and ratios, whether they fit, moments, losses, tooth forces, inertia."""
 
-from typing import Literal
+from functools import cached_property
+from typing import ClassVar, Literal
 
 from engine.elements.element import Answers, Element, ElementResult, Numbers
-from engine.elements.gears.gear_columns import gear_train_results, train_answers
 from engine.elements.gears.gear_elements import GearTrain
+from engine.elements.gears.train_results import results_of, train_answers
 
 
 class GearTrainElement(GearTrain, Element):
@@ -12,11 +13,17 @@ class GearTrainElement(GearTrain, Element):
 
     __doc__ = GearTrain.__doc__
 
+    picture: ClassVar = "velocities"
     type: Literal["gear_train"]
 
     def results(self) -> tuple[ElementResult, ...]:
         """Those of its members, by what it is given."""
-        return tuple(gear_train_results(self))
+        return self.own_results
+
+    @cached_property
+    def own_results(self) -> tuple[ElementResult, ...]:
+        """The same, found once."""
+        return results_of(self)
 
     def evaluate(self, n: Numbers) -> Answers:
         """Results with what they may be off by, and verdicts."""

@@ -5,10 +5,8 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from engine.laws.tables import TableError, make_table
-from engine.parts.skeleton import ActionRef, Inertia, Length, Number, Part, quantity
-
-Positive = Annotated[Length, Field(gt=0)]
-Moment = quantity("moment")
+from engine.parts.actions import Moment
+from engine.parts.skeleton import ActionRef, Inertia, Length, Number, Part, Positive, quantity
 
 
 class LinearThrottle(Part):

@@ -10,29 +10,29 @@ from numba import types
 from pydantic import Field, model_validator
 
 from engine.compiling.running import prepare
-from engine.elements.element import ROUNDING, Answers, Element, ElementResult, Numbers
+from engine.elements.element import ROUNDING, Answers, Element, ElementResult, Numbers, nudged
+from engine.elements.governors.equilibria import (
+    governor_marks,
+    governor_memory,
+    governor_variants,
+    near_equilibrium,
+    search_errors,
+)
 from engine.elements.governors.governed_engine import (
     FullAndShutThrottle,
     GovernedEngine,
     LinearThrottle,
     TableThrottle,
 )
-from engine.elements.governors.governor_results import KEPT, ROOM, STATICS, WITH_ENGINE, find_equilibria
-from engine.elements.governors.places import (
-    CYCLE_LENGTH,
-    GEOMETRY_NUMBERS,
-    NUMBERS,
-    Holding,
-    Throttling,
-)
+from engine.elements.governors.governor_curves import governor_panels
+from engine.elements.governors.places import GEOMETRY_NUMBERS, Holding, Throttling
 from engine.elements.governors.transients import ANSWERS, FINE, MOTION_ROOM, follow_changes
-from engine.elements.rotors.bearings import STANDARD_GRAVITY
-from engine.laws.rounding import EPS
-from engine.laws.tables import Table, in_memory, make_table
-from engine.parts.skeleton import Acceleration, Length, Mass, Number, quantity
+from engine.elements.panels import Panel
+from engine.laws.tables import Table
+from engine.parts.actions import Force
+from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Length, Mass, Number, Positive, quantity
+from engine.verdicts import Verdict
 
-Positive = Annotated[Length, Field(gt=0)]
-Force = quantity("force")
 _FLAG = {"units": "1", "exact": True}
 _STATICS = (
     ElementResult("inner_speed", "speed of the spindle in equilibrium at the inner stop", "rad s-1"),
@@ -87,7 +87,8 @@ _OWN = (
     *("least_radius", "greatest_radius", "speed_change"),
 )
 _OF_ITS_ENGINE = ("inertia", "ratio", "throttle.full", "throttle.closed", "self_regulation")
-EMPTY = np.zeros(1)
+# What keys of the curves of a mechanism begin with.
+CYCLE = "cycle."
 # Variants whose motion is followed on one thread before the next piece of work is asked for.
 TOGETHER = 32
 _ROW, _TABLE = types.float64[::1], types.float64[:, ::1]
@@ -101,6 +102,7 @@ class Governor(Element):
     inner stop. `speed_change` is the share of the speed for which effort and power are told.
     """
 
+    picture: ClassVar = "governor"
     # Keys of what holds the balls, in the order of `engine.elements.governors.places`.
     holding: ClassVar[Holding]
     geometry: ClassVar[tuple[str, ...]]
@@ -174,25 +176,34 @@ class Governor(Element):
         found += [*(n[key] for key in self.geometry), *(0.0,) * (GEOMETRY_NUMBERS - len(self.geometry))]
         found += [*(n.get(f"engine.{key}", 0.0) for key in _OF_ITS_ENGINE), load, n.get("engine.new_load", load)]
         found += [n.get(f"engine.{key}", 0.0) for key in ("duration", "settling_band", "throttle.switch")]
-        if self.is_followed and self.governs_machine:
-            found += [n[cycle_key(k)] for k in range(NUMBERS, CYCLE_LENGTH + 1)]
         return np.ascontiguousarray(np.array(np.broadcast_arrays(*found), float).T)
 
     def evaluate(self, n: Numbers) -> Answers:
-        """Results with errors made of the sizes of their terms and of steps of half the length, and verdicts."""
-        numbers = self.row(n)
-        found, sizes, kept, verdicts = equilibria_of(self, numbers)
+        """Results near equilibrium with errors by nudges, those of motion by steps of half the length, and verdicts."""
+        cycle = np.array([n[key] for key in n if key.startswith(CYCLE)])
+        n = {key: row for key, row in n.items() if not key.startswith(CYCLE)}
+        g = governor_variants(self, n)
+        marks, verdicts = governor_marks(g)
+        found, errors = nudged(lambda m: near_equilibrium(governor_variants(self, m), marks), n)
+        for name, more in search_errors(g, marks, found).items():
+            errors[name] = errors[name] + ROUNDING * more
+        well = verdicts == Verdict.OK
         if self.is_followed:
-            answers, coarse = np.full((2, numbers.shape[0], ANSWERS), np.nan)
+            answers, coarse = np.full((2, well.size, ANSWERS), np.nan)
             prepare(follow_changes, _TYPES)
+            rows = np.concatenate([g.rows, cycle.T], axis=1) if cycle.size else g.rows
             tables, room = governor_memory(self), np.empty(MOTION_ROOM)
             kind, throttle = int(self.holding), int(self.throttling)
-            follow_changes(kind, throttle, numbers, *tables, answers, coarse, kept, verdicts, room)
-            off = np.abs(answers - coarse) / (ROUNDING * EPS) + np.abs(answers) * FINE / EPS
-            found, sizes = np.concatenate([found, answers], axis=1), np.concatenate([sizes, off], axis=1)
-        names = [result.name for result in self.results()]
-        errors = ROUNDING * EPS * np.where(np.isnan(sizes), 0.0, sizes)
-        return Answers(*(dict(zip(names, rows.T, strict=True)) for rows in (found, errors)), verdicts)
+            follow_changes(kind, throttle, rows, *tables, answers, coarse, marks.of_motion, verdicts, room)
+            off = np.abs(answers - coarse) + ROUNDING * np.abs(answers) * FINE
+            for result, row, missed in zip(_TRANSIENT, answers.T, off.T, strict=True):
+                found[result.name], errors[result.name] = row, missed
+        found = {name: np.where(well, row, np.nan) for name, row in found.items()}
+        return Answers(found, {name: np.where(well, row, 0.0) for name, row in errors.items()}, verdicts)
+
+    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+        """Its characteristic; with an engine its stability and a change of load."""
+        return governor_panels(self, (given or {}).get("cycle"))
 
     def machine_needed(self) -> tuple[str, str]:
         """A crank that turns, where the engine is the scene's mechanism."""
@@ -230,52 +241,4 @@ class ArmGovernor(LoadedGovernor):
 
 def cycle_key(k: int) -> str:
     """Under which key a governor is given a number of the curves of its mechanism, by its place in the row."""
-    return f"cycle.{k}"
-
-
-def governor_memory(governor: Governor) -> tuple[np.ndarray, float]:
-    """Tables of a governor one after another, and where that of the throttle begins."""
-    held = governor.controlling_table
-    parts = [] if held is None else [in_memory(_going_on(held))]
-    offset = float(sum(part.size for part in parts))
-    throttle = governor.engine and governor.engine.throttle
-    if isinstance(throttle, TableThrottle):
-        parts.append(in_memory(make_table(throttle.over_lift, throttle.moment, throttle.interpolation)))
-    return np.concatenate(parts) if parts else EMPTY, offset
-
-
-def _going_on(table: Table) -> Table:
-    """A table that goes on straight beyond its rows: its ends have the slopes that they have from inside."""
-    cubic = table.coefficients.copy()
-    first, last = cubic[1], cubic[-2]
-    t = table.breaks[-2] - table.breaks[-3]
-    cubic[0] = (0.0, 0.0, first[2], first[3])
-    cubic[-1] = (0.0, 0.0, (3 * last[0] * t + 2 * last[1]) * t + last[2], np.polyval(last, t))
-    return table._replace(coefficients=cubic)
-
-
-def equilibria_of(governor: Governor, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Results near equilibrium, their sizes, positions and verdicts of a set of variants.
-
-    Parameters
-    ----------
-    governor : Governor
-        Its kind and its tables; its numbers are not used.
-    numbers : ndarray (variants, NUMBERS)
-
-    Returns
-    -------
-    found, sizes : ndarray (variants, results)
-        Results, and the magnitudes whose rounding they carry.
-    kept : ndarray (variants, KEPT)
-        Positions.
-    verdicts : ndarray (variants,) of uint8
-    """
-    variants, results = numbers.shape[0], STATICS if governor.engine is None else WITH_ENGINE
-    found, sizes = np.full((2, variants, results), np.nan)
-    kept, verdicts = np.full((variants, KEPT), np.nan), np.empty(variants, np.uint8)
-    memory, offset = governor_memory(governor)
-    kind, throttle = int(governor.holding), int(governor.throttling)
-    prepare(find_equilibria, _TYPES)
-    find_equilibria(kind, throttle, numbers, memory, offset, found, sizes, kept, verdicts, np.empty(ROOM))
-    return found, sizes, kept, verdicts
+    return f"{CYCLE}{k}"

@@ -1,26 +1,21 @@
 """One governor as curves, to be drawn: its characteristic, and what a change of load does over time."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numba import types
 
-from engine.compiling.decorators import driver
 from engine.compiling.running import prepare
-from engine.cycle.panels.lanes import lane_of
-from engine.elements.governors.characteristic import FROM, INNER, OUTER, TO
-from engine.elements.governors.governor import Governor, equilibria_of, governor_memory
-from engine.elements.governors.governor_results import (
-    SPEED_CHANGE,
-    VYSHNEGRADSKY_X,
-    VYSHNEGRADSKY_Y,
-    WORKING_SPEED,
-    equilibrium_at,
-)
-from engine.elements.governors.places import linkage_at
+from engine.elements.element import Element
+from engine.elements.governors.equilibria import governor_marks, governor_memory, governor_variants, near_equilibrium
+from engine.elements.governors.governed_engine import GovernedEngine
 from engine.elements.governors.transients import ANSWERS, MOTION_ROOM, follow_one
+from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.verdicts import Verdict
 
+# Margins nearer to 0 than this are drawn as stable: sweeps tell them apart, a line can't.
+_FLAT = 1e-12
 # How far beyond the stops curves are drawn, as a share of the range between them.
 BEYOND = 0.25
 
@@ -54,39 +49,11 @@ class GovernorCurves(NamedTuple):
     verdict: Verdict
 
 
-@driver
-def sample_states(
-    kind: int, p: np.ndarray, memory: np.ndarray, zero_at: float, places: np.ndarray, rows: np.ndarray
-) -> None:
-    """Write `equilibrium_at` positions.
-
-    Parameters
-    ----------
-    kind : int
-        `Holding`.
-    p : ndarray (NUMBERS,)
-    memory : ndarray
-    zero_at : float
-        Position of the inner stop.
-    places : ndarray (positions,)
-    rows : ndarray (positions, 6)
-        To be written to: the first six numbers of `equilibrium_at`.
-    """
-    own, tables = lane_of(p), lane_of(memory)
-    zero = linkage_at(kind, own, zero_at)[5]
-    for k in range(places.size):
-        state = equilibrium_at(kind, own, tables, places[k], zero)
-        for j in range(6):
-            rows[k, j] = state[j]
-
-
 _LINE = types.float64[::1]
-_TABLE = types.float64[:, ::1]
-_TYPES = (types.intp, _LINE, _LINE, types.float64, _LINE, _TABLE)
-_MOTION_TYPES = (types.intp, types.intp, _LINE, _LINE, types.float64, _LINE, _TABLE, _LINE)
+_MOTION_TYPES = (types.intp, types.intp, _LINE, _LINE, types.float64, _LINE, types.float64[:, ::1], _LINE)
 
 
-def governor_curves(governor: Governor, positions: int = 401) -> GovernorCurves:
+def governor_curves(governor: Element, positions: int = 401) -> GovernorCurves:
     """Characteristic of a governor from one stop to the other, and somewhat beyond.
 
     Parameters
@@ -99,20 +66,17 @@ def governor_curves(governor: Governor, positions: int = 401) -> GovernorCurves:
     GovernorCurves
         Without positions where arms don't reach as far as the stops.
     """
-    numbers = governor.row(governor.own_numbers())
-    kept, verdicts = equilibria_of(governor, numbers)[2:]
-    inner, outer, begin, end = kept[0, [INNER, OUTER, FROM, TO]]
-    room = BEYOND * (outer - inner)
-    places = np.concatenate([np.linspace(inner - room, outer + room, positions), [inner, outer, begin, end]])
-    rows = np.empty((places.size, 6))
-    prepare(sample_states, _TYPES)
-    sample_states(int(governor.holding), numbers[0], governor_memory(governor)[0], inner, places, rows)
-    radii, columns, places = rows[positions:, 0], rows[:positions], places[:positions]
+    g = governor_variants(governor, governor.own_numbers())
+    marks, verdicts = governor_marks(g)
+    room = BEYOND * (marks.outer[0] - marks.inner[0])
+    places = np.linspace(marks.inner[0] - room, marks.outer[0] + room, positions)
+    found = g.at(places[:, None], marks.inner)
+    ends = g.at(np.stack([marks.inner, marks.outer, marks.begin, marks.end]), marks.inner).radius[:, 0]
     # Without stops, or without equilibrium between them, there is nothing to see.
-    between = (places >= inner) & (places <= outer)
-    seen = slice(None) if np.isfinite(columns[between, 3]).any() else slice(0)
-    stops, stable = (radii[0], radii[1]), (radii[2], radii[3])
-    return GovernorCurves(*columns[seen].T.copy(), between[seen], stops, stable, Verdict(verdicts[0]))
+    between = (places >= marks.inner[0]) & (places <= marks.outer[0])
+    seen = slice(None) if np.isfinite(found.speed[between, 0]).any() else slice(0)
+    rows = (row[seen, 0] for row in found[:6])
+    return GovernorCurves(*rows, between[seen], tuple(ends[:2]), tuple(ends[2:]), Verdict(verdicts[0]))
 
 
 class LoadChange(NamedTuple):
@@ -137,7 +101,7 @@ class LoadChange(NamedTuple):
 MOST_INSTANTS = 8000
 
 
-def load_change(governor: Governor, cycle: np.ndarray | None = None) -> LoadChange | None:
+def load_change(governor: Element, cycle: np.ndarray | None = None) -> LoadChange | None:
     """Follow what the change of load of a governor's engine does.
 
     Parameters
@@ -151,17 +115,20 @@ def load_change(governor: Governor, cycle: np.ndarray | None = None) -> LoadChan
     LoadChange or None
         As far as the motion can be followed; None without a change that is to be followed, or without equilibrium.
     """
-    own = governor.row(governor.own_numbers())
-    numbers = own if cycle is None else np.concatenate([own, cycle[None]], axis=1)
-    found, _, kept, verdicts = equilibria_of(governor, numbers)
-    if not governor.is_followed or verdicts[0] != Verdict.OK:
+    if not governor.is_followed:
         return None
+    g = governor_variants(governor, governor.own_numbers())
+    marks, verdicts = governor_marks(g)
+    if verdicts[0] != Verdict.OK:
+        return None
+    numbers = g.rows[0] if cycle is None else np.concatenate([g.rows[0], cycle])
     rows, (memory, offset) = np.full((MOST_INSTANTS, 3), np.nan), governor_memory(governor)
     kind, throttle = int(governor.holding), int(governor.throttling)
     prepare(follow_one, _MOTION_TYPES)
-    follow_one(kind, throttle, numbers[0], memory, offset, kept[0], rows, np.empty(MOTION_ROOM + ANSWERS))
-    after = found[0, WORKING_SPEED]
-    return LoadChange(*rows[np.isfinite(rows[:, 0])].T, after - found[0, SPEED_CHANGE], after)
+    follow_one(kind, throttle, numbers, memory, offset, marks.of_motion[0], rows, np.empty(MOTION_ROOM + ANSWERS))
+    steady = near_equilibrium(g, marks)
+    after = steady["working_speed"][0]
+    return LoadChange(*rows[np.isfinite(rows[:, 0])].T, after - steady["steady_speed_change"][0], after)
 
 
 class StabilityPoint(NamedTuple):
@@ -171,7 +138,7 @@ class StabilityPoint(NamedTuple):
     y: float
 
 
-def stability_point(governor: Governor) -> StabilityPoint | None:
+def stability_point(governor: Element) -> StabilityPoint | None:
     """Place of a governor's engine in Vyshnegradsky's diagram.
 
     Parameters
@@ -185,6 +152,85 @@ def stability_point(governor: Governor) -> StabilityPoint | None:
     """
     if governor.engine is None:
         return None
-    found = equilibria_of(governor, governor.row(governor.own_numbers()))[0][0]
-    x, y = found[[VYSHNEGRADSKY_X, VYSHNEGRADSKY_Y]]
-    return StabilityPoint(float(x), float(y)) if np.isfinite(x) else None
+    found = governor.evaluate(governor.own_numbers()).values
+    x, y = (float(found[f"vyshnegradsky_{axis}"][0]) for axis in "xy")
+    return StabilityPoint(x, y) if np.isfinite(x) else None
+
+
+def governor_panels(governor: Element, cycle: np.ndarray | None = None) -> tuple[Panel, ...]:
+    """Controlling force and speed in equilibrium; with an engine, its stability and a change of load.
+
+    Parameters
+    ----------
+    governor : Governor
+    cycle : ndarray, optional
+        Curves of the mechanism that is its engine, as for `load_change`.
+    """
+    curve, point, change = governor_curves(governor), stability_point(governor), load_change(governor, cycle)
+    if not curve.radius.size:
+        return ()
+    found = [_characteristic(curve), _speeds(curve, governor.friction)]
+    found += [] if point is None else [_diagram(point)]
+    return (*found, *([] if change is None else _change(change, governor.engine)))
+
+
+def _parts(curve: GovernorCurves, row: np.ndarray) -> list[Curve]:
+    """A row where the governor is stable between its stops, and where it isn't."""
+    stable = curve.margin >= -_FLAT
+    chosen = (("stable", stable & curve.between), ("unstable", ~stable & curve.between))
+    return [Curve(words, np.where(part, row, np.nan)) for words, part in chosen if part.any()]
+
+
+def _characteristic(curve: GovernorCurves) -> Panel:
+    """Controlling force of one ball, with rays of constant speed and the stops."""
+    inside = curve.speed[curve.between]
+    mass = np.nanmean(curve.force / (curve.radius * curve.speed**2))
+    along = np.array([0.0, curve.stops[1] + 0.3 * (curve.stops[1] - curve.stops[0])])
+    rays = [
+        Curve(f"{speed * 30.0 / math.pi:.4g} rpm", mass * speed**2 * along, True, along)
+        for speed in sorted({float(np.nanmin(inside)), float(np.nanmax(inside))})
+    ]
+    curves = [*_parts(curve, curve.force), Curve("", curve.force, True), *rays]
+    marks = [Mark(words, stop, None) for words, stop in zip(("stops", ""), curve.stops, strict=True)]
+    x, y = PanelAxis("radius of the balls", "m"), PanelAxis("controlling force of one ball", "N")
+    title = "Controlling force" if curve.verdict == Verdict.OK else curve.verdict.sentence
+    return Panel(x, y, curve.radius, curves, marks, title)
+
+
+def _speeds(curve: GovernorCurves, friction: float) -> Panel:
+    """Speed of the spindle over the lift, with the band in which friction holds the sleeve."""
+    curves, chosen = _parts(curve, curve.speed), curve.between
+    if friction > 0.0:
+        share = np.minimum(friction / curve.sleeve, 1.0)
+        edges = (("held by friction up to here", -1.0), ("", 1.0))
+        curves += [Curve(words, curve.speed * np.sqrt(1.0 + side * share), True) for words, side in edges]
+    curves = [one._replace(values=one.values[chosen]) for one in curves]
+    x, y = PanelAxis("lift of the sleeve", "m"), PanelAxis("speed of the spindle", "rad s-1")
+    return Panel(x, y, curve.lift[chosen], curves, title="Speed in equilibrium")
+
+
+def _diagram(point: StabilityPoint) -> Panel:
+    """Vyshnegradsky's diagram: where an engine with its governor hunts, oscillates or comes to rest without."""
+    top = max(6.0, 1.25 * point.x, 1.25 * point.y)
+    x = np.linspace(top / 400.0, top, 400)
+    # Double roots −a, −a, −1/a²: X = 2a + 1/a², Y = a² + 2/a; the two branches meet at (3, 3).
+    above, below = (
+        np.where(x >= 3.0, np.interp(x, 2.0 * a + 1.0 / a**2, a**2 + 2.0 / a), np.nan)
+        for a in (np.geomspace(1.0, top, 2000), np.geomspace(1.0, 1.0 / top, 2000))
+    )
+    curves = Curve("hunts below", 1.0 / x), Curve("no oscillation below", above), Curve("no oscillation above", below)
+    marks = (Mark(f"X Y = {point.x * point.y:.3g}", point.x, point.y),)
+    axes = PanelAxis("X, damping", "1"), PanelAxis("Y, stiffness", "1")
+    return Panel(*axes, x, curves, marks, "Vyshnegradsky's diagram", (0.0, top))
+
+
+def _change(change: LoadChange, engine: GovernedEngine) -> tuple[Panel, Panel]:
+    """Speed of the engine and lift of the sleeve after a change of load."""
+    x, y = PanelAxis("time after the change of load", "s"), PanelAxis("speed of the engine", "rad s-1")
+    band = [Mark(words, None, change.after * (1.0 + side * engine.settling_band)) for words, side in _BAND]
+    title = f"Load from {engine.load:g} to {engine.new_load:g} N·m"
+    lift = Panel(x, PanelAxis("lift of the sleeve", "m"), change.time, (Curve("", change.lift),))
+    return Panel(x, y, change.time, (Curve("", change.speed),), band, title), lift
+
+
+_BAND = (("settled", -1.0), ("", 1.0))

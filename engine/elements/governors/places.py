@@ -4,13 +4,19 @@ The numbers of a variant stand in a row, in the order of the constants below; wh
 doesn't have is not read. Tables are the same for all variants and stand one after another in a memory.
 """
 
-import math
 from enum import IntEnum
 
 from engine.compiling.decorators import routine
 from engine.cycle.panels.lanes import Memory
-from engine.cycle.roots import MOST_TURNS, newton_between
-from engine.laws.governors.equilibrium import holding, sleeve_equivalent, stability_margin
+from engine.laws.governors.equilibrium import (
+    controlling_force,
+    equilibrium_speed,
+    holding,
+    moving_inertia,
+    sleeve_equivalent,
+    sleeve_stiffness,
+    stability_margin,
+)
 from engine.laws.governors.linkages import balls_on_bell_cranks, balls_on_lower_arms, balls_on_upper_arms
 from engine.laws.rounding import EPS
 from engine.laws.tables import table_segment
@@ -27,6 +33,10 @@ NUMBERS = ENGINE + 10
 CYCLE_POSITIONS = 360
 CURVES = 4
 CYCLE_LENGTH = NUMBERS + CURVES * CYCLE_POSITIONS
+
+# What the motion begins from: positions of the stops, of half the lift, of the loads before and after their change; the
+# mean speed.
+INNER, OUTER, MIDDLE, BEFORE, AFTER, MEAN_KEPT = range(6)
 
 
 class Holding(IntEnum):
@@ -51,9 +61,6 @@ class Throttling(IntEnum):
 _UPPER_ARMS, _LOWER_ARMS, _BELL_CRANKS = (int(k) for k in tuple(Holding)[:3])
 _OVER_RADIUS = int(Holding.OVER_RADIUS)
 _LINEAR, _TABLE, _FULL_AND_SHUT = (int(k) for k in tuple(Throttling)[1:])
-
-# Samples in which a position is sought for a radius that no formula gives.
-_SAMPLES = 64
 
 
 @routine
@@ -127,74 +134,50 @@ def held_at(kind: int, p: Memory, memory: Memory, x: float, link: tuple, zero: f
 
 
 @routine
-def margin_at(kind: int, p: Memory, memory: Memory, x: float, zero: float) -> tuple[float, float, float, float, float]:
-    """Stability at a position, and whether the governor works there at all.
-
-    Parameters
-    ----------
-    kind, p, memory, x, zero
-        As for `held_at`.
-
-    Returns
-    -------
-    margin : float
-        `stability_margin`.
-    rounding : float
-        What rounding may amount to in it.
-    sleeve : float
-        E; NaN or ≤ 0 where nothing holds the balls.
-    radius_rate, lift_rate : float
-        r' and z'; NaN where arms don't reach, above 0 where balls and sleeve rise together.
-    """
-    link = linkage_at(kind, p, x)
-    slope, curvature, size = held_at(kind, p, memory, x, link, zero)
-    margin = stability_margin(link[0], link[1], link[2], slope, curvature)
-    rounding = 32.0 * EPS * (1.0 + abs(margin + 1.0)) * (1.0 + size / abs(slope))
-    sleeve = sleeve_equivalent(slope, link[6]) if link[0] * link[1] > 0.0 else math.nan
-    return margin, rounding, sleeve, link[1], link[6]
-
-
-@routine
-def _narrowed(kind: int, p: Memory, radius: float, low: float, high: float) -> float:
-    """Position between two others at which the balls have a radius: Newton's method, halving where that leaves them."""
-    x = high
-    for _ in range(MOST_TURNS):
-        link = linkage_at(kind, p, x)
-        x, low, high, settled = newton_between(x, link[0] - radius, link[1], True, low, high)
-        if settled:
-            break
-    return x
-
-
-@routine
-def position_of(kind: int, p: Memory, radius: float) -> float:
-    """Position at which the balls have a radius; NaN where they can't.
+def equilibrium_at(
+    kind: int, p: Memory, memory: Memory, x: float, zero: float
+) -> tuple[float, float, float, float, float, float, float, float, float, float]:
+    """A governor in equilibrium at a position.
 
     Parameters
     ----------
     kind : int
     p : Memory (NUMBERS,)
-    radius : float
-        [m]
+    memory : Memory
+    x, zero : float
+        Position, and height of the sleeve at the inner stop [m].
+
+    Returns
+    -------
+    tuple of 10 floats
+        Radius, lift [m], controlling force [N], speed of the spindle [rad/s], force at the sleeve [N], stability
+        margin, z', mass of the sleeve [kg], its stiffness at constant speed [N/m], inertia of the balls about the
+        axis [kg·m²].
     """
-    g = GEOMETRY
-    if kind == _UPPER_ARMS:
-        return p[g + 2] + (radius - p[g + 2]) * p[g] / p[g + 4]
-    if kind != _LOWER_ARMS:
-        return radius
-    low = max(p[g + 2] - p[g], p[g + 3] - p[g + 1])
-    high = min(p[g + 2] + p[g], p[g + 3] + p[g + 1])
-    before, step = math.nan, (high - low) / _SAMPLES
-    for k in range(_SAMPLES):
-        # Both ends are left out: there an arm lies at right angles to the axis.
-        x = low + (k + 0.5) * step
-        link = linkage_at(kind, p, x)
-        off = link[0] - radius
-        if before < 0.0 <= off:
-            return _narrowed(kind, p, radius, x - step, x)
-        # The sleeve rises with the balls where the governor can work.
-        before = off if link[6] > 0.0 else math.nan
-    return math.nan
+    link = linkage_at(kind, p, x)
+    r, r1, r2, h1, _, z, z1, _ = link
+    slope, curvature, _ = held_at(kind, p, memory, x, link, zero)
+    force, sleeve = controlling_force(slope, r1), sleeve_equivalent(slope, z1)
+    margin = stability_margin(r, r1, r2, slope, curvature)
+    return (
+        r,
+        z - zero,
+        force,
+        equilibrium_speed(force, p[BALL], r),
+        sleeve,
+        margin,
+        z1,
+        moving_inertia(p[BALL], p[SLEEVE], r1, h1, z1) / (z1 * z1),
+        sleeve_stiffness(sleeve, margin, r, r1, z1),
+        2.0 * p[BALL] * r * r,
+    )
+
+
+@routine
+def rounding_of_margin(kind: int, p: Memory, memory: Memory, x: float, zero: float, margin: float) -> float:
+    """What rounding may move the stability of a governor at a position by."""
+    slope, _, size = held_at(kind, p, memory, x, linkage_at(kind, p, x), zero)
+    return 32.0 * EPS * (1.0 + abs(margin + 1.0)) * (1.0 + size / abs(slope))
 
 
 @routine

@@ -16,11 +16,11 @@ import numpy as np
 
 from engine.compiling.decorators import driver, inlined, routine
 from engine.cycle.panels.lanes import Memory, lane_of
-from engine.elements.governors.characteristic import INNER, OUTER
-from engine.elements.governors.governor_results import AFTER, BEFORE, MEAN_KEPT, MIDDLE, equilibrium_at
 from engine.elements.governors.places import (
+    AFTER,
     BALL,
     BAND,
+    BEFORE,
     CLOSED,
     CYCLE_LENGTH,
     CYCLE_POSITIONS,
@@ -29,14 +29,19 @@ from engine.elements.governors.places import (
     FRICTION,
     FULL,
     INERTIA,
+    INNER,
     LOAD,
+    MEAN_KEPT,
+    MIDDLE,
     NEW_LOAD,
     NUMBERS,
+    OUTER,
     RATIO,
     SELF_REGULATION,
     SLEEVE,
     SWITCH,
     Throttling,
+    equilibrium_at,
     held_at,
     linkage_at,
     throttle_at,
@@ -413,7 +418,7 @@ def follow_change(
     memory : Memory
     offset : float
         Where the throttle's table begins in it.
-    kept : Memory (KEPT,)
+    kept : Memory (6,)
         Positions, from `find_equilibria`.
     tolerance : float
         Of a step's error: of lift and velocity as shares of their ranges, of speed as a share of its hundredth part.
@@ -604,8 +609,8 @@ def follow_changes(
         Where the throttle's table begins in it.
     answers, coarse : ndarray (variants, ANSWERS)
         Of NaN, to be written to, with the tolerances FINE and COARSE.
-    kept : ndarray (variants, KEPT)
-        Positions, from `find_equilibria`.
+    kept : ndarray (variants, 6)
+        INNER to MEAN_KEPT.
     verdicts : ndarray (variants,) of uint8
         Those without a complaint are followed.
     room : ndarray (MOTION_ROOM,)

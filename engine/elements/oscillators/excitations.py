@@ -11,11 +11,10 @@ from engine.parts.dimensions import described
 from engine.parts.formulas.by_formula import ByFormula, FormulaText
 from engine.parts.formulas.expressions import ExpressionError, TextExpression, parse
 from engine.parts.formulas.unknown_names import unknown_name_message
-from engine.parts.skeleton import AngularSpeed, Length, Mass, Part, Speed, quantity
+from engine.parts.skeleton import AngularSpeed, Length, Mass, Part, Positive, Speed, quantity
 from engine.parts.units import any_quantity
 
 AngularAcceleration = quantity("angular_acceleration")
-PositiveLength = Annotated[Length, Field(gt=0)]
 Modulus = Annotated[quantity("pressure"), Field(gt=0)]
 ExcitingSpeed = Annotated[AngularSpeed, Field(ge=0)]
 
@@ -23,8 +22,8 @@ ExcitingSpeed = Annotated[AngularSpeed, Field(ge=0)]
 class CantileverSpring(Part):
     """A round cantilever that carries the mass at its end; its own mass isn't counted."""
 
-    length: PositiveLength
-    diameter: PositiveLength
+    length: Positive
+    diameter: Positive
     bore: Annotated[Length, Field(ge=0)] = 0.0
     elastic_modulus: Modulus
 
@@ -56,7 +55,7 @@ class RotatingUnbalance(Part):
 
     type: Literal["unbalance"]
     mass: Annotated[Mass, Field(gt=0)]
-    radius: PositiveLength
+    radius: Positive
     speed: ExcitingSpeed
 
 
@@ -64,7 +63,7 @@ class SupportMotion(Part):
     """The support of spring and damper swings with an amplitude."""
 
     type: Literal["support_motion"]
-    amplitude: PositiveLength
+    amplitude: Positive
     speed: ExcitingSpeed
 
 

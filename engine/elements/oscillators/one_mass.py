@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
-# Square of the angle ω_d t below which series take over from cosine and sine.
-_NEAR = 0.01
+from engine.elements.oscillators.damped_vibration import damped_vibration, next_turn
+from engine.graph.over_arrays import over_arrays
 
 
 def ratio_from_decrement(decrement: np.ndarray) -> np.ndarray:
@@ -69,19 +69,6 @@ def support_resonance_ratio(ratio: np.ndarray) -> np.ndarray:
     return np.sqrt(2.0 / (1.0 + np.sqrt(1.0 + 8.0 * ratio**2)))
 
 
-def _swinging(frequency: np.ndarray, ratio: np.ndarray, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """e^(−βt) cos ω_d t and e^(−βt) sin(ω_d t)/ω_d, with series near critical damping, and a little beyond it."""
-    square = frequency**2 * (1.0 - ratio) * (1.0 + ratio)
-    x_square, decay = square * time**2, np.exp(-ratio * frequency * time)
-    near = np.clip(x_square, -_NEAR, _NEAR)
-    cosine = 1.0 - near / 2.0 * (1.0 - near / 12.0 * (1.0 - near / 30.0 * (1.0 - near / 56.0)))
-    sine = time * (1.0 - near / 6.0 * (1.0 - near / 20.0 * (1.0 - near / 42.0 * (1.0 - near / 72.0))))
-    root = np.sqrt(np.where(x_square > _NEAR, square, 1.0))
-    cosine = np.where(x_square > _NEAR, np.cos(root * time), cosine)
-    sine = np.where(x_square > _NEAR, np.sin(root * time) / root, sine)
-    return decay * cosine, decay * sine
-
-
 def free_motion(
     frequency: np.ndarray, ratio: np.ndarray, displacement: np.ndarray, velocity: np.ndarray, time: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -101,39 +88,7 @@ def free_motion(
     displacement, velocity : ndarray
         At that time [m], [m/s].
     """
-    beta = ratio * frequency
-    cosine, sine = _swinging(frequency, ratio, time)
-    moved = displacement * cosine + (velocity + beta * displacement) * sine
-    rate = velocity * cosine - (beta * velocity + frequency**2 * displacement) * sine
-    # Far beyond critical damping the two exponentials apart, −β + w = −ω₀²/(β + w) without cancellation.
-    square = frequency**2 * (ratio - 1.0) * (ratio + 1.0)
-    creeps = square * time**2 > _NEAR
-    root = np.sqrt(np.where(creeps, square, 1.0))
-    slow, fast = -(frequency**2) / (beta + root), -(beta + root)
-    first = (velocity - fast * displacement) / (2.0 * root) * np.exp(slow * time)
-    second = (slow * displacement - velocity) / (2.0 * root) * np.exp(fast * time)
-    return np.where(creeps, first + second, moved), np.where(creeps, slow * first + fast * second, rate)
-
-
-def first_turning_point(
-    frequency: np.ndarray, ratio: np.ndarray, displacement: np.ndarray, velocity: np.ndarray
-) -> np.ndarray:
-    """Time after the start at which a free motion first turns back [s]; NaN where it never does.
-
-    The velocity vanishes where tan(ω_d t)/ω_d = v/(β v + ω₀² q).
-    """
-    beta = ratio * frequency
-    square = frequency**2 * (1.0 - ratio) * (1.0 + ratio)
-    root = np.sqrt(np.abs(square))
-    below = beta * velocity + frequency**2 * displacement
-    with np.errstate(invalid="ignore", divide="ignore"):
-        angle = np.arctan2(root * velocity, below) % math.pi
-        # At rest it begins with a turning point.
-        swings = np.where(angle > 0.0, angle, math.pi) / root
-        creeps = np.arctanh(root * velocity / below) / root
-        critical = velocity / below
-    turns = np.where(square > 0.0, swings, np.where(square < 0.0, creeps, critical))
-    return np.where((turns > 0.0) & np.isfinite(turns), turns, math.nan)
+    return tuple(over_arrays(damped_vibration, frequency, ratio * frequency, displacement, velocity, time))
 
 
 def greatest_displacement(
@@ -151,8 +106,8 @@ def greatest_displacement(
     greatest, time : ndarray
         [m], [s].
     """
-    turns = first_turning_point(frequency, ratio, displacement, velocity)
-    there = np.where(np.isnan(turns), 0.0, turns)
+    (turns,) = over_arrays(next_turn, frequency, ratio * frequency, displacement, velocity)
+    there = np.where(np.isfinite(turns), turns, 0.0)
     reached = np.abs(free_motion(frequency, ratio, displacement, velocity, there)[0])
     later = reached > np.abs(displacement)
     return np.maximum(reached, np.abs(displacement)), np.where(later, there, 0.0)

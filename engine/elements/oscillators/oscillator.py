@@ -98,6 +98,7 @@ class OscillatorElement(Element):
     Let go at the `start`, it moves freely, or under an excitation over time, which then begins with these values.
     """
 
+    picture: ClassVar = "vibration"
     infinite: ClassVar = Verdict.RESONANCE
 
     type: Literal["oscillator"]
@@ -201,7 +202,7 @@ class OscillatorElement(Element):
         n = self.own_numbers()
         return oscillator_history(self.excitation, n, self.values(n), instants)
 
-    def panels(self) -> tuple[Panel, ...]:
+    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """What is asked about: free motion, vibration over the exciting frequency, run through resonance.
 
         Under an excitation over time: that, displacement, and force of the spring over time. One that is asked about

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from engine.elements.rotors.unbalance import Resultant, unbalance_in_two_planes
-
-STANDARD_GRAVITY = 9.80665
+from engine.parts.skeleton import STANDARD_GRAVITY
 
 
 class BearingForces(NamedTuple):

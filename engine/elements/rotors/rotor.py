@@ -15,6 +15,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers, nudged
+from engine.elements.panels import Curve, Panel, PanelAxis
 from engine.elements.rotors.bearings import BearingForces, peak_forces, rotating_forces, static_forces
 from engine.elements.rotors.correction import correct, corrected_unbalance, misplaced_share
 from engine.elements.rotors.grades import grade_needed, grade_reached, permissible_unbalance, tolerance_shares
@@ -29,6 +30,7 @@ from engine.elements.rotors.unbalance import (
     single_plane,
     unbalance,
     unbalance_in_two_planes,
+    vector_polygon,
 )
 from engine.parts.skeleton import AngularSpeed, Length, Mass, Name, Speed
 
@@ -46,6 +48,7 @@ class RotorElement(Element):
     rolling friction on knife edges.
     """
 
+    picture: ClassVar = "plan"
     RESULTS: ClassVar = (
         ElementResult("unbalance", "resultant unbalance", "kg m"),
         ElementResult("couple", "moment unbalance about the centre of mass", "kg m2"),
@@ -161,6 +164,31 @@ class RotorElement(Element):
             "knife_edge_angle": resting_angle(np.abs(before.unbalance), n["mass"], rolling_arm),
         }
         return {name: np.where(np.isfinite(row), row, math.nan) for name, row in columns.items()}
+
+    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+        """Polygons of unbalances and of moments about the first plane; the bearings' planes before and after."""
+        n = self.own_numbers()
+        unbalances, where = rotor_unbalances(self, n)
+        before = resultant_unbalance(unbalances, where, n["centre"])
+        made, planes, _ = rotor_corrections(self, n, before)
+        bearings = n["first_bearing"], n["second_bearing"]
+        states = before, corrected_unbalance(before, made, planes)
+        left = [np.abs(np.squeeze(unbalance_in_two_planes(state, *bearings))) for state in states]
+        allowed = permissible_unbalance(n["grade"], n["mass"], n["speed"])
+        allowed = np.squeeze(allowed * tolerance_shares(n["centre"], *bearings))
+        names = *self.unbalances, *self.planes
+        vectors, arms = np.append(unbalances[0], made[0]), np.append(where[0], planes[0]) - planes[0, 0]
+        words = zip(("before", "after", "permissible"), (*left, allowed), strict=True)
+        bars = [Curve(word, row) for word, row in words]
+        x, y = PanelAxis("bearing", "1"), PanelAxis("unbalance", "kg m")
+        about_plane = f"Moments about plane {names[len(self.unbalances)]}"
+        limits = max(left[1].min(), 1e-3 * allowed.min()) / 3.0, 20.0 * max(left[0].max(), allowed.max())
+        at_bearings = Panel(x, y, np.arange(2.0), bars, (), "At the bearings", limits, "bars", ("first", "second"))
+        return (
+            vector_polygon(names, vectors, len(planes[0]), "Unbalances", "kg m"),
+            vector_polygon(names, vectors * arms, len(planes[0]), about_plane, "kg m2"),
+            at_bearings,
+        )
 
 
 def _hole_results(name: str, plane: CorrectionPlane) -> Iterator[ElementResult]:

@@ -6,9 +6,7 @@ from typing import Annotated
 from pydantic import Field, model_validator
 
 from engine.elements.rotors.hole_pattern import PatternError, ways_to_fill
-from engine.parts.skeleton import Angle, Length, Mass, Number, Part
-
-Positive = Annotated[Length, Field(gt=0)]
+from engine.parts.skeleton import Angle, Length, Mass, Number, Part, Positive
 
 
 class OffAxis(Part):

@@ -13,8 +13,10 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from engine.elements.element import Columns, Element, ElementResult, Numbers
+from engine.elements.panels import Panel
 from engine.elements.rotors.knife_edges import residual_unbalance, resting_angle
 from engine.elements.rotors.rotor_parts import OffAxis
+from engine.elements.rotors.unbalance import vector_polygon
 from engine.laws.rounding import EPS
 from engine.parts.skeleton import AngularSpeed, Length, Mass, Name
 
@@ -26,6 +28,7 @@ class StaticRotor(Element):
     friction, `rolling_arm`, it is found as well as friction lets it.
     """
 
+    picture: ClassVar = "plan"
     RESULTS: ClassVar = (
         ElementResult("unbalance", "resultant unbalance", "kg m"),
         ElementResult("unbalance_angle", "angle of the resultant unbalance", "rad", None, True),
@@ -78,3 +81,9 @@ class StaticRotor(Element):
             "knife_edge_unbalance": residual_unbalance(own, arm),
             "knife_edge_angle": resting_angle(size, own, arm),
         }
+
+    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+        """Polygon of the unbalances, closed by the mass that balances them."""
+        parts = np.array([u.mass * u.radius * np.exp(1j * u.angle) for u in self.unbalances.values()])
+        names = *self.unbalances, "balance mass"
+        return (vector_polygon(names, np.append(parts, -parts.sum()), 1, "Unbalances", "kg m"),)

@@ -14,11 +14,14 @@ Sources: ISO 21940-2 (kinds of unbalance); K. V. Frolov et al., Theory of Mechan
 rotors).
 """
 
+from collections.abc import Sequence
 from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+from engine.elements.panels import Mark, Panel, path, plan
 
 
 class Resultant(NamedTuple):
@@ -146,3 +149,24 @@ def single_plane(rotor: Resultant) -> np.ndarray:
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         return rotor.plane + (rotor.moment / rotor.unbalance).real
+
+
+def vector_polygon(names: Sequence[str], vectors: np.ndarray, corrections: int, title: str, unit: str) -> Panel:
+    """Vectors one after another, the last of them corrections, which close what the unbalances leave open.
+
+    Parameters
+    ----------
+    names : sequence of str
+    vectors : ndarray (vectors,)
+        Complex.
+    corrections : int
+        How many of them are corrections.
+    title, unit : str
+    """
+    ends = np.concatenate([[0.0], np.cumsum(vectors)])
+    own = len(vectors) - corrections
+    lines = [path(name, ends[k : k + 2]) for k, name in enumerate(names[:own])]
+    lines += [path(f"{name}, added", ends[k : k + 2]) for k, name in enumerate(names[own:], own)]
+    resultant = path("resultant before", ends[[0, own]], True)
+    left = Mark("what remains", ends[-1].real, ends[-1].imag)
+    return plan((*lines, resultant), title, unit)._replace(marks=(Mark("", 0.0, 0.0), left))

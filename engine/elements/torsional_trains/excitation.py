@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.elements.element import Element, Numbers
-from engine.elements.engines.engine import ROUNDED_ORDERS, engine_torque
+from engine.elements.engines.made_engine import ROUNDED_ORDERS, engine_torque
 from engine.elements.torsional_trains.reduced_train import ReducedTrain
 from engine.laws.rounding import EPS
 

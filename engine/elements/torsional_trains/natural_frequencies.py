@@ -40,6 +40,15 @@ _ROWS, _SINGLE = 7, 5
 _PER_MASS = 5.0
 
 
+class TreeRows(NamedTuple):
+    """Parents of the nodes, and rows (nodes, variants) of a train's numbers, for compiled code."""
+
+    parents: np.ndarray
+    inertias: np.ndarray
+    ground: np.ndarray
+    stiffnesses: np.ndarray
+
+
 class NaturalVibration(NamedTuple):
     """Natural frequencies and modes of a reduced train.
 
@@ -71,11 +80,11 @@ def natural_vibration(train: ReducedTrain, count: int) -> NaturalVibration:
     # One more, to tell how far the last mode is from the next.
     found = min(count + 1, nodes - free)
     squares, modes = np.empty((found, variants)), np.empty((found, nodes, variants))
-    arrays = (train.parents, train.inertias, train.ground, train.stiffnesses, squares, modes)
-    arrays = tuple(np.ascontiguousarray(a) for a in arrays[:4]) + arrays[4:]
+    rows = (train.parents, train.inertias, train.ground, train.stiffnesses)
+    tree = TreeRows(*(np.ascontiguousarray(row) for row in rows))
 
     def arguments() -> tuple:
-        return (free, *arrays, np.empty((_ROWS, nodes, LANES)), np.empty((_SINGLE, LANES)))
+        return (free, tree, squares, modes, np.empty((_ROWS, nodes, LANES)), np.empty((_SINGLE, LANES)))
 
     prepare(_enclose, [types.intp, types.intp, types.intp, *(numba.typeof(a) for a in arguments()[1:])])
     spread(_enclose, -(-variants // LANES), arguments)
@@ -183,10 +192,7 @@ def _enclose(
     begin: int,
     end: int,
     free: int,
-    parents: np.ndarray,
-    all_inertias: np.ndarray,
-    all_ground: np.ndarray,
-    all_stiffnesses: np.ndarray,
+    tree: TreeRows,
     squares: np.ndarray,
     modes: np.ndarray,
     room: np.ndarray,
@@ -196,7 +202,7 @@ def _enclose(
 
     `room` (_ROWS, nodes, LANES) and `lanes` (_SINGLE, LANES) are used meanwhile.
     """
-    nodes, variants = all_inertias.shape
+    parents, (nodes, variants) = tree.parents, tree.inertias.shape
     inertias, ground, stiffnesses, dynamic = room[0], room[1], room[2], room[3]
     pushed, mode, rows = room[4], room[5], room[6]
     low, high, middle, below, greatest = lanes[0], lanes[1], lanes[2], lanes[3], lanes[4]
@@ -206,9 +212,9 @@ def _enclose(
         for node in range(nodes):
             for lane in range(LANES):
                 place = first + min(lane, count - 1)
-                inertias[node, lane] = all_inertias[node, place]
-                ground[node, lane] = all_ground[node, place]
-                stiffnesses[node, lane] = all_stiffnesses[node, place]
+                inertias[node, lane] = tree.inertias[node, place]
+                ground[node, lane] = tree.ground[node, place]
+                stiffnesses[node, lane] = tree.stiffnesses[node, place]
         # No square is greater than the greatest sum of magnitudes in a row of M⁻¹ K.
         for node in range(nodes):
             for lane in range(LANES):

@@ -8,21 +8,23 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
+from engine.cycle.measured import Measured
 from engine.elements.element import Answers, Element, ElementResult, Numbers
 from engine.elements.engines.engine import OF_SHAKING, EngineElement
+from engine.elements.panels import Panel
 from engine.elements.torsional_trains.excitation import TrainExcitation, excitation_orders, train_excitation
 from engine.elements.torsional_trains.forced_vibration import ForcedVibration, forced_vibration, under_mean_moments
 from engine.elements.torsional_trains.natural_frequencies import NaturalVibration, natural_vibration
 from engine.elements.torsional_trains.order_sums import extremes_of_orders
 from engine.elements.torsional_trains.reduced_train import ReducedTrain, reduced_train
 from engine.elements.torsional_trains.train_layout import FRAME_END, Joint, LayoutProblem, TrainLayout, train_layout
+from engine.elements.torsional_trains.train_panels import train_panels
 from engine.elements.torsional_trains.train_parts import HarmonicMoment, TrainGear, TrainMass, TrainShaft
 from engine.laws.rounding import EPS
 from engine.parts.skeleton import AngularSpeed, Name
 from engine.verdicts import Verdict
 
 MOST_MASSES = 1000
-Pairs = dict[str, tuple[np.ndarray, np.ndarray]]
 # Complex numbers in memory at a time.
 _BLOCK = 2**17
 
@@ -39,6 +41,7 @@ class TorsionalTrain(Element):
     At the mass `load` something takes what mean moments leave over; without it that accelerates the whole train.
     """
 
+    picture: ClassVar = "vibration"
     infinite: ClassVar = Verdict.RESONANCE
 
     type: Literal["torsional_train"]
@@ -128,6 +131,11 @@ class TorsionalTrain(Element):
         return train_layout(tuple(self.masses), joints)
 
     @property
+    def is_excited(self) -> bool:
+        """Whether anything excites the train."""
+        return bool(self.excitations) or self.engine is not None or self.machine_at is not None
+
+    @property
     def reported_modes(self) -> int:
         """How many natural frequencies above zero are computed: those asked for, or as many as there are."""
         return min(self.modes, len(self.layout.parents) - (1 if self.layout.is_free else 0))
@@ -144,19 +152,17 @@ class TorsionalTrain(Element):
 
     def evaluate(self, n: Numbers) -> Answers:
         """Results with what they may be off by."""
-        found = train_results(self, n)
-        return Answers(*({name: pair[part] for name, pair in found.items()} for part in (0, 1)))
+        return Answers.of(_found(self, n))
+
+    def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
+        """Modes along the train, and the Campbell diagram."""
+        return train_panels(self, self.own_numbers() | dict(given or {}))
 
     def machine_needed(self) -> tuple[str, str]:
         """A crank that turns, where the machine excites the train."""
         if self.machine_at is None:
             return "", ""
         return ".machine_at", "only a crank that turns fully excites a train"
-
-
-def is_excited(train: TorsionalTrain) -> bool:
-    """Whether anything excites a train."""
-    return bool(train.excitations) or train.engine is not None or train.machine_at is not None
 
 
 def _results(train: TorsionalTrain) -> Iterator[ElementResult]:
@@ -169,7 +175,7 @@ def _results(train: TorsionalTrain) -> Iterator[ElementResult]:
             yield ElementResult(
                 f"mode_{k}.{mass}", f"amplitude of {mass} in mode {k}, over the greatest of all", "1", None, True
             )
-    if not is_excited(train):
+    if not train.is_excited:
         return
     if excitation_orders(train):
         for k in modes:
@@ -186,7 +192,7 @@ def _results(train: TorsionalTrain) -> Iterator[ElementResult]:
     yield ElementResult("dissipated_power", "mean power that all dampers dissipate", "W")
 
 
-def train_results(train: TorsionalTrain, n: Numbers) -> Pairs:
+def _found(train: TorsionalTrain, n: Numbers) -> dict[str, Measured]:
     """All results of a torsional train for a set of variants, with their errors.
 
     Parameters
@@ -203,11 +209,11 @@ def train_results(train: TorsionalTrain, n: Numbers) -> Pairs:
     """
     reduced = reduced_train(train, n)
     natural = natural_vibration(reduced, train.reported_modes)
-    found: Pairs = {"rigid_body_modes": (1.0 if train.layout.is_free else 0.0, 0.0)}
+    found: dict[str, Measured] = {"rigid_body_modes": Measured(1.0 if train.layout.is_free else 0.0)}
     for k in range(train.reported_modes):
-        found[f"frequency_{k + 1}"] = natural.frequencies[k], natural.frequency_errors[k]
+        found[f"frequency_{k + 1}"] = Measured(natural.frequencies[k], natural.frequency_errors[k])
         found |= _shape(train, reduced, natural, k)
-    if is_excited(train):
+    if train.is_excited:
         excitation = train_excitation(train, reduced, n)
         if excitation.orders:
             found |= _margins(natural, excitation)
@@ -215,7 +221,7 @@ def train_results(train: TorsionalTrain, n: Numbers) -> Pairs:
     return found
 
 
-def _shape(train: TorsionalTrain, reduced: ReducedTrain, natural: NaturalVibration, k: int) -> Pairs:
+def _shape(train: TorsionalTrain, reduced: ReducedTrain, natural: NaturalVibration, k: int) -> dict[str, Measured]:
     """A mode as its masses swing about their own axes, over the greatest amplitude."""
     layout = train.layout
     own = np.stack([reduced.ratios[mass] for mass in layout.masses])
@@ -226,31 +232,31 @@ def _shape(train: TorsionalTrain, reduced: ReducedTrain, natural: NaturalVibrati
     with np.errstate(invalid="ignore", divide="ignore"):
         values = q / top
         errors = (e + np.abs(values) * top_error) / np.abs(top)
-    return {f"mode_{k + 1}.{mass}": (values[i], errors[i]) for i, mass in enumerate(layout.masses)}
+    return {f"mode_{k + 1}.{mass}": Measured(values[i], errors[i]) for i, mass in enumerate(layout.masses)}
 
 
-def _margins(natural: NaturalVibration, excitation: TrainExcitation) -> Pairs:
+def _margins(natural: NaturalVibration, excitation: TrainExcitation) -> dict[str, Measured]:
     """How far the nearest order is from each natural frequency."""
-    found: Pairs = {}
+    found: dict[str, Measured] = {}
     orders = np.array(excitation.orders)
     for k, (frequency, error) in enumerate(zip(natural.frequencies, natural.frequency_errors, strict=True), 1):
         with np.errstate(invalid="ignore"):
             away = np.abs(orders[:, None] * excitation.speed / frequency - 1.0)
         nearest = away.argmin(axis=0)
         margin = np.take_along_axis(away, nearest[None], axis=0)[0]
-        found[f"margin_{k}"] = margin, (1.0 + margin) * (error / frequency + 4.0 * EPS)
-        found[f"nearest_order_{k}"] = orders[nearest], np.zeros_like(margin)
+        found[f"margin_{k}"] = Measured(margin, (1.0 + margin) * (error / frequency + 4.0 * EPS))
+        found[f"nearest_order_{k}"] = Measured(orders[nearest])
     return found
 
 
-def _vibration(train: TorsionalTrain, reduced: ReducedTrain, excitation: TrainExcitation) -> Pairs:
+def _vibration(train: TorsionalTrain, reduced: ReducedTrain, excitation: TrainExcitation) -> dict[str, Measured]:
     """Moments of the shafts, amplitudes of the masses, and what is dissipated."""
     layout, orders = train.layout, excitation.orders
     frequencies = np.array(orders).reshape(-1, 1) * excitation.speed
     swings = forced_vibration(reduced, frequencies, excitation.moments, excitation.moment_errors)
     mean = under_mean_moments(reduced, excitation.means, excitation.mean_errors)
     still = np.zeros((1, excitation.speed.size))
-    found: Pairs = {}
+    found: dict[str, Measured] = {}
     # What is infinite stays so whatever it is multiplied by.
     with np.errstate(invalid="ignore"):
         for name in train.shafts:
@@ -260,15 +266,15 @@ def _vibration(train: TorsionalTrain, reduced: ReducedTrain, excitation: TrainEx
             constant_off = np.abs(constant_off[0] / own)
             constant = constant[0].real / own
             (least, greatest), off = _range(excitation, alternating / own, off / own)
-            found[f"{name}.mean_moment"] = constant, constant_off
-            found[f"{name}.alternating_moment"] = 0.5 * (greatest - least), off
+            found[f"{name}.mean_moment"] = Measured(constant, constant_off)
+            found[f"{name}.alternating_moment"] = Measured(0.5 * (greatest - least), off)
             total = np.maximum(np.abs(constant + greatest), np.abs(constant + least))
-            found[f"{name}.greatest_moment"] = total, constant_off + off
+            found[f"{name}.greatest_moment"] = Measured(total, constant_off + off)
         for mass, node in zip(layout.masses, layout.node_of, strict=True):
             own = reduced.ratios[mass]
             (least, greatest), off = _range(excitation, own * swings.angles[node], own * swings.angle_errors[node])
-            found[f"{mass}.amplitude"] = 0.5 * (greatest - least), off
-        found["dissipated_power"] = swings.dissipated, _dissipation_error(reduced, swings)
+            found[f"{mass}.amplitude"] = Measured(0.5 * (greatest - least), off)
+        found["dissipated_power"] = Measured(swings.dissipated, _dissipation_error(reduced, swings))
     return found
 
 

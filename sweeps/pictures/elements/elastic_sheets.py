@@ -1,16 +1,13 @@
 """Elastic drives to be looked at: a machine over its cycle and on a run, and shares of parts."""
 
-import math
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from engine import ComplianceElement, Curve, Mark, Panel, PanelAxis, Scene, drive_cycle, drive_run
+from engine import Curve, Mark, Panel, PanelAxis, Scene, drive_cycle, drive_run
 from sweeps.pictures.elements.panels import panel_sheet
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, sheet
-from sweeps.text.engineer_units import engineer_unit
 
 
 def machine_drive_sheet(scene: Scene, name: str, target: Path | str | Figure, title: str = "") -> Figure:
@@ -77,40 +74,3 @@ def machine_run_sheet(scene: Scene, name: str, target: Path | str | Figure, titl
 
 
 _AT_CRANK, _BEHIND = PanelAxis("speed at the crank", "rad s-1"), PanelAxis("crank behind", "rad")
-
-
-def compliance_sheet(element: ComplianceElement, target: Path | str | Figure, title: str = "") -> Figure:
-    """What share of the twist, or of the energy, each elastic part of a shaft line has, the softest first.
-
-    Parameters
-    ----------
-    element : ComplianceElement
-    target : path or Figure
-        File to write (.svg, .pdf, .png), or an empty figure to draw on.
-    title : str
-
-    Raises
-    ------
-    PictureError
-        The file's ending isn't a picture's, or it can't be written.
-    """
-    own = element.own_values()
-    shares = {name.removesuffix(".share"): value for name, value in own.items() if name.endswith(".share")}
-    parts = sorted(shares, key=shares.get)
-    told = [f"{100 * shares[part]:.3g} %, {_stiffness(own[f'{part}.stiffness'])}" for part in parts]
-    with sheet(target, 140, 25 + 9 * len(parts), title) as figure:
-        ax = figure.subplots()
-        bars = ax.barh([part.replace(".", " · ") for part in parts], [100 * shares[part] for part in parts], color=BLUE)
-        ax.bar_label(bars, told, padding=3, fontsize=7)
-        ax.set(xlabel="share of the energy, %", xlim=(0, 1.6 * 100 * max(shares.values())))
-        ax.grid(axis="y", visible=False)
-        words = f"whole line: {_stiffness(own['stiffness'])}"
-        if "twist" in own:
-            words += f", {math.degrees(own['twist']):.3g}° under {element.moment:g} N·m"
-        ax.set_title(words)
-    return figure
-
-
-def _stiffness(value: float) -> str:
-    factor, unit = engineer_unit("N m rad-1", np.array([value]))
-    return f"{factor * value:.4g} {unit}"

@@ -12,7 +12,7 @@ from engine import (
     GearTrain,
     VelocityPicture,
     Verdict,
-    gear_results,
+    train_results,
     velocity_picture,
 )
 from sweeps.pictures.style import GREY, PALE, PALETTE, sheet
@@ -185,11 +185,11 @@ def _angular(ax: Axes, linear: Axes, picture: VelocityPicture, colours: dict[str
 
 def gear_table(train: GearTrain) -> str:
     """Count of freedoms and, by shafts, speed, moment and power of a train, in words."""
-    found, _ = gear_results(train, train.own_numbers())
+    found = {result.name: float(known.value[0]) for result, known in train_results(train, train.own_numbers())[0]}
     rows = [train.structure.words, f"{'shaft':<16}{'speed, rpm':>14}{'moment, N m':>16}{'power, W':>14}"]
     for name in train.shafts:
-        cells = [RPM * found[f"{name}.speed"].value[0]]
-        if f"{name}.moment" in found:
-            cells += [0.0 + found[f"{name}.{key}"].value[0] for key in ("moment", "power")]
+        cells = [RPM * found[f"{name}.speed"]]
+        if train.has_loads:
+            cells += [0.0 + found.get(f"{name}.{key}", 0.0) for key in ("moment", "power")]
         rows.append(f"{name:<16}" + "".join(f"{v:>{w}.6g}" for v, w in zip(cells, (14, 16, 14), strict=False)))
     return "\n".join(rows)

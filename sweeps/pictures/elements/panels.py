@@ -14,8 +14,10 @@ from sweeps.text.engineer_units import engineer_unit
 
 # Draws an element to scale beside its diagrams.
 Layout = Callable[[Axes, Element], None]
-# Height of a picture with one, two, three diagrams one above the other [mm].
-HEIGHTS = (80, 100, 130)
+# Height of a picture with one, two, three diagrams one above the other; the most columns beside each other [mm].
+HEIGHTS, MOST_COLUMNS = (80, 100, 150), 3
+# Names of places that are longer are slanted.
+_LONG = 14
 
 
 def panel_sheet(
@@ -30,32 +32,39 @@ def panel_sheet(
         File to write (.svg, .pdf, .png), or an empty figure to draw on.
     title : str
     layout : callable, optional
-        Draws on axes to the left of all.
+        Draws what stands to their left.
 
     Raises
     ------
     PictureError
-        The file's ending isn't a picture's, it can't be written, or there are no numbers to draw.
+        No diagram has numbers, the file's ending isn't a picture's, or it can't be written.
     """
     panels = [panel for panel in panels if _has_numbers(panel)]
     if not panels:
         raise PictureError("the element has no results that could be drawn; sweeps run says why")
-    columns: dict[object, list[int]] = {}
-    for i, panel in enumerate(panels):
-        columns.setdefault(panel.x, []).append(i)
-    side_by_side = len(columns) == 1 and len(panels) == 2 and layout is None
-    stacks = [[0], [1]] if side_by_side else list(columns.values())
-    rows = max(map(len, stacks))
-    width = 90 if len(stacks) == 1 and rows == 1 and layout is None else 180
-    with sheet(target, width, HEIGHTS[min(rows, 3) - 1], title) as figure:
-        parts = figure.subfigures(1, len(stacks) + (layout is not None), squeeze=False)[0]
-        if layout is not None:
-            layout(parts[0].subplots())
-        for part, stack in zip(parts[layout is not None :], stacks, strict=True):
-            axes = part.subplots(len(stack), 1, squeeze=False, sharex=len(stack) > 1)[:, 0]
-            for ax, i in zip(axes, stack, strict=True):
-                draw_panel(ax, panels[i], ax is axes[-1])
-            part.align_ylabels(axes)
+    columns: dict[object, list[Panel]] = {}
+    for panel in panels:
+        columns.setdefault((panel.kind, panel.x.words, panel.kind == "plan" and panel.title), []).append(panel)
+    stacks = list(columns.values())
+    if len(panels) == 2 and layout is None:
+        stacks = [[panel] for panel in panels]
+    drawn = ([None] if layout else []) + stacks
+    lines = [drawn[k : k + MOST_COLUMNS] for k in range(0, len(drawn), MOST_COLUMNS)]
+    rows = [max(len(stack or ()) for stack in line) or 1 for line in lines]
+    width = 90 if len(drawn) == 1 and rows[0] == 1 else 180
+    heights = [HEIGHTS[min(count, 3) - 1] for count in rows]
+    with sheet(target, width, sum(heights), title) as figure:
+        for line, part in zip(
+            lines, figure.subfigures(len(lines), 1, squeeze=False, height_ratios=heights)[:, 0], strict=True
+        ):
+            for stack, column in zip(line, part.subfigures(1, len(line), squeeze=False)[0], strict=True):
+                if stack is None:
+                    layout(column.subplots())
+                    continue
+                axes = column.subplots(len(stack), 1, squeeze=False, sharex=len(stack) > 1)[:, 0]
+                for ax, panel in zip(axes, stack, strict=True):
+                    draw_panel(ax, panel, ax is axes[-1])
+                column.align_ylabels(axes)
     return figure
 
 
@@ -67,16 +76,26 @@ def draw_panel(ax: Axes, panel: Panel, with_x: bool = True) -> None:
     ax : Axes
     panel : Panel
     with_x : bool
-        Whether to say what runs along.
+        Whether the x axis has a label.
     """
-    drawn = np.concatenate([np.ravel(c.values) for c in panel.curves])
-    usual = drawn if panel.limits is None else np.array([max(np.abs(panel.limits))])
+    values = np.concatenate([np.ravel(c.values) for c in panel.curves])
+    usual = values if panel.limits is None else np.array([max(np.abs(panel.limits))])
     along, along_unit = engineer_unit(panel.x.unit, panel.places)
-    factor, unit = engineer_unit(panel.y.unit, usual[np.isfinite(usual)])
+    factor, unit = (along, along_unit) if panel.kind == "plan" else engineer_unit(panel.y.unit, usual)
     colours = iter(PALETTE * len(panel.curves))
-    for words, values, beside in panel.curves:
-        style = {"color": GREY, "linewidth": 0.8} if beside else {"color": next(colours)}
-        ax.plot(along * panel.places, factor * values, label=words or "_", **style)
+    for k, (words, row, beside, own) in enumerate(panel.curves):
+        colour = GREY if beside else next(colours)
+        places = panel.places if own is None else own
+        if panel.kind == "bars":
+            width = 0.8 * np.diff(places).min(initial=1.0) / len(panel.curves)
+            shift = width * (k - 0.5 * (len(panel.curves) - 1))
+            ax.bar(along * (places + shift), factor * row, along * width, color=colour, label=words or "_")
+            continue
+        look = {"linewidth": 0.8, "zorder": 1.5} if beside else {}
+        (line,) = ax.plot(along * places, factor * row, color=colour, label=words or "_", **look)
+        if beside and own is not None and panel.kind == "curves":
+            line.set_label("_")
+            ax.annotate(words, line.get_xydata()[-1], (2, 1), textcoords="offset points", fontsize=6.5, color=GREY)
     for words, place, height in panel.marks:
         style = {"color": GREY, "linewidth": 0.8, "linestyle": (0, (4, 2)), "label": words or "_"}
         if height is None:
@@ -85,14 +104,23 @@ def draw_panel(ax: Axes, panel: Panel, with_x: bool = True) -> None:
             ax.axhline(factor * height, **style)
         else:
             ax.plot(along * place, factor * height, "o", color=VERMILION, markersize=4, label=words or "_")
-    ax.set_xlim(along * panel.places[0], along * panel.places[-1])
+    legend = {"loc": "best"}
+    if panel.kind == "plan":
+        legend = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.16), "ncols": 2}
+        ax.set(aspect="equal", adjustable="datalim")
+    elif panel.kind == "curves" and not panel.names:
+        every = np.concatenate([panel.places, *(curve.places for curve in panel.curves if curve.places is not None)])
+        ax.set_xlim(along * every.min(), along * every.max())
     if panel.limits is not None:
-        ax.set_ylim(*(factor * limit for limit in panel.limits))
+        ax.set(ylim=[factor * x for x in panel.limits], yscale="log" if panel.limits[0] > 0.0 else "linear")
+    if panel.names:
+        slanted = {"rotation": 30, "ha": "right"} if max(map(len, "\n".join(panel.names).split("\n"))) > _LONG else {}
+        ax.set_xticks(along * panel.places, panel.names, **slanted)
     ax.set(ylabel=_named(panel.y.words, unit), title=panel.title)
     if with_x:
         ax.set_xlabel(_named(panel.x.words, along_unit))
     if any(not label.startswith("_") for label in ax.get_legend_handles_labels()[1]):
-        ax.legend(loc="best")
+        ax.legend(**legend)
 
 
 def _has_numbers(panel: Panel) -> bool:

@@ -15,7 +15,6 @@ from hypothesis import strategies as st
 from mpmath import mpf
 from numpy.testing import assert_allclose
 
-from engine.elements.engines.engine import ROUNDED_ORDERS
 from engine.elements.engines.engine_layout import (
     Engine,
     MasterRod,
@@ -27,6 +26,7 @@ from engine.elements.engines.engine_layout import (
     w_engine,
 )
 from engine.elements.engines.harmonics import crank_masses, piston_harmonics
+from engine.elements.engines.made_engine import ROUNDED_ORDERS
 from engine.elements.engines.shafts import crankshaft_counterweights, remaining_shaking
 from engine.elements.engines.shaking import SHAKING_ORDERS, engine_shaking
 

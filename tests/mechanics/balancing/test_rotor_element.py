@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from matplotlib.figure import Figure
 
 from engine import ElementsAlone, Scene, SceneError, Verdict
-from sweeps.pictures.elements.unbalance_plan import plan_of, unbalance_plan
+from sweeps.pictures.elements.element_pictures import element_sheet
 from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.style import new_figure
 from sweeps.study.bundled import STUDIES
 from sweeps.text.scene_text import read_scene
 
@@ -260,26 +260,24 @@ def test_rotor__beside_other_elements_gives_what_it_gives_alone():
 
 def test_plan__shows_masses_corrections_and_what_the_bearings_feel():
     rotor = read_scene(STUDIES / "balancing" / "scenes" / "fan_rotor.toml").elements["fan"]
-    plan = plan_of(rotor)
-    assert plan.names == ("left_disc", "right_disc", "coupling", "left", "right")
     found = rotor.values(rotor.own_numbers())
-    square = rotor.speed**2
-    assert plan.bearings[0] * square == pytest.approx([found[f"{b}_force_before"][0] for b in ("first", "second")])
-    assert plan.bearings[1] * square == pytest.approx([found[f"{b}_force_after"][0] for b in ("first", "second")])
-    figure = Figure()
-    unbalance_plan(rotor, figure, "Fan")
-    polygon, moments, bars = figure.axes
-    end = plan.unbalances.sum() * 1e3
-    last = polygon.lines[-2].get_xydata()[0]
-    assert last == pytest.approx([end.real, end.imag])
-    about_left = (plan.unbalances * (plan.positions - 0.35)).sum() * 1e3
-    assert moments.lines[-2].get_xydata()[0] == pytest.approx([about_left.real, about_left.imag])
-    heights = [bar.get_height() for bar in bars.patches]
-    assert heights == pytest.approx((plan.bearings[:2] * 1e6).ravel())
+    polygon, moments, bars = element_sheet(rotor, new_figure(180, 80), "Fan").axes
+    names = [line.get_label() for line in polygon.lines if len(line.get_xdata()) == 2]
+    assert names == ["left_disc", "right_disc", "coupling", "left, added", "right, added", "resultant before"]
+    masses, factors = rotor.unbalances.values(), {"g·mm": 1e6, "kg·mm": 1e3, "kg·m²": 1.0}
+    for axes, first in ((polygon, None), (moments, rotor.planes["left"].position)):
+        arms = [1.0 if first is None else u.position - first for u in masses]
+        total = sum(u.mass * u.radius * np.exp(1j * u.angle) * arm for u, arm in zip(masses, arms, strict=True))
+        total *= factors[axes.get_xlabel().removeprefix("x, ")]
+        before = next(line for line in axes.lines if line.get_label() == "resultant before").get_xydata()
+        assert before[1] == pytest.approx([total.real, total.imag], abs=1e-12 * abs(total))
+    heights = np.array([bar.get_height() for bar in bars.patches]).reshape(3, 2)
+    forces = [[found[f"{b}_force_{word}"][0] for b in ("first", "second")] for word in ("before", "after")]
+    assert heights[:2] / heights[0, 0] == pytest.approx(np.array(forces) / forces[0][0])
 
 
 def test_plan__is_written_and_an_impossible_one_refused(tmp_path):
-    unbalance_plan(element(), tmp_path / "plan.png")
+    element_sheet(element(), tmp_path / "plan.png")
     assert (tmp_path / "plan.png").stat().st_size > 10_000
     with pytest.raises(PictureError, match="ending"):
-        unbalance_plan(element(), tmp_path / "plan.doc")
+        element_sheet(element(), tmp_path / "plan.doc")

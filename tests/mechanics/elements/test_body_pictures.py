@@ -7,9 +7,7 @@ import pytest
 from element_samples import DISC, LEVER, WOUND, one, scene
 
 from engine import body_ellipsoid, wound_stresses
-from sweeps.pictures.elements.body_sheets import tilted_body_sheet
 from sweeps.pictures.elements.element_pictures import element_pictures, element_sheet
-from sweeps.pictures.elements.unbalance_plan import static_plan
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import new_figure
 
@@ -61,9 +59,9 @@ def test_curves_of_a_wound_flywheel__are_its_results():
 
 
 def test_polygon_of_a_flat_rotor__is_closed_by_the_mass_that_balances_it():
-    (ax,) = static_plan(scene(it=DISC).elements["it"], new_figure(110, 90), "disc").axes
+    (ax,) = element_sheet(scene(it=DISC).elements["it"], new_figure(110, 90), "disc").axes
     drawn = {line.get_label(): np.array(line.get_data()) for line in ax.get_lines()}
-    start, end = drawn["correction, as made"].T
+    start, end = drawn["balance mass, added"].T
     unbalance, angle = one(DISC, "unbalance", "correction_angle")
     way = 1e3 * unbalance * np.array([math.cos(angle), math.sin(angle)])
     assert end - start == pytest.approx(way, abs=1e-12 * 1e3 * unbalance)
@@ -83,7 +81,7 @@ def test_moments_of_an_ellipsoid__give_it_back():
 
 def test_outline_of_a_tilted_body__goes_as_far_as_the_ellipsoid():
     element = scene(it=PLATE | {"pitch": 0.5, "x": 0.012, "z": 0.03}).elements["it"]
-    front = tilted_body_sheet(element, new_figure(180, 130), "plate").axes[0]
+    front = element_sheet(element, new_figure(180, 130), "plate").axes[0]
     x, z = next(line for line in front.get_lines() if line.get_label() == "outline").get_data()
     # The farthest point in a direction n is √(nᵀ R diag(a², b², c²) Rᵀ n) away.
     high = 1e3 * math.hypot(0.1 * math.sin(0.5), 0.02 * math.cos(0.5))
@@ -95,8 +93,8 @@ def test_outline_of_a_tilted_body__goes_as_far_as_the_ellipsoid():
 def test_moments_that_no_body_has__are_not_drawn():
     moments = {"inertia_x": 1.0, "inertia_y": 1.0, "inertia_z": 3.0}
     element = scene(it={"type": "tilted_body", "mass": 8.0} | moments).elements["it"]
-    with pytest.raises(PictureError, match="no body has"):
-        tilted_body_sheet(element, new_figure(180, 130), "none")
+    with pytest.raises(PictureError, match="no results"):
+        element_sheet(element, new_figure(180, 130), "none")
 
 
 def test_way_on_an_elastic_tie__stretches_it_as_far_as_energy_and_moment_of_momentum_allow():

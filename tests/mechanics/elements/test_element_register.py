@@ -13,7 +13,7 @@ from pydantic import Field
 import sweeps
 from engine import Element, ElementResult, ElementsAlone, PlainNumber, Scene, Verdict, element_kinds, scene_numbers
 from engine.elements import element as register
-from sweeps.pictures.elements.element_pictures import LOOKS, element_pictures
+from sweeps.pictures.elements.element_pictures import LAYOUTS, SHEETS, element_pictures
 from sweeps.pictures.picture_error import PictureError
 from sweeps.report.help import key_help
 from sweeps.text.input_files import InputError
@@ -50,7 +50,7 @@ KINDS = sorted(SAMPLES)
 
 def test_samples__are_of_all_kinds():
     assert {*SAMPLES, OF_MACHINE} == set(element_kinds())
-    assert set(LOOKS) <= set(element_kinds())
+    assert {*LAYOUTS, *SHEETS} <= set(element_kinds())
 
 
 @pytest.mark.parametrize("kind", KINDS)

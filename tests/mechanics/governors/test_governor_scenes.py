@@ -7,12 +7,13 @@ import pytest
 from commands import said
 from governor_samples import ENGINE, EVERY_GOVERNOR, PORTER, PROELL, TABLE, governor_results
 from machines import slider_crank
-from matplotlib.figure import Figure
 from numpy.testing import assert_allclose
 
 from engine import Scene, Verdict, governed_scene, governor_curves, made_ready, scene_numbers, stability_point
 from sweeps import InputError, SweepResult, read_study, run_study
-from sweeps.pictures.elements.governor_sheet import governor_sheet
+from sweeps.pictures.elements.element_pictures import element_sheet
+from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.style import new_figure
 from sweeps.report.remarks import remarks_on
 from sweeps.study.bundled import bundled_studies
 from sweeps.text.scene_text import scene_from, write_scene
@@ -169,13 +170,11 @@ def lines(ax):
 
 def test_sheet__shows_what_is_computed():
     governor = Scene.model_validate({"elements": {"it": GOVERNED}}).elements["it"]
-    figure = Figure()
-    governor_sheet(governor, figure, "governor")
-    force, speed, change, diagram, *_ = figure.axes
+    force, speed, diagram, change, _ = element_sheet(governor, new_figure(180, 200), "governor").axes
     found, _, _ = governor_results(GOVERNED)
     rays = [t.get_text() for t in force.texts]
     assert rays == [f"{found[key][0] * 30 / math.pi:.4g} rpm" for key in ("least_speed", "greatest_speed")]
-    y = lines(change)["speed of the engine"].get_ydata()
+    y = change.lines[0].get_ydata()
     assert y.max() * math.pi / 30 == pytest.approx(found["highest_speed"][0], rel=1e-9)
     point = stability_point(governor)
     assert (point.x, point.y) == (found["vyshnegradsky_x"][0], found["vyshnegradsky_y"][0])
@@ -189,28 +188,26 @@ def test_sheet__shows_what_is_computed():
 def test_no_oscillation__is_shown_where_the_discriminant_says():
     from engine.laws.governors.stability import oscillates
 
-    figure = Figure()
-    governor_sheet(Scene.model_validate({"elements": {"it": GOVERNED}}).elements["it"], figure)
-    diagram = figure.axes[3]
-    area = next(c for c in diagram.collections if c.get_label() == "no oscillation").get_paths()[0]
+    figure = element_sheet(Scene.model_validate({"elements": {"it": GOVERNED}}).elements["it"], new_figure(180, 200))
+    drawn = lines(figure.axes[2])
+    edges = [drawn[f"no oscillation {side}"].get_data() for side in ("above", "below")]
     for x in np.linspace(0.5, 5.9, 12):
         for y in np.linspace(0.5, 5.9, 12):
             # Points within a pixel of the edge apart.
             near = {oscillates(x + dx, y + dy) for dx in (-0.03, 0.03) for dy in (-0.03, 0.03)}
             if len(near) == 1:
-                assert area.contains_point((x, y)) == (not oscillates(x, y)), (x, y)
+                low, high = (np.interp(x, *edge) for edge in edges)
+                assert (low < y < high) == (not oscillates(x, y)), (x, y)
 
 
 def test_sheet_of_a_governor_that_does_not_work__says_why():
-    figure = Figure()
     unstable = Scene.model_validate({"elements": {"it": TABLE | {"controlling_force": [300.0, 310.0, 315.0, 320.0]}}})
-    governor_sheet(unstable.elements["it"], figure)
-    assert "stable nowhere between its stops" in figure.get_suptitle()
+    figure = element_sheet(unstable.elements["it"], new_figure(180, 100))
+    assert "stable nowhere between its stops" in figure.axes[0].get_title()
     assert set(lines(figure.axes[0])) >= {"unstable", "stops"}
     short = Scene.model_validate({"elements": {"it": PORTER | {"upper_arm": 0.1}}})
-    figure = Figure()
-    governor_sheet(short.elements["it"], figure)
-    assert "can't be assembled" in figure.get_suptitle()
+    with pytest.raises(PictureError, match="no results that could be drawn"):
+        element_sheet(short.elements["it"], new_figure(180, 100))
 
 
 def test_commands__on_a_governor(tmp_path, monkeypatch):

@@ -8,14 +8,15 @@ import pytest
 from click.testing import CliRunner
 from commands import refused
 from drawn_machines import sliding_input
-from matplotlib.figure import Figure
 
-from engine import ElementsAlone, Scene
+from engine import ElementsAlone, Scene, shaken
 from engine.elements.engines.engine_layout import in_line_engine
 from sweeps import SweepResult, read_scene
 from sweeps.cli import main
-from sweeps.pictures.elements.engine_sheet import engine_sheet, engine_table, shaken
+from sweeps.pictures.elements.element_pictures import element_sheet
+from sweeps.pictures.elements.engine_sheet import engine_table
 from sweeps.pictures.picture_files import result_pictures
+from sweeps.pictures.style import new_figure
 from sweeps.report.order_table import EngineRow, engine_rows, remaining_orders
 from sweeps.text.scene_text import with_values, write_scene
 from sweeps.text.templates import bundled_templates
@@ -115,10 +116,9 @@ def test_engine_sheet__shows_what_the_element_computes():
     names = [f"it.{word}_{kind}" for kind in ("force", "couple") for word in words]
     torques = [f"it.torque_order_{k / 2:g}".replace(".5", "_5") for k in range(1, 13)]
     found = ElementsAlone(scene, [*names, *torques]).evaluate({}).summaries
-    figure = Figure()
-    engine_sheet(engine, figure, "Twin")
+    figure = element_sheet(engine, new_figure(180, 300), "Twin")
     assert figure.get_suptitle() == "Twin"
-    _, loop, forces, _, _, couples, _, curve, torque = figure.axes
+    _, loop, forces, couples, torque, _, _, curve = figure.axes
     for axes, some, unit in ((forces, names[:6], "N"), (couples, names[6:], "N·m"), (torque, torques, "N·m")):
         factor = {"k": 1e3}.get(axes.get_ylabel().split(", ")[1][0], 1.0)
         assert axes.get_ylabel().endswith(unit)
@@ -127,16 +127,15 @@ def test_engine_sheet__shows_what_the_element_computes():
         # What is rounding alone is shown as nothing.
         assert heights == pytest.approx(expected, rel=1e-12, abs=1e-9)
     assert curve.lines[0].get_ydata().mean() == pytest.approx(curve.lines[1].get_ydata()[0], rel=0.01)
-    after = loop.lines[2].get_data()
+    after = loop.lines[1].get_data()
     vector = 1j * shaken(engine).forces[1].at(np.zeros(1))[0]
     scale = 1e-3 if "kN" in loop.get_xlabel() else 1.0
     assert (after[0][0], after[1][0]) == pytest.approx((scale * vector.real, scale * vector.imag), rel=1e-12)
 
 
 def test_engine_sheet__without_spacing_and_gas_has_one_row():
-    figure = Figure()
-    engine_sheet(template("engine", spacing=None, gas=None, firing_order=None), figure)
-    assert len(figure.axes) == 3
+    engine = template("engine", spacing=None, gas=None, firing_order=None)
+    assert len(element_sheet(engine, new_figure(180, 80)).axes) == 3
 
 
 def test_engine_table__tells_what_a_student_expects_of_an_in_line_four():

@@ -1,13 +1,16 @@
 """What moments do in a gear train: powers, losses, efficiency both ways, forces between teeth and on planets."""
 
+from collections.abc import Iterator
+from typing import NamedTuple
+
 import numpy as np
 
 from engine.cycle.measured import Measured, maximum, minimum, where
-from engine.elements.element import Numbers
+from engine.elements.element import ElementResult, Numbers
 from engine.elements.gears.assembly_conditions import MeshSizes, angle_error
 from engine.elements.gears.gear_elements import GearTrain
 from engine.elements.gears.gear_structure import STANDS_STILL
-from engine.elements.gears.tooth_laws import mesh_efficiency, tooth_forces
+from engine.elements.gears.tooth_laws import ToothForces, mesh_efficiency, tooth_forces
 from engine.elements.gears.train_inertia import mass_and_inertia, planet_sets
 from engine.elements.gears.train_moments import TrainMoments, train_moments
 from engine.laws.rounding import EPS
@@ -44,46 +47,81 @@ def mesh_efficiencies(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes])
     return np.array(found)
 
 
-def load_results(
-    train: GearTrain, n: Numbers, speeds: Measured, sizes: dict[str, MeshSizes]
-) -> tuple[dict[str, Measured], np.ndarray]:
-    """Everything that follows from moments.
+class Equilibria(NamedTuple):
+    """Equilibrium of a train under its moments, and turning the other way; efficiencies of its meshes."""
+
+    forwards: TrainMoments
+    backwards: TrainMoments
+    efficiencies: np.ndarray
+
+
+def equilibria(train: GearTrain, n: Numbers, speeds: Measured, sizes: dict[str, MeshSizes]) -> Equilibria:
+    """Equilibrium of a train either way.
 
     Parameters
     ----------
     train : GearTrain
     n : mapping of str to ndarray (variants,)
+        Its numbers.
     speeds : Measured (shafts + 1, variants)
     sizes : dict of str to MeshSizes
-
-    Returns
-    -------
-    results : dict of str to Measured (variants,)
-    moves : ndarray (variants,) of bool
-        Whether power comes out of the train.
     """
-    structure = train.structure
     efficiencies = mesh_efficiencies(train, n, sizes)
-    state = train_moments(train, n, speeds, efficiencies)
-    back = train_moments(train, n, speeds, efficiencies, backwards=True)
+    both = (train_moments(train, n, speeds, efficiencies, backwards) for backwards in (False, True))
+    return Equilibria(*both, efficiencies)
+
+
+def load_results(
+    train: GearTrain, n: Numbers, speeds: Measured, sizes: dict[str, MeshSizes], states: Equilibria
+) -> Iterator[tuple[ElementResult, Measured]]:
+    """Everything that follows from moments, with its names.
+
+    Parameters
+    ----------
+    train, n, speeds, sizes
+        As for `equilibria`.
+    states : Equilibria
+    """
+    structure, state = train.structure, states.forwards
     power = state.moments * speeds[:-1]
-    found = {}
     for i, name in enumerate(structure.shafts):
-        found[f"{name}.moment"], found[f"{name}.power"] = state.moments[i], power[i]
+        if name in structure.unknown_moments or train.shafts[name].moment is not None:
+            yield ElementResult(f"{name}.moment", f"moment from outside on {name}", "N m"), state.moments[i]
+            yield ElementResult(f"{name}.power", f"power put in at {name}", "W"), power[i]
     # What is held belongs to the frame.
     free = [i for i, name in enumerate(structure.shafts) if name not in structure.held]
-    found["frame.moment"] = 0.0 - _total(state.moments[free])
-    into = found["input_power"] = _total(maximum(power, 0.0))
-    found |= {"loss": _total(power), "efficiency": _efficiency(power)}
-    found["backward_efficiency"] = _efficiency(-back.moments * speeds[:-1])
-    found["self_locking"] = Measured(np.where(state.moves, np.where(back.moves, 0.0, 1.0), np.nan))
-    found["circulating_power"] = _circulating(train, speeds, state, into)
+    words = "moment that holds the frame with all held shafts"
+    yield ElementResult("frame.moment", words, "N m"), 0.0 - _total(state.moments[free])
+    into = _total(maximum(power, 0.0))
+    yield ElementResult("input_power", "power put in", "W"), into
+    yield ElementResult("loss", "power lost in all meshes", "W"), _total(power)
+    words = "power that comes out over power put in"
+    yield ElementResult("efficiency", words, "1", None, True), _efficiency(power)
+    words, back = "efficiency turning backwards under the same moments", states.backwards
+    yield ElementResult("backward_efficiency", words, "1", None, True), _efficiency(-back.moments * speeds[:-1])
+    words = "the same moments can't turn the train backwards (1) or can (0)"
+    locks = Measured(np.where(state.moves, np.where(back.moves, 0.0, 1.0), np.nan))
+    yield ElementResult("self_locking", words, "1", exact=True), locks
+    words = "power that circulates in shafts, over power put in"
+    yield ElementResult("circulating_power", words, "1", None, True), _circulating(train, speeds, state, into)
     for j, place in enumerate(structure.meshes):
-        found |= _mesh_loads(train, n, (j, sizes[place.name]), state, into)
-        found[f"{place.name}.efficiency"] = Measured(efficiencies[j], 32.0 * EPS)
+        name, (a, b), rolling = place.name, place.wheels, state.rolling_powers[j]
+        found = Measured(states.efficiencies[j], 32.0 * EPS)
+        yield ElementResult(f"{name}.efficiency", f"efficiency of {name}, its axes at rest", "1"), found
+        yield ElementResult(f"{name}.rolling_power", f"power that {a} gives {b}, seen from the carrier", "W"), rolling
+        words, share = (
+            f"power rolling through {name} over power put in",
+            where(into.value > 0, abs(rolling) / into, np.nan),
+        )
+        yield ElementResult(f"{name}.rolling_share", words, "1", None, True), share
+        if train.has_modules:
+            forces = _tooth_forces(train, n, (j, sizes[name]), state)
+            for part in TOOTH_FORCES:
+                words = f"{part} force between the teeth of {name}"
+                yield ElementResult(f"{name}.{part}_force", words, "N"), getattr(forces, part)
     for planet in pinned_planets(train):
-        found[f"{planet}.pin_force"] = _pin_force(train, n, planet, speeds, sizes, state)
-    return found, state.moves
+        force = _pin_force(train, n, planet, speeds, sizes, state)
+        yield ElementResult(f"{planet}.pin_force", f"force on the bearing of each {planet}", "N"), force
 
 
 def _total(rows: Measured) -> Measured:
@@ -119,19 +157,11 @@ def _circulating(train: GearTrain, speeds: Measured, state: TrainMoments, into: 
     return where(share.value <= share.error, Measured(0.0 * share.value, share.error), share)
 
 
-def _mesh_loads(
-    train: GearTrain, n: Numbers, mesh: tuple[int, MeshSizes], state: TrainMoments, into: Measured
-) -> dict[str, Measured]:
+def _tooth_forces(train: GearTrain, n: Numbers, mesh: tuple[int, MeshSizes], state: TrainMoments) -> ToothForces:
     j, size = mesh
-    place, rolling = train.structure.meshes[j], state.rolling_powers[j]
-    share = where(into.value > 0, abs(rolling) / into, np.nan)
-    found = {f"{place.name}.rolling_power": rolling, f"{place.name}.rolling_share": share}
-    if train.has_modules:
-        sets = planet_sets(train, n, train.structure.name_of(place.carrier))
-        pulls = (abs(_pull(state, size, j, end)) for end in (0, 1))
-        forces = tooth_forces(maximum(*pulls) / sets, size.geometry.angle, size.teeth)
-        found |= {f"{place.name}.{part}_force": getattr(forces, part) for part in TOOTH_FORCES}
-    return found
+    sets = planet_sets(train, n, train.structure.name_of(train.structure.meshes[j].carrier))
+    pulls = (abs(_pull(state, size, j, end)) for end in (0, 1))
+    return tooth_forces(maximum(*pulls) / sets, size.geometry.angle, size.teeth)
 
 
 def _pull(state: TrainMoments, size: MeshSizes, mesh: int, end: int) -> Measured:

@@ -1,0 +1,155 @@
+"""What is computed of a gear train: speeds and ratios, whether it fits, moments, losses, tooth forces, inertia.
+
+Each result is named where it is computed, so that a train with its own numbers tells which it has.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from engine.cycle.measured import Measured
+from engine.elements.element import Answers, ElementResult, Numbers
+from engine.elements.gears.assembly_conditions import (
+    AssemblyConditions,
+    MeshSizes,
+    angle_error,
+    assembly_conditions,
+    mesh_sizes,
+    tooth_contact,
+)
+from engine.elements.gears.gear_elements import GearTrain
+from engine.elements.gears.tooth_laws import minimum_teeth
+from engine.elements.gears.train_inertia import kinetic_energy
+from engine.elements.gears.train_loads import equilibria, load_results
+from engine.elements.gears.train_speeds import basic_ratios, stages, train_speeds
+from engine.laws.rounding import EPS
+from engine.verdicts import Verdict
+
+NamedResults = Iterator[tuple[ElementResult, Measured]]
+
+
+def _of_assembly(fit: AssemblyConditions) -> NamedResults:
+    """Why wheels don't fit, or that they do."""
+    for name, value in fit.distance_errors.items():
+        words = f"difference of the centre distance of {name} from that of its axes, over it"
+        yield ElementResult(f"{name}.distance_error", words, "1"), Measured(value, 8.0 * EPS)
+    for carrier, left in fit.spacing_remainders.items():
+        words = f"what is left over where planets spaced equally on {carrier} need a whole multiple (0 fits)"
+        yield ElementResult(f"{carrier}.spacing_remainder", words, "1", exact=True), Measured(left)
+    for planet, gap in fit.clearances.items():
+        words = f"gap between the tips of neighbouring {planet} planets, over the diameter of the tips"
+        off = 16.0 * EPS * (1.0 + np.abs(gap))
+        yield ElementResult(f"{planet}.neighbour_clearance", words, "1", None, True), Measured(gap, off)
+
+
+def _of_teeth(train: GearTrain, sizes: dict[str, MeshSizes]) -> NamedResults:
+    """How teeth mesh."""
+    for place in train.structure.meshes:
+        name, (a, b), size = place.name, place.wheels, sizes[place.name]
+        teeth, geometry, rough = size.teeth, size.geometry, angle_error(size)
+        words = f"transverse contact ratio of {name}, of teeth as far as they don't interfere"
+        off = (64.0 * EPS + rough) * np.maximum(teeth.first, teeth.second)
+        yield ElementResult(f"{name}.contact_ratio", words, "1"), Measured(sum(geometry.contact), off)
+        words, off = f"transverse operating pressure angle of {name}", (8.0 * EPS + rough) * geometry.angle
+        yield ElementResult(f"{name}.operating_pressure_angle", words, "rad"), Measured(geometry.angle, off)
+        if train.has_modules:
+            words, off = f"distance of the axes of {a} and {b}", (8.0 * EPS + rough) * np.abs(size.distance)
+            yield ElementResult(f"{name}.centre_distance", words, "m"), Measured(size.distance, off)
+        small = a if place.sense < 0 else f"the smaller of {a} and {b}"
+        words = f"minimum number of teeth of {small} without interference, the other wheel as it is"
+        yield ElementResult(f"{name}.minimum_teeth", words, "1", None, True, True), Measured(minimum_teeth(teeth))
+
+
+def _of_motion(train: GearTrain, n: Numbers, speeds: Measured, sizes: dict[str, MeshSizes]) -> NamedResults:
+    """Speeds, ratios, energy."""
+    structure = train.structure
+    mobility = np.full(speeds.shape[1], float(structure.mobility))
+    yield ElementResult("mobility", "degrees of freedom W = 3n - 2p1 - p2", "1", exact=True), Measured(mobility)
+    by_name = dict(zip(structure.shafts, speeds, strict=False))
+    for name, speed in by_name.items():
+        yield ElementResult(f"{name}.speed", f"angular speed of {name}", "rad s-1"), speed
+    # Shafts in the frame that aren't held: those that ratios and reduced inertias are told of.
+    free = [name for name in train.shafts if name not in structure.planets and not train.shafts[name].held]
+    # Ratios are those over the shaft that alone is driven.
+    for driver in structure.driven if len(structure.driven) == 1 else ():
+        for name in free:
+            if name != driver:
+                ratio = by_name[driver] / by_name[name]
+                # Over a shaft that stands it is infinite either way.
+                ratio = Measured(np.where(np.isinf(ratio.value), np.inf, ratio.value), ratio.error)
+                yield ElementResult(f"{name}.ratio", f"speed of {driver} over that of {name}", "1", None, True), ratio
+    for (carrier, a, b, _), (name, ratio) in zip(stages(train), basic_ratios(train, n).items(), strict=True):
+        yield ElementResult(name, f"speed of {a} over that of {b}, seen from {carrier}", "1"), ratio
+    if train.has_inertia:
+        energy = kinetic_energy(train, n, speeds, sizes)
+        yield ElementResult("kinetic_energy", "kinetic energy of all members", "J"), energy
+        for name in free:
+            words = f"inertia reduced to {name}"
+            reduced = 2.0 * energy / by_name[name] ** 2
+            yield ElementResult(f"{name}.reduced_inertia", words, "kg m2", None, True), reduced
+
+
+def train_results(train: GearTrain, n: Numbers) -> tuple[list[tuple[ElementResult, Measured]], np.ndarray]:
+    """All results of trains whose wheels fit and mesh, but for the conditions of that.
+
+    Parameters
+    ----------
+    train : GearTrain
+        How it hangs together; its numbers are not used.
+    n : mapping of str to ndarray (variants,)
+        Its numbers by their keys, such as "wheels.sun.teeth".
+
+    Returns
+    -------
+    results : list of (ElementResult, Measured (variants,))
+    verdicts : ndarray (variants,) of uint8
+        NOT_FINITE where a basic ratio lets no speeds follow, SELF_LOCKS or STANDS where losses take all power.
+    """
+    sizes, speeds = mesh_sizes(train, n), train_speeds(train, n)
+    found = list(_of_motion(train, n, speeds, sizes))
+    verdicts = np.where(np.isnan(speeds.value).any(axis=0), Verdict.NOT_FINITE, Verdict.OK).astype(np.uint8)
+    if train.has_loads:
+        states = equilibria(train, n, speeds, sizes)
+        found += load_results(train, n, speeds, sizes, states)
+        roles = (train.shafts[name] for name in train.structure.unknown_moments)
+        driven = any(shaft.speed is not None and not shaft.loaded for shaft in roles)
+        stuck = (verdicts == Verdict.OK) & ~states.forwards.moves
+        verdicts[stuck] = Verdict.SELF_LOCKS if driven else Verdict.STANDS
+    return found, verdicts
+
+
+@np.errstate(all="ignore")
+def results_of(train: GearTrain) -> tuple[ElementResult, ...]:
+    """Results that a train has, by what it is made of."""
+    n = train.own_numbers()
+    sizes = mesh_sizes(train, n)
+    (mobility, *others), _ = train_results(train, n)
+    fit = assembly_conditions(train, n, sizes)
+    every = (mobility, *_of_assembly(fit), *_of_teeth(train, sizes), *others)
+    return tuple(result for result, _ in every)
+
+
+@np.errstate(all="ignore")
+def train_answers(train: GearTrain, n: Numbers) -> Answers:
+    """Results of a gear train with what they may be off by, and verdicts.
+
+    Parameters
+    ----------
+    train : GearTrain
+    n : mapping of str to ndarray (variants,)
+    """
+    sizes = mesh_sizes(train, n)
+    fit = assembly_conditions(train, n, sizes)
+    contact = tooth_contact(train, n, sizes)
+    here = np.flatnonzero(fit.fits & (contact == Verdict.OK))
+    found, verdicts = train_results(train, {key: row[here] for key, row in n.items()})
+    # Of a variant whose wheels don't fit or mesh it stays why they don't.
+    values, errors = {}, {}
+    everywhere = (*_of_assembly(fit), *_of_teeth(train, sizes))
+    for results, where in ((everywhere, slice(None)), (found, here)):
+        for result, known in results:
+            values[result.name], errors[result.name] = pair = np.full((2, fit.fits.size), np.nan)
+            pair[0, where], pair[1, where] = known.value, known.error
+    verdict = np.where(fit.fits, contact, Verdict.DOES_NOT_FIT).astype(np.uint8)
+    verdict[here] = verdicts
+    return Answers(values, errors, verdict)

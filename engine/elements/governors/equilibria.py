@@ -1,0 +1,525 @@
+"""Governors in equilibrium: their characteristic between the stops, where they are stable, their engine near a load.
+
+Positions that are searched (ends of the stable stretch, least stability, the lift at a load) are found once. What
+follows from them follows to first order wherever numbers change a little, so that error estimates are made by nudges.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import types
+
+from engine.compiling.decorators import driver, scalar
+from engine.compiling.running import prepare
+from engine.cycle.panels.lanes import lane_of
+from engine.cycle.roots import regula_falsi
+from engine.elements.element import Columns, Element, Numbers
+from engine.elements.governors.places import (
+    GEOMETRY,
+    Holding,
+    Throttling,
+    equilibrium_at,
+    linkage_at,
+    rounding_of_margin,
+)
+from engine.elements.sampled_peak import sampled_peak
+from engine.graph.over_arrays import over_arrays
+from engine.laws.governors.equilibrium import insensitivity_by_friction, speed_with_friction
+from engine.laws.governors.stability import (
+    critical_damping_of_sleeve,
+    critical_inertia_of_engine,
+    governed_polynomial,
+    most_gain,
+    normal_roots,
+    oscillates,
+    vyshnegradsky,
+)
+from engine.laws.rounding import EPS
+from engine.laws.tables import Table, in_memory, make_table
+from engine.verdicts import Verdict
+
+# Samples of a characteristic, and in each piece of a table; how far inside a piece its ends are sampled, and how far
+# apart values are whose difference is a slope, both as a share of the range.
+SAMPLES, _PIECE_SAMPLES, _INSIDE, _APART = 33, 9, 1e-12, 1e-6
+# Samples in which a position is sought for a radius that no formula gives; halvings of a bracket down to rounding.
+_OF_RADIUS, _HALVINGS = 64, 64
+_TINY = 1e-300
+
+
+class States(NamedTuple):
+    """Governors in equilibrium at positions (...,); all ndarray.
+
+    Attributes
+    ----------
+    radius, lift, force, speed, sleeve, margin
+        r, z from the inner stop, controlling force, speed of the spindle, force at the sleeve, stability μ.
+    lift_rate, mass, stiffness, balls
+        z'; inertia and stiffness at the sleeve; 2 m r² of the balls.
+    radius_rate, height, rounding
+        r'; z from where linkages count it; what μ may be off by.
+    """
+
+    radius: np.ndarray
+    lift: np.ndarray
+    force: np.ndarray
+    speed: np.ndarray
+    sleeve: np.ndarray
+    margin: np.ndarray
+    lift_rate: np.ndarray
+    mass: np.ndarray
+    stiffness: np.ndarray
+    balls: np.ndarray
+    radius_rate: np.ndarray
+    height: np.ndarray
+    rounding: np.ndarray
+
+    @property
+    def works(self) -> np.ndarray:
+        """Whether whatever holds the balls presses the sleeve down."""
+        return (self.sleeve > 0.0) & (self.radius * self.radius_rate > 0.0)
+
+    @property
+    def stable(self) -> np.ndarray:
+        """Whether governors are stable or isochronous there, as far as rounding lets tell."""
+        return self.works & (self.margin >= -self.rounding)
+
+
+class Marks(NamedTuple):
+    """What is searched of each governor, once (variants,).
+
+    Attributes
+    ----------
+    inner, outer, begin, end, shakiest, weakest, middle, before, after : ndarray
+        Positions: the stops, the ends of the longest stable stretch, the least stability, the least force at the sleeve
+        in the stretch, half of its lift, the engine's load before and after its change.
+    off_begin, off_end, off_shakiest : ndarray
+        How far rounding moves them.
+    isochronous : ndarray
+    mean_speed : ndarray
+    """
+
+    inner: np.ndarray
+    outer: np.ndarray
+    begin: np.ndarray
+    end: np.ndarray
+    shakiest: np.ndarray
+    weakest: np.ndarray
+    middle: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+    off_begin: np.ndarray
+    off_end: np.ndarray
+    off_shakiest: np.ndarray
+    isochronous: np.ndarray
+    mean_speed: np.ndarray
+
+    @property
+    def of_motion(self) -> np.ndarray:
+        """What the motion after a change of load begins from, in the order of `places` (variants, 6)."""
+        found = (self.inner, self.outer, self.middle, self.before, self.after, self.mean_speed)
+        return np.ascontiguousarray(np.transpose(found))
+
+
+_ROWS = types.float64[:, ::1]
+_TYPES = (types.intp, _ROWS, types.float64[::1], types.float64[::1], _ROWS, types.float64[:, :, ::1])
+
+
+@driver
+def _fill_states(
+    kind: int, numbers: np.ndarray, memory: np.ndarray, inner: np.ndarray, places: np.ndarray, found: np.ndarray
+) -> None:
+    """Write the states (fields, places, variants) at places (places, variants), lifts from the inner positions."""
+    tables = lane_of(memory)
+    for v in range(numbers.shape[0]):
+        p = lane_of(numbers[v])
+        zero = linkage_at(kind, p, inner[v])[5]
+        for k in range(places.shape[0]):
+            x = places[k, v]
+            state = equilibrium_at(kind, p, tables, x, zero)
+            for j in range(10):
+                found[j, k, v] = state[j]
+            link = linkage_at(kind, p, x)
+            found[10, k, v], found[11, k, v] = link[1], link[5]
+            found[12, k, v] = rounding_of_margin(kind, p, tables, x, zero, state[5])
+
+
+class GovernorVariants(NamedTuple):
+    """A governor with the numbers of some variants: by their keys, and as a row for each (variants, numbers)."""
+
+    governor: Element
+    n: Numbers
+    rows: np.ndarray
+    memory: np.ndarray
+
+    def at(self, places: np.ndarray, inner: np.ndarray) -> States:
+        """States at positions (..., variants), lifts counted from inner positions (variants,)."""
+        places = np.ascontiguousarray(places)
+        lines = places.reshape(-1, len(self.rows))
+        found = np.empty((len(States._fields), *lines.shape))
+        prepare(_fill_states, _TYPES)
+        _fill_states(int(self.governor.holding), self.rows, self.memory, np.ascontiguousarray(inner), lines, found)
+        return States(*found.reshape(-1, *places.shape))
+
+    def position_of(self, radius: np.ndarray) -> np.ndarray:
+        """Positions at which the balls have a radius; NaN where they can't.
+
+        A governor with balls on its lower arms may have two of them: the first counts at which the sleeve rises.
+        """
+        upper, lower, upper_pivot, lower_pivot, ball_arm, _ = self.rows.T[GEOMETRY : GEOMETRY + 6]
+        match self.governor.holding:
+            case Holding.UPPER_ARMS:
+                return upper_pivot + (radius - upper_pivot) * upper / ball_arm
+            case Holding.LOWER_ARMS:
+                low = np.maximum(upper_pivot - upper, lower_pivot - lower)
+                high = np.minimum(upper_pivot + upper, lower_pivot + lower)
+                # Both ends are left out: there an arm lies at right angles to the axis.
+                places = low + (np.arange(_OF_RADIUS)[:, None] + 0.5) * ((high - low) / _OF_RADIUS)
+                found = self.at(places, low)
+                below = found.radius - radius < 0.0
+                crossed = below[:-1] & (found.lift_rate[:-1] > 0.0) & (found.radius[1:] - radius >= 0.0)
+                k = crossed.argmax(axis=0)
+                a, b = (np.take_along_axis(places, k[None] + i, axis=0)[0] for i in (0, 1))
+                x = regula_falsi(lambda x: self.at(x, low).radius - radius, a, b)
+                return np.where(crossed.any(axis=0), self.moved(x, low, "radius", radius), np.nan)
+        return radius
+
+    def moved(self, x: np.ndarray, inner: np.ndarray, name: str, wanted: np.ndarray) -> np.ndarray:
+        """Positions near others at which "radius" or "lift" is what is wanted, to first order."""
+        there = self.at(x, inner)
+        return x - (getattr(there, name) - wanted) / getattr(there, f"{name}_rate")
+
+    def throttle(self, lift: np.ndarray, whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Moment of the engine at the mean speed of the governor, and by how much it falls for each metre of lift."""
+        throttle = self.governor.engine.throttle
+        if self.governor.throttling == Throttling.TABLE:
+            table = make_table(throttle.over_lift, throttle.moment, throttle.interpolation)
+            piece = np.clip(np.searchsorted(table.breaks, lift, "right") - 1, 0, len(table.coefficients) - 1)
+            t, (c3, c2, c1, c0) = lift - table.breaks[piece], np.moveaxis(table.coefficients[piece], -1, 0)
+            return ((c3 * t + c2) * t + c1) * t + c0, -((3.0 * c3 * t + 2.0 * c2) * t + c1)
+        full, closed = self.n["engine.throttle.full"], self.n["engine.throttle.closed"]
+        if self.governor.throttling == Throttling.LINEAR:
+            fall = (full - closed) / whole
+            return full - fall * lift, fall
+        return np.where(lift <= self.n["engine.throttle.switch"], full, closed), 0.0 * lift
+
+
+def governor_variants(governor: Element, n: Numbers) -> GovernorVariants:
+    """A governor with the numbers of some variants.
+
+    Parameters
+    ----------
+    governor : Governor
+    n : mapping of str to ndarray (variants,)
+    """
+    return GovernorVariants(governor, n, governor.row(n), governor_memory(governor)[0])
+
+
+def governor_memory(governor: Element) -> tuple[np.ndarray, float]:
+    """Tables of a governor one after another, and where that of the throttle begins."""
+    held = governor.controlling_table
+    parts = [] if held is None else [in_memory(_going_on(held))]
+    offset = float(sum(part.size for part in parts))
+    if governor.throttling == Throttling.TABLE:
+        throttle = governor.engine.throttle
+        parts.append(in_memory(make_table(throttle.over_lift, throttle.moment, throttle.interpolation)))
+    return np.concatenate(parts) if parts else np.zeros(1), offset
+
+
+def _going_on(table: Table) -> Table:
+    """A table that goes on straight beyond its rows: its ends have the slopes that they have from inside."""
+    cubic = table.coefficients.copy()
+    first, last = cubic[1], cubic[-2]
+    t = table.breaks[-2] - table.breaks[-3]
+    cubic[0] = (0.0, 0.0, first[2], first[3])
+    cubic[-1] = (0.0, 0.0, (3 * last[0] * t + 2 * last[1]) * t + last[2], np.polyval(last, t))
+    return table._replace(coefficients=cubic)
+
+
+@np.errstate(all="ignore")
+def governor_marks(g: GovernorVariants) -> tuple[Marks, np.ndarray]:
+    """Search the characteristic of governors, and the lifts at which their engines carry their loads.
+
+    Parameters
+    ----------
+    g : GovernorVariants
+
+    Returns
+    -------
+    marks : Marks
+    verdicts : ndarray (variants,) of uint8
+    """
+    least, greatest = g.n["least_radius"], g.n["greatest_radius"]
+    low, high = g.position_of(least), g.position_of(greatest)
+    places = _sample_places(g, low, high)
+    found = g.at(places, low)
+    finite = np.isfinite(found.radius_rate) & np.isfinite(found.lift_rate)
+    bad = ~(finite & (found.radius_rate > 0.0) & (found.lift_rate > 0.0))
+    fails = np.where(_at(finite, bad.argmax(axis=0)), Verdict.SINGULAR, Verdict.CANNOT_ASSEMBLE)
+    stable, index = found.stable, np.arange(len(places))[:, None]
+    start = np.maximum.accumulate(np.where(stable, 0, index + 1), axis=0)
+    begins = np.take_along_axis(places, np.minimum(start, len(places) - 1), axis=0)
+    last = np.where(stable, places - begins, -1.0).argmax(axis=0)
+    first = _at(start, last)
+    begin, off_begin = _edge(g, low, places, first, -1)
+    end, off_end = _edge(g, low, places, last, 1)
+    step = _APART * (high - low)
+
+    def peak_of(name: str, where: np.ndarray) -> np.ndarray:
+        """Where a state is least, beside the least of samples."""
+
+        def turned(x: np.ndarray) -> np.ndarray:
+            return -getattr(g.at(x, low), name)
+
+        return sampled_peak(turned, lambda x: turned(x + step) - turned(x - step), where)[1]
+
+    k = found.margin.argmin(axis=0)
+    beside = np.clip(k + np.array([[-1], [1]]), 0, len(places) - 1)
+    shakiest = peak_of("margin", places)
+    there = g.at(shakiest, low)
+    rise = np.take_along_axis(found.margin, beside, axis=0).min(axis=0) - there.margin
+    span = np.ptp(np.take_along_axis(places, beside, axis=0), axis=0)
+    off = span * np.sqrt(np.minimum(there.rounding / np.maximum(rise, _TINY), 1.0))
+    weakest = peak_of("sleeve", np.clip(places, begin, end))
+    flat = (last > first) & ((found.margin - found.rounding).max(axis=0) <= 0.0)
+    ends = g.at(np.stack([begin, end]), low)
+    half = 0.5 * (ends.lift[0] + ends.lift[1])
+    nowhere = np.full(low.size, np.nan)
+    marks = Marks(
+        inner=low,
+        outer=high,
+        begin=begin,
+        end=end,
+        shakiest=shakiest,
+        weakest=weakest,
+        middle=regula_falsi(lambda x: g.at(x, low).lift - half, begin, end),
+        before=nowhere,
+        after=nowhere,
+        off_begin=off_begin,
+        off_end=off_end,
+        off_shakiest=np.where(shakiest == _at(places, k), 0.0, off),
+        isochronous=flat.astype(float),
+        mean_speed=0.5 * (ends.speed[0] + ends.speed[1]),
+    )
+    verdicts = np.select(
+        [~(least < greatest), ~(low < high), bad.any(axis=0), ~stable.any(axis=0)],
+        [Verdict.OUTSIDE_LIMITS, Verdict.CANNOT_ASSEMBLE, fails, Verdict.UNSTABLE],
+        np.where(g.n["friction"] < g.at(weakest, low).sleeve, Verdict.OK, Verdict.JAMS),
+    )
+    if g.governor.engine is not None:
+        loads = g.n["engine.load"], g.n.get("engine.new_load", g.n["engine.load"])
+        (before, first), (after, second) = (_working_position(g, marks, load) for load in loads)
+        marks = marks._replace(before=before, after=after)
+        for verdict in (first, second):
+            verdicts = np.where(verdicts == Verdict.OK, verdict, verdicts)
+    return marks, verdicts.astype(np.uint8)
+
+
+def _at(rows: np.ndarray, k: np.ndarray) -> np.ndarray:
+    """Of each variant, the row that counts."""
+    return np.take_along_axis(rows, k[None], axis=0)[0]
+
+
+def _sample_places(g: GovernorVariants, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Positions from one stop to the other; of a table in each of its pieces, on both sides of its breaks."""
+    table = g.governor.controlling_table
+    if table is None:
+        return low + (high - low) * (np.arange(SAMPLES) / (SAMPLES - 1))[:, None]
+    breaks = table.breaks[1:-1, None] + 0.0 * low
+    if g.governor.holding == Holding.OVER_LIFT:
+        breaks = low + breaks / g.n["lift_ratio"]
+    ends = np.concatenate([low[None], np.clip(breaks, low, high), high[None]])
+    tiny = _INSIDE * (high - low)
+    share = np.arange(_PIECE_SAMPLES)[:, None] / (_PIECE_SAMPLES - 1)
+    left, right = ends[:-1, None] + tiny, ends[1:, None] - tiny
+    places = np.sort(np.clip((left + (right - left) * share).reshape(-1, low.size), low, high), axis=0)
+    places[0], places[-1] = low, high
+    return places
+
+
+def _edge(
+    g: GovernorVariants, low: np.ndarray, places: np.ndarray, k: np.ndarray, side: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Where a stable stretch ends beyond its sample k, to one side, and how far rounding moves that."""
+    other = np.clip(k + side, 0, len(places) - 1)
+    inside = stable = _at(places, k)
+    unstable = _at(places, other)
+    if (other == k).all():
+        return inside, np.zeros(inside.size)
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (stable + unstable)
+        holds = g.at(middle, low).stable
+        stable, unstable = np.where(holds, middle, stable), np.where(holds, unstable, middle)
+    there, beside = g.at(stable, low), g.at(inside, low)
+    share = np.minimum(4.0 * beside.rounding / np.maximum(np.abs(beside.margin - there.margin), _TINY), 1.0)
+    is_stop = other == k
+    return np.where(is_stop, inside, stable), np.where(is_stop, 0.0, np.abs(inside - stable) * share)
+
+
+def _surplus(g: GovernorVariants, found: States, whole: np.ndarray, mean: np.ndarray, load: np.ndarray) -> np.ndarray:
+    """Moment of the engine that its load leaves at equilibrium; what is left to the switch of a valve."""
+    if g.governor.throttling == Throttling.FULL_AND_SHUT:
+        return g.n["engine.throttle.switch"] - found.lift
+    regulation = g.n["engine.self_regulation"] / g.n["engine.ratio"]
+    return g.throttle(found.lift, whole)[0] - regulation * (found.speed - mean) - load
+
+
+def _working_position(g: GovernorVariants, marks: Marks, load: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Positions in the stable stretch at which engines carry a load, and verdicts on that."""
+    low, mean = marks.inner, marks.mean_speed
+    whole = g.at(marks.outer, low).lift
+    ends = g.at(np.stack([marks.begin, marks.end]), low)
+    regulation = g.n["engine.self_regulation"] / g.n["engine.ratio"]
+    most, least = g.throttle(ends.lift, whole)[0] - regulation * (ends.speed - mean)
+    verdicts = np.select([~(load <= most), ~(load >= least)], [Verdict.STALLS, Verdict.RUNS_AWAY], Verdict.OK)
+    if g.governor.throttling == Throttling.FULL_AND_SHUT:
+        switch = g.n["engine.throttle.switch"]
+        verdicts = np.where((ends.lift[0] < switch) & (switch < ends.lift[1]), verdicts, Verdict.OUTSIDE_LIMITS)
+    x = regula_falsi(lambda x: _surplus(g, g.at(x, low), whole, mean, load), marks.begin, marks.end)
+    return np.where(verdicts == Verdict.OK, x, np.nan), verdicts
+
+
+def _at_load(
+    g: GovernorVariants, x: np.ndarray, inner: np.ndarray, known: tuple[np.ndarray, ...], load: np.ndarray
+) -> States:
+    """States near positions at which engines carry a load, to first order."""
+    there, (whole, mean) = g.at(x, inner), known
+    left = _surplus(g, there, whole, mean, load)
+    if g.governor.throttling == Throttling.FULL_AND_SHUT:
+        return g.at(x + left / there.lift_rate, inner)
+    # At equilibrium a lift dz goes with a speed dω = ω c dz/(2 E).
+    regulation = g.n["engine.self_regulation"] / g.n["engine.ratio"]
+    slope = g.throttle(there.lift, whole)[1] + regulation * there.speed * there.stiffness / (2.0 * there.sleeve)
+    return g.at(np.where(slope > 0.0, x + left / (slope * there.lift_rate), x), inner)
+
+
+@np.errstate(all="ignore")
+def near_equilibrium(g: GovernorVariants, marks: Marks) -> Columns:
+    """All results of governors whose marks are known, to first order in the change of their numbers.
+
+    Parameters
+    ----------
+    g : GovernorVariants
+    marks : Marks
+        Of some variants; those that are evaluated are copies of them, one after another.
+    """
+    n = g.n
+    copies = len(g.rows) // marks.inner.size
+    inner, outer, begin, end, shakiest, weakest, middle, before, after, *_ = (np.tile(x, copies) for x in marks)
+    stops = (inner, n["least_radius"]), (outer, n["greatest_radius"])
+    low, high = (g.moved(x, inner, "radius", radius) for x, radius in stops)
+
+    def own(x: np.ndarray) -> np.ndarray:
+        """A mark, moved with a stop that it stands at."""
+        return np.where(x == inner, low, np.where(x == outer, high, x))
+
+    found = g.at(np.stack([low, high, own(begin), own(end), own(shakiest), own(weakest)]), low)
+    at_low, at_high, first, last, shaky, weak = (States(*(row[k] for row in found)) for k in range(6))
+    half = g.at(g.moved(middle, low, "lift", 0.5 * (first.lift + last.lift)), low)
+    mean, effort = 0.5 * (first.speed + last.speed), n["speed_change"] * half.sleeve
+    falls, rises, insensitivity = over_arrays(
+        under_friction, n["friction"], first.speed, first.sleeve, last.speed, last.sleeve, weak.sleeve
+    )
+    results = {
+        "inner_speed": at_low.speed,
+        "outer_speed": at_high.speed,
+        "inner_force": at_low.force,
+        "outer_force": at_high.force,
+        "stable_from": first.radius,
+        "stable_to": last.radius,
+        "least_speed": first.speed,
+        "greatest_speed": last.speed,
+        "mean_speed": mean,
+        "non_uniformity": (last.speed - first.speed) / mean,
+        "least_stability": shaky.margin,
+        "least_stability_radius": shaky.radius,
+        "isochronous": np.tile(marks.isochronous, copies),
+        "sleeve_lift": at_high.lift,
+        "insensitivity": insensitivity,
+        "least_speed_with_friction": falls,
+        "greatest_speed_with_friction": rises,
+        "sleeve_force": half.sleeve,
+        "effort": effort,
+        "power": 2.0 * effort * effort / half.stiffness,
+    }
+    if g.governor.engine is None:
+        return results
+    known, load = (at_high.lift, mean), n["engine.load"]
+    old = _at_load(g, before, low, known, load)
+    new = _at_load(g, after, low, known, n.get("engine.new_load", load))
+    ratio, nothing = n["engine.ratio"], np.full(low.size, np.nan)
+    rows = (nothing, nothing, 0.0 * low, nothing, nothing, nothing, nothing, nothing, 1.0 + 0.0 * low)
+    if g.governor.throttling != Throttling.FULL_AND_SHUT:
+        balls, pull = ratio * ratio * new.balls, 2.0 * new.sleeve * ratio / new.speed
+        gain = g.throttle(new.lift, at_high.lift)[1]
+        numbers = n["engine.inertia"], new.mass, n["damping"], new.stiffness, n["engine.self_regulation"]
+        rows = over_arrays(stability_with_engine, *numbers, gain, pull, balls)
+    return results | {
+        "working_lift": new.lift,
+        "working_speed": new.speed / ratio,
+        "steady_speed_change": (new.speed - old.speed) / ratio,
+        **dict(zip(_STABILITY, rows, strict=True)),
+    }
+
+
+_STABILITY = (
+    *("vyshnegradsky_x", "vyshnegradsky_y", "stable", "gain_margin", "critical_damping", "critical_inertia"),
+    *("decay_rate", "hunting_frequency", "oscillates"),
+)
+
+
+@scalar
+def under_friction(
+    friction: float, least: float, least_force: float, greatest: float, greatest_force: float, weakest: float
+) -> tuple[float, float, float]:
+    """Speeds at which the sleeve falls to its lowest and rises to its highest; the greatest insensitivity."""
+    return (
+        speed_with_friction(least, -friction, least_force),
+        speed_with_friction(greatest, friction, greatest_force),
+        insensitivity_by_friction(friction, weakest),
+    )
+
+
+@scalar
+def stability_with_engine(
+    engine: float, mass: float, b: float, stiffness: float, s: float, gain: float, pull: float, balls: float
+) -> tuple[float, float, float, float, float, float, float, float, float]:
+    """What the linear equation of an engine and its governor says, as named by `_STABILITY`."""
+    inertia = engine + balls
+    a3, a2, a1, a0 = governed_polynomial(inertia, mass, b, stiffness, s, gain, pull)
+    x, y, time = vyshnegradsky(a3, a2, a1, a0)
+    real, middle, square = normal_roots(x, y)
+    slowest = max(real, middle + max(square, 0.0) ** 0.5)
+    return (
+        x,
+        y,
+        1.0 if x * y > 1.0 else 0.0,
+        most_gain(inertia, mass, b, stiffness, s, pull) / gain,
+        critical_damping_of_sleeve(inertia, mass, stiffness, s, gain, pull),
+        max(critical_inertia_of_engine(mass, b, stiffness, s, gain, pull) - balls, 0.0),
+        -slowest / time,
+        max(-square, 0.0) ** 0.5 / time,
+        1.0 if oscillates(x, y) else 0.0,
+    )
+
+
+def search_errors(g: GovernorVariants, marks: Marks, found: Columns) -> Columns:
+    """Roundings in which the errors of some results end besides: of differences, and of positions that were searched.
+
+    Parameters
+    ----------
+    g : GovernorVariants
+    marks : Marks
+    found : dict of str to ndarray (variants,)
+    """
+    height = 2.0 * EPS * np.abs(g.at(marks.inner, marks.inner).height)
+    more = {
+        "non_uniformity": 2.0 * EPS,
+        "sleeve_lift": height,
+        "least_stability": g.at(marks.shakiest, marks.inner).rounding,
+        "least_stability_radius": marks.off_shakiest,
+        "stable_from": marks.off_begin,
+        "stable_to": marks.off_end,
+    }
+    if g.governor.engine is not None:
+        more |= {"working_lift": height, "steady_speed_change": 2.0 * EPS * found["working_speed"]}
+    return more
