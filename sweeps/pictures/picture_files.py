@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from engine import Machine, Scene, SteadyRegime, Verdict, history, history_fields
+from engine import Mechanics, Scene, SteadyRegime, Verdict, history, history_fields
 from sweeps.optimising.optimum import is_front
 from sweeps.pictures.drawing import DrawnMotion, picture
 from sweeps.pictures.drawing.figures import default_position
@@ -39,7 +39,7 @@ def machine_pictures(
     at: Sequence[float] = (),
     paths: Sequence[str] = (),
     shown: Sequence[str] = (),
-    made: Machine | None = None,
+    known: Mechanics | None = None,
 ) -> list[Path]:
     """Drawing of a machine and its diagrams in two files; its regimes and machine elements in others.
 
@@ -56,7 +56,7 @@ def machine_pictures(
         Points whose paths are drawn.
     shown : sequence of str
         What else the drawing shows: some of `ANNOTATIONS`, and `SCALE`.
-    made : Machine, optional
+    known : Mechanics, optional
         As for `MovingMachine`.
 
     Returns
@@ -73,7 +73,7 @@ def machine_pictures(
     if scene.input is None:
         return of_elements
     second = path.with_name(f"{path.stem}_diagrams{path.suffix}")
-    motion = DrawnMotion(scene, values, made)
+    motion = DrawnMotion(scene, values, known)
     picture(motion, path, at, paths, shown)
     diagrams(motion.machine, second)
     return [path, second, *(motion_pictures(with_values(scene, values), path) if scene.regimes else []), *of_elements]
@@ -193,7 +193,7 @@ def result_pictures(
         values, picture_file = result.variant_values(0), out or path.with_suffix(".png")
         if result.scene.input is None:
             return machine_pictures(result.scene, values, picture_file)
-        made = machine_pictures(result.scene, values, picture_file, made=result.machine)
+        made = machine_pictures(result.scene, values, picture_file, known=result.mechanics)
         return made + reaction_pictures(result.scene, picture_file, result.fields, values)
     best = result.best()
     made = [out or path.with_suffix(".png")]
@@ -219,7 +219,7 @@ def _pictures_of_one(result: SweepResult, best: int | None) -> list[Path]:
     stem, values = path.with_name(f"{path.stem}_best.png"), result.variant_values(best)
     if result.scene.input is None:
         return element_pictures(with_values(result.scene, values), stem)
-    made = machine_pictures(result.scene, values, stem, made=result.machine)
+    made = machine_pictures(result.scene, values, stem, known=result.mechanics)
     return made + reaction_pictures(result.scene, stem, result.fields, values)
 
 

@@ -21,7 +21,7 @@ def default_summaries(scene: Scene) -> tuple[str, ...]:
     left_out = {"first_kind_inertia", "power_balance_residual", "conservative_work_residual", "loop_closure_residual"}
     left_out |= set(ACCURACY_SUMMARIES)
     machine = Machine(scene)
-    known = [n for n in machine.available_summaries if n not in left_out and machine.why_not(n) is None]
+    known = [n for n in machine.available_summaries if n not in left_out and machine.register.why_not(n) is None]
     names = {n: n.partition(".")[0] for n in known}
     telling = (".stroke", "_angle", ".deviation_max")
     kept = (

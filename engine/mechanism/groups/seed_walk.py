@@ -10,7 +10,8 @@ from numba import types
 
 from engine.compiling.decorators import driver, routine
 from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
+from engine.compiling.tiles import FILLS_TILE, TileFunction
+from engine.compiling.widths import LANES
 from engine.cycle.panels.lanes import rows
 from engine.graph.functions import Functions
 from engine.laws.kinematics.seeds import CLOSE, PROVES, direction_between, slide_between, turned

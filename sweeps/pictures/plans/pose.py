@@ -105,7 +105,11 @@ class MachineCycle:
         """Reactions in pairs and what drives the input, by their fields."""
         fields = [f"{name}.reaction_{axis}" for name in self.pairs for axis in "xy"]
         fields += [f"{name}.reaction_moment" for name, pair in self.pairs.items() if pair.kind == "prismatic"]
-        return self._found(lambda: self.motion.machine.fields([*fields, "input_moment_by_equilibrium"]))
+        fields.append("input_moment_by_equilibrium")
+        found = self.motion.machine.fields(fields)
+        if not all(np.isfinite(row).any() for row in found.values()):
+            raise PictureError(f"no plans of this machine: {self.motion.machine.verdict(fields).sentence}")
+        return found
 
     def force(self, name: str) -> np.ndarray:
         """A reaction over the cycle, x + iy [N]: `PAIR.reaction`."""
