@@ -27,17 +27,20 @@ _OPERATIONS |= {"sqrt": np.sqrt, "abs": np.abs, "neg": np.negative}
 
 
 class NodeValues:
-    """Values of the nodes of one variant at any positions of the input.
+    """Values of nodes at any positions of the input.
 
     Parameters
     ----------
     graph : Graph
-    numbers : mapping of path to float
-    cycle_value : callable
-        Value of a `Found` node.
+    numbers : mapping of path to float or ndarray (positions,)
+        Of one variant, or of a variant of its own at each position.
+    cycle_value : callable, optional
+        Value of a `Found` node, where there are such.
     """
 
-    def __init__(self, graph: Graph, numbers: Mapping[str, float], cycle_value: Callable[[Node], float]) -> None:
+    def __init__(
+        self, graph: Graph, numbers: Mapping[str, float], cycle_value: Callable[[Node], float] | None = None
+    ) -> None:
         self._graph, self._numbers, self._cycle_value = graph, numbers, cycle_value
         # Of what belongs to the variant and to its cycle, whatever the positions are.
         self._once: dict[Node, object] = {}
@@ -69,7 +72,7 @@ class NodeValues:
             case Constant():
                 return np.float64(node.value)
             case Number():
-                return np.float64(node.compute(self._numbers))
+                return np.asarray(node.compute(self._numbers), float)[()]
             case NumberTable():
                 return np.array(operands, float)
             case TableMemory():
