@@ -170,9 +170,6 @@ def plot(
     """
     from sweeps.cli.named_machine import is_result, machine_of, positions_of
     from sweeps.pictures import picture_files
-    from sweeps.pictures.elements.element_pictures import element_tables
-    from sweeps.pictures.plans import bearing_pictures, plan_pictures
-    from sweeps.report.sweep_result import SweepResult
     from sweeps.text.scene_text import with_values
 
     # What is loaded by now stays to the end: the collector of garbage need not go through it at every sheet.
@@ -181,7 +178,10 @@ def plot(
     if is_result(file):
         tell_altered(file)
     if is_result(file) and variant is None and not (plans or bearings or hodograph or beside or settings):
-        made = picture_files.result_pictures(SweepResult(Path(file)), out, x, y, colour)
+        from sweeps.pictures.sweep.result_pictures import result_pictures
+        from sweeps.report.sweep_result import SweepResult
+
+        made = result_pictures(SweepResult(Path(file)), out, x, y, colour)
     elif x or y:
         scene, values, name = machine_of(file, variant, settings)
         fields = names_in(y or "")
@@ -191,12 +191,18 @@ def plot(
         scene, values, name = machine_of(file, variant, settings)
         stem, places = out or Path(f"{name}.png"), positions_of(scene, at)
         made = picture_files.machine_pictures(scene, values, stem, places, names_in(paths), names_in(shown))
-        made += plan_pictures(scene, stem, next(iter(places), None), values) if plans else []
-        made += bearing_pictures(scene, stem, names_in(bearings), values)
+        if plans or bearings:
+            from sweeps.pictures.plans import bearing_pictures, plan_pictures
+
+            made += plan_pictures(scene, stem, next(iter(places), None), values) if plans else []
+            made += bearing_pictures(scene, stem, names_in(bearings), values)
         if hodograph or beside:
             other = machine_of(beside, None) if beside else None
             made.append(picture_files.hodograph_picture((scene, values, name), other, stem))
-        tables = element_tables(with_values(scene, values))
+        if scene.elements:
+            from sweeps.pictures.elements.element_pictures import element_tables
+
+            tables = element_tables(with_values(scene, values))
     if tables:
         tell(tables)
     tell("\n".join(f"Wrote {path}" for path in dict.fromkeys(made)))

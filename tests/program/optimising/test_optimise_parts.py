@@ -15,8 +15,8 @@ from engine.parts.formulas.expressions import parse
 from sweeps.optimising.optimum import choices, front
 from sweeps.optimising.trials import Trials
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.picture_files import result_pictures, sweep_data
 from sweeps.pictures.sweep.front_picture import front_picture
+from sweeps.pictures.sweep.result_pictures import result_pictures, sweep_data
 from sweeps.report.sweep_result import SweepResult
 from sweeps.study.sampling import Columns, Design, Linear, Listed, Logarithmic, Sampled
 from sweeps.study.search_task import task_of
