@@ -26,7 +26,7 @@ _LOOKED_AT, _IMPROVED = 33, 4
 _MOST_STEPS, _FOUND, _MOST = 40, 1e-12, 2.0
 
 
-class Flywheel(NamedTuple):
+class WheelNumbers(NamedTuple):
     """A flywheel: its inertia, or the coefficient of speed fluctuation that it is made for; None where not given."""
 
     inertia: float | None
@@ -167,7 +167,7 @@ class OneVariant:
         """Work of a moment about its mean, from the first position to some positions (positions,)."""
         return _about_mean(self.panels([moment])).at(q)[0]
 
-    def speed(self, moment: Node, inertia: Node, omega: float, flywheel: Flywheel, q: np.ndarray) -> np.ndarray:
+    def speed(self, moment: Node, inertia: Node, omega: float, flywheel: WheelNumbers, q: np.ndarray) -> np.ndarray:
         """Speed of the input, by magnitude, over the steady cycle; see `engine.cycle.measures.fluctuation`.
 
         Parameters
@@ -176,7 +176,7 @@ class OneVariant:
             Reduced moment of all but the driver, and reduced moment of inertia.
         omega : float
             Mean speed.
-        flywheel : Flywheel
+        flywheel : WheelNumbers
         q : ndarray (positions,)
 
         Returns

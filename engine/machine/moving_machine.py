@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from engine.cycle.measured import Measured
-from engine.cycle.one_variant import Flywheel, OneVariant
+from engine.cycle.one_variant import OneVariant, WheelNumbers
 from engine.graph.nodes import Node
 from engine.laws.elementary import angle_or_zero
 from engine.machine.checks import check_names, check_positions, given_numbers
@@ -234,7 +234,7 @@ class MovingMachine:
             case Work(moment):
                 return of.work(moment, self.q)
             case Speed(steady):
-                flywheel = Flywheel(*(n and of.number(n) for n in (steady.wheel, steady.fluctuation)))
+                flywheel = WheelNumbers(*(n and of.number(n) for n in (steady.wheel, steady.fluctuation)))
                 return of.speed(steady.moment, steady.inertia, of.number(steady.speed), flywheel, self.q)
         return of.values([curve], self.q)[0]
 

@@ -23,7 +23,7 @@ def given_values(scene: Scene, settings: Sequence[str]) -> dict[str, float]:
     Raises
     ------
     InputError
-        A text has no =, names no number of the scene, or its value can't be read.
+        A text has no =, names none of the scene's numbers, or its value can't be read.
     """
     known, found = scene_numbers(scene), {}
     for text in settings:
