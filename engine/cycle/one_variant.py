@@ -109,10 +109,10 @@ class OneVariant:
     def _turns_of(self, curve: Node, rate: Node) -> np.ndarray:
         """Where a curve turns."""
         if curve not in self._turning:
-            self._turning[curve] = self._roots(rate, 0.0, ())
+            self._turning[curve] = self.roots(rate)
         return self._turning[curve]
 
-    def _roots(self, curve: Node, level: float, between: Sequence[float]) -> np.ndarray:
+    def roots(self, curve: Node, level: float = 0.0, between: Sequence[float] = ()) -> np.ndarray:
         """Where a curve takes a level, if it is monotone between the positions looked at and some others."""
         scanned = np.linspace(self.first, self.last, _SCANNED * self._turns + 1)
         grid = np.unique([*scanned, *between])
@@ -125,19 +125,20 @@ class OneVariant:
         return regula_falsi(over, grid[places], grid[places + 1]) if places.size else np.zeros(0)
 
     def cuts(self, nodes: Sequence[Node]) -> np.ndarray:
-        """Ends of the range and positions where something switches or bends on which some nodes depend."""
+        """Ends of the range and positions where something switches on which some nodes depend."""
         behind = set(reached([node for node in reached(nodes) if isinstance(node, Held)]))
-        found = [np.array([self.first, self.last]), *(self._roots(k, 0.0, ()) for k in self._graph.kinks_behind(nodes))]
+        found = [np.array([self.first, self.last])]
         for crossing in self._graph.crossings:
             if crossing.curve in behind:
                 level = self.number(crossing.level) + crossing.offset
-                found.append(self._roots(crossing.curve, level, self._turns_of(crossing.curve, crossing.rate)))
+                found.append(self.roots(crossing.curve, level, self._turns_of(crossing.curve, crossing.rate)))
         return np.unique(np.concatenate(found))
 
     def panels(self, nodes: Sequence[Node]) -> Panels:
         """Series of some curves over the cycle."""
         whole = np.linspace(self.first, self.last, _EACH_TURN * self._turns + 1)
-        ends = np.unique(np.concatenate([whole, self.cuts(nodes)]))
+        kinks = [self.roots(curve) for curve in self._graph.kinks_behind(nodes)]
+        ends = np.unique(np.concatenate([whole, self.cuts(nodes), *kinks]))
         held = [node for node in reached(nodes) if isinstance(node, Held)]
         pending, done = (ends[:-1], ends[1:]), []
         sizes = np.zeros(len(nodes))

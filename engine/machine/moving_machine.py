@@ -207,11 +207,14 @@ class MovingMachine:
         curves = self._curves(names).items()
         if self._given != Verdict.OK:
             return {name: np.full(self.q.shape, np.nan) for name, _ in curves}
-        return {name: self._row(curve) for name, curve in curves}
+        # What overflows is infinite or NaN, not a warning.
+        with np.errstate(all="ignore"):
+            return {name: self._row(curve) for name, curve in curves}
 
     def summary(self, name: str) -> float:
         """Mean of a field, or the end of a stroke or its position, by its name."""
-        return float(Evaluation(self._measured)(self.register.summary(name).expression()).value)
+        with np.errstate(all="ignore"):
+            return float(Evaluation(self._measured)(self.register.summary(name).expression()).value)
 
     def verdict(self, names: Iterable[str]) -> Verdict:
         """Whether some fields are defined over the cycle, and if not, why."""
