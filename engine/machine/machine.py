@@ -22,7 +22,6 @@ from engine.machine.results import AskError, Outcome, asked_text, blank, field_r
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.quantities import why_no_load
 from engine.motion.regimes import Regimes
-from engine.motion.regimes_in_order import Schedule
 from engine.parts.skeleton import CrankInput
 from engine.quantities.expressions import Angle, Expression, Followed, Speed, Work
 from engine.quantities.machine import register_of
@@ -35,6 +34,7 @@ from engine.verdicts import Verdict
 if TYPE_CHECKING:
     from engine.machine.drives.elastic_drives import ElasticDrives
     from engine.machine.drives.governed_engines import GovernedEngines
+    from engine.motion.regimes_in_order import Schedule
 
 # Errors of what vanishes altogether: of differences of two roots.
 SURELY_NOTHING = 4.0 * UNKNOWN_ROOT
@@ -301,7 +301,7 @@ class Machine:
         return {subject: levels for subject, levels in missing.items() if levels}
 
     @property
-    def schedule(self) -> Schedule | None:
+    def schedule(self) -> "Schedule | None":
         """The regimes, where anything of them is asked."""
         return self.regimes.schedule
 

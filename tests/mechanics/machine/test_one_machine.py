@@ -41,7 +41,10 @@ def test_fields__are_those_of_compiled_code_to_rounding(both):
         gap = rows[name] - row
         # A direction that turns back within a step turned either way.
         gap = gap - math.tau * np.round(gap / math.tau) if units[name] == "rad" else gap
-        np.testing.assert_allclose(gap, 0.0 * row, rtol=0, atol=share * peaks[units[name]], err_msg=name)
+        # An inertia force that vanishes but for rounding has its line of action anywhere.
+        known = np.isfinite(gap) if name.endswith("inertia_offset") else np.isfinite(row)
+        np.testing.assert_allclose(gap[known], 0.0, rtol=0, atol=share * peaks[units[name]], err_msg=name)
+        assert np.isfinite(rows[name][known]).all()
 
 
 def test_verdict__is_that_of_compiled_code(both):
