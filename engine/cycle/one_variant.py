@@ -10,6 +10,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from engine.cycle.panels.chebyshev import PLACES, POSITIONS, SHARES
+from engine.cycle.panels.sampled import tails, tops
 from engine.cycle.regula_falsi import regula_falsi
 from engine.graph.nodes import Found, Graph, Held, Node, reached
 from engine.graph.values import NodeValues
@@ -20,8 +21,6 @@ _SCANNED = 180
 _EACH_TURN, _HALVINGS = 6, 14
 # What a series may leave of a curve, as a share of its peak.
 _CLOSELY = 1e-11
-# Positions of a panel among which an extreme is looked for, and steps by which it is improved.
-_LOOKED_AT, _IMPROVED = 33, 4
 # Steps towards a speed fluctuation, the last of them as a share of it; of greater ones the machine stops.
 _MOST_STEPS, _FOUND, _MOST = 40, 1e-12, 2.0
 
@@ -61,19 +60,11 @@ class Panels(NamedTuple):
 
     def greatest(self, curve: int) -> tuple[float, float]:
         """Maximum of a curve and the position there."""
-        series = self.series[:, curve]
-        x = np.linspace(-1.0, 1.0, _LOOKED_AT)
-        values = chebyshev.chebval(x, series)
-        panel, k = np.unravel_index(np.argmax(values), values.shape)
-        own, at = series[:, panel], x[k]
-        slope = chebyshev.chebder(own)
-        bend = chebyshev.chebder(slope)
-        for _ in range(_IMPROVED):
-            step = chebyshev.chebval(at, slope) / chebyshev.chebval(at, bend)
-            at = np.clip(at - step, -1.0, 1.0) if np.isfinite(step) else at
-        best = max((x[k], at), key=lambda place: chebyshev.chebval(place, own))
-        left, right = self.ends[panel], self.ends[panel + 1]
-        return float(chebyshev.chebval(best, own)), float(left + 0.5 * (right - left) * (1.0 + best))
+        values = chebyshev.chebval(PLACES, self.series[:, curve])
+        found = tops(values, np.zeros(len(values)))
+        k = int(np.argmax(found.values))
+        left, right = self.ends[k], self.ends[k + 1]
+        return float(found.values[k]), float(left + 0.5 * (right - left) * (1.0 + found.places[k]))
 
 
 class OneVariant:
@@ -112,27 +103,25 @@ class OneVariant:
             self._turning[curve] = self.roots(rate)
         return self._turning[curve]
 
-    def roots(self, curve: Node, level: float = 0.0, between: Sequence[float] = ()) -> np.ndarray:
-        """Where a curve takes a level, if it is monotone between the positions looked at and some others."""
+    def roots(self, curve: Node, levels: Sequence[float] = (0.0,), between: Sequence[float] = ()) -> np.ndarray:
+        """Where a curve takes some levels, if it is monotone between the positions looked at and some others."""
         scanned = np.linspace(self.first, self.last, _SCANNED * self._turns + 1)
-        grid = np.unique([*scanned, *between])
-
-        def over(q: np.ndarray) -> np.ndarray:
-            return self.values([curve], q)[0] - level
-
-        above = over(grid) > 0.0
-        places = np.flatnonzero(above[1:] != above[:-1])
-        return regula_falsi(over, grid[places], grid[places + 1]) if places.size else np.zeros(0)
+        grid, levels = np.unique([*scanned, *between]), np.asarray(levels)
+        above = self.values([curve], grid)[0] > levels[:, None]
+        which, places = np.nonzero(above[:, 1:] != above[:, :-1])
+        if not places.size:
+            return np.zeros(0)
+        return regula_falsi(lambda q: self.values([curve], q)[0] - levels[which], grid[places], grid[places + 1])
 
     def cuts(self, nodes: Sequence[Node]) -> np.ndarray:
         """Ends of the range and positions where something switches on which some nodes depend."""
         behind = set(reached([node for node in reached(nodes) if isinstance(node, Held)]))
-        found = [np.array([self.first, self.last])]
-        for crossing in self._graph.crossings:
-            if crossing.curve in behind:
-                level = self.number(crossing.level) + crossing.offset
-                found.append(self.roots(crossing.curve, level, self._turns_of(crossing.curve, crossing.rate)))
-        return np.unique(np.concatenate(found))
+        levels: dict[tuple[Node, Node], list[float]] = {}
+        for c in self._graph.crossings:
+            if c.curve in behind:
+                levels.setdefault((c.curve, c.rate), []).append(self.number(c.level) + c.offset)
+        found = [self.roots(curve, some, self._turns_of(curve, rate)) for (curve, rate), some in levels.items()]
+        return np.unique(np.concatenate([[self.first, self.last], *found]))
 
     def panels(self, nodes: Sequence[Node]) -> Panels:
         """Series of some curves over the cycle."""
@@ -150,7 +139,7 @@ class OneVariant:
             values = np.array(self.values(nodes, q, known)).reshape(len(nodes), left.size, POSITIONS)
             series = np.einsum("kj,cpj->kcp", SHARES, values)
             sizes = np.fmax(sizes, np.abs(values).max(axis=(1, 2)))
-            rough = (np.abs(series[-3:]).max(axis=0) > _CLOSELY * sizes[:, None]).any(axis=0)
+            rough = (tails(values) > _CLOSELY * sizes[:, None]).any(axis=0)
             rough &= halving < _HALVINGS - 1
             done.append((left[~rough], right[~rough], series[:, :, ~rough]))
             if not rough.any():
