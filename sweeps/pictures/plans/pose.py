@@ -11,6 +11,7 @@ from engine import (
     FRAME,
     CrankInput,
     LinkForce,
+    Mechanics,
     Motions,
     MovingPoint,
     NowhereDefinedError,
@@ -36,6 +37,8 @@ class MachineCycle:
     scene : Scene
     values : mapping of path to float, optional
         Numbers (SI) in place of the scene's.
+    known : Mechanics, optional
+        As for `MovingMachine`.
 
     Attributes
     ----------
@@ -50,11 +53,11 @@ class MachineCycle:
         The mechanism can't be assembled at any position.
     """
 
-    def __init__(self, scene: Scene, values: Mapping[str, float] | None = None) -> None:
+    def __init__(self, scene: Scene, values: Mapping[str, float] | None = None, known: Mechanics | None = None) -> None:
         if scene.input is None:
             raise PictureError("the scene has machine elements alone: there is no mechanism to draw")
         self.scene = scene
-        self.motion = DrawnMotion(scene, values)
+        self.motion = DrawnMotion(scene, values, known)
         self.numbers = self.motion.numbers
         self.structure = order_groups(scene)
         in_groups = [link for links in self.groups.values() for link in links]

@@ -49,7 +49,7 @@ def result_pictures(
         if result.scene.input is None:
             return machine_pictures(result.scene, values, picture_file)
         made = machine_pictures(result.scene, values, picture_file, known=result.mechanics)
-        return made + reaction_pictures(result.scene, picture_file, result.fields, values)
+        return made + reaction_pictures(result.scene, picture_file, result.fields, values, result.mechanics)
     best = result.best()
     made = [out or path.with_suffix(".png")]
     if is_front(result) and x is y is colour is None:
@@ -70,10 +70,10 @@ def _pictures_of_one(result: SweepResult, best: int | None) -> list[Path]:
         if first is None or result.goal is not None or result.scene.input is None:
             return []
         stem = path.with_name(f"{path.stem}_{first}.png")
-        return reaction_pictures(result.scene, stem, result.fields, result.variant_values(first))
+        return reaction_pictures(result.scene, stem, result.fields, result.variant_values(first), result.mechanics)
     stem, values = path.with_name(f"{path.stem}_best.png"), result.variant_values(best)
     made = machine_pictures(result.scene, values, stem, known=result.mechanics)
-    return made + reaction_pictures(result.scene, stem, result.fields, values)
+    return made + reaction_pictures(result.scene, stem, result.fields, values, result.mechanics)
 
 
 def sweep_data(
