@@ -74,7 +74,10 @@ class NodeValues:
             case Number():
                 return np.asarray(node.compute(self._numbers), float)[()]
             case NumberTable():
-                return np.array(operands, float)
+                # Where its first number lies in memory, and how far the next one is: as in lanes, of each variant.
+                rows = np.array(np.broadcast_arrays(*operands), float).reshape(len(operands), -1)
+                variants = rows.shape[1]
+                return rows.ravel(), np.arange(variants) if variants > 1 else 0, variants
             case TableMemory():
                 return np.concatenate([np.zeros(0), *self._graph.tables])
             case Position():
@@ -82,8 +85,7 @@ class NodeValues:
             case Operation():
                 return _OPERATIONS[node.symbol](*operands)
             case Application():
-                # A law looks up numbers of a table from an entry on, at a distance.
-                given = [(found[o], 0, 1) if isinstance(o, NumberTable) else (found[o],) for o in node.operands]
+                given = [found[o] if isinstance(o, NumberTable) else (found[o],) for o in node.operands]
                 return node.law(*chain(*given))
             case LawResult(index=None):
                 return operands[0]
