@@ -49,6 +49,9 @@ def show(
 
     With --at, FILE may be a scene or study too.
     """
+    if at is not None:
+        _show_at(str(file), variant, at, names_in(columns or ""), settings, as_json)
+        return
     from sweeps.optimising.optimum import is_front, is_search, optimum_text
     from sweeps.report.files.result_data import result_data
     from sweeps.report.result_report import (
@@ -63,9 +66,6 @@ def show(
     from sweeps.report.sweep_result import SweepResult
     from sweeps.text.input_files import InputError
 
-    if at is not None:
-        _show_at(str(file), variant, at, names_in(columns or ""), settings, as_json)
-        return
     if settings or variant is not None:
         raise InputError(str(file), [(None, "", "--set and --variant go with --at, which shows one machine")])
     result = SweepResult(file)
@@ -102,14 +102,15 @@ def _show_at(
 ) -> None:
     """Show fields of one machine at some positions or instants."""
     from sweeps.cli.named_machine import machine_of, read_at
-    from sweeps.report.files.data_files import table_data
-    from sweeps.report.files.exports import reading_table
     from sweeps.report.readings import readings_text
     from sweeps.text.scene_text import with_values
 
     scene, values, _ = machine_of(file, variant, settings)
     readings = read_at(with_values(scene, values), at, names)
     if as_json:
+        from sweeps.report.files.data_files import table_data
+        from sweeps.report.files.exports import reading_table
+
         tell_data(table_data(reading_table(readings, scene.title)))
         return
     tell(readings_text(readings))
