@@ -73,6 +73,8 @@ def _pictures_of_one(result: SweepResult, best: int | None) -> list[Path]:
         return reaction_pictures(result.scene, stem, result.fields, result.variant_values(first), result.mechanics)
     stem, values = path.with_name(f"{path.stem}_best.png"), result.variant_values(best)
     made = machine_pictures(result.scene, values, stem, known=result.mechanics)
+    if result.scene.input is None:
+        return made
     return made + reaction_pictures(result.scene, stem, result.fields, values, result.mechanics)
 
 
