@@ -65,7 +65,7 @@ from engine.elements.torsional_trains.torsional_train import TorsionalTrain
 from engine.laws.friction.guides import edge_forces as guide_edge_forces
 from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.tables import TableError
-from engine.machine.assembly_modes import assembly_modes, near_of_variant
+from engine.machine.assembly_modes import assembly_modes, assembly_ranges, near_of_variant
 from engine.machine.balancing.counterweights import BalancedMachine, BalanceError, CounterweightPlace, balance
 from engine.machine.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
 from engine.machine.derivatives import PLACES as PLACE_STATISTICS
@@ -73,7 +73,6 @@ from engine.machine.derivatives import Derivatives, Move, derivatives_along, sca
 from engine.machine.drives.elastic_drives import DriveCycle, DriveRun, drive_cycle, drive_run
 from engine.machine.drives.governed_scene import governed_scene
 from engine.machine.elements.elements_alone import ElementsAlone, made_ready
-from engine.machine.full_rotation import assembly_ranges
 from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine
 from engine.machine.machine import OF_ACCURACY as ACCURACY_SUMMARIES
 from engine.machine.moving_machine import Motions, MovingMachine, NowhereDefinedError

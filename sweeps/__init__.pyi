@@ -4,7 +4,8 @@ from sweeps.imports.foreign_scene import import_scene
 from sweeps.python.datasets import read, to_dataframe, to_xarray
 from sweeps.python.display import to_html
 from sweeps.python.plots import plot_diagrams, plot_fields, plot_history, plot_mechanism, plot_sweep
-from sweeps.report.readings import readings_at, readings_in_time
+from sweeps.report.readings import readings_at
+from sweeps.report.readings_in_time import readings_in_time
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run.runner import run_study
 from sweeps.store import StoreError

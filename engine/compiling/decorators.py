@@ -3,15 +3,14 @@
 Rules: `nnan` and `ninf` are left out because a NaN must survive from the position that can't be assembled to the status
 of the variant. `reassoc` is for laws alone: the compiler may take what is the same at all positions out of a loop. Sums
 over positions are added in the order written, and results don't depend on the width of the processor's vectors.
+
+Laws stay functions of Python, and Numba is loaded with the first function that is compiled: one machine needs neither.
 """
 
 from collections.abc import Callable
+from functools import cached_property, update_wrapper
 
-from numba import njit
-from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
-
-from engine.compiling.kept_code import keep_compiled
+from engine.compiling.in_python import over_lanes, reading_arrays
 
 RULES = frozenset({"contract", "arcp", "nsz"})
 LAW_RULES = RULES | {"reassoc"}
@@ -19,70 +18,56 @@ LAW_RULES = RULES | {"reassoc"}
 BORROWING = {"_nrt": False}
 
 
-class PartOfCallers(JITCodeLibrary):
-    """Code that becomes part of its callers' alone: with theirs it is optimised and made into machine code, once.
+class Law:
+    """A scalar function of the mechanics; division by zero gives infinity or NaN, as in NumPy, and never raises.
 
-    A library of Numba's own would be both by itself too, at every level of calls again.
+    Called from Python it is computed there, element by element of its arguments. Compiled code that calls it has it
+    compiled into itself, and machine code is kept on disk. It is inlined always: whether a first run or one from the
+    cache, results are the same to the last bit.
+
+    Parameters
+    ----------
+    function : callable
+    rules : frozenset of str
+        Floating-point rules of compiled code.
+
+    Attributes
+    ----------
+    py_func : callable
+        The function.
     """
 
-    def _optimize_final_module(self) -> None:
-        """Leave it to the callers."""
+    def __init__(self, function: Callable, rules: frozenset[str]) -> None:
+        update_wrapper(self, function)
+        self.py_func, self._rules = function, rules
 
-    def _finalize_final_module(self) -> None:
-        self._finalize_dynamic_globals()
-        self._verify_declare_only_symbols()
-        self._finalized = True
+    @cached_property
+    def in_python(self) -> Callable:
+        """The function with arrays of lanes in place of floats."""
+        return reading_arrays(self.py_func)
 
-    def get_pointer_to_function(self, name: str) -> int:
-        """Nowhere: there is no machine code."""
-        return 0
+    def __call__(self, *arguments: object) -> object:
+        """Results at each element of the arguments."""
+        return over_lanes(self.in_python, arguments)
+
+    @cached_property
+    def _compiled(self) -> Callable:
+        return _kept(self.py_func, self._rules, forceinline=True)
 
     @property
-    def codegen(self) -> "PartOfCallers":
-        """What takes the environment for Python's objects, of which compiled code alone has none."""
-        return self
-
-    def set_env(self, name: str, environment: object) -> None:
-        """Nothing reads it."""
+    def _numba_type_(self) -> object:
+        """What Numba takes it for: a function that it compiles."""
+        return self._compiled._numba_type_
 
 
-class Within(Compiler):
-    """Compiler of functions that are called by compiled code alone."""
-
-    def define_pipelines(self) -> list:
-        """Passes as usual, into a library that waits for its callers'."""
-        self.state.library = PartOfCallers(self.state.targetctx.codegen(), self.state.func_id.func_qualname)
-        return super().define_pipelines()
+def scalar(function: Callable) -> Law:
+    """A law whose sums compiled code may reorder."""
+    return Law(function, LAW_RULES)
 
 
-class Apart(Compiler):
-    """Compiler that takes it for granted that arrays handed over don't overlap, where one of them is written to.
-
-    It then needs neither checks before every loop nor another, slow loop for when they do.
-    """
-
-    def define_pipelines(self) -> list:
-        """Passes as usual, with the promise among the flags."""
-        self.state.flags.noalias = True
-        return super().define_pipelines()
-
-
-class ApartWithin(Apart, Within):
-    """Both."""
-
-
-def scalar(function: Callable) -> Callable:
-    """Compile a scalar function of the mechanics; it is compiled into whatever calls it, and kept on disk.
-
-    Division by zero gives infinity or NaN, as in NumPy, and never raises. It is inlined always: whether a first run
-    or one from the cache, results are the same to the last bit.
-    """
-    return _kept(function, LAW_RULES, forceinline=True)
-
-
-def in_order(function: Callable) -> Callable:
-    """Compile a scalar function as `scalar` does, its operations exactly as they are written."""
-    return _kept(function, frozenset(), forceinline=True)
+def in_order(function: Callable) -> Law:
+    """A law whose operations compiled code takes exactly as they are written."""
+    return Law(function, frozenset())
 
 
 def driver(function: Callable, makes_arrays: bool = False) -> Callable:
@@ -91,6 +76,10 @@ def driver(function: Callable, makes_arrays: bool = False) -> Callable:
 
 
 def _kept(function: Callable, rules: frozenset[str], **options: bool) -> Callable:
+    from numba import njit
+
+    from engine.compiling.kept_code import keep_compiled
+
     compiled = njit(error_model="numpy", fastmath=set(rules), no_cfunc_wrapper=True, **options)(function)
     keep_compiled(compiled)
     return compiled
@@ -98,15 +87,21 @@ def _kept(function: Callable, rules: frozenset[str], **options: bool) -> Callabl
 
 def inlined(function: Callable) -> Callable:
     """Compile a small function of compiled code alone; it becomes part of whatever calls it."""
+    from engine.compiling.compilers import Within
+
     return _within(function, forceinline=True, pipeline_class=Within)
 
 
 def routine(function: Callable) -> Callable:
     """Compile a function of compiled code alone that is called; what it writes to overlaps with no other argument."""
+    from engine.compiling.compilers import ApartWithin
+
     return _within(function, forceinline=False, pipeline_class=ApartWithin)
 
 
 def _within(function: Callable, **options: object) -> Callable:
+    from numba import njit
+
     return njit(
         error_model="numpy",
         fastmath=set(RULES),

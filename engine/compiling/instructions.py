@@ -1,92 +1,124 @@
-"""Single instructions of the processor that Python has no words for."""
+"""Single instructions of the processor that Python has no words for, and what they mean in Python."""
 
+from __future__ import annotations
+
+import inspect
 from collections.abc import Callable
+from functools import cached_property, update_wrapper
+from typing import TYPE_CHECKING
 
 import numpy as np
-from llvmlite import ir
-from numba import types
-from numba.extending import intrinsic
+
+if TYPE_CHECKING:
+    from llvmlite import ir
+
+Generate = Callable[..., "ir.Value"]
 
 
-@intrinsic
-def fused(typing: object, a: object, b: object, c: object) -> tuple:
-    """Product and sum a b + c, rounded once."""
+class Instruction:
+    """An instruction: Python computes what it means, compiled code is given LLVM's.
 
-    def generate(context: object, builder: object, signature: object, arguments: list) -> object:
-        return builder.fma(*arguments)
+    Parameters
+    ----------
+    meaning : callable
+        Of numbers or arrays.
+    signature : str
+        Types of compiled code, as Numba writes them.
+    generate : callable
+        LLVM's instruction, from a builder and the arguments.
+    """
 
-    return types.float64(types.float64, types.float64, types.float64), generate
+    def __init__(self, meaning: Callable, signature: str, generate: Generate) -> None:
+        update_wrapper(self, meaning)
+        self._meaning, self._signature, self._generate = meaning, signature, generate
+
+    def __call__(self, *arguments: object) -> object:
+        """What it means."""
+        return self._meaning(*arguments)
+
+    @cached_property
+    def _numba_type_(self) -> object:
+        """What Numba takes it for: a function that generates its own code."""
+        from numba import types
+        from numba.core import sigutils
+        from numba.core.typing.templates import make_intrinsic_template
+
+        arguments, result = sigutils.normalize_signature(self._signature)
+
+        def typed(typing: object, *_: object) -> tuple:
+            return result(*arguments), lambda context, builder, signature, given: self._generate(builder, *given)
+
+        first = inspect.Parameter("typing", inspect.Parameter.POSITIONAL_OR_KEYWORD)
+        typed.__signature__ = inspect.Signature([first, *inspect.signature(self._meaning).parameters.values()])
+        return types.Function(make_intrinsic_template(self, typed, self.__name__))
 
 
-@intrinsic
-def bits_of(typing: object, x: object) -> tuple:
+def _instruction(signature: str, generate: Generate) -> Callable[[Callable], Instruction]:
+    return lambda meaning: Instruction(meaning, signature, generate)
+
+
+def _as_bits(builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
+    from llvmlite import ir
+
+    return builder.bitcast(x, ir.IntType(64))
+
+
+def _as_number(builder: ir.IRBuilder, bits: ir.Value) -> ir.Value:
+    from llvmlite import ir
+
+    return builder.bitcast(bits, ir.DoubleType())
+
+
+def _freeze(builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
+    from llvmlite import ir
+
+    class Freeze(ir.Instruction):
+        """LLVM's `freeze`, which llvmlite's builder doesn't know."""
+
+        def descr(self, lines: list) -> None:
+            """Write it down."""
+            lines.append(f"freeze {self.operands[0].type} {self.operands[0].get_reference()}\n")
+
+    found = Freeze(builder.block, x.type, "freeze", [x])
+    builder._insert(found)
+    return found
+
+
+@_instruction("float64(float64, float64, float64)", lambda builder, a, b, c: builder.fma(a, b, c))
+def fused(a: float, b: float, c: float) -> float:
+    """Product and sum a b + c, rounded once; in Python twice."""
+    return a * b + c
+
+
+@_instruction("int64(float64)", _as_bits)
+def bits_of(x: float) -> int:
     """The bits of a float64 as an int64."""
-
-    def generate(context: object, builder: object, signature: object, arguments: list) -> object:
-        return builder.bitcast(arguments[0], ir.IntType(64))
-
-    return types.int64(types.float64), generate
+    return x.view(np.int64)
 
 
-@intrinsic
-def number_of(typing: object, bits: object) -> tuple:
+@_instruction("float64(int64)", _as_number)
+def number_of(bits: int) -> float:
     """The float64 with the bits of an int64."""
-
-    def generate(context: object, builder: object, signature: object, arguments: list) -> object:
-        return builder.bitcast(arguments[0], ir.DoubleType())
-
-    return types.float64(types.int64), generate
+    return bits.view(np.float64)
 
 
-class _Freeze(ir.Instruction):
-    """LLVM's `freeze`, which llvmlite's builder doesn't know."""
-
-    def __init__(self, parent: object, value: object) -> None:
-        super().__init__(parent, value.type, "freeze", [value])
-
-    def descr(self, lines: list) -> None:
-        """Write it down."""
-        lines.append(f"freeze {self.operands[0].type} {self.operands[0].get_reference()}\n")
-
-
-@intrinsic
-def held(typing: object, x: object) -> tuple:
+@_instruction("float64(float64)", _freeze)
+def held(x: float) -> float:
     """A float64 itself, from wherever it was read.
 
     Where what is stored is either something new or what was there, LLVM stores under a mask, which takes some
     processors twenty times as long as storing everything; of a held number it doesn't know that it was there.
     """
-
-    def generate(context: object, builder: object, signature: object, arguments: list) -> object:
-        found = _Freeze(builder.block, arguments[0])
-        builder._insert(found)
-        return found
-
-    return types.float64(types.float64), generate
+    return x
 
 
-@intrinsic
-def chosen(typing: object, condition: object, a: object, b: object) -> tuple:
+@_instruction("float64(boolean, float64, float64)", lambda builder, *given: builder.select(*given))
+def chosen(condition: bool, a: float, b: float) -> float:
     """One of two float64, a where the condition is true, both of them read.
 
     A conditional expression on two numbers in memory is compiled to a choice between addresses, which a loop over
     positions or lanes then looks up one by one, ten times as slowly.
     """
-
-    def generate(context: object, builder: object, signature: object, arguments: list) -> object:
-        return builder.select(*arguments)
-
-    return types.float64(types.boolean, types.float64, types.float64), generate
-
-
-def roundings(count: float) -> Callable:
-    """Intrinsic that gives so many distances from 1 to the next number, in the precision of its argument."""
-
-    @intrinsic
-    def given(typing: object, number: object) -> tuple:
-        def generate(context: object, builder: object, signature: object, arguments: list) -> object:
-            return context.get_constant(number, count * float(np.finfo(str(number)).eps))
-
-        return number(number), generate
-
-    return given
+    if isinstance(condition, np.ndarray):
+        return np.where(condition, a, b).view(type(condition))
+    return a if condition else b

@@ -7,13 +7,9 @@ import numpy as np
 from numba import types
 from numba.core.typing import Signature
 
-from engine.compiling.decorators import RULES, Apart
+from engine.compiling.compilers import Apart
+from engine.compiling.decorators import RULES
 from engine.compiling.kept_code import keep_compiled
-
-# Variants side by side. With 64 the loops over lanes are vectorised whole.
-LANES = 64
-# Positions of a panel, and of each part of a scan.
-PANEL_POSITIONS = 17
 
 _ROWS = types.float64[:, ::1]
 # (P, T, q, cos_q, sin_q, tile): numbers × lanes, all tables, three times positions × lanes, curves × positions × lanes.

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.decorators import driver, routine
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.cycle.events import (
     LANDMARKS,
     LOOKED_BESIDE,

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from engine.compiling.decorators import inlined, routine
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import Memory, any_positive, memory
 from engine.cycle.panels.record import OF_ROUNDING

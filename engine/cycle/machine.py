@@ -29,7 +29,8 @@ from numba import types
 
 from engine.compiling.nothing import nothing
 from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
+from engine.compiling.tiles import FILLS_TILE, TileFunction
+from engine.compiling.widths import LANES
 from engine.cycle.driver import DriverAnswers, Task, Workspace, evaluate_blocks, new_workspace
 from engine.cycle.events import (
     GREATEST,

@@ -1,4 +1,4 @@
-"""Roots within brackets: of switching functions in rows and lanes, one at a time, and of many variants in NumPy.
+"""Roots within brackets: of switching functions in rows and lanes, and one at a time.
 
 In each row and lane there is a root of its own, and all are evaluated together. A row looks either for places where a
 function f takes a level or for places where it turns, that is where f′ is zero. Each root lies between two places where
@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.decorators import inlined, routine
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.cycle.panels.directions import directions
 from engine.cycle.panels.lanes import Memory, any_positive, in_lanes, memory, rows
 
@@ -32,9 +32,6 @@ FOUND = 1e-11
 MOST_STEPS = 60
 # Of a root by itself: most steps, no fewer than bisection alone would take, and when it can't be told any better.
 MOST_TURNS, _SETTLED = 80, 4e-16
-# Of many in NumPy: a last step of this share of the bracket; the error it leaves is smaller by the share that is left
-# of the other end.
-_ITERATIONS, _LAST_STEP = 20, 4e-14
 
 
 class SampledFunctions(NamedTuple):
@@ -226,32 +223,3 @@ def newton_between(
     if not low < new < high:
         new = 0.5 * (low + high)
     return new, low, high, abs(new - x) <= _SETTLED * abs(new) or high - low <= _SETTLED * abs(high)
-
-
-def regula_falsi(f: Callable[[np.ndarray], np.ndarray], a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Roots between a and b, where f changes sign, by regula falsi with Anderson's and Björck's weights.
-
-    Parameters
-    ----------
-    f : callable
-        Of an array like a, to an array like a.
-    a, b : ndarray
-        NaN stays.
-    """
-    fa, fb = f(a), f(b)
-    moving, small = np.isfinite(fa + fb), _LAST_STEP * np.abs(b - a)
-    for _ in range(_ITERATIONS):
-        with np.errstate(all="ignore"):
-            c = b - fb * (b - a) / (fb - fa)
-        # A root that is found stays as it is, however long the others take.
-        c = np.where(moving & np.isfinite(c), c, b)
-        fc = f(c)
-        moving &= np.abs(c - b) > small
-        crossed = (fc > 0.0) != (fb > 0.0)
-        with np.errstate(all="ignore"):
-            less = 1.0 - fc / fb
-        a, fa = np.where(crossed, b, a), np.where(crossed, fb, np.where(less > 0.0, less, 0.5) * fa)
-        b, fb = c, fc
-        if not moving.any():
-            break
-    return b

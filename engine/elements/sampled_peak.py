@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from engine.cycle.roots import regula_falsi
+from engine.cycle.regula_falsi import regula_falsi
 
 
 def sampled_peak(

@@ -9,7 +9,8 @@ from numba import types
 from engine.compiling.decorators import driver
 from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
+from engine.compiling.tiles import FILLS_TILE, TileFunction
+from engine.compiling.widths import LANES
 from engine.graph.functions import number_function
 from engine.graph.nodes import Graph
 

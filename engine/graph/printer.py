@@ -7,7 +7,7 @@ fields are made of. What is printed is read by compilers and by people, never ag
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.graph.nodes import (
     Application,
     Constant,

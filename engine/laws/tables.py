@@ -14,7 +14,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy import interpolate
 
 from engine.compiling.decorators import scalar
 from engine.compiling.instructions import chosen
@@ -322,6 +321,8 @@ def _coefficients(x: np.ndarray, y: np.ndarray, interpolation: str, periodic: bo
             elif interpolation == "pchip":
                 pieces = _monotone(x, y, periodic)
             else:
+                from scipy import interpolate
+
                 pieces = interpolate.CubicSpline(x, y, bc_type="periodic" if periodic else "natural").c.T
         except ValueError:
             pieces = np.full((x.size - 1, 4), np.nan)
@@ -345,6 +346,8 @@ def _straight(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 def _monotone(x: np.ndarray, y: np.ndarray, periodic: bool) -> np.ndarray:
     """PCHIP; a slope depends on the neighbouring rows only, so one row more each side makes it periodic."""
+    from scipy import interpolate
+
     if not periodic:
         return interpolate.PchipInterpolator(x, y).c.T
     period = x[-1] - x[0]

@@ -1,12 +1,15 @@
-"""All ways to put a mechanism of free links together at the first position of its input, and the one of a variant."""
+"""Over which ranges of its input a mechanism can be assembled, and in which modes at the first position."""
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 
+from engine.machine.moving_machine import MovingMachine
 from engine.mechanism.groups.seed_tables import AssemblyMode, ModeNotTold
 from engine.mechanism.mechanics import Mechanics
 from engine.scene.scene import Numbers, Scene, scene_numbers
+from engine.scene.structure.ordering import order
 
 
 def assembly_modes(scene: Scene) -> dict[str, tuple[AssemblyMode, ...] | None]:
@@ -60,3 +63,42 @@ def near_of_variant(scene: Scene, values: Mapping[str, float]) -> dict[str, floa
         for name, place in places.items():
             found |= {f"near.{name}.{axis}": value for axis, value in zip("xy", place, strict=True)}
     return found
+
+
+class AssemblyRange(NamedTuple):
+    """A range of the input over which the mechanism can be assembled [rad; m of a sliding input]."""
+
+    start: float
+    stop: float
+
+
+def assembly_ranges(scene: Scene, positions: int = 7200) -> list[AssemblyRange]:
+    """Ranges of the input over which every structural group can be assembled.
+
+    Parameters
+    ----------
+    scene : Scene
+    positions : int
+        Positions looked at: the ends of the ranges are exact to one interval.
+
+    Returns
+    -------
+    list of AssemblyRange
+        One range over the whole cycle if the input turns (or slides) freely; empty if nothing assembles. A range
+        that runs through φ = 0 of a full circle is given with a negative start.
+    """
+    fields = [f"{group}.transmission" for group in (*scene.groups, *order(scene).free_groups, *scene.cams)]
+    machine = MovingMachine(scene, positions=positions)
+    nodes, turns = machine.q, machine.mechanics.has_cycle
+    whole = np.ones(nodes.size, bool)
+    for row in machine.fields(fields).values():
+        whole &= np.isfinite(row)
+    step = nodes[1] - nodes[0]
+    if whole.all():
+        return [AssemblyRange(nodes[0], nodes[-1] + step if turns else nodes[-1])]
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], whole.astype(int), [0]))))
+    ranges = [AssemblyRange(nodes[a], nodes[b - 1]) for a, b in edges.reshape(-1, 2)]
+    if turns and len(ranges) > 1 and whole[0] and whole[-1]:
+        turn = nodes[-1] + step
+        ranges = [AssemblyRange(ranges[-1].start - turn, ranges[0].stop), *ranges[1:-1]]
+    return ranges

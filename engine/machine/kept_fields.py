@@ -12,7 +12,8 @@ from numba import types
 from engine.compiling.decorators import driver, routine
 from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE, LANES, TypedFunction, field_signature
+from engine.compiling.tiles import FILLS_TILE, TypedFunction, field_signature
+from engine.compiling.widths import LANES
 from engine.cycle.machine import Extremes
 from engine.graph.functions import Functions, field_function
 from engine.graph.nodes import Found, Node

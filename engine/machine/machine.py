@@ -2,9 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping
-from copy import copy
 from functools import cached_property
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +13,7 @@ from engine.elements.governors.places import CYCLE_POSITIONS
 from engine.graph.nodes import Node
 from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.computed import all_levels, computed_levels
+from engine.machine.conditions import SINGULAR_SINE
 from engine.machine.elements.asked_elements import AskedElements, element_summaries
 from engine.machine.first_failure import first_failure
 from engine.machine.kept_fields import NONE, KeptFields, field_node, fill_found
@@ -23,13 +22,11 @@ from engine.machine.results import AskError, Outcome, asked_text, blank, field_r
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.quantities import why_no_load
 from engine.motion.regimes import Regimes
-from engine.motion.regimes_in_order import Schedule
 from engine.parts.skeleton import CrankInput
-from engine.quantities.expressions import Angle, Expression, Followed, Speed, Work, nodes_of
+from engine.quantities.expressions import Angle, Expression, Followed, Speed, Work
 from engine.quantities.machine import register_of
 from engine.quantities.quantity import STATISTICS, Quantity
 from engine.quantities.register import Field, Summary
-from engine.scene.load_formulas import NOTHING_REPEATS, time_dependent
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.scene.structure.input_laws import fixed_by_laws
 from engine.verdicts import Verdict
@@ -37,16 +34,14 @@ from engine.verdicts import Verdict
 if TYPE_CHECKING:
     from engine.machine.drives.elastic_drives import ElasticDrives
     from engine.machine.drives.governed_engines import GovernedEngines
+    from engine.motion.regimes_in_order import Schedule
 
-# A group whose transmission quality falls below this is singular: about the root of the rounding error.
-SINGULAR_SINE = 1e-7
 # Errors of what vanishes altogether: of differences of two roots.
 SURELY_NOTHING = 4.0 * UNKNOWN_ROOT
 # Variants of a thread that are measured together: what is known of them stays in its caches.
 VARIANTS_AT_ONCE = 4096
 # Variants whose governors are given the curves of their machines together.
 GOVERNED_AT_ONCE = 1024
-NOTHING_MORE: Mapping[str, Node] = MappingProxyType({})
 # What compares two numbers with one of them, and is zero where they agree.
 _RELATIVE_ALREADY = ("_difference", "_residual", "_disagreement")
 
@@ -139,33 +134,8 @@ class Machine:
         self.register = register_of(self.mechanics)
         self._ask(summaries, fields)
 
-    def asked_for(
-        self,
-        summaries: Iterable[str] = (),
-        fields: Iterable[str] = (),
-        curves: Mapping[str, Node] = NOTHING_MORE,
-        positions: int | None = None,
-    ) -> "Machine":
-        """The same machine, asked for something else; fields are kept in double precision.
-
-        Parameters
-        ----------
-        summaries, fields : iterable of str
-            As for the class.
-        curves : mapping of str to Node
-            Curves of its own graph, kept as fields of these names.
-        positions : int, optional
-            As for the class; its own unless given.
-        """
-        other = copy(self)
-        for name in [name for name in vars(self) if isinstance(getattr(Machine, name, None), cached_property)]:
-            del other.__dict__[name]
-        other.positions, other.dtype = positions or self.positions, np.dtype(float)
-        other._ask(summaries, fields, curves)
-        return other
-
-    def _ask(self, summaries: Iterable[str], fields: Iterable[str], curves: Mapping[str, Node] = NOTHING_MORE) -> None:
-        """Take what is asked by name, and curves that have no name of their own."""
+    def _ask(self, summaries: Iterable[str], fields: Iterable[str]) -> None:
+        """Take what is asked by name."""
         scene, positions, accuracy = self.scene, self.positions, self.accuracy
         self.asked_summaries, self.asked_fields = list(summaries), list(fields)
         self._elements = AskedElements(scene, self.asked_summaries)
@@ -182,8 +152,6 @@ class Machine:
         self._fields: dict[str, Field] = {
             name: self.register.fields[name] for name in self.asked_fields if name not in others
         }
-        self._fields |= {name: Field(name, "", "", lambda node=node: node) for name, node in curves.items()}
-        self.asked_fields += curves
         self.kept_at = {name: at for name, at in self.regimes.kept_at.items() if name in self.asked_fields}
         self.fields_with_error = tuple(name for name in self.asked_fields if name in self.regimes.fields)
         self._spaced = [name for name in self.asked_fields if name not in self.kept_at]
@@ -209,41 +177,22 @@ class Machine:
         if unknown:
             check_names(unknown, self.available_summaries, "summary")
         for name in (*self.asked_summaries, *self.asked_fields):
-            why = self.why_not(name)
+            why = self.register.why_not(name)
             if why is not None:
                 raise AskError(why)
-
-    def why_not(self, name: str) -> str | None:
-        """Why a summary or field can't be asked of the cycle, as a load in it depends on time; None where it can.
-
-        Parameters
-        ----------
-        name : str
-            Of a summary, a field or a statistic of a field.
-        """
-        timed = time_dependent(self.scene) if self.has_cycle else []
-        field, summary = self.register.fields.get(name), self.register.summary(name)
-        if not timed or (field is None and summary is None):
-            return None
-        if not self.mechanics.depends_on_time(nodes_of(field.curve() if summary is None else summary.expression())):
-            return None
-        return (
-            f"{name!r}: a load depends on time ({', '.join(timed)}), so at constant speed {NOTHING_REPEATS}; ask for "
-            "results of a run, or give the load over the crank's angle"
-        )
 
     # What may be asked
 
     @property
     def available_fields(self) -> dict[str, Quantity]:
         """Every field one may ask of this scene."""
-        own = {name: field.quantity for name, field in self.register.fields.items() if self.why_not(name) is None}
+        own = {name: field.quantity for name, field in self.register.available_fields.items()}
         return own | self.regimes.fields
 
     @property
     def available_summaries(self) -> dict[str, Quantity]:
         """Every summary one may ask, besides the statistics of fields: FIELD.max, FIELD.rms, … (see STATISTICS)."""
-        names = [name for name in self.register.summaries if self.why_not(name) is None]
+        names = [name for name in self.register.summaries if self.register.why_not(name) is None]
         summaries = {name: self.register.summary(name) for name in (*names, *self.asked_summaries)}
         own = {name: summary.quantity for name, summary in summaries.items() if summary is not None}
         elements = {q.name: q for q in element_summaries(self.scene)}
@@ -353,7 +302,7 @@ class Machine:
         return {subject: levels for subject, levels in missing.items() if levels}
 
     @property
-    def schedule(self) -> Schedule | None:
+    def schedule(self) -> "Schedule | None":
         """The regimes, where anything of them is asked."""
         return self.regimes.schedule
 

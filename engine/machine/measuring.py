@@ -6,9 +6,8 @@ the plan of the cycle that measures them; its answers are put back in their plac
 
 import dataclasses
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
@@ -17,7 +16,8 @@ from engine.cycle import machine as cycle
 from engine.cycle.measured import Measured, maximum, where
 from engine.cycle.measures.extremes import BOTH, GREATEST, LEAST, LEAST_MAGNITUDE
 from engine.graph.functions import Functions, functions_of
-from engine.graph.nodes import Constant, Node, Stage, reached
+from engine.graph.nodes import Constant, Node, Stage
+from engine.machine.conditions import Margin, margins_against_jamming, margins_at_cams, taking_part, wound_springs
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import (
     FULL_TURN,
@@ -42,7 +42,6 @@ from engine.quantities.expressions import (
     measurements,
     square_of,
 )
-from engine.scene.pairs import has_friction
 from engine.scene.scene import Numbers
 from engine.verdicts import Verdict
 
@@ -60,14 +59,6 @@ NEGLIGIBLE = 1e-9
 SCANNED, SCANNED_PER_TURN = 36, 18
 # Tolerance of curves that panels needn't be made shorter for.
 ANY = 1e30
-
-
-class Margin(NamedTuple):
-    """A curve that stays positive in a machine that works; where it doesn't, the verdict, and the group to blame."""
-
-    group: str
-    verdict: Verdict
-    curve: Node
 
 
 class Measuring:
@@ -128,13 +119,15 @@ class Measuring:
         ends = [a for a in of[StrokeEnd] if a.coordinate.stage == Stage.POSITION]
         found = [mechanics.graph.found(a.coordinate, a.rate, a.which) for a in ends]
         parts = [*curves, *fields, *elsewhere, *(a.coordinate for a in of[StrokeEnd])]
-        behind = set(reached(parts)) if mechanics.sprung else set()
-        wound = [rate for spring, rate in mechanics.sprung if spring in behind and rate.stage == Stage.POSITION]
-        self.windings = [Integral(rate) for rate in dict.fromkeys(wound)]
+        wound = wound_springs(mechanics, parts)
+        self.windings = [Integral(rate) for rate in wound]
         of[Integral] += self.windings
         curves += wound
-        self.margins = [*self._against_jamming([*curves, *fields]), *self._at_cams(parts)]
-        self.groups = self._taking_part([*parts, *(margin.curve for margin in self.margins)])
+        self.margins = [
+            *margins_against_jamming(mechanics, [*curves, *fields]),
+            *margins_at_cams(mechanics, parts),
+        ]
+        self.groups = taking_part(mechanics, [*parts, *(margin.curve for margin in self.margins)])
         self._sines = [mechanics.kinematics.sines[group] for group in self.groups]
         # Pressing forces stop being finite where a group jams first.
         jamming = [margin for margin in self.margins if margin.verdict == Verdict.JAMS]
@@ -162,37 +155,6 @@ class Measuring:
             [*fields, *numbers],
         )
         self._plan(of, extremes, accuracy)
-
-    def _taking_part(self, nodes: Iterable[Node]) -> tuple[str, ...]:
-        """Groups on whose position some nodes depend."""
-        behind = set(reached(nodes))
-        kinematics = self.mechanics.kinematics
-        return tuple(g for g in kinematics.sines if behind.intersection(kinematics.solution(g)))
-
-    def _against_jamming(self, nodes: Iterable[Node]) -> list[Margin]:
-        """Margins against jamming of the groups on whose friction some nodes depend."""
-        if not has_friction(self.mechanics.scene):
-            return []
-        behind = set(reached(nodes))
-        settled = self.mechanics.reactions.settlings.items()
-        return [
-            Margin(group, Verdict.JAMS, s.margin)
-            for group, s in settled
-            if behind.intersection((s.margin, *s.margin.operands))
-        ]
-
-    def _at_cams(self, nodes: Iterable[Node]) -> list[Margin]:
-        """What must stay positive at the cams on which some nodes depend."""
-        kinematics, found = self.mechanics.kinematics, []
-        for name in self._taking_part(nodes) if kinematics.cams else ():
-            if name not in kinematics.cams:
-                continue
-            found += [Margin(name, Verdict.UNDERCUT, curve) for curve in kinematics.cams[name].undercut]
-            if self.mechanics.scene.cams[name].closure == "spring":
-                force = self.mechanics.reactions.variables[f"{name}.contact_force"]
-                # Where nothing has a mass and nothing acts, nothing is said of forces.
-                found += [Margin(name, Verdict.LIFTS_OFF, force)] if force.stage == Stage.POSITION else []
-        return found
 
     def _plan(self, of: dict[type, list], extremes: list[Extreme | ExtremePosition], accuracy: float | None) -> None:
         f = self.functions

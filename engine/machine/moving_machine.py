@@ -1,26 +1,56 @@
-"""One machine at equally spaced positions of its input: where its parts are, how they move, what acts on its links.
+"""One machine at positions of its input: where its parts are, how they move, what acts on its links.
 
 Values have the shapes of the graph's own records, with arrays in place of nodes and a vector as x + iy. Rates are by
-the input, as in the graph.
+the input, as in the graph. All is computed by NumPy, without compiled code.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from engine.cycle.measured import Measured
+from engine.cycle.one_variant import OneVariant, WheelNumbers
 from engine.graph.nodes import Node
-from engine.machine.machine import Machine
-from engine.machine.results import Outcome
+from engine.laws.elementary import angle_or_zero
+from engine.machine.checks import check_names, check_positions, given_numbers
+from engine.machine.conditions import (
+    SINGULAR_SINE,
+    margins_against_jamming,
+    margins_at_cams,
+    taking_part,
+    wound_springs,
+)
+from engine.machine.results import AskError
 from engine.mechanism.assembly import MovingPoint, Slide, Turning
 from engine.mechanism.higher_pairs.cam_motion import CamMotion
 from engine.mechanism.higher_pairs.noncircular_motion import NoncircularMotion
 from engine.mechanism.link_loads import LinkForce
+from engine.mechanism.mechanics import Mechanics
 from engine.mechanism.vectors import Vector
-from engine.parts.skeleton import FRAME, CrankInput
+from engine.parts.skeleton import FRAME
+from engine.quantities.expressions import (
+    Angle,
+    Evaluation,
+    Followed,
+    Integral,
+    Measurement,
+    Speed,
+    StrokeEnd,
+    VariantNumber,
+    Work,
+    nodes_of,
+)
+from engine.quantities.machine import register_of
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.verdicts import Verdict
+
+# Positions by which angles are followed, and among which failures are looked for.
+_LOOKED_AT = 720
+# Verdicts on margins, the first one that applies being given.
+_ON_MARGINS = (Verdict.UNDERCUT, Verdict.JAMS, Verdict.LIFTS_OFF)
 
 
 class NowhereDefinedError(ValueError):
@@ -67,27 +97,31 @@ class Motions(NamedTuple):
 
 
 class MovingMachine:
-    """One machine at equally spaced positions.
+    """One machine at positions of its input.
 
     Parameters
     ----------
     scene : Scene
     values : mapping of path to float, optional
         Numbers (SI) in place of the scene's.
-    positions : int
-        Intervals over the cycle, or over the input's range.
-    made : Machine, optional
-        A machine that is used if it is one of this scene and takes the same numbers.
+    positions : int or sequence of float
+        Intervals over the cycle, or over the input's range; or the positions themselves [rad, or m].
+    known : Mechanics, optional
+        Used if it is this scene's and these numbers may vary in it.
 
     Attributes
     ----------
     values : dict of str to float
     numbers : Numbers
+    mechanics : Mechanics
+    register : Register
     q : ndarray (positions,)
         Crank angles [rad], or displacements of a sliding input [m].
 
     Raises
     ------
+    AskError
+        A path isn't one of the scene's numbers, or the number of positions isn't allowed.
     NowhereDefinedError
         By its properties: what is asked has no value at any position.
     """
@@ -96,25 +130,32 @@ class MovingMachine:
         self,
         scene: Scene,
         values: Mapping[str, float] | None = None,
-        positions: int = 720,
-        made: Machine | None = None,
+        positions: int | Sequence[float] = 720,
+        known: Mechanics | None = None,
     ) -> None:
         self.scene, self.values = scene, dict(values or {})
-        values = self.values
-        fits = made is not None and made.scene is scene and {*made.varied} == {*values}
-        self.machine = made.asked_for(positions=positions) if fits else Machine(scene, (), (), values, positions)
-        self.numbers = Numbers(scene_numbers(scene), values)
-        self._varied = {path: np.array([value]) for path, value in values.items()}
-        self._kinematics = self.machine.mechanics.kinematics
-        self.q = self.machine.nodes
-        if not isinstance(scene.input, CrankInput):
-            start, stop = self.numbers["input.start"], self.numbers["input.stop"]
-            self.q = start + (stop - start) * self.q
+        limits = scene_numbers(scene)
+        check_names(self.values, limits, "number of the scene")
+        arrays, (self._given,) = given_numbers(limits, tuple(self.values), self.values, None)
+        self.numbers = Numbers(limits, {path: row[0] for path, row in arrays.items()})
+        fits = known is not None and known.scene is scene and known.varied.issuperset(self.values)
+        m = self.mechanics = known if fits else Mechanics(scene, frozenset(self.values))
+        self.register = register_of(m)
+        self._variant = OneVariant(m.graph, self.numbers, (m.first, m.last), getattr(scene.input, "revolutions", 1))
+        if np.ndim(positions) == 0:
+            check_positions(positions)
+            positions = self._spaced(positions)
+        self.q = np.asarray(positions, float)
+
+    def _spaced(self, intervals: int) -> np.ndarray:
+        """Equally spaced positions; of a cycle without the last, which is the first again."""
+        first, last = self._variant.first, self._variant.last
+        return first + (last - first) / intervals * np.arange(intervals + (not self.mechanics.has_cycle))
 
     @cached_property
     def places(self) -> Places:
         """Where everything is."""
-        k, at, scene = self._kinematics, self._kinematics.coordinates, self.scene
+        k, at, scene = self.mechanics.kinematics, self.mechanics.kinematics.coordinates, self.scene
         fixed = [name for name, point in scene.points.items() if point.link == FRAME]
         places = Places(
             {name: at(point.r) for name, point in k.points.items() if name not in fixed},
@@ -134,7 +175,7 @@ class MovingMachine:
     @cached_property
     def motions(self) -> Motions:
         """How everything moves."""
-        k = self._kinematics
+        k = self.mechanics.kinematics
         links = {name: link._replace(origin=self._seen(link.origin)) for name, link in k.links.items()}
         wheels = {n: wheel._replace(pitch_point=k.coordinates(wheel.pitch_point)) for n, wheel in k.noncircular.items()}
         return self._values(
@@ -151,30 +192,108 @@ class MovingMachine:
     @cached_property
     def forces(self) -> list[LinkForce]:
         """Everything that acts on each link at the input's uniform speed, in which each is in equilibrium."""
-        seen = self._kinematics.coordinates
-        found = self.machine.mechanics.reactions.link_forces()
+        seen = self.mechanics.kinematics.coordinates
+        found = self.mechanics.reactions.link_forces()
         return self._values([force._replace(at=seen(force.at)) if force.at else force for force in found])
 
-    def outcome(self, summaries: Iterable[str], fields: Iterable[str]) -> Outcome:
-        """Summaries and fields by their names, with the verdict."""
-        return self.machine.asked_for(summaries, fields).evaluate(self._varied)
+    def fields(self, names: Iterable[str]) -> dict[str, np.ndarray]:
+        """Fields by their names, NaN where they aren't defined.
 
-    def fields(self, names: list[str]) -> dict[str, np.ndarray]:
-        """Fields by their names."""
-        return self._values({name: self.machine.register.fields[name].curve() for name in names})
+        Raises
+        ------
+        AskError
+            There is no such field, or a load in it depends on time.
+        """
+        curves = self._curves(names).items()
+        if self._given != Verdict.OK:
+            return {name: np.full(self.q.shape, np.nan) for name, _ in curves}
+        # What overflows is infinite or NaN, not a warning.
+        with np.errstate(all="ignore"):
+            return {name: self._row(curve) for name, curve in curves}
+
+    def summary(self, name: str) -> float:
+        """Mean of a field, or the end of a stroke or its position, by its name."""
+        with np.errstate(all="ignore"):
+            return float(Evaluation(self._measured)(self.register.summary(name).expression()).value)
+
+    def verdict(self, names: Iterable[str]) -> Verdict:
+        """Whether some fields are defined over the cycle, and if not, why."""
+        return self._verdict(nodes_of(tuple(self._curves(names).values())))
+
+    def _curves(self, names: Iterable[str]) -> dict[str, Node | Followed]:
+        names = list(names)
+        check_names(names, self.register.fields, "field")
+        for name in names:
+            why = self.register.why_not(name)
+            if why is not None:
+                raise AskError(why)
+        return {name: self.register.fields[name].curve() for name in names}
+
+    def _row(self, curve: Node | Followed) -> np.ndarray:
+        of = self._variant
+        match curve:
+            case Angle(direction):
+                return self._followed(direction.x.graph.apply(angle_or_zero, *direction))
+            case Work(moment):
+                return of.work(moment, self.q)
+            case Speed(steady):
+                flywheel = WheelNumbers(*(n and of.number(n) for n in (steady.wheel, steady.fluctuation)))
+                return of.speed(steady.moment, steady.inertia, of.number(steady.speed), flywheel, self.q)
+        return of.values([curve], self.q)[0]
+
+    def _followed(self, angle: Node) -> np.ndarray:
+        """An angle from the first position on, turning by less than π between two of those looked at."""
+        grid, places = np.unique(np.concatenate([self._spaced(_LOOKED_AT), self.q]), return_inverse=True)
+        forwards = slice(None, None, 1 if self._variant.last > self._variant.first else -1)
+        row = self._variant.values([angle], grid)[0]
+        return np.unwrap(row[forwards])[forwards][places[-self.q.size :]]
+
+    def _measured(self, asked: Measurement) -> Measured:
+        match asked:
+            case VariantNumber(number):
+                return Measured(self._variant.number(number))
+            case Integral(curve):
+                return Measured(self._variant.integral(curve))
+            case StrokeEnd(coordinate, rate, which):
+                return Measured(self._variant.number(self.mechanics.graph.found(coordinate, rate, which)))
+        raise TypeError(f"{asked!r} is measured by compiled code alone")
 
     def _seen(self, point: MovingPoint) -> MovingPoint:
         """A point by the scene's coordinates."""
-        return point._replace(r=self._kinematics.coordinates(point.r))
+        return point._replace(r=self.mechanics.kinematics.coordinates(point.r))
 
     def _values(self, shape: Any) -> Any:
         """The same shape with the values of its nodes."""
         nodes = list(dict.fromkeys(_nodes(shape)))
-        outcome = self.machine.asked_for(curves={str(i): node for i, node in enumerate(nodes)}).evaluate(self._varied)
-        rows = [outcome.fields[str(i)][0] for i in range(len(nodes))]
-        if not all(np.isfinite(row).any() for row in rows):
-            raise NowhereDefinedError(Verdict(int(outcome.status[0])))
+        rows = self._variant.values(nodes, self.q)
+        if self._given != Verdict.OK or not all(np.isfinite(row).any() for row in rows):
+            raise NowhereDefinedError(self._verdict(nodes))
         return _with_values(shape, dict(zip(nodes, rows, strict=True)))
+
+    def _verdict(self, nodes: Iterable[Node]) -> Verdict:
+        """Whether some nodes are defined over the cycle, as far as the positions looked at tell, and if not, why."""
+        m, of, nodes = self.mechanics, self._variant, list(nodes)
+        if self._given != Verdict.OK or not m.closes(self.numbers, nodes):
+            return Verdict(self._given or Verdict.DOES_NOT_CLOSE)
+        margins = [*margins_against_jamming(m, nodes), *margins_at_cams(m, nodes)]
+        groups = taking_part(m, [*nodes, *(margin.curve for margin in margins)])
+        for group, tables in m.kinematics.seed_tables.items():
+            found = Verdict(int(tables(self.numbers).verdict[0]))
+            if group in groups and found != Verdict.OK:
+                return found
+        q = self._spaced(_LOOKED_AT)
+        sines = of.values([m.kinematics.sines[group] for group in groups], q)
+        if np.isnan(sines).any():
+            return Verdict.CANNOT_ASSEMBLE
+        if any((np.sign(row[0]) * row < SINGULAR_SINE).any() for row in sines):
+            return Verdict.SINGULAR
+        failing = {margin.verdict for margin in margins if not (of.values([margin.curve], q)[0] > 0.0).all()}
+        if failing:
+            return min(failing, key=_ON_MARGINS.index)
+        if any(abs(of.integral(rate)) > math.pi for rate in wound_springs(m, nodes)):
+            return Verdict.DOES_NOT_CLOSE
+        finite = all(np.isfinite(row).all() for row in of.values(nodes, q))
+        return Verdict.OK if finite else Verdict.NOT_FINITE
 
 
 def _nodes(shape: Any) -> Iterator[Node]:

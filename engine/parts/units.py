@@ -1,9 +1,8 @@
 """Quantities with units in texts: "80 mm", "1450 rpm", "12 kN" become SI numbers.
 
 A text is one number and one unit. Both are read by a strict grammar of our own, so that a text is never
-evaluated and never guessed at; Pint, loaded only with the definitions below, checks the dimension and
-supplies the factor. Pint's default registry is not used: it reads "7 Nm" as 7000 m/kg, "1,5 mm" as 15 mm
-and "60 1/min" as 1 rad/s without a word.
+evaluated and never guessed at. Each unit is defined by those before it, down to metre, kilogram, second
+and radian.
 
 Of numbers in even steps a text says the first, the last and how many: "40 mm to 80 mm, 5".
 """
@@ -16,17 +15,13 @@ import math
 import numbers
 import re
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from decimal import Context, Decimal, localcontext
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from engine.parts.dimensions import DIMENSIONS, common_units, described, in_words, with_example
-
-if TYPE_CHECKING:
-    import pint
 
 __all__ = [
     "UNIT_NAMES",
@@ -336,17 +331,35 @@ def _factor(unit: str, dimension: str) -> Decimal:
 
 def _factor_and_kind(powers: Mapping[str, int]) -> tuple[Decimal, dict[str, int]]:
     """Return the SI value of a product of units and its powers of length, mass, time and angle."""
-    registry = _registry()
-    units = registry.UnitsContainer({name: power for name, power in powers.items() if power})
-    factor, _ = registry.get_root_units(units)
-    return Decimal(factor), dict(registry.get_dimensionality(units))
+    return _product((_units()[name], power) for name, power in powers.items())
+
+
+def _product(factors: Iterable[tuple[tuple[Decimal, dict[str, int]], int]]) -> tuple[Decimal, dict[str, int]]:
+    """Product of powers of units."""
+    value, kind = Decimal(1), {}
+    for (factor, own), power in factors:
+        value *= factor**power
+        kind = {base: kind.get(base, 0) + power * own.get(base, 0) for base in {**kind, **own}}
+    return value, {base: power for base, power in kind.items() if power}
 
 
 @functools.cache
-def _registry() -> pint.UnitRegistry:
-    import pint
-
-    return pint.UnitRegistry(_DEFINITIONS, non_int_type=Decimal)
+def _units() -> dict[str, tuple[Decimal, dict[str, int]]]:
+    """The SI value of each unit and its powers of length, mass, time and angle."""
+    known: dict[str, tuple[Decimal, dict[str, int]]] = {}
+    with localcontext(Context(prec=_DIGITS)):
+        for line in _DEFINITIONS:
+            name, _, text = line.partition(" = ")
+            if text.startswith("["):
+                known[name] = Decimal(1), {text: 1}
+                continue
+            # A number or a unit after each stroke is divided by, all others are multiplied.
+            words = text.replace("/ ", "/").split()
+            parts = [(word.lstrip("/").partition("**"), -1 if word.startswith("/") else 1) for word in words]
+            known[name] = _product(
+                (known.get(base) or (Decimal(base), {}), sign * int(power or 1)) for (base, _, power), sign in parts
+            )
+    return known
 
 
 def _read_unit(unit: str, expected: str) -> dict[str, int]:

@@ -14,6 +14,7 @@ from engine.quantities.expressions import (
     greatest,
     least,
     length_of_range,
+    nodes_of,
     of_root,
     peak,
     place_of,
@@ -21,6 +22,7 @@ from engine.quantities.expressions import (
     square_of,
 )
 from engine.quantities.quantity import STATISTICS, InputUnits, Quantity
+from engine.scene.load_formulas import NOTHING_REPEATS, time_dependent
 
 
 class Field(NamedTuple):
@@ -133,6 +135,31 @@ class Register:
             known = self.fields if isinstance(quantity, Field) else self.summaries
             known[quantity.name] = quantity
         self._statistics: dict[str, Summary] = {}
+
+    def why_not(self, name: str) -> str | None:
+        """Why a summary or field is undefined over the cycle, as a load in it depends on time; None where it isn't.
+
+        Parameters
+        ----------
+        name : str
+            Of a field, of a summary or of a statistic of a field.
+        """
+        m = self.mechanics
+        timed = time_dependent(m.scene) if m.has_cycle else []
+        field, summary = self.fields.get(name), self.summary(name)
+        if not timed or (field is None and summary is None):
+            return None
+        if not m.depends_on_time(nodes_of(field.curve() if summary is None else summary.expression())):
+            return None
+        return (
+            f"{name!r}: a load depends on time ({', '.join(timed)}), so at constant speed {NOTHING_REPEATS}; ask for "
+            "results of a run, or give the load over the crank's angle"
+        )
+
+    @property
+    def available_fields(self) -> dict[str, Field]:
+        """Fields that are defined over the cycle, by name."""
+        return {name: field for name, field in self.fields.items() if self.why_not(name) is None}
 
     def summary(self, name: str) -> Summary | None:
         """A summary, or a statistic of a field; None where there is none of that name."""

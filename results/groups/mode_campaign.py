@@ -20,6 +20,7 @@ import numpy as np
 from exact_triads import ExactPath, ExactTriad, Pose, followed_exactly
 
 from engine import Scene
+from engine.graph.values import NodeValues
 from engine.laws.kinematics.seeds import CLOSE, PROVES, direction_between
 from engine.mechanism.groups.seed_tables import SeedTables
 from engine.mechanism.mechanics import Mechanics
@@ -80,17 +81,23 @@ def triad_scene() -> Scene:
     )
 
 
-def modes_of(tables: SeedTables, table: np.ndarray, seed: int) -> tuple[np.ndarray, np.ndarray]:
+def curves_at(tables: SeedTables, numbers: Numbers, unknowns: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Corrections, rates and measures at given values of the unknowns, (curves, variants)."""
+    values, given = NodeValues(tables._curves[0].graph, numbers), [node for nodes in tables._given for node in nodes]
+    return np.array(values(tables._curves, q, dict(zip(given, unknowns, strict=True))))
+
+
+def modes_of(tables: SeedTables, numbers: Numbers, seed: int) -> tuple[np.ndarray, np.ndarray]:
     """Modes at the first position: the scene of each, and its unknowns."""
-    scenes = table.shape[1]
-    wide, q = np.repeat(table, _STARTS, axis=1), np.zeros(scenes * _STARTS)
+    scenes = tables._rows(numbers).shape[1]
+    wide, q = numbers.of_variants(np.repeat(np.arange(scenes), _STARTS)), np.zeros(scenes * _STARTS)
     angle = np.random.default_rng(seed).uniform(-np.pi, np.pi, (2, q.size))
     unknowns = np.array([np.cos(angle[0]), np.sin(angle[0]), np.cos(angle[1]), np.sin(angle[1])])
     with np.errstate(all="ignore"):
         for _ in range(_CORRECTIONS):
-            found = tables._at(wide, unknowns, q)
+            found = curves_at(tables, wide, unknowns, q)
             unknowns = tables._moved(unknowns, np.clip(found[:2], -0.5, 0.5))
-        found = tables._at(wide, unknowns, q)
+        found = curves_at(tables, wide, unknowns, q)
         proved = (found[6] <= PROVES) & (np.abs(found[:2]) < 1e-9).all(axis=0)
     owner = np.repeat(np.arange(scenes), _STARTS)[proved]
     rounded = np.column_stack([owner, np.round(unknowns[:, proved].T, 6) + 0.0])
@@ -138,12 +145,12 @@ def campaign(scenes: int, seed: int = 1) -> Iterator[Followed]:
     scene = triad_scene()
     (tables,) = Mechanics(scene).kinematics.seed_tables.values()
     numbers = random_numbers(scenes, seed)
-    table = tables._table(Numbers(scene_numbers(scene), numbers), tables._functions)
-    owner, start = modes_of(tables, table, seed)
-    table = np.ascontiguousarray(table[:, owner])
-    sines = tables._at(table, start, np.zeros(owner.size))[-2]
-    paths = tables.walked(table, start, sines)
-    rows = rows_at(tables, table, paths.seeds.reshape(tables.intervals + 1, tables.width, -1))
+    every = Numbers(scene_numbers(scene), numbers)
+    owner, start = modes_of(tables, every, seed)
+    own_numbers = every.of_variants(owner)
+    sines = curves_at(tables, own_numbers, start, np.zeros(owner.size))[-2]
+    paths = tables.walked(own_numbers, start, sines)
+    rows = rows_at(tables, own_numbers, paths.seeds.reshape(tables.intervals + 1, tables.width, -1))
     placed = [name for name, _ in cutting_of(tables.group).placed]
     columns = {name: (2 * i, 2 * i + 1) for i, name in enumerate(placed)}
     (bar,) = set(placed) - {"plate"}
@@ -165,7 +172,7 @@ def campaign(scenes: int, seed: int = 1) -> Iterator[Followed]:
         yield Followed(ends, exact_ends, apart, float(place))
 
 
-def rows_at(tables: SeedTables, table: np.ndarray, seeds: np.ndarray) -> np.ndarray:
+def rows_at(tables: SeedTables, numbers: Numbers, seeds: np.ndarray) -> np.ndarray:
     """Directions at the places compared, (places, cosines and sines, variants): corrected as in machines."""
     found, between = np.full((PLACES + 1, 4, seeds.shape[2]), np.nan), np.vectorize(direction_between)
     for k in range(PLACES + 1):
@@ -179,7 +186,7 @@ def rows_at(tables: SeedTables, table: np.ndarray, seeds: np.ndarray) -> np.ndar
             both = [between(*begin[i : i + 4], *end[i : i + 4], share, 2.0 * np.pi * step) for i in (1, 5)]
             unknowns, q = np.array([part for pair in both for part in pair]), np.full(one.size, 2.0 * np.pi * x)
             for correction in range(2):
-                moved = tables._at(table, unknowns, q)
+                moved = curves_at(tables, numbers, unknowns, q)
                 unknowns = tables._moved(unknowns, moved[:2])
                 if correction == 0:
                     # Places where nothing is known have no certificate either.

@@ -2,21 +2,54 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from engine import CrankInput, Scene, UnitError, in_text, scene_numbers
-from sweeps.optimising.optimum import choices, is_front
-from sweeps.report.readings import Readings, readings_at, readings_in_time
-from sweeps.report.sweep_result import SweepResult
+from engine import CrankInput, Mechanics, Scene, SceneError, UnitError, in_text, scene_numbers
+from sweeps.report.readings import Readings, readings_at
 from sweeps.study.bundled import find_study
-from sweeps.study.settings import changed_scene, given_values
-from sweeps.study.study_reader import read_study
-from sweeps.text.input_files import InputError, is_hdf5
-from sweeps.text.scene_text import with_values
+from sweeps.study.study_text import is_scene
+from sweeps.text.input_files import InputError, is_hdf5, read_text
+from sweeps.text.scene_settings import changed_scene, given_values
+from sweeps.text.scene_text import scene_from, with_values
+from sweeps.text.toml_text import parse_toml, problems_in
+
+if TYPE_CHECKING:
+    from sweeps.report.sweep_result import SweepResult
+    from sweeps.study.study import Study
 
 
 def is_result(file: str) -> bool:
     """Whether a file is a result of a sweep: by its ending, or else by its content."""
     return file.endswith(".h5") or is_hdf5(Path(file))
+
+
+def _result(file: str) -> "SweepResult":
+    # Reading results loads much that a scene does without.
+    from sweeps.report.sweep_result import SweepResult
+
+    return SweepResult(Path(file))
+
+
+def _study(file: str) -> "Study":
+    from sweeps.study.study_reader import read_study
+
+    return read_study(find_study(file))
+
+
+def _scene_alone(file: str) -> Scene | None:
+    """The scene in a file that holds one; None of a study, whose reading loads much that a scene does without."""
+    path = find_study(file)
+    text = read_text(path)
+    data = parse_toml(text, path.name)
+    if not is_scene(data):
+        return None
+    scene = scene_from(data, text, path.name, path.parent)
+    try:
+        if scene.input is not None:
+            Mechanics(scene)
+    except SceneError as error:
+        raise InputError(path.name, problems_in(text, error.problems)) from None
+    return scene
 
 
 def machine_of(file: str, variant: int | None, settings: Sequence[str] = ()) -> tuple[Scene, Mapping[str, float], str]:
@@ -37,7 +70,9 @@ def machine_of(file: str, variant: int | None, settings: Sequence[str] = ()) -> 
         The file can't be read, or has no such variant.
     """
     if is_result(file):
-        result = SweepResult(Path(file))
+        from sweeps.optimising.optimum import choices, is_front
+
+        result = _result(file)
         result.show_own_units()
         if variant is None:
             variant = result.best()
@@ -45,7 +80,10 @@ def machine_of(file: str, variant: int | None, settings: Sequence[str] = ()) -> 
             variant = next((choice.variant for choice in reversed(choices(result))), None)
         chosen = 0 if variant is None else variant
         return (*_set_anew(result.scene, result.variant_values(chosen), settings), f"{Path(file).stem}_{chosen}")
-    study = read_study(find_study(file))
+    scene = _scene_alone(file) if variant is None else None
+    if scene is not None:
+        return (*_set_anew(scene, {}, settings), find_study(file).stem)
+    study = _study(file)
     if variant is None:
         return (*_set_anew(study.scene, {}, settings), study.name)
     if not 0 <= variant < study.design.size:
@@ -63,8 +101,8 @@ def _set_anew(scene: Scene, values: Mapping[str, float], settings: Sequence[str]
 def scene_text_of(file: str) -> str:
     """What the scene of a result, a study or a scene was read from, as TOML; "" where that isn't known."""
     if is_result(file):
-        return SweepResult(Path(file)).description.attributes.get("scene_text", "")
-    return read_study(find_study(file)).scene_text
+        return _result(file).description.attributes.get("scene_text", "")
+    return _study(file).scene_text
 
 
 def numbers_replaced(file: str, values: Mapping[str, float], settings: Sequence[str]) -> tuple[Scene, dict[str, float]]:
@@ -83,7 +121,7 @@ def numbers_replaced(file: str, values: Mapping[str, float], settings: Sequence[
     SceneError
         The scene's assembly mode isn't reached in the variant.
     """
-    scene = SweepResult(Path(file)).scene if is_result(file) else read_study(find_study(file)).scene
+    scene = _result(file).scene if is_result(file) else _study(file).scene
     own, rest = _set_anew(scene, values, settings)
     told = {p: number.value for p, number in scene_numbers(with_values(own, rest)).items() if p.startswith("near.")}
     return scene, {**values, **given_values(scene, settings), **(told if rest or settings else {})}
@@ -137,6 +175,9 @@ def read_at(scene: Scene, text: str, names: Sequence[str] = ()) -> Readings:
     """
     times = [_time(part) for part in text.split(",") if part.strip()]
     if None not in times and times:
+        # Regimes take compiled code, which positions do without.
+        from sweeps.report.readings_in_time import readings_in_time
+
         found = readings_in_time(scene, [time for time in times if time is not None])
         unknown = [name for name in names if name not in found.values]
         if unknown:

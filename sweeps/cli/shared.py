@@ -169,12 +169,12 @@ def tell_files(made: list[Path], started: float) -> None:
 
 def plots_of(result: object) -> list[Path]:
     """Make the pictures of a result; what can't be drawn is said on standard error."""
-    from sweeps.pictures import picture_files
     from sweeps.pictures.picture_error import PictureError
+    from sweeps.pictures.sweep import result_pictures
 
     try:
         with doing("Drawing the pictures"):
-            return picture_files.result_pictures(result)
+            return result_pictures.result_pictures(result)
     except PictureError as error:
         tell(f"No picture: {error}", err=True)
         return []

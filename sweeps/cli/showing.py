@@ -49,6 +49,9 @@ def show(
 
     With --at, FILE may be a scene or study too.
     """
+    if at is not None:
+        _show_at(str(file), variant, at, names_in(columns or ""), settings, as_json)
+        return
     from sweeps.optimising.optimum import is_front, is_search, optimum_text
     from sweeps.report.files.result_data import result_data
     from sweeps.report.result_report import (
@@ -63,9 +66,6 @@ def show(
     from sweeps.report.sweep_result import SweepResult
     from sweeps.text.input_files import InputError
 
-    if at is not None:
-        _show_at(str(file), variant, at, names_in(columns or ""), settings, as_json)
-        return
     if settings or variant is not None:
         raise InputError(str(file), [(None, "", "--set and --variant go with --at, which shows one machine")])
     result = SweepResult(file)
@@ -102,14 +102,15 @@ def _show_at(
 ) -> None:
     """Show fields of one machine at some positions or instants."""
     from sweeps.cli.named_machine import machine_of, read_at
-    from sweeps.report.files.data_files import table_data
-    from sweeps.report.files.exports import reading_table
     from sweeps.report.readings import readings_text
     from sweeps.text.scene_text import with_values
 
     scene, values, _ = machine_of(file, variant, settings)
     readings = read_at(with_values(scene, values), at, names)
     if as_json:
+        from sweeps.report.files.data_files import table_data
+        from sweeps.report.files.exports import reading_table
+
         tell_data(table_data(reading_table(readings, scene.title)))
         return
     tell(readings_text(readings))
@@ -170,9 +171,6 @@ def plot(
     """
     from sweeps.cli.named_machine import is_result, machine_of, positions_of
     from sweeps.pictures import picture_files
-    from sweeps.pictures.elements.element_pictures import element_tables
-    from sweeps.pictures.plans import bearing_pictures, plan_pictures
-    from sweeps.report.sweep_result import SweepResult
     from sweeps.text.scene_text import with_values
 
     # What is loaded by now stays to the end: the collector of garbage need not go through it at every sheet.
@@ -181,7 +179,10 @@ def plot(
     if is_result(file):
         tell_altered(file)
     if is_result(file) and variant is None and not (plans or bearings or hodograph or beside or settings):
-        made = picture_files.result_pictures(SweepResult(Path(file)), out, x, y, colour)
+        from sweeps.pictures.sweep.result_pictures import result_pictures
+        from sweeps.report.sweep_result import SweepResult
+
+        made = result_pictures(SweepResult(Path(file)), out, x, y, colour)
     elif x or y:
         scene, values, name = machine_of(file, variant, settings)
         fields = names_in(y or "")
@@ -191,12 +192,18 @@ def plot(
         scene, values, name = machine_of(file, variant, settings)
         stem, places = out or Path(f"{name}.png"), positions_of(scene, at)
         made = picture_files.machine_pictures(scene, values, stem, places, names_in(paths), names_in(shown))
-        made += plan_pictures(scene, stem, next(iter(places), None), values) if plans else []
-        made += bearing_pictures(scene, stem, names_in(bearings), values)
+        if plans or bearings:
+            from sweeps.pictures.plans import bearing_pictures, plan_pictures
+
+            made += plan_pictures(scene, stem, next(iter(places), None), values) if plans else []
+            made += bearing_pictures(scene, stem, names_in(bearings), values)
         if hodograph or beside:
             other = machine_of(beside, None) if beside else None
             made.append(picture_files.hodograph_picture((scene, values, name), other, stem))
-        tables = element_tables(with_values(scene, values))
+        if scene.elements:
+            from sweeps.pictures.elements.element_pictures import element_tables
+
+            tables = element_tables(with_values(scene, values))
     if tables:
         tell(tables)
     tell("\n".join(f"Wrote {path}" for path in dict.fromkeys(made)))

@@ -12,11 +12,12 @@ from matplotlib.colors import to_hex
 from sweeps.optimising.optimum import is_front
 from sweeps.page.digest import Digest
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.picture_files import machine_pictures, sweep_data
+from sweeps.pictures.picture_files import machine_pictures
 from sweeps.pictures.style import COLOURS
 from sweeps.pictures.sweep.front_picture import front_picture
 from sweeps.pictures.sweep.maps import plot_result
 from sweeps.pictures.sweep.parallel_coordinates import chosen_columns
+from sweeps.pictures.sweep.result_pictures import sweep_data
 from sweeps.pictures.sweep.sweep_data import SweepData, wrapped
 from sweeps.study.sensitivity import RSS, WORST_CASE
 from sweeps.text.visible import visible

@@ -14,10 +14,10 @@ from sweeps.pictures.machine.diagrams import diagrams
 from sweeps.pictures.machine.field_curves import POSITIONS, field_figure
 from sweeps.pictures.machine.motion_diagrams import history_diagrams
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.picture_files import sweep_data
 from sweeps.pictures.style import new_figure
 from sweeps.pictures.sweep.front_picture import front_figure
 from sweeps.pictures.sweep.maps import sweep_figure
+from sweeps.pictures.sweep.result_pictures import sweep_data
 from sweeps.pictures.sweep.sweep_data import SweepData
 from sweeps.report.sweep_result import SweepResult
 from sweeps.store import FieldAxis

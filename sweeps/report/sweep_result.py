@@ -10,7 +10,7 @@ import numpy as np
 
 from engine import (
     ExpressionError,
-    Machine,
+    Mechanics,
     Scene,
     Verdict,
     any_quantity,
@@ -179,9 +179,9 @@ class SweepResult:
         return recorded_scene(self.record, self.description) if self.study is None else self.study.scene
 
     @property
-    def machine(self) -> Machine | None:
-        """The machine that answered the study, where it is known."""
-        return None if self.study is None or self.scene.input is None else self.study.machine()
+    def mechanics(self) -> Mechanics | None:
+        """Those of the machine that answered the study, where it is known."""
+        return None if self.study is None or self.scene.input is None else self.study.machine().mechanics
 
     def show_own_units(self) -> None:
         """Show numbers in the units of other systems that the scene was written in, as for `show_units`."""

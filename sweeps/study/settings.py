@@ -1,75 +1,13 @@
-"""Numbers of a scene and settings of a study that a command changes."""
+"""Settings of a study that a command changes."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 
-from engine import (
-    ACCURACY_SUMMARIES,
-    Scene,
-    SceneError,
-    UnitError,
-    in_text,
-    nearest_names,
-    scene_numbers,
-)
+from engine import ACCURACY_SUMMARIES
 from sweeps.study.study import Study
 from sweeps.text.input_files import InputError
 from sweeps.text.numbers_in_row import numbers_in_row
-from sweeps.text.scene_text import with_numbers
-
-
-def given_values(scene: Scene, settings: Sequence[str]) -> dict[str, float]:
-    """Numbers of a scene from texts such as "input.length=55 mm".
-
-    Parameters
-    ----------
-    scene : Scene
-    settings : sequence of str
-
-    Returns
-    -------
-    dict of str to float
-        SI, by path.
-
-    Raises
-    ------
-    InputError
-        A text has no =, names no number of the scene, or its value can't be read.
-    """
-    known, found = scene_numbers(scene), {}
-    for text in settings:
-        path, equals, value = (part.strip() for part in text.partition("="))
-        if not equals or not path:
-            raise InputError("--set", [(None, "", f"{text!r}: write PATH=VALUE, such as input.length='55 mm'")])
-        if path not in known:
-            near = nearest_names(path, known, 3)
-            hint = f"did you mean {' or '.join(map(repr, near))}?" if near else f"numbers are {', '.join(known)}"
-            raise InputError("--set", [(None, path, f"is not a number that the scene gives; {hint}")])
-        try:
-            found[path] = in_text(value.strip("\"'"), known[path].dimension)
-        except UnitError as error:
-            raise InputError("--set", [(None, path, str(error))]) from None
-    return found
-
-
-def changed_scene(scene: Scene, settings: Sequence[str]) -> Scene:
-    """A scene with numbers of it set anew.
-
-    Parameters
-    ----------
-    scene : Scene
-    settings : sequence of str
-        As for `given_values`.
-
-    Raises
-    ------
-    InputError
-        As for `given_values`, or the scene doesn't allow a value.
-    """
-    try:
-        return with_numbers(scene, given_values(scene, settings))
-    except SceneError as error:
-        raise InputError("--set", [(None, path, message) for path, message in error.problems]) from None
+from sweeps.text.scene_settings import changed_scene, given_values
 
 
 def changed_study(

@@ -39,7 +39,17 @@ from sweeps.study.search_task import task_of
 from sweeps.study.sensitivity import RSS, WORST_CASE, refusals
 from sweeps.study.study import Study
 from sweeps.study.study_content import AskedDerivative
-from sweeps.study.study_text import AXIS_KEYS, TOLERANCE_KEYS, Between, Listing, Range, Sampling, StudyText, flatten
+from sweeps.study.study_text import (
+    AXIS_KEYS,
+    TOLERANCE_KEYS,
+    Between,
+    Listing,
+    Range,
+    Sampling,
+    StudyText,
+    flatten,
+    is_scene,
+)
 from sweeps.study.variant_tables import read_variant_table
 from sweeps.text.conditions import Condition, UnknownNameError
 from sweeps.text.input_files import InputError, read_text
@@ -380,7 +390,7 @@ def read_study(path: Path | str) -> Study:
     if not data.keys() & {*StudyText.model_fields, *Scene.model_fields}:
         message = "is neither a study (it has no key 'scene') nor a scene (it has no table 'input')"
         raise InputError(str(path), [(None, "", message)])
-    if "scene" not in data and data.keys() & (Scene.model_fields.keys() - StudyText.model_fields.keys()):
+    if is_scene(data):
         scene = scene_from(data, text, path.name, path.parent)
         study = Study(
             scene, summaries=default_summaries(scene), name=path.stem, title=scene.title, text=text, scene_text=text

@@ -1,10 +1,11 @@
 """The keys of a study's text: a scene, what varies in it, and what is asked of it."""
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from engine import PlainNumber, PlainText, ScenePart, first_last_count
+from engine import PlainNumber, PlainText, Scene, ScenePart, first_last_count
 
 
 class Range(ScenePart):
@@ -204,3 +205,8 @@ def _is_leaf(table: dict[str, Any], leaf_keys: set[str]) -> bool:
     """Whether a table is an axis or tolerance, not a step of a path."""
     mistaken = (key for key, value in table.items() if key in MISTAKEN_KEYS and not isinstance(value, dict))
     return bool(leaf_keys & set(table)) or (leaf_keys is AXIS_KEYS and any(mistaken))
+
+
+def is_scene(data: Mapping[str, object]) -> bool:
+    """Whether the tables of a file are those of a scene, not of a study."""
+    return "scene" not in data and bool(data.keys() & (Scene.model_fields.keys() - StudyText.model_fields.keys()))

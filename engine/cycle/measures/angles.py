@@ -6,7 +6,7 @@ From one position to the next the vector turns by less than half a turn, within 
 import numpy as np
 
 from engine.compiling.decorators import routine
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import POSITIONS
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import Memory

@@ -1,7 +1,7 @@
 """Mean and mean square over the cycle of curves that follow from others, such as angles, works and speeds."""
 
 from engine.compiling.decorators import routine
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import POSITIONS
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import Memory

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.decorators import inlined, routine
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import DEGREE, MIDDLE, PLACES, POSITIONS
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import Memory, any_positive, memory

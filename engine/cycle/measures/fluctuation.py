@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from engine.compiling.decorators import routine
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.cycle.measures.extremes import AT, AT_ERROR, OTHER, VALUE, VALUE_ERROR, Search, find_extreme
 from engine.cycle.panels.chebyshev import POSITIONS
 from engine.cycle.panels.integrals import ROUNDING

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.decorators import routine
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import DEGREE, PLACES, POSITIONS
 from engine.cycle.panels.integrals import END, ERROR, INTEGRAL, ROUNDING, VALUE
 from engine.cycle.panels.lanes import ASIDE, Memory, any_positive, in_lanes, rows

@@ -9,7 +9,7 @@ Source: L. N. Trefethen, Approximation Theory and Approximation Practice (2013),
 
 import numpy as np
 
-from engine.compiling.tiles import PANEL_POSITIONS
+from engine.compiling.widths import PANEL_POSITIONS
 
 POSITIONS = PANEL_POSITIONS
 DEGREE = POSITIONS - 1

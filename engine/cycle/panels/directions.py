@@ -3,7 +3,7 @@
 import numpy as np
 
 from engine.compiling.decorators import inlined, routine
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import DEGREE, MIDDLE, PLACES
 from engine.cycle.panels.lanes import Memory
 from engine.laws.elementary import direction_near_zero, direction_of

@@ -3,7 +3,7 @@
 import numpy as np
 
 from engine.compiling.decorators import routine
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import DEGREE
 from engine.cycle.panels.lanes import Memory, memory
 from engine.cycle.panels.series import MAGNITUDE, MISSING, SUM

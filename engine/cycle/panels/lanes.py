@@ -14,7 +14,7 @@ import numpy as np
 
 from engine.compiling.decorators import routine
 from engine.compiling.memory import Memory, memory
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import POSITIONS
 
 _PAGE = 4096

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.decorators import routine
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import DEGREE, POSITIONS
 from engine.cycle.panels.chebyshev import MIDDLE as MIDDLE_POSITION
 from engine.cycle.panels.lanes import ASIDE, Memory, in_panels, memory, rows, tiles

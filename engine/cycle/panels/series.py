@@ -10,7 +10,7 @@ import math
 
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.instructions import held
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import DEGREE, EVEN, MIDDLE, MISSED, ODD, WEIGHTS
 from engine.cycle.panels.lanes import Memory, memory
 

@@ -8,7 +8,7 @@ two of half the size.
 import numpy as np
 
 from engine.compiling.decorators import routine
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import DEGREE, MIDDLE, PLACES
 from engine.cycle.panels.lanes import Memory
 

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from engine.compiling.decorators import inlined, routine
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import DEGREE, PLACES, POSITIONS
 from engine.cycle.panels.lanes import Memory, any_positive, memory
 from engine.cycle.panels.series import FLAT, MAGNITUDE, MISSING, SUM, TAIL, TINY, larger, smaller

@@ -23,7 +23,7 @@ from numba import types
 
 from engine.compiling.decorators import driver, routine
 from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.elements.torsional_trains.reduced_train import ReducedTrain
 from engine.laws.rounding import EPS
 

@@ -5,10 +5,10 @@ left is no more than rounding, whose sign is chance, the position is the dead ce
 """
 
 from engine.compiling.decorators import scalar
-from engine.compiling.instructions import roundings
+from engine.laws.rounding import EPS
 
 # Half a unit in the last place of each of four coordinates and two lengths, and of the operations with them.
-_roundings = roundings(8.0)
+_ROUNDINGS = 8.0 * EPS
 
 
 @scalar
@@ -20,5 +20,5 @@ def left_over(square: float, scale: float) -> float:
     square, scale : float
         Product of the reach's two factors, and the size of the terms it comes from [m², or its square].
     """
-    doubt = _roundings(scale) * scale
+    doubt = _ROUNDINGS * scale
     return doubt - doubt if abs(square) < doubt else square

@@ -18,6 +18,8 @@ from engine.compiling.decorators import scalar
 
 # The greatest h that proves a root; from this one two corrections leave 4h³ of the first: rounding.
 PROVES, CLOSE = 0.5, 2e-4
+# Of the quality of transmission at least this share is left after a step along a path.
+LEAST_SHARE = 0.2
 # The last place in a range.
 _LAST = 1.0 - 2.0**-53
 

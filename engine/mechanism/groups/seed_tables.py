@@ -8,20 +8,20 @@ position; every step is one that the theorem of Newton and Kantorovich proves, o
 import threading
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from engine.compiling.printed import load_printed
-from engine.compiling.tiles import TileFunction
-from engine.graph.functions import Functions, functions_at
-from engine.graph.nodes import Constant, Graph, Node
-from engine.laws.kinematics.seeds import PROVES
-from engine.mechanism.groups.seed_walk import LEAST_SHARE, SeedPaths, correct_at, walk_seeds
+from engine.graph.nodes import Node, Number, reached
+from engine.graph.values import NodeValues
+from engine.laws.kinematics.seeds import LEAST_SHARE, PROVES
 from engine.mechanism.vectors import Vector
 from engine.scene.scene import Numbers, Scene, SceneError, scene_numbers
 from engine.scene.structure.free_groups import FreeGroup
 from engine.verdicts import Verdict
+
+if TYPE_CHECKING:
+    from engine.mechanism.groups.seed_walk import SeedPaths, SeedWalk
 
 # Intervals of a table that there is room for, in each turn of the input and in addition, and the longest, as a share of
 # a turn: a few beside each place where two modes come near to each other, the more the nearer they come.
@@ -128,40 +128,33 @@ class SeedTables:
         self._of_thread = threading.local()
 
     @cached_property
-    def _functions(self) -> Functions:
-        graph: Graph = self._curves[0].graph
-        title = f"One correction of the group {self.group.name}."
-        return functions_at(
-            graph, title, *self._span, self._curves, numbers=[n for nodes in self._given for n in nodes]
-        )
+    def _walk(self) -> "SeedWalk":
+        # Compiled code is loaded with the first table.
+        from engine.mechanism.groups.seed_walk import SeedWalk
 
-    @cached_property
-    def _compiled(self) -> tuple[TileFunction, TileFunction]:
-        module = load_printed(self._functions.text)
-        return TileFunction(module.curves_at), TileFunction(module.levels)
-
-    @cached_property
-    def _given_rows(self) -> np.ndarray:
-        return np.array([self._functions.rows[node] for nodes in self._given for node in nodes], np.int64)
+        return SeedWalk(f"One correction of the group {self.group.name}.", self._given, self._curves, self._span)
 
     @property
     def _own(self) -> Numbers:
         """The scene's own numbers."""
         return Numbers(scene_numbers(self.scene), {})
 
-    def _table(self, numbers: Numbers, functions: Functions) -> np.ndarray:
-        """P of all variants, one where nothing that the group depends on differs."""
-        with np.errstate(all="ignore"):
-            values = [n.value if isinstance(n, Constant) else n.compute(numbers) for n in functions.numbers]
-        shape = np.broadcast_shapes((1,), *(np.shape(value) for value in values))
-        table = np.full((len(functions.rows), *shape), np.nan)
-        for node, value in zip(functions.numbers, values, strict=True):
-            table[functions.rows[node]] = value
-        return table
+    @cached_property
+    def _needed(self) -> list[Number]:
+        """Numbers that the group depends on, the ends of the input's range first."""
+        return list(dict.fromkeys([*self._span, *(n for n in reached(self._curves) if isinstance(n, Number))]))
 
-    def _at(self, table: np.ndarray, unknowns: np.ndarray, q: np.ndarray) -> np.ndarray:
-        """The curves at given values of the unknowns, (curves, variants)."""
-        return correct_at(*self._compiled, self._functions, self._given_rows, table, unknowns, q, len(self._curves))
+    def _rows(self, numbers: Numbers) -> np.ndarray:
+        """These numbers of all variants, (numbers, variants); one variant where none of them differs."""
+        with np.errstate(all="ignore"):
+            return np.stack(np.broadcast_arrays(np.zeros(1), *(n.compute(numbers) for n in self._needed)))[1:]
+
+    def _at(self, numbers: Numbers, unknowns: np.ndarray, curves: Sequence[Node] | None = None) -> np.ndarray:
+        """Curves at given values of the unknowns and the first position, (curves, variants)."""
+        values, given = NodeValues(self._curves[0].graph, numbers), [node for nodes in self._given for node in nodes]
+        with np.errstate(all="ignore"):
+            q = np.broadcast_to(self._span[0].compute(numbers), unknowns.shape[1:])
+        return np.array(values(curves or self._curves, q, dict(zip(given, unknowns, strict=True))))
 
     # Modes of the scene
 
@@ -171,25 +164,22 @@ class SeedTables:
 
         They are looked for from some thousand starts; each that is found is proved.
         """
-        one = self._table(self._own, self._functions)
-        first = one[self._functions.rows[self._span[0]]]
-        table, q = np.repeat(one, _STARTS, axis=1), np.repeat(first, _STARTS)
-        unknowns = self._starts(float(self._at(one, self._starts(1.0)[:, :1], first)[-1, 0]))
-        count = self._slides.size
+        own, count = self._own, self._slides.size
+        unknowns = self._starts(float(self._at(own, self._starts(1.0)[:, :1])[-1, 0]))
         # A start at which the Jacobian is singular by chance leads nowhere.
         with np.errstate(all="ignore"):
             for _ in range(_CORRECTIONS):
-                found = self._at(table, unknowns, q)
+                found = self._at(own, unknowns)
                 limits = _LONGEST * np.where(self._slides[:, None], found[-1], 1.0)
                 unknowns = self._moved(unknowns, np.clip(found[:count], -limits, limits))
-            found = self._at(table, unknowns, q)
+            found = self._at(own, unknowns)
             proved = (found[3 * count] <= PROVES) & (np.abs(found[:count]) < _SAME).all(axis=0)
         roots: list[np.ndarray] = []
         for root in unknowns[:, proved].T:
             if not any(np.abs(root - other).max() < _SAME * max(1.0, np.abs(root).max()) for other in roots):
                 roots.append(root)
         roots.sort(key=lambda root: tuple(np.round(root, 6)))
-        return self._described(one, first, roots)
+        return self._described(roots)
 
     def _starts(self, size: float) -> np.ndarray:
         random = np.random.default_rng(1)
@@ -214,12 +204,11 @@ class SeedTables:
                 i += 2
         return np.array(rows)
 
-    def _described(self, one: np.ndarray, first: np.ndarray, roots: list[np.ndarray]) -> tuple[AssemblyMode, ...]:
+    def _described(self, roots: list[np.ndarray]) -> tuple[AssemblyMode, ...]:
         if not roots:
             return ()
-        unknowns, q = np.array(roots).T, np.repeat(first, len(roots))
-        sines = self._at(np.repeat(one, len(roots), axis=1), unknowns, q)[-2]
-        places = self._places(self._own, unknowns)
+        unknowns = np.array(roots).T
+        sines, places = self._at(self._own, unknowns)[-2], self._places(self._own, unknowns)
         chosen = self._nearest(places)
         return tuple(
             AssemblyMode(root, at, float(sine), i == chosen)
@@ -228,23 +217,12 @@ class SeedTables:
 
     def _places(self, numbers: Numbers, unknowns: np.ndarray) -> list[dict[str, tuple[float, float]]]:
         """Where the group's points lie at the first position, for each column of unknowns."""
-        nodes = [node for point in self._points.values() for node in point]
-        title = f"Points of the group {self.group.name}."
-        of_points = functions_at(
-            self._curves[0].graph, title, *self._span, nodes, numbers=[n for g in self._given for n in g]
-        )
-        module = load_printed(of_points.text)
-        compiled = TileFunction(module.curves_at), TileFunction(module.levels)
-        rows = np.array([of_points.rows[node] for nodes in self._given for node in nodes], np.int64)
-        table = self._table(numbers, of_points)
-        table = np.repeat(table, unknowns.shape[1], axis=1) if table.shape[1] == 1 else table
-        q = table[of_points.rows[self._span[0]]]
-        found = correct_at(*compiled, of_points, rows, table, unknowns, q, len(of_points.curves))
+        if not self._points:
+            return [{} for _ in range(unknowns.shape[1])]
+        found = self._at(numbers, unknowns, [node for point in self._points.values() for node in point])
+        pairs = found.reshape(len(self._points), 2, -1)
         return [
-            {
-                name: tuple(float(found[of_points.curves[node], i]) for node in point)
-                for name, point in self._points.items()
-            }
+            {name: (float(x[i]), float(y[i])) for name, (x, y) in zip(self._points, pairs, strict=True)}
             for i in range(unknowns.shape[1])
         ]
 
@@ -255,13 +233,13 @@ class SeedTables:
         ----------
         numbers : Numbers
         """
-        table, chosen = self._table(numbers, self._functions), [mode for mode in self.modes if mode.chosen]
+        chosen = [mode for mode in self.modes if mode.chosen]
         if not chosen:
             return None
-        start, _, reached = self._carried(numbers, table, chosen[0])
-        if not reached.all():
+        start, _, arrived = self._carried(numbers, chosen[0])
+        if not arrived.all():
             return None
-        (places,) = self._places(numbers, self._settled(table, start))
+        (places,) = self._places(numbers, self._settled(numbers, start))
         return {name: places[name] for name in self.scene.near if name in places}
 
     def _nearest(self, places: list[dict[str, tuple[float, float]]]) -> int | None:
@@ -317,38 +295,35 @@ class SeedTables:
 
     def _made(self, numbers: Numbers) -> SeedAnswers:
         self.check()
-        table = self._table(numbers, self._functions)
-        variants = table.shape[1]
+        first, last = self._rows(numbers)[:2]
+        variants = first.size
         chosen = [mode for mode in self.modes if mode.chosen]
         verdict = np.full(variants, int(Verdict.OK))
-        first = table[self._functions.rows[self._span[0]]]
         if not chosen:
             seeds = np.full((self.entries, variants), np.nan)
             return SeedAnswers(seeds, np.full(variants, int(Verdict.CANNOT_ASSEMBLE)), first.copy())
-        start, sines, reached = self._carried(numbers, table, chosen[0])
-        start = self._settled(table, start)
-        paths = self.walked(table, start, sines)
+        start, sines, arrived = self._carried(numbers, chosen[0])
+        paths = self.walked(numbers, self._settled(numbers, start), sines)
         verdict[~np.isnan(paths.short_at)] = Verdict.MODE_NOT_REACHED
         verdict[~np.isnan(paths.ends_at)] = Verdict.SINGULAR
         at = np.where(np.isnan(paths.ends_at), paths.short_at, paths.ends_at)
         verdict[~paths.closes] = Verdict.OTHER_MODE
-        at[~paths.closes] = table[self._functions.rows[self._span[1]]][~paths.closes]
-        verdict[~reached] = Verdict.MODE_NOT_REACHED
-        at[~reached] = first[~reached]
-        paths.seeds[:, ~reached] = np.nan
+        at[~paths.closes] = last[~paths.closes]
+        verdict[~arrived] = Verdict.MODE_NOT_REACHED
+        at[~arrived] = first[~arrived]
+        paths.seeds[:, ~arrived] = np.nan
         return SeedAnswers(paths.seeds, verdict, at)
 
-    def walked(self, table: np.ndarray, start: np.ndarray, sines: np.ndarray) -> SeedPaths:
+    def walked(self, numbers: Numbers, start: np.ndarray, sines: np.ndarray) -> "SeedPaths":
         """Paths from unknowns at the first position with their quality of transmission."""
-        of_group = (*self._compiled, self._functions, self._given_rows, self._slides)
         longest = _LONGEST_INTERVAL / self._revolutions
-        return walk_seeds(*of_group, table, start, sines, self.intervals, longest, self._turns)
+        return self._walk(numbers, start, sines, self.intervals, longest, self._turns)
 
-    def _settled(self, table: np.ndarray, unknowns: np.ndarray) -> np.ndarray:
+    def _settled(self, numbers: Numbers, unknowns: np.ndarray) -> np.ndarray:
         """Unknowns at the first position to the last bit, whatever way led there: rounded coarsely, then corrected."""
-        q, count, i = table[self._functions.rows[self._span[0]]], self._slides.size, 0
+        count, i = self._slides.size, 0
         with np.errstate(all="ignore"):
-            size = self._at(table, unknowns, q)[-1]
+            size = self._at(numbers, unknowns)[-1]
             rounded = np.array(unknowns)
             for slides in self._slides:
                 if slides:
@@ -359,33 +334,30 @@ class SeedTables:
                     rounded[i : i + 2] = np.array((c, s)) / np.hypot(c, s)
                 i += 1 if slides else 2
             for _ in range(_SETTLING):
-                rounded = self._moved(rounded, self._at(table, rounded, q)[:count])
+                rounded = self._moved(rounded, self._at(numbers, rounded)[:count])
         return rounded
 
-    def _carried(
-        self, numbers: Numbers, table: np.ndarray, mode: AssemblyMode
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _carried(self, numbers: Numbers, mode: AssemblyMode) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The scene's mode in every variant at its first position, its quality, and whether it was reached."""
-        variants, count = table.shape[1], self._slides.size
+        rows, count = self._rows(numbers), self._slides.size
+        variants = rows.shape[1]
         unknowns, sines = np.repeat(mode.unknowns[:, None], variants, axis=1), np.full(variants, mode.transmission)
-        own = self._table(self._own, self._functions)
-        given = np.isin(np.arange(len(table)), self._given_rows)
-        way, step = np.zeros(variants), np.full(variants, _FIRST_STEP)
-        way[((table == own) | np.isnan(own)).all(axis=0, where=~given[:, None])] = 1.0
+        own = self._rows(self._own)
+        step = np.full(variants, _FIRST_STEP)
+        way = ((rows == own) | np.isnan(own)).all(axis=0).astype(float)
         while True:
             going = (way < 1.0) & (step > _SHORTEST_STEP)
             if not going.any():
                 return unknowns, sines, way >= 1.0
             ahead = np.where(going, np.minimum(way + step, 1.0), way)
-            there = self._table(numbers.on_the_way(ahead if variants > 1 else ahead[0]), self._functions)
-            q = there[self._functions.rows[self._span[0]]]
+            there = numbers.on_the_way(ahead if variants > 1 else ahead[0])
             with np.errstate(all="ignore"):
-                found = self._at(there, unknowns, q)
+                found = self._at(there, unknowns)
                 accepted = going & (found[3 * count] <= PROVES)
                 moved = unknowns
                 for _ in range(4):
                     moved = self._moved(moved, found[:count])
-                    found = self._at(there, moved, q)
+                    found = self._at(there, moved)
                 accepted &= (np.abs(found[:count]) < _SAME).all(axis=0)
                 accepted &= found[-2] / sines > LEAST_SHARE
             sines = np.where(accepted, found[-2], sines)

@@ -1,7 +1,7 @@
 """The path of a group along the input, step by proved step, of many variants side by side."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numba
@@ -9,16 +9,18 @@ import numpy as np
 from numba import types
 
 from engine.compiling.decorators import driver, routine
+from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
+from engine.compiling.tiles import FILLS_TILE, TileFunction
+from engine.compiling.widths import LANES
 from engine.cycle.panels.lanes import rows
-from engine.graph.functions import Functions
-from engine.laws.kinematics.seeds import CLOSE, PROVES, direction_between, slide_between, turned
+from engine.graph.functions import Functions, functions_at
+from engine.graph.nodes import Node, value_of
+from engine.laws.kinematics.seeds import CLOSE, LEAST_SHARE, PROVES, direction_between, slide_between, turned
+from engine.scene.scene import Numbers
 
 # Corrections of a step before it is accepted.
 _CORRECTIONS = 3
-# Of the quality of transmission at least this share is left after a step.
-LEAST_SHARE = 0.2
 # What the unknowns at the end of a turn may differ by from those at its beginning [rad, or shares of the group's size].
 _CLOSED = 1e-6
 # The shortest step before a path ends, as a share of the longest.
@@ -342,159 +344,98 @@ def _walk(
                 reached[2 + i, first + lane] = room.now[i, lane]
 
 
-def walk_seeds(
-    fill: TileFunction,
-    levels: TileFunction,
-    functions: Functions,
-    given: np.ndarray,
-    slides: np.ndarray,
-    table: np.ndarray,
-    start: np.ndarray,
-    sines: np.ndarray,
-    intervals: int,
-    longest: float,
-    turns: bool,
-) -> SeedPaths:
-    """Tables of seeds over the range of the input, as near to each other as quintics between them need.
+class SeedWalk:
+    """The path of one group.
 
     Parameters
     ----------
-    fill, levels : TileFunction
-        Corrections, rates, second rates, certificate, quality of transmission and size at given values of the unknowns;
-        numbers of the cycle.
-    functions : Functions
-        Of both; the first two rows of numbers are the ends of the input's range.
-    given : ndarray of int
-        Rows of the unknowns' values.
-    slides : ndarray of bool
-        Which unknowns are slides.
-    table : ndarray (numbers, variants)
-    start : ndarray (values, variants)
-        Unknowns at the first position.
-    sines : ndarray (variants,)
-        Quality of transmission there.
-    intervals : int
-        That a table has room for.
-    longest : float
-        Longest of them, as a share of the range.
-    turns : bool
-        Whether the last position is the first again.
+    title : str
+        Of its printed functions.
+    given : sequence of tuple of Node
+        Of each unknown the given numbers that hold its value.
+    curves : sequence of Node
+        Corrections, rates, second rates, certificate, quality of transmission and size at given values of the unknowns.
+    span : tuple of Node
+        First and last position of the input.
     """
-    values, count, variants = len(given), slides.size, table.shape[1]
-    width = 1 + values + 2 * count
-    seeds = np.full((intervals + 1, width, variants), np.nan)
-    seeds[:, 0] = np.inf
-    reached = np.empty((2 + values, variants))
-    arrays = (
-        np.array(functions.level_rows, np.int64),
-        given,
-        slides,
-        np.ascontiguousarray(table),
-        functions.memory,
-        np.ascontiguousarray(start),
-        np.ascontiguousarray(sines),
-        intervals,
-        longest,
-        seeds.reshape(-1, variants),
-        reached,
-    )
 
-    def arguments() -> tuple:
-        return (fill, levels, *arrays, _new_room(functions, values, count, len(functions.curves)))
+    def __init__(
+        self, title: str, given: Sequence[tuple[Node, ...]], curves: Sequence[Node], span: tuple[Node, Node]
+    ) -> None:
+        numbers = [node for nodes in given for node in nodes]
+        self._functions = functions_at(curves[0].graph, title, *span, curves, numbers=numbers)
+        module = load_printed(self._functions.text)
+        self._fill, self._levels = TileFunction(module.curves_at), TileFunction(module.levels)
+        self._given = np.array([self._functions.rows[node] for node in numbers], np.int64)
+        self._slides = np.array([len(nodes) == 1 for nodes in given])
 
-    prepare(_walk, [types.intp, types.intp, FILLS_TILE, FILLS_TILE, *(numba.typeof(a) for a in arguments()[2:])])
-    spread(_walk, -(-variants // LANES), arguments)
-    found, place, end = reached[0].astype(np.int64), reached[1], reached[2:]
-    whole, short, every = place == 1.0, found > intervals + 1, np.arange(variants)
-    last = np.clip(found - 1, 0, intervals)
-    closes = (np.abs(end - start) <= _CLOSED * np.maximum(1.0, np.abs(start))).all(axis=0)
-    # Beyond the end of a path nothing is known.
-    ended = np.flatnonzero(~whole | short)
-    final = np.minimum(last[ended], intervals - 1)
-    seeds[final + 1, :, ended], seeds[final + 1, 0, ended] = np.nan, np.inf
-    begin, length = table[0], table[1] - table[0]
-    followed = whole | (found <= _BEYOND * intervals)
-    room_ends_at = begin + length * seeds[np.minimum(last, intervals - 1), 0, every]
-    return SeedPaths(
-        seeds.reshape(-1, variants),
-        np.where(followed & ~whole, begin + length * place, np.nan),
-        np.where(short, room_ends_at, np.nan),
-        closes | ~whole | (not turns),
-    )
+    def _table(self, numbers: Numbers, variants: int) -> np.ndarray:
+        """P of all variants."""
+        table = np.full((len(self._functions.rows), variants), np.nan)
+        with np.errstate(all="ignore"):
+            for node in self._functions.numbers:
+                table[self._functions.rows[node]] = value_of(node, numbers)
+        return table
 
+    def __call__(
+        self, numbers: Numbers, start: np.ndarray, sines: np.ndarray, intervals: int, longest: float, turns: bool
+    ) -> SeedPaths:
+        """Tables of seeds over the range of the input, as near to each other as quintics between them need.
 
-@driver
-def _correct(
-    begin: int,
-    end: int,
-    fill: Callable,
-    levels: Callable,
-    level_rows: np.ndarray,
-    given: np.ndarray,
-    table: np.ndarray,
-    memory: np.ndarray,
-    unknowns: np.ndarray,
-    q: np.ndarray,
-    found: np.ndarray,
-    room: _Room,
-) -> None:
-    """Curves of blocks `begin` … `end` − 1 of LANES variants; see `correct_at`."""
-    variants = table.shape[1]
-    for b in range(begin, end):
-        first = b * LANES
-        for lane in range(LANES):
-            room.at[0, 0, lane] = q[min(first + lane, variants - 1)]
-        _place(room.at)
-        _load(first, table, levels, level_rows, memory, room)
-        for i in range(given.size):
-            for lane in range(LANES):
-                room.now[i, lane] = unknowns[i, min(first + lane, variants - 1)]
-        _put(room.now, given, room.block)
-        fill(room.block, memory, room.at[0], room.at[1], room.at[2], room.tile)
-        for i in range(found.shape[0]):
-            for lane in range(min(LANES, variants - first)):
-                found[i, first + lane] = room.tile[i, 0, lane]
+        Parameters
+        ----------
+        numbers : Numbers
+        start : ndarray (values, variants)
+            Unknowns at the first position.
+        sines : ndarray (variants,)
+            Quality of transmission there.
+        intervals : int
+            That a table has room for.
+        longest : float
+            Longest of them, as a share of the range.
+        turns : bool
+            Whether the last position is the first again.
+        """
+        functions, given, slides = self._functions, self._given, self._slides
+        table = self._table(numbers, start.shape[1])
+        values, count, variants = len(given), slides.size, table.shape[1]
+        width = 1 + values + 2 * count
+        seeds = np.full((intervals + 1, width, variants), np.nan)
+        seeds[:, 0] = np.inf
+        reached = np.empty((2 + values, variants))
+        arrays = (
+            np.array(functions.level_rows, np.int64),
+            given,
+            slides,
+            np.ascontiguousarray(table),
+            functions.memory,
+            np.ascontiguousarray(start),
+            np.ascontiguousarray(sines),
+            intervals,
+            longest,
+            seeds.reshape(-1, variants),
+            reached,
+        )
 
+        def arguments() -> tuple:
+            return (self._fill, self._levels, *arrays, _new_room(functions, values, count, len(functions.curves)))
 
-def correct_at(
-    fill: TileFunction,
-    levels: TileFunction,
-    functions: Functions,
-    given: np.ndarray,
-    table: np.ndarray,
-    unknowns: np.ndarray,
-    q: np.ndarray,
-    curves: int,
-) -> np.ndarray:
-    """Curves at given values of the unknowns and of the input.
-
-    Parameters
-    ----------
-    fill, levels, functions, given, table
-        As for `walk_seeds`; what is filled may be any curves.
-    unknowns : ndarray (values, variants)
-    q : ndarray (variants,)
-    curves : int
-        How many there are.
-
-    Returns
-    -------
-    ndarray (curves, variants)
-    """
-    found = np.empty((curves, table.shape[1]))
-    arrays = (
-        np.array(functions.level_rows, np.int64),
-        given,
-        np.ascontiguousarray(table),
-        functions.memory,
-        np.ascontiguousarray(unknowns),
-        np.ascontiguousarray(q),
-        found,
-    )
-
-    def arguments() -> tuple:
-        return (fill, levels, *arrays, _new_room(functions, len(given), len(given), curves))
-
-    prepare(_correct, [types.intp, types.intp, FILLS_TILE, FILLS_TILE, *(numba.typeof(a) for a in arguments()[2:])])
-    spread(_correct, -(-table.shape[1] // LANES), arguments)
-    return found
+        prepare(_walk, [types.intp, types.intp, FILLS_TILE, FILLS_TILE, *(numba.typeof(a) for a in arguments()[2:])])
+        spread(_walk, -(-variants // LANES), arguments)
+        found, place, end = reached[0].astype(np.int64), reached[1], reached[2:]
+        whole, short, every = place == 1.0, found > intervals + 1, np.arange(variants)
+        last = np.clip(found - 1, 0, intervals)
+        closes = (np.abs(end - start) <= _CLOSED * np.maximum(1.0, np.abs(start))).all(axis=0)
+        # Beyond the end of a path nothing is known.
+        ended = np.flatnonzero(~whole | short)
+        final = np.minimum(last[ended], intervals - 1)
+        seeds[final + 1, :, ended], seeds[final + 1, 0, ended] = np.nan, np.inf
+        begin, length = table[0], table[1] - table[0]
+        followed = whole | (found <= _BEYOND * intervals)
+        room_ends_at = begin + length * seeds[np.minimum(last, intervals - 1), 0, every]
+        return SeedPaths(
+            seeds.reshape(-1, variants),
+            np.where(followed & ~whole, begin + length * place, np.nan),
+            np.where(short, room_ends_at, np.nan),
+            closes | ~whole | (not turns),
+        )

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.cycle.roots import regula_falsi
+from engine.cycle.regula_falsi import regula_falsi
 from engine.motion.coupled.coupled_step import (
     APART,
     BACKWARDS,

@@ -11,7 +11,8 @@ import numpy as np
 from numba import types
 
 from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE, LANES
+from engine.compiling.tiles import FILLS_TILE
+from engine.compiling.widths import LANES
 from engine.laws.runge_kutta import DENSE_PARTS, ORDER_EIGHT
 from engine.motion.coupled.coupled_lanes import BY_FLUID, CLUTCH, NONE, found_rows, new_both_room, step_of_both
 from engine.motion.coupled.stiff_step import decay_rate, stiff_step

@@ -13,7 +13,7 @@ from numba import types
 
 from engine.compiling.decorators import driver, inlined
 from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.cycle.driver import gather, hand_out
 from engine.cycle.panels.lanes import Memory, in_lanes, rows
 from engine.laws.elementary import power

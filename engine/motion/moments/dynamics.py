@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from engine.cycle.roots import regula_falsi
+from engine.cycle.regula_falsi import regula_falsi
 from engine.graph.functions import functions_at
 from engine.graph.nodes import Node, reached
 from engine.laws.senses import sense

@@ -10,7 +10,8 @@ from engine.compiling.decorators import driver
 from engine.compiling.nothing import nothing
 from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE, LANES
+from engine.compiling.tiles import FILLS_TILE
+from engine.compiling.widths import LANES
 from engine.cycle.driver import Task, Workspace, cut, fill, gather, hand_out, new_workspace
 from engine.cycle.machine import MOST_DOUBLINGS, CycleMachine, Plan
 from engine.cycle.panels.lanes import in_lanes

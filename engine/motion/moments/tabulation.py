@@ -14,7 +14,8 @@ from numba import types
 from engine.compiling.decorators import driver
 from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
+from engine.compiling.tiles import FILLS_TILE, TileFunction
+from engine.compiling.widths import LANES
 from engine.cycle.driver import gather, hand_out
 from engine.cycle.panels.lanes import in_lanes
 from engine.cycle.panels.lanes import rows as lane_rows

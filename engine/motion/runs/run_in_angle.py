@@ -7,8 +7,9 @@ import numpy as np
 from numba import types
 
 from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE, LANES
-from engine.cycle.roots import regula_falsi
+from engine.compiling.tiles import FILLS_TILE
+from engine.compiling.widths import LANES
+from engine.cycle.regula_falsi import regula_falsi
 from engine.laws.runge_kutta import ORDER_EIGHT, Method
 from engine.motion.moments.grid import edges_of
 from engine.motion.runs.run_progress import COARSER, Progress

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from engine.cycle.roots import regula_falsi
+from engine.cycle.regula_falsi import regula_falsi
 from engine.motion.moments.grid import JUMP
 from engine.motion.runs.run_progress import Progress
 from engine.motion.runs.settled_runs import Carry, pass_mark

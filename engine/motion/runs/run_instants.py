@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from engine.cycle.roots import regula_falsi
+from engine.cycle.regula_falsi import regula_falsi
 from engine.motion.quantities import INSTANT, TURNED, KeptAt
 from engine.motion.runs.run_progress import RunOutcome
 from engine.motion.runs.watching import Piece, RunFields

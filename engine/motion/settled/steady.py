@@ -13,7 +13,8 @@ import numpy as np
 from numba import types
 
 from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE, LANES
+from engine.compiling.tiles import FILLS_TILE
+from engine.compiling.widths import LANES
 from engine.laws.runge_kutta import ORDER_EIGHT, Method
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.grid import edges_of

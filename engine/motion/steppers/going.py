@@ -11,7 +11,7 @@ import numpy as np
 
 from engine.compiling.decorators import driver, routine
 from engine.compiling.instructions import chosen, held
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.cycle.driver import gather
 from engine.cycle.panels.lanes import ASIDE, Memory, in_lanes, rows
 from engine.cycle.panels.series import larger, smaller

@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from engine.compiling.decorators import inlined, routine
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.cycle.panels.lanes import Memory, in_lanes
 from engine.cycle.panels.series import larger, smaller
 from engine.laws.runge_kutta import Method

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.decorators import routine
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.cycle.panels.lanes import Memory, in_lanes
 from engine.laws.elementary import direction_of
 from engine.motion.moments.at_speed import (

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.decorators import routine
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.cycle.panels.lanes import Memory, in_lanes, rows
 
 # ε is found to so much of what it is made of, far below what steps may miss, within so many evaluations.

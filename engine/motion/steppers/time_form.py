@@ -15,7 +15,8 @@ from numba import types
 
 from engine.compiling.nothing import nothing
 from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
+from engine.compiling.tiles import FILLS_TILE, TileFunction
+from engine.compiling.widths import LANES
 from engine.laws.runge_kutta import ORDER_EIGHT
 from engine.motion.moments.at_speed import Moments
 from engine.motion.moments.dynamics import Dynamics, Rows, Variants

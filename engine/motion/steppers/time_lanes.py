@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.decorators import driver, routine
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.cycle.driver import gather, hand_out
 from engine.cycle.panels.lanes import ASIDE, Memory, in_lanes, rows
 from engine.cycle.panels.series import larger, smaller

@@ -23,7 +23,7 @@ from engine.scene.names import (
 )
 from engine.scene.pairs import friction_problems, pairs
 from engine.scene.scene import Scene, SceneError, once
-from engine.scene.structure.free_groups import FreeGroup, next_free_group, why_not_grouped
+from engine.scene.structure.free_groups import FreeGroup
 from engine.scene.structure.meshes import mesh_problems, rides_along
 from engine.scene.structure.trains import train_problems
 
@@ -93,6 +93,13 @@ def _in_mesh(
     return held and {driver, riding} - {None} <= set(links)
 
 
+def _next_free_group(scene: Scene, known: set[str]) -> FreeGroup | None:
+    # What few machines have is loaded for these alone.
+    from engine.scene.structure.free_matching import next_free_group
+
+    return next_free_group(scene, known)
+
+
 def _ordered(scene: Scene) -> _Ordering:
     elements = [OrderedPart("input", scene.input.link)]
     known_links = {FRAME, scene.input.link}
@@ -150,7 +157,7 @@ def _ordered(scene: Scene) -> _Ordering:
                 if hasattr(group, "inner"):
                     points[group.inner] = group.first.link
                 grown = True
-        found = None if grown else next_free_group(scene, known_links)
+        found = None if grown or not scene.links else _next_free_group(scene, known_links)
         if found is not None:
             free_groups[found.name] = found
             elements.append(OrderedPart("free group", found.name))
@@ -303,7 +310,10 @@ def order(scene: Scene) -> Structure:
         raise SceneError(problems)
     ordering = _ordered(scene)
     problems = _why_unordered(scene, ordering.elements, ordering.points, ordering.guides)
-    problems += why_not_grouped(scene, ordering.links)
+    if scene.links:
+        from engine.scene.structure.free_matching import why_not_grouped
+
+        problems += why_not_grouped(scene, ordering.links)
     if not problems:
         problems = _check_movable(scene, ordering.points, ordering.guides) + misplaced(scene)
         problems += _free_problems(scene, ordering) + _sliding_loops(scene, ordering)

@@ -9,7 +9,7 @@ import numpy as np
 from engine import (
     FRAME,
     CrankInput,
-    Machine,
+    Mechanics,
     MovingMachine,
     NowhereDefinedError,
     Scene,
@@ -44,7 +44,7 @@ class DrawnMotion:
     scene : Scene
     values : mapping of path to float, optional
         Numbers (SI) in place of the scene's.
-    made : Machine, optional
+    known : Mechanics, optional
         As for `MovingMachine`.
 
     Attributes
@@ -72,9 +72,9 @@ class DrawnMotion:
         The mechanism can't be assembled at any position, or a value is outside the limits of its number.
     """
 
-    def __init__(self, scene: Scene, values: Mapping[str, float] | None = None, made: Machine | None = None) -> None:
+    def __init__(self, scene: Scene, values: Mapping[str, float] | None = None, known: Mechanics | None = None) -> None:
         self.values, self.scene = dict(values or {}), scene
-        self.machine = MovingMachine(scene, values, POSITIONS, made)
+        self.machine = MovingMachine(scene, values, POSITIONS, known)
         self.numbers, self.q = self.machine.numbers, self.machine.q
         try:
             places = self.machine.places

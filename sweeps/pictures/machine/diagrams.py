@@ -81,19 +81,15 @@ def cycle_curves(moving: MovingMachine) -> CycleCurves:
     names += ["work", *(["speed"] if _has_flywheel(scene) else [])] if has_cycle(scene) else []
     main = main_slider(scene)
     ends = [f"{main}.stroke_{end}_at" for end in ("low", "high")] if main and has_cycle(scene) else []
-    # The rows step over jumps of a load, and their mean would miss the exact one by more than the picture tells.
-    means = ["reduced_moment.mean"] if has_cycle(scene) else []
-    units = {name: quantity.units for name, quantity in moving.machine.available_fields.items()}
-    means = [name for name in means if name.partition(".")[0] in units]
-    outcome = moving.outcome([*ends, *means], [name for name in names if name in units])
-    verdict = Verdict(int(outcome.status[0]))
+    known = [name for name in names if name in moving.register.available_fields]
+    verdict = moving.verdict(known)
     if verdict not in (Verdict.OK, Verdict.NOT_FINITE):
         raise PictureError(f"no diagrams of this machine: {verdict.sentence}")
-    rows = {name: row[0] for name, row in outcome.fields.items()}
+    rows, units = moving.fields(known), {name: moving.register.fields[name].units for name in known}
     label, factor = input_axis(scene, moving.q)
-    centres = (math.degrees(outcome.summaries[end][0]) for end in ends)
-    centres = tuple(c for c in centres if math.isfinite(c))
-    mean = float(outcome.summaries[means[0]][0]) if means else math.nan
+    centres = tuple(c for end in ends if math.isfinite(c := math.degrees(moving.summary(end))))
+    # The rows step over jumps of a load, and their mean would miss the exact one by more than the picture tells.
+    mean = moving.summary("reduced_moment.mean") if has_cycle(scene) and "reduced_moment" in known else math.nan
     return CycleCurves(
         moving.q * factor, label, rows, units, has_cycle(scene), main if centres else None, centres, mean
     )

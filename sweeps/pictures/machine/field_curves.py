@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from engine import Machine, Scene, has_cycle
+from engine import MovingMachine, Scene, has_cycle
 from sweeps.pictures.machine.diagrams import input_axis
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, house_style, new_figure, save
@@ -49,9 +49,8 @@ def field_figure(scene: Scene, names: Sequence[str], x: str | None = None, posit
     if not 1 <= len(names) <= MOST:
         raise PictureError(f"name from 1 to {MOST} fields with -y, such as -y B.vx; `sweeps quantities` lists them")
     along = [x] if x else []
-    machine = Machine(scene, fields=dict.fromkeys([*names, *along]), positions=positions)
-    outcome, known = machine.evaluate({}), machine.available_fields
-    rows = {name: row[0].astype(float) for name, row in outcome.fields.items()}
+    machine = MovingMachine(scene, positions=positions)
+    rows, known = machine.fields(dict.fromkeys([*names, *along])), machine.register.fields
     for name, row in rows.items():
         if not np.isfinite(row).any():
             raise PictureError(f"{name} is infinite or undefined everywhere: see `sweeps run` for the reason")
@@ -59,8 +58,8 @@ def field_figure(scene: Scene, names: Sequence[str], x: str | None = None, posit
         factor, label = engineer_unit(known[x].units, rows[x])
         places, title = rows[x] * factor, f"{x}{_comma(label)}"
     else:
-        title, factor = input_axis(scene, machine.input_values)
-        places = machine.input_values * factor
+        title, factor = input_axis(scene, machine.q)
+        places = machine.q * factor
     closed = has_cycle(scene)
     with house_style():
         figure = new_figure(180, 25 + 45 * len(names))

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from engine import Machine, Scene, Verdict, has_cycle
+from engine import MovingMachine, Scene, Verdict, has_cycle
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import PALETTE, sheet
 from sweeps.text.engineer_units import engineer_unit
@@ -54,11 +54,12 @@ def shaking_force(scene: Scene) -> np.ndarray:
     """
     if scene.input is None or not has_cycle(scene):
         raise PictureError("no hodograph of this scene: it needs a crank that turns fully")
-    outcome = Machine(scene, fields=["shaking_force_x", "shaking_force_y"], positions=POSITIONS).evaluate({})
-    verdict = Verdict(int(outcome.status[0]))
+    machine, names = MovingMachine(scene, positions=POSITIONS), ("shaking_force_x", "shaking_force_y")
+    verdict = machine.verdict(names)
     if verdict != Verdict.OK:
         raise PictureError(f"no hodograph of this machine: {verdict.sentence}")
-    return outcome.fields["shaking_force_x"][0] + 1j * outcome.fields["shaking_force_y"][0]
+    x, y = machine.fields(names).values()
+    return x + 1j * y
 
 
 def order_sizes(force: np.ndarray, revolutions: int) -> np.ndarray:

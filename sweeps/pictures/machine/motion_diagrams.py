@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-from engine import History, InputUnits, Machine, Scene, SteadyRegime, Verdict
+from engine import History, InputUnits, Machine, Scene, SteadyRegime, Verdict, history, history_fields
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, sheet
 from sweeps.report.regime_words import failure_text
@@ -260,3 +260,28 @@ def _speed_panel(ax: Axes, scene: Scene, part: _Course) -> None:
     ax.axhline(way * mean, color=VERMILION, linewidth=0.9, linestyle=(0, (6, 2)))
     for end in (low, high):
         ax.axhline(way * end, color=GREY, linewidth=0.8, linestyle=":")
+
+
+def motion_pictures(scene: Scene, path: Path) -> list[Path]:
+    """History of a machine through its regimes, and the cycle of each of its steady ones.
+
+    Parameters
+    ----------
+    scene : Scene
+    path : Path
+        The names of the pictures are this one's with `_history` and `_REGIME` added.
+
+    Returns
+    -------
+    list of Path
+        The files made; without regimes that a failing machine doesn't reach.
+    """
+    seen = history(scene, fields=[name for name in history_fields(scene) if name.endswith(".reaction")])
+    made = [path.with_name(f"{path.stem}_history{path.suffix}")]
+    history_diagrams(scene, seen, made[0])
+    reached = {part.name for part in courses(seen)}
+    for name, regime in scene.regimes.items():
+        if isinstance(regime, SteadyRegime) and name in reached:
+            made.append(path.with_name(f"{path.stem}_{name}{path.suffix}"))
+            cycle_diagrams(scene, seen, name, made[-1])
+    return made

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from engine import Scene, pairs_of
+from engine import Mechanics, Scene, pairs_of
 from sweeps.pictures.plans.bearing_loads import bearing_sheet, revolute_pairs
 from sweeps.pictures.plans.forces.loads import loaded_links
 from sweeps.pictures.plans.pose import MachineCycle
@@ -94,7 +94,11 @@ def _bearing_sheets(cycle: MachineCycle, path: Path, names: Iterable[str]) -> li
 
 
 def reaction_pictures(
-    scene: Scene, path: Path, fields: Collection[str], values: Mapping[str, float] | None = None
+    scene: Scene,
+    path: Path,
+    fields: Collection[str],
+    values: Mapping[str, float] | None = None,
+    known: Mechanics | None = None,
 ) -> list[Path]:
     """Draw the reactions over the cycle, and the load of each bearing that some fields are of.
 
@@ -107,15 +111,16 @@ def reaction_pictures(
         Names of fields; nothing is drawn where none is of a pair's reaction.
     values : mapping of path to float, optional
         Numbers (SI) in place of the scene's.
+    known : Mechanics, optional
+        As for `MovingMachine`.
 
     Returns
     -------
     list of Path
         The files made.
     """
-    known = {pair.name for pair in pairs_of(scene)}
-    asked = {name.rpartition(".reaction")[0] for name in fields} & known
-    return _reactions(MachineCycle(scene, values), path, asked) if asked else []
+    asked = {name.rpartition(".reaction")[0] for name in fields} & {pair.name for pair in pairs_of(scene)}
+    return _reactions(MachineCycle(scene, values, known), path, asked) if asked else []
 
 
 def _reactions(cycle: MachineCycle, path: Path, asked: Collection[str]) -> list[Path]:

@@ -11,6 +11,7 @@ from engine import (
     FRAME,
     CrankInput,
     LinkForce,
+    Mechanics,
     Motions,
     MovingPoint,
     NowhereDefinedError,
@@ -36,6 +37,8 @@ class MachineCycle:
     scene : Scene
     values : mapping of path to float, optional
         Numbers (SI) in place of the scene's.
+    known : Mechanics, optional
+        As for `MovingMachine`.
 
     Attributes
     ----------
@@ -50,11 +53,11 @@ class MachineCycle:
         The mechanism can't be assembled at any position.
     """
 
-    def __init__(self, scene: Scene, values: Mapping[str, float] | None = None) -> None:
+    def __init__(self, scene: Scene, values: Mapping[str, float] | None = None, known: Mechanics | None = None) -> None:
         if scene.input is None:
             raise PictureError("the scene has machine elements alone: there is no mechanism to draw")
         self.scene = scene
-        self.motion = DrawnMotion(scene, values)
+        self.motion = DrawnMotion(scene, values, known)
         self.numbers = self.motion.numbers
         self.structure = order_groups(scene)
         in_groups = [link for links in self.groups.values() for link in links]
@@ -105,7 +108,11 @@ class MachineCycle:
         """Reactions in pairs and what drives the input, by their fields."""
         fields = [f"{name}.reaction_{axis}" for name in self.pairs for axis in "xy"]
         fields += [f"{name}.reaction_moment" for name, pair in self.pairs.items() if pair.kind == "prismatic"]
-        return self._found(lambda: self.motion.machine.fields([*fields, "input_moment_by_equilibrium"]))
+        fields.append("input_moment_by_equilibrium")
+        found = self.motion.machine.fields(fields)
+        if not all(np.isfinite(row).any() for row in found.values()):
+            raise PictureError(f"no plans of this machine: {self.motion.machine.verdict(fields).sentence}")
+        return found
 
     def force(self, name: str) -> np.ndarray:
         """A reaction over the cycle, x + iy [N]: `PAIR.reaction`."""

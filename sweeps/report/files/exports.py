@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
-from engine import InputUnits, Machine, Scene, Verdict, did_you_mean, history, history_fields
+from engine import InputUnits, MovingMachine, Scene, Verdict, did_you_mean, history, history_fields
 from sweeps.report.files.data_files import DataTable, PartedTable, write_table
-from sweeps.report.readings import Readings, fields_at_uniform_speed
+from sweeps.report.readings import Readings
 from sweeps.report.regime_words import failure_text
 from sweeps.report.sweep_result import SweepResult
 from sweeps.text.edited_text import edited_scene
@@ -118,12 +118,11 @@ def position_table(
     if scene.input is None:
         message = "the scene has machine elements alone, which have no positions; `sweeps run` gives their numbers"
         raise InputError(scene.title or "scene", [(None, "", message)])
-    fields = list(names) or fields_at_uniform_speed(scene)
-    machine = Machine(with_values(scene, values), fields=fields, positions=positions)
-    outcome, unit = machine.evaluate({}), InputUnits.of(scene).q
+    machine = MovingMachine(with_values(scene, values), positions=positions)
+    fields, unit = list(names) or list(machine.register.available_fields), InputUnits.of(scene).q
     place = "phi" if unit == "rad" else "q"
-    columns = {place: machine.input_values} | {name: outcome.fields[name][0] for name in fields}
-    units = {place: unit} | {name: machine.available_fields[name].units for name in fields}
+    columns = {place: machine.q} | machine.fields(fields)
+    units = {place: unit} | {name: machine.register.fields[name].units for name in fields}
     return DataTable(columns, units, scene.title)
 
 

@@ -108,7 +108,7 @@ def counterweight_text(scene: Scene, found: BalancedMachine, criterion: str) -> 
 
 def _compared(before: Scene, after: Scene) -> str:
     # Under a load over time the drive torque has no cycle.
-    asked = tuple(name for name in COMPARED if made_ready(before).why_not(name) is None)
+    asked = tuple(name for name in COMPARED if made_ready(before).register.why_not(name) is None)
     columns = [_values(made_ready(scene, asked)) for scene in (before, after)]
     rows = [("", "without", "with")]
     rows += [(COMPARED[name], *(column[name] for column in columns)) for name in asked]

@@ -224,7 +224,7 @@ def test_commands__on_elements_alone_work_or_say_why_not(tmp_path, monkeypatch):
 
 
 def test_plot_of_a_sweep_of_elements__has_the_best_one_over_its_friction(result):
-    from sweeps.pictures.picture_files import result_pictures
+    from sweeps.pictures.sweep.result_pictures import result_pictures
 
     made = result_pictures(result)
     assert [path.name for path in made] == ["screw_jack.png", "screw_jack_best_jack_friction.png"]

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from drawn_machines import geared_five_bar, quick_return, scotch_yoke, slider_crank, sliding_input
 from exact import assert_within, exactly
-from graph_values import GraphValues
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from machines import chain
 
 from engine import Machine, Scene, Verdict
-from engine.graph.nodes import Application, name_of
+from engine.graph.nodes import Application, Node, name_of
+from engine.graph.values import NodeValues
 from engine.laws.kinematics.closure import direction_gap, guide_gap, link_gap, unit_gap
 from engine.laws.kinematics.vectors import distance
 from engine.mechanism.mechanics import Mechanics
@@ -157,16 +157,16 @@ def test_crank_alone__has_no_loop():
     assert not {"loop_closure_residual", "error_magnification"} & available.keys()
 
 
-class Spoilt(GraphValues):
+class Spoilt(NodeValues):
     """Values of a graph's nodes with the results of one law changed."""
 
     def __init__(self, mechanics: Mechanics, law: str, change: Callable | None) -> None:
-        super().__init__(mechanics.scene, mechanics.graph)
+        super().__init__(mechanics.graph, Numbers(scene_numbers(mechanics.scene), {}))
         self.law, self.change = law, change
 
-    def _applied(self, node: Application, operands: list) -> np.ndarray | tuple:
-        found = super()._applied(node, operands)
-        return self.change(found) if name_of(node.law) == self.law else found
+    def _value(self, node: Node, q: np.ndarray, found: dict) -> object:
+        value = super()._value(node, q, found)
+        return self.change(value) if isinstance(node, Application) and name_of(node.law) == self.law else value
 
 
 def added(place: int, by: float) -> Callable:

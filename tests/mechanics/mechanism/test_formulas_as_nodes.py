@@ -139,7 +139,7 @@ def test_random_formula__is_what_python_makes_of_it(text, speed):
 def test_what_switches__lies_at_a_declared_crossing(text, speed):
     """In the panels that the crossings cut, what is held in the middle holds everywhere."""
     values, force = force_of(scene_of(text, speed))
-    cuts = values.cuts()
+    cuts = values.cuts([force])
     for left, right in pairwise(cuts):
         width = right - left
         if width < 1e-6:

@@ -194,15 +194,15 @@ def moves_along_its_loads(scene: Scene) -> bool:
     return all((v == 0.0).all() or np.abs(v).max() > 1e-9 for v in velocities)
 
 
-def panels(values: GraphValues) -> list[tuple[float, float]]:
-    cuts = values.cuts()
+def panels(values: GraphValues, nodes: dict[str, Node]) -> list[tuple[float, float]]:
+    cuts = values.cuts([*nodes.values()])
     return [(left, right) for left, right in itertools.pairwise(cuts) if right - left > 10 * MERGED]
 
 
 def check_switches(scene: Scene) -> None:
     """What is held in a panel holds at all of its positions."""
     values, nodes = asked(scene)
-    for left, right in panels(values):
+    for left, right in panels(values, nodes):
         q = np.linspace(left + MERGED, right - MERGED, 15)
         here, held = values([*nodes.values()], q), values.in_panel([*nodes.values()], left, right, q)
         for name, a, b in zip(nodes, here, held, strict=True):
@@ -214,7 +214,7 @@ def check_smoothness(scene: Scene) -> None:
     """A polynomial through a panel's positions, its ends among them, is the load between them."""
     values, nodes = asked(scene)
     widest = (values.last - values.first) / PANELS
-    for left, right in panels(values):
+    for left, right in panels(values, nodes):
         for begin, end in pairs_of(np.linspace(left, right, 1 + math.ceil((right - left) / widest))):
             check_piece(values, nodes, (left, right), (begin, end), HALVINGS)
 

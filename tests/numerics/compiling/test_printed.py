@@ -22,7 +22,7 @@ from engine.compiling.decorators import driver
 from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
 from engine.compiling.sources import digest_of_text
-from engine.compiling.tiles import LANES, PANEL_POSITIONS
+from engine.compiling.widths import LANES, PANEL_POSITIONS
 from engine.graph.functions import field_function, functions_of
 from engine.graph.nodes import Graph
 from engine.laws.kinematics.rrr import rrr_position

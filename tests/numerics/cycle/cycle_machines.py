@@ -5,7 +5,8 @@ import math
 import numpy as np
 from numba import njit
 
-from engine.compiling.tiles import LANES, TILE_OPTIONS, TILE_SIGNATURE
+from engine.compiling.tiles import TILE_OPTIONS, TILE_SIGNATURE
+from engine.compiling.widths import LANES
 from engine.cycle.machine import CycleMachine, Plan
 from engine.cycle.panels.lanes import in_lanes
 

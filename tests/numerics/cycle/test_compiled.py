@@ -5,7 +5,7 @@ import pytest
 from cycle_machines import press, press_numbers, smooth, smooth_numbers
 
 from engine.compiling.threads import set_threads
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.cycle.driver import evaluate_blocks
 from engine.cycle.panels.lanes import ASIDE, rows, tiles
 

@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba import njit
 
-from engine.compiling.tiles import LANES, TILE_SIGNATURE
+from engine.compiling.tiles import TILE_SIGNATURE
+from engine.compiling.widths import LANES
 from engine.cycle.events import sort_edges
 from engine.cycle.machine import CycleMachine, Plan
 from engine.cycle.panels.walk import of_edges

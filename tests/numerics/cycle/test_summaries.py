@@ -5,7 +5,7 @@ import pytest
 import scipy.special as sp
 from cycle_machines import ORDERS, peak_curve, rounding_curves, smooth, smooth_numbers, wave_curve
 
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 from engine.cycle.machine import CycleMachine, Plan
 
 TURN = 2.0 * math.pi

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from engine.compiling.printed import load_printed
-from engine.compiling.tiles import LANES, PANEL_POSITIONS
+from engine.compiling.widths import LANES, PANEL_POSITIONS
 from engine.graph.functions import functions_of
 from engine.graph.nodes import Graph
 from engine.laws.loads import constant_against_motion

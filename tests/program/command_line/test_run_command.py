@@ -189,7 +189,7 @@ def told_on_the_way(*arguments: str) -> list[str]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("sys.argv", ["sweeps", *arguments])
         patch.setattr("sweeps.run.runner.layout_of", lambda *rest: (noted(), layout_of(*rest))[1])
-        patch.setattr("sweeps.pictures.picture_files.result_pictures", noted)
+        patch.setattr("sweeps.pictures.sweep.result_pictures.result_pictures", noted)
         assert said(*arguments).exit_code == 0
     return words
 

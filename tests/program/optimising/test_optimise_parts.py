@@ -16,8 +16,8 @@ from sweeps.optimising.optimum import choices, front
 from sweeps.optimising.trials import Trials
 from sweeps.page.digest import Digest
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.picture_files import result_pictures, sweep_data
 from sweeps.pictures.sweep.front_picture import front_picture
+from sweeps.pictures.sweep.result_pictures import result_pictures, sweep_data
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run.runner import run_study
 from sweeps.study.sampling import Columns, Design, Linear, Listed, Logarithmic, Sampled

@@ -38,7 +38,9 @@ def test_diagrams__six_panels_with_the_engine_s_rows(tmp_path):
     for axes, name in zip([figure.axes[i] for i in (0, 1, 2, 3, 5)], fields, strict=True):
         line = axes.lines[0]
         factor = 30 / math.pi if name == "speed" else 1.0
-        assert line.get_ydata()[:-1] == pytest.approx(factor * outcome.fields[name][0], rel=1e-14)
+        row = factor * outcome.fields[name][0]
+        # Works and speeds follow from integrals by two codes, each to 1e-9 of its peak or better.
+        assert line.get_ydata()[:-1] == pytest.approx(row, abs=1e-9 * np.abs(row).max(), rel=0)
         assert line.get_ydata()[-1] == line.get_ydata()[0]
         assert line.get_xdata()[[0, -1]] == pytest.approx([0, 360])
     assert f"{outcome.summaries['flywheel_wittenbauer'][0]:.4g} kg·m²" in figure.axes[4].get_title()

@@ -13,9 +13,9 @@ from press_texts import slider_crank_text
 from engine import Verdict
 from sweeps.cli import main
 from sweeps.optimising.runner import optimise_study
-from sweeps.pictures.picture_files import sweep_data
 from sweeps.pictures.style import VERMILION
 from sweeps.pictures.sweep.maps import curves
+from sweeps.pictures.sweep.result_pictures import sweep_data
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run.blocks import evaluate_block, largest_block
 from sweeps.run.runner import run_study

@@ -237,9 +237,9 @@ def in_panels(of: ReactionValues, cuts: np.ndarray) -> tuple[float, float]:
 @pytest.mark.parametrize("scene", [tilting(), massless(0.2), massless(0.0), slotted()])
 def test_friction_between_cuts__is_smooth_to_the_ends(scene):
     of = ReactionValues(scene)
-    cuts = of.values.cuts()
+    cuts = of.values.cuts([of.reactions.variables["friction_moment"]])
     kinks = np.concatenate(
-        [of.values.roots(curve, also=cuts) for curve in of.graph.kinks_behind(of.reactions.checks.values())]
+        [of.values.roots(curve, between=cuts) for curve in of.graph.kinks_behind(of.reactions.checks.values())]
     )
     # Cuts closer than rounding are one.
     every = np.unique(np.concatenate([cuts, kinks]))

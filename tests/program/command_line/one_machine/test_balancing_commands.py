@@ -15,8 +15,8 @@ from sweeps import SweepResult, read_scene
 from sweeps.cli import main
 from sweeps.pictures.elements.element_pictures import element_sheet
 from sweeps.pictures.elements.engine_sheet import engine_table
-from sweeps.pictures.picture_files import result_pictures
 from sweeps.pictures.style import new_figure
+from sweeps.pictures.sweep.result_pictures import result_pictures
 from sweeps.report.order_table import EngineRow, engine_rows, remaining_orders
 from sweeps.text.scene_text import with_values, write_scene
 from sweeps.text.templates import bundled_templates

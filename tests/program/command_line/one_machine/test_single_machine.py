@@ -16,7 +16,8 @@ from motion_scenes import INERTIA, rotor
 from scipy.io import loadmat
 
 from engine import Machine, Scene
-from sweeps.report.readings import readings_at, readings_in_time
+from sweeps.report.readings import readings_at
+from sweeps.report.readings_in_time import readings_in_time
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import read_scene, scene_from
 

@@ -1,0 +1,217 @@
+"""The cycle of one variant by NumPy: curves at any positions, works and speeds, without compiled code.
+
+Panels are those of compiled cycles: cut where something switches, halved until the series of all curves end.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from engine.cycle.panels.chebyshev import PLACES, POSITIONS, SHARES
+from engine.cycle.panels.sampled import tails, tops
+from engine.cycle.regula_falsi import regula_falsi
+from engine.graph.nodes import Found, Graph, Held, Node, reached
+from engine.graph.values import NodeValues
+
+# Positions of a turn, or of the range of a sliding input, at which switching curves are looked at first.
+_SCANNED = 180
+# Into how many panels a turn is divided at least, and how often these are halved.
+_EACH_TURN, _HALVINGS = 6, 14
+# What a series may leave of a curve, as a share of its peak.
+_CLOSELY = 1e-11
+# Steps towards a speed fluctuation, the last of them as a share of it; of greater ones the machine stops.
+_MOST_STEPS, _FOUND, _MOST = 40, 1e-12, 2.0
+
+
+class WheelNumbers(NamedTuple):
+    """A flywheel: its inertia, or the coefficient of speed fluctuation that it is made for; None where not given."""
+
+    inertia: float | None
+    fluctuation: float | None
+
+
+class Panels(NamedTuple):
+    """Curves as series, panel after panel.
+
+    Attributes
+    ----------
+    ends : ndarray (panels + 1,)
+    series : ndarray (degree + 1, curves, panels)
+        Coefficients of Chebyshev polynomials over −1 … 1.
+    """
+
+    ends: np.ndarray
+    series: np.ndarray
+
+    def integrals(self) -> "Panels":
+        """Integrals of the curves from the first position on."""
+        series = chebyshev.chebint(self.series, lbnd=-1) * (0.5 * np.diff(self.ends))
+        whole = series.sum(axis=0)
+        series[0] += np.cumsum(whole, axis=1) - whole
+        return Panels(self.ends, series)
+
+    def at(self, q: np.ndarray) -> np.ndarray:
+        """Values of the curves at positions, (curves, positions)."""
+        panel = np.clip(np.searchsorted(self.ends, q, "right") - 1, 0, self.ends.size - 2)
+        left, right = self.ends[panel], self.ends[panel + 1]
+        return chebyshev.chebval((2.0 * q - left - right) / (right - left), self.series[:, :, panel], tensor=False)
+
+    def greatest(self, curve: int) -> tuple[float, float]:
+        """Maximum of a curve and the position there."""
+        values = chebyshev.chebval(PLACES, self.series[:, curve])
+        found = tops(values, np.zeros(len(values)))
+        k = int(np.argmax(found.values))
+        left, right = self.ends[k], self.ends[k + 1]
+        return float(found.values[k]), float(left + 0.5 * (right - left) * (1.0 + found.places[k]))
+
+
+class OneVariant:
+    """A variant at any positions of its input.
+
+    Parameters
+    ----------
+    graph : Graph
+    numbers : mapping of path to float
+    span : tuple of Node
+        First and last position of the input.
+    turns : int
+        Turns of the input between them; 1 of a sliding input.
+    """
+
+    def __init__(self, graph: Graph, numbers: Mapping[str, float], span: tuple[Node, Node], turns: int) -> None:
+        self.values = NodeValues(graph, numbers, self._end)
+        self._graph, self._turns = graph, turns
+        self.first, self.last = (float(self.number(end)) for end in span)
+        self._turning: dict[Node, np.ndarray] = {}
+
+    def number(self, node: Node) -> float:
+        """A number of the variant or of its cycle."""
+        return float(self.values([node], np.zeros(1))[0][0])
+
+    def _end(self, node: Found) -> float:
+        """End of a stroke, or the position there."""
+        places = np.array([self.first, self.last, *self._turns_of(node.curve, node.rate)])
+        values = self.values([node.curve], places)[0]
+        at = (np.argmin if node.which.startswith("low") else np.argmax)(values)
+        return places[at] if node.which.endswith("_at") else values[at]
+
+    def _turns_of(self, curve: Node, rate: Node) -> np.ndarray:
+        """Where a curve turns."""
+        if curve not in self._turning:
+            self._turning[curve] = self.roots(rate)
+        return self._turning[curve]
+
+    def roots(self, curve: Node, levels: Sequence[float] = (0.0,), between: Sequence[float] = ()) -> np.ndarray:
+        """Where a curve takes some levels, if it is monotone between the positions looked at and some others."""
+        scanned = np.linspace(self.first, self.last, _SCANNED * self._turns + 1)
+        grid, levels = np.unique([*scanned, *between]), np.asarray(levels)
+        above = self.values([curve], grid)[0] > levels[:, None]
+        which, places = np.nonzero(above[:, 1:] != above[:, :-1])
+        if not places.size:
+            return np.zeros(0)
+        return regula_falsi(lambda q: self.values([curve], q)[0] - levels[which], grid[places], grid[places + 1])
+
+    def cuts(self, nodes: Sequence[Node]) -> np.ndarray:
+        """Ends of the range and positions where something switches on which some nodes depend."""
+        behind = set(reached([node for node in reached(nodes) if isinstance(node, Held)]))
+        levels: dict[tuple[Node, Node], list[float]] = {}
+        for c in self._graph.crossings:
+            if c.curve in behind:
+                levels.setdefault((c.curve, c.rate), []).append(self.number(c.level) + c.offset)
+        found = [self.roots(curve, some, self._turns_of(curve, rate)) for (curve, rate), some in levels.items()]
+        return np.unique(np.concatenate([[self.first, self.last], *found]))
+
+    def panels(self, nodes: Sequence[Node]) -> Panels:
+        """Series of some curves over the cycle."""
+        whole = np.linspace(self.first, self.last, _EACH_TURN * self._turns + 1)
+        kinks = [self.roots(curve) for curve in self._graph.kinks_behind(nodes)]
+        ends = np.unique(np.concatenate([whole, self.cuts(nodes), *kinks]))
+        held = [node for node in reached(nodes) if isinstance(node, Held)]
+        pending, done = (ends[:-1], ends[1:]), []
+        sizes = np.zeros(len(nodes))
+        for halving in range(_HALVINGS):
+            left, right = pending
+            middle, half = 0.5 * (left + right), 0.5 * (right - left)
+            q = (middle[:, None] + half[:, None] * PLACES).ravel()
+            known = dict(zip(held, (np.repeat(v, POSITIONS) for v in self.values(held, middle)), strict=True))
+            values = np.array(self.values(nodes, q, known)).reshape(len(nodes), left.size, POSITIONS)
+            series = np.einsum("kj,cpj->kcp", SHARES, values)
+            sizes = np.fmax(sizes, np.abs(values).max(axis=(1, 2)))
+            rough = (tails(values) > _CLOSELY * sizes[:, None]).any(axis=0)
+            rough &= halving < _HALVINGS - 1
+            done.append((left[~rough], right[~rough], series[:, :, ~rough]))
+            if not rough.any():
+                break
+            pending = tuple(np.concatenate(p) for p in ((left[rough], middle[rough]), (middle[rough], right[rough])))
+        left, right, series = (np.concatenate(parts, axis=-1) for parts in zip(*done, strict=True))
+        order = np.argsort(left)
+        return Panels(np.append(left[order], right[order[-1]]), series[:, :, order])
+
+    def integral(self, curve: Node) -> float:
+        """Integral of a curve over the range of the input."""
+        return float(self.panels([curve]).integrals().at(np.array([self.last]))[0, 0])
+
+    def work(self, moment: Node, q: np.ndarray) -> np.ndarray:
+        """Work of a moment about its mean, from the first position to some positions (positions,)."""
+        return _about_mean(self.panels([moment])).at(q)[0]
+
+    def speed(self, moment: Node, inertia: Node, omega: float, flywheel: WheelNumbers, q: np.ndarray) -> np.ndarray:
+        """Speed of the input, by magnitude, over the steady cycle; see `engine.cycle.measures.fluctuation`.
+
+        Parameters
+        ----------
+        moment, inertia : Node
+            Reduced moment of all but the driver, and reduced moment of inertia.
+        omega : float
+            Mean speed.
+        flywheel : WheelNumbers
+        q : ndarray (positions,)
+
+        Returns
+        -------
+        ndarray (positions,)
+            NaN where the machine would stop within the cycle.
+        """
+        panels = self.panels([moment, inertia])
+        work = _about_mean(panels)
+        whole = Panels(
+            panels.ends, np.stack([work.series[:, 0], np.pad(panels.series[:, 1], ((0, 1), (0, 0)))], axis=1)
+        )
+        first, square = float(whole.at(np.array([self.first]))[1, 0]), omega * omega
+
+        def extreme(sign: float, delta: float) -> tuple[float, float]:
+            """Extreme of W − ½ω² (I − I₁) at the speed of a side, and the inertia less I₁ there."""
+            slope = 0.5 * square * (1.0 + 0.5 * sign * delta) ** 2
+            series = sign * (whole.series[:, 0] - slope * whole.series[:, 1])
+            value, at = Panels(whole.ends, series[:, None]).greatest(0)
+            return sign * value + slope * first, float(whole.at(np.array([at]))[1, 0]) - first
+
+        wheel, delta = flywheel.inertia, flywheel.fluctuation
+        if wheel is None:
+            wheel = max((extreme(1.0, delta)[0] - extreme(-1.0, delta)[0]) / (delta * square) - first, 0.0)
+        if flywheel.inertia is not None or wheel == 0.0:
+            delta = 0.0
+            for _ in range(_MOST_STEPS):
+                (high, fast), (low, slow) = extreme(1.0, delta), extreme(-1.0, delta)
+                turning = (1.0 + 0.5 * delta) * fast + (1.0 - 0.5 * delta) * slow
+                step = (high - low - delta * square * (first + wheel)) / (square * (0.5 * turning + first + wheel))
+                if delta == _MOST and step > 0.0:
+                    return np.full(q.shape, np.nan)
+                delta, before = min(max(delta + step, 0.0), _MOST), delta
+                if abs(delta - before) <= _FOUND * delta:
+                    break
+        energy = 0.5 * square * (1.0 + 0.5 * delta) ** 2 * (first + wheel) - extreme(1.0, delta)[0]
+        works, inertias = whole.at(q)
+        with np.errstate(invalid="ignore"):
+            return np.sqrt(2.0 * (energy + works) / (inertias + wheel))
+
+
+def _about_mean(panels: Panels) -> Panels:
+    """Work of the first curve about its mean since the first position."""
+    own = Panels(panels.ends, panels.series[:, :1])
+    mean = own.integrals().at(panels.ends[-1:])[0, 0] / (panels.ends[-1] - panels.ends[0])
+    series = own.series.copy()
+    series[0] -= mean
+    return Panels(panels.ends, series).integrals()

@@ -1,0 +1,118 @@
+"""The pictures of a result: its sweep, its best machine, the reactions kept."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from engine import Verdict
+from sweeps.optimising.optimum import is_front
+from sweeps.pictures.picture_files import machine_pictures
+from sweeps.pictures.plans import reaction_pictures
+from sweeps.pictures.sweep.front_picture import front_picture
+from sweeps.pictures.sweep.maps import plot_result
+from sweeps.pictures.sweep.sweep_data import SweepData, evenly_chosen
+from sweeps.report.sweep_result import SweepResult
+from sweeps.store import read_columns
+from sweeps.study.sensitivity import RSS, WORST_CASE
+
+# Fields larger than this are not read for a picture.
+LARGEST_FIELD = 256e6
+# More variants than a picture has dots aren't drawn.
+MOST_DRAWN = 1_000_000
+
+
+def result_pictures(
+    result: SweepResult, out: Path | None = None, x: str | None = None, y: str | None = None, colour: str | None = None
+) -> list[Path]:
+    """Picture of a sweep, chosen by what varies; with nothing asked, also of its best machine and the reactions kept.
+
+    Without a goal, the reactions are those of the first variant that works.
+
+    Parameters
+    ----------
+    result : SweepResult
+    out : Path, optional
+        Picture; beside the result unless given.
+    x, y, colour : str, optional
+        Columns to show.
+
+    Returns
+    -------
+    list of Path
+        The files made.
+    """
+    result.show_own_units()
+    path = result.path
+    if result.description.variants == 1:
+        values, picture_file = result.variant_values(0), out or path.with_suffix(".png")
+        if result.scene.input is None:
+            return machine_pictures(result.scene, values, picture_file)
+        made = machine_pictures(result.scene, values, picture_file, known=result.mechanics)
+        return made + reaction_pictures(result.scene, picture_file, result.fields, values, result.mechanics)
+    best = result.best()
+    made = [out or path.with_suffix(".png")]
+    if is_front(result) and x is y is colour is None:
+        front_picture(result, sweep_data(result, ())[0], made[0])
+        return made
+    data, marked = sweep_data(result, (x, y, colour), best)
+    plot_result(data, made[0], x, y, colour, marked)
+    if out is None and x is y is colour is None:
+        made += _pictures_of_one(result, best)
+    return made
+
+
+def _pictures_of_one(result: SweepResult, best: int | None) -> list[Path]:
+    """The best machine and the reactions kept; without a goal those of the first variant that works."""
+    path = result.path
+    if best is None:
+        first = result.first_with(Verdict.OK)
+        if first is None or result.goal is not None or result.scene.input is None:
+            return []
+        stem = path.with_name(f"{path.stem}_{first}.png")
+        return reaction_pictures(result.scene, stem, result.fields, result.variant_values(first), result.mechanics)
+    stem, values = path.with_name(f"{path.stem}_best.png"), result.variant_values(best)
+    made = machine_pictures(result.scene, values, stem, known=result.mechanics)
+    if result.scene.input is None:
+        return made
+    return made + reaction_pictures(result.scene, stem, result.fields, values, result.mechanics)
+
+
+def sweep_data(
+    result: SweepResult, asked: Sequence[str | None], best: int | None = None
+) -> tuple[SweepData, int | None]:
+    """What is drawn of a result, of more variants than a picture can show fewer; and which of them is the best.
+
+    Parameters
+    ----------
+    result : SweepResult
+    asked : sequence of str or None
+        Columns to be shown; of the fields those among them are read, if they fit in memory.
+    best : int, optional
+        Variant to be marked.
+    """
+    d, shape, chosen, goal = result.description, result.shape, slice(None), result.goal
+    if is_too_many := d.variants > MOST_DRAWN and "search" not in result.record:
+        shape, chosen = evenly_chosen(shape, best, MOST_DRAWN)
+        best = None if best is None else int(np.searchsorted(chosen, best))
+    arrays = result.taken(chosen)
+    along = {f: result.along(f) for f in result.fields if f in asked}
+    small = [f for f, axis in along.items() if d.variants * axis.values.size * 8 <= LARGEST_FIELD]
+    arrays |= {name: rows[chosen] for name, rows in read_columns(result.path, small).items()}
+    # Tolerances are shown as bands about their summaries.
+    alone = (name for name in result.summaries if not name.endswith((WORST_CASE, RSS)))
+    summaries = sorted(alone, key=lambda name: goal is None or name != goal.goal)
+    data = SweepData(
+        arrays,
+        result.units,
+        result.long_names,
+        result.varied,
+        summaries,
+        shape,
+        arrays["status"],
+        along,
+        goal.where or "" if goal else "",
+        result.candidates(chosen),
+        d.variants if is_too_many else None,
+    )
+    return data, best

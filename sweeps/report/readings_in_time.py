@@ -1,0 +1,80 @@
+"""The motion of one machine at single instants of its regimes."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from engine import CrankInput, History, Scene, Verdict, history, sliding_quantity
+from sweeps.report.readings import Readings
+from sweeps.report.regime_words import failure_text
+from sweeps.text.input_files import InputError
+
+_OF_HISTORY = {
+    "time": ("s", "time since the first regime began"),
+    "angle": ("rad", "crank angle, going on beyond a turn"),
+    "speed": ("rad s-1", "angular speed of the input link"),
+    "acceleration": ("rad s-2", "angular acceleration of the input link"),
+    "motor_moment": ("N m", "moment of the motors, reduced to the input"),
+    "energy": ("J", "kinetic energy"),
+}
+
+
+def readings_in_time(scene: Scene, at: Sequence[float]) -> Readings:
+    """The motion through the regimes at some instants.
+
+    Parameters
+    ----------
+    scene : Scene
+    at : sequence of float
+        Times since the first regime began [s]; a steady regime lasts one cycle.
+
+    Raises
+    ------
+    InputError
+        The scene has no regimes, or they end before.
+    """
+    if not scene.regimes:
+        message = 'a time is of regimes, and the scene has none; give an angle, or add [regimes.NAME] with type = "run"'
+        raise InputError("--at", [(None, "", message)])
+    seen, times = history(scene), np.asarray(at, float)
+    failed = "" if seen.verdict == Verdict.OK else failure_text(scene, seen.verdict, seen)
+    if times.min() < 0 or times.max() > seen.time[-1]:
+        message = f"the regimes last from 0 to {seen.time[-1]:.6g} s" + (f": {failed}" if failed else "")
+        raise InputError("--at", [(None, "", message)])
+    rows = _between(seen, times)
+    channels = {f"{channel}_moment": row for channel, row in seen.load_moments.items()}
+    values = rows | {name: np.interp(times, seen.time, row) for name, row in channels.items()}
+    about = _OF_HISTORY | {
+        name: ("N m", f"torque of {name.removesuffix('_moment')} loads, reduced to the input") for name in channels
+    }
+    if not isinstance(scene.input, CrankInput):
+        about = {name: sliding_quantity(words, unit)[::-1] for name, (unit, words) in about.items()}
+        about["angle"] = ("m", "displacement of the input")
+    units, long_names = ({name: pair[i] for name, pair in about.items()} for i in (0, 1))
+    return Readings("time", times, values, units, long_names, failed)
+
+
+def _between(seen: History, times: np.ndarray) -> dict[str, np.ndarray]:
+    """Columns of a history at instants between its own: angle and speed by cubics with the slopes known."""
+    after = np.clip(np.searchsorted(seen.time, times, "right"), 1, seen.time.size - 1)
+    before = after - 1
+    step = seen.time[after] - seen.time[before]
+    # Where one regime ends and the next begins two instants are the same.
+    share = np.where(step > 0, (times - seen.time[before]) / np.where(step > 0, step, 1.0), 1.0)
+
+    def cubic(values: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+        begin, end = values[before], values[after]
+        rise, of_begin, of_end = end - begin, step * slopes[before], step * slopes[after]
+        bend = (of_begin - rise) * (1 - share) - (of_end - rise) * share
+        return begin + share * rise + share * (1 - share) * bend
+
+    def line(values: np.ndarray) -> np.ndarray:
+        return values[before] + share * (values[after] - values[before])
+
+    return {
+        "angle": cubic(seen.angle, seen.speed),
+        "speed": cubic(seen.speed, seen.acceleration),
+        "acceleration": line(seen.acceleration),
+        "motor_moment": line(seen.motor_moment),
+        "energy": line(seen.energy),
+    }

@@ -1,0 +1,87 @@
+"""One machine by NumPy against compiled code: every field of machines of all kinds, and why others have none."""
+
+import math
+
+import numpy as np
+import pytest
+from machines import slider_crank
+
+from engine import Machine, MovingMachine, Scene, Verdict
+from sweeps.study.bundled import STUDIES
+from sweeps.text.scene_text import read_scene
+
+# Of them all: tables and formulas of loads, cylinders, friction that tilts sliders, cams, non-circular wheels, gears,
+# free links, sliding inputs.
+SCENES = ("crank_press", "stirling_engine", "toggle_press", "valve_gear", "elliptical_wheels", "dwelling_triad")
+POSITIONS = 360
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def both(request):
+    scene = read_scene(next(STUDIES.glob(f"*/scenes/{request.param}.toml")))
+    moving = MovingMachine(scene, positions=POSITIONS)
+    fields = moving.register.fields
+    return moving, Machine(scene, fields=fields, positions=POSITIONS).evaluate({})
+
+
+def test_fields__are_those_of_compiled_code_to_rounding(both):
+    moving, outcome = both
+    fields = moving.register.fields
+    rows, compiled = moving.fields(fields), {name: row[0] for name, row in outcome.fields.items()}
+    # A derivative by an angle has the unit of what it is of.
+    units = {name: field.units.removesuffix(" rad-1") for name, field in fields.items()}
+    peaks: dict[str, float] = {}
+    for name, row in compiled.items():
+        peak = np.abs(row[np.isfinite(row)]).max(initial=0.0)
+        peaks[units[name]] = max(peak, peaks.get(units[name], 0.0))
+    for name, row in compiled.items():
+        # A force that vanishes is rounding of those that don't, some hundreds of operations old. Works and speeds come
+        # from two integrations, each to 1e-9 of its peak or better.
+        share = 1e-9 if name in ("work", "speed") else 1e-11
+        with np.errstate(invalid="ignore"):
+            gap = rows[name] - row
+        # A direction that turns back within a step turned either way.
+        gap = gap - math.tau * np.round(gap / math.tau) if units[name] == "rad" else gap
+        # An inertia force that vanishes but for rounding has its line of action anywhere.
+        known = np.isfinite(gap) if name.endswith("inertia_offset") else np.isfinite(row)
+        np.testing.assert_allclose(gap[known], 0.0, rtol=0, atol=share * peaks[units[name]], err_msg=name)
+        assert np.isfinite(rows[name][known]).all()
+
+
+def test_verdict__is_that_of_compiled_code(both):
+    moving, outcome = both
+    assert moving.verdict(moving.register.fields) == Verdict(int(outcome.status[0]))
+
+
+@pytest.mark.parametrize(
+    ("values", "verdict"),
+    [
+        ({}, Verdict.OK),
+        # The rod is shorter than the crank, as long, or of negative length.
+        ({"groups.g.first.length": 0.03}, Verdict.CANNOT_ASSEMBLE),
+        ({"groups.g.first.length": 0.05}, Verdict.SINGULAR),
+        ({"groups.g.first.length": -0.2}, Verdict.OUTSIDE_LIMITS),
+    ],
+)
+def test_verdict__says_why_a_slider_crank_has_no_fields(values, verdict):
+    moving = MovingMachine(Scene.model_validate(slider_crank(0.05, 0.2)), values)
+    assert moving.verdict(["B.x", "B.vx"]) == verdict
+    assert np.isfinite(moving.fields(["B.x"])["B.x"]).all() == (verdict in (Verdict.OK, Verdict.SINGULAR))
+
+
+def test_field_at_any_positions__is_exact_and_angles_go_on():
+    crank, rod = 0.05, 0.2
+    at = np.array([5.9, 0.3, 2.0])
+    found = MovingMachine(Scene.model_validate(slider_crank(crank, rod)), positions=at).fields(["B.x", "crank.angle"])
+    # Some roundings of a length of a quarter of a metre.
+    exact = crank * np.cos(at) + np.sqrt(rod**2 - (crank * np.sin(at)) ** 2)
+    np.testing.assert_allclose(found["B.x"], exact, rtol=0, atol=4e-16)
+    np.testing.assert_allclose(found["crank.angle"], at, rtol=0, atol=1e-15)
+
+
+def test_dead_centres__are_those_of_an_in_line_slider_crank():
+    moving = MovingMachine(Scene.model_validate(slider_crank(0.05, 0.2)))
+    ends = [moving.summary(f"ram.stroke_{end}") for end in ("low", "high", "low_at", "high_at")]
+    # Lengths of a quarter of a metre, and places known as well as the slide's derivative: to some roundings.
+    np.testing.assert_allclose(ends[:2], [0.15, 0.25], rtol=1e-15)
+    np.testing.assert_allclose([ends[2], math.remainder(ends[3], math.tau)], [math.pi, 0.0], rtol=0, atol=1e-14)
