@@ -390,4 +390,4 @@ def step_of_both(
         for lane in range(LANES):
             found[count - 2, lane] = stages[PULL, lane]
             found[count - 1, lane] = stages[PULL + method.stages, lane]
-        hand_out(count, found, first, 0, every_found)
+        hand_out(found, first, every_found[:count])

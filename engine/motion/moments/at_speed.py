@@ -215,7 +215,7 @@ def moments_of_blocks(
                 gather(powers[law, at : at + 1], first, place)
                 add_power(LANES, place[0], exponents[law], speed, moments[2 + channel_of[law]])
                 add_power_slope(LANES, place[0], exponents[law], speed, slope)
-            hand_out(found.shape[0], moments, first, 0, found[:, j])
+            hand_out(moments, first, found[:, j])
 
 
 def greatest_moment(drive: Drive, low: np.ndarray, high: np.ndarray) -> np.ndarray:

@@ -1,21 +1,22 @@
 """Landmarks of a machine's cycle: the ends of strokes, and the crank angles where its moments jump or bend."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numba
 import numpy as np
 from numba import types
 
 from engine.compiling.decorators import driver
+from engine.compiling.memory import in_memory
 from engine.compiling.nothing import nothing
 from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE, LANES
-from engine.cycle.driver import Task, Workspace, cut, gather, hand_out, new_workspace
+from engine.compiling.tiles import LANES, TileFunction
+from engine.cycle.driver import Functions, Task, Variants, Workspace, cut, gather, hand_out, hand_out_row, new_workspace
 from engine.cycle.machine import CycleMachine, Plan
 from engine.cycle.panels.lanes import in_lanes
-from engine.cycle.panels.walk import of_edges, set_out
-from engine.cycle.roots import LEVEL, X
+from engine.cycle.panels.walk import set_out
+from engine.cycle.roots import Given as FunctionsGiven
 from engine.graph.nodes import Found, Given, reached
 from engine.mechanism.acting import Load
 from engine.motion.moments.breaks import JUMP, Breaks, watches_of
@@ -80,7 +81,7 @@ class Landmarks:
         """
         parameters = self.tabulation.parameters(numbers, direction)
         found = np.full((len(self.watches), self._task.most_roots, direction.size), np.nan)
-        if self._task.sizes[0]:
+        if len(self._task.landmarks):
             self._find(parameters, found)
         some = np.isfinite(found).any(axis=2)
         which, angles = np.nonzero(some)[0], found[some]
@@ -92,13 +93,13 @@ class Landmarks:
         functions, task = self.tabulation.functions, self._task
         module = load_printed(functions.text)
 
-        def arguments() -> tuple:
-            work = new_workspace(task, len(parameters), 0)
-            return module.events, module.levels, task, parameters, functions.memory, work, found
+        given = Functions(TileFunction(module.events), TileFunction(module.levels), *[TileFunction(nothing)] * 2)
+        variants = Variants(np.zeros(0, np.int64), parameters, functions.memory)
 
-        if not find_places.overloads:
-            kinds = [numba.typeof(argument) for argument in arguments()[2:]]
-            prepare(find_places, [types.intp, types.intp, FILLS_TILE, FILLS_TILE, *kinds])
+        def arguments() -> tuple:
+            return given, task, variants, new_workspace(task, len(parameters), 0), found
+
+        prepare(find_places, [types.intp, types.intp, *(numba.typeof(argument) for argument in arguments())])
         spread(find_places, -(-found.shape[2] // LANES), arguments)
 
     def _acting(self, parameters: np.ndarray, angles: np.ndarray, which: np.ndarray) -> np.ndarray:
@@ -123,29 +124,28 @@ class Landmarks:
 def find_places(
     begin: int,
     end: int,
-    events: Callable,
-    levels: Callable,
+    functions: Functions,
     task: Task,
-    numbers: np.ndarray,
-    tables: np.ndarray,
-    work: Workspace,
+    variants: Variants,
+    workspace: Workspace,
     found: np.ndarray,
 ) -> None:
     """Find what is asked of the cycles of the blocks begin … end − 1 of variants.
 
-    `found` (crossings, roots, variants) receives the places, NaN where a variant has fewer; `numbers` the landmarks and
-    what follows from them.
+    `found` (crossings, roots, variants) receives the places, NaN where a variant has fewer; `variants.numbers` the
+    landmarks and what follows from them.
     """
-    block, walk, edges = in_lanes(work.block), in_lanes(work.walk), of_edges(work.edges)
+    work, given = in_memory(workspace), FunctionsGiven(workspace.block, variants.tables)
+    block, numbers, crossings = in_lanes(workspace.block), variants.numbers, work.crossings
     for b in range(begin, end):
         first = b * LANES
         gather(numbers, first, block)
-        set_out(block[task.ends[0]], block[task.ends[1]], task.longest[0], walk)
-        count = cut(events, levels, task, tables, walk, edges, work)
+        set_out(block[task.ends[0]], block[task.ends[1]], task.longest, work.walk)
+        count = cut(functions, task, given, work)
         level, slot = -1, 0
         for r in range(count):
             # The roots of one level follow each other.
-            slot = slot + 1 if work.crossing_sought[r, LEVEL] == level else 0
-            level = work.crossing_sought[r, LEVEL]
-            hand_out(1, in_lanes(work.crossings[r, X:]), first, slot, found[level])
-        hand_out(numbers.shape[0], block, first, 0, numbers)
+            slot = slot + 1 if crossings.level[r] == level else 0
+            level = crossings.level[r]
+            hand_out_row(crossings.rows[r].x, first, found[level, slot])
+        hand_out(block, first, numbers)

@@ -213,7 +213,7 @@ def fill_places(
                 into, way = target[row], 1 if turned[row] else 0
                 for lane in range(LANES if into >= 0 else 0):
                     sums[into, lane] += filled[row, lane] * ways[way, lane]
-            hand_out(out.shape[0], sums, first, 0, out[:, j])
+            hand_out(sums, first, out[:, j])
 
 
 _ROWS, _CUBE = types.float64[:, ::1], types.float64[:, :, ::1]

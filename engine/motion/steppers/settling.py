@@ -941,7 +941,7 @@ def settle(
                 found[again, 4, v], found[again, 5, v] = state[TIME, lane], state[MOTOR, lane]
                 found[again, 6, v], found[again, 7, v] = state[SQUARES, lane], state[SLOWEST, lane]
                 found[again, 8, v], found[again, 9, v] = state[FASTEST, lane], state[WORST, lane]
-            hand_out(form.channels, works, first, FOUND, found[again])
+            hand_out(works, first, found[again, FOUND : FOUND + form.channels])
             if again == 0:
                 spread_errors(LANES, made, cycle, form, state, steps, nodes, missed, works)
         for lane in range(own):

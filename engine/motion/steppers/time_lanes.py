@@ -312,4 +312,4 @@ def step_in_time(
             room.rubbing,
         )
         look_at_speeds(LANES, method, given, stages, spare, found)
-        hand_out(count, found, first, 0, every_found)
+        hand_out(found, first, every_found[:count])
