@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.blocks import Row, Rows, copy_rows, gather, hand_out, hand_out_row, in_lanes
 from engine.compiling.decorators import driver, routine
 from engine.compiling.memory import in_memory
 from engine.compiling.tiles import LANES
@@ -43,20 +44,7 @@ from engine.cycle.measures.works import Sums, add_work
 from engine.cycle.panels.chebyshev import MIDDLE, POSITIONS
 from engine.cycle.panels.directions import change_by_rounding, panel_positions
 from engine.cycle.panels.integrals import Integral, add_panels
-from engine.cycle.panels.lanes import (
-    Panels,
-    Row,
-    Rows,
-    any_positive,
-    fill,
-    in_lanes,
-    in_panels,
-    many,
-    new_record,
-    one,
-    rows,
-    tiles,
-)
+from engine.cycle.panels.lanes import Panels, any_positive, fill, in_panels, many, new_record, one, rows, tiles
 from engine.cycle.panels.record import Record, begin_record, keep_curve, keep_panels, keep_rounding, room_for
 from engine.cycle.panels.series import Figures, panel_figures
 from engine.cycle.panels.walk import (
@@ -282,47 +270,6 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
         parts=new_record(Parts, edges=1),
         record=room_for(task.kept.size + len(task.works) + len(task.angles) + task.speeds.size, steps),
     )
-
-
-@routine
-def gather(numbers: np.ndarray, begin: int, block: Rows) -> None:
-    """Numbers of a block of variants; lanes beyond the last variant repeat it."""
-    count = min(LANES, numbers.shape[1] - begin)
-    for i in range(numbers.shape[0]):
-        if count == LANES:
-            for lane in range(LANES):
-                block[i, lane] = numbers[i, begin + lane]
-        else:
-            for lane in range(LANES):
-                block[i, lane] = numbers[i, begin + min(lane, count - 1)]
-
-
-@routine
-def hand_out_row(row: Row, begin: int, answers: np.ndarray) -> None:
-    """Write a row of a block to its variants."""
-    lanes = min(LANES, answers.shape[0] - begin)
-    if lanes == LANES:
-        for lane in range(LANES):
-            answers[begin + lane] = row[lane]
-    else:
-        for lane in range(lanes):
-            answers[begin + lane] = row[lane]
-
-
-@routine
-def hand_out(rows: Rows, begin: int, answers: np.ndarray) -> None:
-    """Write the first rows of a block to its variants, as many as there are answers."""
-    for i in range(answers.shape[0]):
-        hand_out_row(rows[i], begin, answers[i])
-
-
-@routine
-def copy_rows(given: Rows, wanted: np.ndarray, block: Rows) -> None:
-    """Copy rows to those rows of the block's numbers that are to receive them, if any."""
-    for i in range(wanted.shape[0]):
-        if wanted[i] >= 0:
-            for lane in range(LANES):
-                block[wanted[i], lane] = given[i, lane]
 
 
 @routine

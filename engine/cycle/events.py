@@ -9,10 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.blocks import Row, Rows, in_lanes
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.integrals import ROUNDING
-from engine.cycle.panels.lanes import Row, Rows, any_positive, in_lanes
+from engine.cycle.panels.lanes import any_positive
 from engine.cycle.panels.record import OF_ROUNDING
 from engine.cycle.panels.series import larger, smaller
 from engine.cycle.panels.walk import Walk

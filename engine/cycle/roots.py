@@ -12,10 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.blocks import Row, Rows, in_lanes
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.directions import directions
-from engine.cycle.panels.lanes import Row, Rows, any_positive, in_lanes, many, new_record, rows
+from engine.cycle.panels.lanes import any_positive, many, new_record, rows
 
 # The level of a row that looks for a turn.
 TURN = -1

@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.chebyshev import POSITIONS
 from engine.cycle.panels.integrals import ROUNDING
-from engine.cycle.panels.lanes import Row, Rows
 from engine.cycle.panels.record import Record, keep_derived
 from engine.cycle.panels.series import TINY, larger, smaller
 from engine.laws.elementary import angle_of

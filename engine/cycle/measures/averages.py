@@ -2,11 +2,12 @@
 
 from typing import NamedTuple
 
+from engine.compiling.blocks import Row
 from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.chebyshev import POSITIONS
 from engine.cycle.panels.integrals import ROUNDING
-from engine.cycle.panels.lanes import Row, fill
+from engine.cycle.panels.lanes import fill
 from engine.cycle.panels.record import Record
 from engine.cycle.panels.series import Figures, panel_figures
 

@@ -14,11 +14,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.chebyshev import DEGREE, MIDDLE, PLACES, POSITIONS
 from engine.cycle.panels.integrals import ROUNDING
-from engine.cycle.panels.lanes import Row, Rows, any_positive, many, one
+from engine.cycle.panels.lanes import any_positive, many, one
 from engine.cycle.panels.record import Record, known_slot
 from engine.cycle.panels.series import TINY, larger, series_at, smaller
 

@@ -14,12 +14,13 @@ method converges from δ = 0.
 import math
 from typing import NamedTuple
 
+from engine.compiling.blocks import Row
 from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
 from engine.cycle.measures.extremes import Extreme, Search, Sought, find_extreme
 from engine.cycle.panels.chebyshev import POSITIONS
 from engine.cycle.panels.integrals import ROUNDING
-from engine.cycle.panels.lanes import Row, any_positive, fill, one
+from engine.cycle.panels.lanes import any_positive, fill, one
 from engine.cycle.panels.record import Record, keep_derived
 from engine.cycle.panels.series import larger, smaller
 

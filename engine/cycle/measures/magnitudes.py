@@ -8,11 +8,12 @@ are to the dip, with values of S from its series: nothing of the machine is eval
 import math
 from typing import NamedTuple
 
+from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.chebyshev import DEGREE, PLACES, POSITIONS
 from engine.cycle.panels.integrals import ROUNDING, Integral
-from engine.cycle.panels.lanes import Row, Rows, any_positive, fill, many, one
+from engine.cycle.panels.lanes import any_positive, fill, many, one
 from engine.cycle.panels.record import Record, known_slot
 from engine.cycle.panels.series import larger, panel_figures, series_at
 from engine.cycle.panels.walk import (

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from engine.compiling.blocks import Row
 from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
-from engine.cycle.panels.lanes import Row
 from engine.cycle.panels.record import Record, known_slot
 from engine.cycle.panels.series import series_at
 

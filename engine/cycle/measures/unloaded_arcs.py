@@ -17,11 +17,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.chebyshev import DEGREE, PLACES, POSITIONS
 from engine.cycle.panels.integrals import ROUNDING
-from engine.cycle.panels.lanes import Row, Rows, new_record, one
+from engine.cycle.panels.lanes import new_record, one
 from engine.cycle.panels.record import Record, known_slot
 from engine.cycle.panels.series import series_at
 

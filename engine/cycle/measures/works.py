@@ -6,11 +6,11 @@ exactly.
 
 from typing import NamedTuple
 
+from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.chebyshev import DEGREE, PLACES, POSITIONS
 from engine.cycle.panels.integrals import ROUNDING
-from engine.cycle.panels.lanes import Row, Rows
 from engine.cycle.panels.record import Record
 from engine.cycle.panels.series import larger
 from engine.cycle.panels.transforms import to_integrals

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.chebyshev import DEGREE, MIDDLE, PLACES
-from engine.cycle.panels.lanes import Row, Rows
 from engine.laws.elementary import direction_near_zero, direction_of
 
 # By what share of itself the direction of a position is changed by its rounding.

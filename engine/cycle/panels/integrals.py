@@ -4,11 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import routine
 from engine.compiling.instructions import chosen
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.chebyshev import DEGREE
-from engine.cycle.panels.lanes import Row, Rows
 from engine.cycle.panels.series import Figures
 from engine.cycle.panels.walk import Walk
 

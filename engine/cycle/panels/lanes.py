@@ -14,6 +14,7 @@ from typing import get_type_hints
 
 import numpy as np
 
+from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import routine
 from engine.compiling.memory import Memory, memory
 from engine.compiling.tiles import LANES
@@ -23,9 +24,9 @@ _PAGE = 4096
 # Half a row, in numbers.
 ASIDE = LANES // 2
 
-# (LANES,), (…, LANES) and (…, POSITIONS, LANES).
-Row, Rows, Panels = Memory(()), Memory((LANES,)), Memory((POSITIONS, LANES))
-lane_of, in_lanes, in_panels = memory(Row), memory(Rows), memory(Panels)
+# (…, POSITIONS, LANES).
+Panels = Memory((POSITIONS, LANES))
+in_panels = memory(Panels)
 
 
 def one(record: type) -> Memory:

@@ -8,11 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.memory import Memory
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.chebyshev import DEGREE, MIDDLE, POSITIONS, TO_COEFFICIENTS, TO_INTEGRALS
-from engine.cycle.panels.lanes import Panels, Row, Rows, many, new_record, one
+from engine.cycle.panels.lanes import Panels, many, new_record, one
 from engine.cycle.panels.series import Figures, larger, panel_figures
 from engine.cycle.panels.transforms import Tiles, to_coefficients
 from engine.cycle.panels.walk import Scales, Walk

@@ -9,11 +9,11 @@ is rounding or something within the panel bends or jumps, they are taken to fall
 import math
 from typing import NamedTuple
 
+from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.instructions import held
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.chebyshev import DEGREE, EVEN, MIDDLE, MISSED, ODD, WEIGHTS
-from engine.cycle.panels.lanes import Row, Rows
 
 
 class Figures(NamedTuple):

@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.blocks import Rows
 from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.chebyshev import DEGREE, MIDDLE, PLACES
-from engine.cycle.panels.lanes import Rows
 
 
 class Tiles(NamedTuple):

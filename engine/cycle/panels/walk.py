@@ -12,10 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.chebyshev import DEGREE, PLACES, POSITIONS
-from engine.cycle.panels.lanes import Row, Rows, any_positive
+from engine.cycle.panels.lanes import any_positive
 from engine.cycle.panels.series import TINY, Figures, larger, smaller
 
 # What a lane's `accepted` holds where there is no panel before.

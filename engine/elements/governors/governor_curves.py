@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
+from engine.compiling.blocks import lane_of
 from engine.compiling.decorators import driver
 from engine.compiling.running import prepare
-from engine.cycle.panels.lanes import lane_of
 from engine.elements.governors.characteristic import FROM, INNER, OUTER, TO
 from engine.elements.governors.governor import Governor, equilibria_of, governor_memory
 from engine.elements.governors.governor_results import (

@@ -8,8 +8,9 @@ import math
 
 import numpy as np
 
+from engine.compiling.blocks import lane_of
 from engine.compiling.decorators import driver, routine
-from engine.cycle.panels.lanes import Memory, lane_of
+from engine.cycle.panels.lanes import Memory
 from engine.cycle.roots import MOST_TURNS, newton_between
 from engine.elements.governors.characteristic import (
     FROM,

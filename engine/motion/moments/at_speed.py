@@ -11,11 +11,11 @@ import numba
 import numpy as np
 from numba import types
 
+from engine.compiling.blocks import gather, hand_out, in_lanes
 from engine.compiling.decorators import driver, inlined
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import LANES
-from engine.cycle.driver import gather, hand_out
-from engine.cycle.panels.lanes import Memory, in_lanes, rows
+from engine.cycle.panels.lanes import Memory, rows
 from engine.laws.elementary import power
 from engine.laws.motor_characteristics import induction_motor, induction_motor_slope
 

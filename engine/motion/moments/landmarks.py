@@ -6,15 +6,15 @@ import numba
 import numpy as np
 from numba import types
 
+from engine.compiling.blocks import gather, hand_out, hand_out_row, in_lanes
 from engine.compiling.decorators import driver
 from engine.compiling.memory import in_memory
 from engine.compiling.nothing import nothing
 from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import LANES, TileFunction
-from engine.cycle.driver import Functions, Task, Variants, Workspace, cut, gather, hand_out, hand_out_row, new_workspace
+from engine.cycle.driver import Functions, Task, Variants, Workspace, cut, new_workspace
 from engine.cycle.machine import CycleMachine, Plan
-from engine.cycle.panels.lanes import in_lanes
 from engine.cycle.panels.walk import set_out
 from engine.cycle.roots import Given as FunctionsGiven
 from engine.graph.nodes import Found, Given, reached

@@ -11,12 +11,11 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
+from engine.compiling.blocks import gather, hand_out, in_lanes
 from engine.compiling.decorators import driver
 from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
-from engine.cycle.driver import gather, hand_out
-from engine.cycle.panels.lanes import in_lanes
 from engine.cycle.panels.lanes import rows as lane_rows
 from engine.graph.functions import Functions
 from engine.graph.nodes import Constant, Found, Given

@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.blocks import gather, hand_out, in_lanes
 from engine.compiling.decorators import driver, inlined, routine
 from engine.compiling.tiles import LANES
-from engine.cycle.driver import gather, hand_out
-from engine.cycle.panels.lanes import ASIDE, Memory, any_positive, in_lanes, rows
+from engine.cycle.panels.lanes import ASIDE, Memory, any_positive, rows
 from engine.cycle.panels.series import larger, smaller
 from engine.laws.runge_kutta import DENSE_PARTS, ORDER_EIGHT, Method
 from engine.motion.moments.at_speed import KLOSS, PER_MOTOR, POLYNOMIAL, add_power, polynomial
