@@ -93,7 +93,7 @@ class GraphValues:
             leading += [o] if isinstance(n, TableMemory) else o if isinstance(n, NumberTable) else []
             first += isinstance(n, (TableMemory, NumberTable))
         rest = np.broadcast_arrays(*operands[first:])
-        return np.vectorize(lambda *x: node.law(*leading, *x))(*rest)
+        return np.vectorize(lambda *x: node.law(*leading, *node.arguments((*[None] * first, *x))[first:]))(*rest)
 
     def _end(self, node: Found) -> float:
         if node not in self._found:

@@ -17,7 +17,7 @@ from engine.compiling.tiles import TileFunction
 from engine.graph.functions import Functions, functions_at
 from engine.graph.nodes import Constant, Graph, Node
 from engine.laws.kinematics.seeds import PROVES
-from engine.mechanism.groups.seed_walk import LEAST_SHARE, SeedPaths, correct_at, walk_seeds
+from engine.mechanism.groups.seed_walk import LEAST_SHARE, FollowedGroup, SeedPaths, correct_at, walk_seeds
 from engine.mechanism.vectors import Vector
 from engine.scene.scene import Numbers, Scene, SceneError, scene_numbers
 from engine.scene.structure.free_groups import FreeGroup
@@ -136,13 +136,14 @@ class SeedTables:
         )
 
     @cached_property
-    def _compiled(self) -> tuple[TileFunction, TileFunction]:
-        module = load_printed(self._functions.text)
-        return TileFunction(module.curves_at), TileFunction(module.levels)
+    def _followed(self) -> FollowedGroup:
+        return self._compiled(self._functions)
 
-    @cached_property
-    def _given_rows(self) -> np.ndarray:
-        return np.array([self._functions.rows[node] for nodes in self._given for node in nodes], np.int64)
+    def _compiled(self, functions: Functions) -> FollowedGroup:
+        """The group with functions of its unknowns."""
+        module = load_printed(functions.text)
+        rows = np.array([functions.rows[node] for nodes in self._given for node in nodes], np.int64)
+        return FollowedGroup(TileFunction(module.curves_at), TileFunction(module.levels), functions, rows, self._slides)
 
     @property
     def _own(self) -> Numbers:
@@ -161,7 +162,7 @@ class SeedTables:
 
     def _at(self, table: np.ndarray, unknowns: np.ndarray, q: np.ndarray) -> np.ndarray:
         """The curves at given values of the unknowns, (curves, variants)."""
-        return correct_at(*self._compiled, self._functions, self._given_rows, table, unknowns, q, len(self._curves))
+        return correct_at(self._followed, table, unknowns, q)
 
     # Modes of the scene
 
@@ -233,13 +234,10 @@ class SeedTables:
         of_points = functions_at(
             self._curves[0].graph, title, *self._span, nodes, numbers=[n for g in self._given for n in g]
         )
-        module = load_printed(of_points.text)
-        compiled = TileFunction(module.curves_at), TileFunction(module.levels)
-        rows = np.array([of_points.rows[node] for nodes in self._given for node in nodes], np.int64)
         table = self._table(numbers, of_points)
         table = np.repeat(table, unknowns.shape[1], axis=1) if table.shape[1] == 1 else table
         q = table[of_points.rows[self._span[0]]]
-        found = correct_at(*compiled, of_points, rows, table, unknowns, q, len(of_points.curves))
+        found = correct_at(self._compiled(of_points), table, unknowns, q)
         return [
             {
                 name: tuple(float(found[of_points.curves[node], i]) for node in point)
@@ -340,9 +338,8 @@ class SeedTables:
 
     def walked(self, table: np.ndarray, start: np.ndarray, sines: np.ndarray) -> SeedPaths:
         """Paths from unknowns at the first position with their quality of transmission."""
-        of_group = (*self._compiled, self._functions, self._given_rows, self._slides)
         longest = _LONGEST_INTERVAL / self._revolutions
-        return walk_seeds(*of_group, table, start, sines, self.intervals, longest, self._turns)
+        return walk_seeds(self._followed, table, start, sines, self.intervals, longest, self._turns)
 
     def _settled(self, table: np.ndarray, unknowns: np.ndarray) -> np.ndarray:
         """Unknowns at the first position to the last bit, whatever way led there: rounded coarsely, then corrected."""
@@ -369,7 +366,7 @@ class SeedTables:
         variants, count = table.shape[1], self._slides.size
         unknowns, sines = np.repeat(mode.unknowns[:, None], variants, axis=1), np.full(variants, mode.transmission)
         own = self._table(self._own, self._functions)
-        given = np.isin(np.arange(len(table)), self._given_rows)
+        given = np.isin(np.arange(len(table)), self._followed.given)
         way, step = np.zeros(variants), np.full(variants, _FIRST_STEP)
         way[((table == own) | np.isnan(own)).all(axis=0, where=~given[:, None])] = 1.0
         while True:

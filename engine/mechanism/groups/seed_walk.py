@@ -8,9 +8,10 @@ import numba
 import numpy as np
 from numba import types
 
+from engine.compiling.blocks import copy_rows, gather, hand_out, in_lanes
 from engine.compiling.decorators import driver, routine
 from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
+from engine.compiling.tiles import LANES, TileFunction
 from engine.cycle.panels.lanes import rows
 from engine.graph.functions import Functions
 from engine.laws.kinematics.seeds import CLOSE, PROVES, direction_between, slide_between, turned
@@ -51,6 +52,80 @@ class SeedPaths(NamedTuple):
     ends_at: np.ndarray
     short_at: np.ndarray
     closes: np.ndarray
+
+
+class FollowedGroup(NamedTuple):
+    """A group as its path is followed.
+
+    Attributes
+    ----------
+    fill, levels : TileFunction
+        Corrections, rates, second rates, certificate, quality of transmission and size at given values of the unknowns;
+        numbers of the cycle.
+    functions : Functions
+        Of both; the first two rows of numbers are the ends of the input's range.
+    given : ndarray of int
+        Rows of the unknowns' values.
+    slides : ndarray of bool
+        Which unknowns are slides.
+    """
+
+    fill: TileFunction
+    levels: TileFunction
+    functions: Functions
+    given: np.ndarray
+    slides: np.ndarray
+
+
+class _Functions(NamedTuple):
+    """Those of a group."""
+
+    fill: Callable
+    levels: Callable
+
+
+class _Variants(NamedTuple):
+    """Variants of a group, and how their numbers are laid out.
+
+    Attributes
+    ----------
+    level_rows, given : ndarray of int
+        Rows that receive the levels and the unknowns.
+    slides : ndarray of bool
+    table : ndarray (numbers, variants)
+    memory : ndarray
+        Of all tables.
+    """
+
+    level_rows: np.ndarray
+    given: np.ndarray
+    slides: np.ndarray
+    table: np.ndarray
+    memory: np.ndarray
+
+
+class _Paths(NamedTuple):
+    """What paths begin at, and what is found.
+
+    Attributes
+    ----------
+    start : ndarray (values, variants)
+    sines : ndarray (variants,)
+    most : int
+        Intervals that a table has room for.
+    longest : float
+        Longest of them, as a share of the range.
+    seeds : ndarray (entries, variants)
+    reached : ndarray (2 + values, variants)
+        Number of seeds, place and unknowns at the end.
+    """
+
+    start: np.ndarray
+    sines: np.ndarray
+    most: int
+    longest: float
+    seeds: np.ndarray
+    reached: np.ndarray
 
 
 class _Path(NamedTuple):
@@ -125,18 +200,12 @@ def _new_room(functions: Functions, values: int, unknowns: int, curves: int) -> 
 
 
 @routine
-def _load(
-    first: int, table: np.ndarray, levels: Callable, level_rows: np.ndarray, memory: np.ndarray, room: _Room
-) -> None:
-    """Numbers of a block of variants; lanes beyond the last repeat it."""
-    for row in range(table.shape[0]):
-        for lane in range(LANES):
-            room.block[row, lane] = table[row, min(first + lane, table.shape[1] - 1)]
-    if level_rows.size > 0:
-        levels(room.block, memory, room.at[0], room.at[1], room.at[2], room.level_tile)
-        for i in range(level_rows.size):
-            for lane in range(LANES):
-                room.block[level_rows[i], lane] = room.level_tile[i, 0, lane]
+def _load(first: int, functions: _Functions, variants: _Variants, room: _Room) -> None:
+    """Numbers of a block of variants."""
+    gather(variants.table, first, in_lanes(room.block))
+    if variants.level_rows.size > 0:
+        functions.levels(room.block, variants.memory, room.at[0], room.at[1], room.at[2], room.level_tile)
+        copy_rows(in_lanes(room.level_tile), variants.level_rows, in_lanes(room.block))
 
 
 @routine
@@ -200,20 +269,20 @@ def _interpolate(slides: np.ndarray, room: _Room) -> None:
                     (now[i, lane], now[i + 1, lane], v, a),
                     (ahead[i, lane], ahead[i + 1, lane], v_ahead, a_ahead),
                 )
-                room.middle[i, lane], room.middle[i + 1, lane] = direction_between(*one, *two, 0.5, step)
+                room.middle[i, lane], room.middle[i + 1, lane] = direction_between(one, two, 0.5, step)
         i += 1 if slides[k] else 2
 
 
 @routine
-def _set_out(first: int, start: np.ndarray, sines: np.ndarray, room: _Room) -> None:
+def _set_out(first: int, paths: _Paths, room: _Room) -> None:
     """Begin the paths of a block; their first step, of no length, finds the rates."""
-    path, last = room.path, sines.size - 1
+    path, last = room.path, paths.sines.size - 1
     for lane in range(LANES):
         path.place[lane] = path.step[lane] = path.found[lane] = 0.0
         path.going[lane] = 1.0
-        path.sine[lane] = sines[min(first + lane, last)]
+        path.sine[lane] = paths.sines[min(first + lane, last)]
         for i in range(room.now.shape[0]):
-            room.now[i, lane] = start[i, min(first + lane, last)]
+            room.now[i, lane] = paths.start[i, min(first + lane, last)]
         for i in range(room.rates.shape[0]):
             room.rates[i, lane] = 0.0
 
@@ -244,9 +313,10 @@ def _judge(longest: float, room: _Room) -> None:
 
 
 @routine
-def _keep(first: int, most: int, slides: np.ndarray, seeds: np.ndarray, room: _Room) -> bool:
+def _keep(first: int, slides: np.ndarray, paths: _Paths, room: _Room) -> bool:
     """Keep the seeds that were found, as far as there is room; whether any lane is still on its path."""
     path, values, count, going = room.path, room.now.shape[0], slides.size, False
+    most, seeds = paths.most, paths.seeds
     width = 1 + values + 2 * count
     for lane in range(LANES):
         if path.refused[lane] > 0.0:
@@ -279,31 +349,15 @@ def _keep(first: int, most: int, slides: np.ndarray, seeds: np.ndarray, room: _R
 
 
 @driver
-def _walk(
-    begin: int,
-    end: int,
-    fill: Callable,
-    levels: Callable,
-    level_rows: np.ndarray,
-    given: np.ndarray,
-    slides: np.ndarray,
-    table: np.ndarray,
-    memory: np.ndarray,
-    start: np.ndarray,
-    sines: np.ndarray,
-    most: int,
-    longest: float,
-    seeds: np.ndarray,
-    reached: np.ndarray,
-    room: _Room,
-) -> None:
+def _walk(begin: int, end: int, functions: _Functions, variants: _Variants, paths: _Paths, room: _Room) -> None:
     """Tables of blocks `begin` … `end` − 1 of LANES variants; see `walk_seeds`."""
-    variants, count = table.shape[1], slides.size
+    fill = functions.fill
+    memory, given, slides, count = variants.memory, variants.given, variants.slides, variants.slides.size
     block, at, half_way, path, tile = room.block, room.at, room.half_way, room.path, room.tile
     for b in range(begin, end):
         first = b * LANES
-        _load(first, table, levels, level_rows, memory, room)
-        _set_out(first, start, sines, room)
+        _load(first, functions, variants, room)
+        _set_out(first, paths, room)
         going = True
         while going:
             for lane in range(LANES):
@@ -334,20 +388,16 @@ def _walk(
                 half_way[0, 0, lane] = block[0, lane] + (block[1, lane] - block[0, lane]) * place
             _place(half_way)
             fill(block, memory, half_way[0], half_way[1], half_way[2], tile)
-            _judge(longest, room)
-            going = _keep(first, most, slides, seeds, room)
-        for lane in range(min(LANES, variants - first)):
+            _judge(paths.longest, room)
+            going = _keep(first, slides, paths, room)
+        reached = paths.reached
+        for lane in range(min(LANES, reached.shape[1] - first)):
             reached[0, first + lane], reached[1, first + lane] = path.found[lane], path.place[lane]
-            for i in range(room.now.shape[0]):
-                reached[2 + i, first + lane] = room.now[i, lane]
+        hand_out(in_lanes(room.now), first, reached[2:])
 
 
 def walk_seeds(
-    fill: TileFunction,
-    levels: TileFunction,
-    functions: Functions,
-    given: np.ndarray,
-    slides: np.ndarray,
+    group: FollowedGroup,
     table: np.ndarray,
     start: np.ndarray,
     sines: np.ndarray,
@@ -359,15 +409,7 @@ def walk_seeds(
 
     Parameters
     ----------
-    fill, levels : TileFunction
-        Corrections, rates, second rates, certificate, quality of transmission and size at given values of the unknowns;
-        numbers of the cycle.
-    functions : Functions
-        Of both; the first two rows of numbers are the ends of the input's range.
-    given : ndarray of int
-        Rows of the unknowns' values.
-    slides : ndarray of bool
-        Which unknowns are slides.
+    group : FollowedGroup
     table : ndarray (numbers, variants)
     start : ndarray (values, variants)
         Unknowns at the first position.
@@ -380,17 +422,13 @@ def walk_seeds(
     turns : bool
         Whether the last position is the first again.
     """
-    values, count, variants = len(given), slides.size, table.shape[1]
+    values, count, variants = len(group.given), group.slides.size, table.shape[1]
     width = 1 + values + 2 * count
     seeds = np.full((intervals + 1, width, variants), np.nan)
     seeds[:, 0] = np.inf
     reached = np.empty((2 + values, variants))
-    arrays = (
-        np.array(functions.level_rows, np.int64),
-        given,
-        slides,
-        np.ascontiguousarray(table),
-        functions.memory,
+    given = _variants(group, table)
+    paths = _Paths(
         np.ascontiguousarray(start),
         np.ascontiguousarray(sines),
         intervals,
@@ -400,9 +438,10 @@ def walk_seeds(
     )
 
     def arguments() -> tuple:
-        return (fill, levels, *arrays, _new_room(functions, values, count, len(functions.curves)))
+        room = _new_room(group.functions, values, count, len(group.functions.curves))
+        return _Functions(group.fill, group.levels), given, paths, room
 
-    prepare(_walk, [types.intp, types.intp, FILLS_TILE, FILLS_TILE, *(numba.typeof(a) for a in arguments()[2:])])
+    prepare(_walk, [types.intp, types.intp, *(numba.typeof(argument) for argument in arguments())])
     spread(_walk, -(-variants // LANES), arguments)
     found, place, end = reached[0].astype(np.int64), reached[1], reached[2:]
     whole, short, every = place == 1.0, found > intervals + 1, np.arange(variants)
@@ -423,78 +462,57 @@ def walk_seeds(
     )
 
 
+def _variants(group: FollowedGroup, table: np.ndarray) -> _Variants:
+    level_rows = np.array(group.functions.level_rows, np.int64)
+    return _Variants(level_rows, group.given, group.slides, np.ascontiguousarray(table), group.functions.memory)
+
+
 @driver
 def _correct(
     begin: int,
     end: int,
-    fill: Callable,
-    levels: Callable,
-    level_rows: np.ndarray,
-    given: np.ndarray,
-    table: np.ndarray,
-    memory: np.ndarray,
+    functions: _Functions,
+    variants: _Variants,
     unknowns: np.ndarray,
     q: np.ndarray,
     found: np.ndarray,
     room: _Room,
 ) -> None:
     """Curves of blocks `begin` … `end` − 1 of LANES variants; see `correct_at`."""
-    variants = table.shape[1]
     for b in range(begin, end):
         first = b * LANES
         for lane in range(LANES):
-            room.at[0, 0, lane] = q[min(first + lane, variants - 1)]
+            room.at[0, 0, lane] = q[min(first + lane, q.size - 1)]
         _place(room.at)
-        _load(first, table, levels, level_rows, memory, room)
-        for i in range(given.size):
-            for lane in range(LANES):
-                room.now[i, lane] = unknowns[i, min(first + lane, variants - 1)]
-        _put(room.now, given, room.block)
-        fill(room.block, memory, room.at[0], room.at[1], room.at[2], room.tile)
-        for i in range(found.shape[0]):
-            for lane in range(min(LANES, variants - first)):
-                found[i, first + lane] = room.tile[i, 0, lane]
+        _load(first, functions, variants, room)
+        gather(unknowns, first, in_lanes(room.now))
+        _put(room.now, variants.given, room.block)
+        functions.fill(room.block, variants.memory, room.at[0], room.at[1], room.at[2], room.tile)
+        hand_out(in_lanes(room.tile), first, found)
 
 
-def correct_at(
-    fill: TileFunction,
-    levels: TileFunction,
-    functions: Functions,
-    given: np.ndarray,
-    table: np.ndarray,
-    unknowns: np.ndarray,
-    q: np.ndarray,
-    curves: int,
-) -> np.ndarray:
+def correct_at(group: FollowedGroup, table: np.ndarray, unknowns: np.ndarray, q: np.ndarray) -> np.ndarray:
     """Curves at given values of the unknowns and of the input.
 
     Parameters
     ----------
-    fill, levels, functions, given, table
+    group, table
         As for `walk_seeds`; what is filled may be any curves.
     unknowns : ndarray (values, variants)
     q : ndarray (variants,)
-    curves : int
-        How many there are.
 
     Returns
     -------
     ndarray (curves, variants)
     """
+    curves, given = len(group.functions.curves), _variants(group, table)
     found = np.empty((curves, table.shape[1]))
-    arrays = (
-        np.array(functions.level_rows, np.int64),
-        given,
-        np.ascontiguousarray(table),
-        functions.memory,
-        np.ascontiguousarray(unknowns),
-        np.ascontiguousarray(q),
-        found,
-    )
+    unknowns, q, values = np.ascontiguousarray(unknowns), np.ascontiguousarray(q), len(group.given)
 
     def arguments() -> tuple:
-        return (fill, levels, *arrays, _new_room(functions, len(given), len(given), curves))
+        room = _new_room(group.functions, values, values, curves)
+        return _Functions(group.fill, group.levels), given, unknowns, q, found, room
 
-    prepare(_correct, [types.intp, types.intp, FILLS_TILE, FILLS_TILE, *(numba.typeof(a) for a in arguments()[2:])])
+    prepare(_correct, [types.intp, types.intp, *(numba.typeof(argument) for argument in arguments())])
     spread(_correct, -(-table.shape[1] // LANES), arguments)
     return found

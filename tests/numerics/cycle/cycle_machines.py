@@ -5,9 +5,9 @@ import math
 import numpy as np
 from numba import njit
 
+from engine.compiling.blocks import in_lanes
 from engine.compiling.tiles import LANES, TILE_OPTIONS, TILE_SIGNATURE
 from engine.cycle.machine import CycleMachine, Plan
-from engine.cycle.panels.lanes import in_lanes
 
 # Numbers of the press, a slider-crank with an offset: range of the input; crank, rod, offset; mass of the slider,
 # inertia of the crank; a force on the slider between two levels of its stroke as it approaches the crank's axis,
