@@ -31,7 +31,7 @@ BOTH = LEAST + GREATEST
 NONE = -1.0
 
 
-class Extreme(NamedTuple):
+class ExtremeRows(NamedTuple):
     """An extreme.
 
     Attributes
@@ -50,10 +50,10 @@ class Extreme(NamedTuple):
     other: Row
 
 
-_ROWS = len(Extreme._fields)
+_ROWS = len(ExtremeRows._fields)
 
 
-class Sought(NamedTuple):
+class SoughtExtreme(NamedTuple):
     """What is looked for: the greatest value of s (a − c (b − b₀)).
 
     Attributes
@@ -194,7 +194,7 @@ def combined(of_a: Rows, of_b: Rows, factor: float, sign: float, j: int, lane: i
 
 
 @routine
-def scan(record: Record, sought: Sought, step: int, candidate: Candidate, search: Climb) -> None:
+def scan(record: Record, sought: SoughtExtreme, step: int, candidate: Candidate, search: Climb) -> None:
     """Candidates in the panels of a step; widen the greatest value by those there."""
     slot, base, half = step * record.curves, record.whole[sought.b].first, record.panels[step].half
     of_a, of_b = record.values[slot + sought.a], record.values[slot + sought.b]
@@ -230,7 +230,7 @@ def scan(record: Record, sought: Sought, step: int, candidate: Candidate, search
 
 
 @routine
-def take_farthest(steps: int, candidates: Rows, search: Climb, found: Extreme) -> bool:
+def take_farthest(steps: int, candidates: Rows, search: Climb, found: ExtremeRows) -> bool:
     """Take each lane's candidate that may reach farthest; whether any lane has one that may reach far enough."""
     for lane in range(LANES):
         search.taken[lane], search.step[lane] = -math.inf, NONE
@@ -248,7 +248,7 @@ def take_farthest(steps: int, candidates: Rows, search: Climb, found: Extreme) -
 
 
 @routine
-def leave_next(of_a: Rows, of_b: Rows, sought: Sought, lane: int, candidate: Candidate, search: Climb) -> None:
+def leave_next(of_a: Rows, of_b: Rows, sought: SoughtExtreme, lane: int, candidate: Candidate, search: Climb) -> None:
     """Where a lane's best candidate of a step was taken, the next best becomes its best; there is none after that."""
     c, s = sought.factor[lane], sought.sign[lane]
     reach, position, done = -math.inf, NONE, int(search.at_position[lane])
@@ -268,7 +268,7 @@ def leave_next(of_a: Rows, of_b: Rows, sought: Sought, lane: int, candidate: Can
 
 
 @routine
-def fetch(record: Record, sought: Sought, work: Search) -> None:
+def fetch(record: Record, sought: SoughtExtreme, work: Search) -> None:
     """Copy what is known of the panel of each lane's candidate, and cross this off."""
     search, series, other, base = work.climb, work.series, work.other_series, record.whole[sought.b].first
     for lane in range(LANES):
@@ -343,7 +343,7 @@ def climb(series: Rows, search: Climb) -> None:
 
 
 @routine
-def compare(record: Record, sought: Sought, work: Search, found: Extreme) -> None:
+def compare(record: Record, sought: SoughtExtreme, work: Search, found: ExtremeRows) -> None:
     """Take each lane's top for its extreme if it is higher than what was found so far."""
     a, b, search = record.whole[sought.a], record.whole[sought.b], work.climb
     for lane in range(LANES):
@@ -386,16 +386,16 @@ def compare(record: Record, sought: Sought, work: Search, found: Extreme) -> Non
 
 
 @routine
-def find_extreme(record: Record, sought: Sought, work: Search, found: Extreme) -> None:
+def find_extreme(record: Record, sought: SoughtExtreme, work: Search, found: ExtremeRows) -> None:
     """Greatest (sign 1) or least (−1) value of a − c (b − b₀) over each lane's cycle.
 
     Parameters
     ----------
     record : Record
-    sought : Sought
+    sought : SoughtExtreme
     work : Search
         Used meanwhile.
-    found : Extreme
+    found : ExtremeRows
         Receives the extreme; NaN where any value isn't finite.
     """
     search, candidates, steps = work.climb, work.candidates, record.steps[0]
