@@ -128,7 +128,7 @@ def memory(kind: Memory) -> Callable:
 
 
 def _kind_within(kind: types.Type, hint: object) -> types.Type:
-    """What `in_memory` makes of a field: of records their fields, of arrays `Memory` where the record says so."""
+    """What `as_memory` makes of a field: of records their fields, of arrays `Memory` where the record says so."""
     if isinstance(kind, types.BaseNamedTuple):
         hints = get_type_hints(kind.instance_class)
         kinds = [_kind_within(k, hints[name]) for k, name in zip(kind.types, kind.fields, strict=True)]
@@ -144,7 +144,7 @@ def _value_within(context: object, builder: object, kind: types.Type, made: type
 
 
 @intrinsic
-def in_memory(typing_context: object, arrays: types.BaseNamedTuple) -> tuple:
+def as_memory(typing_context: object, arrays: types.BaseNamedTuple) -> tuple:
     """A record of arrays as the `Memory` that its annotations name; other fields stay what they are."""
     made = _kind_within(arrays, None)
 

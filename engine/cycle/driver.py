@@ -11,11 +11,11 @@ import numpy as np
 
 from engine.compiling.blocks import Row, Rows, copy_rows, gather, hand_out, hand_out_row, in_lanes
 from engine.compiling.decorators import driver, routine
-from engine.compiling.memory import in_memory
+from engine.compiling.memory import as_memory
 from engine.compiling.tiles import LANES
 from engine.cycle.events import (
     LOOKED_BESIDE,
-    Landmarks,
+    LandmarkRows,
     Level,
     Noted,
     find_crossings,
@@ -25,26 +25,26 @@ from engine.cycle.events import (
     note_coarse,
     scan_positions,
 )
-from engine.cycle.measures.angles import Turning, add_angle
+from engine.cycle.measures.angles import FollowedAngle, add_angle
 from engine.cycle.measures.averages import Averages, find_averages
 from engine.cycle.measures.extremes import (
     EACH_TURN,
     GREATEST,
     LEAST,
     LEAST_MAGNITUDE,
-    Extreme,
+    ExtremeRows,
     Search,
-    Sought,
+    SoughtExtreme,
     find_extreme,
 )
-from engine.cycle.measures.fluctuation import Ends, Fluctuation, Steady, add_speed, find_fluctuation
+from engine.cycle.measures.fluctuation import Fluctuation, SpeedEnds, SteadyWheel, add_speed, find_fluctuation
 from engine.cycle.measures.magnitudes import Parts, integrate_roots
 from engine.cycle.measures.spaced import fill_spaced
 from engine.cycle.measures.unloaded_arcs import Stretches, find_unloaded_arcs
-from engine.cycle.measures.works import Sums, add_work
+from engine.cycle.measures.works import WorkSums, add_work
 from engine.cycle.panels.chebyshev import MIDDLE, POSITIONS
 from engine.cycle.panels.directions import change_by_rounding, panel_positions
-from engine.cycle.panels.integrals import Integral, add_panels
+from engine.cycle.panels.integrals import IntegralRows, add_panels
 from engine.cycle.panels.lanes import Panels, any_positive, fill, in_panels, many, new_record, one, rows, tiles
 from engine.cycle.panels.record import Record, begin_record, keep_curve, keep_panels, keep_rounding, room_for
 from engine.cycle.panels.series import Figures, panel_figures
@@ -60,12 +60,12 @@ from engine.cycle.panels.walk import (
     note_rounding,
     set_out,
 )
-from engine.cycle.roots import Given, Roots, Samples, new_roots, new_samples, sample, solve_roots
+from engine.cycle.roots import GivenNumbers, Roots, Samples, new_roots, new_samples, sample, solve_roots
 
-_SCALES, _INTEGRAL, _EXTREME = len(Scales._fields), len(Integral._fields), len(Extreme._fields)
+_SCALES, _INTEGRAL, _EXTREME = len(Scales._fields), len(IntegralRows._fields), len(ExtremeRows._fields)
 
 
-class Functions(NamedTuple):
+class MachineFunctions(NamedTuple):
     """A machine's functions; see `engine.cycle.machine`."""
 
     events: Callable
@@ -128,7 +128,7 @@ class Task(NamedTuple):
     turn: float
 
 
-class Variants(NamedTuple):
+class EvaluatedVariants(NamedTuple):
     """Variants that are evaluated.
 
     Attributes
@@ -146,7 +146,7 @@ class Variants(NamedTuple):
     tables: np.ndarray
 
 
-class Answers(NamedTuple):
+class DriverAnswers(NamedTuple):
     """What the driver fills in: (asked, fields of a record, variants) unless stated otherwise.
 
     Attributes
@@ -219,24 +219,24 @@ class Workspace(NamedTuple):
     walk: one(Walk)
     figures: many(Figures)
     scales: many(Scales)
-    integrals: many(Integral)
+    integrals: many(IntegralRows)
     scan: Samples
     scan_beside: Samples
     turns: Roots
     crossings: Roots
     noted: one(Noted)
     heights: Rows
-    landmarks: many(Landmarks)
+    landmarks: many(LandmarkRows)
     edges: many(Edge)
-    sums: one(Sums)
-    turning: one(Turning)
+    sums: one(WorkSums)
+    turning: one(FollowedAngle)
     search: Search
-    found: one(Extreme)
+    found: one(ExtremeRows)
     fluctuation: one(Fluctuation)
-    ends: Ends
+    ends: SpeedEnds
     averages: one(Averages)
     parts: Parts
-    root: one(Integral)
+    root: one(IntegralRows)
     broken_at: Row
     too_many: Row
     sign: Row
@@ -267,7 +267,7 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
         landmarks=functions,
         edges=crossings + task.cuts.size,
         search=search,
-        ends=new_record(Ends),
+        ends=new_record(SpeedEnds),
         parts=new_record(Parts, edges=1),
         record=room_for(task.kept.size + len(task.works) + len(task.angles) + task.speeds.size, steps),
     )
@@ -304,7 +304,7 @@ def spoil(curves: int, lanes: Row, tile: Panels) -> None:
 
 
 @routine
-def sample_beside(events: Callable, given: Given, samples: Samples, beside: Samples) -> None:
+def sample_beside(events: Callable, given: GivenNumbers, samples: Samples, beside: Samples) -> None:
     """Evaluate the switching functions at some of the positions scanned, changed by their rounding."""
     at, place, stride = samples.place, beside.place, samples.tile.shape[1] // LOOKED_BESIDE
     q, cos_q, sin_q = in_lanes(place[0]), in_lanes(place[1]), in_lanes(place[2])
@@ -315,7 +315,7 @@ def sample_beside(events: Callable, given: Given, samples: Samples, beside: Samp
 
 
 @routine
-def cut(functions: Functions, task: Task, given: Given, work: Workspace) -> int:
+def cut(functions: MachineFunctions, task: Task, given: GivenNumbers, work: Workspace) -> int:
     """Find each lane's landmarks and what follows from them, and lay its edges; returns how many there are."""
     # By itself: Numba warns of functions in tuples.
     events = functions.events
@@ -350,7 +350,7 @@ def cut(functions: Functions, task: Task, given: Given, work: Workspace) -> int:
 
 
 @routine
-def follow(functions: Functions, task: Task, given: Given, edges: int, work: Workspace) -> bool:
+def follow(functions: MachineFunctions, task: Task, given: GivenNumbers, edges: int, work: Workspace) -> bool:
     """Walk over each lane's range, add up what is to be integrated, keep what is to be kept; whether there is room."""
     count, kept, walk, record, place = task.tolerance.shape[0], task.kept.shape[0], work.walk, work.record, work.place
     block, tile, figures, scales = in_lanes(given.block), in_panels(work.tile), work.figures, work.scales
@@ -417,7 +417,7 @@ def set_row(row: Row, value: float) -> None:
 
 
 @routine
-def derive(task: Task, block: Rows, first: int, work: Workspace, answers: Answers) -> None:
+def derive(task: Task, block: Rows, first: int, work: Workspace, answers: DriverAnswers) -> None:
     """Enter the curves of the record that follow from others; fluctuations are answered on the way."""
     record, kept, search = work.record, task.kept.shape[0], work.search
     for k in range(task.works.shape[0]):
@@ -429,7 +429,7 @@ def derive(task: Task, block: Rows, first: int, work: Workspace, answers: Answer
     set_row(search.period, task.period)
     for k in range(task.fluctuations.shape[0]):
         asked = task.fluctuations[k]
-        steady = Steady(asked[0], asked[1], block[asked[2]], block[asked[3]])
+        steady = SteadyWheel(asked[0], asked[1], block[asked[2]], block[asked[3]])
         find_fluctuation(record, steady, search, work.ends, work.fluctuation)
         hand_out(work.fluctuation, first, answers.fluctuations[k])
         for j in range(task.speeds.shape[0]):
@@ -438,7 +438,7 @@ def derive(task: Task, block: Rows, first: int, work: Workspace, answers: Answer
 
 
 @routine
-def answer_extremes(task: Task, block: Rows, first: int, work: Workspace, answers: Answers) -> None:
+def answer_extremes(task: Task, block: Rows, first: int, work: Workspace, answers: DriverAnswers) -> None:
     """Least and greatest values."""
     record, search, found, sign = work.record, work.search, work.found, work.sign
     for k in range(task.extremes.shape[0]):
@@ -450,7 +450,7 @@ def answer_extremes(task: Task, block: Rows, first: int, work: Workspace, answer
                 for lane in range(LANES):
                     away = sides == LEAST_MAGNITUDE and record.whole[a].first[lane] < 0.0
                     sign[lane] = 1.0 if side == 1 or away else -1.0
-                find_extreme(record, Sought(a, b, factor, sign), search, found)
+                find_extreme(record, SoughtExtreme(a, b, factor, sign), search, found)
             else:
                 fill(found, _EXTREME, math.nan)
             hand_out(found, first, answers.extremes[k, side])
@@ -460,10 +460,10 @@ def answer_extremes(task: Task, block: Rows, first: int, work: Workspace, answer
 def evaluate_blocks(
     begin: int,
     end: int,
-    functions: Functions,
+    functions: MachineFunctions,
     task: Task,
-    variants: Variants,
-    answers: Answers,
+    variants: EvaluatedVariants,
+    answers: DriverAnswers,
     workspace: Workspace,
     stretches: Stretches | None,
 ) -> None:
@@ -473,15 +473,15 @@ def evaluate_blocks(
     ----------
     begin, end : int
         Range of entries of `variants.blocks`, `end` not among them.
-    functions : Functions
+    functions : MachineFunctions
     task : Task
-    variants : Variants
-    answers : Answers
+    variants : EvaluatedVariants
+    answers : DriverAnswers
     workspace : Workspace
     stretches : Stretches or None
         None where no unloaded arcs are asked: they are asked rarely, and without them there is less to compile.
     """
-    work, given = in_memory(workspace), Given(workspace.block, variants.tables)
+    work, given = as_memory(workspace), GivenNumbers(workspace.block, variants.tables)
     record, search, walk, block = work.record, work.search, work.walk, in_lanes(workspace.block)
     starts, ends = block[task.ends[0]], block[task.ends[1]]
     for i in range(begin, end):
@@ -512,10 +512,10 @@ def evaluate_blocks(
             find_averages(record, task.averages[k], work.averages)
             hand_out(work.averages, first, answers.averages[k])
         if stretches is not None:
-            found, arcs = work.found, in_memory(stretches)
+            found, arcs = work.found, as_memory(stretches)
             for k in range(task.arcs.shape[0]):
                 square = task.arcs[k, 2]
-                find_extreme(record, Sought(square, square, search.zero, search.up), search, found)
+                find_extreme(record, SoughtExtreme(square, square, search.zero, search.up), search, found)
                 for lane in range(LANES):
                     found.value[lane] = math.sqrt(found.value[lane])
                 find_unloaded_arcs(record, task.arcs[k, 0], task.arcs[k, 1], found.value, arcs)

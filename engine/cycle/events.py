@@ -34,7 +34,7 @@ COARSE, MISSED = 0.25, 0.05
 STILL = 64.0 * ROUNDING
 
 
-class Landmarks(NamedTuple):
+class LandmarkRows(NamedTuple):
     """Landmarks of a switching function.
 
     Attributes
@@ -59,7 +59,7 @@ class Landmarks(NamedTuple):
     scale: Row
 
 
-_LANDMARKS = len(Landmarks._fields)
+_LANDMARKS = len(LandmarkRows._fields)
 
 
 class Noted(NamedTuple):
@@ -99,7 +99,7 @@ class Level(NamedTuple):
     scale: Row
 
 
-class Piece(NamedTuple):
+class MonotonePiece(NamedTuple):
     """Each lane's piece of a function.
 
     Attributes
@@ -209,7 +209,7 @@ def find_turns(function: int, samples: Samples, most: int, noted: Noted, turns: 
 
 @routine
 def find_landmarks(
-    function: int, samples: Samples, beside: Samples, turns: Roots, steepest: Row, found: Landmarks
+    function: int, samples: Samples, beside: Samples, turns: Roots, steepest: Row, found: LandmarkRows
 ) -> None:
     """Least and greatest value of a function, of the positions scanned and of those where it turns.
 
@@ -223,7 +223,7 @@ def find_landmarks(
     turns : Roots
     steepest : row
         Used meanwhile: greatest magnitude of f′.
-    found : Landmarks
+    found : LandmarkRows
         Receives them.
     """
     last, q = samples.tile.shape[1] - 1, in_lanes(samples.place[0])
@@ -299,7 +299,7 @@ def crosses(at_low: float, at_high: float, level: float, near: float) -> float:
 
 
 @routine
-def enter_crossings(piece: Piece, level: Level, before: int, most: int, noted: Noted, crossings: Roots) -> None:
+def enter_crossings(piece: MonotonePiece, level: Level, before: int, most: int, noted: Noted, crossings: Roots) -> None:
     """Enter the pieces of f marked as by `crosses` as new rows of roots; parameters as for `find_crossings`.
 
     `before` is the first row for this level.
@@ -344,7 +344,7 @@ def find_crossings(level: Level, samples: Samples, turns: Roots, most: int, note
             turns_here = (slopes[k, lane] >= 0.0) != (slopes[k + 1, lane] >= 0.0)
             marks[lane] = 0.0 if turns_here & (mark == 1.0) else mark
         if any_positive(marks):
-            piece = Piece(q[k], q[k + 1], values[k], values[k + 1])
+            piece = MonotonePiece(q[k], q[k + 1], values[k], values[k + 1])
             enter_crossings(piece, level, before, most, noted, crossings)
     at_turns = in_lanes(turns.at.tile[2 * level.function])
     for r in range(turns.used[0]):
@@ -357,7 +357,7 @@ def find_crossings(level: Level, samples: Samples, turns: Roots, most: int, note
                 mark = crosses(at_place[lane], at_end[lane], height[lane], ROUNDING * level.scale[lane])
                 # A turn that touches the level is entered once.
                 marks[lane] = 0.0 if (side == 1) & (mark == 2.0) else mark
-            enter_crossings(Piece(root.x, end, at_place, at_end), level, before, most, noted, crossings)
+            enter_crossings(MonotonePiece(root.x, end, at_place, at_end), level, before, most, noted, crossings)
 
 
 @routine

@@ -30,11 +30,19 @@ from numba import types
 from engine.compiling.nothing import nothing
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import LANES, TileFunction
-from engine.cycle.driver import Answers, Functions, Task, Variants, Workspace, evaluate_blocks, new_workspace
-from engine.cycle.events import MOST_ROOTS, Landmarks
+from engine.cycle.driver import (
+    DriverAnswers,
+    EvaluatedVariants,
+    MachineFunctions,
+    Task,
+    Workspace,
+    evaluate_blocks,
+    new_workspace,
+)
+from engine.cycle.events import MOST_ROOTS, LandmarkRows
 from engine.cycle.measured import Measured, maximum
 from engine.cycle.measures.averages import Averages
-from engine.cycle.measures.extremes import BOTH, EACH_TURN, Extreme
+from engine.cycle.measures.extremes import BOTH, EACH_TURN, ExtremeRows
 from engine.cycle.measures.fluctuation import Fluctuation
 from engine.cycle.measures.unloaded_arcs import Arc, new_stretches
 
@@ -265,7 +273,7 @@ def _measured(kind: type, answers: np.ndarray, *names: str) -> list[Measured]:
 
 
 def _extremes(answers: np.ndarray) -> Extremes:
-    return Extremes(*(part for side in range(2) for part in _measured(Extreme, answers[:, side], "value", "at")))
+    return Extremes(*(part for side in range(2) for part in _measured(ExtremeRows, answers[:, side], "value", "at")))
 
 
 @dataclass(frozen=True)
@@ -338,8 +346,8 @@ class CycleMachine:
         object.__setattr__(self, "_task", task)
 
     @cached_property
-    def _functions(self) -> Functions:
-        return Functions(*(TileFunction(f) for f in (self.events, self.levels, self.states, self.curves)))
+    def _functions(self) -> MachineFunctions:
+        return MachineFunctions(*(TileFunction(f) for f in (self.events, self.levels, self.states, self.curves)))
 
     @property
     def task(self) -> Task:
@@ -372,16 +380,16 @@ class CycleMachine:
             answers.spaced[:, coarse] = again.spaced
         return self._outcome(numbers, answers)
 
-    def _answers(self, task: Task, numbers: np.ndarray, tables: np.ndarray) -> Answers:
+    def _answers(self, task: Task, numbers: np.ndarray, tables: np.ndarray) -> DriverAnswers:
         blocks = np.arange(-(-numbers.shape[1] // LANES))
         answers = self._new_answers(numbers.shape[1], blocks.size)
         steps = _STEPS + 2 * len(task.crossings)
         while blocks.size:
-            self._run(task, Variants(blocks, numbers, tables), answers, steps)
+            self._run(task, EvaluatedVariants(blocks, numbers, tables), answers, steps)
             blocks, steps = np.flatnonzero(answers.short_of_room), 2 * steps
         return answers
 
-    def _new_answers(self, variants: int, blocks: int) -> Answers:
+    def _new_answers(self, variants: int, blocks: int) -> DriverAnswers:
         plan, kept = self.plan, self._task.kept.size
         shapes = {
             "integrals": (len(plan.integrals), 2),
@@ -391,18 +399,18 @@ class CycleMachine:
             "fluctuations": (len(plan.fluctuations), 8),
             "averages": (len(plan.averages), 4),
             "arcs": (len(plan.arcs), len(Arc._fields)),
-            "landmarks": (len(plan.landmarks), len(Landmarks._fields)),
+            "landmarks": (len(plan.landmarks), len(LandmarkRows._fields)),
             "firsts": (kept,),
             "panels": (),
             "broken_at": (),
         }
-        return Answers(
+        return DriverAnswers(
             **{name: np.empty((*shape, variants)) for name, shape in shapes.items()},
             spaced=np.full((len(plan.spaced), variants, plan.positions), np.nan),
             short_of_room=np.zeros(blocks, np.bool_),
         )
 
-    def _run(self, task: Task, variants: Variants, answers: Answers, steps: int) -> None:
+    def _run(self, task: Task, variants: EvaluatedVariants, answers: DriverAnswers, steps: int) -> None:
         stretches = new_stretches if self.plan.arcs else lambda: None
 
         def arguments() -> tuple:
@@ -423,12 +431,12 @@ class CycleMachine:
             mine["size"], mine["work"] = size, new_workspace(task, numbers, steps)
         return mine["work"]
 
-    def _outcome(self, numbers: np.ndarray, answers: Answers) -> CycleOutcome:
+    def _outcome(self, numbers: np.ndarray, answers: DriverAnswers) -> CycleOutcome:
         plan = self.plan
         kinds = (plan.extremes, plan.works, plan.combinations, plan.compared, plan.angles, plan.speeds)
         extremes = np.split(answers.extremes, np.cumsum([len(kind) for kind in kinds])[:-1])
         first, last = (numbers[row] for row in plan.ends)
-        marks = _record(Landmarks, answers.landmarks)
+        marks = _record(LandmarkRows, answers.landmarks)
         of_value = marks.value_error
         return CycleOutcome(
             Measured(answers.integrals[:, 0], answers.integrals[:, 1]),

@@ -30,7 +30,7 @@ MOST_TURNS, _SETTLED = 80, 4e-16
 _ITERATIONS, _LAST_STEP = 20, 4e-14
 
 
-class Given(NamedTuple):
+class GivenNumbers(NamedTuple):
     """What a machine's functions are given besides positions.
 
     Attributes
@@ -143,7 +143,7 @@ def open_row(row: int, function: int, level: int, roots: Roots) -> Root:
 
 
 @routine
-def sample(functions: Callable, given: Given, count: int, samples: Samples) -> None:
+def sample(functions: Callable, given: GivenNumbers, count: int, samples: Samples) -> None:
     """Evaluate all functions at the first `count` rows of positions."""
     place = samples.place
     q, cos_q, sin_q = place[0, :count], place[1, :count], place[2, :count]
@@ -212,14 +212,14 @@ def improve_roots(levels: Rows, roots: Roots) -> bool:
 
 
 @routine
-def solve_roots(functions: Callable, given: Given, levels: Rows, roots: Roots) -> None:
+def solve_roots(functions: Callable, given: GivenNumbers, levels: Rows, roots: Roots) -> None:
     """Find the roots of all rows; `roots.at` holds all functions at the places found afterwards.
 
     Parameters
     ----------
     functions : callable
         Fills in each function and its derivative.
-    given : Given
+    given : GivenNumbers
         Handed on to it.
     levels : rows (levels, LANES)
     roots : Roots

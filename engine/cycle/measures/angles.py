@@ -17,7 +17,7 @@ from engine.cycle.panels.series import TINY, larger, smaller
 from engine.laws.elementary import angle_of
 
 
-class Turning(NamedTuple):
+class FollowedAngle(NamedTuple):
     """Used meanwhile.
 
     Attributes
@@ -37,7 +37,7 @@ class Turning(NamedTuple):
 
 
 @routine
-def _follow(of_x: Rows, of_y: Rows, half: Row, angle: Rows, state: Turning) -> None:
+def _follow(of_x: Rows, of_y: Rows, half: Row, angle: Rows, state: FollowedAngle) -> None:
     """Angles at the positions of a step; lanes without a panel there stay where they are."""
     for lane in range(LANES):
         state.shortest[lane] = np.inf
@@ -56,7 +56,7 @@ def _follow(of_x: Rows, of_y: Rows, half: Row, angle: Rows, state: Turning) -> N
 
 
 @routine
-def add_angle(record: Record, x: int, y: int, angle: int, state: Turning) -> None:
+def add_angle(record: Record, x: int, y: int, angle: int, state: FollowedAngle) -> None:
     """Enter the angle of a vector of two kept curves as another kept curve [rad].
 
     Parameters
@@ -66,7 +66,7 @@ def add_angle(record: Record, x: int, y: int, angle: int, state: Turning) -> Non
         Curves of the record.
     angle : int
         Curve of the record that receives the angle.
-    state : Turning
+    state : FollowedAngle
         Used meanwhile.
     """
     values, of_x, of_y, offset = record.values, record.whole[x], record.whole[y], record.whole[angle].offset

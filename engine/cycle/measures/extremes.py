@@ -21,7 +21,7 @@ from engine.cycle.panels.chebyshev import DEGREE, MIDDLE, PLACES, POSITIONS
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import any_positive, many, one
 from engine.cycle.panels.record import Record, known_slot
-from engine.cycle.panels.series import TINY, larger, series_at, smaller
+from engine.cycle.panels.series import TINY, larger, series_at, series_value, smaller
 
 # What is looked for: both, one of them, or the least magnitude of a curve that keeps the sign of its first value; of
 # what follows a link, whose place is meant within a turn of the crank, in addition EACH_TURN.
@@ -31,7 +31,7 @@ BOTH = LEAST + GREATEST
 NONE = -1.0
 
 
-class Extreme(NamedTuple):
+class ExtremeRows(NamedTuple):
     """An extreme.
 
     Attributes
@@ -50,10 +50,10 @@ class Extreme(NamedTuple):
     other: Row
 
 
-_ROWS = len(Extreme._fields)
+_ROWS = len(ExtremeRows._fields)
 
 
-class Sought(NamedTuple):
+class SoughtExtreme(NamedTuple):
     """What is looked for: the greatest value of s (a − c (b − b₀)).
 
     Attributes
@@ -79,14 +79,13 @@ class Candidate(NamedTuple):
     ----------
     reach, position : row
         How far the best may reach, and its position.
-    next_reach, next_position : row
-        The same of the next best.
+    next_reach : row
+        How far the next best may reach.
     """
 
     reach: Row
     position: Row
     next_reach: Row
-    next_position: Row
 
 
 class Climb(NamedTuple):
@@ -195,7 +194,7 @@ def combined(of_a: Rows, of_b: Rows, factor: float, sign: float, j: int, lane: i
 
 
 @routine
-def scan(record: Record, sought: Sought, step: int, candidate: Candidate, search: Climb) -> None:
+def scan(record: Record, sought: SoughtExtreme, step: int, candidate: Candidate, search: Climb) -> None:
     """Candidates in the panels of a step; widen the greatest value by those there."""
     slot, base, half = step * record.curves, record.whole[sought.b].first, record.panels[step].half
     of_a, of_b = record.values[slot + sought.a], record.values[slot + sought.b]
@@ -203,13 +202,12 @@ def scan(record: Record, sought: Sought, step: int, candidate: Candidate, search
         c, s = sought.factor[lane], sought.sign[lane]
         here, after = combined(of_a, of_b, c, s, 0, lane), combined(of_a, of_b, c, s, 1, lane)
         fall = larger(after - combined(of_a, of_b, c, s, 2, lane), 0.0)
-        best, reach, next_reach, position, next_position = here, -math.inf, -math.inf, NONE, NONE
+        best, reach, next_reach, position = here, -math.inf, -math.inf, NONE
         # In two, each short enough to be unrolled.
         for j in range(MIDDLE):
             after = combined(of_a, of_b, c, s, j + 1, lane)
             rise = here - after
             mine = here + (LEFT[j] * fall + RIGHT[j] * rise) if (fall >= 0.0) & (rise >= 0.0) else -math.inf
-            next_position = position if mine > reach else (float(j) if mine > next_reach else next_position)
             next_reach = larger(smaller(mine, reach), next_reach)
             position = float(j) if mine > reach else position
             best, reach, here, fall = larger(after, best), larger(mine, reach), after, -rise
@@ -217,24 +215,22 @@ def scan(record: Record, sought: Sought, step: int, candidate: Candidate, search
             after = combined(of_a, of_b, c, s, j + 1, lane)
             rise = here - after
             mine = here + (LEFT[j] * fall + RIGHT[j] * rise) if (fall >= 0.0) & (rise >= 0.0) else -math.inf
-            next_position = position if mine > reach else (float(j) if mine > next_reach else next_position)
             next_reach = larger(smaller(mine, reach), next_reach)
             position = float(j) if mine > reach else position
             best, reach, here, fall = larger(after, best), larger(mine, reach), after, -rise
         rise = larger(here - fall - combined(of_a, of_b, c, s, DEGREE - 2, lane), 0.0)
         mine = here + RIGHT[DEGREE] * rise if fall >= 0.0 else -math.inf
-        next_position = position if mine > reach else (float(DEGREE) if mine > next_reach else next_position)
         next_reach = larger(smaller(mine, reach), next_reach)
         position, reach = float(DEGREE) if mine > reach else position, larger(mine, reach)
         taken, shift = half[lane] != 0.0, s * c * base[lane]
         candidate.reach[lane] = reach + shift if taken else -math.inf
         candidate.next_reach[lane] = next_reach + shift if taken else -math.inf
-        candidate.position[lane], candidate.next_position[lane] = position, next_position
+        candidate.position[lane] = position
         search.best[lane] = larger(best + shift, search.best[lane]) if taken else search.best[lane]
 
 
 @routine
-def take_farthest(steps: int, candidates: Rows, search: Climb, found: Extreme) -> bool:
+def take_farthest(steps: int, candidates: Rows, search: Climb, found: ExtremeRows) -> bool:
     """Take each lane's candidate that may reach farthest; whether any lane has one that may reach far enough."""
     for lane in range(LANES):
         search.taken[lane], search.step[lane] = -math.inf, NONE
@@ -252,8 +248,28 @@ def take_farthest(steps: int, candidates: Rows, search: Climb, found: Extreme) -
 
 
 @routine
-def fetch(record: Record, sought: Sought, work: Search) -> None:
-    """Copy what is known of the panel of each lane's candidate, and let the next best there take its place."""
+def leave_next(of_a: Rows, of_b: Rows, sought: SoughtExtreme, lane: int, candidate: Candidate, search: Climb) -> None:
+    """Where a lane's best candidate of a step was taken, the next best becomes its best; there is none after that."""
+    c, s = sought.factor[lane], sought.sign[lane]
+    reach, position, done = -math.inf, NONE, int(search.at_position[lane])
+    for j in range(POSITIONS):
+        # Of an end of the panel, the fall from the neighbour to the next but one.
+        inner = 1 if j == 0 else j
+        fall = combined(of_a, of_b, c, s, inner, lane) - combined(of_a, of_b, c, s, 2 if j == 0 else j - 1, lane)
+        inner = DEGREE - 1 if j == DEGREE else j
+        rise = combined(of_a, of_b, c, s, inner, lane)
+        rise -= combined(of_a, of_b, c, s, DEGREE - 2 if j == DEGREE else j + 1, lane)
+        fall, rise = max(fall, 0.0) if j == 0 else fall, max(rise, 0.0) if j == DEGREE else rise
+        mine = combined(of_a, of_b, c, s, j, lane) + (LEFT[j] * fall + RIGHT[j] * rise)
+        if j != done and fall >= 0.0 and rise >= 0.0 and mine > reach:
+            reach, position = mine, float(j)
+    candidate.reach[lane], candidate.position[lane] = candidate.next_reach[lane], position
+    candidate.next_reach[lane] = -math.inf
+
+
+@routine
+def fetch(record: Record, sought: SoughtExtreme, work: Search) -> None:
+    """Copy what is known of the panel of each lane's candidate, and cross this off."""
     search, series, other, base = work.climb, work.series, work.other_series, record.whole[sought.b].first
     for lane in range(LANES):
         if search.step[lane] < 0.0:
@@ -270,9 +286,9 @@ def fetch(record: Record, sought: Sought, work: Search) -> None:
         search.half[lane], search.middle[lane] = panels.half[lane], panels.middle[lane]
         search.cut_before[lane], search.cut_after[lane] = panels.opened[lane], panels.closed[lane]
         search.at_position[lane] = candidate.position[lane]
-        # There is none after that.
-        candidate.reach[lane], candidate.position[lane] = candidate.next_reach[lane], candidate.next_position[lane]
-        candidate.next_reach[lane] = -math.inf
+        candidate.reach[lane] = -math.inf
+        if candidate.next_reach[lane] > search.best[lane]:
+            leave_next(record.values[slot_a], record.values[slot_b], sought, lane, candidate, search)
 
 
 @routine
@@ -327,7 +343,7 @@ def climb(series: Rows, search: Climb) -> None:
 
 
 @routine
-def compare(record: Record, sought: Sought, work: Search, found: Extreme) -> None:
+def compare(record: Record, sought: SoughtExtreme, work: Search, found: ExtremeRows) -> None:
     """Take each lane's top for its extreme if it is higher than what was found so far."""
     a, b, search = record.whole[sought.a], record.whole[sought.b], work.climb
     for lane in range(LANES):
@@ -370,16 +386,16 @@ def compare(record: Record, sought: Sought, work: Search, found: Extreme) -> Non
 
 
 @routine
-def find_extreme(record: Record, sought: Sought, work: Search, found: Extreme) -> None:
+def find_extreme(record: Record, sought: SoughtExtreme, work: Search, found: ExtremeRows) -> None:
     """Greatest (sign 1) or least (−1) value of a − c (b − b₀) over each lane's cycle.
 
     Parameters
     ----------
     record : Record
-    sought : Sought
+    sought : SoughtExtreme
     work : Search
         Used meanwhile.
-    found : Extreme
+    found : ExtremeRows
         Receives the extreme; NaN where any value isn't finite.
     """
     search, candidates, steps = work.climb, work.candidates, record.steps[0]
@@ -395,7 +411,7 @@ def find_extreme(record: Record, sought: Sought, work: Search, found: Extreme) -
         fetch(record, sought, work)
         climb(work.series, search)
         for lane in range(LANES):
-            search.here[lane], _, _ = series_at(work.other_series, lane, search.x[lane])
+            search.here[lane] = series_value(work.other_series, lane, search.x[lane])
         compare(record, sought, work, found)
     left = take_farthest(steps, candidates, search, found)
     for lane in range(LANES):

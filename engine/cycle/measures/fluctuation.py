@@ -17,7 +17,7 @@ from typing import NamedTuple
 from engine.compiling.blocks import Row
 from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
-from engine.cycle.measures.extremes import Extreme, Search, Sought, find_extreme
+from engine.cycle.measures.extremes import ExtremeRows, Search, SoughtExtreme, find_extreme
 from engine.cycle.panels.chebyshev import POSITIONS
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import any_positive, fill, one
@@ -55,7 +55,7 @@ class Fluctuation(NamedTuple):
     step: Row
 
 
-class Steady(NamedTuple):
+class SteadyWheel(NamedTuple):
     """A steady cycle with a flywheel.
 
     Attributes
@@ -72,18 +72,18 @@ class Steady(NamedTuple):
     flywheel: Row
 
 
-class Ends(NamedTuple):
+class SpeedEnds(NamedTuple):
     """Used meanwhile: extremes at the greatest and the least speed, and a row.
 
     Attributes
     ----------
-    high, low : Extreme
+    high, low : ExtremeRows
     slowest : row
         The least of ω (I + I_F), of which an error of the energy is a share.
     """
 
-    high: one(Extreme)
-    low: one(Extreme)
+    high: one(ExtremeRows)
+    low: one(ExtremeRows)
     slowest: Row
 
 
@@ -103,7 +103,7 @@ def _slopes(omega: Row, result: Fluctuation) -> None:
 
 
 @routine
-def _improve(steady: Steady, first: Row, ends: Ends, result: Fluctuation) -> bool:
+def _improve(steady: SteadyWheel, first: Row, ends: SpeedEnds, result: Fluctuation) -> bool:
     """One step of Newton's method; whether any lane isn't there yet. A lane that is there stays."""
     omega, flywheel, high, low = steady.omega, steady.flywheel, ends.high, ends.low
     for lane in range(LANES):
@@ -134,16 +134,16 @@ def _improve(steady: Steady, first: Row, ends: Ends, result: Fluctuation) -> boo
 
 
 @routine
-def find_fluctuation(record: Record, steady: Steady, search: Search, ends: Ends, result: Fluctuation) -> None:
+def find_fluctuation(record: Record, steady: SteadyWheel, search: Search, ends: SpeedEnds, result: Fluctuation) -> None:
     """Coefficient of speed fluctuation of each lane.
 
     Parameters
     ----------
     record : Record
-    steady : Steady
+    steady : SteadyWheel
     search : Search
         Used meanwhile.
-    ends : Ends
+    ends : SpeedEnds
         Used meanwhile.
     result : Fluctuation
         Receives it; NaN where the machine would stop within the cycle.
@@ -153,8 +153,8 @@ def find_fluctuation(record: Record, steady: Steady, search: Search, ends: Ends,
         result.step[lane] = 1.0
     for _ in range(MOST_STEPS):
         _slopes(steady.omega, result)
-        find_extreme(record, Sought(steady.work, steady.inertia, result.fast, search.up), search, ends.high)
-        find_extreme(record, Sought(steady.work, steady.inertia, result.slow, search.down), search, ends.low)
+        find_extreme(record, SoughtExtreme(steady.work, steady.inertia, result.fast, search.up), search, ends.high)
+        find_extreme(record, SoughtExtreme(steady.work, steady.inertia, result.slow, search.down), search, ends.low)
         if not _improve(steady, record.whole[steady.inertia].first, ends, result):
             break
     for part in range(_ROWS):
@@ -164,14 +164,14 @@ def find_fluctuation(record: Record, steady: Steady, search: Search, ends: Ends,
 
 
 @routine
-def add_speed(record: Record, steady: Steady, ends: Ends, result: Fluctuation, speed: int) -> None:
+def add_speed(record: Record, steady: SteadyWheel, ends: SpeedEnds, result: Fluctuation, speed: int) -> None:
     """Enter the speed over the steady cycle as another kept curve: ω = √(2 E/(I + I_F)).
 
     Parameters
     ----------
     record : Record
-    steady : Steady
-    ends : Ends
+    steady : SteadyWheel
+    ends : SpeedEnds
         Used meanwhile.
     result : Fluctuation
         What `find_fluctuation` found.

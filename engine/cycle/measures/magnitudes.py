@@ -12,7 +12,7 @@ from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.chebyshev import DEGREE, PLACES, POSITIONS
-from engine.cycle.panels.integrals import ROUNDING, Integral
+from engine.cycle.panels.integrals import ROUNDING, IntegralRows
 from engine.cycle.panels.lanes import any_positive, fill, many, one
 from engine.cycle.panels.record import Record, known_slot
 from engine.cycle.panels.series import larger, panel_figures, series_at
@@ -34,7 +34,7 @@ OF_TOLERANCE = 1e-3
 # The coefficients of a root fall more slowly in the end than before, as it has branch points: so many times more may be
 # missing of its integral.
 OF_ROOT = 16.0
-_ROWS = len(Integral._fields)
+_ROWS = len(IntegralRows._fields)
 
 
 class Parts(NamedTuple):
@@ -78,7 +78,7 @@ def _roots_in_part(series: Rows, walk: Walk, roots: Rows, slopes: Rows) -> None:
 
 
 @routine
-def _add_whole(record: Record, curve: int, step: int, tolerance: float, parts: Parts, sums: Integral) -> bool:
+def _add_whole(record: Record, curve: int, step: int, tolerance: float, parts: Parts, sums: IntegralRows) -> bool:
     """Add the panels in which the root's own series says enough; whether any doesn't."""
     slot, panels, own = step * record.curves + curve, record.panels[step], record.whole[curve]
     roots, figures = record.work.shifted, record.figures
@@ -104,7 +104,7 @@ def _add_whole(record: Record, curve: int, step: int, tolerance: float, parts: P
 
 
 @routine
-def _add_parts(record: Record, half_length: Row, parts: Parts, sums: Integral) -> None:
+def _add_parts(record: Record, half_length: Row, parts: Parts, sums: IntegralRows) -> None:
     """Add the accepted parts of panels."""
     roots, figures, walk = record.work.shifted, record.figures, parts.walk
     for lane in range(LANES):
@@ -120,7 +120,7 @@ def _add_parts(record: Record, half_length: Row, parts: Parts, sums: Integral) -
 
 
 @routine
-def integrate_roots(record: Record, curve: int, tolerance: float, parts: Parts, sums: Integral) -> None:
+def integrate_roots(record: Record, curve: int, tolerance: float, parts: Parts, sums: IntegralRows) -> None:
     """Integral over the cycle of the root of a curve of the record, which is nowhere negative.
 
     Parameters
@@ -130,7 +130,7 @@ def integrate_roots(record: Record, curve: int, tolerance: float, parts: Parts, 
     tolerance : float
         What may be left of the curve, as a share of its greatest magnitude.
     parts : Parts
-    sums : Integral
+    sums : IntegralRows
         Receives value and error.
     """
     walk, scales, figures = parts.walk, parts.scales, record.figures

@@ -6,7 +6,7 @@ from engine.compiling.blocks import Row
 from engine.compiling.decorators import routine
 from engine.compiling.tiles import LANES
 from engine.cycle.panels.record import Record, known_slot
-from engine.cycle.panels.series import series_at
+from engine.cycle.panels.series import series_value
 
 # A position beyond the end of a panel by no more than this share of it is at its end.
 BEYOND = 1e-9
@@ -42,4 +42,4 @@ def fill_spaced(
             ends = (middle + half * (1.0 + BEYOND) - first[lane]) / gap
             for k in range(max(int(np.ceil(begins)), 0), min(int(np.floor(ends)), values.shape[1] - 1) + 1):
                 x = min(max((first[lane] + k * gap - middle) / half, -1.0), 1.0)
-                values[begin + lane, k], _, _ = series_at(series, lane, x)
+                values[begin + lane, k] = series_value(series, lane, x)

@@ -16,7 +16,7 @@ from engine.cycle.panels.series import larger
 from engine.cycle.panels.transforms import to_integrals
 
 
-class Sums(NamedTuple):
+class WorkSums(NamedTuple):
     """Used meanwhile.
 
     Attributes
@@ -51,14 +51,14 @@ def _less_first(values: Rows, first: Row, shifted: Rows) -> None:
 
 
 @routine
-def _add_total(integrals: Rows, half: Row, sums: Sums) -> None:
+def _add_total(integrals: Rows, half: Row, sums: WorkSums) -> None:
     for lane in range(LANES):
         sums.total[lane] += half[lane] * integrals[DEGREE, lane] if half[lane] != 0.0 else 0.0
         sums.length[lane] += 2.0 * half[lane]
 
 
 @routine
-def _from_first(integrals: Rows, half: Row, sums: Sums) -> None:
+def _from_first(integrals: Rows, half: Row, sums: WorkSums) -> None:
     """From integrals over [−1, x] of one panel to those of the curve less its mean from the first position."""
     for j in range(POSITIONS):
         for lane in range(LANES):
@@ -69,7 +69,7 @@ def _from_first(integrals: Rows, half: Row, sums: Sums) -> None:
 
 
 @routine
-def _errors(record: Record, step: int, moment: int, work: int, sums: Sums) -> None:
+def _errors(record: Record, step: int, moment: int, work: int, sums: WorkSums) -> None:
     """What lies beyond the series of the work in a panel, and what its values may be off by.
 
     Where the moment jumps at a cut, it does so within what the cut's place may be off by.
@@ -89,7 +89,7 @@ def _errors(record: Record, step: int, moment: int, work: int, sums: Sums) -> No
 
 
 @routine
-def add_work(record: Record, moment: int, about_mean: int, work: int, sums: Sums) -> None:
+def add_work(record: Record, moment: int, about_mean: int, work: int, sums: WorkSums) -> None:
     """Enter the running integral of a kept curve as another kept curve.
 
     Parameters
@@ -101,7 +101,7 @@ def add_work(record: Record, moment: int, about_mean: int, work: int, sums: Sums
         Whether its mean is taken out, 1 or 0.
     work : int
         Curve of the record that receives the integral.
-    sums : Sums
+    sums : WorkSums
         Used meanwhile.
     """
     first, offset, tiles = record.whole[moment].first, record.whole[work].offset, record.work

@@ -13,7 +13,7 @@ from engine.cycle.panels.series import Figures
 from engine.cycle.panels.walk import Walk
 
 
-class Integral(NamedTuple):
+class IntegralRows(NamedTuple):
     """An integral over the panels so far.
 
     Attributes
@@ -33,7 +33,7 @@ ROUNDING = 12.0 * np.finfo(np.float64).eps
 
 
 @routine
-def add_panels(curve: Rows, figures: Figures, walk: Walk, integral: Integral) -> None:
+def add_panels(curve: Rows, figures: Figures, walk: Walk, integral: IntegralRows) -> None:
     """Add the accepted panels' share to the integral of a curve.
 
     Where a curve jumps at an edge, it does so within what the edge's place may be off by.
@@ -43,7 +43,7 @@ def add_panels(curve: Rows, figures: Figures, walk: Walk, integral: Integral) ->
     curve : rows (POSITIONS, LANES)
     figures : Figures
     walk : Walk
-    integral : Integral
+    integral : IntegralRows
     """
     for lane in range(LANES):
         half, accepted = walk.half[lane], walk.accepted[lane] > 0.0

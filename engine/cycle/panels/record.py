@@ -35,7 +35,7 @@ class Left(NamedTuple):
     missing: Row
 
 
-class Panel(NamedTuple):
+class KeptPanel(NamedTuple):
     """Each lane's panel of a step.
 
     Attributes
@@ -87,7 +87,7 @@ class Record(NamedTuple):
         Of their Chebyshev series, where `known`.
     left : many Left
         Of each slot.
-    panels : many Panel
+    panels : many KeptPanel
         Of each step.
     whole : many Whole
         Of each curve.
@@ -106,7 +106,7 @@ class Record(NamedTuple):
     values: Panels
     coefficients: Panels
     left: many(Left)
-    panels: many(Panel)
+    panels: many(KeptPanel)
     whole: many(Whole)
     work: Memory((POSITIONS, LANES), Tiles)
     figures: one(Figures)
@@ -155,7 +155,7 @@ def keep_rounding(scales: Scales, whole: Whole) -> None:
 
 
 @routine
-def keep_panels(walk: Walk, panels: Panel) -> None:
+def keep_panels(walk: Walk, panels: KeptPanel) -> None:
     """Enter each lane's panel of a step; the half length of those that aren't accepted is 0."""
     for lane in range(LANES):
         panels.middle[lane] = walk.middle[lane]

@@ -113,3 +113,12 @@ def series_at(series: Rows, lane: int, x: float) -> tuple[float, float, float]:
         d, d_before = 2.0 * b + (twice * d - d_before), d
         b, b_before = series[DEGREE - i, lane] + (twice * b - b_before), b
     return series[0, lane] + (x * b - b_before), b + (x * d - d_before), 2.0 * d + (x * e - e_before)
+
+
+@inlined
+def series_value(series: Rows, lane: int, x: float) -> float:
+    """Value of a lane's series at x."""
+    b = b_before = 0.0
+    for i in range(DEGREE):
+        b, b_before = series[DEGREE - i, lane] + ((x + x) * b - b_before), b
+    return series[0, lane] + (x * b - b_before)

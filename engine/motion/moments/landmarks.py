@@ -8,15 +8,15 @@ from numba import types
 
 from engine.compiling.blocks import gather, hand_out, hand_out_row, in_lanes
 from engine.compiling.decorators import driver
-from engine.compiling.memory import in_memory
+from engine.compiling.memory import as_memory
 from engine.compiling.nothing import nothing
 from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import LANES, TileFunction
-from engine.cycle.driver import Functions, Task, Variants, Workspace, cut, new_workspace
+from engine.cycle.driver import EvaluatedVariants, MachineFunctions, Task, Workspace, cut, new_workspace
 from engine.cycle.machine import MOST_DOUBLINGS, CycleMachine, Plan
 from engine.cycle.panels.walk import set_out
-from engine.cycle.roots import Given as FunctionsGiven
+from engine.cycle.roots import GivenNumbers
 from engine.graph.nodes import Found, Given, reached
 from engine.mechanism.acting import Load
 from engine.motion.moments.breaks import JUMP, Breaks, watches_of
@@ -111,8 +111,8 @@ class Landmarks:
         module = load_printed(functions.text)
         found, coarse = np.full((len(self.watches), task.most_roots, variants), np.nan), np.zeros(variants)
 
-        given = Functions(TileFunction(module.events), TileFunction(module.levels), *[TileFunction(nothing)] * 2)
-        chosen = Variants(np.zeros(0, np.int64), parameters, functions.memory)
+        given = MachineFunctions(TileFunction(module.events), TileFunction(module.levels), *[TileFunction(nothing)] * 2)
+        chosen = EvaluatedVariants(np.zeros(0, np.int64), parameters, functions.memory)
 
         def arguments() -> tuple:
             return given, task, chosen, new_workspace(task, len(parameters), 0), found, coarse
@@ -143,9 +143,9 @@ class Landmarks:
 def find_places(
     begin: int,
     end: int,
-    functions: Functions,
+    functions: MachineFunctions,
     task: Task,
-    variants: Variants,
+    variants: EvaluatedVariants,
     workspace: Workspace,
     found: np.ndarray,
     coarse: np.ndarray,
@@ -155,7 +155,7 @@ def find_places(
     `found` (crossings, roots, variants) receives the places, NaN where a variant has fewer; `coarse` (variants,) 1
     where the positions scanned are too far apart; `variants.numbers` the landmarks and what follows from them.
     """
-    work, given = in_memory(workspace), FunctionsGiven(workspace.block, variants.tables)
+    work, given = as_memory(workspace), GivenNumbers(workspace.block, variants.tables)
     block, numbers, crossings = in_lanes(workspace.block), variants.numbers, work.crossings
     for b in range(begin, end):
         first = b * LANES
