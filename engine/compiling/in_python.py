@@ -35,13 +35,19 @@ def over_lanes(function: Callable, arguments: Sequence[object]) -> object:
     Parameters
     ----------
     function : callable
-    arguments : sequence of float or ndarray
+    arguments : sequence of float, ndarray, or tuple of these
         Broadcast against each other; what the function takes as an array is the same for all lanes.
     """
     hints, code = function.__annotations__, function.__code__
     taken = {i for i, name in enumerate(code.co_varnames[: code.co_argcount]) if hints.get(name) is np.ndarray}
-    whole = [i in taken for i in range(len(arguments))]
-    numbers = [np.asarray(a) for a in arguments]
+    each = [(part, i in taken) for i, a in enumerate(arguments) for part in (a if isinstance(a, tuple) else (a,))]
+    sizes = [len(a) if isinstance(a, tuple) else 0 for a in arguments]
+    numbers, whole = [np.asarray(part) for part, _ in each], [fixed for _, fixed in each]
+
+    def of_parts(*parts: object) -> object:
+        own = iter(parts)
+        return function(*(tuple(next(own) for _ in range(size)) if size else next(own) for size in sizes))
+
     shape = np.broadcast_shapes(*(a.shape for a, fixed in zip(numbers, whole, strict=True) if not fixed))
     given = [
         a.view(Lanes) if fixed else np.broadcast_to(a, shape).ravel().view(Lanes) if a.ndim else a[()]
@@ -49,7 +55,7 @@ def over_lanes(function: Callable, arguments: Sequence[object]) -> object:
     ]
     # Functions may divide by zero, and take the logarithm of zero, on the way to what they give.
     with np.errstate(all="ignore"):
-        found = _computed(function, given, whole)
+        found = _computed(of_parts, given, whole)
     if isinstance(found, tuple):
         return tuple(_shaped(part, shape) for part in found)
     return _shaped(found, shape)

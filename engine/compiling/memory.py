@@ -1,17 +1,22 @@
-"""Memory of compiled code: numbers at a pointer, with known distances between rows.
+"""Memory of compiled code: numbers at a pointer, with known distances between rows, and rows by name.
 
 Of arrays the compiler doesn't know them: it would check every pair of rows for overlap before each loop, not vectorise
 where there are too many, and take several times as long.
+
+A record of rows, `class Walk(NamedTuple)` with a field for each row, gives them their names: `walk.half[lane]`. All
+rows of a record lie at known distances from one pointer. As a tuple of rows it would be one pointer each, and every
+function would take dozens of arguments.
 """
 
 import math
 import operator
 from collections.abc import Callable
+from typing import get_type_hints
 
 from numba import types
 from numba.core import cgutils
-from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import intrinsic, lower_builtin, models, register_model
+from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_global, signature
+from numba.extending import infer_getattr, intrinsic, lower_builtin, lower_getattr_generic, models, register_model
 
 
 class Memory(types.Type):
@@ -21,16 +26,27 @@ class Memory(types.Type):
     ----------
     inner : tuple of int
         The extents but the first.
+    record : type of NamedTuple, optional
+        Whose fields name the rows of one dimension.
+    before : int
+        How many dimensions lie before that one.
     """
 
-    def __init__(self, inner: tuple[int, ...]) -> None:
-        self.inner = inner
-        super().__init__(f"Memory{inner}")
+    def __init__(self, inner: tuple[int, ...], record: type | None = None, before: int = 0) -> None:
+        self.inner, self.record, self.before = inner, record, before
+        super().__init__(f"Memory{inner}" if record is None else f"{record.__name__}{inner}{before}")
 
     @property
     def distances(self) -> list[int]:
         """How many numbers lie between neighbours in each dimension."""
         return [math.prod(self.inner[i:]) for i in range(len(self.inner) + 1)]
+
+    def within(self, indices: int) -> types.Type:
+        """What lies at so many indices."""
+        if indices > len(self.inner):
+            return types.float64
+        named = self.record is not None and indices <= self.before
+        return Memory(self.inner[indices:], *((self.record, self.before - indices) if named else ()))
 
 
 @register_model(Memory)
@@ -48,12 +64,7 @@ def _indices(index: types.Type) -> int:
 class _Get(AbstractTemplate):
     def generic(self, args: tuple, kws: dict) -> object:
         memory, index = args
-        if not isinstance(memory, Memory):
-            return None
-        # With fewer indices than dimensions: what lies there.
-        given = _indices(index)
-        found = Memory(memory.inner[given:]) if given <= len(memory.inner) else types.float64
-        return signature(found, memory, index)
+        return signature(memory.within(_indices(index)), memory, index) if isinstance(memory, Memory) else None
 
 
 @infer_global(operator.setitem)
@@ -63,6 +74,16 @@ class _Set(AbstractTemplate):
         if isinstance(memory, Memory):
             return signature(types.none, memory, index, types.float64)
         return None
+
+
+@infer_getattr
+class _GetRow(AttributeTemplate):
+    key = Memory
+
+    def generic_resolve(self, memory: Memory, name: str) -> types.Type | None:
+        if memory.record is None or memory.before or name not in memory.record._fields:
+            return None
+        return memory.within(1)
 
 
 def _pointer(context: object, builder: object, memory: Memory, index: types.Type, values: list) -> object:
@@ -87,9 +108,14 @@ def _set(context: object, builder: object, sig: object, args: list) -> None:
     builder.store(args[2], _pointer(context, builder, sig.args[0], sig.args[1], args))
 
 
-def memory(*inner: int) -> Callable:
-    """Intrinsic that takes an array in C order with these inner extents for `Memory`."""
-    kind = Memory(inner)
+@lower_getattr_generic(Memory)
+def _get_row(context: object, builder: object, memory: Memory, value: object, name: str) -> object:
+    offset = memory.record._fields.index(name) * memory.distances[0]
+    return builder.gep(value, [context.get_constant(types.intp, offset)], inbounds=True)
+
+
+def memory(kind: Memory) -> Callable:
+    """Intrinsic that takes an array in C order for `Memory` of a kind."""
 
     @intrinsic
     def taken(typing_context: object, array: types.Array) -> tuple:
@@ -99,3 +125,30 @@ def memory(*inner: int) -> Callable:
         return kind(array), generate
 
     return taken
+
+
+def _kind_within(kind: types.Type, hint: object) -> types.Type:
+    """What `as_memory` makes of a field: of records their fields, of arrays `Memory` where the record says so."""
+    if isinstance(kind, types.BaseNamedTuple):
+        hints = get_type_hints(kind.instance_class)
+        kinds = [_kind_within(k, hints[name]) for k, name in zip(kind.types, kind.fields, strict=True)]
+        return types.BaseTuple.from_types(kinds, pyclass=kind.instance_class)
+    return hint if isinstance(hint, Memory) else kind
+
+
+def _value_within(context: object, builder: object, kind: types.Type, made: types.Type, value: object) -> object:
+    if isinstance(kind, types.BaseNamedTuple):
+        parts = zip(kind.types, made.types, cgutils.unpack_tuple(builder, value), strict=True)
+        return context.make_tuple(builder, made, [_value_within(context, builder, *part) for part in parts])
+    return context.make_array(kind)(context, builder, value).data if isinstance(made, Memory) else value
+
+
+@intrinsic
+def as_memory(typing_context: object, arrays: types.BaseNamedTuple) -> tuple:
+    """A record of arrays as the `Memory` that its annotations name; other fields stay what they are."""
+    made = _kind_within(arrays, None)
+
+    def generate(context: object, builder: object, sig: object, args: list) -> object:
+        return _value_within(context, builder, arrays, made, args[0])
+
+    return made(arrays), generate

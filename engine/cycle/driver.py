@@ -9,149 +9,100 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.blocks import Row, Rows, copy_rows, gather, hand_out, hand_out_row, in_lanes
 from engine.compiling.decorators import driver, routine
+from engine.compiling.memory import as_memory
 from engine.compiling.widths import LANES
 from engine.cycle.events import (
-    LANDMARKS,
     LOOKED_BESIDE,
-    SCALE,
+    LandmarkRows,
+    Level,
+    Noted,
     find_crossings,
     find_landmarks,
     find_turns,
     lay_edges,
     note_coarse,
-    of_landmarks,
     scan_positions,
 )
-from engine.cycle.measures.angles import ANGLE_ROWS, add_angle
-from engine.cycle.measures.averages import AVERAGES, find_averages
+from engine.cycle.measures.angles import FollowedAngle, add_angle
+from engine.cycle.measures.averages import Averages, find_averages
 from engine.cycle.measures.extremes import (
-    CANDIDATE,
     EACH_TURN,
-    EXTREME,
     GREATEST,
     LEAST,
     LEAST_MAGNITUDE,
-    PERIOD,
-    SEARCH,
+    ExtremeRows,
     Search,
+    SoughtExtreme,
     find_extreme,
-    of_candidates,
 )
-from engine.cycle.measures.fluctuation import FLUCTUATION, add_speed, find_fluctuation
-from engine.cycle.measures.magnitudes import PartsRoom, integrate_roots, new_parts
+from engine.cycle.measures.fluctuation import Fluctuation, SpeedEnds, SteadyWheel, add_speed, find_fluctuation
+from engine.cycle.measures.magnitudes import Parts, integrate_roots
 from engine.cycle.measures.spaced import fill_spaced
-from engine.cycle.measures.unloaded_arcs import ARCS, MOST_STRETCHES, STRETCH, find_unloaded_arcs
-from engine.cycle.measures.works import WORK_ROWS, add_work
+from engine.cycle.measures.unloaded_arcs import Stretches, find_unloaded_arcs
+from engine.cycle.measures.works import WorkSums, add_work
 from engine.cycle.panels.chebyshev import MIDDLE, POSITIONS
 from engine.cycle.panels.directions import change_by_rounding, panel_positions
-from engine.cycle.panels.integrals import INTEGRAL, add_panels, of_integrals
-from engine.cycle.panels.lanes import ASIDE, Memory, any_positive, in_lanes, in_panels, lane_of, rows, tiles
-from engine.cycle.panels.record import (
-    FIRST,
-    Record,
-    Room,
-    begin_record,
-    keep_curve,
-    keep_panels,
-    keep_rounding,
-    new_room,
-    record_in,
-)
-from engine.cycle.panels.series import FIGURES, of_figures, panel_figures
+from engine.cycle.panels.integrals import IntegralRows, add_panels
+from engine.cycle.panels.lanes import Panels, any_positive, fill, in_panels, many, new_record, one, rows, tiles
+from engine.cycle.panels.record import Record, begin_record, keep_curve, keep_panels, keep_rounding, room_for
+from engine.cycle.panels.series import Figures, panel_figures
 from engine.cycle.panels.walk import (
-    ACCEPTED,
-    EDGES,
-    SCALES,
-    TAKEN,
-    WALK,
+    Edge,
+    Scales,
+    Walk,
     compare_root,
     compare_with_tolerance,
     find_kink,
     judge,
     next_panels,
     note_rounding,
-    of_edges,
-    of_scales,
     set_out,
 )
-from engine.cycle.panels.walk import HALF as PANEL_HALF
-from engine.cycle.panels.walk import MIDDLE as PANEL_MIDDLE
-from engine.cycle.roots import PARTS, SampleRoom, new_samples, of_roots, sample, samples_in, solve_roots
+from engine.cycle.roots import GivenNumbers, Roots, Samples, new_roots, new_samples, sample, solve_roots
+
+_SCALES, _INTEGRAL, _EXTREME = len(Scales._fields), len(IntegralRows._fields), len(ExtremeRows._fields)
+
+
+class MachineFunctions(NamedTuple):
+    """A machine's functions; see `engine.cycle.machine`."""
+
+    events: Callable
+    levels: Callable
+    states: Callable
+    curves: Callable
 
 
 class Task(NamedTuple):
-    """What is asked of a machine, by the numbers of rows and curves.
+    """What is asked of a machine: the plan of `engine.cycle.machine` in arrays.
+
+    What isn't listed is as in the plan. Of all but integrals, curves are those of the record.
 
     Attributes
     ----------
-    sizes : ndarray (4,) of int
-        Curves that the functions for events, levels, states and curves fill in.
-    ends : ndarray (2,) of int
-        Rows of P with the first and the last position of the input.
-    landmark_rows : ndarray (functions, 4) of int
-        Rows of P that receive each switching function's least and greatest value and their places; −1: none does.
-    level_rows, state_rows : ndarray of int
-        Rows of P that receive what `levels` and `states` give.
-    crossings : ndarray (crossings, 2) of int
-        Switching function and the row of P with a level of it where the cycle is cut.
-    offsets : ndarray (crossings,) of float
-        How far beyond that the level is.
-    cuts : ndarray of int
-        Rows of P with positions where the cycle is cut.
-    kinks : ndarray of int
-        Curves at whose zeros others bend.
-    scan : int
-        Positions at which switching functions are looked at.
-    looks : int
-        How many times: twice where some of them depend on landmarks of others.
     most_roots : int
-        How often each may turn, or take one level.
-    integrals : ndarray of int
-        Curves to integrate.
-    roots : ndarray of int
-        Curves of the record whose roots are to be integrated.
-    rooted : ndarray of int
-        Curves that are nowhere negative and whose roots count.
+        How often each switching function may turn, or take one level.
     kept : ndarray of int
         Curves to keep over the cycle; they are the first curves of the record.
     works : ndarray (works, 2) of int
-        Curves of the record whose running integrals are the record's next curves, and whether about the mean (1 or 0).
+        Curves whose running integrals are the record's next curves, and whether about the mean (1 or 0).
     angles : ndarray (angles, 2) of int
-        Curves of the record with the components of the vectors whose angles are its next curves.
+        Curves with the components of the vectors whose angles are its next curves.
     speeds : ndarray of int
-        Which fluctuations' speeds are the record's last curves.
+        Which fluctuations' speeds are its last curves.
     extremes : ndarray (extremes, 4) of int
-        Curves a and b of the record, the row of P with the factor c and what is looked for, as of
-        `engine.cycle.measures.extremes`, of a − c (b − b₀); the row is −1 where only a is meant.
-    fluctuations : ndarray (fluctuations, 4) of int
-        Curves of the record with the work and the inertia, rows of P with the mean speed and the flywheel's inertia.
-    averages : ndarray of int
-        Curves of the record whose mean and mean square are asked.
-    arcs : ndarray (arcs, 3) of int
-        Curves of the record with the components of forces and the squares of their magnitudes, whose unloaded arcs are
-        asked.
-    spaced : ndarray of int
-        Curves of the record whose values at equally spaced positions are asked.
-    intervals : int
-        Into how many parts these positions divide the range.
-    tolerances : ndarray (curves,) of float
-        What may be left of each curve beyond its series, as a share of its greatest magnitude.
+        Curves a and b, the row of P with the factor c and what is looked for, as in `engine.cycle.measures.extremes`,
+        of a − c (b − b₀); the row is −1 where only a is meant.
     only_integrals : ndarray (curves,) of float
-        1 for curves of which nothing but integrals is asked, else 0.
-    longest : ndarray (1,) of float
-        Longest panel.
-    periods : ndarray (2,) of float
-        After which length positions are the same again, of extremes of all and of those of EACH_TURN.
+        1 for the machine's curves of which nothing but integrals is asked, else 0.
     """
 
-    sizes: np.ndarray
     ends: np.ndarray
-    landmark_rows: np.ndarray
-    level_rows: np.ndarray
-    state_rows: np.ndarray
+    landmarks: np.ndarray
+    levels: np.ndarray
+    states: np.ndarray
     crossings: np.ndarray
-    offsets: np.ndarray
     cuts: np.ndarray
     kinks: np.ndarray
     scan: int
@@ -170,38 +121,48 @@ class Task(NamedTuple):
     arcs: np.ndarray
     spaced: np.ndarray
     intervals: int
-    tolerances: np.ndarray
+    tolerance: np.ndarray
     only_integrals: np.ndarray
-    longest: np.ndarray
-    periods: np.ndarray
+    longest: float
+    period: float
+    turn: float
 
 
-class DriverAnswers(NamedTuple):
-    """What the driver fills in.
+class EvaluatedVariants(NamedTuple):
+    """Variants that are evaluated.
 
     Attributes
     ----------
-    integrals : ndarray (integrals × 2, variants)
-        Value and error.
-    roots : ndarray (roots × 2, variants)
-        Value and error of the integrals of roots.
+    blocks : ndarray of int
+        Blocks of LANES variants.
+    numbers : ndarray (numbers, variants)
+        P of all variants.
+    tables : ndarray
+        T.
+    """
+
+    blocks: np.ndarray
+    numbers: np.ndarray
+    tables: np.ndarray
+
+
+class DriverAnswers(NamedTuple):
+    """What the driver fills in: (asked, fields of a record, variants) unless stated otherwise.
+
+    Attributes
+    ----------
+    integrals, roots : ndarray
+        Value and error, of curves and of roots of curves.
     sizes : ndarray (curves, variants)
         Greatest magnitudes.
-    extremes : ndarray (extremes × 2 × 4, variants)
-        Of the least and the greatest value: value, its error, place, its error.
-    fluctuations : ndarray (fluctuations × RESULTS, variants)
-        As of `engine.cycle.measures.fluctuation`.
-    averages : ndarray (averages × 4, variants)
-        Mean, its error, mean square, its error.
-    arcs : ndarray (arcs × 4, variants)
-        Arc, its error, its middle, its error.
-    landmarks : ndarray (functions × LANDMARKS, variants)
-        As of `engine.cycle.events`.
+    extremes : ndarray (extremes, 2, 4, variants)
+        The least and the greatest value: value, its error, place, its error.
+    fluctuations, averages, arcs, landmarks : ndarray
     firsts : ndarray (kept, variants)
         First values of the kept curves.
-    panels : ndarray (1, variants)
+    panels : ndarray (variants,)
         How many panels were taken.
-    broken_at : ndarray (1, variants)
+    broken_at : ndarray (variants,)
         First position where a curve isn't finite; NaN where there is none, infinite where something switches too often.
     spaced : ndarray (spaced, variants, positions)
         Values at equally spaced positions.
@@ -224,46 +185,99 @@ class DriverAnswers(NamedTuple):
     short_of_room: np.ndarray
 
 
-@routine
-def gather(numbers: np.ndarray, begin: int, block: Memory) -> None:
-    """Numbers of a block of variants; lanes beyond the last variant repeat it."""
-    count = min(LANES, numbers.shape[1] - begin)
-    for i in range(numbers.shape[0]):
-        if count == LANES:
-            for lane in range(LANES):
-                block[i, lane] = numbers[i, begin + lane]
-        else:
-            for lane in range(LANES):
-                block[i, lane] = numbers[i, begin + min(lane, count - 1)]
+class Workspace(NamedTuple):
+    """Memory for a block of variants, used again for the next.
+
+    Attributes
+    ----------
+    block : ndarray (numbers, LANES)
+        Numbers of the block's variants.
+    place : ndarray (3, POSITIONS, LANES)
+        Input positions of each lane's panel with cosine and sine.
+    tile, level_tile, state_tile : ndarray (curves, POSITIONS, LANES), (levels, 1, LANES), (states, 1, LANES)
+    figures, scales : many
+        Of each curve.
+    scan, scan_beside : Samples
+        Switching functions at the positions scanned, and at some of these changed by their rounding.
+    turns, crossings : Roots
+        Where they turn and take levels.
+    heights : rows
+        Of the levels of crossings.
+    broken_at : row
+        First position where a curve isn't finite.
+    too_many : row
+        Whether positions scanned are too far apart, or something switches more often than there is room for.
+    sign : row
+        Of first values.
+    """
+
+    block: np.ndarray
+    place: np.ndarray
+    tile: np.ndarray
+    level_tile: np.ndarray
+    state_tile: np.ndarray
+    walk: one(Walk)
+    figures: many(Figures)
+    scales: many(Scales)
+    integrals: many(IntegralRows)
+    scan: Samples
+    scan_beside: Samples
+    turns: Roots
+    crossings: Roots
+    noted: one(Noted)
+    heights: Rows
+    landmarks: many(LandmarkRows)
+    edges: many(Edge)
+    sums: one(WorkSums)
+    turning: one(FollowedAngle)
+    search: Search
+    found: one(ExtremeRows)
+    fluctuation: one(Fluctuation)
+    ends: SpeedEnds
+    averages: one(Averages)
+    parts: Parts
+    root: one(IntegralRows)
+    broken_at: Row
+    too_many: Row
+    sign: Row
+    record: Record
+
+
+def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
+    """Memory for a task, with room for so many steps of a walk."""
+    functions, count = len(task.landmarks), task.tolerance.size
+    crossings = len(task.crossings) * task.most_roots
+    search = new_record(Search, candidates=steps, series=POSITIONS, other_series=POSITIONS)
+    search.up[:], search.down[:] = 1.0, -1.0
+    return new_record(
+        Workspace,
+        block=rows(numbers),
+        place=tiles(3),
+        tile=tiles(count),
+        level_tile=rows(task.levels.size, 1),
+        state_tile=rows(task.states.size, 1),
+        figures=count,
+        scales=count,
+        integrals=task.integrals.size,
+        scan=new_samples(functions, task.scan),
+        scan_beside=new_samples(functions, LOOKED_BESIDE),
+        turns=new_roots(functions, functions * task.most_roots),
+        crossings=new_roots(functions, crossings),
+        heights=max(len(task.crossings), 1),
+        landmarks=functions,
+        edges=crossings + task.cuts.size,
+        search=search,
+        ends=new_record(SpeedEnds),
+        parts=new_record(Parts, edges=1),
+        record=room_for(task.kept.size + len(task.works) + len(task.angles) + task.speeds.size, steps),
+    )
 
 
 @routine
-def hand_out(count: int, block: Memory, begin: int, row: int, answers: np.ndarray) -> None:
-    """Write rows of a block to their variants, to rows of the answers from `row` on."""
-    lanes = min(LANES, answers.shape[1] - begin)
-    for i in range(count):
-        if lanes == LANES:
-            for lane in range(LANES):
-                answers[row + i, begin + lane] = block[i, lane]
-        else:
-            for lane in range(lanes):
-                answers[row + i, begin + lane] = block[i, lane]
-
-
-@routine
-def copy_rows(given: Memory, wanted: np.ndarray, block: Memory) -> None:
-    """Copy rows to those rows of the block's numbers that are to receive them, if any."""
-    for i in range(wanted.shape[0]):
-        if wanted[i] >= 0:
-            for lane in range(LANES):
-                block[wanted[i], lane] = given[i, lane]
-
-
-@routine
-def mark_broken(curves: int, tile: Memory, q: Memory, walk: Memory, broken_at: Memory) -> None:
+def mark_broken(curves: int, tile: Panels, q: Rows, walk: Walk, broken_at: Row) -> None:
     """Note the first position where a curve isn't finite, in lanes where none was noted yet."""
     for lane in range(LANES):
-        if walk[ACCEPTED, lane] == 0.0 or not math.isnan(broken_at[lane]):
+        if walk.accepted[lane] == 0.0 or not math.isnan(broken_at[lane]):
             continue
         for i in range(POSITIONS):
             j = POSITIONS - 1 - i
@@ -272,149 +286,8 @@ def mark_broken(curves: int, tile: Memory, q: Memory, walk: Memory, broken_at: M
                     broken_at[lane] = q[j, lane]
 
 
-class Workspace(NamedTuple):
-    """Memory for a block of variants, used again for the next.
-
-    Attributes
-    ----------
-    block : ndarray (numbers, LANES)
-        Numbers of the block's variants.
-    walk : ndarray (WALK, LANES)
-    place : ndarray (3, POSITIONS, LANES)
-        Input positions of each lane's panel with cosine and sine.
-    tile, level_tile, state_tile : ndarray (curves, POSITIONS, LANES), (levels, 1, LANES), (states, 1, LANES)
-    figures : ndarray (curves, FIGURES, LANES)
-    scales : ndarray (curves, SCALES, LANES)
-    integrals : ndarray (integrals, INTEGRAL, LANES)
-    scan, scan_beside, turn, crossing : SampleRoom
-        Switching functions at the positions scanned, at some of these changed by their rounding, where they turn, and
-        where they take levels.
-    turns, crossings : ndarray (rows, PARTS, LANES)
-        Their roots.
-    turn_sought, crossing_sought : ndarray (rows, 2) of int
-        What is looked for.
-    landmarks : ndarray (functions, LANDMARKS, LANES)
-    edges : ndarray (edges, EDGES, LANES)
-    sums : ndarray (WORK_ROWS, LANES)
-    marks : ndarray (6, LANES)
-        Zeros; first position where a curve isn't finite; three rows used meanwhile; whether positions scanned are too
-        far apart, or something switches more often than there is room for.
-    series : ndarray (2, POSITIONS, LANES)
-    candidates : ndarray (steps, CANDIDATE, LANES)
-    search : ndarray (SEARCH, LANES)
-    found : ndarray (2 EXTREME, LANES)
-    result : ndarray (FLUCTUATION, LANES)
-    averages : ndarray (AVERAGES, LANES)
-    arcs : ndarray (ARCS, LANES)
-    signs : ndarray (3, LANES)
-        1 and −1, and those of first values.
-    angle : ndarray (ANGLE_ROWS, LANES)
-    of_one : ndarray (1, FIGURES, LANES)
-        Figures of one panel of one curve.
-    parts : PartsRoom
-        For a walk over parts of panels.
-    root : ndarray (INTEGRAL, LANES)
-        Integral of a root.
-    stretches : ndarray (MOST_STRETCHES, STRETCH)
-    order : ndarray (MOST_STRETCHES,) of int
-    room : Room
-        For the record.
-    """
-
-    block: np.ndarray
-    walk: np.ndarray
-    place: np.ndarray
-    tile: np.ndarray
-    level_tile: np.ndarray
-    state_tile: np.ndarray
-    figures: np.ndarray
-    scales: np.ndarray
-    integrals: np.ndarray
-    scan: SampleRoom
-    scan_beside: SampleRoom
-    turn: SampleRoom
-    crossing: SampleRoom
-    turns: np.ndarray
-    crossings: np.ndarray
-    turn_sought: np.ndarray
-    crossing_sought: np.ndarray
-    levels: np.ndarray
-    landmarks: np.ndarray
-    edges: np.ndarray
-    sums: np.ndarray
-    marks: np.ndarray
-    series: np.ndarray
-    candidates: np.ndarray
-    search: np.ndarray
-    found: np.ndarray
-    result: np.ndarray
-    averages: np.ndarray
-    arcs: np.ndarray
-    signs: np.ndarray
-    angle: np.ndarray
-    of_one: np.ndarray
-    parts: PartsRoom
-    root: np.ndarray
-    stretches: np.ndarray
-    order: np.ndarray
-    room: Room
-
-
-def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
-    """Memory for a task, with room for so many steps of a walk."""
-    functions, count = task.sizes[0] // 2, task.sizes[3]
-    turns, crossings = functions * task.most_roots, len(task.crossings) * task.most_roots
-    return Workspace(
-        rows(numbers),
-        rows(WALK, aside=ASIDE),
-        tiles(3),
-        tiles(count),
-        rows(task.sizes[1], 1),
-        rows(task.sizes[2], 1),
-        rows(count, FIGURES, aside=ASIDE),
-        rows(count, SCALES, aside=ASIDE),
-        rows(task.integrals.size, INTEGRAL, aside=ASIDE),
-        new_samples(functions, task.scan),
-        new_samples(functions, LOOKED_BESIDE),
-        new_samples(functions, turns),
-        new_samples(functions, crossings),
-        rows(turns, PARTS),
-        rows(crossings, PARTS),
-        np.zeros((turns, 2), np.int64),
-        np.zeros((crossings, 2), np.int64),
-        rows(max(len(task.crossings), 1)),
-        rows(functions, LANDMARKS),
-        rows(crossings + task.cuts.size, EDGES, aside=ASIDE),
-        rows(WORK_ROWS, aside=ASIDE),
-        rows(6, aside=ASIDE),
-        tiles(2),
-        rows(steps, CANDIDATE, aside=ASIDE),
-        rows(SEARCH, aside=ASIDE),
-        rows(2 * EXTREME, aside=ASIDE),
-        rows(FLUCTUATION, aside=ASIDE),
-        rows(AVERAGES, aside=ASIDE),
-        rows(ARCS, aside=ASIDE),
-        rows(3, aside=ASIDE),
-        rows(ANGLE_ROWS, aside=ASIDE),
-        rows(1, FIGURES, aside=ASIDE),
-        new_parts(),
-        rows(INTEGRAL, aside=ASIDE),
-        np.zeros((MOST_STRETCHES if len(task.arcs) else 1, STRETCH)),
-        np.zeros(MOST_STRETCHES if len(task.arcs) else 1, np.int64),
-        new_room(task.kept.size + len(task.works) + len(task.angles) + task.speeds.size, steps),
-    )
-
-
 @routine
-def fill(count: int, block: Memory, value: float) -> None:
-    """Set rows to a value."""
-    for i in range(count):
-        for lane in range(LANES):
-            block[i, lane] = value
-
-
-@routine
-def note_too_many(counts: Memory, most: int, scale: Memory, too_many: Memory) -> None:
+def note_too_many(counts: Row, most: int, scale: Row, too_many: Row) -> None:
     """Note the lanes in which there is no room for all roots, but of functions that aren't finite everywhere."""
     for lane in range(LANES):
         more = (counts[lane] > float(most)) & (abs(scale[lane]) < math.inf)
@@ -422,7 +295,7 @@ def note_too_many(counts: Memory, most: int, scale: Memory, too_many: Memory) ->
 
 
 @routine
-def spoil(curves: int, lanes: Memory, tile: Memory) -> None:
+def spoil(curves: int, lanes: Row, tile: Panels) -> None:
     """Make all curves NaN in some lanes."""
     for c in range(curves):
         for j in range(POSITIONS):
@@ -431,280 +304,225 @@ def spoil(curves: int, lanes: Memory, tile: Memory) -> None:
 
 
 @routine
-def sample_beside(events: Callable, task: Task, tables: np.ndarray, work: Workspace) -> None:
+def sample_beside(events: Callable, given: GivenNumbers, samples: Samples, beside: Samples) -> None:
     """Evaluate the switching functions at some of the positions scanned, changed by their rounding."""
-    from_place, place, stride = work.scan.place, work.scan_beside.place, task.scan // LOOKED_BESIDE
+    at, place, stride = samples.place, beside.place, samples.tile.shape[1] // LOOKED_BESIDE
     q, cos_q, sin_q = in_lanes(place[0]), in_lanes(place[1]), in_lanes(place[2])
-    given_q, given_cos, given_sin = in_lanes(from_place[0]), in_lanes(from_place[1]), in_lanes(from_place[2])
+    given_q, given_cos, given_sin = in_lanes(at[0]), in_lanes(at[1]), in_lanes(at[2])
     for k in range(LOOKED_BESIDE):
         change_by_rounding(k * stride, given_q, given_cos, given_sin, k, q, cos_q, sin_q)
-    events(work.block, tables, place[0], place[1], place[2], work.scan_beside.tile)
+    events(given.block, given.tables, place[0], place[1], place[2], beside.tile)
 
 
 @routine
-def cut(
-    events: Callable, levels: Callable, task: Task, tables: np.ndarray, walk: Memory, edges: Memory, work: Workspace
-) -> int:
+def cut(functions: MachineFunctions, task: Task, given: GivenNumbers, work: Workspace) -> int:
     """Find each lane's landmarks and what follows from them, and lay its edges; returns how many there are."""
-    block, marks, counts, spare, too_many = (
-        in_lanes(work.block),
-        lane_of(work.marks[2]),
-        lane_of(work.marks[3]),
-        lane_of(work.marks[4]),
-        lane_of(work.marks[5]),
-    )
-    scan, turned, crossed = samples_in(work.scan), samples_in(work.turn), samples_in(work.crossing)
-    beside = samples_in(work.scan_beside)
-    landmarks, turns, crossings = of_landmarks(work.landmarks), of_roots(work.turns), of_roots(work.crossings)
-    functions = task.landmark_rows.shape[0]
-    heights = in_lanes(work.levels)
-    turn_rows = crossing_rows = 0 * functions
+    # By itself: Numba warns of functions in tuples.
+    events = functions.events
+    block, most, place = in_lanes(given.block), task.most_roots, work.place
+    turns, crossings, noted, count = work.turns, work.crossings, work.noted, task.landmarks.shape[0]
+    crossings.used[0] = 0
     for _ in range(task.looks):
-        if functions > 0:
-            turn_rows = 0 * functions
-            scan_positions(block[task.ends[0]], block[task.ends[1]], task.scan, scan.q)
-            sample(events, work.block, tables, task.scan, scan)
-            sample_beside(events, task, tables, work)
-            for f in range(functions):
-                turn_rows = find_turns(f, scan, turn_rows, work.turn_sought, turns, marks, counts, task.most_roots)
-            solve_roots(events, work.block, tables, turn_rows, work.turn_sought, heights, turned, turns)
-            for f in range(functions):
-                find_landmarks(f, scan, turn_rows, work.turn_sought, turned, turns, beside, spare, landmarks)
-                note_coarse(f, scan, landmarks[f, SCALE], spare, marks, counts, too_many)
-                copy_rows(landmarks[f], task.landmark_rows[f], block)
-        if task.sizes[1] > 0:
-            levels(work.block, tables, work.place[0, :1], work.place[1, :1], work.place[2, :1], work.level_tile)
-            copy_rows(in_lanes(work.level_tile), task.level_rows, block)
+        if count > 0:
+            turns.used[0] = 0
+            scan_positions(block[task.ends[0]], block[task.ends[1]], task.scan, in_lanes(work.scan.place[0]))
+            sample(events, given, task.scan, work.scan)
+            sample_beside(events, given, work.scan, work.scan_beside)
+            for f in range(count):
+                find_turns(f, work.scan, most, noted, turns)
+            solve_roots(events, given, work.heights, turns)
+            for f in range(count):
+                find_landmarks(f, work.scan, work.scan_beside, turns, noted.steepest, work.landmarks[f])
+                note_coarse(f, work.scan, work.landmarks[f].scale, noted, work.too_many)
+                copy_rows(work.landmarks[f], task.landmarks[f], block)
+        if task.levels.shape[0] > 0:
+            functions.levels(given.block, given.tables, place[0, :1], place[1, :1], place[2, :1], work.level_tile)
+            copy_rows(in_lanes(work.level_tile), task.levels, block)
     for c in range(task.crossings.shape[0]):
-        f, row = task.crossings[c, 0], task.crossings[c, 1]
+        f, row, offset = int(task.crossings[c, 0]), int(task.crossings[c, 1]), task.crossings[c, 2]
+        height, scale = work.heights[c], work.landmarks[f].scale
         for lane in range(LANES):
-            heights[c, lane] = block[row, lane] + task.offsets[c]
-        crossing_rows = find_crossings(
-            f,
-            c,
-            heights[c],
-            landmarks[f, SCALE],
-            scan,
-            turn_rows,
-            work.turn_sought,
-            turned,
-            turns,
-            crossing_rows,
-            work.crossing_sought,
-            crossings,
-            marks,
-            counts,
-            task.most_roots,
-        )
-        note_too_many(counts, task.most_roots, landmarks[f, SCALE], too_many)
-    solve_roots(events, work.block, tables, crossing_rows, work.crossing_sought, heights, crossed, crossings)
-    return lay_edges(crossing_rows, work.crossing_sought, crossed, crossings, landmarks, task.cuts, block, walk, edges)
+            height[lane] = block[row, lane] + offset
+        find_crossings(Level(f, c, height, scale), work.scan, turns, most, noted, crossings)
+        note_too_many(noted.counts, most, scale, work.too_many)
+    solve_roots(events, given, work.heights, crossings)
+    return lay_edges(crossings, work.landmarks, task.cuts, block, work.walk, work.edges)
 
 
 @routine
-def follow(
-    states: Callable,
-    curves: Callable,
-    task: Task,
-    tables: np.ndarray,
-    edges: Memory,
-    edge_count: int,
-    walk: Memory,
-    figures: Memory,
-    scales: Memory,
-    integrals: Memory,
-    broken_at: Memory,
-    record: Record,
-    work: Workspace,
-) -> int:
-    """Walk over each lane's range, add up what is to be integrated, keep what is to be kept; returns the steps kept.
-
-    One more than there is room for where there isn't enough.
-    """
-    count, kept, step = task.sizes[3], task.kept.shape[0], 0 * edge_count
-    block, tile, q = in_lanes(work.block), in_panels(work.tile), in_lanes(work.place[0])
-    cos_q, sin_q, too_many = in_lanes(work.place[1]), in_lanes(work.place[2]), lane_of(work.marks[5])
-    any_lost = any_positive(too_many)
-    while next_panels(edges, edge_count, walk):
-        panel_positions(walk[PANEL_MIDDLE], walk[PANEL_HALF], q, cos_q, sin_q)
-        if task.sizes[2] > 0:
-            middle_q, middle_cos = work.place[0, MIDDLE : MIDDLE + 1], work.place[1, MIDDLE : MIDDLE + 1]
-            states(work.block, tables, middle_q, middle_cos, work.place[2, MIDDLE : MIDDLE + 1], work.state_tile)
-            copy_rows(in_lanes(work.state_tile), task.state_rows, block)
-        curves(work.block, tables, work.place[0], work.place[1], work.place[2], work.tile)
+def follow(functions: MachineFunctions, task: Task, given: GivenNumbers, edges: int, work: Workspace) -> bool:
+    """Walk over each lane's range, add up what is to be integrated, keep what is to be kept; whether there is room."""
+    count, kept, walk, record, place = task.tolerance.shape[0], task.kept.shape[0], work.walk, work.record, work.place
+    block, tile, figures, scales = in_lanes(given.block), in_panels(work.tile), work.figures, work.scales
+    q, cos_q, sin_q = in_lanes(place[0]), in_lanes(place[1]), in_lanes(place[2])
+    any_lost = any_positive(work.too_many)
+    while next_panels(work.edges, edges, walk):
+        panel_positions(walk.middle, walk.half, q, cos_q, sin_q)
+        if task.states.shape[0] > 0:
+            middle_q, middle_cos = place[0, MIDDLE : MIDDLE + 1], place[1, MIDDLE : MIDDLE + 1]
+            middle_sin = place[2, MIDDLE : MIDDLE + 1]
+            functions.states(given.block, given.tables, middle_q, middle_cos, middle_sin, work.state_tile)
+            copy_rows(in_lanes(work.state_tile), task.states, block)
+        functions.curves(given.block, given.tables, place[0], place[1], place[2], work.tile)
         if any_lost:
-            spoil(count, too_many, tile)
+            spoil(count, work.too_many, tile)
         broken = False
         for c in range(count):
-            panel_figures(tile, c, figures, c)
-            note_rounding(tile, c, scales, c, walk)
-            broken |= compare_with_tolerance(figures, c, task.tolerances[c], task.only_integrals[c], scales, walk)
+            panel_figures(tile[c], figures[c])
+            note_rounding(tile[c], scales[c], walk)
+            broken |= compare_with_tolerance(figures[c], task.tolerance[c], task.only_integrals[c], scales[c], walk)
         for k in range(task.rooted.shape[0]):
             c = task.rooted[k]
-            compare_root(tile, figures, c, task.tolerances[c], scales, walk)
+            compare_root(tile[c], figures[c], task.tolerance[c], scales[c], walk)
         for k in range(task.kinks.shape[0]):
-            find_kink(tile, task.kinks[k], walk)
-        if not judge(task.longest[0], walk):
+            find_kink(tile[task.kinks[k]], walk)
+        if not judge(task.longest, walk):
             continue
         if broken:
-            mark_broken(count, tile, q, walk, broken_at)
+            mark_broken(count, tile, q, walk, work.broken_at)
         for k in range(task.integrals.shape[0]):
-            add_panels(tile, figures, task.integrals[k], walk, integrals, k)
+            c = task.integrals[k]
+            add_panels(tile[c], figures[c], walk, work.integrals[k])
         if kept > 0:
-            if step == work.candidates.shape[0]:
-                return step + 1
-            keep_panels(walk, step, record.panels)
+            step = record.steps[0]
+            if step == record.most_steps:
+                return False
+            keep_panels(walk, record.panels[step])
             for k in range(kept):
                 c = task.kept[k]
-                keep_curve(tile, c, figures, walk, record, k, step)
-        step += 1
+                keep_curve(tile[c], figures[c], walk, record, step, k)
+            record.steps[0] = step + 1
     for k in range(kept):
-        keep_rounding(scales, task.kept[k], record, k)
-    return step
+        keep_rounding(scales[task.kept[k]], record.whole[k])
+    return True
+
+
+@routine
+def begin_block(task: Task, work: Workspace) -> None:
+    """Forget the block before."""
+    begin_record(work.record)
+    for c in range(task.tolerance.shape[0]):
+        fill(work.scales[c], _SCALES, 0.0)
+    for k in range(task.integrals.shape[0]):
+        fill(work.integrals[k], _INTEGRAL, 0.0)
+    for lane in range(LANES):
+        work.broken_at[lane], work.too_many[lane] = math.nan, 0.0
+
+
+@routine
+def set_row(row: Row, value: float) -> None:
+    """Set a row to a value."""
+    for lane in range(LANES):
+        row[lane] = value
+
+
+@routine
+def derive(task: Task, block: Rows, first: int, work: Workspace, answers: DriverAnswers) -> None:
+    """Enter the curves of the record that follow from others; fluctuations are answered on the way."""
+    record, kept, search = work.record, task.kept.shape[0], work.search
+    for k in range(task.works.shape[0]):
+        add_work(record, task.works[k, 0], task.works[k, 1], kept + k, work.sums)
+    kept += task.works.shape[0]
+    for k in range(task.angles.shape[0]):
+        add_angle(record, task.angles[k, 0], task.angles[k, 1], kept + k, work.turning)
+    kept += task.angles.shape[0]
+    set_row(search.period, task.period)
+    for k in range(task.fluctuations.shape[0]):
+        asked = task.fluctuations[k]
+        steady = SteadyWheel(asked[0], asked[1], block[asked[2]], block[asked[3]])
+        find_fluctuation(record, steady, search, work.ends, work.fluctuation)
+        hand_out(work.fluctuation, first, answers.fluctuations[k])
+        for j in range(task.speeds.shape[0]):
+            if task.speeds[j] == k:
+                add_speed(record, steady, work.ends, work.fluctuation, kept + j)
+
+
+@routine
+def answer_extremes(task: Task, block: Rows, first: int, work: Workspace, answers: DriverAnswers) -> None:
+    """Least and greatest values."""
+    record, search, found, sign = work.record, work.search, work.found, work.sign
+    for k in range(task.extremes.shape[0]):
+        a, b, row, sides = task.extremes[k, 0], task.extremes[k, 1], task.extremes[k, 2], task.extremes[k, 3]
+        factor = block[row] if row >= 0 else search.zero
+        set_row(search.period, task.turn if sides & EACH_TURN else task.period)
+        for side in range(2):
+            if sides & (GREATEST if side == 1 else LEAST + LEAST_MAGNITUDE):
+                for lane in range(LANES):
+                    away = sides == LEAST_MAGNITUDE and record.whole[a].first[lane] < 0.0
+                    sign[lane] = 1.0 if side == 1 or away else -1.0
+                find_extreme(record, SoughtExtreme(a, b, factor, sign), search, found)
+            else:
+                fill(found, _EXTREME, math.nan)
+            hand_out(found, first, answers.extremes[k, side])
 
 
 @driver
 def evaluate_blocks(
     begin: int,
     end: int,
-    blocks: np.ndarray,
-    events: Callable,
-    levels: Callable,
-    states: Callable,
-    curves: Callable,
+    functions: MachineFunctions,
     task: Task,
-    numbers: np.ndarray,
-    tables: np.ndarray,
-    to_coefficients: np.ndarray,
-    to_integrals: np.ndarray,
+    variants: EvaluatedVariants,
     answers: DriverAnswers,
-    work: Workspace,
-    arcs_asked: int | None,
+    workspace: Workspace,
+    stretches: Stretches | None,
 ) -> None:
     """Evaluate blocks of variants.
 
     Parameters
     ----------
     begin, end : int
-        Range of entries of `blocks`, `end` not among them.
-    blocks : ndarray of int
-        Blocks of LANES variants.
-    events, levels, states, curves : callable
-        The machine's functions.
+        Range of entries of `variants.blocks`, `end` not among them.
+    functions : MachineFunctions
     task : Task
-    numbers : ndarray (numbers, variants)
-    tables : ndarray
-        Handed on to the machine's functions.
-    to_coefficients, to_integrals : ndarray
-        The matrices of `engine.cycle.panels.chebyshev`.
+    variants : EvaluatedVariants
     answers : DriverAnswers
-    work : Workspace
-    arcs_asked : int or None
+    workspace : Workspace
+    stretches : Stretches or None
         None where no unloaded arcs are asked: they are asked rarely, and without them there is less to compile.
     """
-    kept, integrated, count = task.kept.shape[0], task.integrals.shape[0], task.sizes[3]
-    block, walk, figures, scales = (
-        in_lanes(work.block),
-        in_lanes(work.walk),
-        of_figures(work.figures),
-        of_scales(work.scales),
-    )
-    integrals, edges, sums = of_integrals(work.integrals), of_edges(work.edges), in_lanes(work.sums)
-    marks, found, result = in_lanes(work.marks), in_lanes(work.found), in_lanes(work.result)
-    landmarks, record, of_one = of_landmarks(work.landmarks), record_in(work.room), of_figures(work.of_one)
-    averages, arcs, signs, angle = (
-        in_lanes(work.averages),
-        in_lanes(work.arcs),
-        in_lanes(work.signs),
-        in_lanes(work.angle),
-    )
-    series, root = in_panels(work.series), in_lanes(work.root)
-    search = Search(of_candidates(work.candidates), series[0], series[1], in_lanes(work.search))
-    high, low, none, broken_at, spare = found, in_lanes(work.found[EXTREME:]), marks[0], marks[1], marks[2]
-    too_many = marks[5]
-    # Read off arrays, as a function is compiled once more for every number that is known.
-    one, four = answers.panels.shape[0], work.arcs.shape[0]
-    two = one + one
-    first_work, first_angle = kept, kept + task.works.shape[0]
-    first_speed = first_angle + task.angles.shape[0]
-    for lane in range(LANES):
-        signs[0, lane], signs[1, lane] = 1.0, -1.0
-    of_landmark, of_fluctuation = work.landmarks.shape[1], work.result.shape[0] - 3
+    work, given = as_memory(workspace), GivenNumbers(workspace.block, variants.tables)
+    record, search, walk, block = work.record, work.search, work.walk, in_lanes(workspace.block)
+    starts, ends = block[task.ends[0]], block[task.ends[1]]
     for i in range(begin, end):
-        b = blocks[i]
+        b = variants.blocks[i]
         first = b * LANES
-        gather(numbers, first, block)
-        begin_record(record)
-        fill(count * SCALES, in_lanes(work.scales), 0.0)
-        fill(integrated * INTEGRAL, in_lanes(work.integrals), 0.0)
-        fill(1, in_lanes(work.marks[1:]), math.nan)
-        fill(1, in_lanes(work.marks[5:]), 0.0)
-        set_out(block[task.ends[0]], block[task.ends[1]], task.longest[0], walk)
-        cuts = cut(events, levels, task, tables, walk, edges, work)
+        gather(variants.numbers, first, block)
+        begin_block(task, work)
+        set_out(starts, ends, task.longest, walk)
+        edges = cut(functions, task, given, work)
         for lane in range(LANES):
             # Not for a position of the input.
-            broken_at[lane] = math.inf if too_many[lane] > 0.0 else broken_at[lane]
-        steps = follow(
-            states, curves, task, tables, edges, cuts, walk, figures, scales, integrals, broken_at, record, work
-        )
-        answers.short_of_room[b] = steps > work.candidates.shape[0]
+            work.broken_at[lane] = math.inf if work.too_many[lane] > 0.0 else work.broken_at[lane]
+        answers.short_of_room[b] = not follow(functions, task, given, edges, work)
         if answers.short_of_room[b]:
             continue
-        for k in range(task.works.shape[0]):
-            add_work(record, to_integrals, steps, task.works[k, 0], task.works[k, 1], first_work + k, sums)
-        for k in range(task.angles.shape[0]):
-            add_angle(record, steps, task.angles[k, 0], task.angles[k, 1], first_angle + k, of_one, angle)
-        for f in range(task.landmark_rows.shape[0]):
-            hand_out(of_landmark, landmarks[f], first, f * of_landmark, answers.landmarks)
-        for k in range(integrated):
-            hand_out(two, integrals[k], first, two * k, answers.integrals)
+        derive(task, block, first, work, answers)
+        for f in range(task.landmarks.shape[0]):
+            hand_out(work.landmarks[f], first, answers.landmarks[f])
+        for k in range(task.integrals.shape[0]):
+            hand_out(work.integrals[k], first, answers.integrals[k])
         for k in range(task.roots.shape[0]):
-            tolerance = task.tolerances[task.kept[task.roots[k]]]
-            integrate_roots(record, to_coefficients, steps, task.roots[k], tolerance, work.parts, root)
-            hand_out(two, root, first, two * k, answers.roots)
-        for c in range(count):
-            hand_out(one, scales[c], first, c, answers.sizes)
-        fill(1, in_lanes(work.search[PERIOD:]), task.periods[0])
-        for k in range(task.fluctuations.shape[0]):
-            x, y = task.fluctuations[k, 0], task.fluctuations[k, 1]
-            speed, wheel = block[task.fluctuations[k, 2]], block[task.fluctuations[k, 3]]
-            up, down = signs[0], signs[1]
-            find_fluctuation(record, to_coefficients, steps, x, y, speed, wheel, search, up, down, high, low, result)
-            hand_out(of_fluctuation, result, first, of_fluctuation * k, answers.fluctuations)
-            for j in range(task.speeds.shape[0]):
-                if task.speeds[j] == k:
-                    add_speed(record, steps, x, y, speed, wheel, result, first_speed + j, of_one, spare)
-        for k in range(task.extremes.shape[0]):
-            x, y, row, sides = task.extremes[k, 0], task.extremes[k, 1], task.extremes[k, 2], task.extremes[k, 3]
-            fill(1, in_lanes(work.search[PERIOD:]), task.periods[1 if sides & EACH_TURN else 0])
-            for side in range(2):
-                if sides == LEAST_MAGNITUDE:
-                    for lane in range(LANES):
-                        signs[2, lane] = 1.0 if record.whole[x, FIRST, lane] < 0.0 else -1.0
-                if sides & (GREATEST if side == 1 else LEAST + LEAST_MAGNITUDE):
-                    factor = block[row] if row >= 0 else none
-                    sign = signs[2] if sides == LEAST_MAGNITUDE else signs[1 - side]
-                    find_extreme(record, to_coefficients, steps, x, y, factor, sign, search, found)
-                else:
-                    fill(four, found, math.nan)
-                hand_out(four, found, first, four * (two * k + side), answers.extremes)
+            integrate_roots(record, task.roots[k], task.tolerance[task.kept[task.roots[k]]], work.parts, work.root)
+            hand_out(work.root, first, answers.roots[k])
+        for c in range(task.tolerance.shape[0]):
+            hand_out_row(work.scales[c].greatest, first, answers.sizes[c])
+        answer_extremes(task, block, first, work, answers)
         for k in range(task.averages.shape[0]):
-            find_averages(record, steps, task.averages[k], of_one, spare, averages)
-            hand_out(four, averages, first, four * k, answers.averages)
-        if arcs_asked is not None:
+            find_averages(record, task.averages[k], work.averages)
+            hand_out(work.averages, first, answers.averages[k])
+        if stretches is not None:
+            found, arcs = work.found, as_memory(stretches)
             for k in range(task.arcs.shape[0]):
-                x = task.arcs[k, 2]
-                find_extreme(record, to_coefficients, steps, x, x, none, signs[0], search, found)
+                square = task.arcs[k, 2]
+                find_extreme(record, SoughtExtreme(square, square, search.zero, search.up), search, found)
                 for lane in range(LANES):
-                    spare[lane] = math.sqrt(found[0, lane])
-                x, y = task.arcs[k, 0], task.arcs[k, 1]
-                find_unloaded_arcs(record, to_coefficients, steps, x, y, spare, work.stretches, work.order, arcs)
-                hand_out(four, arcs, first, four * k, answers.arcs)
+                    found.value[lane] = math.sqrt(found.value[lane])
+                find_unloaded_arcs(record, task.arcs[k, 0], task.arcs[k, 1], found.value, arcs)
+                hand_out(arcs.arc, first, answers.arcs[k])
         for k in range(task.spaced.shape[0]):
-            begins, ends = block[task.ends[0]], block[task.ends[1]]
-            intervals, values = task.intervals, answers.spaced[k]
-            fill_spaced(record, to_coefficients, steps, task.spaced[k], begins, ends, intervals, first, values)
-        for k in range(kept):
-            hand_out(one, in_lanes(work.room.whole[k, FIRST:]), first, k, answers.firsts)
-        hand_out(one, in_lanes(work.walk[TAKEN:]), first, one - one, answers.panels)
-        hand_out(one, in_lanes(work.marks[1:]), first, one - one, answers.broken_at)
+            fill_spaced(record, task.spaced[k], starts, ends, task.intervals, first, answers.spaced[k])
+        for k in range(task.kept.shape[0]):
+            hand_out_row(record.whole[k].first, first, answers.firsts[k])
+        hand_out_row(walk.taken, first, answers.panels)
+        hand_out_row(work.broken_at, first, answers.broken_at)

@@ -29,41 +29,31 @@ from numba import types
 
 from engine.compiling.nothing import nothing
 from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE, TileFunction
+from engine.compiling.tiles import TileFunction
 from engine.compiling.widths import LANES
-from engine.cycle.driver import DriverAnswers, Task, Workspace, evaluate_blocks, new_workspace
-from engine.cycle.events import (
-    GREATEST,
-    GREATEST_AT,
-    GREATEST_AT_ERROR,
-    LANDMARKS,
-    LEAST,
-    LEAST_AT,
-    LEAST_AT_ERROR,
-    MOST_ROOTS,
-    VALUE_ERROR,
+from engine.cycle.driver import (
+    DriverAnswers,
+    EvaluatedVariants,
+    MachineFunctions,
+    Task,
+    Workspace,
+    evaluate_blocks,
+    new_workspace,
 )
+from engine.cycle.events import MOST_ROOTS, LandmarkRows
 from engine.cycle.measured import Measured, maximum
-from engine.cycle.measures.extremes import BOTH, EACH_TURN
-from engine.cycle.measures.fluctuation import (
-    DELTA,
-    DELTA_ERROR,
-    FASTEST_AT,
-    FASTEST_AT_ERROR,
-    RESULTS,
-    SLOWEST_AT,
-    SLOWEST_AT_ERROR,
-    TOP,
-    TOP_ERROR,
-)
-from engine.cycle.panels.chebyshev import TO_COEFFICIENTS, TO_INTEGRALS
+from engine.cycle.measures.averages import Averages
+from engine.cycle.measures.extremes import BOTH, EACH_TURN, ExtremeRows
+from engine.cycle.measures.fluctuation import Fluctuation
+from engine.cycle.measures.unloaded_arcs import Arc, new_stretches
 
+# What is the same in a plan and in its task.
+_SAME = ("ends", "levels", "states", "cuts", "kinks", "integrals", "rooted", "speeds")
 # Steps of the walk that there is room for to begin with, besides two for each level of a crossing; blocks that
 # need more are evaluated again.
 _STEPS = 24
 # How often positions scanned, and room for roots, are doubled for variants that need more, before they have no results.
 MOST_DOUBLINGS = 6
-_LEAST_SIDE, _GREATEST_SIDE = range(2)
 
 
 @dataclass(frozen=True)
@@ -272,13 +262,19 @@ def _integers(values: Sequence, columns: int = 0) -> np.ndarray:
     return np.array(values, dtype=np.int64).reshape((-1, columns) if columns else -1)
 
 
-def _pair(answers: np.ndarray, value: int, error: int) -> Measured:
-    return Measured(answers[:, value], answers[:, error])
+def _record(kind: type, answers: np.ndarray) -> tuple:
+    """The answers (asked, fields, variants) of a record, as far as it is handed out, by name."""
+    return kind(*np.moveaxis(answers, 1, 0), *[None] * (len(kind._fields) - answers.shape[1]))
+
+
+def _measured(kind: type, answers: np.ndarray, *names: str) -> list[Measured]:
+    """Answers of a record by name, each with its error."""
+    found = _record(kind, answers)
+    return [Measured(getattr(found, name), getattr(found, f"{name}_error")) for name in names]
 
 
 def _extremes(answers: np.ndarray) -> Extremes:
-    least, greatest = answers[:, _LEAST_SIDE], answers[:, _GREATEST_SIDE]
-    return Extremes(_pair(least, 0, 1), _pair(least, 2, 3), _pair(greatest, 0, 1), _pair(greatest, 2, 3))
+    return Extremes(*(part for side in range(2) for part in _measured(ExtremeRows, answers[:, side], "value", "at")))
 
 
 @dataclass(frozen=True)
@@ -297,7 +293,6 @@ class CycleMachine:
     events: Callable = nothing
     levels: Callable = nothing
     states: Callable = nothing
-    _kept: tuple[int, ...] = field(init=False)
     _task: Task = field(init=False)
     # The kinds of arguments that the driver is ready for.
     _prepared: set[tuple] = field(init=False, default_factory=set)
@@ -330,44 +325,30 @@ class CycleMachine:
             *((own["angles", k], own["angles", k], -1, BOTH + EACH_TURN) for k in range(len(plan.angles))),
             *((own["speeds", k], own["speeds", k], -1, BOTH) for k in range(len(plan.speeds))),
         ]
-        tolerances = np.broadcast_to(np.asarray(plan.tolerance, dtype=float), (plan.curves,)).copy()
+        same = {name: _integers(getattr(plan, name)) for name in _SAME}
         task = Task(
-            _integers((2 * len(plan.landmarks), len(plan.levels), len(plan.states), plan.curves)),
-            _integers(plan.ends),
-            _integers(plan.landmarks, 4),
-            _integers(plan.levels),
-            _integers(plan.states),
-            _integers([crossing[:2] for crossing in plan.crossings], 2),
-            np.array([offset for *_, offset in plan.crossings], float),
-            _integers(plan.cuts),
-            _integers(plan.kinks),
-            plan.scan,
-            plan.looks,
-            MOST_ROOTS * plan.turns,
-            _integers(plan.integrals),
-            _integers([curve[r] for r in plan.roots]),
-            _integers(plan.rooted),
-            _integers(kept),
-            _integers([*((curve[m], 1) for m in moments), *((curve[r], 0) for r in rates)], 2),
-            _integers([(curve[x], curve[y]) for x, y in plan.angles], 2),
-            _integers(plan.speeds),
-            _integers(extremes, 4),
-            _integers([(row["works", m], curve[i], *given) for m, i, *given in plan.fluctuations], 4),
-            _integers([own[name] for name in plan.averages]),
-            _integers([[curve[c] for c in arc] for arc in plan.arcs], 3),
-            _integers([own[name] for name in plan.spaced]),
-            plan.intervals,
-            tolerances,
-            np.array([float(c in plan.integrals and c not in kept) for c in range(plan.curves)]),
-            np.array([plan.longest]),
-            np.array([plan.period, plan.turn]),
+            **same,
+            **{name: getattr(plan, name) for name in ("scan", "looks", "intervals", "longest", "period", "turn")},
+            landmarks=_integers(plan.landmarks, 4),
+            crossings=np.array(plan.crossings, float).reshape(-1, 3),
+            most_roots=MOST_ROOTS * plan.turns,
+            roots=_integers([curve[r] for r in plan.roots]),
+            kept=_integers(kept),
+            works=_integers([*((curve[m], 1) for m in moments), *((curve[r], 0) for r in rates)], 2),
+            angles=_integers([(curve[x], curve[y]) for x, y in plan.angles], 2),
+            extremes=_integers(extremes, 4),
+            fluctuations=_integers([(row["works", m], curve[i], *given) for m, i, *given in plan.fluctuations], 4),
+            averages=_integers([own[name] for name in plan.averages]),
+            arcs=_integers([[curve[c] for c in arc] for arc in plan.arcs], 3),
+            spaced=_integers([own[name] for name in plan.spaced]),
+            tolerance=np.broadcast_to(np.asarray(plan.tolerance, dtype=float), (plan.curves,)).copy(),
+            only_integrals=np.array([float(c in plan.integrals and c not in kept) for c in range(plan.curves)]),
         )
-        object.__setattr__(self, "_kept", tuple(kept))
         object.__setattr__(self, "_task", task)
 
     @cached_property
-    def _functions(self) -> list[TileFunction]:
-        return [TileFunction(function) for function in (self.events, self.levels, self.states, self.curves)]
+    def _functions(self) -> MachineFunctions:
+        return MachineFunctions(*(TileFunction(f) for f in (self.events, self.levels, self.states, self.curves)))
 
     @property
     def task(self) -> Task:
@@ -389,7 +370,7 @@ class CycleMachine:
         tables = np.zeros(1) if tables is None else np.ascontiguousarray(tables, dtype=float)
         answers = self._answers(task, numbers, tables)
         for _ in range(MOST_DOUBLINGS):
-            coarse = np.flatnonzero(np.isinf(answers.broken_at[0]))
+            coarse = np.flatnonzero(np.isinf(answers.broken_at))
             if not coarse.size:
                 break
             # In blocks of their own: what a variant is told depends on nothing but the variant.
@@ -401,57 +382,47 @@ class CycleMachine:
         return self._outcome(numbers, answers)
 
     def _answers(self, task: Task, numbers: np.ndarray, tables: np.ndarray) -> DriverAnswers:
-        plan, variants = self.plan, numbers.shape[1]
-        blocks = -(-variants // LANES)
-        shapes = (
-            (len(plan.integrals), 2),
-            (len(plan.roots), 2),
-            (plan.curves,),
-            (len(task.extremes), 2, 4),
-            (len(plan.fluctuations), RESULTS),
-            (len(plan.averages), 4),
-            (len(plan.arcs), 4),
-            (len(plan.landmarks), LANDMARKS),
-            (len(self._kept),),
-            (1,),
-            (1,),
-        )
-        spaced = np.full((len(plan.spaced), variants, plan.positions), np.nan)
-        answers = DriverAnswers(
-            *(np.empty((math.prod(s), variants)) for s in shapes), spaced, np.zeros(blocks, np.bool_)
-        )
+        blocks = np.arange(-(-numbers.shape[1] // LANES))
+        answers = self._new_answers(numbers.shape[1], blocks.size)
         steps = _STEPS + 2 * len(task.crossings)
-        self._run(task, numbers, tables, answers, range(blocks), steps)
-        while answers.short_of_room.any():
-            steps *= 2
-            self._run(task, numbers, tables, answers, np.flatnonzero(answers.short_of_room), steps)
-        parts = (part.reshape(*shape, variants) for part, shape in zip(answers, shapes, strict=False))
-        return DriverAnswers(*parts, spaced, answers.short_of_room)
+        while blocks.size:
+            self._run(task, EvaluatedVariants(blocks, numbers, tables), answers, steps)
+            blocks, steps = np.flatnonzero(answers.short_of_room), 2 * steps
+        return answers
 
-    def _run(
-        self,
-        task: Task,
-        numbers: np.ndarray,
-        tables: np.ndarray,
-        answers: DriverAnswers,
-        blocks: Sequence[int],
-        steps: int,
-    ) -> None:
-        matrices, plan, functions = (TO_COEFFICIENTS, TO_INTEGRALS), self.plan, self._functions
-        arcs_asked = 1 if plan.arcs else None
-        chosen = np.asarray(blocks, dtype=np.int64)
+    def _new_answers(self, variants: int, blocks: int) -> DriverAnswers:
+        plan, kept = self.plan, self._task.kept.size
+        shapes = {
+            "integrals": (len(plan.integrals), 2),
+            "roots": (len(plan.roots), 2),
+            "sizes": (plan.curves,),
+            "extremes": (len(self._task.extremes), 2, 4),
+            "fluctuations": (len(plan.fluctuations), 8),
+            "averages": (len(plan.averages), 4),
+            "arcs": (len(plan.arcs), len(Arc._fields)),
+            "landmarks": (len(plan.landmarks), len(LandmarkRows._fields)),
+            "firsts": (kept,),
+            "panels": (),
+            "broken_at": (),
+        }
+        return DriverAnswers(
+            **{name: np.empty((*shape, variants)) for name, shape in shapes.items()},
+            spaced=np.full((len(plan.spaced), variants, plan.positions), np.nan),
+            short_of_room=np.zeros(blocks, np.bool_),
+        )
+
+    def _run(self, task: Task, variants: EvaluatedVariants, answers: DriverAnswers, steps: int) -> None:
+        stretches = new_stretches if self.plan.arcs else lambda: None
 
         def arguments() -> tuple:
-            work = self._workspace(task, len(numbers), steps)
-            return (chosen, *functions, task, numbers, tables, *matrices, answers, work, arcs_asked)
+            work = self._workspace(task, len(variants.numbers), steps)
+            return self._functions, task, variants, answers, work, stretches()
 
-        kinds = (arcs_asked, numbers.flags.writeable, tables.flags.writeable)
+        kinds = (variants.numbers.flags.writeable, variants.tables.flags.writeable)
         if kinds not in self._prepared:
-            given = arguments()
-            of_functions = [types.intp, types.intp, numba.typeof(chosen), *[FILLS_TILE] * len(functions)]
-            prepare(evaluate_blocks, [*of_functions, *(numba.typeof(a) for a in given[1 + len(functions) :])])
+            prepare(evaluate_blocks, [types.intp, types.intp, *(numba.typeof(a) for a in arguments())])
             self._prepared.add(kinds)
-        spread(evaluate_blocks, len(chosen), arguments)
+        spread(evaluate_blocks, len(variants.blocks), arguments)
 
     def _workspace(self, task: Task, numbers: int, steps: int) -> Workspace:
         """Memory for this thread: that of the call before where it is large enough."""
@@ -462,34 +433,29 @@ class CycleMachine:
         return mine["work"]
 
     def _outcome(self, numbers: np.ndarray, answers: DriverAnswers) -> CycleOutcome:
-        plan, marks, wheels = self.plan, answers.landmarks, answers.fluctuations
+        plan = self.plan
         kinds = (plan.extremes, plan.works, plan.combinations, plan.compared, plan.angles, plan.speeds)
         extremes = np.split(answers.extremes, np.cumsum([len(kind) for kind in kinds])[:-1])
         first, last = (numbers[row] for row in plan.ends)
+        marks = _record(LandmarkRows, answers.landmarks)
+        of_value = marks.value_error
         return CycleOutcome(
-            _pair(answers.integrals, 0, 1),
-            _pair(answers.roots, 0, 1),
+            Measured(answers.integrals[:, 0], answers.integrals[:, 1]),
+            Measured(answers.roots[:, 0], answers.roots[:, 1]),
             answers.sizes,
             last - first,
             *(_extremes(of) for of in extremes),
             Extremes(
-                _pair(marks, LEAST, VALUE_ERROR),
-                _pair(marks, LEAST_AT, LEAST_AT_ERROR),
-                _pair(marks, GREATEST, VALUE_ERROR),
-                _pair(marks, GREATEST_AT, GREATEST_AT_ERROR),
+                Measured(marks.least, of_value),
+                Measured(marks.least_at, marks.least_at_error),
+                Measured(marks.greatest, of_value),
+                Measured(marks.greatest_at, marks.greatest_at_error),
             ),
-            Fluctuations(
-                _pair(wheels, DELTA, DELTA_ERROR),
-                _pair(wheels, SLOWEST_AT, SLOWEST_AT_ERROR),
-                _pair(wheels, FASTEST_AT, FASTEST_AT_ERROR),
-                _pair(wheels, TOP, TOP_ERROR),
-            ),
-            _pair(answers.averages, 0, 1),
-            _pair(answers.averages, 2, 3),
-            _pair(answers.arcs, 0, 1),
-            _pair(answers.arcs, 2, 3),
+            Fluctuations(*_measured(Fluctuation, answers.fluctuations, "delta", "slowest_at", "fastest_at", "top")),
+            *_measured(Averages, answers.averages, "mean", "square"),
+            *_measured(Arc, answers.arcs, "arc", "middle"),
             answers.spaced,
-            dict(zip(self._kept, answers.firsts, strict=True)),
-            answers.panels[0].astype(np.int64),
-            answers.broken_at[0],
+            dict(zip(self._task.kept.tolist(), answers.firsts, strict=True)),
+            answers.panels.astype(np.int64),
+            answers.broken_at,
         )

@@ -12,20 +12,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.blocks import Row, Rows, in_lanes
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.widths import LANES
 from engine.cycle.panels.directions import directions
-from engine.cycle.panels.lanes import Memory, any_positive, in_lanes, memory, rows
+from engine.cycle.panels.lanes import any_positive, many, new_record, rows
 
-# Parts of a root: its interval, and f less the level, or f′, at the interval's ends; its place X; the place BEFORE and
-# what was to vanish there; LENGTH of the last step, and that which is short enough; a MARK.
-LOW, HIGH, AT_LOW, AT_HIGH, X, BEFORE, AT_BEFORE, LENGTH, ENOUGH, MARK = range(10)
-# Of a turn, the interval to begin with and f at its ends.
-FIRST_LOW, FIRST_HIGH, F_LOW, F_HIGH = range(10, 14)
-PARTS = 14
-of_roots = memory(PARTS, LANES)
-# What a row looks for: the number of f, and that of the level or TURN.
-FUNCTION, LEVEL = range(2)
+# The level of a row that looks for a turn.
 TURN = -1
 # Length of the last step, as a share of the interval.
 FOUND = 1e-11
@@ -34,90 +27,154 @@ MOST_STEPS = 60
 MOST_TURNS, _SETTLED = 80, 4e-16
 
 
-class SampledFunctions(NamedTuple):
+class GivenNumbers(NamedTuple):
+    """What a machine's functions are given besides positions.
+
+    Attributes
+    ----------
+    block : ndarray (numbers, LANES)
+        Numbers of each lane's variant.
+    tables : ndarray
+        That all lanes share.
+    """
+
+    block: np.ndarray
+    tables: np.ndarray
+
+
+class Samples(NamedTuple):
     """Functions and their derivatives at rows of positions.
 
     Attributes
     ----------
-    room : int
-        How many rows of positions there may be.
-    q : rows (room, LANES)
-    values : rows (2 functions × room, LANES)
-        f_i at row k of positions is 2 i · room + k, its derivative (2 i + 1) · room + k.
     place : ndarray (3, room, LANES)
         Positions with cosine and sine.
     tile : ndarray (2 functions, room, LANES)
-        The values as the machine's function sees them.
+        By turns f and f′.
     """
 
-    room: int
-    q: Memory
-    values: Memory
     place: np.ndarray
     tile: np.ndarray
 
 
-class SampleRoom(NamedTuple):
-    """Arrays for `SampledFunctions`."""
+class Root(NamedTuple):
+    """A root in each lane.
 
-    place: np.ndarray
-    tile: np.ndarray
+    Attributes
+    ----------
+    low, high, at_low, at_high : row
+        Its interval, and f less the level, or f′, at the interval's ends.
+    x : row
+        Its place.
+    before, at_before : row
+        The place before, and what was to vanish there.
+    length, enough : row
+        Length of the last step, and that which is short enough.
+    mark : row
+    first_low, first_high, f_low, f_high : row
+        Of a turn, the interval to begin with and f at its ends.
+    """
+
+    low: Row
+    high: Row
+    at_low: Row
+    at_high: Row
+    x: Row
+    before: Row
+    at_before: Row
+    length: Row
+    enough: Row
+    mark: Row
+    first_low: Row
+    first_high: Row
+    f_low: Row
+    f_high: Row
 
 
-def new_samples(functions: int, room: int) -> SampleRoom:
+_PARTS = len(Root._fields)
+
+
+class Roots(NamedTuple):
+    """Rows of roots.
+
+    Attributes
+    ----------
+    rows : many Root
+    used : ndarray (1,) of int
+        How many rows are used.
+    function, level : ndarray (rows,) of int
+        What each looks for: the number of f, and that of the level or TURN.
+    at : Samples
+        All functions at the places.
+    """
+
+    rows: many(Root)
+    used: np.ndarray
+    function: np.ndarray
+    level: np.ndarray
+    at: Samples
+
+
+def new_samples(functions: int, room: int) -> Samples:
     """Room for so many functions at so many rows of positions."""
-    return SampleRoom(rows(3, room), rows(2 * functions, room))
+    return Samples(rows(3, room), rows(2 * functions, room))
+
+
+def new_roots(functions: int, room: int) -> Roots:
+    """Room for so many rows of roots of so many functions."""
+    used, function, level = (np.zeros(size, np.int64) for size in (1, room, room))
+    return new_record(Roots, rows=room, used=used, function=function, level=level, at=new_samples(functions, room))
 
 
 @routine
-def samples_in(given: SampleRoom) -> SampledFunctions:
-    """The samples in their memory."""
-    return SampledFunctions(
-        given.place.shape[1], in_lanes(given.place[0]), in_lanes(given.tile), given.place, given.tile
-    )
+def open_row(row: int, function: int, level: int, roots: Roots) -> Root:
+    """A row of roots; begin it if it is the next one."""
+    root = roots.rows[row]
+    if row == roots.used[0]:
+        for part in range(_PARTS):
+            for lane in range(LANES):
+                root[part, lane] = math.nan
+        roots.function[row], roots.level[row] = function, level
+        roots.used[0] = row + 1
+    return root
 
 
 @routine
-def sample(functions: Callable, block: np.ndarray, tables: np.ndarray, count: int, samples: SampledFunctions) -> None:
+def sample(functions: Callable, given: GivenNumbers, count: int, samples: Samples) -> None:
     """Evaluate all functions at the first `count` rows of positions."""
     place = samples.place
     q, cos_q, sin_q = place[0, :count], place[1, :count], place[2, :count]
     directions(count, in_lanes(q), in_lanes(cos_q), in_lanes(sin_q))
-    functions(block, tables, q, cos_q, sin_q, samples.tile)
+    functions(given.block, given.tables, q, cos_q, sin_q, samples.tile)
 
 
 @routine
-def begin_roots(count: int, roots: Memory) -> None:
+def begin_roots(roots: Roots) -> None:
     """Begin each root on the straight line between the ends of its interval."""
-    for r in range(count):
+    for r in range(roots.used[0]):
+        root = roots.rows[r]
         for lane in range(LANES):
-            low, high = roots[r, LOW, lane], roots[r, HIGH, lane]
-            at_low, at_high = roots[r, AT_LOW, lane], roots[r, AT_HIGH, lane]
+            low, high = root.low[lane], root.high[lane]
+            at_low, at_high = root.at_low[lane], root.at_high[lane]
             share = at_low / (at_low - at_high)
             share = share if (share > 0.0) & (share < 1.0) else 0.5
             nearer = abs(at_low) < abs(at_high)
-            roots[r, X, lane] = low + (high - low) * share
-            roots[r, BEFORE, lane] = low if nearer else high
-            roots[r, AT_BEFORE, lane] = at_low if nearer else at_high
-            roots[r, LENGTH, lane] = abs(high - low)
-            roots[r, ENOUGH, lane] = FOUND * abs(high - low)
+            root.x[lane] = low + (high - low) * share
+            root.before[lane] = low if nearer else high
+            root.at_before[lane] = at_low if nearer else at_high
+            root.length[lane] = abs(high - low)
+            root.enough[lane] = FOUND * abs(high - low)
 
 
 @routine
-def improve_roots(count: int, sought: np.ndarray, levels: Memory, room: int, values: Memory, roots: Memory) -> bool:
+def improve_roots(levels: Rows, roots: Roots) -> bool:
     """Move each root by one step.
 
     Parameters
     ----------
-    count : int
-        Number of rows used.
-    sought : ndarray (rows, 2) of int
-        FUNCTION and LEVEL of each row.
     levels : rows (levels, LANES)
-    room : int
-    values : rows (2 functions × room, LANES)
-        As of `SampledFunctions`, at the X of each row.
-    roots : rows (rows, PARTS, LANES)
+    roots : Roots
+        With all functions at their places.
 
     Returns
     -------
@@ -125,69 +182,58 @@ def improve_roots(count: int, sought: np.ndarray, levels: Memory, room: int, val
         Whether any root isn't found yet. One that is stays.
     """
     going = False
-    for r in range(count):
-        f_row, level = 2 * sought[r, FUNCTION] * room + r, max(sought[r, LEVEL], 0)
-        turns = 1.0 if sought[r, LEVEL] == TURN else 0.0
+    for r in range(roots.used[0]):
+        root, f, level = roots.rows[r], roots.function[r], max(roots.level[r], 0)
+        values, slopes = in_lanes(roots.at.tile[2 * f, r:]), in_lanes(roots.at.tile[2 * f + 1, r:])
+        turns = 1.0 if roots.level[r] == TURN else 0.0
         for lane in range(LANES):
-            derivative = values[f_row + room, lane]
-            x, before = roots[r, X, lane], roots[r, BEFORE, lane]
-            value = derivative if turns > 0.0 else values[f_row, lane] - levels[level, lane]
-            slope = (value - roots[r, AT_BEFORE, lane]) / (x - before) if turns > 0.0 else derivative
-            beside_low = (value > 0.0) == (roots[r, AT_LOW, lane] > 0.0)
-            low = x if beside_low else roots[r, LOW, lane]
-            high = roots[r, HIGH, lane] if beside_low else x
+            derivative = slopes[0, lane]
+            x, before = root.x[lane], root.before[lane]
+            value = derivative if turns > 0.0 else values[0, lane] - levels[level, lane]
+            slope = (value - root.at_before[lane]) / (x - before) if turns > 0.0 else derivative
+            beside_low = (value > 0.0) == (root.at_low[lane] > 0.0)
+            low = x if beside_low else root.low[lane]
+            high = root.high[lane] if beside_low else x
             ahead = x - value / slope
             ahead = ahead if (ahead - low) * (ahead - high) <= 0.0 else 0.5 * (low + high)
             ahead = x if value == 0.0 else ahead
             ahead = ahead if abs(value) < math.inf else math.nan
-            found = not roots[r, LENGTH, lane] > roots[r, ENOUGH, lane]
-            roots[r, LENGTH, lane] = 0.0 if found else abs(ahead - x)
-            roots[r, MARK, lane] = 1.0 if (not found) & (abs(ahead - x) > roots[r, ENOUGH, lane]) else 0.0
-            roots[r, BEFORE, lane], roots[r, AT_BEFORE, lane] = x, value
-            roots[r, X, lane] = x if found else ahead
-            roots[r, LOW, lane], roots[r, HIGH, lane] = low, high
-        going |= any_positive(roots[r, MARK])
+            found = not root.length[lane] > root.enough[lane]
+            root.length[lane] = 0.0 if found else abs(ahead - x)
+            root.mark[lane] = 1.0 if (not found) & (abs(ahead - x) > root.enough[lane]) else 0.0
+            root.before[lane], root.at_before[lane] = x, value
+            root.x[lane] = x if found else ahead
+            root.low[lane], root.high[lane] = low, high
+        going |= any_positive(root.mark)
     return going
 
 
 @routine
-def solve_roots(
-    functions: Callable,
-    block: np.ndarray,
-    tables: np.ndarray,
-    count: int,
-    sought: np.ndarray,
-    levels: Memory,
-    samples: SampledFunctions,
-    roots: Memory,
-) -> None:
-    """Find the roots of all rows; `samples` holds all functions at the places found afterwards.
+def solve_roots(functions: Callable, given: GivenNumbers, levels: Rows, roots: Roots) -> None:
+    """Find the roots of all rows; `roots.at` holds all functions at the places found afterwards.
 
     Parameters
     ----------
     functions : callable
         Fills in each function and its derivative.
-    block, tables : ndarray
+    given : GivenNumbers
         Handed on to it.
-    count : int
-        Number of rows used.
-    sought : ndarray (rows, 2) of int
     levels : rows (levels, LANES)
-    samples : SampledFunctions
-    roots : rows (rows, PARTS, LANES)
+    roots : Roots
     """
-    q, found = samples.q, count == 0
-    begin_roots(count, roots)
+    q, count = in_lanes(roots.at.place[0]), roots.used[0]
+    found = count == 0
+    begin_roots(roots)
     for _ in range(MOST_STEPS):
         for r in range(count):
             for lane in range(LANES):
-                q[r, lane] = roots[r, X, lane]
+                q[r, lane] = roots.rows[r].x[lane]
         if count > 0:
-            sample(functions, block, tables, count, samples)
+            sample(functions, given, count, roots.at)
         # Once more where all were found, so that nothing depends on which of them was the last.
         if found:
             break
-        found = not improve_roots(count, sought, levels, samples.room, samples.values, roots)
+        found = not improve_roots(levels, roots)
 
 
 @inlined

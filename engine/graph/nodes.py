@@ -183,14 +183,21 @@ class Application(Node):
     ----------
     law : callable
         A compiled scalar function.
+    sizes : tuple of int
+        For each argument of the law how many operands are its parts; 0 where it is a single number.
     """
 
-    __slots__ = ("law",)
+    __slots__ = ("law", "sizes")
 
-    def __init__(self, graph: "Graph", law: Callable, operands: tuple[Node, ...]) -> None:
+    def __init__(self, graph: "Graph", law: Callable, operands: tuple[Node, ...], sizes: tuple[int, ...]) -> None:
         # What numbers alone decide is still computed by the law: once for the cycle.
         super().__init__(graph, max(Stage.CYCLE, *(o.stage for o in operands)), operands, name_of(law))
-        self.law = law
+        self.law, self.sizes = law, sizes
+
+    def arguments(self, operands: Iterable) -> list:
+        """Something of each operand as the law takes it: parts of one argument in a tuple."""
+        each = iter(operands)
+        return [tuple(next(each) for _ in range(size)) if size else next(each) for size in self.sizes]
 
 
 class LawResult(Node):
@@ -409,10 +416,12 @@ class Graph:
             return x.operands[0]
         return self._once((symbol, x), lambda: Operation(self, symbol, (x,)))
 
-    def apply(self, law: Callable, *operands: Node | float) -> Node | tuple[Node, ...]:
-        """Apply a law; a tuple of nodes where it returns a tuple."""
-        nodes = tuple(n if isinstance(n, Node) else self.constant(n) for n in operands)
-        applied = self._once(("law", law, nodes), lambda: Application(self, law, nodes))
+    def apply(self, law: Callable, *arguments: Node | float | tuple) -> Node | tuple[Node, ...]:
+        """Apply a law to nodes, or tuples of nodes; a tuple of nodes where it returns a tuple."""
+        sizes = tuple(len(a) if isinstance(a, tuple) else 0 for a in arguments)
+        parts = [part for a in arguments for part in (a if isinstance(a, tuple) else (a,))]
+        nodes = tuple(n if isinstance(n, Node) else self.constant(n) for n in parts)
+        applied = self._once(("law", law, nodes), lambda: Application(self, law, nodes, sizes))
         count = self.results_of(law)
         if count is None:
             return self._result(applied, None)

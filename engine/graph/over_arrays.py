@@ -2,10 +2,13 @@
 
 from collections.abc import Callable
 from functools import cache
+from typing import NamedTuple
 
+import numba
 import numpy as np
 from numba import types
 
+from engine.compiling.blocks import gather, hand_out, in_lanes
 from engine.compiling.decorators import driver
 from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
@@ -14,8 +17,14 @@ from engine.compiling.widths import LANES
 from engine.graph.functions import number_function
 from engine.graph.nodes import Graph
 
-_ROWS = types.float64[:, ::1]
-_TYPES = types.intp, types.intp, FILLS_TILE, _ROWS, _ROWS, _ROWS, types.float64[:, :, ::1], _ROWS, types.float64[::1]
+
+class _Scratch(NamedTuple):
+    """Memory for a block of variants: their numbers, results, and the place and tables that no law reads."""
+
+    block: np.ndarray
+    tile: np.ndarray
+    nowhere: np.ndarray
+    no_tables: np.ndarray
 
 
 def over_arrays(law: Callable, *arguments: float | np.ndarray) -> np.ndarray:
@@ -32,14 +41,13 @@ def over_arrays(law: Callable, *arguments: float | np.ndarray) -> np.ndarray:
     table = np.array(np.broadcast_arrays(*arguments), float)
     shape, table = table.shape[1:], table.reshape(len(table), -1)
     found = np.empty((count, table.shape[1]))
-    nowhere, no_tables = np.zeros((1, LANES)), np.zeros(1)
 
-    def memory() -> tuple:
+    def arguments() -> tuple:
         block, tile = np.empty((len(table), LANES)), np.empty((count, 1, LANES))
-        return (function, table, found, block, tile, nowhere, no_tables)
+        return function, table, found, _Scratch(block, tile, np.zeros((1, LANES)), np.zeros(1))
 
-    prepare(_fill, _TYPES)
-    spread(_fill, -(-table.shape[1] // LANES), memory)
+    prepare(_fill, [types.intp, types.intp, FILLS_TILE, *(numba.typeof(argument) for argument in arguments()[1:])])
+    spread(_fill, -(-table.shape[1] // LANES), arguments)
     return found.reshape(count, *shape)
 
 
@@ -55,25 +63,11 @@ def _printed(law: Callable, count: int) -> tuple[TileFunction, int]:
 
 
 @driver
-def _fill(
-    begin: int,
-    end: int,
-    function: Callable,
-    table: np.ndarray,
-    found: np.ndarray,
-    block: np.ndarray,
-    tile: np.ndarray,
-    nowhere: np.ndarray,
-    no_tables: np.ndarray,
-) -> None:
+def _fill(begin: int, end: int, function: Callable, table: np.ndarray, found: np.ndarray, scratch: _Scratch) -> None:
     """Fill in what a function finds for blocks `begin` … `end` − 1 of LANES variants."""
+    nowhere = scratch.nowhere
     for b in range(begin, end):
         first = b * LANES
-        count = min(LANES, table.shape[1] - first)
-        for row in range(table.shape[0]):
-            for lane in range(LANES):
-                block[row, lane] = table[row, first + min(lane, count - 1)]
-        function(block, no_tables, nowhere, nowhere, nowhere, tile)
-        for row in range(found.shape[0]):
-            for lane in range(count):
-                found[row, first + lane] = tile[row, 0, lane]
+        gather(table, first, in_lanes(scratch.block))
+        function(scratch.block, scratch.no_tables, nowhere, nowhere, nowhere, scratch.tile)
+        hand_out(in_lanes(scratch.tile), first, found)

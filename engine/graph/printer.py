@@ -150,7 +150,9 @@ class Statements:
     def _call(self, node: Application) -> None:
         if node.law not in self.laws:
             self.laws.append(node.law)
-        call = f"{name_of(node.law)}({', '.join(self._texts[o] for o in node.operands)})"
+        arguments = node.arguments(self._texts[o] for o in node.operands)
+        texts = [f"({', '.join(a)})" if isinstance(a, tuple) else a for a in arguments]
+        call = f"{name_of(node.law)}({', '.join(texts)})"
         results = {r.index: r for r in self._uses.get(node, ())}
         if None in results:
             self._texts[node] = name = self._name(results[None] if results[None].label else node)

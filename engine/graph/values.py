@@ -85,8 +85,10 @@ class NodeValues:
             case Operation():
                 return _OPERATIONS[node.symbol](*operands)
             case Application():
-                given = [found[o] if isinstance(o, NumberTable) else (found[o],) for o in node.operands]
-                return node.law(*chain(*given))
+                given = node.arguments(found[o] for o in node.operands)
+                tables = node.arguments(isinstance(o, NumberTable) for o in node.operands)
+                # A table of numbers is several arguments.
+                return node.law(*chain(*(g if t is True else (g,) for g, t in zip(given, tables, strict=True))))
             case LawResult(index=None):
                 return operands[0]
             case LawResult():

@@ -22,6 +22,14 @@ from numpy.typing import ArrayLike
 from engine.compiling.decorators import scalar
 from engine.laws.elementary import power
 
+# Stroke [m]; clearance volume / swept volume, above 0; share of the stroke at which compression begins: where the ports
+# close, otherwise 1.
+Cylinder = tuple[float, float, float]
+# Of the lines: suction or intake, and discharge or exhaust; at the head-end dead centre from which the gas expands:
+# after combustion, or `compressor_peak` [Pa].
+Pressures = tuple[float, float, float]
+# Polytropic exponents of compression and expansion.
+Exponents = tuple[float, float]
 # Branches of a diagram, numbered as the strokes of a four-stroke engine follow each other.
 EXPANSION, OUTFLOW, INFLOW, COMPRESSION = 0.0, 1.0, 2.0, 3.0
 
@@ -139,16 +147,7 @@ def line_pressure(branch: float, inflow: float, outflow: float) -> float:
 
 @scalar
 def branch_pressure(
-    branch: float,
-    travel: float,
-    stroke: float,
-    clearance: float,
-    inflow: float,
-    outflow: float,
-    peak: float,
-    port: float,
-    n_compression: float,
-    n_expansion: float,
+    branch: float, travel: float, cylinder: Cylinder, pressures: Pressures, exponents: Exponents
 ) -> float:
     """Pressure along a branch of a diagram: a smooth function of the travel, without branches of its own.
 
@@ -156,24 +155,20 @@ def branch_pressure(
     ----------
     branch : float
         EXPANSION, OUTFLOW, INFLOW or COMPRESSION.
-    travel, stroke : float
+    travel : float
         [m].
-    clearance : float
-        Clearance volume / swept volume, above 0.
-    inflow, outflow : float
-        Pressure of the lines: suction and discharge, or intake and exhaust [Pa].
-    peak : float
-        Pressure at the head-end dead centre from which the gas expands: after combustion, or `compressor_peak` [Pa].
-    port : float
-        Share of the stroke at which compression begins: where the ports close, otherwise 1.
-    n_compression, n_expansion : float
-        Polytropic exponents.
+    cylinder : Cylinder
+    pressures : Pressures
+    exponents : Exponents
 
     Returns
     -------
     float
         [Pa]; NaN for NaN in branch or travel.
     """
+    stroke, clearance, port = cylinder
+    inflow, outflow, peak = pressures
+    n_compression, n_expansion = exponents
     least = clearance * stroke
     length = travel + least
     # Rounding puts the dead centre at a travel just below 0.
@@ -186,7 +181,8 @@ def branch_pressure(
     # Along a line the exponent is 0.
     pressure = outflow if branch == OUTFLOW else pressure
     exponent = 0.0 if (branch == INFLOW) | (branch == OUTFLOW) else exponent
-    return _polytropic(pressure, before, length, exponent)
+    # p V^n is constant.
+    return pressure * power(before / length, exponent)
 
 
 def compressor_peak(
@@ -227,193 +223,3 @@ def compressor_opening_travels(
     compressed = (suction / np.asarray(discharge, float)) ** (1.0 / np.asarray(n_compression, float))
     expanded = (peak / suction) ** (1.0 / np.asarray(n_expansion, float))
     return (1.0 + clearance) * compressed - clearance, clearance * expanded - clearance
-
-
-@scalar
-def _gas_length(travel: float, stroke: float, clearance: float) -> float:
-    """Gas volume over piston area [m]."""
-    # Rounding puts the dead centre at a travel just below 0; without clearance the volume would be negative.
-    if travel < 0.0:
-        return clearance * stroke
-    return travel + clearance * stroke
-
-
-@scalar
-def _polytropic(pressure: float, before: float, after: float, exponent: float) -> float:
-    """Pressure after a polytropic change of volume, p V^n constant."""
-    return pressure * power(before / after, exponent)
-
-
-@scalar
-def _compressor_compression(length: float, most: float, suction: float, discharge: float, exponent: float) -> float:
-    pressure = _polytropic(suction, most, length, exponent)
-    if pressure > discharge:
-        return discharge
-    return pressure
-
-
-@scalar
-def polytropic_compressor(
-    travel: float,
-    stroke: float,
-    clearance: float,
-    toward_head: bool,
-    suction: float,
-    discharge: float,
-    n_compression: float,
-    n_expansion: float,
-) -> float:
-    """Pressure in a compressor cylinder with polytropic compression and re-expansion.
-
-    Toward the head p = suction · (V_max/V)^n until the discharge valve opens; away from it the gas left in
-    the clearance expands, p = discharge · (V_min/V)^n, until the suction valve opens. Where the clearance is
-    so large that the discharge pressure isn't reached, the expansion begins at the pressure that is.
-
-    Parameters
-    ----------
-    travel : float
-        From the head-end dead centre [m], 0 ... stroke.
-    stroke : float
-        [m].
-    clearance : float
-        Clearance volume / swept volume, 0 and above.
-    toward_head : bool
-        Whether the piston moves toward the head.
-    suction, discharge : float
-        Pressures of the lines [Pa], suction below discharge.
-    n_compression, n_expansion : float
-        Polytropic exponents.
-
-    Returns
-    -------
-    float
-        Pressure [Pa].
-    """
-    length = _gas_length(travel, stroke, clearance)
-    least = clearance * stroke
-    most = stroke + least
-    if toward_head:
-        return _compressor_compression(length, most, suction, discharge, n_compression)
-    if length == 0.0:
-        # Without clearance no gas is left that could expand.
-        return suction
-    reached = _compressor_compression(least, most, suction, discharge, n_compression)
-    pressure = _polytropic(reached, least, length, n_expansion)
-    if pressure < suction:
-        return suction
-    return pressure
-
-
-@scalar
-def pump(toward_head: bool, suction: float, discharge: float) -> float:
-    """Pressure in the cylinder of a pump for a liquid: the rectangular diagram.
-
-    Parameters
-    ----------
-    toward_head : bool
-        Whether the piston moves toward the head.
-    suction, discharge : float
-        Pressures of the lines [Pa].
-
-    Returns
-    -------
-    float
-        Pressure [Pa].
-    """
-    if toward_head:
-        return discharge
-    return suction
-
-
-@scalar
-def four_stroke_engine(
-    travel: float,
-    stroke: float,
-    clearance: float,
-    stroke_number: int,
-    intake: float,
-    exhaust: float,
-    peak: float,
-    n_compression: float,
-    n_expansion: float,
-) -> float:
-    """Pressure in a four-stroke engine with combustion at constant volume (Otto cycle).
-
-    Parameters
-    ----------
-    travel : float
-        From the head-end dead centre [m], 0 ... stroke.
-    stroke : float
-        [m].
-    clearance : float
-        Clearance volume / swept volume, 1/(compression ratio - 1).
-    stroke_number : int
-        0 power, 1 exhaust, 2 intake, 3 compression.
-    intake, exhaust, peak : float
-        Pressure of intake, of exhaust, and after combustion at the head-end dead centre [Pa].
-    n_compression, n_expansion : float
-        Polytropic exponents.
-
-    Returns
-    -------
-    float
-        Pressure [Pa].
-    """
-    if stroke_number == 1:
-        return exhaust
-    if stroke_number == 2:
-        return intake
-    length = _gas_length(travel, stroke, clearance)
-    least = clearance * stroke
-    if stroke_number == 0:
-        return _polytropic(peak, least, length, n_expansion)
-    return _polytropic(intake, stroke + least, length, n_compression)
-
-
-@scalar
-def two_stroke_engine(
-    travel: float,
-    stroke: float,
-    clearance: float,
-    stroke_number: int,
-    intake: float,
-    exhaust: float,
-    peak: float,
-    n_compression: float,
-    n_expansion: float,
-    port: float,
-) -> float:
-    """Pressure in a two-stroke engine whose ports the piston opens and closes.
-
-    The cylinder is at exhaust pressure while the ports are open, and charged to intake pressure when they
-    close.
-
-    Parameters
-    ----------
-    travel : float
-        From the head-end dead centre [m], 0 ... stroke.
-    stroke : float
-        [m].
-    clearance : float
-        Clearance volume / swept volume.
-    stroke_number : int
-        0 power (away from the head), 1 compression (toward it).
-    intake, exhaust, peak : float
-        Pressure of the fresh charge, of exhaust, and after combustion at the head-end dead centre [Pa].
-    n_compression, n_expansion : float
-        Polytropic exponents.
-    port : float
-        Fraction of the stroke beyond which the ports are open.
-
-    Returns
-    -------
-    float
-        Pressure [Pa].
-    """
-    if travel > port * stroke:
-        return exhaust
-    length = _gas_length(travel, stroke, clearance)
-    least = clearance * stroke
-    if stroke_number == 0:
-        return _polytropic(peak, least, length, n_expansion)
-    return _polytropic(intake, port * stroke + least, length, n_compression)

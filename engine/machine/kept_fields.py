@@ -9,6 +9,7 @@ import numba
 import numpy as np
 from numba import types
 
+from engine.compiling.blocks import copy_rows, gather, in_lanes
 from engine.compiling.decorators import driver, routine
 from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
@@ -91,11 +92,12 @@ class KeptFields:
         finite = np.empty(table.shape[1], np.bool_)
         positions = np.stack([q, np.cos(q), np.sin(q)])
         level_rows = np.array(self._functions.level_rows, np.intp)
-        memory, followed = self._functions.memory, self._followed
-        given = (level_rows, np.ascontiguousarray(table), memory, places, positions, ends, followed, fields, finite)
+        table, memory = np.ascontiguousarray(table), self._functions.memory
+        kept = _Kept(level_rows, table, memory, places, positions, ends, self._followed)
 
         def arguments() -> tuple:
-            return (self._function, self._levels, *given, _new_scratch(len(table), level_rows.size, positions))
+            scratch = _new_scratch(len(table), level_rows.size, positions)
+            return self._function, self._levels, kept, fields, finite, scratch
 
         function = types.FunctionType(field_signature(self._dtype))
         prepare(_fill, [types.intp, types.intp, function, FILLS_TILE, *(numba.typeof(a) for a in arguments()[2:])])
@@ -150,6 +152,33 @@ def _is_finite(row: np.ndarray) -> bool:
     return not lost
 
 
+class _Kept(NamedTuple):
+    """Variants whose fields are kept; see `KeptFields.fill`.
+
+    Attributes
+    ----------
+    level_rows : ndarray of int
+        Rows of the table that receive what `levels` gives.
+    table : ndarray (numbers, variants)
+    memory : ndarray
+        Of all tables.
+    places : ndarray (variants,) of int
+    positions : ndarray (3, positions)
+        Input positions with cosine and sine.
+    ends : tuple of int
+    followed : ndarray of int
+        Fields with angles.
+    """
+
+    level_rows: np.ndarray
+    table: np.ndarray
+    memory: np.ndarray
+    places: np.ndarray
+    positions: np.ndarray
+    ends: tuple[int, int]
+    followed: np.ndarray
+
+
 class _Scratch(NamedTuple):
     """Memory for a block of variants, used again for the next.
 
@@ -184,44 +213,32 @@ def _fill(
     end: int,
     function: Callable,
     levels: Callable,
-    level_rows: np.ndarray,
-    table: np.ndarray,
-    memory: np.ndarray,
-    places: np.ndarray,
-    positions: np.ndarray,
-    ends: tuple[int, int],
-    followed: np.ndarray,
+    kept: _Kept,
     fields: np.ndarray,
     finite: np.ndarray,
     scratch: _Scratch,
 ) -> None:
     """Fill the fields of blocks `begin` … `end` − 1 of LANES variants; see `KeptFields.fill`."""
-    numbers, variants = table.shape
-    block, p, tile, nowhere = scratch.block, scratch.p, scratch.tile, scratch.nowhere
+    block, p, tile, nowhere, ends = scratch.block, scratch.p, scratch.tile, scratch.nowhere, kept.ends
     q, cos_q, sin_q = scratch.at[0], scratch.at[1], scratch.at[2]
     for b in range(begin, end):
         first = b * LANES
-        count = min(LANES, variants - first)
-        for row in range(numbers):
-            for lane in range(LANES):
-                block[row, lane] = table[row, first + min(lane, count - 1)]
-        if level_rows.size > 0:
-            levels(block, memory, nowhere, nowhere, nowhere, tile)
-            for i in range(level_rows.size):
-                for lane in range(LANES):
-                    block[level_rows[i], lane] = tile[i, 0, lane]
-        for lane in range(count):
-            place = places[first + lane]
-            for row in range(numbers):
+        gather(kept.table, first, in_lanes(block))
+        if kept.level_rows.size > 0:
+            levels(block, kept.memory, nowhere, nowhere, nowhere, tile)
+            copy_rows(in_lanes(tile), kept.level_rows, in_lanes(block))
+        for lane in range(min(LANES, finite.size - first)):
+            place = kept.places[first + lane]
+            for row in range(p.size):
                 p[row] = block[row, lane]
             if ends[0] >= 0:
                 start, stop = block[ends[0], lane], block[ends[1], lane]
                 for k in range(q.shape[0]):
-                    here = start + (stop - start) * positions[0, k]
+                    here = start + (stop - start) * kept.positions[0, k]
                     q[k] = here
                     cos_q[k], sin_q[k] = direction_of(here)
-            function(p, memory, q, cos_q, sin_q, place, fields)
-            for i in followed:
+            function(p, kept.memory, q, cos_q, sin_q, place, fields)
+            for i in kept.followed:
                 _follow(fields[i, place])
             every = True
             for i in range(fields.shape[0]):

@@ -324,17 +324,17 @@ class Reactions:
         match group.type:
             case "RRR":
                 lengths = [number(f"groups.{name}.{side}.length") for side in ("first", "second")]
-                law, geometry = rrr_reactions, (lengths[0], *one.u, lengths[1], *two.u, k.sines[name])
+                law, geometry = rrr_reactions, ((lengths[0], *one.u), (lengths[1], *two.u), k.sines[name])
             case "RRP":
                 law = rrp_reactions
-                geometry = (number(f"groups.{name}.first.length"), *one.u, *two.u, k.sines[name])
+                geometry = ((number(f"groups.{name}.first.length"), *one.u), two.u, k.sines[name])
             case "RPR":
-                law, geometry = rpr_reactions, (*two.u, k.slides[group.first.link].d)
+                law, geometry = rpr_reactions, (two.u, k.slides[group.first.link].d)
             case "PRP":
-                law, geometry = prp_reactions, (*one.u, *two.u)
+                law, geometry = prp_reactions, (one.u, two.u)
             case "RPP":
-                law, geometry = rpp_reactions, (*two.u, *one.u, k.slides[group.first.link].d)
-        given = [part for load in loads.values() for part in (*load.force, load.moment)]
+                law, geometry = rpp_reactions, (two.u, one.u, k.slides[group.first.link].d)
+        given = [(*load.force, load.moment) for load in loads.values()]
         found = self.graph.apply(law, *given, *geometry)
         return [found[0:2], found[2:4], found[4:6]]
 

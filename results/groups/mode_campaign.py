@@ -172,9 +172,14 @@ def campaign(scenes: int, seed: int = 1) -> Iterator[Followed]:
         yield Followed(ends, exact_ends, apart, float(place))
 
 
+def _between(*numbers: float) -> tuple[float, float]:
+    """Direction between two seeds, from the numbers of both."""
+    return direction_between(numbers[:4], numbers[4:8], *numbers[8:])
+
+
 def rows_at(tables: SeedTables, numbers: Numbers, seeds: np.ndarray) -> np.ndarray:
     """Directions at the places compared, (places, cosines and sines, variants): corrected as in machines."""
-    found, between = np.full((PLACES + 1, 4, seeds.shape[2]), np.nan), np.vectorize(direction_between)
+    found, between = np.full((PLACES + 1, 4, seeds.shape[2]), np.nan), np.vectorize(_between)
     for k in range(PLACES + 1):
         x = min(k / PLACES, 1.0 - 2.0**-53)
         one = np.maximum((seeds[:, 0] <= x).sum(axis=0) - 1, 0)

@@ -32,7 +32,7 @@ def vector(x, y):
 
 def parts(*vectors):
     """Components of complex vectors, rounded to float64."""
-    return [float(c) for v in vectors for c in (v.real, v.imag)]
+    return tuple(float(c) for v in vectors for c in (v.real, v.imag))
 
 
 def near(value, reference, tolerance):

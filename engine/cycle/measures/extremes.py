@@ -14,38 +14,154 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import DEGREE, MIDDLE, PLACES, POSITIONS
 from engine.cycle.panels.integrals import ROUNDING
-from engine.cycle.panels.lanes import Memory, any_positive, memory
-from engine.cycle.panels.record import CLOSED, FIRST, HALF, OFFSET, OPENED, SCALE, TAIL, Record, known_slot
-from engine.cycle.panels.record import MIDDLE as PANEL_MIDDLE
-from engine.cycle.panels.series import TINY, larger, smaller
+from engine.cycle.panels.lanes import any_positive, many, one
+from engine.cycle.panels.record import Record, known_slot
+from engine.cycle.panels.series import TINY, larger, series_at, series_value, smaller
 
-# Rows of an extreme: its value, its place, what they may be off by, b − b₀ there.
-VALUE, VALUE_ERROR, AT, AT_ERROR, OTHER = range(5)
-EXTREME = 5
 # What is looked for: both, one of them, or the least magnitude of a curve that keeps the sign of its first value; of
 # what follows a link, whose place is meant within a turn of the crank, in addition EACH_TURN.
 LEAST, GREATEST, LEAST_MAGNITUDE, EACH_TURN = 1, 2, 4, 8
 BOTH = LEAST + GREATEST
-# Rows of a step's candidates: how far the best may reach, its position, how far the next best may.
-REACH, POSITION, NEXT_REACH = range(3)
-CANDIDATE = 3
-of_candidates = memory(CANDIDATE, LANES)
-# Rows of a search: greatest value at any position; the candidate taken, with its STEP, its position, HALF and MIDDLE of
-# its panel, what the cuts at its ends are off by, what lies beyond the series there.
-BEST, TAKEN, STEP, AT_POSITION, PANEL_HALF, PANEL_CENTRE, BEYOND_SERIES = range(7)
-CUT_BEFORE, CUT_AFTER = range(19, 21)
-# The interval in which Newton's method is at X, LENGTH of its last step; value at the position, value and bend at the
-# top; value, slope and bend at X; a MARK.
-LOW, HIGH, X, LENGTH, START, TOP, TOP_BEND, HERE, SLOPE, BEND, MARK = range(7, 18)
-# After which length positions are the same again; infinite where the range is no cycle.
-PERIOD = 18
-SEARCH = 21
 # Of no candidate.
 NONE = -1.0
+
+
+class ExtremeRows(NamedTuple):
+    """An extreme.
+
+    Attributes
+    ----------
+    value, value_error : row
+    at, at_error : row
+        Its place.
+    other : row
+        b − b₀ there.
+    """
+
+    value: Row
+    value_error: Row
+    at: Row
+    at_error: Row
+    other: Row
+
+
+_ROWS = len(ExtremeRows._fields)
+
+
+class SoughtExtreme(NamedTuple):
+    """What is looked for: the greatest value of s (a − c (b − b₀)).
+
+    Attributes
+    ----------
+    a, b : int
+        Curves of the record; the same where only one is meant.
+    factor : row
+        c, 0 where only one curve is meant.
+    sign : row
+        s, 1 or −1.
+    """
+
+    a: int
+    b: int
+    factor: Row
+    sign: Row
+
+
+class Candidate(NamedTuple):
+    """Candidates in the panels of a step.
+
+    Attributes
+    ----------
+    reach, position : row
+        How far the best may reach, and its position.
+    next_reach : row
+        How far the next best may reach.
+    """
+
+    reach: Row
+    position: Row
+    next_reach: Row
+
+
+class Climb(NamedTuple):
+    """The candidate that each lane takes, and how far it is on the way to its top.
+
+    Attributes
+    ----------
+    best : row
+        Greatest value at any position.
+    taken, step, at_position : row
+        How far the candidate may reach; its step and position.
+    half, middle : row
+        Half length and middle of its panel.
+    cut_before, cut_after : row
+        Errors of the places of the cuts at its ends.
+    beyond_series : row
+        What lies beyond the series there.
+    low, high : row
+        The interval in which Newton's method is at `x`.
+    x, length : row
+        Place, and length of the last step.
+    start : row
+        Value at the position.
+    top, top_bend : row
+        Value and bend at the top.
+    here, slope, bend : row
+        Value, slope and bend at `x`.
+    mark : row
+    """
+
+    best: Row
+    taken: Row
+    step: Row
+    at_position: Row
+    half: Row
+    middle: Row
+    cut_before: Row
+    cut_after: Row
+    beyond_series: Row
+    low: Row
+    high: Row
+    x: Row
+    length: Row
+    start: Row
+    top: Row
+    top_bend: Row
+    here: Row
+    slope: Row
+    bend: Row
+    mark: Row
+
+
+class Search(NamedTuple):
+    """Memory for a search.
+
+    Attributes
+    ----------
+    candidates : many Candidate
+        Of each step.
+    series, other_series : rows (POSITIONS, LANES)
+        Coefficients of what is searched and of b, in the panel of each lane's candidate.
+    climb : Climb
+    period : row
+        After which length positions are the same again; infinite where the range is no cycle.
+    zero, up, down : row
+        0, 1 and −1 in all lanes.
+    """
+
+    candidates: many(Candidate)
+    series: Rows
+    other_series: Rows
+    climb: one(Climb)
+    period: Row
+    zero: Row
+    up: Row
+    down: Row
 
 
 def _beyond() -> tuple[np.ndarray, np.ndarray]:
@@ -71,185 +187,119 @@ MOST_TOPS, MOST_STEPS = 8, 40
 STEEPEST = 0.05
 
 
-class Search(NamedTuple):
-    """Memory for a search.
-
-    Attributes
-    ----------
-    candidates : rows (steps, CANDIDATE, LANES)
-    series, other_series : rows (POSITIONS, LANES)
-        Coefficients of what is searched and of b, in the panel of each lane's candidate.
-    rows : rows (SEARCH, LANES)
-    """
-
-    candidates: Memory
-    series: Memory
-    other_series: Memory
-    rows: Memory
-
-
 @inlined
-def combined(values: Memory, a: int, b: int, factor: float, sign: float, j: int, lane: int) -> float:
-    """Value of s (a − c b) at a position, from the slots of a and b."""
-    return sign * values[a, j, lane] - (sign * factor) * values[b, j, lane]
+def combined(of_a: Rows, of_b: Rows, factor: float, sign: float, j: int, lane: int) -> float:
+    """Value of s (a − c b) at a position."""
+    return sign * of_a[j, lane] - (sign * factor) * of_b[j, lane]
 
 
 @routine
-def scan(
-    values: Memory,
-    a: int,
-    b: int,
-    factor: Memory,
-    base: Memory,
-    sign: Memory,
-    panels: Memory,
-    step: int,
-    candidates: Memory,
-    search: Memory,
-) -> None:
+def scan(record: Record, sought: SoughtExtreme, step: int, candidate: Candidate, search: Climb) -> None:
     """Candidates in the panels of a step; widen the greatest value by those there."""
+    slot, base, half = step * record.curves, record.whole[sought.b].first, record.panels[step].half
+    of_a, of_b = record.values[slot + sought.a], record.values[slot + sought.b]
     for lane in range(LANES):
-        here, after = (
-            combined(values, a, b, factor[lane], sign[lane], 0, lane),
-            combined(values, a, b, factor[lane], sign[lane], 1, lane),
-        )
-        fall = larger(after - combined(values, a, b, factor[lane], sign[lane], 2, lane), 0.0)
+        c, s = sought.factor[lane], sought.sign[lane]
+        here, after = combined(of_a, of_b, c, s, 0, lane), combined(of_a, of_b, c, s, 1, lane)
+        fall = larger(after - combined(of_a, of_b, c, s, 2, lane), 0.0)
         best, reach, next_reach, position = here, -math.inf, -math.inf, NONE
         # In two, each short enough to be unrolled.
         for j in range(MIDDLE):
-            after = combined(values, a, b, factor[lane], sign[lane], j + 1, lane)
+            after = combined(of_a, of_b, c, s, j + 1, lane)
             rise = here - after
             mine = here + (LEFT[j] * fall + RIGHT[j] * rise) if (fall >= 0.0) & (rise >= 0.0) else -math.inf
             next_reach = larger(smaller(mine, reach), next_reach)
             position = float(j) if mine > reach else position
             best, reach, here, fall = larger(after, best), larger(mine, reach), after, -rise
         for j in range(MIDDLE, DEGREE):
-            after = combined(values, a, b, factor[lane], sign[lane], j + 1, lane)
+            after = combined(of_a, of_b, c, s, j + 1, lane)
             rise = here - after
             mine = here + (LEFT[j] * fall + RIGHT[j] * rise) if (fall >= 0.0) & (rise >= 0.0) else -math.inf
             next_reach = larger(smaller(mine, reach), next_reach)
             position = float(j) if mine > reach else position
             best, reach, here, fall = larger(after, best), larger(mine, reach), after, -rise
-        rise = larger(here - fall - combined(values, a, b, factor[lane], sign[lane], DEGREE - 2, lane), 0.0)
+        rise = larger(here - fall - combined(of_a, of_b, c, s, DEGREE - 2, lane), 0.0)
         mine = here + RIGHT[DEGREE] * rise if fall >= 0.0 else -math.inf
         next_reach = larger(smaller(mine, reach), next_reach)
         position, reach = float(DEGREE) if mine > reach else position, larger(mine, reach)
-        taken, shift = panels[step, HALF, lane] != 0.0, sign[lane] * factor[lane] * base[lane]
-        candidates[step, REACH, lane] = reach + shift if taken else -math.inf
-        candidates[step, NEXT_REACH, lane] = next_reach + shift if taken else -math.inf
-        candidates[step, POSITION, lane] = position
-        search[BEST, lane] = larger(best + shift, search[BEST, lane]) if taken else search[BEST, lane]
+        taken, shift = half[lane] != 0.0, s * c * base[lane]
+        candidate.reach[lane] = reach + shift if taken else -math.inf
+        candidate.next_reach[lane] = next_reach + shift if taken else -math.inf
+        candidate.position[lane] = position
+        search.best[lane] = larger(best + shift, search.best[lane]) if taken else search.best[lane]
 
 
 @routine
-def take_farthest(steps: int, candidates: Memory, search: Memory, found: Memory) -> bool:
+def take_farthest(steps: int, candidates: Rows, search: Climb, found: ExtremeRows) -> bool:
     """Take each lane's candidate that may reach farthest; whether any lane has one that may reach far enough."""
     for lane in range(LANES):
-        search[TAKEN, lane], search[STEP, lane] = -math.inf, NONE
+        search.taken[lane], search.step[lane] = -math.inf, NONE
     for step in range(steps):
+        reach = candidates[step].reach
         for lane in range(LANES):
-            farther = candidates[step, REACH, lane] > search[TAKEN, lane]
-            search[TAKEN, lane] = candidates[step, REACH, lane] if farther else search[TAKEN, lane]
-            search[STEP, lane] = float(step) if farther else search[STEP, lane]
+            farther = reach[lane] > search.taken[lane]
+            search.taken[lane] = reach[lane] if farther else search.taken[lane]
+            search.step[lane] = float(step) if farther else search.step[lane]
     for lane in range(LANES):
-        enough = (search[TAKEN, lane] >= search[BEST, lane]) & (search[TAKEN, lane] > found[VALUE, lane])
-        search[STEP, lane] = search[STEP, lane] if enough else NONE
-        search[MARK, lane] = 1.0 if enough else 0.0
-    return any_positive(search[MARK])
+        enough = (search.taken[lane] >= search.best[lane]) & (search.taken[lane] > found.value[lane])
+        search.step[lane] = search.step[lane] if enough else NONE
+        search.mark[lane] = 1.0 if enough else 0.0
+    return any_positive(search.mark)
 
 
 @routine
-def leave_next(
-    values: Memory, a: int, b: int, factor: float, sign: float, lane: int, step: int, candidates: Memory, search: Memory
-) -> None:
+def leave_next(of_a: Rows, of_b: Rows, sought: SoughtExtreme, lane: int, candidate: Candidate, search: Climb) -> None:
     """Where a lane's best candidate of a step was taken, the next best becomes its best; there is none after that."""
-    reach, position, done = -math.inf, NONE, int(search[AT_POSITION, lane])
+    c, s = sought.factor[lane], sought.sign[lane]
+    reach, position, done = -math.inf, NONE, int(search.at_position[lane])
     for j in range(POSITIONS):
         # Of an end of the panel, the fall from the neighbour to the next but one.
         inner = 1 if j == 0 else j
-        fall = combined(values, a, b, factor, sign, inner, lane)
-        fall -= combined(values, a, b, factor, sign, 2 if j == 0 else j - 1, lane)
+        fall = combined(of_a, of_b, c, s, inner, lane) - combined(of_a, of_b, c, s, 2 if j == 0 else j - 1, lane)
         inner = DEGREE - 1 if j == DEGREE else j
-        rise = combined(values, a, b, factor, sign, inner, lane)
-        rise -= combined(values, a, b, factor, sign, DEGREE - 2 if j == DEGREE else j + 1, lane)
+        rise = combined(of_a, of_b, c, s, inner, lane)
+        rise -= combined(of_a, of_b, c, s, DEGREE - 2 if j == DEGREE else j + 1, lane)
         fall, rise = max(fall, 0.0) if j == 0 else fall, max(rise, 0.0) if j == DEGREE else rise
-        here = combined(values, a, b, factor, sign, j, lane)
-        mine = here + (LEFT[j] * fall + RIGHT[j] * rise)
+        mine = combined(of_a, of_b, c, s, j, lane) + (LEFT[j] * fall + RIGHT[j] * rise)
         if j != done and fall >= 0.0 and rise >= 0.0 and mine > reach:
             reach, position = mine, float(j)
-    candidates[step, REACH, lane] = candidates[step, NEXT_REACH, lane]
-    candidates[step, NEXT_REACH, lane] = -math.inf
-    candidates[step, POSITION, lane] = position
+    candidate.reach[lane], candidate.position[lane] = candidate.next_reach[lane], position
+    candidate.next_reach[lane] = -math.inf
 
 
 @routine
-def fetch(
-    record: Record, matrix: np.ndarray, a: int, b: int, factor: Memory, base: Memory, sign: Memory, work: Search
-) -> None:
-    """Copy what is known of the panel of each lane's candidate, and cross this off.
-
-    Parameters
-    ----------
-    record, matrix, a, b, factor, sign
-        As of `find_extreme`.
-    base : row (LANES,)
-        b₀.
-    work : Search
-    """
-    search, series, other, coefficients = work.rows, work.series, work.other_series, record.coefficients
-    candidates = work.candidates
+def fetch(record: Record, sought: SoughtExtreme, work: Search) -> None:
+    """Copy what is known of the panel of each lane's candidate, and cross this off."""
+    search, series, other, base = work.climb, work.series, work.other_series, record.whole[sought.b].first
     for lane in range(LANES):
-        if search[STEP, lane] < 0.0:
+        if search.step[lane] < 0.0:
             continue
-        step, c, way = int(search[STEP, lane]), factor[lane], sign[lane]
-        slot_a, slot_b = known_slot(record, matrix, a, step), known_slot(record, matrix, b, step)
+        step, c, s = int(search.step[lane]), sought.factor[lane], sought.sign[lane]
+        slot_a, slot_b = known_slot(record, sought.a, step), known_slot(record, sought.b, step)
         for k in range(POSITIONS):
-            of_b = coefficients[slot_b, k, lane]
+            of_b = record.coefficients[slot_b, k, lane]
             other[k, lane] = of_b
-            series[k, lane] = way * (coefficients[slot_a, k, lane] - c * of_b)
-        series[0, lane] += way * c * base[lane]
-        search[BEYOND_SERIES, lane] = record.errors[slot_a, TAIL, lane] + abs(c) * record.errors[slot_b, TAIL, lane]
-        search[PANEL_HALF, lane] = record.panels[step, HALF, lane]
-        search[PANEL_CENTRE, lane] = record.panels[step, PANEL_MIDDLE, lane]
-        search[CUT_BEFORE, lane], search[CUT_AFTER, lane] = (
-            record.panels[step, OPENED, lane],
-            record.panels[step, CLOSED, lane],
-        )
-        search[AT_POSITION, lane] = candidates[step, POSITION, lane]
-        candidates[step, REACH, lane] = -math.inf
-        if candidates[step, NEXT_REACH, lane] > search[BEST, lane]:
-            leave_next(record.values, slot_a, slot_b, c, way, lane, step, candidates, search)
+            series[k, lane] = s * (record.coefficients[slot_a, k, lane] - c * of_b)
+        series[0, lane] += s * c * base[lane]
+        panels, candidate = record.panels[step], work.candidates[step]
+        search.beyond_series[lane] = record.left[slot_a].tail[lane] + abs(c) * record.left[slot_b].tail[lane]
+        search.half[lane], search.middle[lane] = panels.half[lane], panels.middle[lane]
+        search.cut_before[lane], search.cut_after[lane] = panels.opened[lane], panels.closed[lane]
+        search.at_position[lane] = candidate.position[lane]
+        candidate.reach[lane] = -math.inf
+        if candidate.next_reach[lane] > search.best[lane]:
+            leave_next(record.values[slot_a], record.values[slot_b], sought, lane, candidate, search)
 
 
 @routine
-def evaluate(series: Memory, search: Memory) -> None:
-    """Value and first two derivatives of a series at each lane's X, by Clenshaw's recurrence."""
+def evaluate(series: Rows, search: Climb) -> None:
+    """Value and first two derivatives of a series at each lane's x."""
     for lane in range(LANES):
-        x = search[X, lane]
-        twice = x + x
-        b = b_before = d = d_before = e = e_before = 0.0
-        for i in range(DEGREE):
-            e, e_before = 4.0 * d + (twice * e - e_before), e
-            d, d_before = 2.0 * b + (twice * d - d_before), d
-            b, b_before = series[DEGREE - i, lane] + (twice * b - b_before), b
-        search[HERE, lane] = series[0, lane] + (x * b - b_before)
-        search[SLOPE, lane] = b + (x * d - d_before)
-        search[BEND, lane] = 2.0 * d + (x * e - e_before)
+        search.here[lane], search.slope[lane], search.bend[lane] = series_at(series, lane, search.x[lane])
 
 
 @routine
-def value_of_series(series: Memory, search: Memory, values: Memory) -> None:
-    """Value of a series at each lane's X."""
-    for lane in range(LANES):
-        twice = 2.0 * search[X, lane]
-        b = b_before = 0.0
-        for i in range(DEGREE):
-            b, b_before = series[DEGREE - i, lane] + (twice * b - b_before), b
-        values[lane] = series[0, lane] + (search[X, lane] * b - b_before)
-
-
-@routine
-def improve(search: Memory) -> bool:
+def improve(search: Climb) -> bool:
     """Move each lane by a step of Newton's method towards the top, or by half the interval where that leads out of it.
 
     Returns
@@ -258,34 +308,34 @@ def improve(search: Memory) -> bool:
         Whether any lane isn't there yet. A lane that is there stays.
     """
     for lane in range(LANES):
-        x, slope, bend = search[X, lane], search[SLOPE, lane], search[BEND, lane]
-        low = x if slope > 0.0 else search[LOW, lane]
-        high = search[HIGH, lane] if slope > 0.0 else x
+        x, slope, bend = search.x[lane], search.slope[lane], search.bend[lane]
+        low = x if slope > 0.0 else search.low[lane]
+        high = search.high[lane] if slope > 0.0 else x
         ahead = x - slope / bend
         ahead = ahead if (bend < 0.0) & (ahead >= low) & (ahead <= high) else 0.5 * (low + high)
-        there, step, length = not search[LENGTH, lane] > FOUND, ahead - x, search[LENGTH, lane]
-        top, top_ahead = search[TOP, lane], search[HERE, lane] + step * (slope + 0.5 * bend * step)
-        bend_before = search[TOP_BEND, lane]
-        search[TOP, lane], search[TOP_BEND, lane] = top if there else top_ahead, bend_before if there else bend
-        search[LENGTH, lane] = length if there else abs(step)
-        search[X, lane] = x if there else ahead
-        search[LOW, lane], search[HIGH, lane] = low, high
-        search[MARK, lane] = 1.0 if search[LENGTH, lane] > FOUND else 0.0
-    return any_positive(search[MARK])
+        there, step, length = not search.length[lane] > FOUND, ahead - x, search.length[lane]
+        top, top_ahead = search.top[lane], search.here[lane] + step * (slope + 0.5 * bend * step)
+        bend_before = search.top_bend[lane]
+        search.top[lane], search.top_bend[lane] = top if there else top_ahead, bend_before if there else bend
+        search.length[lane] = length if there else abs(step)
+        search.x[lane] = x if there else ahead
+        search.low[lane], search.high[lane] = low, high
+        search.mark[lane] = 1.0 if search.length[lane] > FOUND else 0.0
+    return any_positive(search.mark)
 
 
 @routine
-def climb(series: Memory, search: Memory) -> None:
+def climb(series: Rows, search: Climb) -> None:
     """From the positions of the candidates taken to the tops beside them."""
     for lane in range(LANES):
-        taken = search[STEP, lane] >= 0.0
-        j = int(search[AT_POSITION, lane]) if taken else 0
-        search[X, lane], search[LENGTH, lane] = PLACES[j], 2.0 if taken else 0.0
-        search[LOW, lane], search[HIGH, lane] = PLACES[max(j - 1, 0)], PLACES[min(j + 1, DEGREE)]
+        taken = search.step[lane] >= 0.0
+        j = int(search.at_position[lane]) if taken else 0
+        search.x[lane], search.length[lane] = PLACES[j], 2.0 if taken else 0.0
+        search.low[lane], search.high[lane] = PLACES[max(j - 1, 0)], PLACES[min(j + 1, DEGREE)]
     evaluate(series, search)
     for lane in range(LANES):
-        search[START, lane] = search[TOP, lane] = search[HERE, lane]
-        search[TOP_BEND, lane] = search[BEND, lane]
+        search.start[lane] = search.top[lane] = search.here[lane]
+        search.top_bend[lane] = search.bend[lane]
     for _ in range(MOST_STEPS):
         if not improve(search):
             break
@@ -293,15 +343,15 @@ def climb(series: Memory, search: Memory) -> None:
 
 
 @routine
-def compare(record: Record, a: int, b: int, factor: Memory, others: Memory, search: Memory, found: Memory) -> None:
+def compare(record: Record, sought: SoughtExtreme, work: Search, found: ExtremeRows) -> None:
     """Take each lane's top for its extreme if it is higher than what was found so far."""
-    whole = record.whole
+    a, b, search = record.whole[sought.a], record.whole[sought.b], work.climb
     for lane in range(LANES):
-        weight, tail = abs(factor[lane]), search[BEYOND_SERIES, lane]
-        noise = ROUNDING * (whole[a, SCALE, lane] + weight * whole[b, SCALE, lane])
-        offset = whole[a, OFFSET, lane] + weight * whole[b, OFFSET, lane]
-        start, top, x = search[START, lane], search[TOP, lane], search[X, lane]
-        half, middle = search[PANEL_HALF, lane], search[PANEL_CENTRE, lane]
+        weight, tail = abs(sought.factor[lane]), search.beyond_series[lane]
+        noise = ROUNDING * (a.scale[lane] + weight * b.scale[lane])
+        offset = a.offset[lane] + weight * b.offset[lane]
+        start, top, x = search.start[lane], search.top[lane], search.x[lane]
+        half, middle = search.half[lane], search.middle[lane]
         # What rises above the position by no more than rounding isn't known to be higher.
         value, place = top if top > start + noise else start, middle + half * x
         # Between the positions the series is off by 2 |sin 16θ sin mθ| times coefficient 16 + m, where x = cos θ.
@@ -311,82 +361,64 @@ def compare(record: Record, a: int, b: int, factor: Memory, others: Memory, sear
         cosine = 2.0 * cosine * cosine - 1.0
         value_error = noise + offset + 2.0 * tail * math.sqrt(larger(1.0 - cosine * cosine, 0.0))
         # An extreme at a cut lies where the cut does.
-        cut = search[CUT_BEFORE, lane] if x <= -1.0 else (search[CUT_AFTER, lane] if x >= 1.0 else 0.0)
-        value_error += cut * abs(search[SLOPE, lane] / half)
+        cut = search.cut_before[lane] if x <= -1.0 else (search.cut_after[lane] if x >= 1.0 else 0.0)
+        value_error += cut * abs(search.slope[lane] / half)
         across = larger(math.sqrt(larger(1.0 - x * x, 0.0)), STEEPEST)
-        bend = larger(-search[TOP_BEND, lane], TINY)
-        aside = (2.0 * DEGREE * tail + 8.0 * (noise + offset) / across) / bend + search[LENGTH, lane] * search[
-            LENGTH, lane
-        ]
+        bend = larger(-search.top_bend[lane], TINY)
+        aside = (2.0 * DEGREE * tail + 8.0 * (noise + offset) / across) / bend
+        aside += search.length[lane] * search.length[lane]
         place_error = ROUNDING * abs(place) + (abs(half) * smaller(aside, 1.0) if abs(x) < 1.0 else cut)
         # Of two that may be the same, either may be the extreme; where the cycle closes, they may be neighbours.
-        before, at_before = found[VALUE, lane], found[AT, lane]
-        taken = search[STEP, lane] >= 0.0
+        before, at_before = found.value[lane], found.at[lane]
+        taken = search.step[lane] >= 0.0
         higher = taken & (value > before)
-        rivals = taken & (abs(value - before) <= value_error + found[VALUE_ERROR, lane])
-        kept_error = place_error if higher else found[AT_ERROR, lane]
-        other_error = found[AT_ERROR, lane] if higher else place_error
-        distance, period = abs(place - at_before), search[PERIOD, lane]
+        rivals = taken & (abs(value - before) <= value_error + found.value_error[lane])
+        kept_error = place_error if higher else found.at_error[lane]
+        other_error = found.at_error[lane] if higher else place_error
+        distance, period = abs(place - at_before), work.period[lane]
         periods = math.floor(distance / period + 0.5)
         apart = other_error + (abs(distance - periods * period) if periods > 0.0 else distance)
-        found[VALUE, lane] = value if higher else before
-        found[VALUE_ERROR, lane] = value_error if higher else found[VALUE_ERROR, lane]
-        found[AT, lane] = place if higher else at_before
-        found[AT_ERROR, lane] = larger(kept_error, apart) if rivals else kept_error
-        found[OTHER, lane] = others[lane] - whole[b, FIRST, lane] if higher else found[OTHER, lane]
+        found.value[lane] = value if higher else before
+        found.value_error[lane] = value_error if higher else found.value_error[lane]
+        found.at[lane] = place if higher else at_before
+        found.at_error[lane] = larger(kept_error, apart) if rivals else kept_error
+        found.other[lane] = search.here[lane] - b.first[lane] if higher else found.other[lane]
 
 
 @routine
-def find_extreme(
-    record: Record,
-    matrix: np.ndarray,
-    steps: int,
-    a: int,
-    b: int,
-    factor: Memory,
-    sign: Memory,
-    work: Search,
-    found: Memory,
-) -> None:
+def find_extreme(record: Record, sought: SoughtExtreme, work: Search, found: ExtremeRows) -> None:
     """Greatest (sign 1) or least (−1) value of a − c (b − b₀) over each lane's cycle.
 
     Parameters
     ----------
     record : Record
-    matrix : ndarray
-        `chebyshev.TO_COEFFICIENTS`.
-    steps : int
-        How many steps the record has.
-    a, b : int
-        Curves of the record; the same where only one is meant.
-    factor : row (LANES,)
-        c, 0 where only one curve is meant.
-    sign : row (LANES,)
+    sought : SoughtExtreme
     work : Search
         Used meanwhile.
-    found : rows (EXTREME, LANES)
+    found : ExtremeRows
         Receives the extreme; NaN where any value isn't finite.
     """
-    base, search, candidates = record.whole[b, FIRST], work.rows, work.candidates
+    search, candidates, steps = work.climb, work.candidates, record.steps[0]
+    scale_a, scale_b = record.whole[sought.a].scale, record.whole[sought.b].scale
     for lane in range(LANES):
-        search[BEST, lane] = found[VALUE, lane] = -math.inf
-        found[VALUE_ERROR, lane] = found[AT, lane] = found[AT_ERROR, lane] = found[OTHER, lane] = 0.0
+        search.best[lane] = found.value[lane] = -math.inf
+        found.value_error[lane] = found.at[lane] = found.at_error[lane] = found.other[lane] = 0.0
     for step in range(steps):
-        slot_a, slot_b = step * record.curves + a, step * record.curves + b
-        scan(record.values, slot_a, slot_b, factor, base, sign, record.panels, step, candidates, search)
+        scan(record, sought, step, candidates[step], search)
     for _ in range(MOST_TOPS):
         if not take_farthest(steps, candidates, search, found):
             break
-        fetch(record, matrix, a, b, factor, base, sign, work)
+        fetch(record, sought, work)
         climb(work.series, search)
-        value_of_series(work.other_series, search, search[HERE])
-        compare(record, a, b, factor, search[HERE], search, found)
+        for lane in range(LANES):
+            search.here[lane] = series_value(work.other_series, lane, search.x[lane])
+        compare(record, sought, work, found)
     left = take_farthest(steps, candidates, search, found)
     for lane in range(LANES):
-        beyond = search[TAKEN, lane] - found[VALUE, lane] if left & (search[STEP, lane] >= 0.0) else 0.0
-        found[VALUE_ERROR, lane] = larger(found[VALUE_ERROR, lane], beyond)
+        beyond = search.taken[lane] - found.value[lane] if left & (search.step[lane] >= 0.0) else 0.0
+        found.value_error[lane] = larger(found.value_error[lane], beyond)
         # Where a value isn't finite, the greatest magnitude isn't.
-        unknown = not abs(found[VALUE, lane]) + record.whole[a, SCALE, lane] + record.whole[b, SCALE, lane] < math.inf
-        found[VALUE, lane] = math.nan if unknown else sign[lane] * found[VALUE, lane]
-        for part in range(VALUE_ERROR, EXTREME):
+        unknown = not abs(found.value[lane]) + scale_a[lane] + scale_b[lane] < math.inf
+        found.value[lane] = sought.sign[lane] * found.value[lane]
+        for part in range(_ROWS):
             found[part, lane] = math.nan if unknown else found[part, lane]

@@ -12,26 +12,82 @@ method converges from δ = 0.
 """
 
 import math
+from typing import NamedTuple
 
-import numpy as np
-
+from engine.compiling.blocks import Row
 from engine.compiling.decorators import routine
 from engine.compiling.widths import LANES
-from engine.cycle.measures.extremes import AT, AT_ERROR, OTHER, VALUE, VALUE_ERROR, Search, find_extreme
+from engine.cycle.measures.extremes import ExtremeRows, Search, SoughtExtreme, find_extreme
 from engine.cycle.panels.chebyshev import POSITIONS
 from engine.cycle.panels.integrals import ROUNDING
-from engine.cycle.panels.lanes import Memory
-from engine.cycle.panels.record import FIRST, HALF, OFFSET, SCALE, TAIL, Record, keep_derived
+from engine.cycle.panels.lanes import any_positive, fill, one
+from engine.cycle.panels.record import Record, keep_derived
 from engine.cycle.panels.series import larger, smaller
 
-# Rows of the result: δ and its error; places of the least and the greatest speed with errors; max[W − ½ω_max² (I −
-# I_1)] and its error. Then rows used meanwhile: ½ω² at the greatest and the least speed, length of the last step.
-DELTA, DELTA_ERROR, SLOWEST_AT, SLOWEST_AT_ERROR, FASTEST_AT, FASTEST_AT_ERROR, TOP, TOP_ERROR, FAST, SLOW, STEP = (
-    range(11)
-)
-FLUCTUATION = 11
-RESULTS = 8
 
+class Fluctuation(NamedTuple):
+    """Speed fluctuation of a steady cycle.
+
+    Attributes
+    ----------
+    delta, delta_error : row
+        δ.
+    slowest_at, slowest_at_error, fastest_at, fastest_at_error : row
+        Places of the least and the greatest speed.
+    top, top_error : row
+        max[W − ½ω_max² (I − I_1)].
+    fast, slow : row
+        Used meanwhile: ½ω² at the greatest and the least speed.
+    step : row
+        Used meanwhile: length of the last step.
+    """
+
+    delta: Row
+    delta_error: Row
+    slowest_at: Row
+    slowest_at_error: Row
+    fastest_at: Row
+    fastest_at_error: Row
+    top: Row
+    top_error: Row
+    fast: Row
+    slow: Row
+    step: Row
+
+
+class SteadyWheel(NamedTuple):
+    """A steady cycle with a flywheel.
+
+    Attributes
+    ----------
+    work, inertia : int
+        Curves of the record with W and I.
+    omega, flywheel : row
+        Mean speed, by its magnitude or not, and the flywheel's inertia.
+    """
+
+    work: int
+    inertia: int
+    omega: Row
+    flywheel: Row
+
+
+class SpeedEnds(NamedTuple):
+    """Used meanwhile: extremes at the greatest and the least speed, and a row.
+
+    Attributes
+    ----------
+    high, low : ExtremeRows
+    slowest : row
+        The least of ω (I + I_F), of which an error of the energy is a share.
+    """
+
+    high: one(ExtremeRows)
+    low: one(ExtremeRows)
+    slowest: Row
+
+
+_ROWS = len(Fluctuation._fields)
 # Greatest δ: the machine stops at its slowest.
 MOST = 2.0
 FOUND = 1e-6
@@ -39,150 +95,111 @@ MOST_STEPS = 40
 
 
 @routine
-def _slopes(omega: Memory, result: Memory) -> None:
+def _slopes(omega: Row, result: Fluctuation) -> None:
     for lane in range(LANES):
-        fast = omega[lane] * (1.0 + 0.5 * result[DELTA, lane])
-        slow = omega[lane] * (1.0 - 0.5 * result[DELTA, lane])
-        result[FAST, lane], result[SLOW, lane] = 0.5 * fast * fast, 0.5 * slow * slow
+        fast = omega[lane] * (1.0 + 0.5 * result.delta[lane])
+        slow = omega[lane] * (1.0 - 0.5 * result.delta[lane])
+        result.fast[lane], result.slow[lane] = 0.5 * fast * fast, 0.5 * slow * slow
 
 
 @routine
-def _improve(
-    omega: Memory,
-    flywheel: Memory,
-    first: Memory,
-    high: Memory,
-    low: Memory,
-    result: Memory,
-) -> bool:
+def _improve(steady: SteadyWheel, first: Row, ends: SpeedEnds, result: Fluctuation) -> bool:
     """One step of Newton's method; whether any lane isn't there yet. A lane that is there stays."""
+    omega, flywheel, high, low = steady.omega, steady.flywheel, ends.high, ends.low
     for lane in range(LANES):
-        delta, square = result[DELTA, lane], omega[lane] * omega[lane]
+        delta, square = result.delta[lane], omega[lane] * omega[lane]
         inertia = first[lane] + flywheel[lane]
-        excess = high[VALUE, lane] - low[VALUE, lane] - delta * square * inertia
-        turning = (1.0 + 0.5 * delta) * high[OTHER, lane] + (1.0 - 0.5 * delta) * low[OTHER, lane]
+        excess = high.value[lane] - low.value[lane] - delta * square * inertia
+        turning = (1.0 + 0.5 * delta) * high.other[lane] + (1.0 - 0.5 * delta) * low.other[lane]
         fall = square * (0.5 * turning + inertia)
         ahead = larger(delta + excess / fall, 0.0)
         # Once it has been tried in vain it stops within the cycle.
         ahead = math.nan if (ahead > MOST) & (delta == MOST) else smaller(ahead, MOST)
         ahead = ahead if abs(excess) < math.inf else math.nan
-        there = not result[STEP, lane] > 0.0
+        there = not result.step[lane] > 0.0
         step = abs(ahead - delta)
-        result[STEP, lane] = 0.0 if there else (step if step > FOUND * ahead else -1.0)
+        result.step[lane] = 0.0 if there else (step if step > FOUND * ahead else -1.0)
         # The last step leaves its square.
-        off = (high[VALUE_ERROR, lane] + low[VALUE_ERROR, lane]) / fall + step * step
-        result[DELTA, lane] = delta if there else ahead
-        result[DELTA_ERROR, lane] = result[DELTA_ERROR, lane] if there else off
-        result[SLOWEST_AT, lane] = result[SLOWEST_AT, lane] if there else low[AT, lane]
-        result[SLOWEST_AT_ERROR, lane] = result[SLOWEST_AT_ERROR, lane] if there else low[AT_ERROR, lane]
-        result[FASTEST_AT, lane] = result[FASTEST_AT, lane] if there else high[AT, lane]
-        result[FASTEST_AT_ERROR, lane] = result[FASTEST_AT_ERROR, lane] if there else high[AT_ERROR, lane]
-        gone = 0.5 * square * (1.0 + 0.5 * delta) * (ahead - delta) * high[OTHER, lane]
-        result[TOP, lane] = result[TOP, lane] if there else high[VALUE, lane] - gone
-        result[TOP_ERROR, lane] = result[TOP_ERROR, lane] if there else high[VALUE_ERROR, lane]
-    going = False
-    for lane in range(LANES):
-        going |= result[STEP, lane] > 0.0
-    return going
+        off = (high.value_error[lane] + low.value_error[lane]) / fall + step * step
+        result.delta[lane] = delta if there else ahead
+        result.delta_error[lane] = result.delta_error[lane] if there else off
+        result.slowest_at[lane] = result.slowest_at[lane] if there else low.at[lane]
+        result.slowest_at_error[lane] = result.slowest_at_error[lane] if there else low.at_error[lane]
+        result.fastest_at[lane] = result.fastest_at[lane] if there else high.at[lane]
+        result.fastest_at_error[lane] = result.fastest_at_error[lane] if there else high.at_error[lane]
+        gone = 0.5 * square * (1.0 + 0.5 * delta) * (ahead - delta) * high.other[lane]
+        result.top[lane] = result.top[lane] if there else high.value[lane] - gone
+        result.top_error[lane] = result.top_error[lane] if there else high.value_error[lane]
+    return any_positive(result.step)
 
 
 @routine
-def find_fluctuation(
-    record: Record,
-    matrix: np.ndarray,
-    steps: int,
-    work: int,
-    inertia: int,
-    omega: Memory,
-    flywheel: Memory,
-    search: Search,
-    up: Memory,
-    down: Memory,
-    high: Memory,
-    low: Memory,
-    result: Memory,
-) -> None:
+def find_fluctuation(record: Record, steady: SteadyWheel, search: Search, ends: SpeedEnds, result: Fluctuation) -> None:
     """Coefficient of speed fluctuation of each lane.
 
     Parameters
     ----------
-    record, matrix, steps, search
-        As of `find_extreme`.
-    work, inertia : int
-        Curves of the record with W and I.
-    omega, flywheel : row (LANES,)
-        Mean speed, by its magnitude or not, and the flywheel's inertia.
-    up, down : row (LANES,)
-        1 and −1 in all lanes.
-    high, low : rows (EXTREME, LANES)
+    record : Record
+    steady : SteadyWheel
+    search : Search
         Used meanwhile.
-    result : rows (FLUCTUATION, LANES)
+    ends : SpeedEnds
+        Used meanwhile.
+    result : Fluctuation
         Receives it; NaN where the machine would stop within the cycle.
     """
-    for part in range(FLUCTUATION):
-        for lane in range(LANES):
-            result[part, lane] = 1.0 if part == STEP else 0.0
+    fill(result, _ROWS, 0.0)
+    for lane in range(LANES):
+        result.step[lane] = 1.0
     for _ in range(MOST_STEPS):
-        _slopes(omega, result)
-        find_extreme(record, matrix, steps, work, inertia, result[FAST], up, search, high)
-        find_extreme(record, matrix, steps, work, inertia, result[SLOW], down, search, low)
-        if not _improve(omega, flywheel, record.whole[inertia, FIRST], high, low, result):
+        _slopes(steady.omega, result)
+        find_extreme(record, SoughtExtreme(steady.work, steady.inertia, result.fast, search.up), search, ends.high)
+        find_extreme(record, SoughtExtreme(steady.work, steady.inertia, result.slow, search.down), search, ends.low)
+        if not _improve(steady, record.whole[steady.inertia].first, ends, result):
             break
-    for part in range(RESULTS):
+    for part in range(_ROWS):
         for lane in range(LANES):
-            known = abs(result[DELTA, lane]) < math.inf
+            known = abs(result.delta[lane]) < math.inf
             result[part, lane] = result[part, lane] if known else math.nan
 
 
 @routine
-def add_speed(
-    record: Record,
-    steps: int,
-    work: int,
-    inertia: int,
-    omega: Memory,
-    flywheel: Memory,
-    result: Memory,
-    speed: int,
-    figures: Memory,
-    slowest: Memory,
-) -> None:
+def add_speed(record: Record, steady: SteadyWheel, ends: SpeedEnds, result: Fluctuation, speed: int) -> None:
     """Enter the speed over the steady cycle as another kept curve: ω = √(2 E/(I + I_F)).
 
     Parameters
     ----------
-    record, steps, work, inertia, omega, flywheel
-        As of `find_fluctuation`.
-    result : rows (FLUCTUATION, LANES)
-        What that found.
+    record : Record
+    steady : SteadyWheel
+    ends : SpeedEnds
+        Used meanwhile.
+    result : Fluctuation
+        What `find_fluctuation` found.
     speed : int
         Curve of the record that receives the speed, by magnitude.
-    figures : rows (1, FIGURES, LANES)
-        Used meanwhile.
-    slowest : row (LANES,)
-        Used meanwhile: the least of ω (I + I_F), of which an error of the energy is a share.
     """
-    values, errors, whole = record.values, record.errors, record.whole
-    for step in range(steps):
-        slot = step * record.curves
-        of_work, of_inertia, of_speed = slot + work, slot + inertia, slot + speed
+    omega, flywheel, slowest = steady.omega, steady.flywheel, ends.slowest
+    work, inertia = record.whole[steady.work], record.whole[steady.inertia]
+    for step in range(record.steps[0]):
+        slot, half = step * record.curves, record.panels[step].half
+        of_work, of_inertia = record.values[slot + steady.work], record.values[slot + steady.inertia]
+        of_speed, tail = record.values[slot + speed], record.left[slot + speed].tail
+        work_tail, inertia_tail = record.left[slot + steady.work].tail, record.left[slot + steady.inertia].tail
         for lane in range(LANES):
             slowest[lane] = math.inf
         for j in range(POSITIONS):
             for lane in range(LANES):
-                fastest = omega[lane] * (1.0 + 0.5 * result[DELTA, lane])
-                first = 0.5 * fastest * fastest * (whole[inertia, FIRST, lane] + flywheel[lane]) - result[TOP, lane]
-                inert = values[of_inertia, j, lane] + flywheel[lane]
-                here = math.sqrt(2.0 * (first + values[of_work, j, lane]) / inert)
-                values[of_speed, j, lane] = here
+                fastest = omega[lane] * (1.0 + 0.5 * result.delta[lane])
+                first = 0.5 * fastest * fastest * (inertia.first[lane] + flywheel[lane]) - result.top[lane]
+                inert = of_inertia[j, lane] + flywheel[lane]
+                here = math.sqrt(2.0 * (first + of_work[j, lane]) / inert)
+                of_speed[j, lane] = here
                 slowest[lane] = smaller(here * inert, slowest[lane])
-        keep_derived(record, step, speed, figures)
+        keep_derived(record, step, speed)
         for lane in range(LANES):
             square = omega[lane] * omega[lane]
-            inert = whole[inertia, SCALE, lane] + abs(flywheel[lane])
-            of_energy = result[TOP_ERROR, lane] + 2.0 * square * inert * result[DELTA_ERROR, lane]
-            of_energy += whole[work, OFFSET, lane] + errors[of_work, TAIL, lane]
-            of_energy += square * errors[of_inertia, TAIL, lane] + ROUNDING * (
-                whole[work, SCALE, lane] + square * inert
-            )
-            errors[of_speed, TAIL, lane] += of_energy / slowest[lane] if record.panels[step, HALF, lane] != 0.0 else 0.0
+            inert = inertia.scale[lane] + abs(flywheel[lane])
+            of_energy = result.top_error[lane] + 2.0 * square * inert * result.delta_error[lane]
+            of_energy += work.offset[lane] + work_tail[lane]
+            of_energy += square * inertia_tail[lane] + ROUNDING * (work.scale[lane] + square * inert)
+            tail[lane] += of_energy / slowest[lane] if half[lane] != 0.0 else 0.0

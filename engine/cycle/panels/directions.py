@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import DEGREE, MIDDLE, PLACES
-from engine.cycle.panels.lanes import Memory
 from engine.laws.elementary import direction_near_zero, direction_of
 
 # By what share of itself the direction of a position is changed by its rounding.
@@ -13,7 +13,7 @@ ROUNDED = 2.0 * np.finfo(np.float64).eps
 
 
 @routine
-def directions(count: int, q: Memory, cos_q: Memory, sin_q: Memory) -> None:
+def directions(count: int, q: Rows, cos_q: Rows, sin_q: Rows) -> None:
     """Cosine and sine of `count` rows of positions.
 
     Parameters
@@ -27,7 +27,7 @@ def directions(count: int, q: Memory, cos_q: Memory, sin_q: Memory) -> None:
 
 
 @inlined
-def _mirrored(first: int, last: int, half: Memory, q: Memory, cos_q: Memory, sin_q: Memory) -> None:
+def _mirrored(first: int, last: int, half: Row, q: Rows, cos_q: Rows, sin_q: Rows) -> None:
     """Some positions of each panel and their mirror images, by sums and differences with the middle's direction."""
     for lane in range(LANES):
         middle, c, s = q[MIDDLE, lane], cos_q[MIDDLE, lane], sin_q[MIDDLE, lane]
@@ -40,7 +40,7 @@ def _mirrored(first: int, last: int, half: Memory, q: Memory, cos_q: Memory, sin
 
 
 @routine
-def panel_positions(middle: Memory, half: Memory, q: Memory, cos_q: Memory, sin_q: Memory) -> None:
+def panel_positions(middle: Row, half: Row, q: Rows, cos_q: Rows, sin_q: Rows) -> None:
     """Positions of each lane's panel with cosine and sine; where the input is an angle, of panels no longer than π/2.
 
     Parameters
@@ -60,7 +60,7 @@ def panel_positions(middle: Memory, half: Memory, q: Memory, cos_q: Memory, sin_
 
 @routine
 def change_by_rounding(
-    row: int, q: Memory, cos_q: Memory, sin_q: Memory, k: int, q_beside: Memory, cos_beside: Memory, sin_beside: Memory
+    row: int, q: Rows, cos_q: Rows, sin_q: Rows, k: int, q_beside: Rows, cos_beside: Rows, sin_beside: Rows
 ) -> None:
     """Enter a row of positions as row k of others, changed by its rounding, with cosine and sine.
 

@@ -1,45 +1,58 @@
 """Integrals over the cycle, added up panel by panel, with what they may be off by."""
 
+from typing import NamedTuple
+
 import numpy as np
 
+from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import routine
+from engine.compiling.instructions import chosen
 from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import DEGREE
-from engine.cycle.panels.lanes import Memory, memory
-from engine.cycle.panels.series import MAGNITUDE, MISSING, SUM
-from engine.cycle.panels.walk import ACCEPTED, CLOSE, HALF, OPENED
+from engine.cycle.panels.series import Figures
+from engine.cycle.panels.walk import Walk
 
-# Rows of an integral; the last one is the curve's value at the end of the last panel.
-VALUE, ERROR, END = range(3)
-INTEGRAL = 3
-of_integrals = memory(INTEGRAL, LANES)
+
+class IntegralRows(NamedTuple):
+    """An integral over the panels so far.
+
+    Attributes
+    ----------
+    value, error : row
+    end : row
+        The curve's value at the end of the last panel.
+    """
+
+    value: Row
+    error: Row
+    end: Row
+
+
 # What values of a curve and weighted sums of them are off by, as a share of the greatest magnitude.
 ROUNDING = 12.0 * np.finfo(np.float64).eps
 
 
 @routine
-def add_panels(tile: Memory, figures: Memory, curve: int, walk: Memory, integrals: Memory, k: int) -> None:
+def add_panels(curve: Rows, figures: Figures, walk: Walk, integral: IntegralRows) -> None:
     """Add the accepted panels' share to the integral of a curve.
 
     Where a curve jumps at an edge, it does so within what the edge's place may be off by.
 
     Parameters
     ----------
-    tile : panels (curves, POSITIONS, LANES)
-    figures : rows (curves, FIGURES, LANES)
-    curve : int
-    walk : rows (WALK, LANES)
-    integrals : rows (integrals, INTEGRAL, LANES)
-    k : int
-        Which of them.
+    curve : rows (POSITIONS, LANES)
+    figures : Figures
+    walk : Walk
+    integral : IntegralRows
     """
     for lane in range(LANES):
-        half, accepted = walk[HALF, lane], walk[ACCEPTED, lane] > 0.0
-        share = half * figures[curve, SUM, lane]
+        half, accepted = walk.half[lane], walk.accepted[lane] > 0.0
+        share = half * figures.sum[lane]
         # Rounding of values, and of the places of the panel's ends.
-        noise = figures[curve, MAGNITUDE, lane] * (2.0 * ROUNDING * abs(half) + 0.5 * walk[CLOSE, lane])
-        off = abs(half) * figures[curve, MISSING, lane] + noise
-        off += abs(tile[curve, 0, lane] - integrals[k, END, lane]) * walk[OPENED, lane]
-        integrals[k, VALUE, lane] += share if accepted else 0.0
-        integrals[k, ERROR, lane] += off if accepted else 0.0
-        integrals[k, END, lane] = tile[curve, DEGREE, lane] if accepted else integrals[k, END, lane]
+        noise = figures.magnitude[lane] * (2.0 * ROUNDING * abs(half) + 0.5 * walk.close[lane])
+        off = abs(half) * figures.missing[lane] + noise
+        off += abs(curve[0, lane] - integral.end[lane]) * walk.opened[lane]
+        # Chosen before it is added: then the sum is rounded the same, whatever code surrounds it.
+        integral.value[lane] += chosen(accepted, share, 0.0)
+        integral.error[lane] += chosen(accepted, off, 0.0)
+        integral.end[lane] = curve[DEGREE, lane] if accepted else integral.end[lane]

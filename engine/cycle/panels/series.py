@@ -7,18 +7,36 @@ is rounding or something within the panel bends or jumps, they are taken to fall
 """
 
 import math
+from typing import NamedTuple
 
+from engine.compiling.blocks import Row, Rows
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.instructions import held
 from engine.compiling.widths import LANES
 from engine.cycle.panels.chebyshev import DEGREE, EVEN, MIDDLE, MISSED, ODD, WEIGHTS
-from engine.cycle.panels.lanes import Memory, memory
 
-# Rows of a panel's figures: sum over the positions with the weights of the integral over [−1, 1]; what of the curve and
-# of that integral lies beyond degree 16; greatest magnitude; whether the last coefficients are level (1 or 0).
-SUM, TAIL, MISSING, MAGNITUDE, FLAT = range(5)
-FIGURES = 5
-of_figures = memory(FIGURES, LANES)
+
+class Figures(NamedTuple):
+    """What is known of a curve in a panel.
+
+    Attributes
+    ----------
+    sum : row
+        Sum over the positions with the weights of the integral over [−1, 1].
+    tail, missing : row
+        What of the curve and of that integral lies beyond degree 16.
+    magnitude : row
+        Greatest magnitude.
+    flat : row
+        Whether the last coefficients are level (1 or 0).
+    """
+
+    sum: Row
+    tail: Row
+    missing: Row
+    magnitude: Row
+    flat: Row
+
 
 # Share by which each coefficient is taken to fall at least.
 SLOWEST = 0.85
@@ -48,24 +66,21 @@ def smaller(a: float, b: float) -> float:
 
 
 @routine
-def panel_figures(tile: Memory, curve: int, figures: Memory, row: int) -> None:
+def panel_figures(curve: Rows, figures: Figures) -> None:
     """Figures of a curve in each lane's panel.
 
     Parameters
     ----------
-    tile : panels (curves, positions, LANES)
-    curve : int
-    figures : rows (rows, FIGURES, LANES)
+    curve : rows (POSITIONS, LANES)
+    figures : Figures
         Receives them.
-    row : int
-        Where.
     """
     for lane in range(LANES):
-        middle = tile[curve, MIDDLE, lane]
+        middle = curve[MIDDLE, lane]
         low = high = middle
         total = six = seven = eight = thirteen = fourteen = fifteen = sixteen = 0.0
         for j in range(MIDDLE):
-            left, right = tile[curve, j, lane], tile[curve, DEGREE - j, lane]
+            left, right = curve[j, lane], curve[DEGREE - j, lane]
             both, apart = (left - middle) + (right - middle), left - right
             total += WEIGHTS[j] * both
             six, seven, eight = six + EVEN[3, j] * both, seven + ODD[3, j] * apart, eight + EVEN[4, j] * both
@@ -80,9 +95,30 @@ def panel_figures(tile: Memory, curve: int, figures: Memory, row: int) -> None:
         missing = 0.0
         for i in range(MISSED.shape[0]):
             missing = square * (MISSED[MISSED.shape[0] - 1 - i] + missing)
-        figures[row, SUM, lane] = middle + middle + total
+        figures.sum[lane] = middle + middle + total
         tail = MARGIN * level * fall / (1.0 - fall)
-        figures[row, TAIL, lane] = tail
-        figures[row, MISSING, lane] = tail if last > KINKED * before else MARGIN * level * missing
-        figures[row, MAGNITUDE, lane] = larger(abs(low), abs(high))
-        figures[row, FLAT, lane] = 1.0 if last >= LEVEL * before else 0.0
+        figures.tail[lane] = tail
+        figures.missing[lane] = tail if last > KINKED * before else MARGIN * level * missing
+        figures.magnitude[lane] = larger(abs(low), abs(high))
+        figures.flat[lane] = 1.0 if last >= LEVEL * before else 0.0
+
+
+@inlined
+def series_at(series: Rows, lane: int, x: float) -> tuple[float, float, float]:
+    """Value and first two derivatives of a lane's series at x, by Clenshaw's recurrence."""
+    twice = x + x
+    b = b_before = d = d_before = e = e_before = 0.0
+    for i in range(DEGREE):
+        e, e_before = 4.0 * d + (twice * e - e_before), e
+        d, d_before = 2.0 * b + (twice * d - d_before), d
+        b, b_before = series[DEGREE - i, lane] + (twice * b - b_before), b
+    return series[0, lane] + (x * b - b_before), b + (x * d - d_before), 2.0 * d + (x * e - e_before)
+
+
+@inlined
+def series_value(series: Rows, lane: int, x: float) -> float:
+    """Value of a lane's series at x."""
+    b = b_before = 0.0
+    for i in range(DEGREE):
+        b, b_before = series[DEGREE - i, lane] + ((x + x) * b - b_before), b
+    return series[0, lane] + (x * b - b_before)

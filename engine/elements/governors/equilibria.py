@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
+from engine.compiling.blocks import lane_of
 from engine.compiling.decorators import driver, scalar
 from engine.compiling.running import prepare
-from engine.cycle.panels.lanes import lane_of
 from engine.cycle.regula_falsi import regula_falsi
 from engine.elements.element import Columns, Element, Numbers
 from engine.elements.governors.places import (

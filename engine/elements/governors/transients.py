@@ -14,8 +14,9 @@ import math
 
 import numpy as np
 
+from engine.compiling.blocks import lane_of
 from engine.compiling.decorators import driver, inlined, routine
-from engine.cycle.panels.lanes import Memory, lane_of
+from engine.cycle.panels.lanes import Memory
 from engine.elements.governors.places import (
     AFTER,
     BALL,

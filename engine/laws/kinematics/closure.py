@@ -7,6 +7,7 @@ that what is left is some roundings of the machine's extent over the length of t
 import math
 
 from engine.compiling.decorators import scalar
+from engine.laws.kinematics.vectors import Line, Link, Vector
 
 
 @scalar
@@ -22,63 +23,62 @@ def share_of(part: float, whole: float) -> float:
 
 
 @scalar
-def link_gap(ax: float, ay: float, bx: float, by: float, r: float, c: float, s: float) -> float:
+def link_gap(a: Vector, b: Vector, link: Link) -> float:
     """What a link A → B misses of its length, and of B from A along its direction; the greater, as a share of r.
 
     Parameters
     ----------
-    ax, ay, bx, by : float
+    a, b : Vector
         Its joints [m].
-    r : float
-        Its length [m].
-    c, s : float
-        Its direction.
+    link : Link
     """
-    x, y = bx - ax, by - ay
+    r, c, s = link
+    x, y = b[0] - a[0], b[1] - a[1]
     aside, ahead = y - r * s, x - r * c
     return greater(abs(math.sqrt(x * x + y * y) - r), math.sqrt(ahead * ahead + aside * aside)) / r
 
 
 @scalar
-def guide_gap(
-    x: float, y: float, gx: float, gy: float, c: float, s: float, offset: float, slide: float, size: float
-) -> float:
+def guide_gap(joint: Vector, line: Line, offset: float, slide: float, size: float) -> float:
     """What a slider misses of its line and of its place on it; the greater, as a share of a length.
 
     Parameters
     ----------
-    x, y : float
+    joint : Vector
         The slider's joint [m].
-    gx, gy, c, s : float
-        Point and direction of the guide or slot.
+    line : Line
+        The guide or slot.
     offset, slide : float
         Where the joint is to be: to the left of the line, and along it [m].
     size : float
         The length [m]; of 0 nothing is missed if nothing is.
     """
-    lx, ly = x - gx, y - gy
+    gx, gy, c, s = line
+    lx, ly = joint[0] - gx, joint[1] - gy
     return share_of(greater(abs(ly * c - lx * s - offset), abs(lx * c + ly * s - slide)), size)
 
 
 @scalar
-def direction_gap(c: float, s: float, along: float, across: float, cosine: float, sine: float) -> float:
+def direction_gap(u: Vector, other: Vector, turn: Vector) -> float:
     """What a direction misses of its angle to another one, and of unit length; both about as angles.
 
     Parameters
     ----------
-    c, s : float
-        The direction.
-    along, across : float
-        The other direction.
-    cosine, sine : float
-        Of the angle from the other one to it.
+    u, other : Vector
+        The direction, and the other one.
+    turn : Vector
+        Cosine and sine of the angle from the other one to it.
     """
+    c, s = u
+    along, across = other
+    cosine, sine = turn
     ahead = c * along + s * across - cosine
     aside = s * along - c * across - sine
     return math.sqrt(ahead * ahead + aside * aside)
 
 
 @scalar
-def unit_gap(c: float, s: float) -> float:
+def unit_gap(u: Vector) -> float:
     """What a direction misses of unit length."""
+    c, s = u
     return abs(math.sqrt(c * c + s * s) - 1.0)

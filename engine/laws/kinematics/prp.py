@@ -11,30 +11,20 @@ Position, rates, and equilibrium of the sliders along their guides, F_B the forc
 
 from engine.compiling.decorators import scalar
 from engine.laws.kinematics.closure import greater, guide_gap
-from engine.laws.kinematics.vectors import oblique_components
+from engine.laws.kinematics.vectors import Line, Load, Vector, oblique_components
 
 
 @scalar
 def prp_position(
-    g1x: float,
-    g1y: float,
-    c1: float,
-    s1: float,
-    offset1: float,
-    g2x: float,
-    g2y: float,
-    c2: float,
-    s2: float,
-    offset2: float,
+    guide1: Line, offset1: float, guide2: Line, offset2: float
 ) -> tuple[float, float, float, float, float]:
     """Position of the dyad PRP: B where two lines cross, parallel to two guides at offsets to their left.
 
     Parameters
     ----------
-    g1x, g1y, c1, s1, offset1 : float
-        A point of the first guide [m], its direction, and the offset of B from it [m].
-    g2x, g2y, c2, s2, offset2 : float
-        The same of the second guide.
+    guide1, guide2 : Line
+    offset1, offset2 : float
+        Offsets of B from the guides [m].
 
     Returns
     -------
@@ -45,43 +35,34 @@ def prp_position(
     sine : float
         Sine of the angle from the first guide to the second.
     """
+    g1x, g1y, c1, s1 = guide1
+    g2x, g2y, c2, s2 = guide2
     q1x, q1y = g1x - offset1 * s1, g1y + offset1 * c1
     q2x, q2y = g2x - offset2 * s2, g2y + offset2 * c2
-    slide1, slide2 = prp_rates(q2x - q1x, q2y - q1y, c1, s1, c2, s2)
+    slide1, slide2 = prp_rates((q2x - q1x, q2y - q1y), (c1, s1), (c2, s2))
     return q1x + slide1 * c1, q1y + slide1 * s1, slide1, slide2, c1 * s2 - s1 * c2
 
 
 @scalar
-def prp_rates(gapx: float, gapy: float, c1: float, s1: float, c2: float, s2: float) -> tuple[float, float]:
+def prp_rates(gap: Vector, u1: Vector, u2: Vector) -> tuple[float, float]:
     """Rates of the sliders along their guides from slide_rate1 u1 − slide_rate2 u2 = gap.
 
     For velocities the gap is v_2 − v_1, of the guides' points that lie under B; for accelerations it is a_2 − a_1,
     with the Coriolis terms of the sliding.
     """
-    along1, along2 = oblique_components(gapx, gapy, c1, s1, c2, s2)
+    along1, along2 = oblique_components(gap, u1, u2)
     return along1, -along2
 
 
 @scalar
-def prp_reactions(
-    f1x: float,
-    f1y: float,
-    m1: float,
-    f2x: float,
-    f2y: float,
-    m2: float,
-    c1: float,
-    s1: float,
-    c2: float,
-    s2: float,
-) -> tuple[float, float, float, float, float, float]:
+def prp_reactions(load1: Load, load2: Load, u1: Vector, u2: Vector) -> tuple[float, float, float, float, float, float]:
     """Reactions of the dyad PRP: each slider gives the joint's force along its own guide.
 
     Parameters
     ----------
-    f1x, f1y, m1, f2x, f2y, m2 : float
-        Loads on the sliders, moments about B.
-    c1, s1, c2, s2 : float
+    load1, load2 : Load
+        On the sliders, moments about B.
+    u1, u2 : Vector
         Directions of the guides.
 
     Returns
@@ -93,6 +74,10 @@ def prp_reactions(
     normal2, moment2 : float
         Of the second guide on the second slider.
     """
+    f1x, f1y, m1 = load1
+    f2x, f2y, m2 = load2
+    c1, s1 = u1
+    c2, s2 = u2
     sine = c1 * s2 - s1 * c2
     along1, along2 = (f1x * c1 + f1y * s1) / sine, (f2x * c2 + f2y * s2) / sine
     bx, by = -along2 * s1 - along1 * s2, along2 * c1 + along1 * c2
@@ -104,32 +89,16 @@ def prp_reactions(
 
 @scalar
 def prp_closure(
-    g1x: float,
-    g1y: float,
-    c1: float,
-    s1: float,
-    offset1: float,
-    g2x: float,
-    g2y: float,
-    c2: float,
-    s2: float,
-    offset2: float,
-    bx: float,
-    by: float,
-    slide1: float,
-    slide2: float,
+    guide1: Line, offset1: float, guide2: Line, offset2: float, b: Vector, slide1: float, slide2: float
 ) -> float:
     """What the sliders miss of their guides; the greater, as a share of the coordinates' and offsets' magnitudes.
 
     Parameters
     ----------
-    g1x, g1y, c1, s1, offset1, g2x, g2y, c2, s2, offset2 : float
+    guide1, offset1, guide2, offset2
         As for `prp_position`.
-    bx, by, slide1, slide2 : float
+    b, slide1, slide2
         As it found them.
     """
     size = abs(slide1) + abs(slide2) + abs(offset1) + abs(offset2)
-    return greater(
-        guide_gap(bx, by, g1x, g1y, c1, s1, offset1, slide1, size),
-        guide_gap(bx, by, g2x, g2y, c2, s2, offset2, slide2, size),
-    )
+    return greater(guide_gap(b, guide1, offset1, slide1, size), guide_gap(b, guide2, offset2, slide2, size))

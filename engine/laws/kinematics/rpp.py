@@ -12,23 +12,21 @@ Position, rates, and equilibrium of the sliding link along its guide, `normal` t
 from engine.compiling.decorators import scalar
 from engine.laws.kinematics.closure import direction_gap, greater, guide_gap
 from engine.laws.kinematics.links import arm
-from engine.laws.kinematics.vectors import oblique_components
+from engine.laws.kinematics.vectors import Line, Load, Vector, oblique_components
 
 
 @scalar
-def rpp_position(
-    ax: float, ay: float, gx: float, gy: float, c: float, s: float, cosine: float, sine: float
-) -> tuple[float, float, float, float, float, float]:
+def rpp_position(a: Vector, guide: Line, turn: Vector) -> tuple[float, float, float, float, float, float]:
     """Position of the dyad RPP: a block pivoted at A in the slot of a link that slides along a guide.
 
     Parameters
     ----------
-    ax, ay : float
+    a : Vector
         Outer joint A of the block [m].
-    gx, gy, c, s : float
-        A point of the guide [m] and the guide's direction.
-    cosine, sine : float
-        Of the angle from the guide to the slot, which never changes; its sine is the quality of transmission.
+    guide : Line
+    turn : Vector
+        Cosine and sine of the angle from the guide to the slot, which never changes; its sine is the quality of
+        transmission.
 
     Returns
     -------
@@ -39,42 +37,33 @@ def rpp_position(
     along, slide : float
         Coordinates of the crossing along the guide from its point, and of A along the slot from the crossing [m].
     """
-    slot_c, slot_s = arm(cosine, sine, c, s)
-    along, slide = rpp_rates(ax - gx, ay - gy, c, s, slot_c, slot_s)
+    gx, gy, c, s = guide
+    slot_c, slot_s = arm(turn[0], turn[1], c, s)
+    along, slide = rpp_rates((a[0] - gx, a[1] - gy), (c, s), (slot_c, slot_s))
     return gx + along * c, gy + along * s, slot_c, slot_s, along, slide
 
 
 @scalar
-def rpp_rates(gapx: float, gapy: float, c: float, s: float, slot_c: float, slot_s: float) -> tuple[float, float]:
+def rpp_rates(gap: Vector, u: Vector, slot: Vector) -> tuple[float, float]:
     """Rates along the guide and along the slot from guide_rate u + slot_rate u_slot = gap.
 
     For velocities the gap is v_A − v, v the velocity of the guide's carrier at A; for accelerations it is a_A − a, a
     with the Coriolis term of the sliding, of guide and slot together.
     """
-    return oblique_components(gapx, gapy, c, s, slot_c, slot_s)
+    return oblique_components(gap, u, slot)
 
 
 @scalar
 def rpp_reactions(
-    f1x: float,
-    f1y: float,
-    m1: float,
-    f2x: float,
-    f2y: float,
-    m2: float,
-    c: float,
-    s: float,
-    slot_c: float,
-    slot_s: float,
-    slide: float,
+    load1: Load, load2: Load, u: Vector, slot: Vector, slide: float
 ) -> tuple[float, float, float, float, float, float]:
     """Reactions of the dyad RPP: the sliding link's forces along its guide give the force in the slot.
 
     Parameters
     ----------
-    f1x, f1y, m1, f2x, f2y, m2 : float
-        Loads on block and sliding link, moments about A and about the crossing of slot and guide.
-    c, s, slot_c, slot_s : float
+    load1, load2 : Load
+        On block and sliding link, moments about A and about the crossing of slot and guide.
+    u, slot : Vector
         Directions of guide and slot.
     slide : float
         Coordinate of A along the slot from the crossing [m].
@@ -88,6 +77,10 @@ def rpp_reactions(
     guide_normal, guide_moment : float
         Of the guide on the sliding link [N, N·m], the moment about the crossing.
     """
+    f1x, f1y, m1 = load1
+    f2x, f2y, m2 = load2
+    c, s = u
+    slot_c, slot_s = slot
     sine = c * slot_s - s * slot_c
     normal = -(f2x * c + f2y * s) / sine
     nx, ny = -normal * slot_s, normal * slot_c
@@ -97,20 +90,7 @@ def rpp_reactions(
 
 @scalar
 def rpp_closure(
-    ax: float,
-    ay: float,
-    gx: float,
-    gy: float,
-    c: float,
-    s: float,
-    cosine: float,
-    sine: float,
-    kx: float,
-    ky: float,
-    slot_c: float,
-    slot_s: float,
-    along: float,
-    slide: float,
+    a: Vector, guide: Line, turn: Vector, crossing: Vector, slot: Vector, along: float, slide: float
 ) -> float:
     """What crossing and block miss of guide and slot, and the slot of its angle to the guide; the greatest.
 
@@ -118,13 +98,11 @@ def rpp_closure(
 
     Parameters
     ----------
-    ax, ay, gx, gy, c, s, cosine, sine : float
+    a, guide, turn
         As for `rpp_position`.
-    kx, ky, slot_c, slot_s, along, slide : float
+    crossing, slot, along, slide
         As it found them.
     """
-    size = abs(along) + abs(slide)
-    lengths = greater(
-        guide_gap(kx, ky, gx, gy, c, s, 0.0, along, size), guide_gap(ax, ay, kx, ky, slot_c, slot_s, 0.0, slide, size)
-    )
-    return greater(lengths, direction_gap(slot_c, slot_s, c, s, cosine, sine))
+    size, line = abs(along) + abs(slide), (crossing[0], crossing[1], slot[0], slot[1])
+    lengths = greater(guide_gap(crossing, guide, 0.0, along, size), guide_gap(a, line, 0.0, slide, size))
+    return greater(lengths, direction_gap(slot, (guide[2], guide[3]), turn))

@@ -14,18 +14,16 @@ import math
 from engine.compiling.decorators import scalar
 from engine.laws.kinematics.closure import greater, guide_gap, unit_gap
 from engine.laws.kinematics.dead_centres import left_over
-from engine.laws.kinematics.vectors import distance
+from engine.laws.kinematics.vectors import Load, Vector, distance
 
 
 @scalar
-def rpr_position(
-    ax: float, ay: float, dx: float, dy: float, offset: float, mode: float
-) -> tuple[float, float, float, float]:
+def rpr_position(a: Vector, d: Vector, offset: float, mode: float) -> tuple[float, float, float, float]:
     """Position of the dyad RPR: a block pivoted at A slides on a slotted link (rocker) pivoted at D.
 
     Parameters
     ----------
-    ax, ay, dx, dy : float
+    a, d : Vector
         Outer joints: A of the block, D of the rocker [m].
     offset : float
         Distance of A to the left of the slot's line through D [m].
@@ -41,7 +39,7 @@ def rpr_position(
     sine : float
         Cosine of the angle between DA and the slot.
     """
-    lx, ly = ax - dx, ay - dy
+    lx, ly = a[0] - d[0], a[1] - d[1]
     d2 = lx * lx + ly * ly
     d = math.sqrt(d2)
     slide = mode * math.sqrt(left_over((d - offset) * (d + offset), d2))
@@ -49,27 +47,29 @@ def rpr_position(
 
 
 @scalar
-def rpr_rates(gapx: float, gapy: float, c: float, s: float, offset: float, slide: float) -> tuple[float, float]:
+def rpr_rates(gap: Vector, u: Vector, offset: float, slide: float) -> tuple[float, float]:
     """Angular rate w of both links and sliding rate from w k × DA + slide_rate u = gap.
 
     For velocities the gap is v_A − v_D; for accelerations it is a_A − a_D + w² DA − 2 w slide_rate n.
     """
+    gapx, gapy = gap
+    c, s = u
     w = (gapy * c - gapx * s) / slide
     return w, gapx * c + gapy * s + w * offset
 
 
 @scalar
-def rpr_reactions(
-    f1x: float, f1y: float, m1: float, f2x: float, f2y: float, m2: float, c: float, s: float, slide: float
-) -> tuple[float, float, float, float, float, float]:
+def rpr_reactions(load1: Load, load2: Load, u: Vector, slide: float) -> tuple[float, float, float, float, float, float]:
     """Reactions of the dyad RPR: block and rocker turn as one, so their moments about D give the force in the slot.
 
     Parameters
     ----------
-    f1x, f1y, m1, f2x, f2y, m2 : float
-        Loads on block and rocker, moments about A and D.
-    c, s, slide : float
-        Direction of the slot and coordinate of A along it from D [m].
+    load1, load2 : Load
+        On block and rocker, moments about A and D.
+    u : Vector
+        Direction of the slot.
+    slide : float
+        Coordinate of A along it from D [m].
 
     Returns
     -------
@@ -80,21 +80,23 @@ def rpr_reactions(
     dx, dy : float
         Force in D on the rocker [N].
     """
+    f1x, f1y, m1 = load1
+    f2x, f2y, m2 = load2
+    c, s = u
     normal = (m1 + m2) / slide
     nx, ny = -normal * s, normal * c
     return -f1x - nx, -f1y - ny, normal, -m1, nx - f2x, ny - f2y
 
 
 @scalar
-def rpr_closure(ax: float, ay: float, dx: float, dy: float, offset: float, c: float, s: float, slide: float) -> float:
+def rpr_closure(a: Vector, d: Vector, offset: float, u: Vector, slide: float) -> float:
     """What the block misses of its slot, as a share of DA, and the slot's direction of unit length; the greater.
 
     Parameters
     ----------
-    ax, ay, dx, dy, offset : float
+    a, d, offset
         As for `rpr_position`.
-    c, s, slide : float
+    u, slide
         As it found them.
     """
-    size = distance(ax, ay, dx, dy)
-    return greater(guide_gap(ax, ay, dx, dy, c, s, offset, slide, size), unit_gap(c, s))
+    return greater(guide_gap(a, (d[0], d[1], u[0], u[1]), offset, slide, distance(a, d)), unit_gap(u))

@@ -15,20 +15,20 @@ import math
 from engine.compiling.decorators import scalar
 from engine.laws.kinematics.closure import greater, guide_gap, link_gap
 from engine.laws.kinematics.dead_centres import left_over
+from engine.laws.kinematics.vectors import Line, Link, Load, Vector
 
 
 @scalar
 def rrp_position(
-    ax: float, ay: float, gx: float, gy: float, c: float, s: float, r1: float, offset: float, mode: float
+    a: Vector, guide: Line, r1: float, offset: float, mode: float
 ) -> tuple[float, float, float, float, float, float]:
     """Position of the dyad RRP: B at r1 from A, on the line parallel to a guide at `offset` to its left.
 
     Parameters
     ----------
-    ax, ay : float
+    a : Vector
         Outer joint A [m].
-    gx, gy, c, s : float
-        A point of the guide [m] and the guide's direction.
+    guide : Line
     r1, offset : float
         Length AB and offset of B from the guide [m].
     mode : float
@@ -45,6 +45,8 @@ def rrp_position(
     sine : float
         Cosine of the angle between rod and guide.
     """
+    ax, ay = a
+    gx, gy, c, s = guide
     lx, ly = ax - gx, ay - gy
     along = lx * c + ly * s
     across = ly * c - lx * s - offset
@@ -54,14 +56,15 @@ def rrp_position(
 
 
 @scalar
-def rrp_rates(
-    gapx: float, gapy: float, r1: float, c1: float, s1: float, c: float, s: float, sine: float
-) -> tuple[float, float]:
+def rrp_rates(gap: Vector, rod: Link, u: Vector, sine: float) -> tuple[float, float]:
     """Rod's angular rate w1 and slider's rate along the guide from w1 k × AB − slide_rate u = gap.
 
     For velocities the gap is v − v_A, v the velocity of the guide's point that lies under B; for accelerations
     it is a − a_A + w1² AB, a with the Coriolis term of the sliding.
     """
+    gapx, gapy = gap
+    r1, c1, s1 = rod
+    c, s = u
     # One divisor for both, so that the compiler divides once: the rod's extent along the guide.
     extent = r1 * sine
     return (gapy * c - gapx * s) / extent, -(gapx * c1 + gapy * s1) * r1 / extent
@@ -69,26 +72,15 @@ def rrp_rates(
 
 @scalar
 def rrp_reactions(
-    f1x: float,
-    f1y: float,
-    m1: float,
-    f2x: float,
-    f2y: float,
-    m2: float,
-    r1: float,
-    c1: float,
-    s1: float,
-    c: float,
-    s: float,
-    sine: float,
+    load1: Load, load2: Load, rod: Link, u: Vector, sine: float
 ) -> tuple[float, float, float, float, float, float]:
     """Reactions of the dyad RRP: the slider gives the joint's force along the guide, the rod's moments the rest.
 
     Parameters
     ----------
-    f1x, f1y, m1, f2x, f2y, m2 : float
-        Loads on rod and slider, moments about A and B.
-    r1, c1, s1, c, s, sine : float
+    load1, load2 : Load
+        On rod and slider, moments about A and B.
+    rod, u, sine
         As for `rrp_rates`.
 
     Returns
@@ -98,6 +90,10 @@ def rrp_reactions(
     normal, moment : float
         Of the guide on the slider [N, N·m], the moment about B.
     """
+    f1x, f1y, m1 = load1
+    f2x, f2y, m2 = load2
+    r1, c1, s1 = rod
+    c, s = u
     extent = r1 * sine
     along = f2x * c + f2y * s
     across = -(m1 + along * r1 * (c1 * s - s1 * c)) / extent
@@ -106,28 +102,14 @@ def rrp_reactions(
 
 
 @scalar
-def rrp_closure(
-    ax: float,
-    ay: float,
-    gx: float,
-    gy: float,
-    c: float,
-    s: float,
-    r1: float,
-    offset: float,
-    bx: float,
-    by: float,
-    c1: float,
-    s1: float,
-    slide: float,
-) -> float:
+def rrp_closure(a: Vector, guide: Line, offset: float, b: Vector, rod: Link, slide: float) -> float:
     """What the rod misses of its length and direction, and the slider of its guide; the greater, as a share of r1.
 
     Parameters
     ----------
-    ax, ay, gx, gy, c, s, r1, offset : float
+    a, guide, offset
         As for `rrp_position`.
-    bx, by, c1, s1, slide : float
+    b, rod, slide
         As it found them.
     """
-    return greater(link_gap(ax, ay, bx, by, r1, c1, s1), guide_gap(bx, by, gx, gy, c, s, offset, slide, r1))
+    return greater(link_gap(a, b, rod), guide_gap(b, guide, offset, slide, rod[0]))

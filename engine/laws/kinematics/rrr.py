@@ -14,17 +14,18 @@ import math
 from engine.compiling.decorators import scalar
 from engine.laws.kinematics.closure import greater, link_gap
 from engine.laws.kinematics.dead_centres import left_over
+from engine.laws.kinematics.vectors import Link, Load, Vector
 
 
 @scalar
 def rrr_position(
-    ax: float, ay: float, dx: float, dy: float, r1: float, r2: float, mode: float
+    a: Vector, d: Vector, r1: float, r2: float, mode: float
 ) -> tuple[float, float, float, float, float, float, float]:
     """Position of the dyad RRR: B at r1 from A and at r2 from D, on the left of A → D for mode +1.
 
     Parameters
     ----------
-    ax, ay, dx, dy : float
+    a, d : Vector
         Outer joints A and D [m].
     r1, r2 : float
         Lengths AB and DB [m].
@@ -46,7 +47,8 @@ def rrr_position(
     to both factors, and to the shares of AD before and behind the foot of B, as another distance of A and D would:
     links of very different length stay of their length, and lose no more digits than the data deserve.
     """
-    lx, ly = dx - ax, dy - ay
+    ax, ay = a
+    lx, ly = d[0] - ax, d[1] - ay
     d2 = lx * lx + ly * ly
     difference = r1 - r2
     u = d2 - difference * difference
@@ -61,21 +63,14 @@ def rrr_position(
 
 
 @scalar
-def rrr_rates(
-    gapx: float,
-    gapy: float,
-    r1: float,
-    c1: float,
-    s1: float,
-    r2: float,
-    c2: float,
-    s2: float,
-    sine: float,
-) -> tuple[float, float]:
+def rrr_rates(gap: Vector, first: Link, second: Link, sine: float) -> tuple[float, float]:
     """Angular rates w1, w2 of the dyad RRR from w1 k × AB − w2 k × DB = gap.
 
     For velocities the gap is v_D − v_A; for accelerations it is a_D − a_A + w1² AB − w2² DB.
     """
+    gapx, gapy = gap
+    r1, c1, s1 = first
+    r2, c2, s2 = second
     # One divisor for both, so that the compiler divides once: twice the area of the triangle ABD.
     area = r1 * r2 * sine
     return (gapx * c2 + gapy * s2) * r2 / area, (gapx * c1 + gapy * s1) * r1 / area
@@ -83,27 +78,15 @@ def rrr_rates(
 
 @scalar
 def rrr_reactions(
-    f1x: float,
-    f1y: float,
-    m1: float,
-    f2x: float,
-    f2y: float,
-    m2: float,
-    r1: float,
-    c1: float,
-    s1: float,
-    r2: float,
-    c2: float,
-    s2: float,
-    sine: float,
+    load1: Load, load2: Load, first: Link, second: Link, sine: float
 ) -> tuple[float, float, float, float, float, float]:
     """Reactions of the dyad RRR: each link's moments about its outer joint give the force in the inner one.
 
     Parameters
     ----------
-    f1x, f1y, m1, f2x, f2y, m2 : float
-        Loads on the links, moments about A and D.
-    r1, c1, s1, r2, c2, s2, sine : float
+    load1, load2 : Load
+        On the links, moments about A and D.
+    first, second, sine
         As for `rrr_rates`.
 
     Returns
@@ -111,6 +94,10 @@ def rrr_reactions(
     ax, ay, bx, by, dx, dy : float
         Forces in A on the first link, in B on the first link, in D on the second [N].
     """
+    f1x, f1y, m1 = load1
+    f2x, f2y, m2 = load2
+    r1, c1, s1 = first
+    r2, c2, s2 = second
     # The divisor of the rates, written as there, so that the compiler divides once.
     area = r1 * r2 * sine
     bx, by = -(m2 * (r1 * c1) + m1 * (r2 * c2)) / area, -(m2 * (r1 * s1) + m1 * (r2 * s2)) / area
@@ -118,27 +105,14 @@ def rrr_reactions(
 
 
 @scalar
-def rrr_closure(
-    ax: float,
-    ay: float,
-    dx: float,
-    dy: float,
-    bx: float,
-    by: float,
-    r1: float,
-    c1: float,
-    s1: float,
-    r2: float,
-    c2: float,
-    s2: float,
-) -> float:
+def rrr_closure(a: Vector, d: Vector, b: Vector, first: Link, second: Link) -> float:
     """What the two links miss of their lengths and directions; the greater, as a share of the link's length.
 
     Parameters
     ----------
-    ax, ay, dx, dy, r1, r2 : float
+    a, d : Vector
         As for `rrr_position`.
-    bx, by, c1, s1, c2, s2 : float
+    b, first, second
         As it found them.
     """
-    return greater(link_gap(ax, ay, bx, by, r1, c1, s1), link_gap(dx, dy, bx, by, r2, c2, s2))
+    return greater(link_gap(a, b, first), link_gap(d, b, second))

@@ -22,6 +22,8 @@ PROVES, CLOSE = 0.5, 2e-4
 LEAST_SHARE = 0.2
 # The last place in a range.
 _LAST = 1.0 - 2.0**-53
+# Cosine and sine of a direction with its first and second rate.
+Turn = tuple[float, float, float, float]
 
 
 @scalar
@@ -138,29 +140,20 @@ def slide_between(d1: float, v1: float, a1: float, d2: float, v2: float, a2: flo
 
 
 @scalar
-def direction_between(
-    c1: float,
-    s1: float,
-    w1: float,
-    e1: float,
-    c2: float,
-    s2: float,
-    w2: float,
-    e2: float,
-    share: float,
-    step: float,
-) -> tuple[float, float]:
+def direction_between(one: Turn, two: Turn, share: float, step: float) -> tuple[float, float]:
     """Direction between two seeds, by quintics of its cosine and its sine.
 
     Parameters
     ----------
-    c1, s1, w1, e1, c2, s2, w2, e2 : float
+    one, two : Turn
         From `two_directions`.
     share : float
         From `place_in_table`.
     step : float
         Distance of seeds.
     """
+    c1, s1, w1, e1 = one
+    c2, s2, w2, e2 = two
     turn1, turn2, square = w1 * step, w2 * step, step * step
     bend1, bend2, round1, round2 = e1 * square, e2 * square, turn1 * turn1, turn2 * turn2
     c = quintic_between(c1, -s1 * turn1, -s1 * bend1 - c1 * round1, c2, -s2 * turn2, -s2 * bend2 - c2 * round2, share)

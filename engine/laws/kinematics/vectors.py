@@ -4,20 +4,32 @@ import math
 
 from engine.compiling.decorators import scalar
 
+# Components, in the axes of the frame.
+Vector = tuple[float, float]
+# A guide or slot: a point of it [m], and its direction.
+Line = tuple[float, float, float, float]
+# A link's length [m] and direction.
+Link = tuple[float, float, float]
+# What acts on a link: force [N] and moment about the link's origin [N·m].
+Load = tuple[float, float, float]
+
 
 @scalar
-def distance(ax: float, ay: float, bx: float, by: float) -> float:
+def distance(a: Vector, b: Vector) -> float:
     """Distance of two points [m]."""
-    x, y = bx - ax, by - ay
+    x, y = b[0] - a[0], b[1] - a[1]
     return math.sqrt(x * x + y * y)
 
 
 @scalar
-def oblique_components(gapx: float, gapy: float, c1: float, s1: float, c2: float, s2: float) -> tuple[float, float]:
+def oblique_components(gap: Vector, u1: Vector, u2: Vector) -> tuple[float, float]:
     """Components p, q of a vector in two oblique directions: p u1 + q u2 = gap.
 
     Parallel directions give infinity, NaN, or what rounding makes of them, about 1e16; the sine of the angle between
     them tells.
     """
+    gapx, gapy = gap
+    c1, s1 = u1
+    c2, s2 = u2
     sine = c1 * s2 - s1 * c2
     return (gapx * s2 - gapy * c2) / sine, (gapy * c1 - gapx * s1) / sine

@@ -83,7 +83,7 @@ class _Diagram:
         shares = [self._opens_at(f"{valve} opens", opening(i), 1) for i, valve in enumerate(("discharge", "suction"))]
         branch = self.graph.apply(compressor_branch, self.travel, self.stroke, self.rate, *shares)
         peak = self.graph.derived(f"{self.at}.peak", lambda n: compressor_peak(*self._values(n, *_COMPRESSOR)))
-        return self._along(branch, *self._numbers("suction", "discharge"), peak, self.graph.one)
+        return self._along(branch, (*self._numbers("suction", "discharge"), peak), self.graph.one)
 
     def _pump(self) -> Node:
         branch = self.graph.apply(pump_branch, self.rate)
@@ -93,18 +93,18 @@ class _Diagram:
         head_at = self.graph.found(*self.slide[:2], "high_at" if self.at_high else "low_at")
         turning = (head_at, *self._numbers("firing_angle"), input_sense(self.kinematics))
         branch = self.graph.apply(four_stroke_branch, self.rate, self.graph.q, *turning)
-        return self._along(branch, *self._numbers(*_ENGINE), self.graph.one)
+        return self._along(branch, tuple(self._numbers(*_ENGINE)), self.graph.one)
 
     def _two_stroke(self) -> Node:
         port = self._opens_at("port", lambda n: n[f"{self.at}.port"])
         branch = self.graph.apply(two_stroke_branch, self.travel, self.stroke, self.rate, port)
-        return self._along(branch, *self._numbers(*_ENGINE), port)
+        return self._along(branch, tuple(self._numbers(*_ENGINE)), port)
 
-    def _along(self, branch: Node, *pressures_and_port: Node) -> Node:
+    def _along(self, branch: Node, pressures: tuple[Node, Node, Node], port: Node) -> Node:
         """Pressure along the branch that holds."""
-        gas = (self.travel, self.stroke, *self._numbers("clearance"))
-        exponents = self._numbers("n_compression", "n_expansion")
-        return self.graph.apply(branch_pressure, self.graph.held(branch), *gas, *pressures_and_port, *exponents)
+        cylinder = (self.stroke, *self._numbers("clearance"), port)
+        exponents = tuple(self._numbers("n_compression", "n_expansion"))
+        return self.graph.apply(branch_pressure, self.graph.held(branch), self.travel, cylinder, pressures, exponents)
 
     def _opens_at(self, key: str, share: Callable[[Mapping], float | np.ndarray], kink: int = 0) -> Node:
         """A travel at which a valve or port opens, as a share of the stroke; something switches there."""

@@ -158,7 +158,8 @@ def _seeded(closure: ClosureOfFree, tables: SeedTables, span: tuple[Node, Node],
         if slides:
             found.append(graph.apply(slide_between, *graph.apply(two_slides, *given), share, step))
         else:
-            found.append(Vector(*graph.apply(direction_between, *graph.apply(two_directions, *given), share, step)))
+            seeds = graph.apply(two_directions, *given)
+            found.append(Vector(*graph.apply(direction_between, seeds[:4], seeds[4:], share, step)))
     return found
 
 

@@ -10,17 +10,17 @@ def add_rpp(assembly: Assembly, name: str) -> None:
     group, apply = assembly.scene.groups[name], assembly.graph.apply
     a, guide = assembly.points[group.first.joint], assembly.guides[group.second.guide]
     beta = assembly.direction(f"groups.{name}.second.slot_angle")
-    line = (*guide.r, *guide.u, *beta)
-    kx, ky, slot_c, slot_s, d, slide = apply(rpp_position, *a.r, *line)
+    line = (*guide.r, *guide.u)
+    kx, ky, slot_c, slot_s, d, slide = apply(rpp_position, a.r, line, beta)
     crossing, slot = Vector(kx, ky), Vector(slot_c, slot_s)
     under_pin, under = guide.under(a.r), guide.under(crossing)
     relative = a.v - under_pin.v
-    dv, slide_v = apply(rpp_rates, *relative, *guide.u, *slot)
-    da, slide_a = apply(rpp_rates, *(a.a - under_pin.a - guide.coriolis(relative)), *guide.u, *slot)
+    dv, slide_v = apply(rpp_rates, relative, guide.u, slot)
+    da, slide_a = apply(rpp_rates, a.a - under_pin.a - guide.coriolis(relative), guide.u, slot)
     sliding = dv * guide.u
     origin = MovingPoint(crossing, under.v + sliding, under.a + guide.coriolis(sliding) + da * guide.u)
     assembly.slider(group.second.link, origin, guide, Slide(d, dv, da))
     assembly.links[group.first.link] = Turning(a, slot, guide.carrier.w, guide.carrier.e)
     assembly.slides[group.first.link] = Slide(slide, slide_v, slide_a).called(group.first.link)
     # The slot's angle to the guide never changes: neither does the quality of transmission.
-    assembly.transmits(name, beta.y, apply(rpp_closure, *a.r, *line, *crossing, *slot, d, slide))
+    assembly.transmits(name, beta.y, apply(rpp_closure, a.r, line, beta, crossing, slot, d, slide))

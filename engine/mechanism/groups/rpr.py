@@ -10,13 +10,14 @@ def add_rpr(assembly: Assembly, name: str) -> None:
     group, apply, number = assembly.scene.groups[name], assembly.graph.apply, assembly.number
     a, d = assembly.points[group.first.joint], assembly.points[group.second.joint]
     offset = number(f"groups.{name}.second.offset")
-    c, s, slide, sine = apply(rpr_position, *a.r, *d.r, offset, number(f"groups.{name}.mode"))
-    u, known = Vector(c, s), (c, s, offset, slide)
-    w, dv = apply(rpr_rates, *(a.v - d.v), *known)
+    c, s, slide, sine = apply(rpr_position, a.r, d.r, offset, number(f"groups.{name}.mode"))
+    u = Vector(c, s)
+    known = (u, offset, slide)
+    w, dv = apply(rpr_rates, a.v - d.v, *known)
     coriolis = (w + w) * (dv * u).normal
-    e, da = apply(rpr_rates, *(a.a - d.a + (w * w) * (a.r - d.r) - coriolis), *known)
+    e, da = apply(rpr_rates, a.a - d.a + (w * w) * (a.r - d.r) - coriolis, *known)
     rocker = Turning(d, u, w, e)
     assembly.link(group.second.link, rocker)
     assembly.links[group.first.link] = rocker._replace(origin=a)
     assembly.slides[group.first.link] = Slide(slide, dv, da).called(group.first.link)
-    assembly.transmits(name, sine, apply(rpr_closure, *a.r, *d.r, offset, *u, slide))
+    assembly.transmits(name, sine, apply(rpr_closure, a.r, d.r, offset, u, slide))

@@ -8,10 +8,11 @@ import numba
 import numpy as np
 from numba import types
 
+from engine.compiling.blocks import copy_rows, gather, hand_out, in_lanes
 from engine.compiling.decorators import driver, routine
 from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE, TileFunction
+from engine.compiling.tiles import TileFunction
 from engine.compiling.widths import LANES
 from engine.cycle.panels.lanes import rows
 from engine.graph.functions import Functions, functions_at
@@ -53,6 +54,57 @@ class SeedPaths(NamedTuple):
     ends_at: np.ndarray
     short_at: np.ndarray
     closes: np.ndarray
+
+
+class _Functions(NamedTuple):
+    """Those of a group."""
+
+    fill: Callable
+    levels: Callable
+
+
+class _Variants(NamedTuple):
+    """Variants of a group, and how their numbers are laid out.
+
+    Attributes
+    ----------
+    level_rows, given : ndarray of int
+        Rows that receive the levels and the unknowns.
+    slides : ndarray of bool
+    table : ndarray (numbers, variants)
+    memory : ndarray
+        Of all tables.
+    """
+
+    level_rows: np.ndarray
+    given: np.ndarray
+    slides: np.ndarray
+    table: np.ndarray
+    memory: np.ndarray
+
+
+class _Paths(NamedTuple):
+    """What paths begin at, and what is found.
+
+    Attributes
+    ----------
+    start : ndarray (values, variants)
+    sines : ndarray (variants,)
+    most : int
+        Intervals that a table has room for.
+    longest : float
+        Longest of them, as a share of the range.
+    seeds : ndarray (entries, variants)
+    reached : ndarray (2 + values, variants)
+        Number of seeds, place and unknowns at the end.
+    """
+
+    start: np.ndarray
+    sines: np.ndarray
+    most: int
+    longest: float
+    seeds: np.ndarray
+    reached: np.ndarray
 
 
 class _Path(NamedTuple):
@@ -127,18 +179,12 @@ def _new_room(functions: Functions, values: int, unknowns: int, curves: int) -> 
 
 
 @routine
-def _load(
-    first: int, table: np.ndarray, levels: Callable, level_rows: np.ndarray, memory: np.ndarray, room: _Room
-) -> None:
-    """Numbers of a block of variants; lanes beyond the last repeat it."""
-    for row in range(table.shape[0]):
-        for lane in range(LANES):
-            room.block[row, lane] = table[row, min(first + lane, table.shape[1] - 1)]
-    if level_rows.size > 0:
-        levels(room.block, memory, room.at[0], room.at[1], room.at[2], room.level_tile)
-        for i in range(level_rows.size):
-            for lane in range(LANES):
-                room.block[level_rows[i], lane] = room.level_tile[i, 0, lane]
+def _load(first: int, functions: _Functions, variants: _Variants, room: _Room) -> None:
+    """Numbers of a block of variants."""
+    gather(variants.table, first, in_lanes(room.block))
+    if variants.level_rows.size > 0:
+        functions.levels(room.block, variants.memory, room.at[0], room.at[1], room.at[2], room.level_tile)
+        copy_rows(in_lanes(room.level_tile), variants.level_rows, in_lanes(room.block))
 
 
 @routine
@@ -202,20 +248,20 @@ def _interpolate(slides: np.ndarray, room: _Room) -> None:
                     (now[i, lane], now[i + 1, lane], v, a),
                     (ahead[i, lane], ahead[i + 1, lane], v_ahead, a_ahead),
                 )
-                room.middle[i, lane], room.middle[i + 1, lane] = direction_between(*one, *two, 0.5, step)
+                room.middle[i, lane], room.middle[i + 1, lane] = direction_between(one, two, 0.5, step)
         i += 1 if slides[k] else 2
 
 
 @routine
-def _set_out(first: int, start: np.ndarray, sines: np.ndarray, room: _Room) -> None:
+def _set_out(first: int, paths: _Paths, room: _Room) -> None:
     """Begin the paths of a block; their first step, of no length, finds the rates."""
-    path, last = room.path, sines.size - 1
+    path, last = room.path, paths.sines.size - 1
     for lane in range(LANES):
         path.place[lane] = path.step[lane] = path.found[lane] = 0.0
         path.going[lane] = 1.0
-        path.sine[lane] = sines[min(first + lane, last)]
+        path.sine[lane] = paths.sines[min(first + lane, last)]
         for i in range(room.now.shape[0]):
-            room.now[i, lane] = start[i, min(first + lane, last)]
+            room.now[i, lane] = paths.start[i, min(first + lane, last)]
         for i in range(room.rates.shape[0]):
             room.rates[i, lane] = 0.0
 
@@ -246,9 +292,10 @@ def _judge(longest: float, room: _Room) -> None:
 
 
 @routine
-def _keep(first: int, most: int, slides: np.ndarray, seeds: np.ndarray, room: _Room) -> bool:
+def _keep(first: int, slides: np.ndarray, paths: _Paths, room: _Room) -> bool:
     """Keep the seeds that were found, as far as there is room; whether any lane is still on its path."""
     path, values, count, going = room.path, room.now.shape[0], slides.size, False
+    most, seeds = paths.most, paths.seeds
     width = 1 + values + 2 * count
     for lane in range(LANES):
         if path.refused[lane] > 0.0:
@@ -281,31 +328,15 @@ def _keep(first: int, most: int, slides: np.ndarray, seeds: np.ndarray, room: _R
 
 
 @driver
-def _walk(
-    begin: int,
-    end: int,
-    fill: Callable,
-    levels: Callable,
-    level_rows: np.ndarray,
-    given: np.ndarray,
-    slides: np.ndarray,
-    table: np.ndarray,
-    memory: np.ndarray,
-    start: np.ndarray,
-    sines: np.ndarray,
-    most: int,
-    longest: float,
-    seeds: np.ndarray,
-    reached: np.ndarray,
-    room: _Room,
-) -> None:
-    """Tables of blocks `begin` … `end` − 1 of LANES variants; see `walk_seeds`."""
-    variants, count = table.shape[1], slides.size
+def _walk(begin: int, end: int, functions: _Functions, variants: _Variants, paths: _Paths, room: _Room) -> None:
+    """Tables of blocks `begin` … `end` − 1 of LANES variants; see `SeedWalk`."""
+    fill = functions.fill
+    memory, given, slides, count = variants.memory, variants.given, variants.slides, variants.slides.size
     block, at, half_way, path, tile = room.block, room.at, room.half_way, room.path, room.tile
     for b in range(begin, end):
         first = b * LANES
-        _load(first, table, levels, level_rows, memory, room)
-        _set_out(first, start, sines, room)
+        _load(first, functions, variants, room)
+        _set_out(first, paths, room)
         going = True
         while going:
             for lane in range(LANES):
@@ -336,12 +367,12 @@ def _walk(
                 half_way[0, 0, lane] = block[0, lane] + (block[1, lane] - block[0, lane]) * place
             _place(half_way)
             fill(block, memory, half_way[0], half_way[1], half_way[2], tile)
-            _judge(longest, room)
-            going = _keep(first, most, slides, seeds, room)
-        for lane in range(min(LANES, variants - first)):
+            _judge(paths.longest, room)
+            going = _keep(first, slides, paths, room)
+        reached = paths.reached
+        for lane in range(min(LANES, reached.shape[1] - first)):
             reached[0, first + lane], reached[1, first + lane] = path.found[lane], path.place[lane]
-            for i in range(room.now.shape[0]):
-                reached[2 + i, first + lane] = room.now[i, lane]
+        hand_out(in_lanes(room.now), first, reached[2:])
 
 
 class SeedWalk:
@@ -399,28 +430,19 @@ class SeedWalk:
         functions, given, slides = self._functions, self._given, self._slides
         table = self._table(numbers, start.shape[1])
         values, count, variants = len(given), slides.size, table.shape[1]
-        width = 1 + values + 2 * count
-        seeds = np.full((intervals + 1, width, variants), np.nan)
+        seeds = np.full((intervals + 1, 1 + values + 2 * count, variants), np.nan)
         seeds[:, 0] = np.inf
         reached = np.empty((2 + values, variants))
-        arrays = (
-            np.array(functions.level_rows, np.int64),
-            given,
-            slides,
-            np.ascontiguousarray(table),
-            functions.memory,
-            np.ascontiguousarray(start),
-            np.ascontiguousarray(sines),
-            intervals,
-            longest,
-            seeds.reshape(-1, variants),
-            reached,
-        )
+        level_rows = np.array(functions.level_rows, np.int64)
+        every_variant = _Variants(level_rows, given, slides, np.ascontiguousarray(table), functions.memory)
+        begins = np.ascontiguousarray(start), np.ascontiguousarray(sines)
+        paths = _Paths(*begins, intervals, longest, seeds.reshape(-1, variants), reached)
 
         def arguments() -> tuple:
-            return (self._fill, self._levels, *arrays, _new_room(functions, values, count, len(functions.curves)))
+            room = _new_room(functions, values, count, len(functions.curves))
+            return _Functions(self._fill, self._levels), every_variant, paths, room
 
-        prepare(_walk, [types.intp, types.intp, FILLS_TILE, FILLS_TILE, *(numba.typeof(a) for a in arguments()[2:])])
+        prepare(_walk, [types.intp, types.intp, *(numba.typeof(argument) for argument in arguments())])
         spread(_walk, -(-variants // LANES), arguments)
         found, place, end = reached[0].astype(np.int64), reached[1], reached[2:]
         whole, short, every = place == 1.0, found > intervals + 1, np.arange(variants)

@@ -11,11 +11,11 @@ import numba
 import numpy as np
 from numba import types
 
+from engine.compiling.blocks import gather, hand_out, in_lanes
 from engine.compiling.decorators import driver, inlined
 from engine.compiling.running import prepare, spread
 from engine.compiling.widths import LANES
-from engine.cycle.driver import gather, hand_out
-from engine.cycle.panels.lanes import Memory, in_lanes, rows
+from engine.cycle.panels.lanes import Memory, rows
 from engine.laws.elementary import power
 from engine.laws.motor_characteristics import induction_motor, induction_motor_slope
 
@@ -215,7 +215,7 @@ def moments_of_blocks(
                 gather(powers[law, at : at + 1], first, place)
                 add_power(LANES, place[0], exponents[law], speed, moments[2 + channel_of[law]])
                 add_power_slope(LANES, place[0], exponents[law], speed, slope)
-            hand_out(found.shape[0], moments, first, 0, found[:, j])
+            hand_out(moments, first, found[:, j])
 
 
 def greatest_moment(drive: Drive, low: np.ndarray, high: np.ndarray) -> np.ndarray:

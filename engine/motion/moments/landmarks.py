@@ -1,22 +1,23 @@
 """Landmarks of a machine's cycle: the ends of strokes, and the crank angles where its moments jump or bend."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numba
 import numpy as np
 from numba import types
 
+from engine.compiling.blocks import gather, hand_out, hand_out_row, in_lanes
 from engine.compiling.decorators import driver
+from engine.compiling.memory import as_memory
 from engine.compiling.nothing import nothing
 from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE
+from engine.compiling.tiles import TileFunction
 from engine.compiling.widths import LANES
-from engine.cycle.driver import Task, Workspace, cut, fill, gather, hand_out, new_workspace
+from engine.cycle.driver import EvaluatedVariants, MachineFunctions, Task, Workspace, cut, new_workspace
 from engine.cycle.machine import MOST_DOUBLINGS, CycleMachine, Plan
-from engine.cycle.panels.lanes import in_lanes
-from engine.cycle.panels.walk import of_edges, set_out
-from engine.cycle.roots import LEVEL, X
+from engine.cycle.panels.walk import set_out
+from engine.cycle.roots import GivenNumbers
 from engine.graph.nodes import Found, Given, reached
 from engine.mechanism.acting import Load
 from engine.motion.moments.breaks import JUMP, Breaks, watches_of
@@ -80,7 +81,8 @@ class Landmarks:
             +1 or −1, the sign of the crank's speed.
         """
         parameters = self.tabulation.parameters(numbers, direction)
-        found = self._find(parameters) if self._task.sizes[0] else np.full((0, 0, direction.size), np.nan)
+        some_sought = len(self._task.landmarks) > 0
+        found = self._find(parameters) if some_sought else np.full((0, 0, direction.size), np.nan)
         some = np.isfinite(found).any(axis=2)
         which, angles = np.nonzero(some)[0], found[some]
         ends = {node: parameters[self.tabulation.functions.rows[node]] for node in self._found}
@@ -108,17 +110,17 @@ class Landmarks:
         """Places that positions so far apart tell, and in which variants these are too far apart."""
         functions, variants = self.tabulation.functions, parameters.shape[1]
         module = load_printed(functions.text)
-        found, coarse = np.full((len(self.watches), task.most_roots, variants), np.nan), np.zeros((1, variants))
+        found, coarse = np.full((len(self.watches), task.most_roots, variants), np.nan), np.zeros(variants)
+
+        given = MachineFunctions(TileFunction(module.events), TileFunction(module.levels), *[TileFunction(nothing)] * 2)
+        chosen = EvaluatedVariants(np.zeros(0, np.int64), parameters, functions.memory)
 
         def arguments() -> tuple:
-            work = new_workspace(task, len(parameters), 0)
-            return module.events, module.levels, task, parameters, functions.memory, work, found, coarse
+            return given, task, chosen, new_workspace(task, len(parameters), 0), found, coarse
 
-        if not find_places.overloads:
-            kinds = [numba.typeof(argument) for argument in arguments()[2:]]
-            prepare(find_places, [types.intp, types.intp, FILLS_TILE, FILLS_TILE, *kinds])
+        prepare(find_places, [types.intp, types.intp, *(numba.typeof(argument) for argument in arguments())])
         spread(find_places, -(-variants // LANES), arguments)
-        return found, coarse[0]
+        return found, coarse
 
     def _acting(self, parameters: np.ndarray, angles: np.ndarray, which: np.ndarray) -> np.ndarray:
         """Where the moments of actions aren't zero on both sides of their breaks, (actions, places, variants)."""
@@ -142,32 +144,32 @@ class Landmarks:
 def find_places(
     begin: int,
     end: int,
-    events: Callable,
-    levels: Callable,
+    functions: MachineFunctions,
     task: Task,
-    numbers: np.ndarray,
-    tables: np.ndarray,
-    work: Workspace,
+    variants: EvaluatedVariants,
+    workspace: Workspace,
     found: np.ndarray,
     coarse: np.ndarray,
 ) -> None:
     """Find what is asked of the cycles of the blocks begin … end − 1 of variants.
 
-    `found` (crossings, roots, variants) receives the places, NaN where a variant has fewer; `coarse` (1, variants)
-    where the positions scanned are too far apart; `numbers` the landmarks and what follows from them.
+    `found` (crossings, roots, variants) receives the places, NaN where a variant has fewer; `coarse` (variants,) 1
+    where the positions scanned are too far apart; `variants.numbers` the landmarks and what follows from them.
     """
-    block, walk, edges = in_lanes(work.block), in_lanes(work.walk), of_edges(work.edges)
+    work, given = as_memory(workspace), GivenNumbers(workspace.block, variants.tables)
+    block, numbers, crossings = in_lanes(workspace.block), variants.numbers, work.crossings
     for b in range(begin, end):
         first = b * LANES
         gather(numbers, first, block)
-        set_out(block[task.ends[0]], block[task.ends[1]], task.longest[0], walk)
-        fill(1, in_lanes(work.marks[5:]), 0.0)
-        count = cut(events, levels, task, tables, walk, edges, work)
+        set_out(block[task.ends[0]], block[task.ends[1]], task.longest, work.walk)
+        for lane in range(LANES):
+            work.too_many[lane] = 0.0
+        count = cut(functions, task, given, work)
         level, slot = -1, 0
         for r in range(count):
             # The roots of one level follow each other.
-            slot = slot + 1 if work.crossing_sought[r, LEVEL] == level else 0
-            level = work.crossing_sought[r, LEVEL]
-            hand_out(1, in_lanes(work.crossings[r, X:]), first, slot, found[level])
-        hand_out(numbers.shape[0], block, first, 0, numbers)
-        hand_out(coarse.shape[0], in_lanes(work.marks[5:]), first, 0, coarse)
+            slot = slot + 1 if crossings.level[r] == level else 0
+            level = crossings.level[r]
+            hand_out_row(crossings.rows[r].x, first, found[level, slot])
+        hand_out(block, first, numbers)
+        hand_out_row(work.too_many, first, coarse)

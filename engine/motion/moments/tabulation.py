@@ -11,13 +11,12 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
+from engine.compiling.blocks import gather, hand_out, in_lanes
 from engine.compiling.decorators import driver
 from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, TileFunction
 from engine.compiling.widths import LANES
-from engine.cycle.driver import gather, hand_out
-from engine.cycle.panels.lanes import in_lanes
 from engine.cycle.panels.lanes import rows as lane_rows
 from engine.graph.functions import Functions
 from engine.graph.nodes import Constant, Found, Given
@@ -214,7 +213,7 @@ def fill_places(
                 into, way = target[row], 1 if turned[row] else 0
                 for lane in range(LANES if into >= 0 else 0):
                     sums[into, lane] += filled[row, lane] * ways[way, lane]
-            hand_out(out.shape[0], sums, first, 0, out[:, j])
+            hand_out(sums, first, out[:, j])
 
 
 _ROWS, _CUBE = types.float64[:, ::1], types.float64[:, :, ::1]

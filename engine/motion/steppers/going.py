@@ -9,11 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.blocks import gather, in_lanes
 from engine.compiling.decorators import driver, routine
 from engine.compiling.instructions import chosen, held
 from engine.compiling.widths import LANES
-from engine.cycle.driver import gather
-from engine.cycle.panels.lanes import ASIDE, Memory, in_lanes, rows
+from engine.cycle.panels.lanes import ASIDE, Memory, rows
 from engine.cycle.panels.series import larger, smaller
 from engine.laws.runge_kutta import DENSE_PARTS, Method
 from engine.motion.moments.at_speed import KLOSS, PER_MOTOR, POLYNOMIAL, add_power_slope, polynomial_slope

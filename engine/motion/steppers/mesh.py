@@ -9,9 +9,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from engine.compiling.blocks import in_lanes
 from engine.compiling.decorators import inlined, routine
 from engine.compiling.widths import LANES
-from engine.cycle.panels.lanes import Memory, in_lanes
+from engine.cycle.panels.lanes import Memory
 from engine.cycle.panels.series import larger, smaller
 from engine.laws.runge_kutta import Method
 from engine.motion.steppers.one_step import (

@@ -10,9 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.blocks import in_lanes
 from engine.compiling.decorators import routine
 from engine.compiling.widths import LANES
-from engine.cycle.panels.lanes import Memory, in_lanes
+from engine.cycle.panels.lanes import Memory
 from engine.laws.elementary import direction_of
 from engine.motion.moments.at_speed import (
     FALL,

@@ -9,9 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.blocks import in_lanes
 from engine.compiling.decorators import routine
 from engine.compiling.widths import LANES
-from engine.cycle.panels.lanes import Memory, in_lanes, rows
+from engine.cycle.panels.lanes import Memory, rows
 
 # ε is found to so much of what it is made of, far below what steps may miss, within so many evaluations.
 SETTLED, MOST_ROUNDS = 1e-13, 20

@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.blocks import gather, hand_out, in_lanes
 from engine.compiling.decorators import driver, inlined, routine
 from engine.compiling.widths import LANES
-from engine.cycle.driver import gather, hand_out
-from engine.cycle.panels.lanes import ASIDE, Memory, any_positive, in_lanes, rows
+from engine.cycle.panels.lanes import ASIDE, Memory, any_positive, rows
 from engine.cycle.panels.series import larger, smaller
 from engine.laws.runge_kutta import DENSE_PARTS, ORDER_EIGHT, Method
 from engine.motion.moments.at_speed import KLOSS, PER_MOTOR, POLYNOMIAL, add_power, polynomial
@@ -941,7 +941,7 @@ def settle(
                 found[again, 4, v], found[again, 5, v] = state[TIME, lane], state[MOTOR, lane]
                 found[again, 6, v], found[again, 7, v] = state[SQUARES, lane], state[SLOWEST, lane]
                 found[again, 8, v], found[again, 9, v] = state[FASTEST, lane], state[WORST, lane]
-            hand_out(form.channels, works, first, FOUND, found[again])
+            hand_out(works, first, found[again, FOUND : FOUND + form.channels])
             if again == 0:
                 spread_errors(LANES, made, cycle, form, state, steps, nodes, missed, works)
         for lane in range(own):

@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.blocks import gather, hand_out, in_lanes
 from engine.compiling.decorators import driver, routine
 from engine.compiling.widths import LANES
-from engine.cycle.driver import gather, hand_out
-from engine.cycle.panels.lanes import ASIDE, Memory, in_lanes, rows
+from engine.cycle.panels.lanes import ASIDE, Memory, rows
 from engine.cycle.panels.series import larger, smaller
 from engine.laws.runge_kutta import DENSE_PARTS, Method
 from engine.motion.moments.at_speed import KLOSS, PER_MOTOR, POLYNOMIAL, add_power, polynomial
@@ -312,4 +312,4 @@ def step_in_time(
             room.rubbing,
         )
         look_at_speeds(LANES, method, given, stages, spare, found)
-        hand_out(count, found, first, 0, every_found)
+        hand_out(found, first, every_found[:count])

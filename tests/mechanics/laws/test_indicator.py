@@ -11,6 +11,7 @@ from numba import njit
 from numpy.testing import assert_allclose
 from packed import assert_packed
 from scipy.integrate import quad
+from whole_diagrams import four_stroke_engine, polytropic_compressor, pump, two_stroke_engine
 
 from engine.compiling.tiles import TILE_OPTIONS
 from engine.laws.indicator_diagrams import (
@@ -23,18 +24,16 @@ from engine.laws.indicator_diagrams import (
     compressor_opening_travels,
     compressor_peak,
     four_stroke_branch,
-    four_stroke_engine,
     line_pressure,
-    polytropic_compressor,
-    pump,
     pump_branch,
     two_stroke_branch,
-    two_stroke_engine,
 )
 
 EPS = np.finfo(float).eps
 STROKE = 0.08
 ATMOSPHERE = 101325.0
+# Cylinder, pressures and exponents.
+GAS = (STROKE, 0.1, 0.8), (1e5, 4e5, 50e5), (1.35, 1.25)
 
 clearances = st.floats(0.01, 0.3)
 exponents = st.floats(1.05, 1.67)
@@ -211,7 +210,7 @@ def test_compressor_by_branches__is_the_diagram(clearance, ratio, n, m, share, t
     opens = [float(x) for x in compressor_opening_travels(clearance, *lines, n, m)]
     peak = float(compressor_peak(clearance, *lines, n))
     branch = compressor_branch(travel, STROKE, rate, *opens)
-    pressure = branch_pressure(branch, travel, STROKE, clearance, *lines, peak, 1.0, n, m)
+    pressure = branch_pressure(branch, travel, (STROKE, clearance, 1.0), (*lines, peak), (n, m))
     # Near an opening valve the two sides agree but for the travel's rounding over the length of the gas, n times.
     allowed = ROUNDINGS + 4.0 * EPS * (1.0 + clearance) / (share + clearance)
     expected = polytropic_compressor(travel, STROKE, clearance, toward_head, *lines, n, m)
@@ -258,7 +257,7 @@ def test_four_stroke_by_branches__is_the_diagram(clearance, n, m, share, phi, fi
     branch = four_stroke_branch(way * math.sin(phi - 0.3), phi, 0.3, firing, way)
     assert branch == (EXPANSION, OUTFLOW, INFLOW, COMPRESSION)[math.floor(strokes) % 4]
     pressures = (0.9e5, 1.1e5, 45e5)
-    found = branch_pressure(branch, share * STROKE, STROKE, clearance, *pressures, 1.0, n, m)
+    found = branch_pressure(branch, share * STROKE, (STROKE, clearance, 1.0), pressures, (n, m))
     expected = four_stroke_engine(share * STROKE, STROKE, clearance, int(branch), *pressures, n, m)
     assert_allclose(found, expected, rtol=ROUNDINGS)
 
@@ -276,7 +275,7 @@ def test_two_stroke_by_branches__is_the_diagram(clearance, n, m, share, toward_h
     for travel in (share * STROKE, port * STROKE, np.nextafter(port * STROKE, 1.0)):
         branch = two_stroke_branch(travel, STROKE, -0.1 if toward_head else 0.1, port)
         pressures = (1.4e5, 1.1e5, 45e5)
-        found = branch_pressure(branch, travel, STROKE, clearance, *pressures, port, n, m)
+        found = branch_pressure(branch, travel, (STROKE, clearance, port), pressures, (n, m))
         expected = two_stroke_engine(travel, STROKE, clearance, int(toward_head), *pressures, n, m, port)
         assert_allclose(found, expected, rtol=ROUNDINGS)
 
@@ -290,7 +289,7 @@ def test_pump_by_branches__is_the_diagram():
 def test_branch__goes_on_beyond_its_ends(branch):
     # Along the whole stroke the pressure is a polytrope, or constant: p V^n is.
     travels = np.linspace(0.0, STROKE, 9)
-    pressure = np.array([branch_pressure(branch, x, STROKE, 0.1, 1e5, 4e5, 50e5, 0.8, 1.35, 1.25) for x in travels])
+    pressure = np.array([branch_pressure(branch, x, *GAS) for x in travels])
     exponent = {EXPANSION: 1.25, COMPRESSION: 1.35}.get(branch, 0.0)
     constant = pressure * (travels + 0.1 * STROKE) ** exponent
     assert_allclose(constant, constant[0], rtol=ROUNDINGS)
@@ -304,30 +303,28 @@ def test_unknown_motion__has_no_branch_and_no_pressure():
     branches += [pump_branch(nan), two_stroke_branch(nan, STROKE, 1.0, 0.8), two_stroke_branch(0.01, STROKE, nan, 0.8)]
     branches += [four_stroke_branch(nan, 1.0, 0.0, 0.0, 1.0), four_stroke_branch(1.0, nan, 0.0, 0.0, 1.0)]
     assert np.isnan(branches).all()
-    numbers = (STROKE, 0.1, 1e5, 4e5, 50e5, 1.0, 1.3, 1.3)
-    pressures = [branch_pressure(nan, 0.01, *numbers), line_pressure(nan, 1e5, 4e5)]
-    pressures += [branch_pressure(branch, nan, *numbers) for branch in (EXPANSION, OUTFLOW, INFLOW, COMPRESSION)]
+    pressures = [branch_pressure(nan, 0.01, *GAS), line_pressure(nan, 1e5, 4e5)]
+    pressures += [branch_pressure(branch, nan, *GAS) for branch in (EXPANSION, OUTFLOW, INFLOW, COMPRESSION)]
     assert np.isnan(pressures).all()
 
 
 @pytest.mark.parametrize("branch", [EXPANSION, COMPRESSION])
 def test_travel_rounded_below_the_dead_centre__is_the_dead_centre(branch):
-    numbers = (STROKE, 0.1, 1e5, 4e5, 50e5, 1.0, 1.3, 1.3)
-    assert branch_pressure(branch, -1e-17, *numbers) == branch_pressure(branch, 0.0, *numbers)
+    assert branch_pressure(branch, -1e-17, *GAS) == branch_pressure(branch, 0.0, *GAS)
 
 
 def test_a_loop_over_positions_of_all_branches__is_compiled_to_packed_instructions():
+    cylinder, pressures, exponents = GAS
+
     @njit(**TILE_OPTIONS)
     def loop(branch, travel, out):
         for i in range(travel.size):
-            out[i] = branch_pressure(branch[i], travel[i], STROKE, 0.1, 1e5, 4e5, 50e5, 0.8, 1.35, 1.25)
+            out[i] = branch_pressure(branch[i], travel[i], cylinder, pressures, exponents)
 
     branch, travel = np.arange(37.0) % 4.0, np.linspace(0.0, STROKE, 37)
     out = np.empty(37)
     loop(branch, travel, out)
-    alone = [
-        branch_pressure(b, x, STROKE, 0.1, 1e5, 4e5, 50e5, 0.8, 1.35, 1.25) for b, x in zip(branch, travel, strict=True)
-    ]
+    alone = [branch_pressure(b, x, *GAS) for b, x in zip(branch, travel, strict=True)]
     # Sums of products may be fused in one of the two.
     assert_allclose(out, alone, rtol=ROUNDINGS)
     assert_packed(loop, 1)

@@ -224,7 +224,7 @@ def test_link_gap__mpmath(ax, ay, bx, by, r, angle):
         aside = mpmath.hypot(x - length * cosine, y - length * sine)
         expected = max(abs(mpmath.hypot(x, y) - length), aside) / length
         # Differences of coordinates up to 10, and a few operations on them.
-        assert_within(link_gap(ax, ay, bx, by, r, c, s), expected, 8 * EPS * (20 + r) / r)
+        assert_within(link_gap((ax, ay), (bx, by), (r, c, s)), expected, 8 * EPS * (20 + r) / r)
 
 
 @given(numbers, numbers, numbers, numbers, directions, numbers, numbers, st.floats(0.01, 10))
@@ -236,21 +236,21 @@ def test_guide_gap__mpmath(x, y, gx, gy, angle, offset, slide, size):
         across = (my - oy) * cosine - (mx - ox) * sine - e
         along = (mx - ox) * cosine + (my - oy) * sine - d
         expected = max(abs(across), abs(along)) / size
-        assert_within(guide_gap(x, y, gx, gy, c, s, offset, slide, size), expected, 400 * EPS / size)
+        assert_within(guide_gap((x, y), (gx, gy, c, s), offset, slide, size), expected, 400 * EPS / size)
 
 
 @given(directions, directions, directions, st.floats(0.5, 2))
 @settings(deadline=None, max_examples=50)
 def test_direction_gap__chord_of_the_angle_missed(angle, other, between, length):
     c, s = length * math.cos(angle), length * math.sin(angle)
-    missed = direction_gap(c, s, math.cos(other), math.sin(other), math.cos(between), math.sin(between))
+    missed = direction_gap((c, s), (math.cos(other), math.sin(other)), (math.cos(between), math.sin(between)))
     # The chord between the directions where it is, and where it is to be.
     turned = other + between
     expected = math.hypot(c - math.cos(turned), s - math.sin(turned))
     assert missed == pytest.approx(expected, abs=16 * EPS * (1 + length))
-    assert unit_gap(c, s) == pytest.approx(abs(length - 1), abs=8 * EPS)
-    assert distance(1.0, 2.0, 1.0 + c, 2.0 + s) == pytest.approx(length, abs=16 * EPS)
+    assert unit_gap((c, s)) == pytest.approx(abs(length - 1), abs=8 * EPS)
+    assert distance((1.0, 2.0), (1.0 + c, 2.0 + s)) == pytest.approx(length, abs=16 * EPS)
 
 
 def test_guide_gap_of_a_machine_in_a_point__none():
-    assert guide_gap(1.0, 2.0, 1.0, 2.0, 1.0, 0.0, 0.0, 0.0, 0.0) == 0.0
+    assert guide_gap((1.0, 2.0), (1.0, 2.0, 1.0, 0.0), 0.0, 0.0, 0.0) == 0.0

@@ -222,8 +222,11 @@ def test_speed_fluctuation__is_relative_to_the_mean_of_both_extremes_and_says_so
     assert found["on.speed_fluctuation"] == pytest.approx(2.0 * (high - low) / (high + low), rel=1e-12)
     # The mean over time is another one.
     assert abs((high - low) / found["on.mean_speed"] / found["on.speed_fluctuation"] - 1.0) > 1e-4
-    offered = Machine(Scene.model_validate(scene)).available_summaries
-    for name in ("on.speed_fluctuation", "speed_fluctuation"):
+    # At constant speed only what repeats is offered.
+    repeating = slider_crank({}, flywheel=0.02)
+    del repeating["moments"]["by_time"], repeating["moments"]["nothing"]
+    for asked, name in ((scene, "on.speed_fluctuation"), (repeating, "speed_fluctuation")):
+        offered = Machine(Scene.model_validate(asked)).available_summaries
         assert "2 (ω_max − ω_min)/(ω_max + ω_min)" in offered[name].long_name
 
 

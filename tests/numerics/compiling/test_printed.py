@@ -45,7 +45,7 @@ def coupler(title: str = "A coupler.") -> tuple[object, list, str]:
     graph = Graph()
     first, last = graph.derived("first", lambda n: 0.0), graph.derived("last", lambda n: 6.0)
     r = graph.derived("r", lambda n: 0.05)
-    x, y, *_ = graph.apply(rrr_position, r * graph.cos_q, r * graph.sin_q, 0.22, 0.01, 0.2, 0.15, 1.0)
+    x, y, *_ = graph.apply(rrr_position, (r * graph.cos_q, r * graph.sin_q), (0.22, 0.01), 0.2, 0.15, 1.0)
     functions = functions_of(graph, title, first, last, [x, y])
     return functions, [x, y], field_function(title, [x, y], functions.rows, np.dtype(float))
 

@@ -5,10 +5,10 @@ import math
 import numpy as np
 from numba import njit
 
+from engine.compiling.blocks import in_lanes
 from engine.compiling.tiles import TILE_OPTIONS, TILE_SIGNATURE
 from engine.compiling.widths import LANES
 from engine.cycle.machine import CycleMachine, Plan
-from engine.cycle.panels.lanes import in_lanes
 
 # Numbers of the press, a slider-crank with an offset: range of the input; crank, rod, offset; mass of the slider,
 # inertia of the crank; a force on the slider between two levels of its stroke as it approaches the crank's axis,

@@ -7,11 +7,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba import njit
 
+from engine.compiling.memory import memory
 from engine.compiling.tiles import TILE_SIGNATURE
 from engine.compiling.widths import LANES
 from engine.cycle.events import sort_edges
 from engine.cycle.machine import CycleMachine, Plan
-from engine.cycle.panels.walk import of_edges
+from engine.cycle.panels.lanes import many
+from engine.cycle.panels.walk import Edge
 
 TURN = 2.0 * math.pi
 PRESS = press(integrals=(1,), extremes=(1,))
@@ -201,9 +203,12 @@ def test_what_switches_ever_more_often_is_looked_at_more_closely_until_it_has_no
     assert (np.isinf(found.broken_at) == ~known).all()
 
 
+in_edges = memory(many(Edge))
+
+
 @njit(error_model="numpy")
 def sorted_edges(edges):
-    sort_edges(edges.shape[0], of_edges(edges))
+    sort_edges(edges.shape[0], in_edges(edges))
 
 
 @pytest.mark.parametrize("count", [0, 1, 2, 17, 300])

@@ -94,7 +94,7 @@ def test_rrr__equilibrium_of_both_links(ax, ay, r1, r2, angle1, angle2, loads):
     a = (mpf(ax), mpf(ay))
     b = along(a, u1, r1)
     d = along(b, u2, -r2)
-    found = rrr_reactions(*loads, r1, *u1, r2, *u2, sine)
+    found = rrr_reactions(loads[:3], loads[3:], (r1, *u1), (r2, *u2), sine)
     columns = [*joint(a, (0, 1)), *joint(b, (0, 1), (1, -1)), *joint(d, (1, 1))]
     check(found, columns, loads, (a, d), sine)
 
@@ -107,7 +107,7 @@ def test_rrp__equilibrium_of_rod_and_slider(ax, ay, r1, rod, way, loads):
     assume(abs(sine) > 1e-3)
     a = (mpf(ax), mpf(ay))
     b = along(a, u1, r1)
-    found = rrp_reactions(*loads, r1, *u1, *u, sine)
+    found = rrp_reactions(loads[:3], loads[3:], (r1, *u1), u, sine)
     columns = [*joint(a, (0, 1)), *joint(b, (0, 1), (1, -1)), *guide(b, u, (1, 1))]
     check(found, columns, loads, (a, b), sine)
 
@@ -118,7 +118,7 @@ def test_rpr__equilibrium_of_block_and_rocker(dx, dy, reach, offset, angle, mode
     u, slide = unit(angle), mode * reach
     d = (mpf(dx), mpf(dy))
     a = along(along(d, u, slide), (-u[1], u[0]), offset)
-    found = rpr_reactions(*loads, *u, slide)
+    found = rpr_reactions(loads[:3], loads[3:], u, slide)
     columns = [*joint(a, (0, 1)), *guide(a, u, (0, 1), (1, -1)), *joint(d, (1, 1))]
     # The slot's direction is known to EPS, which moves A by EPS of its distance from D: as a sine of slide/distance.
     check(found, columns, loads, (a, d), slide / math.hypot(slide, offset) / (1.0 + 1.0 / reach))
@@ -131,7 +131,7 @@ def test_prp__equilibrium_of_both_sliders(bx, by, angle1, angle2, loads):
     sine = math.sin(angle2 - angle1)
     assume(abs(sine) > 1e-3)
     b = (mpf(bx), mpf(by))
-    found = prp_reactions(*loads, *u1, *u2)
+    found = prp_reactions(loads[:3], loads[3:], u1, u2)
     columns = [*guide(b, u1, (0, 1)), *joint(b, (0, 1), (1, -1)), *guide(b, u2, (1, 1))]
     check(found, columns, loads, (b, b), sine)
 
@@ -144,21 +144,22 @@ def test_rpp__equilibrium_of_block_and_sliding_link(x, y, way, slot, slide, load
     assume(abs(sine) > 1e-3)
     crossing = (mpf(x), mpf(y))
     a = along(crossing, v, slide)
-    found = rpp_reactions(*loads, *u, *v, slide)
+    found = rpp_reactions(loads[:3], loads[3:], u, v, slide)
     columns = [*joint(a, (0, 1)), *guide(a, v, (0, 1), (1, -1)), *guide(crossing, u, (1, 1))]
     check(found, columns, loads, (a, crossing), sine)
 
 
 def test_singular_positions__no_finite_reaction():
-    stretched = rrr_reactions(0.0, 1.0, 0.5, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0)
-    upright = rrp_reactions(0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0)
-    at_pivot = rpr_reactions(0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0)
-    parallel = prp_reactions(1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0)
-    along_guide = rpp_reactions(0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.2)
+    ahead, upwards, nothing = (1.0, 0.0), (0.0, 1.0), (0.0, 0.0, 0.0)
+    stretched = rrr_reactions((0.0, 1.0, 0.5), nothing, (1.0, *ahead), (1.0, *ahead), 0.0)
+    upright = rrp_reactions((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (1.0, *upwards), ahead, 0.0)
+    at_pivot = rpr_reactions((0.0, 0.0, 1.0), nothing, ahead, 0.0)
+    parallel = prp_reactions((1.0, 0.0, 0.0), nothing, ahead, ahead)
+    along_guide = rpp_reactions(nothing, (1.0, 0.0, 0.0), ahead, ahead, 0.2)
     for found in (stretched, upright, at_pivot, parallel, along_guide):
         assert not all(math.isfinite(part) for part in found)
 
 
 def test_loads_of_nothing__no_reactions():
-    found = rrr_reactions(*([0.0] * 6), 1.0, 0.6, 0.8, 1.0, 0.8, -0.6, -1.0)
+    found = rrr_reactions((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (1.0, 0.6, 0.8), (1.0, 0.8, -0.6), -1.0)
     assert found == (0.0,) * 6

@@ -80,7 +80,7 @@ def test_rrr_position__closed_geometry(triangle, sign):
     moved = ROUNDINGS * EPS * (r1 + r2) / abs(quality)
     # Nearer to the dead centre the sine itself is lost in rounding: it varies as the root of the distance.
     assume(moved / min(r1, r2) < 0.1 * abs(quality))
-    bx, by, c1, s1, c2, s2, sine = rrr_position(ax, ay, dx, dy, r1, r2, sign)
+    bx, by, c1, s1, c2, s2, sine = rrr_position((ax, ay), (dx, dy), r1, r2, sign)
     b = a + mpf(r1) * unit(t1)
     for value, reference in ((bx, b.real), (by, b.imag)):
         near(value, reference, moved + EPS * (abs(ax) + abs(ay)))
@@ -108,8 +108,8 @@ def test_rrr_rates__derivatives_of_closed_geometry(a, d, place, unevenness, sign
     velocity = d.speed - a.speed
     acceleration = d.acceleration - a.acceleration + w1**2 * r1 * u1 - w2**2 * r2 * u2
     for gap, one, two in ((velocity, w1, w2), (acceleration, e1, e2)):
-        (gx, gy), (c1, s1), (c2, s2) = parts(gap), parts(u1), parts(u2)
-        rates = rrr_rates(gx, gy, float(r1), c1, s1, float(r2), c2, s2, float(sign * sine))
+        links = (float(r1), *parts(u1)), (float(r2), *parts(u2))
+        rates = rrr_rates(parts(gap), *links, float(sign * sine))
         for rate, reference, r in zip(rates, (one, two), (r1, r2), strict=True):
             near(rate, reference, ROUNDINGS * EPS * abs(gap) / (r * sine))
 
@@ -120,7 +120,7 @@ def test_rrr_out_of_reach__nan(ax, ay, at, ratio, miss, sign, stretched):
     r1, r2 = 10**ratio, 1.0
     d = (r1 + r2) * (1 + miss) if stretched else abs(r1 - r2) / (1 + miss) - 1e-9 * (r1 + r2)
     assume(d > 0)
-    found = rrr_position(0.0, 0.0, d * math.cos(at), d * math.sin(at), r1, r2, sign)
+    found = rrr_position((0.0, 0.0), (d * math.cos(at), d * math.sin(at)), r1, r2, sign)
     assert all(math.isnan(x) for x in found)
 
 
@@ -128,12 +128,12 @@ def test_rrr_out_of_reach__nan(ax, ay, at, ratio, miss, sign, stretched):
 @pytest.mark.parametrize(("r1", "r2"), [(2.0, 3.0), (7.0, 2.0), (2.0, 7.0), (2.5, 2.5)])
 def test_rrr_dead_centre__place_finite_rates_not(r1, r2, sign):
     # A, D = (1, 1), (4, 5) are exactly 5 apart: stretched or folded without rounding.
-    bx, by, c1, s1, c2, s2, sine = rrr_position(1.0, 1.0, 4.0, 5.0, r1, r2, sign)
+    bx, by, c1, s1, c2, s2, sine = rrr_position((1.0, 1.0), (4.0, 5.0), r1, r2, sign)
     along = -r1 if r2 - r1 == 5.0 else r1
     assert (bx, by) == pytest.approx((1 + 0.6 * along, 1 + 0.8 * along), rel=1e-15)
     assert (abs(c1), abs(s1), abs(c2), abs(s2)) == pytest.approx((0.6, 0.8, 0.6, 0.8), rel=1e-15)
     assert sine == 0.0
-    rates = rrr_rates(0.3, -0.2, r1, c1, s1, r2, c2, s2, sine)
+    rates = rrr_rates((0.3, -0.2), (r1, c1, s1), (r2, c2, s2), sine)
     assert not any(math.isfinite(w) for w in rates)
 
 
@@ -151,7 +151,7 @@ def test_rrp_position__closed_geometry(ax, ay, gx, gy, guide, size, height, sign
     t = rrp_angle(a, g, mpf(guide), mpf(r), mpf(offset), sign)
     u = unit(mpf(guide))
     (c, s), quality = parts(u), mpmath.cos(t - mpf(guide))
-    bx, by, c1, s1, slide, sine = rrp_position(ax, ay, gx, gy, c, s, r, offset, sign)
+    bx, by, c1, s1, slide, sine = rrp_position((ax, ay), (gx, gy, c, s), r, offset, sign)
     moved = ROUNDINGS * EPS * (abs(a - g) + abs(offset) + r) / abs(quality)
     assume(moved < 1e-3 * r * abs(quality))
     b = a + mpf(r) * unit(t)
@@ -184,7 +184,7 @@ def test_rrp_rates_on_a_moving_guide__derivatives_of_closed_geometry(a, g, guide
     under_a = g.acceleration + 1j * guide.acceleration * arm - guide.speed**2 * arm + coriolis
     gaps = (under_v - a.speed, under_a - a.acceleration + w**2 * r * unit(t))
     for gap, references in zip(gaps, ((w, v), (e, acceleration)), strict=True):
-        rates = rrp_rates(*parts(gap), float(r), *parts(unit(t), u), float(sine))
+        rates = rrp_rates(parts(gap), (float(r), *parts(unit(t))), parts(u), float(sine))
         near(rates[0], references[0], ROUNDINGS * EPS * abs(gap) / (r * abs(sine)))
         near(rates[1], references[1], ROUNDINGS * EPS * abs(gap) / abs(sine))
 
@@ -195,17 +195,17 @@ def test_rrp_rod_too_short__nan(ax, ay, guide, size, miss, side, sign):
     r = 10**size
     c, s = math.cos(guide), math.sin(guide)
     offset = ay * c - ax * s + side * (r * (1 + miss) + 1e-13)
-    assert all(math.isnan(x) for x in rrp_position(ax, ay, 0.0, 0.0, c, s, r, offset, sign))
+    assert all(math.isnan(x) for x in rrp_position((ax, ay), (0.0, 0.0, c, s), r, offset, sign))
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_rrp_dead_centre__place_finite_rates_not(side, sign):
     # The rod stands at right angles to the guide: y = 3 is a rod's length from y = 1.
-    bx, by, c1, s1, slide, sine = rrp_position(2.0, 1.0, 0.5, 0.0, 1.0, 0.0, 2.0, 1.0 + 2 * side, sign)
+    bx, by, c1, s1, slide, sine = rrp_position((2.0, 1.0), (0.5, 0.0, 1.0, 0.0), 2.0, 1.0 + 2 * side, sign)
     assert (bx, by, c1, s1, slide) == (2.0, 1.0 + 2 * side, 0.0, side, 1.5)
     assert sine == 0.0
-    assert not any(math.isfinite(w) for w in rrp_rates(0.3, -0.2, 2.0, c1, s1, 1.0, 0.0, sine))
+    assert not any(math.isfinite(w) for w in rrp_rates((0.3, -0.2), (2.0, c1, s1), (1.0, 0.0), sine))
 
 
 # RPR
@@ -221,7 +221,7 @@ def test_rpr_position__closed_geometry(dx, dy, size, at, share_of_distance, sign
     t = rpr_angle(a, d, mpf(offset), sign)
     u = unit(t)
     quality = dot(u, a - d) / abs(a - d)
-    c, s, slide, sine = rpr_position(ax, ay, dx, dy, offset, sign)
+    c, s, slide, sine = rpr_position((ax, ay), (dx, dy), offset, sign)
     turned = ROUNDINGS * EPS / abs(quality)
     near(c, u.real, turned)
     near(s, u.imag, turned)
@@ -248,7 +248,7 @@ def test_rpr_rates__derivatives_of_closed_geometry(a, d, share_of_distance, sign
     arm = a.value - d.value
     relative = a.acceleration - d.acceleration + w**2 * arm - 2j * w * v * u
     for gap, references in ((a.speed - d.speed, (w, v)), (relative, (e, acceleration))):
-        rates = rpr_rates(*parts(gap), *parts(u), float(offset), float(slide(0)))
+        rates = rpr_rates(parts(gap), parts(u), float(offset), float(slide(0)))
         tolerance = ROUNDINGS * EPS * abs(gap)
         near(rates[0], references[0], tolerance / abs(slide(0)))
         near(rates[1], references[1], tolerance * (1 + abs(offset / slide(0))))
@@ -258,25 +258,26 @@ def test_rpr_rates__derivatives_of_closed_geometry(a, d, share_of_distance, sign
 @given(angle, exponent, st.floats(1e-9, 1e6), mode, mode)
 def test_rpr_pin_inside_the_offset__nan(at, size, miss, side, sign):
     distance = 10**size
-    found = rpr_position(distance * math.cos(at), distance * math.sin(at), 0.0, 0.0, side * distance * (1 + miss), sign)
+    a = (distance * math.cos(at), distance * math.sin(at))
+    found = rpr_position(a, (0.0, 0.0), side * distance * (1 + miss), sign)
     assert all(math.isnan(x) for x in found)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("offset", [5.0, -5.0])
 def test_rpr_dead_centre__place_finite_rates_not(offset, sign):
-    c, s, slide, sine = rpr_position(4.0, 5.0, 1.0, 1.0, offset, sign)
+    c, s, slide, sine = rpr_position((4.0, 5.0), (1.0, 1.0), offset, sign)
     # The pin is wholly to the left (right) of the slot's line: n = ±(0.6, 0.8).
     assert (c, s) == pytest.approx((0.8 * offset / 5, -0.6 * offset / 5), rel=1e-15)
     assert (slide, sine) == (0.0, 0.0)
-    w, rate = rpr_rates(0.3, -0.2, c, s, offset, slide)
+    w, rate = rpr_rates((0.3, -0.2), (c, s), offset, slide)
     assert not math.isfinite(w)
     assert not math.isfinite(rate)
 
 
 def test_rpr_pin_on_the_pivot__nan():
     # The slot may then point anywhere: there is no position.
-    assert all(math.isnan(x) for x in rpr_position(1.0, 1.0, 1.0, 1.0, 0.0, 1.0)[:2])
+    assert all(math.isnan(x) for x in rpr_position((1.0, 1.0), (1.0, 1.0), 0.0, 1.0)[:2])
 
 
 # PRP and RPP
@@ -289,7 +290,7 @@ def test_oblique_components__solution_of_the_two_equations(gx, gy, t1, t2):
     sine = cross(u1, u2)
     assume(abs(sine) > 1e-9)
     p, q = mpmath.lu_solve(mpmath.matrix([[u1.real, u2.real], [u1.imag, u2.imag]]), mpmath.matrix([gx, gy]))
-    found = oblique_components(gx, gy, *parts(u1, u2))
+    found = oblique_components((gx, gy), parts(u1), parts(u2))
     # The sine of nearly parallel directions has lost digits: EPS/sine relative.
     tolerance = ROUNDINGS * EPS * abs(vector(gx, gy)) / abs(sine) * (1 + 1 / abs(sine))
     near(found[0], p, tolerance)
@@ -306,7 +307,7 @@ def test_prp_position__crossing_of_the_two_lines(g1x, g1y, g2x, g2y, t1, t2, off
     gap, turn = (q2 - q1) / u1, u2 / u1
     slide1 = gap.real - gap.imag * turn.real / turn.imag
     b = q1 + slide1 * u1
-    found = prp_position(g1x, g1y, *parts(u1), offset1, g2x, g2y, *parts(u2), offset2)
+    found = prp_position((g1x, g1y, *parts(u1)), offset1, (g2x, g2y, *parts(u2)), offset2)
     # Points and offsets reach some 16 m together; their roundings are magnified by 1/sine, and so is the rounding of
     # the sine itself.
     tolerance = ROUNDINGS * EPS * 16 / abs(turn.imag) * (1 + 1 / abs(turn.imag))
@@ -338,7 +339,7 @@ def test_prp_rates__joint_on_two_moving_guides(q1, q2, t1, t2):
         coriolis = 2j * t.speed * v * unit(t.value)
         gap = (gap[0], gap[1] + sign * under_v, gap[2] + sign * (under_a + coriolis))
     for one, references in zip(gap, ((place(0), other(0)), (v1, v2), (a1, a2)), strict=True):
-        rates = prp_rates(*parts(one, unit(t1.value), unit(t2.value)))
+        rates = prp_rates(*(parts(v) for v in (one, unit(t1.value), unit(t2.value))))
         tolerance = ROUNDINGS * EPS * abs(one) / abs(sine) * (1 + 1 / abs(sine))
         near(rates[0], references[0], tolerance)
         near(rates[1], references[1], tolerance)
@@ -349,7 +350,7 @@ def test_prp_rates__joint_on_two_moving_guides(q1, q2, t1, t2):
 def test_oblique_components_of_parallel_directions__not_finite(gap, direction):
     # Directions oblique to the axes are parallel to rounding only: a machine judges by their sine.
     c, s = direction
-    assert not any(math.isfinite(x) for x in oblique_components(*gap, c, s, -c, -s))
+    assert not any(math.isfinite(x) for x in oblique_components(gap, (c, s), (-c, -s)))
 
 
 @modest
@@ -360,7 +361,7 @@ def test_rpp_position__crossing_of_slot_and_guide(ax, ay, gx, gy, way, turn):
     there = vector(ax - gx, ay - gy) / u
     along, slide = there.real - there.imag * by.real / by.imag, there.imag / by.imag
     crossing, slot = vector(gx, gy) + along * u, u * by
-    found = rpp_position(ax, ay, gx, gy, *parts(u, by))
+    found = rpp_position((ax, ay), (gx, gy, *parts(u)), parts(by))
     expected = (crossing.real, crossing.imag, slot.real, slot.imag, along, slide)
     # As for PRP.
     tolerance = ROUNDINGS * EPS * 16 / by.imag * (1 + 1 / by.imag)
@@ -383,7 +384,7 @@ def test_rpp_rates__derivatives_of_closed_geometry(a, way, turn):
     references = zip(derivatives(along), derivatives(slide), strict=True)
     for gap, expected in zip((a.speed, a.acceleration), references, strict=True):
         tolerance = ROUNDINGS * EPS * abs(gap) / by.imag * (1 + 1 / by.imag)
-        for rate, reference in zip(rpp_rates(*parts(gap, u, u * by)), expected, strict=True):
+        for rate, reference in zip(rpp_rates(parts(gap), parts(u), parts(u * by)), expected, strict=True):
             near(rate, reference, tolerance)
 
 

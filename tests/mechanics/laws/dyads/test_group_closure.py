@@ -30,14 +30,28 @@ class Group(NamedTuple):
 # Lengths about a metre. The order of the arguments is that of the laws.
 GROUPS = {
     "rrr": Group(
-        (0.1, 0.2, 2.0, -0.1, 1.3, 1.7, -1.0),
+        ((0.1, 0.2), (2.0, -0.1), 1.3, 1.7, -1.0),
         rrr_position,
-        lambda g, f: rrr_closure(*g[:4], *f[:2], g[4], *f[2:4], g[5], *f[4:6]),
+        lambda g, f: rrr_closure(*g[:2], tuple(f[:2]), (g[2], *f[2:4]), (g[3], *f[4:6])),
     ),
-    "rrp": Group((0.1, 0.2, -0.4, 0.3, *GUIDE, 1.9, 0.2, 1.0), rrp_position, lambda g, f: rrp_closure(*g[:-1], *f[:5])),
-    "rpr": Group((1.4, 0.9, 0.1, 0.2, 0.3, -1.0), rpr_position, lambda g, f: rpr_closure(*g[:-1], *f[:3])),
-    "prp": Group((0.1, 0.2, *GUIDE, 0.3, 1.1, -0.4, *OTHER, -0.2), prp_position, lambda g, f: prp_closure(*g, *f[:4])),
-    "rpp": Group((0.9, 1.2, 0.1, 0.2, *GUIDE, *OTHER), rpp_position, lambda g, f: rpp_closure(*g, *f)),
+    "rrp": Group(
+        ((0.1, 0.2), (-0.4, 0.3, *GUIDE), 1.9, 0.2, 1.0),
+        rrp_position,
+        lambda g, f: rrp_closure(*g[:2], g[3], tuple(f[:2]), (g[2], *f[2:4]), f[4]),
+    ),
+    "rpr": Group(
+        ((1.4, 0.9), (0.1, 0.2), 0.3, -1.0), rpr_position, lambda g, f: rpr_closure(*g[:-1], tuple(f[:2]), f[2])
+    ),
+    "prp": Group(
+        ((0.1, 0.2, *GUIDE), 0.3, (1.1, -0.4, *OTHER), -0.2),
+        prp_position,
+        lambda g, f: prp_closure(*g, tuple(f[:2]), *f[2:4]),
+    ),
+    "rpp": Group(
+        ((0.9, 1.2), (0.1, 0.2, *GUIDE), OTHER),
+        rpp_position,
+        lambda g, f: rpp_closure(*g, tuple(f[:2]), tuple(f[2:4]), *f[4:]),
+    ),
 }
 # The last number that a position tells is the quality of transmission; RPP has none.
 PLACES = [

@@ -3,6 +3,7 @@
 import math
 from itertools import pairwise
 
+import numba
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
@@ -10,9 +11,12 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from engine.motion.moments.grid import JUMP
-from engine.motion.moments.piecewise import integral, peak_between, slope_of
+from engine.motion.moments import piecewise
 
 TURN = 2 * math.pi
+# As compiled code has them.
+laws = (piecewise.integral, piecewise.peak_between, piecewise.slope_of)
+integral, peak_between, slope_of = (numba.njit(law.py_func, error_model="numpy") for law in laws)
 
 
 def nodes_with(jump: float, count: int) -> np.ndarray:
