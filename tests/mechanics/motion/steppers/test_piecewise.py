@@ -10,8 +10,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from engine.motion.moments.grid import JUMP
 from engine.motion.moments import piecewise
+from engine.motion.moments.grid import JUMP
 
 TURN = 2 * math.pi
 # As compiled code has them.
