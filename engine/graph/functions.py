@@ -170,6 +170,55 @@ def functions_at(
     )
 
 
+def functions_in_motion(
+    graph: Graph,
+    title: str,
+    first: Number,
+    last: Number,
+    rates: Sequence[Node],
+    watched: Sequence[Node],
+    states: Sequence[Given],
+) -> Functions:
+    """Print the functions of a motion: `places`, what depends on the position alone, and `rates`, what follows from it.
+
+    The last rows of P are what `places` fills, in the order of `curves`, and the states; `rates` reads both there, and
+    so does `watch`. The text has `events` and `levels` too.
+
+    Parameters
+    ----------
+    graph : Graph
+    title : str
+        What the module's docstring says.
+    first, last : Number
+        Range of the input.
+    rates, watched : sequence of Node
+        What is asked in a state.
+    states : sequence of Given
+    """
+    asked = [*rates, *watched]
+    places = list(dict.fromkeys([*places_of(rates), *places_of(watched)]))
+    plan = _planned(graph, first, last, places, places, fields=asked)
+    tail = [*places, *states]
+    others = [node for node in plan.rows if node not in tail]
+    rows = {node: row for row, node in enumerate([*others, *tail])}
+    return _printed(
+        graph,
+        title,
+        plan._replace(held=[], rows=rows),
+        _events(plan),
+        _levels(plan),
+        _Part("places", "All that a state needs of a position.", places),
+        _Part("rates", "Rates of the states, and of what is gathered.", list(rates), Stage.STATE),
+        _Part("watch", "What is watched in a state.", list(watched), Stage.STATE),
+    )
+
+
+def places_of(rates: Sequence[Node]) -> list[Node]:
+    """What depends on the position, and not on the state, of all that some nodes of a state are computed from."""
+    found = reached(rates, lambda node: node.stage < Stage.STATE)
+    return [node for node in found if Stage.PANEL <= node.stage < Stage.STATE]
+
+
 class _Plan(NamedTuple):
     """What functions are printed from; lists of nodes, and the row of P of each number."""
 

@@ -5,7 +5,8 @@ A node is the position of the input, a number, a law applied to nodes, or arithm
 the textbook's, `v = w * r - u`, and what is zero or one goes away as it does on paper.
 
 How often a node changes is its `Stage`. A number of the scene belongs to the variant; what follows from the ends of a
-stroke belongs to the variant's cycle; which segment of a table holds, to the panel; all else to the position.
+stroke belongs to the variant's cycle; which segment of a table holds, to the panel; what depends on the speed, the
+acceleration or the time of a motion, to its state; all else to the position.
 """
 
 import operator
@@ -26,6 +27,7 @@ class Stage(IntEnum):
     CYCLE = 1
     PANEL = 2
     POSITION = 3
+    STATE = 4
 
 
 class Node:
@@ -146,7 +148,7 @@ class Position(Node):
 
 
 class Given(Node):
-    """A number that whoever evaluates the graph gives at each position, such as the speed that a motion has there.
+    """A number that whoever evaluates the graph gives: for each variant, position or state, by its stage.
 
     Functions read it like a number of the variant, so it is the same at all positions that they fill at once.
     """
@@ -360,9 +362,9 @@ class Graph:
             return curve
         return self._once(("found", curve, which), lambda: Found(self, curve, rate, which))
 
-    def given(self, label: str) -> Given:
-        """A number that is given at each position; the same label means the same number."""
-        return self._once(("given", label), lambda: Given(self, Stage.POSITION, label=label))
+    def given(self, label: str, stage: Stage = Stage.POSITION) -> Given:
+        """A number that is given at each position, or as often as its stage says; one label means one number."""
+        return self._once(("given", label), lambda: Given(self, stage, label=label))
 
     def operation(self, symbol: str, a: Node | float, b: Node | float) -> Node:
         """Arithmetic on two nodes, simplified as on paper."""
@@ -436,8 +438,8 @@ class Graph:
         return self._once(("result", applied, index), lambda: LawResult(self, applied, index))
 
     def held(self, node: Node) -> Node:
-        """The value of a node in the middle of a panel, throughout it."""
-        if node.stage < Stage.POSITION:
+        """The value of a node in the middle of a panel, throughout it; what depends on a state follows that."""
+        if node.stage != Stage.POSITION:
             return node
         return self._once(("held", node), lambda: Held(self, node))
 
@@ -475,7 +477,7 @@ class Graph:
 
     def switches(self, curve: Node, rate: Node, level: Node | float = 0.0, kink: int = 0, offset: float = 0.0) -> None:
         """Say that something switches where a curve crosses a level; `kink` and `offset` as for `Crossing`."""
-        if curve.stage == Stage.POSITION:
+        if curve.stage == Stage.POSITION and not (isinstance(level, Node) and level.stage > Stage.CYCLE):
             if not isinstance(level, Node) or isinstance(level, Constant):
                 level, offset = self.zero, (level.value if isinstance(level, Node) else float(level)) + offset
             known = self._crossings.setdefault((curve, level, offset), Crossing(curve, rate, level, offset, kink))

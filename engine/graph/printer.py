@@ -102,6 +102,8 @@ class Statements:
     def _is_leaf(self, node: Node) -> bool:
         if isinstance(node, (Constant, TableMemory, Position)) or node in self._looked_up:
             return True
+        if self._stage == Stage.STATE:
+            return node.stage < Stage.STATE or isinstance(node, Given)
         if isinstance(node, Held):
             return not self._inline_held
         if isinstance(node, (Number, NumberTable, Found, Given)):
@@ -115,7 +117,7 @@ class Statements:
                 self._texts[node] = repr(node.value)
             case TableMemory():
                 self._texts[node] = "T"
-            case Position():
+            case Position() if self._stage != Stage.STATE:
                 self._texts[node] = node.which
                 self.positions.append(node.which)
             case NumberTable():
@@ -250,7 +252,7 @@ def in_lanes(
     laws : list of callable
         Functions that the text calls.
     """
-    looked_up = _results_looked_up(outputs)
+    looked_up = _results_looked_up(outputs) if stage != Stage.STATE else []
     before = Statements(looked_up, stage, inline_held)
     body = Statements(outputs, stage, inline_held, looked_up, before.taken if looked_up else ())
     used = [which for which in ("q", "cos_q", "sin_q") if which in (*body.positions, *before.positions)]

@@ -121,3 +121,9 @@ def acts_in_direction(direction: float, v: float) -> float:
     forwards = direction * v
     acts = 0.0 if forwards <= 0.0 else v
     return 1.0 if (direction == 0.0) | (forwards > 0.0) else acts
+
+
+@scalar
+def acting(size: float, value: float) -> float:
+    """Size times value; nothing where the size is 0, whatever the value."""
+    return size * value if size != 0.0 else 0.0

@@ -69,7 +69,13 @@ class Tabulation:
         self._compiled: dict[str, TileFunction] = {}
         self._found = [(node, row) for node, row in functions.rows.items() if isinstance(node, Found)]
 
-    def parameters(self, numbers: Numbers, direction: np.ndarray, ends: Ends | None = None) -> np.ndarray:
+    def parameters(
+        self,
+        numbers: Numbers,
+        direction: np.ndarray,
+        ends: Ends | None = None,
+        given: Mapping[Given, np.ndarray | float] | None = None,
+    ) -> np.ndarray:
         """Numbers of all variants at unit speed: with them a load of order n is what it is over |ω|ⁿ.
 
         Parameters
@@ -79,6 +85,8 @@ class Tabulation:
             +1 or −1, the sign of the crank's speed.
         ends : mapping of Found to ndarray, optional
             Without them what follows from ends of strokes is NaN.
+        given : mapping of Given to ndarray, optional
+            Numbers that are given to the variants.
 
         Returns
         -------
@@ -93,6 +101,9 @@ class Tabulation:
         for node, row in self._found:
             if ends is not None:
                 made[row] = ends[node]
+        for node, values in (given or {}).items():
+            if node in functions.rows:
+                made[functions.rows[node]] = values
         levels = list(functions.level_rows)
         if levels:
             made[levels] = self._filled("levels", len(levels), made, np.zeros((1, direction.size)))[:, 0]

@@ -1,0 +1,79 @@
+"""Derivatives of nodes: rules of differentiation along the graph, and those of laws."""
+
+from collections.abc import Callable, Mapping
+
+from engine.graph.nodes import LawResult, Node, Operation, Sum, reached
+
+# Derivatives of a law by some of its operands, by the operand's number: each makes a node of the law's operands.
+Slopes = Mapping[Callable, Mapping[int, Callable[..., Node]]]
+# A law without a known derivative is taken a little beside, by this share of the operand and so much besides: the
+# central difference is off by its square, and by rounding over it.
+BESIDE, LEAST = 2.0**-17, 2.0**-30
+
+
+def derivative(node: Node, by: Node, slopes: Slopes) -> Node:
+    """Derivative of a node by another one.
+
+    Parameters
+    ----------
+    node, by : Node
+    slopes : mapping
+        Of laws whose derivatives are known; of others it is a central difference.
+    """
+    graph = node.graph
+    found = {by: graph.one}
+    for n in reached([node], lambda n: n is by):
+        if n is not by and any(o in found for o in _operands(n)):
+            found[n] = _rule(n, {o: found.get(o, graph.zero) for o in _operands(n)}, slopes)
+    return found.get(node, graph.zero)
+
+
+def _operands(node: Node) -> tuple[Node, ...]:
+    return node.application.operands if isinstance(node, LawResult) else node.operands
+
+
+def _rule(node: Node, d: Mapping[Node, Node], slopes: Slopes) -> Node:
+    graph = node.graph
+    if isinstance(node, LawResult):
+        return _of_law(node, d, slopes)
+    if isinstance(node, Sum):
+        return sum((d[c] * b + c * d[b] for c, b in node.terms), graph.zero)
+    if not isinstance(node, Operation):
+        return graph.zero
+    a, *rest = node.operands
+    match node.symbol:
+        case "+":
+            return d[a] + d[rest[0]]
+        case "-":
+            return d[a] - d[rest[0]]
+        case "*":
+            return d[a] * rest[0] + a * d[rest[0]]
+        case "/":
+            return (d[a] - node * d[rest[0]]) / rest[0]
+        case "sqrt":
+            return d[a] * (1.0 / node) * 0.5
+        case "abs":
+            return d[a] * (node / a)
+    return -d[a]
+
+
+def _of_law(result: LawResult, d: Mapping[Node, Node], slopes: Slopes) -> Node:
+    graph, law, operands = result.graph, result.application.law, result.application.operands
+    known, total = slopes.get(law, {}), graph.zero
+    for i, operand in enumerate(operands):
+        if d[operand] is graph.zero:
+            continue
+        if i in known:
+            total = total + known[i](*operands) * d[operand]
+            continue
+        step = BESIDE * abs(operand) + LEAST
+        high, low = (
+            _beside(result, [*operands[:i], operand + side * step, *operands[i + 1 :]]) for side in (1.0, -1.0)
+        )
+        total = total + (high - low) / (2.0 * step) * d[operand]
+    return total
+
+
+def _beside(result: LawResult, operands: list[Node]) -> Node:
+    made = result.graph.apply(result.application.law, *operands)
+    return made if result.index is None else made[result.index]

@@ -1,0 +1,318 @@
+"""A machine's equation of motion as a system of rates: its states, what is gathered along, and its guards, as nodes.
+
+Along the crank angle the state is the kinetic energy E, with dE/dφ = M(φ, ω) and ω = √(2E/I); along time the angle
+turned and the speed, with I ε + ½ω² dI/dφ = M(φ, ω, t). Moments count in the direction of motion, so that ω is never
+negative: a machine that moves backwards is one whose input is meant to turn the other way.
+"""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numba
+import numpy as np
+from numba import types
+
+from engine.compiling.printed import load_printed
+from engine.compiling.running import prepare, spread
+from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
+from engine.graph.derivatives import derivative
+from engine.graph.functions import Functions, functions_in_motion, places_of
+from engine.graph.nodes import Given, Node, Stage
+from engine.laws.loads import acting
+from engine.laws.motor_characteristics import induction_motor, induction_motor_slope
+from engine.mechanism.actions.motors import motor_ratio
+from engine.mechanism.input_motion import InputMotion
+from engine.mechanism.loads import Loads
+from engine.mechanism.mechanics import Mechanics
+from engine.motion.methods import METHODS, ORDER_EIGHT
+from engine.motion.moments.tabulation import Tabulation
+from engine.motion.walk import FOUND, GIVEN, Batch, Task, new_room, walk
+from engine.parts.actions import DCMotor
+from engine.parts.motor_constants import kloss_constants, stall_moment
+
+# Sorts of work that are told apart where works are asked.
+CHANNELS = ("driving", "useful", "harmful", "braking", "other")
+# Shares of a step at which its polynomial of degree seven is recorded.
+SHOWN = 0.5 - 0.5 * np.cos(np.pi * np.arange(8) / 7.0)
+
+SLOPES = {
+    acting: {1: lambda size, value: value.graph.apply(acting, size, 1.0)},
+    induction_motor: {4: lambda *operands: operands[-1].graph.apply(induction_motor_slope, *operands)},
+}
+
+
+class Guard(NamedTuple):
+    """Something that ends a step: its name, and a number that is positive until then."""
+
+    name: str
+    value: Node
+
+
+class System(NamedTuple):
+    """What moves.
+
+    Attributes
+    ----------
+    along : {"angle", "time"}
+    states : tuple of Given
+    rates : tuple of Node
+        Of the states, along the way.
+    gathered : dict of str to Node
+        What is added up along the way: time, works, …
+    speed, size, steepness, slope : Node
+        Speed; magnitudes that the first rate is made of; its derivative by the first state; what has the sign of the
+        speed's slope.
+    guards : tuple of Guard
+    clock : Given
+        The time.
+    """
+
+    along: str
+    states: tuple[Given, ...]
+    rates: tuple[Node, ...]
+    gathered: dict[str, Node]
+    speed: Node
+    size: Node
+    steepness: Node
+    slope: Node
+    guards: tuple[Guard, ...]
+    clock: Given
+
+
+class Sizes(NamedTuple):
+    """Numbers that a motion gives to its system: how large each load is, which motors act, and how it moves."""
+
+    loads: dict[Given, tuple[str, Node]]
+    motors: dict[Given, str]
+    wheel: Given
+    way: Given
+    facing: Given
+    above: Given
+    below: Given
+    brisk: Given
+    stay: Given
+
+
+class Moments(NamedTuple):
+    """Moments in the direction of motion: of the motors, and of each channel of loads."""
+
+    motors: Node
+    channels: dict[str, Node]
+
+    @property
+    def total(self) -> Node:
+        """Of all that acts."""
+        return self.motors + sum(self.channels.values())
+
+
+def sizes_of(mechanics: Mechanics) -> tuple[Loads, Given, Sizes]:
+    """Loads of a machine in motion, the time they depend on, and the numbers given to them."""
+    graph = mechanics.graph
+    clock = graph.given("time of a state", Stage.STATE)
+    loads = Loads(mechanics.scene, mechanics.kinematics, clock)
+
+    def number(label: str) -> Given:
+        return graph.given(label, Stage.VARIANT)
+
+    sizes = {number(f"size {i}"): (load.action, load.coefficient) for i, load in enumerate(loads.terms)}
+    motors = {number(f"motor {name} acts"): name for name in loads.motors}
+    names = ("flywheel of a motion", "way of motion", "facing", "speed above", "speed below", "brisk", "stay")
+    return loads, clock, Sizes(sizes, motors, *(number(name) for name in names))
+
+
+def moments_of(mechanics: Mechanics, loads: Loads, sizes: Sizes, speed: Node, works: bool) -> Moments:
+    """Moments at a speed, by the sort of work where works are asked."""
+    graph = mechanics.graph
+    motion = InputMotion(speed * speed, graph.zero, speed)
+    by_channel: dict[str, dict[float | str, list[Node]]] = {c: {} for c in (CHANNELS if works else ("all",))}
+    for size, load in zip(sizes.loads, loads.terms, strict=True):
+        if load.basis is graph.zero:
+            continue
+        channel = load.role if load.role in CHANNELS else "other"
+        orders = by_channel[channel if works else "all"]
+        orders.setdefault(load.order, []).append(graph.apply(acting, size, load.basis))
+    channels = {}
+    for channel, orders in by_channel.items():
+        # What depends on the position alone is added up there.
+        parts = [(sizes.way * sum(terms, graph.zero)) * motion.power(order) for order, terms in orders.items()]
+        channels[channel] = sum(parts, graph.zero)
+    return Moments(sum((_motor(mechanics, name, on, speed) for on, name in sizes.motors.items()), graph.zero), channels)
+
+
+def _motor(mechanics: Mechanics, name: str, on: Given, speed: Node) -> Node:
+    """Moment of a motor, reduced to the input."""
+    graph, scene, at = mechanics.graph, mechanics.scene, f"moments.{name}"
+    motor = scene.moments[name]
+    ratio = graph.derived(f"ratio of {at}", lambda n: np.abs(motor_ratio(scene, motor, n)))
+    if isinstance(motor, DCMotor):
+        # Its straight characteristic, without a division in every state.
+        stall = graph.derived(f"stall moment of {at}", lambda n: stall_moment(motor, at, n))
+        fall = graph.derived(f"fall of {at}", lambda n: stall_moment(motor, at, n) / n[f"{at}.no_load_speed"])
+        moment = stall - fall * (ratio * speed)
+    else:
+        constants = [
+            graph.derived(f"constant {i} of {at}", lambda n, i=i: kloss_constants(motor, at, n)[i]) for i in range(4)
+        ]
+        moment = graph.apply(induction_motor, *constants, ratio * speed)
+    return ratio * graph.apply(acting, on, moment)
+
+
+def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tuple[System, Sizes]:
+    """The equation of motion over the crank angle; of what is gathered besides time, what is asked.
+
+    Parameters
+    ----------
+    mechanics : Mechanics
+    works : bool
+        Whether the works of useful and harmful loads, … are told apart.
+    asked : frozenset of str
+        Of "motors", "squares", "growth" and the channels of work.
+    """
+    graph, (loads, clock, sizes) = mechanics.graph, sizes_of(mechanics)
+    energy = graph.given("kinetic energy", Stage.STATE)
+    inverse = 2.0 / (mechanics.reduced.inertia + sizes.wheel)
+    speed = graph.function("sqrt", energy * inverse)
+    moments = moments_of(mechanics, loads, sizes, speed, works)
+    total, pace = moments.total, 1.0 / speed
+    steepness = derivative(total, energy, SLOPES)
+    squares = (moments.motors * moments.motors) * pace
+    known = {"motors": moments.motors, **moments.channels, "squares": squares, "growth": steepness}
+    slope = total - (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)
+    size = abs(moments.motors) + abs(total - moments.motors)
+    guards = (
+        Guard("above", sizes.above - speed),
+        Guard("below", speed - sizes.below),
+        Guard("slow", sizes.brisk * energy - abs(total)),
+    )
+    gathered = {"time": pace} | {name: node for name, node in known.items() if name in asked}
+    return System("angle", (energy,), (total,), gathered, speed, size, steepness, slope, guards, clock), sizes
+
+
+def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tuple[System, Sizes]:
+    """The equation of motion over time; parameters as of `along_angle`."""
+    graph, (loads, clock, sizes) = mechanics.graph, sizes_of(mechanics)
+    turned, speed = (graph.given(label, Stage.STATE) for label in ("angle turned", "speed"))
+    inertia = mechanics.reduced.inertia + sizes.wheel
+    moments = moments_of(mechanics, loads, sizes, speed, works)
+    total = moments.total
+    epsilon = (total - (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)) / inertia
+    powers = {name: moment * speed for name, moment in moments.channels.items()}
+    known = {"motors": moments.motors * speed, **powers, "squares": moments.motors * moments.motors}
+    guards = (
+        Guard("above", sizes.above - speed),
+        Guard("below", speed - sizes.below),
+        Guard("brisk", abs(total) + sizes.stay - sizes.brisk * (0.5 * inertia * (speed * speed))),
+        Guard("rest", speed),
+    )
+    gathered = {name: node for name, node in known.items() if name in asked}
+    steepness = derivative(epsilon, speed, SLOPES)
+    rates = (sizes.facing * speed, epsilon)
+    return System("time", (turned, speed), rates, gathered, speed, graph.zero, steepness, epsilon, guards, clock), sizes
+
+
+class Walks(NamedTuple):
+    """How a number of walks went, (variants,) each; `states` (states and gathered, variants) at their ends.
+
+    Others are as of `engine.motion.walk.Lane`; `recorded` is what was recorded of their steps.
+    """
+
+    states: np.ndarray
+    turned: np.ndarray
+    pace: np.ndarray
+    at: np.ndarray
+    slowest: np.ndarray
+    fastest: np.ndarray
+    why: np.ndarray
+    steps: np.ndarray
+    recorded: np.ndarray
+
+
+class PrintedSystem:
+    """A system with its printed functions.
+
+    Parameters
+    ----------
+    system : System
+    sizes : Sizes
+    mechanics : Mechanics
+
+    Attributes
+    ----------
+    names : dict of str to int
+        Rows of what is gathered, by name; those of the states come before.
+    """
+
+    def __init__(self, system: System, sizes: Sizes, mechanics: Mechanics) -> None:
+        self.system, self.sizes, self.mechanics = system, sizes, mechanics
+        self.rates = [*system.rates, *system.gathered.values()]
+        self.watched = [system.speed, system.size, system.steepness, system.slope, *(g.value for g in system.guards)]
+        title = f"A machine in motion, along {system.along}."
+        self.functions: Functions = functions_in_motion(
+            mechanics.graph, title, mechanics.first, mechanics.last, self.rates, self.watched, system.states
+        )
+        self.names = {name: len(system.states) + i for i, name in enumerate(system.gathered)}
+        self.tabulation = Tabulation(self.functions)
+
+    def task(self, cycle: float, method: int = ORDER_EIGHT, extremes: bool = False) -> Task:
+        """What a walk is to do."""
+        system, made, rows = self.system, METHODS[method], self.functions.rows
+        timed = system.clock in rows
+        return Task(
+            along_time=system.along == "time",
+            method=method,
+            stages=made.stages,
+            fixed=not made.adaptive,
+            nodes=made.nodes,
+            parts=np.ascontiguousarray(made.parts),
+            states=len(system.states),
+            width=len(self.rates),
+            guards=len(system.guards),
+            first_place=len(rows) - len(system.states) - len(self.functions.curves),
+            places=len(self.functions.curves),
+            rated=len(places_of(self.rates)),
+            clock=rows[system.clock] if timed else -1,
+            extremes=extremes,
+            shown=SHOWN,
+            cycle=cycle,
+        )
+
+    def run(
+        self, task: Task, numbers: np.ndarray, edges: np.ndarray, instants: np.ndarray, given: Mapping[str, np.ndarray],
+        states: np.ndarray, recorded: int = 0,
+    ) -> Walks:  # fmt: skip
+        """Walk; parameters as of `engine.motion.walk.walk`, those of lanes by name."""
+        module, count = load_printed(self.functions.text), states.shape[1]
+        functions = [TileFunction(getattr(module, name)) for name in ("places", "rates", "watch")]
+        rows = np.array([np.broadcast_to(given[name], (count,)) for name in GIVEN], float)
+        states, found = np.array(states, float, order="C"), np.empty((len(FOUND), count))
+        kept = np.empty((recorded, 3 + len(self.rates) * SHOWN.size, count))
+        parts = [np.require(part, float, "CW") for part in (numbers, edges, instants, rows)]
+        repeats = not (task.along_time or task.extremes or recorded) and np.isfinite(task.cycle)
+
+        batch = Batch(self.functions.memory, *parts, states, found, kept)
+
+        def arguments() -> tuple:
+            room = new_room(task, len(numbers), len(edges) // 2, len(instants), bool(repeats))
+            return *functions, batch, task, room
+
+        if not walk.overloads:
+            kinds = (numba.typeof(x) for x in arguments()[3:])
+            prepare(walk, [types.intp, types.intp, FILLS_TILE, FILLS_TILE, FILLS_TILE, *kinds])
+        spread(walk, -(-count // LANES), arguments)
+        return Walks(states, *found, kept)
+
+    def numbers(
+        self, numbers: Mapping, way: np.ndarray, ends: Mapping, given: Mapping[Given, np.ndarray]
+    ) -> np.ndarray:
+        """Numbers of all variants, (numbers, variants), for the way that each moves.
+
+        Parameters
+        ----------
+        numbers : Numbers
+        way : ndarray (variants,)
+            +1 or −1.
+        ends : mapping of Found to ndarray
+        given : mapping of Given to ndarray (variants,)
+            How large everything is, and how it moves.
+        """
+        return self.tabulation.parameters(numbers, way, ends, given)

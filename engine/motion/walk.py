@@ -1,0 +1,825 @@
+"""The walk of a motion: step after step, each lane with lengths of its own, until something ends it.
+
+A walk goes along the crank angle or along time. Whatever the system, a step is the same: the stages of a method, their
+rates from the printed functions, an estimated error, and guards. A guard is a number that is positive as long as the
+motion may go on as it does; the step in which it vanishes is repeated, ever more exactly shortened, to end there.
+Nothing is interpolated.
+
+Along the angle, what depends on the position alone is the same in every cycle. The steps of a cycle are laid once, with
+what they need of their positions, and then repeated as long as they miss little enough.
+"""
+
+import math
+from collections.abc import Callable
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.compiling.decorators import driver, inlined, routine
+from engine.compiling.tiles import LANES
+from engine.cycle.driver import gather, hand_out
+from engine.cycle.panels.lanes import ASIDE, Memory, in_lanes, rows
+from engine.laws.elementary import direction_of
+from engine.motion.methods import at_stage, step_end
+
+# Steps that are laid for a cycle, at most; lanes that need more go on without repeating theirs.
+MOST_SLOTS = 160
+# A repeated step may miss so many times what a new one may.
+ROUGHLY = 100.0
+SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
+# How far a disturbance may fade or grow within an explicit step.
+STEEPEST = 5.0
+# Share of its length by which the step to a guard's root is known, and how many steps are tried for it.
+ROOT, MOST_TRIALS = 4e-16, 60
+# Errors below this share of a state are rounding; so is what is left of the way to an edge.
+ROUNDED = 4.0 * float(np.finfo(float).eps)
+# A cycle that ends so near to the goal, as a share of it, ends there.
+NEARLY = 1e-12
+# A way is divided into equal steps where there are no more than so many.
+MOST_PARTS = 1e6
+# Steps shorter than this share of what they go along miss whatever is tried; at the begin, of this time [s].
+SHORTEST, LEAST_TIME = 1e-13, 1e-7
+
+
+class Why(IntEnum):
+    """Why a walk ended; from GUARD on by the guard of that number."""
+
+    GOING = -1
+    GOAL = 0
+    RANGE = 1
+    LOST = 2
+    STEEP = 3
+    FULL = 4
+    OTHER_GOAL = 5
+    GUARD = 6
+
+
+GOING, GOAL, RANGE, LOST, STEEP, FULL, OTHER_GOAL, GUARD = (int(why) for why in Why)
+# What `watch` gives of a state before its guards: the speed, the magnitudes that the rate of the first state is made
+# of, its derivative by that state, and what has the sign of the speed's slope.
+SPEED, SIZE, STEEPNESS, SLOPE, FIRST_GUARD = range(5)
+# Guards that are no rows of `rates`: the edge ahead, the other goal, an extreme of the speed.
+EDGE, OTHER, RISE, FIRST = range(4)
+
+
+class Task(NamedTuple):
+    """What a walk is to do, the same for all its variants.
+
+    Attributes
+    ----------
+    along_time : bool
+        Whether it goes along time, the angle turned being its first state; else along the angle.
+    method, stages : int
+        Number of the method, and its stages.
+    fixed : bool
+        Whether steps have fixed lengths.
+    nodes, parts : ndarray
+        Of the method.
+    states, width : int
+        Rows of `rates`: those of the states, and with what is gathered.
+    guards : int
+        Rows of `watched` that are guards; before them are SPEED, SIZE, STEEPNESS and SLOPE.
+    first_place, places, rated : int
+        Rows of P that the printed function `places` fills, and how many of them `rates` reads; those of the states
+        follow.
+    clock : int
+        Row of P that holds the time; −1: none.
+    extremes : bool
+        Whether steps end at the extremes of the speed.
+    shown : ndarray
+        Shares of a step at which its polynomial is recorded.
+    cycle : float
+        After which angle everything repeats itself; infinite if never [rad].
+    """
+
+    along_time: bool
+    method: int
+    stages: int
+    fixed: bool
+    nodes: np.ndarray
+    parts: np.ndarray
+    states: int
+    width: int
+    guards: int
+    first_place: int
+    places: int
+    rated: int
+    clock: int
+    extremes: bool
+    shown: np.ndarray
+    cycle: float
+
+
+class Lane(NamedTuple):
+    """Rows of a block, a number for each lane.
+
+    Given are those up to `pace`; handed out are those from `turned` to `steps`.
+
+    Attributes
+    ----------
+    start, direction : row
+        Crank angle at the begin [rad], and the way in which the angle turned is counted, +1 or −1.
+    facing : row
+        The way in which it goes, +1 or −1.
+    clock : row
+        Time at the begin [s].
+    goal, other_goal : row
+        Where along its way it ends; at which angle turned on a way along time, and at which time along the angle.
+    tolerance, farthest : row
+        What a step may miss, and how far it may turn [rad].
+    turned, pace : row
+        The angle turned, and the length that is tried next.
+    at : row
+        How far it has come along its way.
+    slowest, fastest : row
+        Least and greatest speed at the ends of steps.
+    why, steps : row
+        Why it ended, and after how many steps.
+    scale, size : row
+        Greatest work of a step so far; size of what a step's error is a share of.
+    length, missed : row
+        Of the step that is tried, and what it misses by what it may.
+    edge, base : row
+        Number of the edge behind it, and where its cycle begins.
+    low, high, begins, ends : row
+        Between which angles turned and times a step looks.
+    short, long, trials, side : row
+        Lengths of steps before and behind a guard's root, how many were tried for it, and which of both stayed last.
+    fired : row
+        1 where a guard ends the step.
+    halt : row
+        Where along its way the cycle that is laid or repeated ends.
+    taken, able : row
+        1 where the step is taken, and where a cycle is repeated.
+    """
+
+    start: Memory
+    direction: Memory
+    facing: Memory
+    clock: Memory
+    goal: Memory
+    other_goal: Memory
+    tolerance: Memory
+    farthest: Memory
+    turned: Memory
+    pace: Memory
+    at: Memory
+    slowest: Memory
+    fastest: Memory
+    why: Memory
+    steps: Memory
+    scale: Memory
+    size: Memory
+    length: Memory
+    missed: Memory
+    edge: Memory
+    base: Memory
+    low: Memory
+    high: Memory
+    begins: Memory
+    ends: Memory
+    short: Memory
+    long: Memory
+    trials: Memory
+    side: Memory
+    fired: Memory
+    halt: Memory
+    taken: Memory
+    able: Memory
+
+
+GIVEN, FOUND = Lane._fields[:10], Lane._fields[8:15]
+FIRST_FOUND = 8
+
+
+class Room(NamedTuple):
+    """Memory for a block; arrays of lanes."""
+
+    numbers: np.ndarray
+    position: np.ndarray
+    lane: np.ndarray
+    edges: np.ndarray
+    instants: np.ndarray
+    rates: np.ndarray
+    watched: np.ndarray
+    begin: np.ndarray
+    after: np.ndarray
+    errors: np.ndarray
+    guards: np.ndarray
+    lengths: np.ndarray
+    places: np.ndarray
+
+
+def new_room(task: Task, numbers: int, edges: int, instants: int, repeats: bool) -> Room:
+    """Memory for a block of machines with so many numbers, edges in a cycle and instants; whether cycles repeat."""
+    laid = MOST_SLOTS if repeats else 1
+    return Room(
+        rows(numbers),
+        rows(3),
+        rows(len(Lane._fields)),
+        rows(2 * edges),
+        rows(max(instants, 1)),
+        rows(task.width * len(task.nodes), aside=ASIDE),
+        rows(2 * (FIRST_GUARD + task.guards)),
+        rows(task.width),
+        rows(task.width, aside=ASIDE),
+        rows(task.states + 1),
+        rows(2 * (FIRST + task.guards)),
+        rows(laid),
+        rows(laid * (task.stages + 1) * max(task.places, 1)),
+    )
+
+
+class Printed(NamedTuple):
+    """The printed functions of a system, and the memory of all tables."""
+
+    places: Callable
+    rates: Callable
+    watch: Callable
+    memory: np.ndarray
+
+
+class Batch(NamedTuple):
+    """What a number of walks are given, and what comes of them.
+
+    Attributes
+    ----------
+    memory : ndarray
+        All tables.
+    numbers : ndarray (numbers, variants)
+    edges : ndarray (2 × edges, variants)
+        Angles turned at the edges of a cycle, its begin and end among them, and their sides [rad].
+    instants : ndarray (instants, variants)
+    given : ndarray (GIVEN, variants)
+    states : ndarray (width, variants)
+        States and what is gathered at the begin; they are carried on.
+    found : ndarray (FOUND, variants)
+    recorded : ndarray (steps, 3 + width × places, variants)
+        Of each step where it begins, its length and its way, and its polynomials.
+    """
+
+    memory: np.ndarray
+    numbers: np.ndarray
+    edges: np.ndarray
+    instants: np.ndarray
+    given: np.ndarray
+    states: np.ndarray
+    found: np.ndarray
+    recorded: np.ndarray
+
+
+@inlined
+def rows_of(room: np.ndarray) -> Lane:
+    """The rows of a block."""
+    r = in_lanes(room)
+    return Lane(
+        r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8], r[9], r[10], r[11], r[12], r[13], r[14], r[15], r[16],
+        r[17], r[18], r[19], r[20], r[21], r[22], r[23], r[24], r[25], r[26], r[27], r[28], r[29], r[30], r[31], r[32],
+    )  # fmt: skip
+
+
+# A step
+
+
+@inlined
+def stand(share: float, stage: int, slot: int, printed: Printed, task: Task, room: Room) -> None:
+    """Put into P what a stage needs of its position and time; its place is filled anew where `slot` is negative."""
+    own, position, state = rows_of(room.lane), in_lanes(room.position), in_lanes(room.numbers)
+    first, count = task.first_place, task.places
+    if slot < 0:
+        for lane in range(LANES):
+            turned = state[first + count, lane] if task.along_time else own.at[lane] + share * own.length[lane]
+            turned = turned if turned < own.high[lane] else own.high[lane]
+            turned = turned if turned > own.low[lane] else own.low[lane]
+            position[0, lane] = own.start[lane] + own.direction[lane] * turned
+        for lane in range(LANES):
+            position[1, lane], position[2, lane] = direction_of(position[0, lane])
+        tile = room.numbers[first : first + count].reshape(count, 1, LANES)
+        printed.places(room.numbers, printed.memory, room.position[0:1], room.position[1:2], room.position[2:3], tile)
+    else:
+        kept, at = in_lanes(room.places), (slot * (task.stages + 1) + stage) * count
+        # Within the step nothing is watched.
+        for i in range(count if stage == 0 or stage == task.stages else task.rated):
+            for lane in range(LANES):
+                state[first + i, lane] = kept[at + i, lane]
+    if task.clock >= 0:
+        for lane in range(LANES):
+            now = own.clock[lane] + own.at[lane] + share * own.length[lane]
+            now = now if now < own.ends[lane] else own.ends[lane]
+            state[task.clock, lane] = now if now > own.begins[lane] else own.begins[lane]
+
+
+@inlined
+def rate(stage: int, printed: Printed, task: Task, room: Room) -> None:
+    """Rates of a stage."""
+    width = task.width
+    filled_rows = room.rates[stage * width : (stage + 1) * width].reshape(width, 1, LANES)
+    printed.rates(room.numbers, printed.memory, room.position[0:1], room.position[1:2], room.position[2:3], filled_rows)
+
+
+@inlined
+def look(end: int, printed: Printed, task: Task, room: Room) -> None:
+    """Watch the begin of a step, 0, or its end, 1."""
+    count = FIRST_GUARD + task.guards
+    filled_rows = room.watched[end * count : (end + 1) * count].reshape(count, 1, LANES)
+    printed.watch(room.numbers, printed.memory, room.position[0:1], room.position[1:2], room.position[2:3], filled_rows)
+
+
+@inlined
+def keep_place(slot: int, stage: int, task: Task, room: Room) -> None:
+    """Keep what a stage needs of its position."""
+    kept, at, numbers = in_lanes(room.places), (slot * (task.stages + 1) + stage) * task.places, in_lanes(room.numbers)
+    for i in range(task.places):
+        for lane in range(LANES):
+            kept[at + i, lane] = numbers[task.first_place + i, lane]
+
+
+@routine
+def attempt(kept: int, laid: int, printed: Printed, task: Task, room: Room) -> None:
+    """Try a step in all lanes: its stages, its end and what it misses.
+
+    From the places of slot `kept` where it isn't negative; they are kept in slot `laid` where that isn't.
+    """
+    own, k, begin = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin)
+    after, errors = in_lanes(room.after), in_lanes(room.errors)
+    state = in_lanes(room.numbers[task.first_place + task.places :])
+    for q in range(task.states):
+        for lane in range(LANES):
+            state[q, lane] = begin[q, lane]
+    for s in range(task.stages):
+        if s > 0:
+            at_stage(task.method, s, task.states, task.width, begin, own.length, k, state)
+        stand(task.nodes[s], s, kept, printed, task, room)
+        rate(s, printed, task, room)
+        if s == 0:
+            look(0, printed, task, room)
+        if laid >= 0:
+            keep_place(laid, s, task, room)
+    judged = task.states if task.along_time else task.states + 1
+    step_end(task.method, judged, task.width, begin, own.length, k, after, errors)
+    for q in range(task.states):
+        for lane in range(LANES):
+            state[q, lane] = after[q, lane]
+    stand(1.0, task.stages, kept, printed, task, room)
+    look(1, printed, task, room)
+    if laid >= 0:
+        keep_place(laid, task.stages, task, room)
+    judge(judged, task, room)
+
+
+@routine
+def judge(judged: int, task: Task, room: Room) -> None:
+    """What the step misses, by what it may.
+
+    Along the angle that is a share of the greatest work of a step and of the time of a cycle; along time, of the angle
+    turned, and of the speed or its change.
+    """
+    own, k, begin = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin)
+    after, errors, width = in_lanes(room.after), in_lanes(room.errors), task.width
+    cycle = task.cycle if task.cycle < math.inf else 2.0 * math.pi
+    watched, count = in_lanes(room.watched), FIRST_GUARD + task.guards
+    for lane in range(LANES):
+        own.missed[lane] = 0.0
+    for q in range(0 if task.fixed else judged):
+        if not task.along_time and q == 0:
+            for lane in range(LANES):
+                size = (
+                    watched[SIZE, lane]
+                    if watched[SIZE, lane] > watched[count + SIZE, lane]
+                    else watched[count + SIZE, lane]
+                )
+                size *= own.length[lane]
+                own.scale[lane] = size if size > own.scale[lane] else own.scale[lane]
+                own.size[lane] = own.scale[lane]
+        elif not task.along_time:
+            for lane in range(LANES):
+                # Of time, what a cycle takes at this speed.
+                own.size[lane] = cycle * k[q, lane]
+        else:
+            for lane in range(LANES):
+                own.size[lane] = abs(begin[q, lane]) if q % 2 == 1 else 0.0
+            for s in range(task.stages):
+                for lane in range(LANES):
+                    made = abs(own.length[lane] * k[s * width + q, lane])
+                    own.size[lane] = made if made > own.size[lane] else own.size[lane]
+        for lane in range(LANES):
+            off = abs(errors[q, lane]) / (own.tolerance[lane] * own.size[lane] + ROUNDED * abs(begin[q, lane]))
+            # What doesn't move at all misses nothing.
+            off = off if errors[q, lane] != 0.0 else 0.0
+            own.missed[lane] = off if off > own.missed[lane] or off != off else own.missed[lane]
+    for q in range(width):
+        for lane in range(LANES):
+            own.missed[lane] = own.missed[lane] if abs(after[q, lane]) < math.inf else math.inf
+    for lane in range(LANES):
+        steep, end = abs(own.length[lane] * watched[STEEPNESS, lane]) > STEEPEST, watched[count + SLOPE, lane]
+        sound = own.missed[lane] == own.missed[lane] and not (steep and not task.fixed) and end == end
+        own.missed[lane] = own.missed[lane] if sound else math.inf
+
+
+# Edges: angles at which something jumps or bends
+
+
+@inlined
+def look_ahead(lane: int, count: int, room: Room) -> None:
+    """Between which angles a lane's step looks: no nearer to either edge than its side."""
+    own, edges, sides = rows_of(room.lane), in_lanes(room.edges), in_lanes(room.edges[count:])
+    k = int(own.edge[lane])
+    low, high = edges[k, lane] + sides[k, lane], edges[k + 1, lane] - sides[k + 1, lane]
+    middle = 0.5 * (edges[k, lane] + edges[k + 1, lane])
+    own.low[lane] = own.base[lane] + (low if low < middle else middle)
+    own.high[lane] = own.base[lane] + (high if high > middle else middle)
+
+
+@inlined
+def edge_ahead(lane: int, room: Room) -> float:
+    """Angle turned at the edge ahead of a lane."""
+    own = rows_of(room.lane)
+    return own.base[lane] + in_lanes(room.edges)[int(own.edge[lane]) + (1 if own.facing[lane] > 0.0 else 0), lane]
+
+
+@inlined
+def pass_edge(lane: int, count: int, task: Task, room: Room) -> bool:
+    """Go on behind the edge ahead of a lane; false where the range ends there."""
+    own, edges = rows_of(room.lane), in_lanes(room.edges)
+    way, k = (1 if own.facing[lane] > 0.0 else -1), int(own.edge[lane])
+    for _ in range(count + 1):
+        k += way
+        if k < 0 or k + 1 >= count:
+            if not task.cycle < math.inf:
+                return False
+            own.base[lane] += way * task.cycle
+            k = 0 if way > 0 else count - 2
+        if edges[k + 1, lane] > edges[k, lane]:
+            break
+    own.edge[lane] = float(k)
+    return True
+
+
+@inlined
+def set_out(lane: int, count: int, task: Task, room: Room) -> None:
+    """Find between which edges a lane is; at an edge, on the side that it faces."""
+    own, edges = rows_of(room.lane), in_lanes(room.edges)
+    cycle, way = task.cycle, own.facing[lane]
+    near = way * ROUNDED * (abs(own.turned[lane]) + (cycle if cycle < math.inf else 0.0))
+    own.base[lane] = math.floor((own.turned[lane] + near) / cycle) * cycle if cycle < math.inf else 0.0
+    within, k = own.turned[lane] - own.base[lane] + near, 0
+    while k + 2 < count and edges[k + 1, lane] < within:
+        k += 1
+    own.edge[lane] = float(k)
+
+
+@inlined
+def next_instant(lane: int, count: int, room: Room) -> float:
+    """The next instant at which something over time jumps or bends; between two of them a step looks."""
+    own, instants = rows_of(room.lane), in_lanes(room.instants)
+    now = own.clock[lane] + own.at[lane]
+    now += ROUNDED * abs(now)
+    before, after = -math.inf, math.inf
+    for i in range(count):
+        x = instants[i, lane]
+        if x > now:
+            after = x if x < after else after
+        elif x <= now:
+            before = x if x > before else before
+    own.begins[lane], own.ends[lane] = before, after
+    return after
+
+
+# Lengths of steps, and what they come to
+
+
+@routine
+def choose(edges: int, instants: int, most_steps: int, task: Task, room: Room) -> bool:
+    """Length of each lane's next step: an equal part of the way to what ends it; 0 where it goes no farther.
+
+    Whether any lane makes a step.
+    """
+    own, state, goes = rows_of(room.lane), in_lanes(room.begin), False
+    for lane in range(LANES):
+        own.length[lane] = 0.0
+        if own.why[lane] != GOING or not own.at[lane] < own.halt[lane]:
+            continue
+        if own.steps[lane] >= most_steps:
+            own.why[lane] = FULL
+            continue
+        goes = True
+        if own.trials[lane] > 0.0:
+            own.length[lane] = next_root(lane, task, room)
+            continue
+        look_ahead(lane, edges, room)
+        until, most = min(own.goal[lane], own.halt[lane]), own.pace[lane]
+        if task.along_time:
+            if instants > 0:
+                until = min(until, next_instant(lane, instants, room) - own.clock[lane])
+            speed = abs(state[1, lane])
+            most = most if most * speed < own.farthest[lane] else own.farthest[lane] / speed
+        else:
+            until, most = min(until, edge_ahead(lane, room)), min(most, own.farthest[lane])
+        rest = until - own.at[lane]
+        # Nobody counts the steps of a way without an end.
+        parts = math.ceil(rest / most * (1.0 - 1e-9)) if rest < MOST_PARTS * most else 0
+        own.length[lane] = most if parts == 0 else (rest / parts if parts > 1 else rest)
+    return goes
+
+
+@inlined
+def next_root(lane: int, task: Task, room: Room) -> float:
+    """Length of the step to the first root between two, by the straight line; the longer one once it is known."""
+    own, guards, count = rows_of(room.lane), in_lanes(room.guards), FIRST + task.guards
+    short, long = own.short[lane], own.long[lane]
+    best = long
+    if long - short > ROOT * long and own.trials[lane] <= MOST_TRIALS:
+        for g in range(count):
+            near, far = guards[g, lane], guards[count + g, lane]
+            if near > 0.0 and far <= 0.0:
+                root = short + (long - short) * (near / (near - far))
+                best = root if root < best else best
+    return best
+
+
+@inlined
+def guard(g: int, lane: int, end: int, task: Task, room: Room) -> float:
+    """A guard of a lane at the begin of a step, 0, or at its end, 1."""
+    own, watched = rows_of(room.lane), in_lanes(room.watched)
+    states = in_lanes(room.begin) if end == 0 else in_lanes(room.after)
+    row = end * (FIRST_GUARD + task.guards)
+    if g == EDGE:
+        return (edge_ahead(lane, room) - states[0, lane]) * own.facing[lane] if task.along_time else 1.0
+    if g == OTHER:
+        return own.other_goal[lane] - states[0 if task.along_time else task.states, lane]
+    if g == RISE:
+        sense = math.copysign(1.0, watched[SLOPE, lane]) if watched[SLOPE, lane] != 0.0 else 0.0
+        return sense * watched[row + SLOPE, lane] if task.extremes else 1.0
+    return watched[row + FIRST_GUARD + g - FIRST, lane]
+
+
+@routine
+def fires(task: Task, room: Room) -> None:
+    """In which lanes a guard that is positive at the begin of the step isn't at its end, into the row `fired`."""
+    own = rows_of(room.lane)
+    for lane in range(LANES):
+        own.fired[lane] = 0.0
+    for g in range(FIRST + task.guards):
+        if (g != EDGE or task.along_time) and (g != RISE or task.extremes):
+            for lane in range(LANES):
+                crossed = guard(g, lane, 0, task, room) > 0.0 and not guard(g, lane, 1, task, room) > 0.0
+                own.fired[lane] = 1.0 if crossed else own.fired[lane]
+
+
+@routine
+def decide(task: Task, room: Room) -> bool:
+    """In which lanes the step is taken, into the row `taken`; in others another length is tried. Whether in any."""
+    own, took = rows_of(room.lane), False
+    fires(task, room)
+    for lane in range(LANES):
+        own.taken[lane] = 0.0
+        if own.length[lane] > 0.0:
+            if not own.missed[lane] <= 1.0:
+                shorten(lane, task, room)
+            elif (own.fired[lane] == 0.0 and own.trials[lane] == 0.0) or narrow(lane, task, room):
+                own.taken[lane], took = 1.0, True
+    return took
+
+
+@inlined
+def narrow(lane: int, task: Task, room: Room) -> bool:
+    """Narrow down the root of a guard in a lane, by Illinois' rule; true where the step ends at it."""
+    own, guards, count = rows_of(room.lane), in_lanes(room.guards), FIRST + task.guards
+    length, fired = own.length[lane], own.fired[lane] > 0.0
+    if own.trials[lane] == 0.0:
+        own.short[lane], own.long[lane], own.side[lane] = 0.0, length, 0.0
+        for g in range(count):
+            guards[g, lane] = guard(g, lane, 0, task, room)
+    if fired and own.trials[lane] > 0.0 and length >= own.long[lane]:
+        return True
+    side = 1.0 if fired else -1.0
+    again = own.side[lane] == side
+    for g in range(count):
+        # The end that stays counts half, the other one is new.
+        if fired:
+            guards[g, lane] *= 0.5 if again else 1.0
+            guards[count + g, lane] = guard(g, lane, 1, task, room)
+        else:
+            guards[count + g, lane] *= 0.5 if again else 1.0
+            guards[g, lane] = guard(g, lane, 1, task, room) if guards[g, lane] > 0.0 else guards[g, lane]
+    if fired:
+        own.long[lane] = length
+    else:
+        own.short[lane] = length
+    own.side[lane] = side
+    own.trials[lane] += 1.0
+    return False
+
+
+@inlined
+def shorten(lane: int, task: Task, room: Room) -> None:
+    """Choose a shorter step in a lane that misses too much; it is lost where none is short enough."""
+    own, watched = rows_of(room.lane), in_lanes(room.watched)
+    length, share = own.length[lane], SHRINK
+    if own.missed[lane] < math.inf:
+        share = SAFETY / math.sqrt(math.sqrt(math.sqrt(own.missed[lane])))
+        share = share if share > SHRINK else SHRINK
+    fades = abs(length * watched[STEEPNESS, lane])
+    if fades > STEEPEST:
+        share = max(SHRINK, SAFETY * STEEPEST / fades)
+    own.pace[lane], own.trials[lane] = length * share, 0.0
+    least = SHORTEST * (abs(own.at[lane]) + (LEAST_TIME if task.along_time else own.farthest[lane]))
+    if not length * share > least:
+        own.why[lane] = STEEP if fades > STEEPEST else LOST
+
+
+@routine
+def advance(task: Task, room: Room) -> None:
+    """Take over the states at the end of the step in lanes that take it."""
+    own, watched, begin, after = rows_of(room.lane), in_lanes(room.watched), in_lanes(room.begin), in_lanes(room.after)
+    row = FIRST_GUARD + task.guards + SPEED
+    for q in range(task.width):
+        for lane in range(LANES):
+            begin[q, lane] = after[q, lane] if own.taken[lane] > 0.0 else begin[q, lane]
+    for lane in range(LANES):
+        speed, took = watched[row, lane], own.taken[lane] > 0.0
+        own.slowest[lane] = speed if took and speed < own.slowest[lane] else own.slowest[lane]
+        own.fastest[lane] = speed if took and speed > own.fastest[lane] else own.fastest[lane]
+        own.steps[lane] += own.taken[lane]
+
+
+@routine
+def take(edges: int, task: Task, room: Room) -> None:
+    """Take the step in lanes that do, and see what ends there."""
+    own, begin, ended = rows_of(room.lane), in_lanes(room.begin), in_lanes(room.errors)[0]
+    for lane in range(LANES):
+        ended[lane] = -1.0
+        if own.taken[lane] > 0.0 and own.trials[lane] > 0.0:
+            for g in range(FIRST + task.guards):
+                if guard(g, lane, 0, task, room) > 0.0 and not guard(g, lane, 1, task, room) > 0.0:
+                    ended[lane] = float(g)
+    advance(task, room)
+    for lane in range(LANES):
+        if own.taken[lane] == 0.0:
+            continue
+        at, edge = own.at[lane] + own.length[lane], edge_ahead(lane, room)
+        if task.along_time:
+            at_edge = ended[lane] == EDGE
+            begin[0, lane] = edge if at_edge else begin[0, lane]
+            own.at[lane], own.turned[lane] = at, begin[0, lane]
+        else:
+            at_edge = at >= edge - ROUNDED * (abs(edge) + own.length[lane])
+            own.at[lane] = edge if at_edge else at
+            own.turned[lane] = own.at[lane]
+        if at_edge and not pass_edge(lane, edges, task, room):
+            own.why[lane] = RANGE
+        for end in (own.halt[lane], own.goal[lane]):
+            if end - own.at[lane] <= ROUNDED * abs(own.at[lane]):
+                own.at[lane] = end
+                own.turned[lane] = own.turned[lane] if task.along_time else end
+        if own.at[lane] >= own.goal[lane]:
+            own.why[lane] = GOAL
+        if ended[lane] == OTHER or ended[lane] >= FIRST:
+            own.why[lane] = OTHER_GOAL if ended[lane] == OTHER else GUARD + ended[lane] - FIRST
+        own.trials[lane] = 0.0
+        if not task.fixed:
+            share = SAFETY / math.sqrt(math.sqrt(math.sqrt(own.missed[lane])))
+            ahead = own.length[lane] * (share if share < GROW else GROW)
+            own.pace[lane] = ahead if ahead > own.pace[lane] else own.pace[lane]
+
+
+@routine
+def record(first: int, printed: Printed, recorded: np.ndarray, task: Task, room: Room) -> None:
+    """Write down the steps of lanes that take one: where each begins, its length, and its polynomial at some places."""
+    own, k, begin = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin)
+    state, dense = in_lanes(room.numbers[task.first_place + task.places :]), task.nodes.shape[0]
+    for s in range(task.stages, dense):
+        at_stage(task.method, s, task.states, task.width, begin, own.length, k, state)
+        stand(task.nodes[s], s, -1, printed, task, room)
+        rate(s, printed, task, room)
+    for lane in range(LANES):
+        if own.taken[lane] == 0.0 or first + lane >= recorded.shape[2]:
+            continue
+        i, v, shown = int(own.steps[lane]), first + lane, task.shown.shape[0]
+        recorded[i, 0, v], recorded[i, 1, v], recorded[i, 2, v] = own.at[lane], own.length[lane], own.facing[lane]
+        for q in range(task.width):
+            for j in range(shown):
+                theta, value, factor = task.shown[j], 0.0, 1.0
+                for p in range(task.parts.shape[0]):
+                    factor *= theta if p % 2 == 0 else 1.0 - theta
+                    part = 0.0
+                    for s in range(dense):
+                        part += task.parts[p, s] * k[s * task.width + q, lane]
+                    value += factor * part
+                recorded[i, 3 + q * shown + j, v] = begin[q, lane] + own.length[lane] * value
+
+
+# The walk
+
+
+@routine
+def lay(first: int, printed: Printed, batch: Batch, task: Task, room: Room) -> int:
+    """Make new steps: those of a cycle, which are kept, in lanes with two ahead; all in others. How many are kept.
+
+    Whatever a lane does depends on itself alone.
+    """
+    own, lengths, laid = rows_of(room.lane), in_lanes(room.lengths), 0
+    most_slots, edges, records = room.lengths.shape[0], batch.edges.shape[0] // 2, batch.recorded.shape[0] > 0
+    most_steps = batch.recorded.shape[0] if records else 1 << 40
+    for lane in range(LANES):
+        several = most_slots > 1 and own.at[lane] + (2.0 - NEARLY) * task.cycle <= own.goal[lane]
+        own.halt[lane] = own.at[lane] + task.cycle if several else math.inf
+    while choose(edges, batch.instants.shape[0], most_steps, task, room):
+        keeps = laid < most_slots and most_slots > 1
+        if laid == most_slots and most_slots > 1:
+            for lane in range(LANES):
+                own.halt[lane] = own.halt[lane] if own.at[lane] >= own.halt[lane] else math.inf
+        attempt(-1, laid if keeps else -1, printed, task, room)
+        took = decide(task, room)
+        if records and took:
+            record(first, printed, batch.recorded, task, room)
+        for lane in range(LANES if keeps else 0):
+            lengths[laid, lane] = own.taken[lane] * own.length[lane]
+        take(edges, task, room)
+        laid += 1 if keeps else 0
+    return laid
+
+
+@routine
+def repeat(laid: int, printed: Printed, batch: Batch, task: Task, room: Room) -> None:
+    """Repeat the steps of a cycle in lanes that have one ahead, as long as they miss little enough."""
+    own, lengths = rows_of(room.lane), in_lanes(room.lengths)
+    while True:
+        able = 0
+        for lane in range(LANES):
+            whole = own.why[lane] == GOING and own.at[lane] >= own.halt[lane]
+            whole = whole and own.at[lane] + (1.0 - NEARLY) * task.cycle <= own.goal[lane]
+            own.able[lane] = 1.0 if whole else 0.0
+            able += 1 if whole else 0
+        if able == 0:
+            break
+        for slot in range(laid):
+            for lane in range(LANES):
+                own.length[lane] = own.able[lane] * lengths[slot, lane]
+            attempt(slot, -1, printed, task, room)
+            fires(task, room)
+            for lane in range(LANES):
+                sound = own.length[lane] == 0.0 or (own.missed[lane] <= ROUGHLY and own.fired[lane] == 0.0)
+                own.able[lane] = own.able[lane] if sound else 0.0
+                own.taken[lane] = own.able[lane] if own.length[lane] > 0.0 else 0.0
+            advance(task, room)
+            for lane in range(LANES):
+                own.at[lane] += own.taken[lane] * own.length[lane]
+        for lane in range(LANES):
+            if own.able[lane] > 0.0:
+                own.halt[lane] += task.cycle
+                own.at[lane], own.base[lane] = own.halt[lane], own.base[lane] + task.cycle
+                if own.at[lane] >= own.goal[lane] - NEARLY * task.cycle:
+                    own.at[lane], own.why[lane] = own.goal[lane], GOAL
+                own.turned[lane] = own.at[lane]
+            elif own.why[lane] == GOING and own.at[lane] != own.turned[lane]:
+                # It left its steps on the way; new ones begin from there.
+                own.turned[lane], own.halt[lane] = own.at[lane], math.inf
+                set_out(lane, batch.edges.shape[0] // 2, task, room)
+            elif own.why[lane] == GOING:
+                own.halt[lane] = math.inf
+
+
+@driver
+def walk(
+    begin: int, end: int, places: Callable, rates: Callable, watch: Callable, batch: Batch, task: Task, room: Room
+) -> None:
+    """Carry the blocks begin … end − 1 of variants to the end of their walks.
+
+    Parameters
+    ----------
+    places, rates, watch : callable
+        Printed functions.
+    batch : Batch
+    task : Task
+    room : Room
+    """
+    own, printed = rows_of(room.lane), Printed(places, rates, watch, batch.memory)
+    edges = batch.edges.shape[0] // 2
+    for b in range(begin, end):
+        first = b * LANES
+        gather(batch.numbers, first, in_lanes(room.numbers))
+        gather(batch.edges, first, in_lanes(room.edges))
+        gather(batch.instants, first, in_lanes(room.instants))
+        gather(batch.given, first, in_lanes(room.lane))
+        gather(batch.states, first, in_lanes(room.begin))
+        last = min(LANES, batch.given.shape[1] - first)
+        for lane in range(LANES):
+            own.at[lane] = 0.0 if task.along_time else own.turned[lane]
+            own.slowest[lane], own.fastest[lane] = math.inf, -math.inf
+            own.steps[lane], own.scale[lane], own.trials[lane] = 0.0, 0.0, 0.0
+            own.begins[lane], own.ends[lane] = -math.inf, math.inf
+            own.why[lane] = GOING if lane < last and own.at[lane] < own.goal[lane] else GOAL
+            set_out(lane, edges, task, room)
+            look_ahead(lane, edges, room)
+        going = True
+        while going:
+            laid = lay(first, printed, batch, task, room)
+            if laid > 0:
+                repeat(laid, printed, batch, task, room)
+            going = False
+            for lane in range(LANES):
+                going = going or own.why[lane] == GOING
+        hand_out(task.width, in_lanes(room.begin), first, 0, batch.states)
+        hand_out(batch.found.shape[0], in_lanes(room.lane[FIRST_FOUND:]), first, 0, batch.found)
