@@ -6,8 +6,8 @@ from engine.graph.nodes import LawResult, Node, Operation, Sum, reached
 
 # Derivatives of a law by some of its operands, by the operand's number: each makes a node of the law's operands.
 Slopes = Mapping[Callable, Mapping[int, Callable[..., Node]]]
-# A law without a known derivative is taken a little beside, by this share of the operand and so much besides: the
-# central difference is off by its square, and by rounding over it.
+# A law without a known derivative is taken at two neighbouring values, this share of the operand plus the least step
+# away: the central difference is off by the square of the step, and by rounding over it.
 BESIDE, LEAST = 2.0**-17, 2.0**-30
 
 
@@ -75,5 +75,6 @@ def _of_law(result: LawResult, d: Mapping[Node, Node], slopes: Slopes) -> Node:
 
 
 def _beside(result: LawResult, operands: list[Node]) -> Node:
-    made = result.graph.apply(result.application.law, *operands)
+    application = result.application
+    made = result.graph.apply(application.law, *application.arguments(operands))
     return made if result.index is None else made[result.index]

@@ -124,6 +124,6 @@ def acts_in_direction(direction: float, v: float) -> float:
 
 
 @scalar
-def acting(size: float, value: float) -> float:
+def sized(size: float, value: float) -> float:
     """Size times value; nothing where the size is 0, whatever the value."""
     return size * value if size != 0.0 else 0.0

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from engine.compiling.decorators import routine
-from engine.compiling.tiles import LANES
+from engine.compiling.widths import LANES
 
 # A second formula that vanishes up to order five. Its error of order six, over all rooted trees of six vertices
 # weighted by their symmetry, is as large as that of the first and orthogonal to it: both hardly ever vanish together.
@@ -34,7 +34,7 @@ SECOND_ERROR[[0, *range(5, 12)]] = [
 ]
 
 
-class Method(NamedTuple):
+class ExplicitMethod(NamedTuple):
     """An explicit Runge–Kutta method.
 
     Attributes
@@ -83,22 +83,22 @@ def _parts(weights: np.ndarray, stages: int, *higher: np.ndarray) -> np.ndarray:
     return np.array([whole, first - whole, 2.0 * whole - first - end, *higher])
 
 
-def _order_eight() -> Method:
+def _order_eight() -> ExplicitMethod:
     stages, dense = 12, 16
     matrix = np.zeros((dense, dense))
     matrix[:stages, :stages], matrix[stages, :stages], matrix[stages + 1 :] = DOP853.A, DOP853.B, DOP853.A_EXTRA
     nodes = np.concatenate([DOP853.C, [1.0], DOP853.C_EXTRA])
     errors = DOP853.E5[:stages], SECOND_ERROR, DOP853.E3[:stages]
-    return Method(matrix, nodes, DOP853.B, errors, _parts(DOP853.B, dense, *DOP853.D))
+    return ExplicitMethod(matrix, nodes, DOP853.B, errors, _parts(DOP853.B, dense, *DOP853.D))
 
 
-def _order_four() -> Method:
+def _order_four() -> ExplicitMethod:
     matrix = np.zeros((5, 5))
     matrix[1, 0] = matrix[2, 1] = 0.5
     matrix[3, 2] = 1.0
     weights = np.array([1.0, 2.0, 2.0, 1.0]) / 6.0
     matrix[4, :4] = weights
-    return Method(matrix, np.array([0.0, 0.5, 0.5, 1.0, 1.0]), weights, (), _parts(weights, 5))
+    return ExplicitMethod(matrix, np.array([0.0, 0.5, 0.5, 1.0, 1.0]), weights, (), _parts(weights, 5))
 
 
 ORDER_EIGHT, ORDER_FOUR = 0, 1

@@ -14,29 +14,29 @@ from numba import types
 
 from engine.compiling.printed import load_printed
 from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE, LANES, TileFunction
+from engine.compiling.tiles import FILLS_TILE, TileFunction
+from engine.compiling.widths import LANES
 from engine.graph.derivatives import derivative
 from engine.graph.functions import Functions, functions_in_motion, places_of
 from engine.graph.nodes import Given, Node, Stage
-from engine.laws.loads import acting
+from engine.laws.loads import sized
 from engine.laws.motor_characteristics import induction_motor, induction_motor_slope
 from engine.mechanism.actions.motors import motor_ratio
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.loads import Loads
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.methods import METHODS, ORDER_EIGHT
+from engine.motion.moments.dynamics import CHANNELS
 from engine.motion.moments.tabulation import Tabulation
-from engine.motion.walk import FOUND, GIVEN, Batch, Task, new_room, walk
+from engine.motion.walk import FOUND, GIVEN, WalkBatch, WalkTask, new_room, walk
 from engine.parts.actions import DCMotor
 from engine.parts.motor_constants import kloss_constants, stall_moment
 
-# Sorts of work that are told apart where works are asked.
-CHANNELS = ("driving", "useful", "harmful", "braking", "other")
 # Shares of a step at which its polynomial of degree seven is recorded.
 SHOWN = 0.5 - 0.5 * np.cos(np.pi * np.arange(8) / 7.0)
 
 SLOPES = {
-    acting: {1: lambda size, value: value.graph.apply(acting, size, 1.0)},
+    sized: {1: lambda size, value: value.graph.apply(sized, size, 1.0)},
     induction_motor: {4: lambda *operands: operands[-1].graph.apply(induction_motor_slope, *operands)},
 }
 
@@ -93,8 +93,8 @@ class Sizes(NamedTuple):
     stay: Given
 
 
-class Moments(NamedTuple):
-    """Moments in the direction of motion: of the motors, and of each channel of loads."""
+class StateMoments(NamedTuple):
+    """StateMoments in the direction of motion: of the motors, and of each channel of loads."""
 
     motors: Node
     channels: dict[str, Node]
@@ -120,8 +120,8 @@ def sizes_of(mechanics: Mechanics) -> tuple[Loads, Given, Sizes]:
     return loads, clock, Sizes(sizes, motors, *(number(name) for name in names))
 
 
-def moments_of(mechanics: Mechanics, loads: Loads, sizes: Sizes, speed: Node, works: bool) -> Moments:
-    """Moments at a speed, by the sort of work where works are asked."""
+def moments_of(mechanics: Mechanics, loads: Loads, sizes: Sizes, speed: Node, works: bool) -> StateMoments:
+    """StateMoments at a speed, by the sort of work where works are asked."""
     graph = mechanics.graph
     motion = InputMotion(speed * speed, graph.zero, speed)
     by_channel: dict[str, dict[float | str, list[Node]]] = {c: {} for c in (CHANNELS if works else ("all",))}
@@ -130,13 +130,15 @@ def moments_of(mechanics: Mechanics, loads: Loads, sizes: Sizes, speed: Node, wo
             continue
         channel = load.role if load.role in CHANNELS else "other"
         orders = by_channel[channel if works else "all"]
-        orders.setdefault(load.order, []).append(graph.apply(acting, size, load.basis))
+        orders.setdefault(load.order, []).append(graph.apply(sized, size, load.basis))
     channels = {}
     for channel, orders in by_channel.items():
         # What depends on the position alone is added up there.
         parts = [(sizes.way * sum(terms, graph.zero)) * motion.power(order) for order, terms in orders.items()]
         channels[channel] = sum(parts, graph.zero)
-    return Moments(sum((_motor(mechanics, name, on, speed) for on, name in sizes.motors.items()), graph.zero), channels)
+    return StateMoments(
+        sum((_motor(mechanics, name, on, speed) for on, name in sizes.motors.items()), graph.zero), channels
+    )
 
 
 def _motor(mechanics: Mechanics, name: str, on: Given, speed: Node) -> Node:
@@ -154,7 +156,7 @@ def _motor(mechanics: Mechanics, name: str, on: Given, speed: Node) -> Node:
             graph.derived(f"constant {i} of {at}", lambda n, i=i: kloss_constants(motor, at, n)[i]) for i in range(4)
         ]
         moment = graph.apply(induction_motor, *constants, ratio * speed)
-    return ratio * graph.apply(acting, on, moment)
+    return ratio * graph.apply(sized, on, moment)
 
 
 def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tuple[System, Sizes]:
@@ -253,11 +255,11 @@ class PrintedSystem:
         self.names = {name: len(system.states) + i for i, name in enumerate(system.gathered)}
         self.tabulation = Tabulation(self.functions)
 
-    def task(self, cycle: float, method: int = ORDER_EIGHT, extremes: bool = False) -> Task:
+    def task(self, cycle: float, method: int = ORDER_EIGHT, extremes: bool = False) -> WalkTask:
         """What a walk is to do."""
         system, made, rows = self.system, METHODS[method], self.functions.rows
         timed = system.clock in rows
-        return Task(
+        return WalkTask(
             along_time=system.along == "time",
             method=method,
             stages=made.stages,
@@ -277,9 +279,15 @@ class PrintedSystem:
         )
 
     def run(
-        self, task: Task, numbers: np.ndarray, edges: np.ndarray, instants: np.ndarray, given: Mapping[str, np.ndarray],
-        states: np.ndarray, recorded: int = 0,
-    ) -> Walks:  # fmt: skip
+        self,
+        task: WalkTask,
+        numbers: np.ndarray,
+        edges: np.ndarray,
+        instants: np.ndarray,
+        given: Mapping[str, np.ndarray],
+        states: np.ndarray,
+        recorded: int = 0,
+    ) -> Walks:
         """Walk; parameters as of `engine.motion.walk.walk`, those of lanes by name."""
         module, count = load_printed(self.functions.text), states.shape[1]
         functions = [TileFunction(getattr(module, name)) for name in ("places", "rates", "watch")]
@@ -289,7 +297,7 @@ class PrintedSystem:
         parts = [np.require(part, float, "CW") for part in (numbers, edges, instants, rows)]
         repeats = not (task.along_time or task.extremes or recorded) and np.isfinite(task.cycle)
 
-        batch = Batch(self.functions.memory, *parts, states, found, kept)
+        batch = WalkBatch(self.functions.memory, *parts, states, found, kept)
 
         def arguments() -> tuple:
             room = new_room(task, len(numbers), len(edges) // 2, len(instants), bool(repeats))

@@ -16,10 +16,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.blocks import Row, gather, hand_out, in_lanes
 from engine.compiling.decorators import driver, inlined, routine
-from engine.compiling.tiles import LANES
-from engine.cycle.driver import gather, hand_out
-from engine.cycle.panels.lanes import ASIDE, Memory, in_lanes, rows
+from engine.compiling.memory import memory
+from engine.compiling.widths import LANES
+from engine.cycle.panels.lanes import ASIDE, one, rows
 from engine.laws.elementary import direction_of
 from engine.motion.methods import at_stage, step_end
 
@@ -63,7 +64,7 @@ SPEED, SIZE, STEEPNESS, SLOPE, FIRST_GUARD = range(5)
 EDGE, OTHER, RISE, FIRST = range(4)
 
 
-class Task(NamedTuple):
+class WalkTask(NamedTuple):
     """What a walk is to do, the same for all its variants.
 
     Attributes
@@ -154,39 +155,39 @@ class Lane(NamedTuple):
         1 where the step is taken, and where a cycle is repeated.
     """
 
-    start: Memory
-    direction: Memory
-    facing: Memory
-    clock: Memory
-    goal: Memory
-    other_goal: Memory
-    tolerance: Memory
-    farthest: Memory
-    turned: Memory
-    pace: Memory
-    at: Memory
-    slowest: Memory
-    fastest: Memory
-    why: Memory
-    steps: Memory
-    scale: Memory
-    size: Memory
-    length: Memory
-    missed: Memory
-    edge: Memory
-    base: Memory
-    low: Memory
-    high: Memory
-    begins: Memory
-    ends: Memory
-    short: Memory
-    long: Memory
-    trials: Memory
-    side: Memory
-    fired: Memory
-    halt: Memory
-    taken: Memory
-    able: Memory
+    start: Row
+    direction: Row
+    facing: Row
+    clock: Row
+    goal: Row
+    other_goal: Row
+    tolerance: Row
+    farthest: Row
+    turned: Row
+    pace: Row
+    at: Row
+    slowest: Row
+    fastest: Row
+    why: Row
+    steps: Row
+    scale: Row
+    size: Row
+    length: Row
+    missed: Row
+    edge: Row
+    base: Row
+    low: Row
+    high: Row
+    begins: Row
+    ends: Row
+    short: Row
+    long: Row
+    trials: Row
+    side: Row
+    fired: Row
+    halt: Row
+    taken: Row
+    able: Row
 
 
 GIVEN, FOUND = Lane._fields[:10], Lane._fields[8:15]
@@ -211,7 +212,7 @@ class Room(NamedTuple):
     places: np.ndarray
 
 
-def new_room(task: Task, numbers: int, edges: int, instants: int, repeats: bool) -> Room:
+def new_room(task: WalkTask, numbers: int, edges: int, instants: int, repeats: bool) -> Room:
     """Memory for a block of machines with so many numbers, edges in a cycle and instants; whether cycles repeat."""
     laid = MOST_SLOTS if repeats else 1
     return Room(
@@ -240,7 +241,7 @@ class Printed(NamedTuple):
     memory: np.ndarray
 
 
-class Batch(NamedTuple):
+class WalkBatch(NamedTuple):
     """What a number of walks are given, and what comes of them.
 
     Attributes
@@ -269,21 +270,14 @@ class Batch(NamedTuple):
     recorded: np.ndarray
 
 
-@inlined
-def rows_of(room: np.ndarray) -> Lane:
-    """The rows of a block."""
-    r = in_lanes(room)
-    return Lane(
-        r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8], r[9], r[10], r[11], r[12], r[13], r[14], r[15], r[16],
-        r[17], r[18], r[19], r[20], r[21], r[22], r[23], r[24], r[25], r[26], r[27], r[28], r[29], r[30], r[31], r[32],
-    )  # fmt: skip
+rows_of = memory(one(Lane))
 
 
 # A step
 
 
 @inlined
-def stand(share: float, stage: int, slot: int, printed: Printed, task: Task, room: Room) -> None:
+def stand(share: float, stage: int, slot: int, printed: Printed, task: WalkTask, room: Room) -> None:
     """Put into P what a stage needs of its position and time; its place is filled anew where `slot` is negative."""
     own, position, state = rows_of(room.lane), in_lanes(room.position), in_lanes(room.numbers)
     first, count = task.first_place, task.places
@@ -311,7 +305,7 @@ def stand(share: float, stage: int, slot: int, printed: Printed, task: Task, roo
 
 
 @inlined
-def rate(stage: int, printed: Printed, task: Task, room: Room) -> None:
+def rate(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
     """Rates of a stage."""
     width = task.width
     filled_rows = room.rates[stage * width : (stage + 1) * width].reshape(width, 1, LANES)
@@ -319,7 +313,7 @@ def rate(stage: int, printed: Printed, task: Task, room: Room) -> None:
 
 
 @inlined
-def look(end: int, printed: Printed, task: Task, room: Room) -> None:
+def look(end: int, printed: Printed, task: WalkTask, room: Room) -> None:
     """Watch the begin of a step, 0, or its end, 1."""
     count = FIRST_GUARD + task.guards
     filled_rows = room.watched[end * count : (end + 1) * count].reshape(count, 1, LANES)
@@ -327,7 +321,7 @@ def look(end: int, printed: Printed, task: Task, room: Room) -> None:
 
 
 @inlined
-def keep_place(slot: int, stage: int, task: Task, room: Room) -> None:
+def keep_place(slot: int, stage: int, task: WalkTask, room: Room) -> None:
     """Keep what a stage needs of its position."""
     kept, at, numbers = in_lanes(room.places), (slot * (task.stages + 1) + stage) * task.places, in_lanes(room.numbers)
     for i in range(task.places):
@@ -336,7 +330,7 @@ def keep_place(slot: int, stage: int, task: Task, room: Room) -> None:
 
 
 @routine
-def attempt(kept: int, laid: int, printed: Printed, task: Task, room: Room) -> None:
+def attempt(kept: int, laid: int, printed: Printed, task: WalkTask, room: Room) -> None:
     """Try a step in all lanes: its stages, its end and what it misses.
 
     From the places of slot `kept` where it isn't negative; they are kept in slot `laid` where that isn't.
@@ -365,11 +359,11 @@ def attempt(kept: int, laid: int, printed: Printed, task: Task, room: Room) -> N
     look(1, printed, task, room)
     if laid >= 0:
         keep_place(laid, task.stages, task, room)
-    judge(judged, task, room)
+    judge_steps(judged, task, room)
 
 
 @routine
-def judge(judged: int, task: Task, room: Room) -> None:
+def judge_steps(judged: int, task: WalkTask, room: Room) -> None:
     """What the step misses, by what it may.
 
     Along the angle that is a share of the greatest work of a step and of the time of a cycle; along time, of the angle
@@ -439,7 +433,7 @@ def edge_ahead(lane: int, room: Room) -> float:
 
 
 @inlined
-def pass_edge(lane: int, count: int, task: Task, room: Room) -> bool:
+def pass_edge(lane: int, count: int, task: WalkTask, room: Room) -> bool:
     """Go on behind the edge ahead of a lane; false where the range ends there."""
     own, edges = rows_of(room.lane), in_lanes(room.edges)
     way, k = (1 if own.facing[lane] > 0.0 else -1), int(own.edge[lane])
@@ -457,7 +451,7 @@ def pass_edge(lane: int, count: int, task: Task, room: Room) -> bool:
 
 
 @inlined
-def set_out(lane: int, count: int, task: Task, room: Room) -> None:
+def find_edge(lane: int, count: int, task: WalkTask, room: Room) -> None:
     """Find between which edges a lane is; at an edge, on the side that it faces."""
     own, edges = rows_of(room.lane), in_lanes(room.edges)
     cycle, way = task.cycle, own.facing[lane]
@@ -490,7 +484,7 @@ def next_instant(lane: int, count: int, room: Room) -> float:
 
 
 @routine
-def choose(edges: int, instants: int, most_steps: int, task: Task, room: Room) -> bool:
+def choose(edges: int, instants: int, most_steps: int, task: WalkTask, room: Room) -> bool:
     """Length of each lane's next step: an equal part of the way to what ends it; 0 where it goes no farther.
 
     Whether any lane makes a step.
@@ -524,7 +518,7 @@ def choose(edges: int, instants: int, most_steps: int, task: Task, room: Room) -
 
 
 @inlined
-def next_root(lane: int, task: Task, room: Room) -> float:
+def next_root(lane: int, task: WalkTask, room: Room) -> float:
     """Length of the step to the first root between two, by the straight line; the longer one once it is known."""
     own, guards, count = rows_of(room.lane), in_lanes(room.guards), FIRST + task.guards
     short, long = own.short[lane], own.long[lane]
@@ -539,7 +533,7 @@ def next_root(lane: int, task: Task, room: Room) -> float:
 
 
 @inlined
-def guard(g: int, lane: int, end: int, task: Task, room: Room) -> float:
+def guard(g: int, lane: int, end: int, task: WalkTask, room: Room) -> float:
     """A guard of a lane at the begin of a step, 0, or at its end, 1."""
     own, watched = rows_of(room.lane), in_lanes(room.watched)
     states = in_lanes(room.begin) if end == 0 else in_lanes(room.after)
@@ -555,7 +549,7 @@ def guard(g: int, lane: int, end: int, task: Task, room: Room) -> float:
 
 
 @routine
-def fires(task: Task, room: Room) -> None:
+def fires(task: WalkTask, room: Room) -> None:
     """In which lanes a guard that is positive at the begin of the step isn't at its end, into the row `fired`."""
     own = rows_of(room.lane)
     for lane in range(LANES):
@@ -568,7 +562,7 @@ def fires(task: Task, room: Room) -> None:
 
 
 @routine
-def decide(task: Task, room: Room) -> bool:
+def decide_steps(task: WalkTask, room: Room) -> bool:
     """In which lanes the step is taken, into the row `taken`; in others another length is tried. Whether in any."""
     own, took = rows_of(room.lane), False
     fires(task, room)
@@ -583,7 +577,7 @@ def decide(task: Task, room: Room) -> bool:
 
 
 @inlined
-def narrow(lane: int, task: Task, room: Room) -> bool:
+def narrow(lane: int, task: WalkTask, room: Room) -> bool:
     """Narrow down the root of a guard in a lane, by Illinois' rule; true where the step ends at it."""
     own, guards, count = rows_of(room.lane), in_lanes(room.guards), FIRST + task.guards
     length, fired = own.length[lane], own.fired[lane] > 0.0
@@ -613,7 +607,7 @@ def narrow(lane: int, task: Task, room: Room) -> bool:
 
 
 @inlined
-def shorten(lane: int, task: Task, room: Room) -> None:
+def shorten(lane: int, task: WalkTask, room: Room) -> None:
     """Choose a shorter step in a lane that misses too much; it is lost where none is short enough."""
     own, watched = rows_of(room.lane), in_lanes(room.watched)
     length, share = own.length[lane], SHRINK
@@ -630,7 +624,7 @@ def shorten(lane: int, task: Task, room: Room) -> None:
 
 
 @routine
-def advance(task: Task, room: Room) -> None:
+def advance(task: WalkTask, room: Room) -> None:
     """Take over the states at the end of the step in lanes that take it."""
     own, watched, begin, after = rows_of(room.lane), in_lanes(room.watched), in_lanes(room.begin), in_lanes(room.after)
     row = FIRST_GUARD + task.guards + SPEED
@@ -645,7 +639,7 @@ def advance(task: Task, room: Room) -> None:
 
 
 @routine
-def take(edges: int, task: Task, room: Room) -> None:
+def take(edges: int, task: WalkTask, room: Room) -> None:
     """Take the step in lanes that do, and see what ends there."""
     own, begin, ended = rows_of(room.lane), in_lanes(room.begin), in_lanes(room.errors)[0]
     for lane in range(LANES):
@@ -685,7 +679,7 @@ def take(edges: int, task: Task, room: Room) -> None:
 
 
 @routine
-def record(first: int, printed: Printed, recorded: np.ndarray, task: Task, room: Room) -> None:
+def record(first: int, printed: Printed, recorded: np.ndarray, task: WalkTask, room: Room) -> None:
     """Write down the steps of lanes that take one: where each begins, its length, and its polynomial at some places."""
     own, k, begin = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin)
     state, dense = in_lanes(room.numbers[task.first_place + task.places :]), task.nodes.shape[0]
@@ -714,7 +708,7 @@ def record(first: int, printed: Printed, recorded: np.ndarray, task: Task, room:
 
 
 @routine
-def lay(first: int, printed: Printed, batch: Batch, task: Task, room: Room) -> int:
+def lay(first: int, printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> int:
     """Make new steps: those of a cycle, which are kept, in lanes with two ahead; all in others. How many are kept.
 
     Whatever a lane does depends on itself alone.
@@ -731,7 +725,7 @@ def lay(first: int, printed: Printed, batch: Batch, task: Task, room: Room) -> i
             for lane in range(LANES):
                 own.halt[lane] = own.halt[lane] if own.at[lane] >= own.halt[lane] else math.inf
         attempt(-1, laid if keeps else -1, printed, task, room)
-        took = decide(task, room)
+        took = decide_steps(task, room)
         if records and took:
             record(first, printed, batch.recorded, task, room)
         for lane in range(LANES if keeps else 0):
@@ -742,7 +736,7 @@ def lay(first: int, printed: Printed, batch: Batch, task: Task, room: Room) -> i
 
 
 @routine
-def repeat(laid: int, printed: Printed, batch: Batch, task: Task, room: Room) -> None:
+def repeat(laid: int, printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> None:
     """Repeat the steps of a cycle in lanes that have one ahead, as long as they miss little enough."""
     own, lengths = rows_of(room.lane), in_lanes(room.lengths)
     while True:
@@ -776,23 +770,31 @@ def repeat(laid: int, printed: Printed, batch: Batch, task: Task, room: Room) ->
             elif own.why[lane] == GOING and own.at[lane] != own.turned[lane]:
                 # It left its steps on the way; new ones begin from there.
                 own.turned[lane], own.halt[lane] = own.at[lane], math.inf
-                set_out(lane, batch.edges.shape[0] // 2, task, room)
+                find_edge(lane, batch.edges.shape[0] // 2, task, room)
             elif own.why[lane] == GOING:
                 own.halt[lane] = math.inf
 
 
 @driver
 def walk(
-    begin: int, end: int, places: Callable, rates: Callable, watch: Callable, batch: Batch, task: Task, room: Room
+    begin: int,
+    end: int,
+    places: Callable,
+    rates: Callable,
+    watch: Callable,
+    batch: WalkBatch,
+    task: WalkTask,
+    room: Room,
 ) -> None:
     """Carry the blocks begin … end − 1 of variants to the end of their walks.
 
     Parameters
     ----------
+    begin, end : int
     places, rates, watch : callable
         Printed functions.
-    batch : Batch
-    task : Task
+    batch : WalkBatch
+    task : WalkTask
     room : Room
     """
     own, printed = rows_of(room.lane), Printed(places, rates, watch, batch.memory)
@@ -811,7 +813,7 @@ def walk(
             own.steps[lane], own.scale[lane], own.trials[lane] = 0.0, 0.0, 0.0
             own.begins[lane], own.ends[lane] = -math.inf, math.inf
             own.why[lane] = GOING if lane < last and own.at[lane] < own.goal[lane] else GOAL
-            set_out(lane, edges, task, room)
+            find_edge(lane, edges, task, room)
             look_ahead(lane, edges, room)
         going = True
         while going:
@@ -821,5 +823,5 @@ def walk(
             going = False
             for lane in range(LANES):
                 going = going or own.why[lane] == GOING
-        hand_out(task.width, in_lanes(room.begin), first, 0, batch.states)
-        hand_out(batch.found.shape[0], in_lanes(room.lane[FIRST_FOUND:]), first, 0, batch.found)
+        hand_out(in_lanes(room.begin), first, batch.states)
+        hand_out(in_lanes(room.lane[FIRST_FOUND:]), first, batch.found)
