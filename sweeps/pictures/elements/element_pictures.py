@@ -16,6 +16,7 @@ from sweeps.pictures.elements.engine_sheet import engine_front, engine_table
 from sweeps.pictures.elements.gear_sheet import gear_sheet, gear_table
 from sweeps.pictures.elements.panels import panel_sheet
 from sweeps.pictures.elements.train_sheet import numbers_of_machine, train_sheet, train_table
+from sweeps.pictures.picture_error import PictureError
 
 LAYOUTS = {"cam": cam_layout, "engine": engine_front}
 SHEETS = {
@@ -38,19 +39,30 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
     -------
     list of Path
         The files written.
+
+    Raises
+    ------
+    PictureError
+        An element has no results that could be drawn; all others are drawn.
     """
-    made = []
+    made, failures = [], []
     scene, cycles = governed_scene(scene)
     for name, element in scene.elements.items():
         title = f"{scene.title}: {name}" if scene.title else name
         made.append(path.with_name(f"{path.stem}_{name}_{element.picture}{path.suffix}"))
-        if element.type in SHEETS:
-            SHEETS[element.type](scene, name, made[-1], title)
-        else:
-            element_sheet(element, made[-1], title, {"cycle": cycles.get(name)})
-        if getattr(element, "run", None) is not None:
-            made.append(path.with_name(f"{path.stem}_{name}_run{path.suffix}"))
-            machine_run_sheet(scene, name, made[-1], title)
+        try:
+            if element.type in SHEETS:
+                SHEETS[element.type](scene, name, made[-1], title)
+            else:
+                element_sheet(element, made[-1], title, {"cycle": cycles.get(name)})
+            if getattr(element, "run", None) is not None:
+                made.append(path.with_name(f"{path.stem}_{name}_run{path.suffix}"))
+                machine_run_sheet(scene, name, made[-1], title)
+        except PictureError as error:
+            made.pop()
+            failures.append(str(error) if str(error).startswith("elements.") else f"elements.{name}: {error}")
+    if failures:
+        raise PictureError("; ".join(failures))
     return made
 
 

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 
 from engine import Scene, Verdict, governed_scene, governor_curves, made_ready, scene_numbers, stability_point
 from sweeps import InputError, SweepResult, read_study, run_study
-from sweeps.pictures.elements.element_pictures import element_sheet
+from sweeps.pictures.elements.element_pictures import element_pictures, element_sheet
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import new_figure
 from sweeps.report.remarks import remarks_on
@@ -208,6 +208,13 @@ def test_sheet_of_a_governor_that_does_not_work__says_why():
     short = Scene.model_validate({"elements": {"it": PORTER | {"upper_arm": 0.1}}})
     with pytest.raises(PictureError, match="no results that could be drawn"):
         element_sheet(short.elements["it"], new_figure(180, 100))
+
+
+def test_element_that_cannot_be_drawn__leaves_the_pictures_of_the_others(tmp_path):
+    elements = {"short": PORTER | {"upper_arm": 0.1}, "sound": PORTER}
+    with pytest.raises(PictureError, match=r"elements\.short: .*no results that could be drawn"):
+        element_pictures(Scene.model_validate({"elements": elements}), tmp_path / "sheet.svg")
+    assert [path.name for path in tmp_path.iterdir()] == ["sheet_sound_governor.svg"]
 
 
 def test_commands__on_a_governor(tmp_path, monkeypatch):
