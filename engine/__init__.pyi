@@ -75,14 +75,14 @@ from engine.machine.drives.governed_scene import governed_scene
 from engine.machine.elements.elements_alone import ElementsAlone, made_ready
 from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine
 from engine.machine.machine import OF_ACCURACY as ACCURACY_SUMMARIES
-from engine.machine.moving_machine import Motions, MovingMachine, NowhereDefinedError
+from engine.machine.one_machine.history import History, history, history_fields
+from engine.machine.one_machine.moving_machine import Motions, MovingMachine, NowhereDefinedError
 from engine.machine.results import AskError, Outcome
 from engine.mechanism.assembly import MovingPoint
 from engine.mechanism.groups.seed_tables import AssemblyMode
 from engine.mechanism.link_loads import LinkForce
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import regime_text
-from engine.motion.history import History, history, history_fields
 from engine.motion.quantities import of_sliding as sliding_quantity
 from engine.parts.actions import Brake, DCMotor, InductionMotor, TorsionSpring
 from engine.parts.dimensions import DIMENSIONS, common_units

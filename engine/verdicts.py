@@ -31,8 +31,7 @@ class Verdict(IntEnum):
     SINGULAR = (
         *(2, "singular position"),
         "a group passes through a singular position (dead centre of the driven side, change point): velocities are "
-        "infinite or undefined there; change a length, or limit the input's range by input.start and input.stop: a run "
-        "is judged by all of that range, and may not reach the position itself",
+        "infinite or undefined there; change a length, or limit the input's range by input.start and input.stop",
     )
     OUTSIDE_LIMITS = (
         *(3, "outside limits"),

@@ -1,10 +1,25 @@
-"""Where on its cycle a variant fails first: looked for in equally spaced positions, then between two of them."""
+"""Where on its cycle, or on a part of it, a variant fails first.
 
-from collections.abc import Callable
+A position at which a group can't be assembled is sought in equally spaced ones, then between two of them.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from engine.machine.kept_fields import KeptFields
+from engine.graph.nodes import Node
+from engine.machine.kept_fields import KeptFields, fill_found
+from engine.machine.measuring import MeasuredCycles, Measuring
+from engine.quantities.expressions import Angle
+from engine.scene.scene import Numbers
+from engine.verdicts import Verdict
+
+# A group whose transmission quality falls below this is singular: about the root of the rounding error.
+SINGULAR_SINE = 1e-7
+# A run that turns back within this distance of a singular position has reached it [rad, or of a range of 2π]: beside a
+# dead centre of the driven side the error of a step alone decides where the input stands still.
+BESIDE = 1e-6
 
 # Equally spaced positions at which failing variants are examined, and halvings of the step between two of them.
 LOOKED_AT, HALVINGS = 720, 40
@@ -51,3 +66,111 @@ def first_failure(
         which = np.where(found, here.argmax(axis=0), which)
         own[-1], own[-2] = np.where(found, middle, own[-1]), np.where(found, own[-2], middle)
     return np.where(anywhere, which, -1), np.where(anywhere, own[-1], np.nan)
+
+
+class Failures(NamedTuple):
+    """Positions at which groups are singular, or can't be assembled; arrays (variants,).
+
+    Attributes
+    ----------
+    verdict : ndarray of uint8
+        OK where there is no such position.
+    group : ndarray of int
+        Index of the group to blame in `Measuring.groups`; −1 where there is none.
+    place : ndarray
+        Position of the input; NaN where there is none.
+    rounding : ndarray
+        What rounding leaves of accelerations and forces where transmission is worst, relative to the greatest.
+    """
+
+    verdict: np.ndarray
+    group: np.ndarray
+    place: np.ndarray
+    rounding: np.ndarray
+
+
+def failures_of(measuring: Measuring, table: np.ndarray, answers: MeasuredCycles) -> Failures:
+    """Failures of variants over the range of the input that was measured.
+
+    Parameters
+    ----------
+    measuring : Measuring
+    table : ndarray (numbers, variants)
+        What was found on the cycle among them.
+    answers : MeasuredCycles
+        Of this table.
+    """
+    broken, groups, count = answers.outcome.broken_at, measuring.groups, table.shape[1]
+    verdict, rounding = np.full(count, Verdict.OK, np.uint8), answers.rounding_of_rates(2)
+    failures = Failures(verdict, np.full(count, -1), np.full(count, np.nan), rounding)
+
+    def blame(who: np.ndarray, verdict: Verdict, group: int, place: np.ndarray) -> None:
+        failures.verdict[who], failures.group[who], failures.place[who] = verdict, group, place
+
+    singular, sines = np.zeros(count, bool), answers.sines()
+    # Where all groups can be assembled, what isn't finite may be so because of a dead centre itself.
+    assembled = ~np.isnan([least for least, _ in sines]).any(axis=0)
+    for k, (least, place) in enumerate(sines):
+        fails = (least < SINGULAR_SINE) & ~singular & assembled
+        blame(fails, Verdict.SINGULAR, k, place[fails])
+        singular |= fails
+    lost = np.flatnonzero(~np.isnan(broken) & ~singular)
+    if lost.size and groups:
+        fields = curves_of(measuring, [measuring.mechanics.kinematics.sines[group] for group in groups])
+        at, place = first_failure(fields, table[:, lost], ends_of(measuring), np.isnan)
+        for k in range(len(groups)):
+            # Just beside the limit of the links' reach, positions differ by rounding.
+            hidden = (at < 0) & np.isnan(sines[k][0][lost]) & np.isfinite(broken[lost])
+            here = (at == k) | hidden
+            at[hidden] = k
+            blame(lost[here], Verdict.CANNOT_ASSEMBLE, k, np.where(hidden, broken[lost], place)[here])
+    return failures
+
+
+def failures_within(measuring: Measuring, numbers: Numbers, covered: np.ndarray) -> Failures:
+    """Failures of variants over ranges of the input that their runs cover.
+
+    Parameters
+    ----------
+    measuring : Measuring
+    numbers : Numbers
+        Of the variants.
+    covered : ndarray (2, variants)
+        Least and greatest position; a range beyond a cycle counts as a cycle, one of NaN has no failures.
+    """
+    table, ends = measuring.numbers(numbers, covered.shape[1]), list(ends_of(measuring))
+    (low, high), bounds = covered, np.sort(table[ends], axis=0)
+    length = bounds[1] - bounds[0]
+    if measuring.mechanics.has_cycle:
+        turns = np.floor(low / length) * length
+        low, high = low - turns - BESIDE, np.fmin(high - turns + BESIDE, low - turns + length)
+    else:
+        beside = BESIDE * length / (2.0 * np.pi)
+        low, high = np.fmax(low - beside, bounds[0]), np.fmin(high + beside, bounds[1])
+    table[ends] = np.where(np.isnan(covered), np.nan, [low, high])
+    answers = measuring(table)
+    fill_found(measuring.functions, table, answers.outcome.landmarks)
+    found = failures_of(measuring, table, answers)
+    return found._replace(place=np.mod(found.place, length)) if measuring.mechanics.has_cycle else found
+
+
+def curves_of(
+    measuring: Measuring, curves: Sequence[Node | Angle], dtype: np.dtype | type[float] = float
+) -> KeptFields:
+    """Curves of a machine at positions to be chosen.
+
+    Parameters
+    ----------
+    measuring : Measuring
+    curves : sequence of Node or Angle
+    dtype : float64 or float32
+        In which they are kept.
+    """
+    title = f"The functions of one machine: {measuring.mechanics.scene.title or 'untitled'}."
+    return KeptFields(curves, measuring.functions, measuring.machine.levels, np.dtype(dtype), title)
+
+
+def ends_of(measuring: Measuring) -> tuple[int, int]:
+    """Rows of the numbers with the ends of the input's range."""
+    rows = measuring.functions.rows
+    return rows[measuring.mechanics.first], rows[measuring.mechanics.last]

@@ -10,12 +10,19 @@ import numpy as np
 from engine.compiling.threads import threads
 from engine.cycle.measured import UNKNOWN_ROOT, Measured
 from engine.elements.governors.places import CYCLE_POSITIONS
-from engine.graph.nodes import Node
+from engine.graph.nodes import Found, Node, reached
 from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.computed import all_levels, computed_levels
 from engine.machine.conditions import SINGULAR_SINE
 from engine.machine.elements.asked_elements import AskedElements, element_summaries
-from engine.machine.first_failure import first_failure
+from engine.machine.first_failure import (
+    Failures,
+    curves_of,
+    ends_of,
+    failures_of,
+    failures_within,
+    first_failure,
+)
 from engine.machine.kept_fields import NONE, KeptFields, field_node, fill_found
 from engine.machine.measuring import MeasuredCycles, Measuring
 from engine.machine.results import AskError, Outcome, asked_text, blank, field_room, front_of
@@ -242,14 +249,7 @@ class Machine:
 
     @cached_property
     def _kept(self) -> KeptFields:
-        return self._filling(list(self._kept_curves.values()), self.dtype)
-
-    def _filling(self, curves: list[Node | Angle], dtype: np.dtype) -> KeptFields:
-        return KeptFields(curves, self.measuring.functions, self.measuring.machine.levels, dtype, self._title)
-
-    @property
-    def _title(self) -> str:
-        return f"The functions of one machine: {self.scene.title or 'untitled'}."
+        return curves_of(self.measuring, list(self._kept_curves.values()), self.dtype)
 
     @cached_property
     def _harmonics(self) -> list[Expression]:
@@ -462,16 +462,58 @@ class Machine:
         return self._drives.seconds_of_runs(numbers.of_variants(well), well.size) if well.size else 0.0
 
     def _move(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
-        """Compute the regimes of those of the variants `keep` that have no complaint so far."""
-        ready = np.flatnonzero(outcome.status[keep] == Verdict.OK)
+        """Compute the regimes of those of the variants `keep` that have no complaint so far.
+
+        Where runs alone count, a group may fail at positions that they don't reach.
+        """
+        failing = np.isin(outcome.status[keep], (Verdict.CANNOT_ASSEMBLE, Verdict.SINGULAR))
+        failing &= failing.any() and self._runs_alone_count
+        ready = np.flatnonzero((outcome.status[keep] == Verdict.OK) | failing)
         if not ready.size:
             return
         moved, answers = keep[ready], self.regimes.answers(numbers.of_variants(ready), ready.size)
-        outcome.status[moved] = answers.verdict
+        told = answers.verdict.copy()
+        if failing.any():
+            some = np.flatnonzero(failing[ready])
+            own = numbers.of_variants(ready[some])
+            rounding = np.zeros(ready.size)
+            told[some], rounding[some] = self._judge_runs(
+                outcome, moved[some], own, told[some], answers.covered[:, :, some]
+            )
+            answers = answers.judged(told != answers.verdict, rounding)
+        outcome.status[moved] = told
         for name, value in answers.values.items():
             outcome.summaries[name][moved], outcome.errors[name][moved] = value, answers.errors[name]
         for name, rows in answers.fields.items():
             outcome.fields[name][moved], outcome.errors[name][moved] = rows, answers.errors[name]
+
+    def _judge_runs(
+        self, outcome: Outcome, who: np.ndarray, numbers: Numbers, verdict: np.ndarray, covered: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Verdict on variants that fail somewhere on the cycle: that of their runs, where no run reaches the failure.
+
+        `covered` is as for `RegimeAnswers`. A run that doesn't stay finite has failed at a position of the cycle. With
+        the verdict comes what rounding leaves of accelerations in the runs.
+        """
+        rounding = np.zeros(who.size)
+        stays = verdict == Verdict.NOT_FINITE
+        clear = who[~stays]
+        outcome.status[clear], outcome.status_group[clear], outcome.status_at[clear] = verdict[~stays], -1, np.nan
+        # The first run that fails gives the verdict.
+        for positions in covered[::-1]:
+            failures = failures_within(self.measuring, numbers, positions)
+            rounding = np.fmax(rounding, failures.rounding)
+            self._blame_for(outcome, who, failures)
+        return outcome.status[who], rounding
+
+    @property
+    def _runs_alone_count(self) -> bool:
+        """Whether nothing that is asked depends on the cycle as a whole, be it by the ends of a stroke."""
+        schedule = self.schedule
+        if schedule is None or self._summaries or self._fields or self._trains or self._governing or self._drives:
+            return False
+        strokes = any(isinstance(node, Found) for node in reached(self._moving))
+        return schedule.steady.isdisjoint(schedule.needed) and not strokes and not self.measuring.windings
 
     def _keep(self, room: np.ndarray, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles) -> np.ndarray:
         """Fill the kept fields; returns which variants have finite values alone."""
@@ -479,7 +521,8 @@ class Machine:
         rows, finite = [places[name] for name in self._kept_curves], np.ones(keep.size, bool)
         if rows:
             own = room if len(rows) == len(room) else np.empty((len(rows), *room.shape[1:]), self.dtype)
-            finite = self._kept.fill(table, self._positions_kept, own, keep, self._ends if self._ranges_vary else NONE)
+            ends = ends_of(self.measuring) if self._ranges_vary else NONE
+            finite = self._kept.fill(table, self._positions_kept, own, keep, ends)
             if own is not room:
                 room[rows] = own
         for name, curve in self._followed.items():
@@ -500,37 +543,13 @@ class Machine:
         """Input positions of the fields, or shares of each variant's own range."""
         return self.nodes if self._ranges_vary else self.input_values
 
-    @property
-    def _ends(self) -> tuple[int, int]:
-        """Rows of the numbers with the ends of the input's range."""
-        rows = self.measuring.functions.rows
-        return rows[self.mechanics.first], rows[self.mechanics.last]
-
     # Verdicts
 
     def _judge(
         self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles, undefined: np.ndarray
     ) -> None:
         """Give every variant its verdict, and those that fail the group to blame and where it fails."""
-        broken, groups = answers.outcome.broken_at, self.measuring.groups
-        singular, sines = np.zeros(keep.size, bool), answers.sines()
-        # Where all groups can be assembled, what isn't finite may be so because of a dead centre itself.
-        assembled = ~np.isnan([least for least, _ in sines]).any(axis=0)
-        for group, (least, place) in zip(groups, sines, strict=True):
-            fails = (least < SINGULAR_SINE) & ~singular & assembled
-            self._blame(outcome, keep[fails], Verdict.SINGULAR, group, place[fails])
-            singular |= fails
-        lost = np.flatnonzero(~np.isnan(broken) & ~singular)
-        if lost.size and groups:
-            fields = self._filling([self.mechanics.kinematics.sines[group] for group in groups], np.dtype(float))
-            at, place = first_failure(fields, table[:, lost], self._ends, np.isnan)
-            for k, group in enumerate(groups):
-                # Just beside the limit of the links' reach, positions differ by rounding.
-                hidden = (at < 0) & np.isnan(sines[k][0][lost]) & np.isfinite(broken[lost])
-                here = (at == k) | hidden
-                at[hidden] = k
-                where = np.where(hidden, broken[lost], place)
-                self._blame(outcome, keep[lost[here]], Verdict.CANNOT_ASSEMBLE, group, where[here])
+        self._blame_for(outcome, keep, failures_of(self.measuring, table, answers))
         for verdict in (Verdict.UNDERCUT, Verdict.JAMS, Verdict.LIFTS_OFF):
             self._blame_margins(outcome, keep, table, answers, verdict)
         for winding in self.measuring.windings:
@@ -566,8 +585,8 @@ class Machine:
         fails = np.flatnonzero(fails & (outcome.status[keep] == Verdict.OK))
         if not fails.size:
             return
-        fields = self._filling([margin.curve for margin in margins], np.dtype(float))
-        at, place = first_failure(fields, table[:, fails], self._ends, lambda values: ~(values > 0.0))
+        fields = curves_of(self.measuring, [margin.curve for margin in margins])
+        at, place = first_failure(fields, table[:, fails], ends_of(self.measuring), lambda values: ~(values > 0.0))
         for k, (margin, (value, least_at)) in enumerate(zip(margins, least, strict=True)):
             # One that fails between positions alone is known by the least margin.
             hidden = (at < 0) & (value[fails] <= 0.0)
@@ -575,6 +594,14 @@ class Machine:
             at[hidden] = k
             where = np.where(hidden, least_at[fails], place)
             self._blame(outcome, keep[fails[here]], verdict, margin.group, where[here])
+
+    def _blame_for(self, outcome: Outcome, who: np.ndarray, failures: Failures) -> None:
+        """Give the verdict on variants in which groups fail."""
+        order = np.array([self.groups.index(group) for group in self.measuring.groups], int)
+        fails = failures.verdict != Verdict.OK
+        outcome.status[who[fails]] = failures.verdict[fails]
+        outcome.status_group[who[fails]] = order[failures.group[fails]]
+        outcome.status_at[who[fails]] = failures.place[fails]
 
     def _blame(self, outcome: Outcome, who: np.ndarray, verdict: Verdict, group: str, at: np.ndarray) -> None:
         outcome.status[who] = verdict

@@ -417,13 +417,17 @@ class MeasuredCycles:
             product *= np.where((sine > 0.0) & (sine < 1.0), sine, 1.0) / loops
         return product
 
+    def rounding_of_rates(self, power: int) -> np.ndarray:
+        """What rounding leaves of velocities (1) or accelerations and forces (2), relative to the greatest."""
+        return ROUNDING_OF_RATES / self._transmission**power
+
     def _with_spread(self, asked: Measurement) -> Measured:
         """What was measured, with what rounding near dead centres makes of it."""
         found = self._measured(asked)
         if isinstance(asked, VariantNumber):
             return found
         power = 1 if isinstance(asked, Extreme) and isinstance(asked.curve, Angle) else 2
-        spread = ROUNDING_OF_RATES / self._transmission**power * self._size(asked, found.value)
+        spread = self.rounding_of_rates(power) * self._size(asked, found.value)
         return Measured(found.value, found.error + spread * (found.error != 0.0))
 
     def allowed(self, expression: Expression, accuracy: float) -> np.ndarray:

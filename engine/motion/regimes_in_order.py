@@ -103,12 +103,30 @@ class RegimeAnswers(NamedTuple):
     """Values, fields, error figures by name, and the verdict on each variant.
 
     A field has one error figure for each variant, the greatest over the instants of a run or the places of a cycle.
+    `covered` are the least and the greatest position of the input in each run, (runs, 2, variants), in order.
     """
 
     values: dict[str, np.ndarray]
     errors: dict[str, np.ndarray]
     fields: dict[str, np.ndarray]
     verdict: np.ndarray
+    covered: np.ndarray
+
+    def judged(self, lost: np.ndarray, share: np.ndarray) -> "RegimeAnswers":
+        """The same without the numbers of `lost` variants, error figures greater by a share of what they belong to.
+
+        Parameters
+        ----------
+        lost : ndarray (variants,) of bool
+        share : ndarray (variants,)
+        """
+        tables = self.values, self.errors, self.fields
+        values, errors, fields = ({name: row.copy() for name, row in table.items()} for table in tables)
+        for name, row in (values | fields).items():
+            errors[name] += share * (np.abs(row) if row.ndim == 1 else _greatest(np.abs(row)))
+        for row in (*values.values(), *errors.values(), *fields.values()):
+            row[lost] = np.nan
+        return self._replace(values=values, errors=errors, fields=fields)
 
 
 class Gone(NamedTuple):
@@ -124,6 +142,8 @@ class Gone(NamedTuple):
         How far extremes between nodes may be beyond those at nodes.
     by_equal_steps : dict of str to ndarray (3, variants)
         Angle turned [rad], speed at the end [rad/s] and time [s] of the runs by steps of one length.
+    covered : list of ndarray (2, variants)
+        Of each run the least and the greatest position of the input.
     """
 
     values: dict[str, np.ndarray]
@@ -132,6 +152,7 @@ class Gone(NamedTuple):
     scales: dict[str, np.ndarray]
     missed: dict[str, np.ndarray]
     by_equal_steps: dict[str, np.ndarray]
+    covered: list[np.ndarray]
 
 
 class Known(NamedTuple):
@@ -283,7 +304,7 @@ class Schedule:
             doubt = np.where(coarse.verdict == Verdict.OK, change, size)
             doubt += ROUNDING * np.maximum(size, fine.scales.get(name, 0.0))
             errors[name] = np.where(fine.verdict == Verdict.OK, doubt, np.nan)
-        return RegimeAnswers(values, errors, fine.fields, fine.verdict)
+        return RegimeAnswers(values, errors, fine.fields, fine.verdict, np.reshape(fine.covered, (-1, 2, count)))
 
     def variants(self, numbers: Numbers, count: int) -> Variants:
         """A number of variants, with the flywheel that the scene gives them."""
@@ -309,7 +330,7 @@ class Schedule:
         """Go through the regimes."""
         count, steps = next(iter(driven.values())).count, self.steps // 2 if half else self.steps
         standing = self.at_begin(next(iter(driven.values())))
-        gone = Gone({}, {}, standing.verdict, {}, {}, {})
+        gone = Gone({}, {}, standing.verdict, {}, {}, {}, [])
         for name in self.needed:
             off = frozenset(self.regimes[name].off)
             dynamics, variants = self.dynamics[off], driven[off]
@@ -322,9 +343,11 @@ class Schedule:
                 going, standing = self.run_at_two_speeds(name, variants, standing, half)
                 made, energy = going.turned / dynamics.cycle * steps, going.energy
                 found, scale = self._at_two_speeds(name, dynamics, going), {"work_residual": np.ones(count)}
+                gone.covered.append(_positions(variants, standing.angle, going.turned, going.covered))
             elif isinstance(self.regimes[name], RunRegime):
                 outcome, extremes, standing = self.run(name, dynamics, variants, standing, half)
                 gone.fields.update({f"{name}.{key}": rows for key, rows in extremes.rows.items()})
+                gone.covered.append(_positions(variants, standing.angle, outcome.state.turned, outcome.covered))
                 low, high = self.reduction.range_of(variants.numbers, variants.count)
                 made = outcome.state.turned / (high - low) * steps
                 energy = _greatest_energy(dynamics, variants, standing.angle, outcome)
@@ -683,7 +706,13 @@ def _joined(parts: list[RegimeAnswers]) -> RegimeAnswers:
         joined([part.errors for part in parts]),
         joined([part.fields for part in parts]),
         np.concatenate([part.verdict for part in parts]),
+        np.concatenate([part.covered for part in parts], axis=2),
     )
+
+
+def _positions(variants: Variants, end: np.ndarray, turned: np.ndarray, covered: np.ndarray) -> np.ndarray:
+    """Least and greatest position of the input in runs that end at `end`, of the angles turned."""
+    return np.sort(end + variants.direction * (covered - turned), axis=0)
 
 
 def _greatest(rows: np.ndarray) -> np.ndarray:
@@ -703,7 +732,7 @@ def _over_all(outcome: RunOutcome, ready: np.ndarray, count: int) -> RunOutcome:
     state = type(outcome.state)(*(_of_all(x, ready, count) for x in outcome.state))
     verdict = np.full(count, Verdict.OK, np.uint8)
     verdict[ready] = outcome.verdict
-    names = ("slowest", "fastest", "peak", "started", "ended", "arrived", "doubts")
+    names = ("slowest", "fastest", "peak", "started", "ended", "arrived", "doubts", "covered")
     rest = {name: _of_all(getattr(outcome, name), ready, count) for name in names}
     return RunOutcome(verdict, state, **rest)
 

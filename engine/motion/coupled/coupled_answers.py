@@ -44,6 +44,8 @@ class CoupledOutcome(NamedTuple):
         Motors' moment squared over time [N²·m²·s].
     energy, change : ndarray
         Greatest kinetic energy, about, and its change [J].
+    covered : ndarray (2, variants)
+        Least and greatest angle turned by the crank [rad].
     values : dict of str to ndarray
         By their names in a regime, without the coupling's and the shaft's.
     history : ndarray (5, instants) or None
@@ -59,6 +61,7 @@ class CoupledOutcome(NamedTuple):
     squares: np.ndarray
     energy: np.ndarray
     change: np.ndarray
+    covered: np.ndarray
     values: dict[str, np.ndarray]
     history: np.ndarray | None
 
@@ -124,6 +127,7 @@ def run_coupled(
         state[SQUARES],
         most,
         ended - started,
+        runs.covered,
         values,
         history,
     )

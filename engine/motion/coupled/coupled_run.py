@@ -107,6 +107,8 @@ class CoupledRuns:
     done : ndarray of bool
     lows, highs : ndarray (2, variants)
         Least and greatest speeds of the crank and of the shaft [rad/s].
+    covered : ndarray (2, variants)
+        Least and greatest angle turned by the crank [rad].
     peak : ndarray
         Greatest moment of the coupling by magnitude [N·m].
     slip_time : ndarray
@@ -138,6 +140,7 @@ class CoupledRuns:
         self.joined = Joined(np.zeros(count, int), zero.copy(), zero.copy(), clock, engaged)
         self.verdict, self.done = np.full(count, Verdict.OK, np.uint8), np.zeros(count, bool)
         self.lows, self.highs = np.array(speeds), np.array(speeds)
+        self.covered = np.zeros((2, count))
         self.peak, self.slip_time = np.zeros(count), np.zeros(count)
         self.lock_time, self.lock_speed = np.full(count, np.nan), np.full(count, np.nan)
         self.above = np.where(ends.speed > speeds[0], ends.speed, np.inf)
@@ -469,6 +472,8 @@ class CoupledRuns:
         low, high = -greatest_between(-speeds), greatest_between(speeds)
         self.lows[:, mine] = np.fmin(self.lows[:, mine], low[:, taken])
         self.highs[:, mine] = np.fmax(self.highs[:, mine], high[:, taken])
+        self.covered[0, mine] = np.fmin(self.covered[0, mine], self.state[CRANK, mine])
+        self.covered[1, mine] = np.fmax(self.covered[1, mine], self.state[CRANK, mine])
         looks = [everywhere[SPEED_LOOKS.index(x)] for x in LOOKS]
         instants = [time + x * step.length for x in LOOKS]
         between = [coupling_pull(sides, joined, looks[i], instants[i]).moment for i in range(1, len(LOOKS) - 1)]

@@ -19,6 +19,9 @@ from engine.verdicts import Verdict
 BRISK, BRISK_TO_THE_END = 0.4, 40.0
 # Steps in time, none of them a cycle farther than before, after which a run without an end in time is given up.
 MOST_TIME_STEPS = 40_000
+# So many steps in a row that change neither the angle nor the time by more than these shares of them lead nowhere:
+# beside a dead centre of the driven side the inertia grows beyond all bounds.
+MOST_STUCK, NO_ANGLE, NO_TIME = 100, 1e-14, 1e-9
 
 
 def run_to_end(runs: Progress) -> RunOutcome:
@@ -42,7 +45,7 @@ def _run(runs: Progress) -> RunOutcome:
         # What vanishes with the speed stops no machine in finite time.
         runs.give_up(np.flatnonzero(~runs.done & np.isinf(runs.ends.time)), Verdict.NO_END)
     brisk = _brisk(runs, np.arange(count))
-    time_steps, reached = np.zeros(count, np.int64), np.zeros(count)
+    time_steps, stuck, reached = np.zeros(count, np.int64), np.zeros(count, np.int64), np.zeros(count)
     while not runs.done.all():
         fast = np.flatnonzero(brisk & ~runs.done)
         if fast.size:
@@ -51,7 +54,13 @@ def _run(runs: Progress) -> RunOutcome:
         set_off(runs, np.flatnonzero((runs.facing == 0.0) & ~runs.done))
         slow = np.flatnonzero(~brisk & ~runs.done & (runs.facing != 0.0))
         if slow.size:
+            before = runs.part(slow)
             step(runs, slow, run_to_end)
+            after = runs.part(slow)
+            still = np.abs(after.turned - before.turned) <= NO_ANGLE * np.abs(runs.start[slow] + after.turned)
+            still &= after.time - before.time <= NO_TIME * after.time
+            stuck[slow] = np.where(still, stuck[slow] + 1, 0)
+            runs.give_up(slow[~runs.done[slow] & (stuck[slow] > MOST_STUCK)], Verdict.NOT_FINITE)
             brisk[slow] = _brisk(runs, slow)
             gained = runs.state.turned > reached + runs.dynamics.cycle
             reached[gained], time_steps[gained] = runs.state.turned[gained], 0
@@ -69,6 +78,7 @@ def _run(runs: Progress) -> RunOutcome:
         runs.energy(),
         runs.arrived,
         runs.doubts,
+        runs.covered,
     )
 
 

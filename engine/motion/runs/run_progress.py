@@ -62,6 +62,8 @@ class RunOutcome(NamedTuple):
         At which end of its range the input arrived: −1 at the lower one, 1 at the upper one, 0 at none.
     doubts : ndarray
         As of `Progress`.
+    covered : ndarray (2, variants)
+        Least and greatest angle turned [rad].
     """
 
     verdict: np.ndarray
@@ -73,6 +75,7 @@ class RunOutcome(NamedTuple):
     ended: np.ndarray
     arrived: np.ndarray
     doubts: np.ndarray
+    covered: np.ndarray
 
     def doubted(self) -> "RunOutcome":
         """What it would be with every step changed by what it may be off by; no numbers where that isn't known."""
@@ -150,7 +153,7 @@ class Progress:
     ----------
     state : State
         Now; angle and time counted from the begin of the run.
-    verdict, slowest, fastest : ndarray
+    verdict, slowest, fastest, covered : ndarray
         As of `RunOutcome`, so far.
     done : ndarray of bool
         Whether the run is over.
@@ -216,6 +219,7 @@ class Progress:
         self.state = state_at(np.zeros(count), omega.astype(float), np.zeros(count), channels)
         self.verdict = np.full(count, Verdict.OK, np.uint8)
         self.slowest, self.fastest = self.state.omega.copy(), self.state.omega.copy()
+        self.covered = np.zeros((2, count))
         self.pace = np.full(count, np.inf)
         self.classical, self.extremes = stepping.classical, stepping.extremes
         self.to_the_end = not (stepping.classical or stepping.extremes or observers)
@@ -318,6 +322,8 @@ class Progress:
             mine[..., who] = new
         self.slowest[who] = np.minimum(self.slowest[who], state.omega)
         self.fastest[who] = np.maximum(self.fastest[who], state.omega)
+        self.covered[0, who] = np.fmin(self.covered[0, who], state.turned)
+        self.covered[1, who] = np.fmax(self.covered[1, who], state.turned)
 
     def part(self, who: np.ndarray) -> State:
         """State of some variants."""

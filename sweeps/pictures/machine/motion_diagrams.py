@@ -108,7 +108,7 @@ def history_diagrams(scene: Scene, seen: History, target: Path | str | Figure) -
     ----------
     scene : Scene
     seen : History
-        What `engine.motion.history.history` found of it.
+        What `engine.machine.one_machine.history.history` found of it.
     target : path or Figure
         File to write (.svg, .pdf, .png), or an empty figure to draw on.
 

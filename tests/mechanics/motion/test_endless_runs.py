@@ -8,7 +8,7 @@ from motion_scenes import GRAVITY, INERTIA, ask, pendulum, rotor, run, slider_cr
 from scipy.integrate import quad
 
 from engine import Scene, Verdict
-from engine.motion.history import history
+from engine.machine.one_machine.history import history
 from sweeps.report.regime_words import failure_text
 
 TURN = 2 * math.pi

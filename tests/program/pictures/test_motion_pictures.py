@@ -11,7 +11,7 @@ from drawn_machines import slider_crank
 from matplotlib.figure import Figure
 
 from engine import Machine, Verdict
-from engine.motion.history import history
+from engine.machine.one_machine.history import history
 from sweeps.pictures.machine.motion_diagrams import MOST_INSTANTS, _thinned, courses, cycle_diagrams, history_diagrams
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.picture_files import machine_pictures

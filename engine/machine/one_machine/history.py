@@ -5,6 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.machine.first_failure import failures_within
+from engine.machine.measuring import Measuring
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.coupled.coupled_answers import CoupledStanding
 from engine.motion.coupled.two_sides import CoupledSides
@@ -53,7 +55,8 @@ class History(NamedTuple):
         Of a shaft behind a coupling, at its own speed [rad/s], and what the coupling transmits to the crank, reduced to
         it [N·m]; NaN where a machine has no coupling, and the moment where it is in steady motion.
     verdict : Verdict
-        Where it isn't OK, the history ends where the motion did.
+        Where it isn't OK, the history ends where the motion did; a regime that reaches a position at which a group is
+        singular, or can't be assembled, has its first instant alone.
     """
 
     regime: np.ndarray
@@ -97,8 +100,8 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
         raise ValueError(f"{unknown[0]!r} isn't a load that a history keeps; there are: {', '.join(known)}")
     asked = {f"{name}.useful_work" for name in scene.regimes}
     asked |= {f"{name}.{field}.max" for name in scene.regimes for field in fields}
-    schedule = Schedule(mechanics, asked, steps)
-    every = schedule.variants(Numbers(scene_numbers(scene), {}), 1)
+    schedule, numbers = Schedule(mechanics, asked, steps), Numbers(scene_numbers(scene), {})
+    every = schedule.variants(numbers, 1)
     zero, standing = np.zeros(1), schedule.at_begin(every)
     parts: list[_Part | _CoupledPart] = []
     begun = 0.0
@@ -150,7 +153,8 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
             begun += piece.time[-1, 0]
         if standing.verdict[0] != Verdict.OK:
             break
-    return _gathered(parts, fields, Verdict(int(standing.verdict[0])))
+    found = _gathered(parts, fields, Verdict(int(standing.verdict[0])))
+    return _up_to_failure(found, Measuring(mechanics, (), (), (), (steps, steps + 1), None, schedule.nodes), numbers)
 
 
 def history_fields(scene: Scene) -> dict[str, Quantity]:
@@ -223,6 +227,24 @@ def _gathered(parts: list[_Part | _CoupledPart], fields: Iterable[str], verdict:
     loads, kept = ({key: whole.pop(key) for key in keys} for keys in (CHANNELS, fields))
     powers = {source: whole.pop(f"{source} power") for source in SOURCES}
     return History(load_moments=loads, loads_on_pairs=kept, powers=powers, verdict=verdict, **whole)
+
+
+def _up_to_failure(found: History, measuring: Measuring, numbers: Numbers) -> History:
+    """A history up to the first regime that reaches a position at which a group fails."""
+    for name in dict.fromkeys(found.regime) if measuring.groups else ():
+        own = np.flatnonzero(found.regime == name)
+        covered = np.array([[np.fmin.reduce(found.angle[own])], [np.fmax.reduce(found.angle[own])]])
+        verdict = failures_within(measuring, numbers, covered).verdict[0]
+        if verdict != Verdict.OK:
+            columns = found._asdict() | {"verdict": Verdict(int(verdict))}
+            return History(**{key: _first_rows(column, own[0] + 1) for key, column in columns.items()})
+    return found
+
+
+def _first_rows(column: np.ndarray | dict[str, np.ndarray] | Verdict, count: int) -> object:
+    if isinstance(column, dict):
+        return {key: row[:count] for key, row in column.items()}
+    return column[:count] if isinstance(column, np.ndarray) else column
 
 
 def _of_pieces(part: _Part, fields: Iterable[str]) -> Iterator[dict[str, np.ndarray]]:
