@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.machine.moving_machine import MovingMachine
+from engine.machine.one_machine.moving_machine import MovingMachine
 from engine.mechanism.groups.seed_tables import AssemblyMode, ModeNotTold
 from engine.mechanism.mechanics import Mechanics
 from engine.scene.scene import Numbers, Scene, scene_numbers

@@ -13,7 +13,6 @@ from engine.elements.governors.places import CYCLE_POSITIONS
 from engine.graph.nodes import Found, Node, reached
 from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.computed import all_levels, computed_levels
-from engine.machine.conditions import SINGULAR_SINE
 from engine.machine.elements.asked_elements import AskedElements, element_summaries
 from engine.machine.first_failure import (
     Failures,
