@@ -12,7 +12,7 @@ acceleration or the time of a motion, to its state; all else to the position.
 import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from enum import IntEnum
-from functools import cache
+from functools import cache, partial
 from typing import Literal, NamedTuple, get_args, get_type_hints
 
 import numpy as np
@@ -292,6 +292,24 @@ class Return(NamedTuple):
     none: bool = False
 
 
+class Alike(NamedTuple):
+    """A curve of a kind of which weighted sums are one curve of that kind, such as all tables over one abscissa.
+
+    Attributes
+    ----------
+    kind : tuple
+        Equal for curves that can be added up so.
+    data : object
+        What makes this one differ from others of its kind.
+    total : callable
+        The sum, from a list of (weight, data); a weight is a number of the variant.
+    """
+
+    kind: tuple
+    data: object
+    total: Callable[[list[tuple["Number | Constant", object]]], Node]
+
+
 _ARITHMETIC = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv}
 _FUNCTIONS = {"sqrt": np.sqrt, "abs": np.abs, "neg": np.negative}
 
@@ -333,6 +351,7 @@ class Graph:
         self._crossings: dict[tuple[Node, Node, float], Crossing] = {}
         self._bends: dict[Node, set[Node]] = {}
         self._returns: dict[Node, Return] = {}
+        self._alike: dict[Node, Alike] = {}
 
     def _once(self, key: tuple, make: Callable[[], Node]) -> Node:
         node = self._made.get(key)
@@ -454,9 +473,52 @@ class Graph:
             own[0][1] if len(own) == 1 else (self._total([c for c, _ in own]), curve)
             for curve, own in multiples.items()
         ]
+        kept = self._added_up(kept)
         if all(isinstance(node, (Number, Constant)) for term in kept for node in term):
             return self._total([c * b for c, b in kept])
         return self._once(("sum", *kept), lambda: Sum(self, tuple(kept)))
+
+    def alike(self, curve: Node, alike: Alike) -> Node:
+        """Say that a curve is one of a kind; returns the curve."""
+        self._alike[curve] = alike
+        return curve
+
+    def _added_up(self, terms: list[tuple[Node, Node]]) -> list[tuple[Node, Node]]:
+        """Terms, with one for all curves of a kind that are multiplied by the same: many tables are one lookup."""
+        kinds: dict[tuple, list[tuple[Node, Node, Node, Alike | None]]] = {}
+        for c, b in terms:
+            factor, alike = self._of_kind(b) if isinstance(c, (Number, Constant)) else (self.one, None)
+            kinds.setdefault((b,) if alike is None else alike.kind, []).append((c, b, factor, alike))
+        found = []
+        for kind, own in kinds.items():
+            if len(own) == 1:
+                found.append(own[0][:2])
+                continue
+            by_factor: dict[Node, list[tuple[Node, object]]] = {}
+            for c, _, factor, alike in own:
+                for weight, part in self._parts(factor):
+                    by_factor.setdefault(part, []).append((c * weight, alike.data))
+            for factor, parts in by_factor.items():
+                total = self._once(("total", kind, *parts), partial(own[0][3].total, parts))
+                found.append((self.one, factor * total))
+        return found
+
+    def _parts(self, curve: Node) -> list[tuple[Node, Node]]:
+        """A curve as a sum of other curves, each with the number that it is multiplied by."""
+        if isinstance(curve, Operation) and curve.symbol in ("+", "-"):
+            one, other = (self._parts(operand) for operand in curve.operands)
+            return one + (other if curve.symbol == "+" else [(-weight, part) for weight, part in other])
+        return [self._multiple(curve)]
+
+    def _of_kind(self, curve: Node) -> tuple[Node, Alike | None]:
+        """What a curve of some kind is multiplied by, and its kind; of any other curve, None."""
+        if curve in self._alike:
+            return self.one, self._alike[curve]
+        for one, other in (curve.operands, curve.operands[::-1]) if getattr(curve, "symbol", "") == "*" else ():
+            factor, alike = self._of_kind(one)
+            if alike is not None:
+                return factor * other, alike
+        return self.one, None
 
     def _multiple(self, curve: Node) -> tuple[Node, Node]:
         """The number that a curve is a multiple of another by, and that other one."""

@@ -200,6 +200,39 @@ def table_segment(memory: np.ndarray, offset: float, x: float) -> tuple[float, f
 
 
 @scalar
+def sum_of_segments(
+    memory: np.ndarray, offsets: float, count: float, numbers: np.ndarray, begin: int, apart: int, x: float
+) -> tuple[float, float, float, float]:
+    """The cubic that a weighted sum of tables is at x, in the distance from x.
+
+    Parameters
+    ----------
+    memory : array of float64, one-dimensional
+        Several tables, each as from `in_memory`, and where those of the sum begin.
+    offsets, count : float
+        Where these places are in it, and how many.
+    numbers, begin, apart
+        A table of numbers: the weights.
+    x : float
+
+    Returns
+    -------
+    c3, c2, c1, c0 : float
+        At a step those after it.
+    """
+    s3, s2, s1, s0 = 0.0, 0.0, 0.0, 0.0
+    first = int(offsets)
+    for k in range(int(count)):
+        left, c3, c2, c1, c0 = table_segment(memory, memory[first + k], x)
+        weight, t = numbers[begin + k * apart], x - left
+        s3 += weight * c3
+        s2 += weight * (3.0 * c3 * t + c2)
+        s1 += weight * ((3.0 * c3 * t + 2.0 * c2) * t + c1)
+        s0 += weight * (((c3 * t + c2) * t + c1) * t + c0)
+    return s3, s2, s1, s0
+
+
+@scalar
 def periods_before(start: float, period: float, x: float) -> float:
     """Length of the whole periods between the start of a periodic table and x."""
     return period * math.floor((x - start) / period)

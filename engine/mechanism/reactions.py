@@ -27,7 +27,7 @@ from engine.laws.kinematics.rrp import rrp_reactions
 from engine.laws.kinematics.rrr import rrr_reactions
 from engine.laws.masses.inertia_forces import inertia_force, inertia_moment
 from engine.laws.senses import sense
-from engine.mechanism.acting import Load
+from engine.mechanism.acting import Grip, Load
 from engine.mechanism.actions.carried_masses import turning_inertia
 from engine.mechanism.actions.characteristics import input_sense
 from engine.mechanism.assembly import MovingPoint, Turning
@@ -189,10 +189,13 @@ class Reactions:
                 own = partial(carried_inertia, self.scene, crank)
                 inertia = self.graph.derived(f"inertia of what {crank} carries", own)
                 self._rotary_inertia(of_links, crank, inertia)
+        at_places: dict[Grip, list[Load]] = {}
         for load in loads:
             # At its speed a machine runs with its brakes released; regimes apply them.
             if self.motion.given or load.role != "braking":
-                self._apply(of_links, load)
+                at_places.setdefault(load.grip._replace(direction=None), []).append(load)
+        for grip, own in at_places.items():
+            self._apply(of_links, grip, own)
         return {name: of_links.total(name) for name in self.kinematics.links}
 
     def _inertia(self, of_links: LinkLoads, name: str) -> None:
@@ -213,23 +216,38 @@ class Reactions:
         of_links.twist(name, moment)
         return moment
 
-    def _apply(self, of_links: LinkLoads, load: Load) -> None:
-        """A force or moment of the scene, and its counterpart where something in the machine bears it."""
+    def _apply(self, of_links: LinkLoads, grip: Grip, loads: list[Load]) -> None:
+        """Forces or moments of the scene at one place, and their counterparts where something bears them."""
+        courses = [(load, self.motion.power(load.order) * load.characteristic) for load in loads]
+        for load, course in courses:
+            self._register(load, load.coefficient * course)
+        bearer, at = grip.bearer or (None, None)
+        if grip.at is None:
+            moment = self._total([(load.coefficient, course) for load, course in courses])
+            of_links.twist(grip.link, moment)
+            if bearer is not None:
+                of_links.twist(bearer, -moment)
+            return
+        x = self._total([(load.coefficient, course * load.grip.direction.x) for load, course in courses])
+        y = self._total([(load.coefficient, course * load.grip.direction.y) for load, course in courses])
+        of_links.push(grip.link, grip.at, Vector(x, y))
+        if bearer is not None:
+            of_links.push(bearer, at, -Vector(x, y))
+
+    def _total(self, terms: list[tuple[Node, Node]]) -> Node:
+        """Sum of coefficients times curves."""
+        return terms[0][0] * terms[0][1] if len(terms) == 1 else self.graph.combination(terms)
+
+    def _register(self, load: Load, value: Node) -> None:
+        """Fields of a force or moment of the scene, and what it does to the links it acts on."""
         grip = load.grip
-        value = load.coefficient * self.motion.power(load.order) * load.characteristic
         bearer, at = grip.bearer or (None, None)
         if grip.at is None:
             self._acts(load.action, acting_moment=value)
-            of_links.twist(grip.link, value)
-            if bearer is not None:
-                of_links.twist(bearer, -value)
             found = LinkForce("load", load.action, grip.link, bearer, moment=value)
         else:
             force = value * grip.direction
             self._acts(load.action, force_x=force.x, force_y=force.y)
-            of_links.push(grip.link, grip.at, force)
-            if bearer is not None:
-                of_links.push(bearer, at, -force)
             found = LinkForce("load", load.action, grip.link, bearer, grip.at.r, force)
         if load.action != "gravity":
             self._forces.append(found)

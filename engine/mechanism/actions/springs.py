@@ -1,8 +1,10 @@
 """Springs with dampers between two points, and torsion springs, as nodes."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
-from engine.graph.nodes import Node, Return
+import numpy as np
+
+from engine.graph.nodes import Alike, Constant, Node, Number, Return, value_of
 from engine.laws.loads import spring
 from engine.laws.senses import angle_on_side, side
 from engine.mechanism.acting import Characteristic, Grip, Load, load
@@ -27,7 +29,7 @@ def spring_loads(kinematics: Kinematics, name: str) -> Iterator[Load]:
     rate = (b.v - a.v).dot(direction)
     holder, bearer = holder_of(scene, ends[1]), holder_of(scene, ends[0])
     grip = Grip(holder, b, direction, (bearer, a))
-    pull = graph.apply(spring, 1.0, graph.number(f"{at}.free_length"), length)
+    pull = _pull(graph.number(f"{at}.free_length"), length)
     yield load(name, Characteristic(graph.number(f"{at}.stiffness"), pull), grip, rate, None)
     if scene.springs[name].damping or f"{at}.damping" in kinematics.varied:
         damping = graph.derived(f"{at} at speed", lambda n: n[f"{at}.damping"] * n["input.speed"])
@@ -47,8 +49,26 @@ def torsion_spring(kinematics: Kinematics, name: str) -> Characteristic:
     on = kinematics.scene.moments[name].on
     angle = _angle(kinematics, on)
     graph.returns((angle,), Return(f"{at}.on", kinematics.turns(on), none=True))
-    moment = graph.apply(spring, 1.0, graph.number(f"{at}.free_angle"), angle)
+    moment = _pull(graph.number(f"{at}.free_angle"), angle)
     return Characteristic(graph.number(f"{at}.stiffness"), moment)
+
+
+def _pull(free: Number, length: Node) -> Node:
+    """Force over the stiffness of a spring; many side by side are one, as stiff as all, with the mean free length."""
+    graph = length.graph
+
+    def total(springs: list[tuple[Number | Constant, Number]]) -> Node:
+        stiffness = sum((k for k, _ in springs), graph.zero)
+        label = " + ".join(f"{k.label} * {own.label}" for k, own in springs)
+
+        def mean(numbers: Mapping) -> float | np.ndarray:
+            whole = value_of(stiffness, numbers)
+            force = sum(value_of(k, numbers) * value_of(own, numbers) for k, own in springs)
+            return np.where(whole == 0.0, 0.0, force / np.where(whole == 0.0, 1.0, whole))
+
+        return stiffness * graph.apply(spring, 1.0, graph.derived(f"mean of {label}", mean), length)
+
+    return graph.alike(graph.apply(spring, 1.0, free, length), Alike(("spring", length), free, total))
 
 
 def _angle(kinematics: Kinematics, name: str) -> Node:

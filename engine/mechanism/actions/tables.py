@@ -5,11 +5,12 @@ The piece of the table that holds in the middle of a panel holds throughout it; 
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
-from engine.graph.nodes import Graph, Node, Return
+from engine.graph.nodes import Alike, Constant, Graph, Node, Number, Return, value_of
 from engine.laws.tables import (
     HEAD,
     Table,
@@ -18,6 +19,7 @@ from engine.laws.tables import (
     in_memory,
     make_table,
     periods_before,
+    sum_of_segments,
     table_segment,
 )
 from engine.mechanism.kinematics import Kinematics
@@ -85,9 +87,24 @@ def rows_over_angle(
 def _value(graph: Graph, table: Table, x: Node, factor: Node) -> Node:
     """Value of a table; the piece that x lies in, times the factor, is held."""
     begin, *coefficients = _piece(graph, table, x)
-    highest, *others = (graph.held(c * factor) for c in coefficients)
-    # By Horner's rule, of a degree no higher than the table's.
-    value, t = highest, x - graph.held(begin)
+    value = _polynomial([graph.held(c * factor) for c in coefficients], x - graph.held(begin))
+
+    def total(tables: list[tuple[Number | Constant, float]]) -> Node:
+        """Weighted sum of tables that begin at some places in the memory."""
+        weights, begins = zip(*tables, strict=True)
+        offsets = graph.store(np.array(begins))
+        name = f"tables at {offsets.value:.0f} by {', '.join(w.label for w in weights)}"
+        numbers = [graph.derived(f"{w.label} of {name}", partial(value_of, w)) for w in weights]
+        place = graph.memory, offsets, float(len(weights)), graph.number_table(name, numbers), x
+        cubic = graph.apply(sum_of_segments, *place)
+        return _polynomial([graph.held(c * factor) for c in cubic], x - graph.held(x))
+
+    return graph.alike(value, Alike(("table", x, factor), graph.store(in_memory(table)).value, total))
+
+
+def _polynomial(coefficients: Sequence[Node], t: Node) -> Node:
+    """By Horner's rule, of a degree no higher than there are coefficients for."""
+    value, *others = coefficients
     for coefficient in others:
         value = value * t + coefficient
     return value
