@@ -368,7 +368,7 @@ def follow(functions: MachineFunctions, task: Task, given: GivenNumbers, edges: 
             spoil(count, work.too_many, tile)
         broken = False
         for c in range(count):
-            panel_figures(tile[c], figures[c])
+            panel_figures(tile[c], work.search.zero, figures[c])
             note_rounding(tile[c], scales[c], walk)
             broken |= compare_with_tolerance(figures[c], task.tolerance[c], task.only_integrals[c], scales[c], walk)
         for k in range(task.rooted.shape[0]):
@@ -380,6 +380,10 @@ def follow(functions: MachineFunctions, task: Task, given: GivenNumbers, edges: 
             continue
         if broken:
             mark_broken(count, tile, q, walk, work.broken_at)
+        # A kink within is told as closely as panels need, not to rounding.
+        if any_positive(walk.bent):
+            for c in range(count):
+                panel_figures(tile[c], walk.bent, figures[c])
         for k in range(task.integrals.shape[0]):
             c = task.integrals[k]
             add_panels(tile[c], figures[c], walk, work.integrals[k])

@@ -43,7 +43,7 @@ from engine.cycle.driver import (
 from engine.cycle.events import MOST_ROOTS, LandmarkRows
 from engine.cycle.measured import Measured, maximum
 from engine.cycle.measures.averages import Averages
-from engine.cycle.measures.extremes import BOTH, EACH_TURN, ExtremeRows
+from engine.cycle.measures.extremes import BOTH, ExtremeRows
 from engine.cycle.measures.fluctuation import Fluctuation
 from engine.cycle.measures.unloaded_arcs import Arc, new_stretches
 
@@ -98,7 +98,8 @@ class Plan:
         A curve, another, and a row with a factor c: extremes of R − c (b − b₀) are asked, of the running integral R of
         the one and the other b.
     angles : sequence of tuples
-        Curves with the components of vectors whose angles, followed over the cycle, are asked.
+        Curves with the components of vectors whose angles, followed over the cycle, are asked; where what is looked for
+        is told, as in `engine.cycle.measures.extremes`, that.
     speeds : sequence of int
         Which fluctuations' speeds over the cycle are asked.
     averages : sequence of tuples
@@ -309,7 +310,7 @@ class CycleMachine:
         others = [*plan.roots, *(c for c, _ in sought)] + [
             c[1] for c in (*plan.combinations, *plan.fluctuations, *plan.compared)
         ]
-        parts = [c for group in (*plan.angles, *plan.arcs) for c in group]
+        parts = [c for group in (*(a[:2] for a in plan.angles), *plan.arcs) for c in group]
         kept = list(dict.fromkeys([*moments, *rates, *others, *parts]))
         curve = {number: k for k, number in enumerate(kept)}
         derived = [("works", m) for m in moments] + [("runs", r) for r in rates]
@@ -322,7 +323,10 @@ class CycleMachine:
             *((own["works", k], own["works", k], -1, BOTH) for k in range(len(plan.works))),
             *((row["works", m], curve[i], c, *(side or (BOTH,))) for m, i, c, *side in plan.combinations),
             *((row["runs", r], curve[b], c, BOTH) for r, b, c in plan.compared),
-            *((own["angles", k], own["angles", k], -1, BOTH + EACH_TURN) for k in range(len(plan.angles))),
+            *(
+                (own["angles", k], own["angles", k], -1, *(side or (BOTH,)))
+                for k, (_, _, *side) in enumerate(plan.angles)
+            ),
             *((own["speeds", k], own["speeds", k], -1, BOTH) for k in range(len(plan.speeds))),
         ]
         same = {name: _integers(getattr(plan, name)) for name in _SAME}
@@ -335,7 +339,7 @@ class CycleMachine:
             roots=_integers([curve[r] for r in plan.roots]),
             kept=_integers(kept),
             works=_integers([*((curve[m], 1) for m in moments), *((curve[r], 0) for r in rates)], 2),
-            angles=_integers([(curve[x], curve[y]) for x, y in plan.angles], 2),
+            angles=_integers([(curve[x], curve[y]) for x, y, *_ in plan.angles], 2),
             extremes=_integers(extremes, 4),
             fluctuations=_integers([(row["works", m], curve[i], *given) for m, i, *given in plan.fluctuations], 4),
             averages=_integers([own[name] for name in plan.averages]),

@@ -116,13 +116,14 @@ def of_squares(x: Measured) -> Measured:
 
 
 def atan2(y: Measured, x: Measured) -> Measured:
-    """Angle of the direction (x, y); where the error leaves no direction, off by at most a half turn."""
+    """Angle of the direction (x, y), above −π by more than its error; without a direction, off by half a turn."""
     y, x = measured(y), measured(x)
     with np.errstate(divide="ignore", invalid="ignore"):
         square = x.value**2 + y.value**2
         error = (np.abs(x.value) * y.error + np.abs(y.value) * x.error) / square
     error = np.where((x.error == 0.0) & (y.error == 0.0), 0.0, np.fmin(error, np.pi))
-    return Measured(np.arctan2(y.value, x.value), error)._rounded()
+    found = Measured(np.arctan2(y.value, x.value), error)._rounded()
+    return Measured(found.value + np.where(found.value <= found.error - np.pi, 2.0 * np.pi, 0.0), found.error)
 
 
 def _chosen(first: Measured, second: Measured, better: Callable) -> Measured:

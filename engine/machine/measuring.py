@@ -14,7 +14,7 @@ import numpy as np
 from engine.compiling.printed import load_printed
 from engine.cycle import machine as cycle
 from engine.cycle.measured import Measured, maximum, where
-from engine.cycle.measures.extremes import BOTH, GREATEST, LEAST, LEAST_MAGNITUDE
+from engine.cycle.measures.extremes import BOTH, EACH_TURN, GREATEST, LEAST, LEAST_MAGNITUDE
 from engine.graph.functions import Functions, functions_of
 from engine.graph.nodes import Constant, Node, Stage
 from engine.machine.conditions import Margin, margins_against_jamming, margins_at_cams, taking_part, wound_springs
@@ -200,7 +200,7 @@ class Measuring:
             combinations=[(curve[m], curve[i], row[c], side) for m, i, c, side in self._combinations],
             fluctuations=[(curve[m], curve[i], row[w], row[j]) for m, i, w, j in self._fluctuations],
             compared=[(curve[r], curve[c], row[self._one]) for r, c in self._compared],
-            angles=[tuple(curve[c] for c in a.direction) for a in self._angles],
+            angles=[(*(curve[c] for c in a.direction), self._side_of(a)) for a in self._angles],
             speeds=[self._fluctuations.index(self._cycle_of(s.steady).fluctuation) for s in self._speeds],
             averages=[self._place_of(a) for a in self._averages],
             spaced=[self._place_of(s) for s in self._spaced],
@@ -228,6 +228,11 @@ class Measuring:
     def _cycle_of(self, asked: SteadyCycle) -> "_Steady":
         """The steady cycle of which a result is asked."""
         return next(s for s in self._steady if s.of == _shared(asked))
+
+    def _side_of(self, angle: Angle) -> int:
+        """What is looked for of an angle; the same place in another turn counts as another one, but for links."""
+        repeats = self.mechanics.graph.q not in reached(angle.direction)
+        return BOTH + EACH_TURN if repeats else BOTH
 
     def _place_of(self, curve: Followed) -> tuple[str, int]:
         """Where in the plan a curve is that is followed over the cycle."""

@@ -1,20 +1,47 @@
 """Directions followed over the cycle: the angle of a vector of two kept curves, continuous from its first position on.
 
-From one position to the next the vector turns by less than half a turn, within a panel and from panel to panel.
+From one position to the next the vector turns by less than half a turn either way. Where it turns sharply, its series
+tell on which side of zero it passes; where that is within their errors, and where it turns back at once, nobody knows.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from engine.compiling.blocks import Row, Rows
-from engine.compiling.decorators import routine
+from engine.compiling.decorators import inlined, routine
 from engine.compiling.widths import LANES
-from engine.cycle.panels.chebyshev import POSITIONS
+from engine.cycle.panels.chebyshev import PLACES, POSITIONS
 from engine.cycle.panels.integrals import ROUNDING
-from engine.cycle.panels.record import Record, keep_derived
-from engine.cycle.panels.series import TINY, larger, smaller
+from engine.cycle.panels.record import Record, keep_derived, known_slot
+from engine.cycle.panels.series import TINY, larger, series_at, smaller
 from engine.laws.elementary import angle_of
+
+TURN = 2.0 * math.pi
+# A vector that turns by more from one position to the next [rad] may be nearly 0 in between, and turn either way.
+SHARP = 0.5
+# It turns back at once where it turns by half a turn within this [rad].
+BACK = 1e-9
+# What a vector is followed to between positions, instead of a value of its square: where it turns back, or is least.
+TURNS_BACK, IS_LEAST = 0.0, -1.0
+# Of the interval between two positions.
+HALVINGS = 50
+
+
+class VectorSeries(NamedTuple):
+    """A vector in one lane and panel, as series of its components.
+
+    Attributes
+    ----------
+    x, y : rows (POSITIONS, LANES)
+        Coefficients.
+    lane : int
+    """
+
+    x: Rows
+    y: Rows
+    lane: int
 
 
 class FollowedAngle(NamedTuple):
@@ -28,19 +55,56 @@ class FollowedAngle(NamedTuple):
         The vector there.
     shortest : row
         The shortest vector of a panel.
+    sharpest : row
+        By how much it turns at most there from one position to the next.
+    off : row
+        What the vector may be off by there.
+    unknown : row
+        Turns of which nobody knows whether they are taken so far [rad].
     """
 
     reached: Row
     x: Row
     y: Row
     shortest: Row
+    sharpest: Row
+    off: Row
+    unknown: Row
+
+
+@routine
+def vector_at(vector: VectorSeries, x: float) -> tuple[float, float, float, float]:
+    """Components of a vector; how fast it turns times its square, half of how fast its square grows."""
+    fx, slope_x, _ = series_at(vector.x, vector.lane, x)
+    fy, slope_y, _ = series_at(vector.y, vector.lane, x)
+    return fx, fy, fx * slope_y - fy * slope_x, fx * slope_x + fy * slope_y
+
+
+@routine
+def place_where(vector: VectorSeries, low: float, high: float, square: float) -> float:
+    """Where between two places a vector turns back or is least, or its square takes a value; else the second one."""
+    fx, fy, turning, growing = vector_at(vector, low)
+    at_low = fx * fx + fy * fy - square if square > 0.0 else (turning if square == TURNS_BACK else growing)
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        fx, fy, turning, growing = vector_at(vector, middle)
+        here = fx * fx + fy * fy - square if square > 0.0 else (turning if square == TURNS_BACK else growing)
+        beside_low = (here > 0.0) == (at_low > 0.0)
+        low, high = middle if beside_low else low, high if beside_low else middle
+    return 0.5 * (low + high)
+
+
+@inlined
+def turn_to(x: float, y: float, x_after: float, y_after: float) -> float:
+    """Angle from one vector to another, from −π to π [rad]."""
+    return math.atan2(x * y_after - y * x_after, x * x_after + y * y_after)
 
 
 @routine
 def _follow(of_x: Rows, of_y: Rows, half: Row, angle: Rows, state: FollowedAngle) -> None:
     """Angles at the positions of a step; lanes without a panel there stay where they are."""
     for lane in range(LANES):
-        state.shortest[lane] = np.inf
+        state.shortest[lane], state.sharpest[lane] = np.inf, 0.0
     for j in range(POSITIONS):
         for lane in range(LANES):
             x, y, x_before, y_before = of_x[j, lane], of_y[j, lane], state.x[lane], state.y[lane]
@@ -48,11 +112,31 @@ def _follow(of_x: Rows, of_y: Rows, half: Row, angle: Rows, state: FollowedAngle
             turned = angle_of(x_before * x + y_before * y, x_before * y - y_before * x)
             # A vector without length doesn't turn.
             turned = 0.0 if size == 0.0 else turned
-            taken = (half[lane] != 0.0) & (size != 0.0)
+            panel = half[lane] != 0.0
+            taken = panel & (size != 0.0)
             angle[j, lane] = reached + turned
             state.reached[lane] = reached + turned if taken else reached
             state.x[lane], state.y[lane] = x if taken else x_before, y if taken else y_before
-            state.shortest[lane] = smaller(size, shortest) if half[lane] != 0.0 else shortest
+            state.shortest[lane] = smaller(size, shortest) if panel else shortest
+            state.sharpest[lane] = larger(abs(turned) if taken else 0.0, state.sharpest[lane])
+            state.unknown[lane] += TURN if taken & (abs(turned) > math.pi - BACK) else 0.0
+
+
+@routine
+def _pass_dips(vector: VectorSeries, of_x: Rows, of_y: Rows, angle: Rows, state: FollowedAngle) -> None:
+    """Let a lane's angles in a panel pass zero on the side on which the vector does between two positions."""
+    lane, shift = vector.lane, 0.0
+    for j in range(1, POSITIONS):
+        x, y, x_after, y_after = of_x[j - 1, lane], of_y[j - 1, lane], of_x[j, lane], of_y[j, lane]
+        turned = turn_to(x, y, x_after, y_after)
+        if abs(turned) > SHARP:
+            dip_x, dip_y, _, _ = vector_at(vector, place_where(vector, PLACES[j - 1], PLACES[j], IS_LEAST))
+            past = turn_to(x, y, dip_x, dip_y) + turn_to(dip_x, dip_y, x_after, y_after)
+            shift += math.floor((past - turned) / TURN + 0.5) * TURN
+            if dip_x * dip_x + dip_y * dip_y <= state.off[lane] * state.off[lane]:
+                state.unknown[lane] += TURN
+        angle[j, lane] += shift
+    state.reached[lane] += shift
 
 
 @routine
@@ -72,16 +156,25 @@ def add_angle(record: Record, x: int, y: int, angle: int, state: FollowedAngle) 
     values, of_x, of_y, offset = record.values, record.whole[x], record.whole[y], record.whole[angle].offset
     # Angles are counted from the direction of the first axis.
     for lane in range(LANES):
-        state.reached[lane] = state.y[lane] = 0.0
+        state.reached[lane] = state.y[lane] = state.unknown[lane] = 0.0
         state.x[lane] = 1.0
     for step in range(record.steps[0]):
-        slot = step * record.curves
-        _follow(values[slot + x], values[slot + y], record.panels[step].half, values[slot + angle], state)
-        keep_derived(record, step, angle)
+        slot, half = step * record.curves, record.panels[step].half
         tail_x, tail_y, tail = record.left[slot + x].tail, record.left[slot + y].tail, record.left[slot + angle].tail
+        _follow(values[slot + x], values[slot + y], half, values[slot + angle], state)
         for lane in range(LANES):
             rounding = ROUNDING * larger(of_x.scale[lane], of_y.scale[lane])
             rounding += of_x.offset[lane] + of_y.offset[lane]
+            state.off[lane] = tail_x[lane] + tail_y[lane] + rounding
+            shortest = larger(state.shortest[lane], TINY)
+            offset[lane] = larger(smaller(rounding / shortest, np.pi), offset[lane])
+            if half[lane] != 0.0 and state.sharpest[lane] > SHARP:
+                vector_x, vector_y = known_slot(record, x, step), known_slot(record, y, step)
+                vector = VectorSeries(record.coefficients[vector_x], record.coefficients[vector_y], lane)
+                _pass_dips(vector, values[slot + x], values[slot + y], values[slot + angle], state)
+        keep_derived(record, step, angle)
+        for lane in range(LANES):
             both, shortest = tail_x[lane] + tail_y[lane], larger(state.shortest[lane], TINY)
             tail[lane] += smaller(both / shortest, np.pi)
-            offset[lane] = larger(smaller(rounding / shortest, np.pi), offset[lane])
+    for lane in range(LANES):
+        offset[lane] += state.unknown[lane]

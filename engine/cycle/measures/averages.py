@@ -52,19 +52,19 @@ def find_averages(record: Record, curve: int, result: Averages) -> None:
     whole, shifted, figures, offset = record.whole[curve], record.work.shifted, record.figures, result.offset
     fill(result, _ROWS, 0.0)
     for step in range(record.steps[0]):
-        slot, half = step * record.curves + curve, record.panels[step].half
+        slot, half, bent = step * record.curves + curve, record.panels[step].half, record.panels[step].bent
         values, tail = record.values[slot], record.left[slot].tail
         for lane in range(LANES):
             offset[lane] = whole.offset[lane] + tail[lane] + ROUNDING * whole.scale[lane]
             result.length[lane] += 2.0 * half[lane]
-        panel_figures(values, figures)
+        panel_figures(values, bent, figures)
         _add(half, figures, offset, result.mean, result.mean_error)
         for j in range(POSITIONS):
             for lane in range(LANES):
                 shifted[j, lane] = values[j, lane] * values[j, lane]
         for lane in range(LANES):
             offset[lane] *= 2.0 * whole.scale[lane]
-        panel_figures(shifted, figures)
+        panel_figures(shifted, bent, figures)
         _add(half, figures, offset, result.square, result.square_error)
     for lane in range(LANES):
         length = result.length[lane]

@@ -24,7 +24,7 @@ from engine.cycle.panels.record import Record, known_slot
 from engine.cycle.panels.series import TINY, larger, series_at, series_value, smaller
 
 # What is looked for: both, one of them, or the least magnitude of a curve that keeps the sign of its first value; of
-# what follows a link, whose place is meant within a turn of the crank, in addition EACH_TURN.
+# what repeats itself with each turn of the crank, in addition EACH_TURN.
 LEAST, GREATEST, LEAST_MAGNITUDE, EACH_TURN = 1, 2, 4, 8
 BOTH = LEAST + GREATEST
 # Of no candidate.
@@ -103,6 +103,8 @@ class Climb(NamedTuple):
         Errors of the places of the cuts at its ends.
     beyond_series : row
         What lies beyond the series there.
+    bent : row
+        1 where something bends in the panel, else 0.
     low, high : row
         The interval in which Newton's method is at `x`.
     x, length : row
@@ -114,6 +116,8 @@ class Climb(NamedTuple):
     here, slope, bend : row
         Value, slope and bend at `x`.
     mark : row
+    range : row
+        Length of the range.
     """
 
     best: Row
@@ -125,6 +129,7 @@ class Climb(NamedTuple):
     cut_before: Row
     cut_after: Row
     beyond_series: Row
+    bent: Row
     low: Row
     high: Row
     x: Row
@@ -136,6 +141,7 @@ class Climb(NamedTuple):
     slope: Row
     bend: Row
     mark: Row
+    range: Row
 
 
 class Search(NamedTuple):
@@ -227,6 +233,7 @@ def scan(record: Record, sought: SoughtExtreme, step: int, candidate: Candidate,
         candidate.next_reach[lane] = next_reach + shift if taken else -math.inf
         candidate.position[lane] = position
         search.best[lane] = larger(best + shift, search.best[lane]) if taken else search.best[lane]
+        search.range[lane] += 2.0 * abs(half[lane])
 
 
 @routine
@@ -241,7 +248,9 @@ def take_farthest(steps: int, candidates: Rows, search: Climb, found: ExtremeRow
             search.taken[lane] = reach[lane] if farther else search.taken[lane]
             search.step[lane] = float(step) if farther else search.step[lane]
     for lane in range(LANES):
-        enough = (search.taken[lane] >= search.best[lane]) & (search.taken[lane] > found.value[lane])
+        # What may be as high as what was found is its rival.
+        reach = search.taken[lane] + found.value_error[lane]
+        enough = (reach >= search.best[lane]) & (reach > found.value[lane])
         search.step[lane] = search.step[lane] if enough else NONE
         search.mark[lane] = 1.0 if enough else 0.0
     return any_positive(search.mark)
@@ -284,6 +293,7 @@ def fetch(record: Record, sought: SoughtExtreme, work: Search) -> None:
         panels, candidate = record.panels[step], work.candidates[step]
         search.beyond_series[lane] = record.left[slot_a].tail[lane] + abs(c) * record.left[slot_b].tail[lane]
         search.half[lane], search.middle[lane] = panels.half[lane], panels.middle[lane]
+        search.bent[lane] = panels.bent[lane]
         search.cut_before[lane], search.cut_after[lane] = panels.opened[lane], panels.closed[lane]
         search.at_position[lane] = candidate.position[lane]
         candidate.reach[lane] = -math.inf
@@ -359,7 +369,9 @@ def compare(record: Record, sought: SoughtExtreme, work: Search, found: ExtremeR
         cosine = 2.0 * cosine * cosine - 1.0
         cosine = 2.0 * cosine * cosine - 1.0
         cosine = 2.0 * cosine * cosine - 1.0
-        value_error = noise + offset + 2.0 * tail * math.sqrt(larger(1.0 - cosine * cosine, 0.0))
+        # Beside a kink the curve leaves the series at the positions, too.
+        beyond = larger(math.sqrt(larger(1.0 - cosine * cosine, 0.0)), search.bent[lane])
+        value_error = noise + offset + 2.0 * tail * beyond
         # An extreme at a cut lies where the cut does.
         cut = search.cut_before[lane] if x <= -1.0 else (search.cut_after[lane] if x >= 1.0 else 0.0)
         value_error += cut * abs(search.slope[lane] / half)
@@ -372,15 +384,20 @@ def compare(record: Record, sought: SoughtExtreme, work: Search, found: ExtremeR
         before, at_before = found.value[lane], found.at[lane]
         taken = search.step[lane] >= 0.0
         higher = taken & (value > before)
-        rivals = taken & (abs(value - before) <= value_error + found.value_error[lane])
-        kept_error = place_error if higher else found.at_error[lane]
-        other_error = found.at_error[lane] if higher else place_error
+        distance_apart = abs(value - before)
+        rivals = taken & (distance_apart <= value_error + found.value_error[lane])
+        # The place of the first of them is told, and the other one may still be higher.
+        first = (higher & (not rivals)) | (rivals & ((place - at_before) * half < 0.0))
+        kept_error = place_error if first else found.at_error[lane]
+        other_error = found.at_error[lane] if first else place_error
+        own_error = value_error if higher else found.value_error[lane]
+        rival_error = (found.value_error[lane] if higher else value_error) - distance_apart
         distance, period = abs(place - at_before), work.period[lane]
         periods = math.floor(distance / period + 0.5)
         apart = other_error + (abs(distance - periods * period) if periods > 0.0 else distance)
         found.value[lane] = value if higher else before
-        found.value_error[lane] = value_error if higher else found.value_error[lane]
-        found.at[lane] = place if higher else at_before
+        found.value_error[lane] = larger(rival_error, own_error) if rivals else own_error
+        found.at[lane] = place if first else at_before
         found.at_error[lane] = larger(kept_error, apart) if rivals else kept_error
         found.other[lane] = search.here[lane] - b.first[lane] if higher else found.other[lane]
 
@@ -402,6 +419,7 @@ def find_extreme(record: Record, sought: SoughtExtreme, work: Search, found: Ext
     scale_a, scale_b = record.whole[sought.a].scale, record.whole[sought.b].scale
     for lane in range(LANES):
         search.best[lane] = found.value[lane] = -math.inf
+        search.range[lane] = 0.0
         found.value_error[lane] = found.at[lane] = found.at_error[lane] = found.other[lane] = 0.0
     for step in range(steps):
         scan(record, sought, step, candidates[step], search)
@@ -415,8 +433,11 @@ def find_extreme(record: Record, sought: SoughtExtreme, work: Search, found: Ext
         compare(record, sought, work, found)
     left = take_farthest(steps, candidates, search, found)
     for lane in range(LANES):
-        beyond = search.taken[lane] - found.value[lane] if left & (search.step[lane] >= 0.0) else 0.0
+        missed = left & (search.step[lane] >= 0.0)
+        beyond = search.taken[lane] - found.value[lane] if missed else 0.0
         found.value_error[lane] = larger(found.value_error[lane], beyond)
+        # With so many rivals the extreme may be anywhere.
+        found.at_error[lane] += search.range[lane] if missed else 0.0
         # Where a value isn't finite, the greatest magnitude isn't.
         unknown = not abs(found.value[lane]) + scale_a[lane] + scale_b[lane] < math.inf
         found.value[lane] = sought.sign[lane] * found.value[lane]

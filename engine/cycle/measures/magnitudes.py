@@ -50,6 +50,8 @@ class Parts(NamedTuple):
         Ends of the range of parts, which is empty in lanes whose panel needs none.
     off : row
         What the square may be off by between the positions.
+    none : row
+        0: nothing bends in a part but what its series tells.
     """
 
     walk: one(Walk)
@@ -58,6 +60,7 @@ class Parts(NamedTuple):
     low: Row
     high: Row
     off: Row
+    none: Row
 
 
 @routine
@@ -140,7 +143,7 @@ def integrate_roots(record: Record, curve: int, tolerance: float, parts: Parts, 
     for step in range(record.steps[0]):
         slot = step * record.curves + curve
         _roots_at_positions(record.values[slot], roots)
-        panel_figures(roots, figures)
+        panel_figures(roots, record.panels[step].bent, figures)
         if not _add_whole(record, curve, step, fine, parts, sums):
             continue
         series = record.coefficients[known_slot(record, curve, step)]
@@ -150,7 +153,7 @@ def integrate_roots(record: Record, curve: int, tolerance: float, parts: Parts, 
             scales.rounding[lane] = 0.0
         while next_panels(parts.edges, 0, walk):
             _roots_in_part(series, walk, roots, slopes)
-            panel_figures(roots, figures)
+            panel_figures(roots, parts.none, figures)
             note_rounding(roots, scales, walk)
             compare_with_tolerance(figures, fine, 1.0, scales, walk)
             # Parts end where the square is least: a dip inside may be missed by a part that happens to fit.

@@ -17,24 +17,28 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import Row, Rows
-from engine.compiling.decorators import inlined, routine
+from engine.compiling.blocks import Row
+from engine.compiling.decorators import routine
 from engine.compiling.widths import LANES
+from engine.cycle.measures.angles import (
+    IS_LEAST,
+    SHARP,
+    TURN,
+    TURNS_BACK,
+    VectorSeries,
+    place_where,
+    turn_to,
+    vector_at,
+)
 from engine.cycle.panels.chebyshev import DEGREE, PLACES, POSITIONS
 from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import new_record, one
 from engine.cycle.panels.record import Record, known_slot
-from engine.cycle.panels.series import series_at
 
 # Share of the greatest load below which a bearing counts as unloaded.
 LEAST_LOAD = 1e-3
-TURN = 2.0 * math.pi
-# A force that turns by more from one position to the next [rad] may be nearly 0 in between, and turn either way.
-SHARP = 0.5
-# What a force is followed to between positions, instead of a value of its square: where it turns back, or is least.
-TURNS_BACK, IS_LEAST = 0.0, -1.0
-# Stretches that there is room for; halvings of the interval between two positions.
-MOST_STRETCHES, HALVINGS = 1024, 50
+# Stretches that there is room for.
+MOST_STRETCHES = 1024
 
 
 class Arc(NamedTuple):
@@ -98,55 +102,12 @@ class Force(NamedTuple):
     least: float
 
 
-class ForceSeries(NamedTuple):
-    """A force in one lane and panel, as series of its components.
-
-    Attributes
-    ----------
-    x, y : rows (POSITIONS, LANES)
-        Coefficients.
-    lane : int
-    """
-
-    x: Rows
-    y: Rows
-    lane: int
-
-
 def new_stretches() -> Stretches:
     """Memory for stretches."""
     pairs = {name: np.zeros((MOST_STRETCHES, 2)) for name in ("ends", "errors")}
     places, known = np.zeros((MOST_STRETCHES, 2), np.int64), np.zeros((MOST_STRETCHES, 2), np.bool_)
     step, order = (np.zeros(MOST_STRETCHES, np.int64) for _ in range(2))
     return new_record(Stretches, step=step, places=places, known=known, order=order, **pairs)
-
-
-@routine
-def force_at(force: ForceSeries, x: float) -> tuple[float, float, float, float]:
-    """Components of a force; how fast it turns times its square, half of how fast its square grows."""
-    fx, slope_x, _ = series_at(force.x, force.lane, x)
-    fy, slope_y, _ = series_at(force.y, force.lane, x)
-    return fx, fy, fx * slope_y - fy * slope_x, fx * slope_x + fy * slope_y
-
-
-@routine
-def place_where(force: ForceSeries, low: float, high: float, square: float) -> float:
-    """Where between two places the force turns back or is least, or its square takes a value; else the second one."""
-    fx, fy, turning, growing = force_at(force, low)
-    at_low = fx * fx + fy * fy - square if square > 0.0 else (turning if square == TURNS_BACK else growing)
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        fx, fy, turning, growing = force_at(force, middle)
-        here = fx * fx + fy * fy - square if square > 0.0 else (turning if square == TURNS_BACK else growing)
-        beside_low = (here > 0.0) == (at_low > 0.0)
-        low, high = middle if beside_low else low, high if beside_low else middle
-    return 0.5 * (low + high)
-
-
-@inlined
-def turn_to(x: float, y: float, x_after: float, y_after: float) -> float:
-    """Angle from one vector to another, from −π to π [rad]."""
-    return math.atan2(x * y_after - y * x_after, x * x_after + y * y_after)
 
 
 @routine
@@ -206,7 +167,7 @@ def extend(record: Record, force: Force, stretches: Stretches, i: int, side: int
     step, j, sense = stretches.step[i], stretches.places[i, side], 2.0 * side - 1.0
     lane, least = force.lane, force.least
     slot_x, slot_y = known_slot(record, force.x, step), known_slot(record, force.y, step)
-    series = ForceSeries(record.coefficients[slot_x], record.coefficients[slot_y], lane)
+    series = VectorSeries(record.coefficients[slot_x], record.coefficients[slot_y], lane)
     of_x, of_y = record.values[slot_x], record.values[slot_y]
     fx, fy = of_x[j, lane], of_y[j, lane]
     off = record.left[slot_x].tail[lane] + record.left[slot_y].tail[lane]
@@ -219,14 +180,14 @@ def extend(record: Record, force: Force, stretches: Stretches, i: int, side: int
         limit = PLACES[beside]
         if abs(turn_to(fx, fy, gx, gy)) > SHARP:
             limit = place_where(series, PLACES[j], limit, IS_LEAST)
-            gx, gy, _, _ = force_at(series, limit)
-        _, _, turning, _ = force_at(series, PLACES[j])
+            gx, gy, _, _ = vector_at(series, limit)
+        _, _, turning, _ = vector_at(series, PLACES[j])
         away = turning * sense * (limit - PLACES[j]) > 0.0
         ends = gx * gx + gy * gy < least * least
         if not (away or ends):
             continue
         place = place_where(series, PLACES[j], limit, least * least if ends else TURNS_BACK)
-        hx, hy, turning, growing = force_at(series, place)
+        hx, hy, turning, growing = vector_at(series, place)
         turned = turn_to(fx, fy, hx, hy)
         if turned * sense > farthest:
             farthest, size = turned * sense, math.sqrt(hx * hx + hy * hy)
@@ -330,5 +291,6 @@ def find_unloaded_arcs(record: Record, x: int, y: int, greatest: Row, stretches:
         error = errors[before, 1] + errors[after, 0] + 2.0 * ROUNDING * TURN
         middle = ends[before, 1] + 0.5 * arc
         found.arc[lane], found.arc_error[lane] = max(arc, 0.0), error
-        found.middle[lane] = middle - math.floor(middle / TURN + 0.5) * TURN
         found.middle_error[lane] = 0.5 * error if error < arc else math.pi
+        # Above −π by more than its error.
+        found.middle[lane] = middle - math.ceil((middle - found.middle_error[lane]) / TURN - 0.5) * TURN

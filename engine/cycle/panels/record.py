@@ -44,12 +44,15 @@ class KeptPanel(NamedTuple):
         Middle and half the length.
     opened, closed : row
         Errors of the places of the cuts where it begins and ends.
+    bent : row
+        1 where something in it bends, else 0.
     """
 
     middle: Row
     half: Row
     opened: Row
     closed: Row
+    bent: Row
 
 
 class Whole(NamedTuple):
@@ -162,6 +165,7 @@ def keep_panels(walk: Walk, panels: KeptPanel) -> None:
         panels.half[lane] = walk.half[lane] if walk.accepted[lane] > 0.0 else 0.0
         panels.opened[lane] = walk.opened[lane]
         panels.closed[lane] = walk.next_opened[lane]
+        panels.bent[lane] = walk.bent[lane]
 
 
 @routine
@@ -207,11 +211,11 @@ def _scale(figures: Figures, whole: Whole, lane: int, taken: bool) -> float:
 def keep_derived(record: Record, step: int, curve: int) -> None:
     """Enter what is known of a curve whose values in a step were computed from those of others."""
     slot, whole, figures = step * record.curves + curve, record.whole[curve], record.figures
-    left, half = record.left[slot], record.panels[step].half
-    panel_figures(record.values[slot], figures)
+    left, panels = record.left[slot], record.panels[step]
+    panel_figures(record.values[slot], panels.bent, figures)
     for lane in range(LANES):
         left.tail[lane], left.missing[lane] = figures.tail[lane], figures.missing[lane]
-        whole.scale[lane] = _scale(figures, whole, lane, half[lane] != 0.0)
+        whole.scale[lane] = _scale(figures, whole, lane, panels.half[lane] != 0.0)
 
 
 @routine

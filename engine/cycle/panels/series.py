@@ -66,12 +66,15 @@ def smaller(a: float, b: float) -> float:
 
 
 @routine
-def panel_figures(curve: Rows, figures: Figures) -> None:
+def panel_figures(curve: Rows, bent: Row, figures: Figures) -> None:
     """Figures of a curve in each lane's panel.
 
     Parameters
     ----------
     curve : rows (POSITIONS, LANES)
+    bent : row
+        1 where something in the panel is known to bend: its coefficients are taken for those of a kink, however small
+        they are beside the curve's own; else 0.
     figures : Figures
         Receives them.
     """
@@ -89,7 +92,8 @@ def panel_figures(curve: Rows, figures: Figures) -> None:
             low, high = smaller(smaller(left, right), low), larger(larger(left, right), high)
         before = larger(larger(abs(six), abs(seven)), abs(eight))
         last = larger(larger(abs(fourteen), abs(fifteen)), abs(sixteen))
-        square = math.sqrt(math.sqrt(smaller(last / larger(before, TINY), SLOWEST**8)))
+        share = last / larger(before, TINY)
+        square = math.sqrt(math.sqrt(smaller(larger(share, bent[lane]), SLOWEST**8)))
         fall = math.sqrt(square)
         level = larger(abs(sixteen), fall * larger(abs(fifteen), fall * larger(abs(fourteen), fall * abs(thirteen))))
         missing = 0.0
@@ -98,7 +102,7 @@ def panel_figures(curve: Rows, figures: Figures) -> None:
         figures.sum[lane] = middle + middle + total
         tail = MARGIN * level * fall / (1.0 - fall)
         figures.tail[lane] = tail
-        figures.missing[lane] = tail if last > KINKED * before else MARGIN * level * missing
+        figures.missing[lane] = tail if larger(share, bent[lane]) > KINKED else MARGIN * level * missing
         figures.magnitude[lane] = larger(abs(low), abs(high))
         figures.flat[lane] = 1.0 if last >= LEVEL * before else 0.0
 

@@ -61,6 +61,8 @@ class Walk(NamedTuple):
         How many panels in a row were refused for one.
     sign : row
         First place in the panel where a curve of kinks changes its sign, on [−1, 1], else infinity.
+    bent : row
+        1 where there is such a place, else 0.
     behind : row
         How many edges lie behind.
     """
@@ -86,6 +88,7 @@ class Walk(NamedTuple):
     kink: Row
     tried: Row
     sign: Row
+    bent: Row
     behind: Row
 
 
@@ -204,7 +207,7 @@ def next_panels(edges: Rows, count: int, walk: Walk) -> bool:
         walk.end[lane] = end if active else end_before
         walk.middle[lane] = direction * (0.5 * (begin + end)) if active else middle_before
         walk.half[lane] = direction * (0.5 * (end - begin)) if active else half_before
-        walk.excess[lane] = walk.level[lane] = 0.0
+        walk.excess[lane] = walk.level[lane] = walk.bent[lane] = 0.0
         walk.sign[lane] = math.inf
     return any_positive(walk.active)
 
@@ -224,6 +227,7 @@ def find_kink(curve: Rows, walk: Walk) -> None:
             here, there, known = curve[j, lane], curve[j + 1, lane], walk.sign[lane]
             place = PLACES[j] + (PLACES[j + 1] - PLACES[j]) * (here / (here - there))
             walk.sign[lane] = place if (here * there < 0.0) & (place < known) else known
+            walk.bent[lane] = 1.0 if here * there < 0.0 else walk.bent[lane]
 
 
 @routine
