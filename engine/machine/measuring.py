@@ -16,7 +16,7 @@ from engine.cycle import machine as cycle
 from engine.cycle.measured import Measured, maximum, where
 from engine.cycle.measures.extremes import BOTH, EACH_TURN, GREATEST, LEAST, LEAST_MAGNITUDE
 from engine.graph.functions import Functions, functions_of
-from engine.graph.nodes import Constant, Node, Stage
+from engine.graph.nodes import Constant, Node, Stage, reached
 from engine.machine.conditions import Margin, margins_against_jamming, margins_at_cams, taking_part, wound_springs
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import (
