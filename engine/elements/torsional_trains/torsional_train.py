@@ -98,12 +98,28 @@ class TorsionalTrain(Element):
         given = [key for key in ("speed", "engine", "machine_at") if getattr(self, key) is not None]
         if len(given) > 1:
             raise ValueError(f"{' and '.join(given)}: each of them gives the train's speed; leave all but one out")
+        if not self.is_excited and self._of_vibration:
+            raise ValueError(
+                f"{self._of_vibration[0]} changes nothing without an excitation: natural frequencies are those without "
+                "damping; leave it out, or give excitations, engine or machine_at"
+            )
         if self.excitations and not given:
             raise ValueError("speed is missing: excitations have orders of it")
         if self.engine is not None:
             self._check_engine(self.engine)
         elif self.cylinders_at:
             raise ValueError("cylinders_at are those of an engine; give engine, or leave them out")
+
+    @property
+    def _of_vibration(self) -> list[str]:
+        """Given keys on which forced vibration alone depends."""
+        found = [key for key in ("speed", "load") if getattr(self, key) is not None]
+        pending = [(f"masses.{name}", mass) for name, mass in self.masses.items()]
+        pending += [(f"shafts.{name}", shaft) for name, shaft in self.shafts.items()]
+        for at, part in pending:
+            found += [f"{at}.{key}" for key in ("damping", "energy_absorption") if getattr(part, key, None)]
+            pending += [(f"{at}.parts.{name}", own) for name, own in (getattr(part, "parts", None) or {}).items()]
+        return found
 
     def _check_engine(self, engine: EngineElement) -> None:
         if engine.gas is None:

@@ -10,7 +10,7 @@ from element_samples import asked
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
-from train_samples import BRANCHED, chain, frequencies_of, matrices, solved
+from train_samples import BRANCHED, chain, free, frequencies_of, matrices, solved
 
 from engine import Scene, Verdict
 
@@ -128,13 +128,13 @@ def test_branched_train_with_gears__is_that_of_the_constraints(grounded):
         train = train | {"shafts": train["shafts"] | {"bar": bar}}
     inertia, stiffness, _, basis = matrices(train)
     squares, vectors = scipy.linalg.eigh(stiffness, inertia)
-    free = 0 if grounded else 1
-    found = solved({k: v for k, v in train.items() if k != "speed"})
-    assert found["rigid_body_modes"][0] == free
-    for k, square in enumerate(squares[free:], 1):
+    rigid = 0 if grounded else 1
+    found = solved(free(train))
+    assert found["rigid_body_modes"][0] == rigid
+    for k, square in enumerate(squares[rigid:], 1):
         # A dense solver's rounding goes with the greatest square.
         assert found[f"frequency_{k}"][0] == pytest.approx(math.sqrt(square), rel=1e-11)
-        angles = basis @ vectors[:, k - 1 + free]
+        angles = basis @ vectors[:, k - 1 + rigid]
         angles = angles / angles[np.abs(angles).argmax()]
         assert [found[f"mode_{k}.{m}"][0] for m in train["masses"]] == pytest.approx(angles, abs=1e-9)
 
@@ -190,6 +190,13 @@ def test_variants__don_t_depend_on_their_neighbours():
     assert np.array_equal(together[:, [0, 63, 64, 129]].T, alone)
 
 
+SERIES = {"type": "series", "parts": {"c": {"type": "coupling", "stiffness": 1.0, "damping": 1.0}}}
+DAMPED_PARTS = {
+    "masses": {"m0": {"inertia": 1.0}, "m1": {"inertia": 1.0}},
+    "shafts": {"s0": {"between": ["m0", "m1"], "parts": {"p": SERIES}}},
+}
+
+
 @pytest.mark.parametrize(
     ("change", "said"),
     [
@@ -204,6 +211,13 @@ def test_variants__don_t_depend_on_their_neighbours():
         ({"masses": {"m0": {"inertia": 0.0}}}, "greater than 0"),
         ({"masses": {"m0": {"inertia": 1.0}}, "shafts": {}}, "don't vibrate"),
         ({"excitations": {"e": {"on": "m0", "order": 1, "amplitude": 1.0}}}, "speed is missing"),
+        ({"speed": 1.0}, "speed changes nothing without an excitation"),
+        ({"load": "m1"}, "load changes nothing"),
+        (
+            {"masses": {f"m{i}": {"inertia": 1.0, "damping": 0.1} for i in range(3)}},
+            "masses.m0.damping changes nothing",
+        ),
+        (DAMPED_PARTS, "shafts.s0.parts.p.parts.c.damping changes nothing"),
         ({"speed": 1.0, "excitations": {"e": {"on": "x", "order": 1, "amplitude": 1.0}}}, "there is no mass 'x'"),
         ({"cylinders_at": ["m0"]}, "give engine"),
         ({"load": "x"}, "there is no mass 'x'"),

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from train_samples import BRANCHED, chain, solved
+from train_samples import BRANCHED, chain, free, solved
 
 from engine import Scene
 from sweeps.pictures.elements.element_pictures import element_pictures, element_tables
@@ -36,7 +36,7 @@ def test_sheet__has_modes_levels_and_moments_of_the_train():
     assert values[at] in (pytest.approx(there), pytest.approx(there / 1e3))
 
 
-@pytest.mark.parametrize("train", [BRANCHED, chain([1.0], []) | {"shafts": {
+@pytest.mark.parametrize("train", [free(BRANCHED), chain([1.0], []) | {"shafts": {
     "bar": {"between": ["m0", "frame"], "stiffness": 1e3}}}])  # fmt: skip
 def test_files_and_tables__are_made_of_branched_and_single_trains(train, tmp_path):
     scene = Scene.model_validate({"elements": {"it": train}})

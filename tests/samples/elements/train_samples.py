@@ -37,6 +37,17 @@ BRANCHED = {
 }
 
 
+def free(train):
+    """A train that nothing excites: without its speed and its dampers."""
+    kept = {key: value for key, value in train.items() if key != "speed"}
+    for group in ("masses", "shafts"):
+        kept[group] = {
+            name: {key: value for key, value in part.items() if key not in ("damping", "energy_absorption")}
+            for name, part in train[group].items()
+        }
+    return kept
+
+
 def matrices(train, frequency=0.0):
     """M, K and complex D = K + i w B − w² M of the free angles, and T, so that angles of masses are T q_free.
 
