@@ -403,15 +403,16 @@ def _no_stroke(scene: Scene) -> list[Problem]:
 
 
 def _no_cycle(scene: Scene) -> list[Problem]:
-    """What needs an input that turns fully, or two revolutions a cycle."""
+    """What needs an input that turns fully, or an even number of revolutions a cycle."""
     drive, problems = scene.input, []
     turns = isinstance(drive, CrankInput) and drive.start is None
     if scene.flywheel is not None and not turns:
         problems.append(("flywheel", "needs a crank that turns fully; leave it out, or input.start and input.stop"))
     for name, cylinder in scene.cylinders.items():
         path = f"cylinders.{name}.type"
-        if cylinder.type == "four_stroke" and not (turns and drive.revolutions == 2):
-            problems.append((path, "a four-stroke engine's cycle is two turns of a crank: set input.revolutions = 2"))
+        if cylinder.type == "four_stroke" and not (turns and drive.revolutions % 2 == 0):
+            message = "a four-stroke engine's cycle is two turns of a crank: set input.revolutions = 2"
+            problems.append((path, f"{message}, or more cycles of it where another part needs them: 4, 6, …"))
     return problems
 
 

@@ -236,3 +236,49 @@ def test_torsion_spring_on_a_link_of_a_group__may_swing_and_not_turn():
     outcome = Machine(scene, asked, varied=["points.D.x"]).evaluate({"points.D.x": np.array([1.15, 0.2])})
     assert [Verdict(code) for code in outcome.status] == [Verdict.OK, Verdict.DOES_NOT_CLOSE]
     assert outcome.summaries[asked[0]][0] < 1e-14
+
+
+def four_stroke(revolutions, quarter=False):
+    scene = {
+        "points": {"O": {"x": 0, "y": 0}},
+        "guides": {"way": {}},
+        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.05, "speed": 90.0, "revolutions": revolutions},
+        "groups": {
+            "g": {
+                "type": "RRP",
+                "inner": "B",
+                "first": {"link": "rod", "joint": "A", "length": 0.2},
+                "second": {"link": "piston", "guide": "way"},
+            }
+        },
+        "cylinders": {
+            "fire": {
+                **{"type": "four_stroke", "piston": "piston", "bore": 0.08, "clearance": 0.1},
+                **{"intake": 1e5, "exhaust": 1.1e5, "peak": 5e6},
+            }
+        },
+    }
+    if quarter:
+        scene["shafts"] = {"s": {"geared_to": "crank", "ratio": 0.25, "pivot": "O"}}
+        scene["bodies"] = {"w": {"link": "s", "mass": 5.0, "x": 0.1}}
+    return scene
+
+
+def test_four_stroke_engine_with_a_slower_shaft__has_one_cycle_that_closes():
+    """Two turns close the engine's cycle, four both: a message tells four, and twice the engine's cycle is no other."""
+    with pytest.raises(SceneError, match=r"revolutions = 2, or more cycles"):
+        Machine(Scene.model_validate(four_stroke(3)))
+    with pytest.raises(SceneError, match=r"set input.revolutions = 4") as error:
+        Machine(Scene.model_validate(four_stroke(2, quarter=True)))
+    assert "revolutions = 2" not in str(error.value)
+    found = [
+        Machine(Scene.model_validate(four_stroke(turns, quarter)), ["required_power"]).evaluate({})
+        for turns, quarter in ((2, False), (4, False), (4, True))
+    ]
+    assert [outcome.status[0] for outcome in found] == [Verdict.OK] * 3
+    powers, errors = (
+        [float(values["required_power"][0]) for values in part]
+        for part in ([o.summaries for o in found], [o.errors for o in found])
+    )
+    assert powers[0] < -1e3
+    assert all(abs(power - powers[0]) <= error + errors[0] for power, error in zip(powers, errors, strict=True))
