@@ -95,6 +95,10 @@ _ROW, _TABLE = types.float64[::1], types.float64[:, ::1]
 _TYPES = (types.intp, types.intp, _TABLE, _ROW, types.float64, _TABLE, _TABLE, _TABLE, types.uint8[::1], _ROW)
 
 
+# Positions follow from the numbers by roots and directions of arms, which round as much again as the numbers do.
+OF_ARMS = 2.0
+
+
 class Governor(Element):
     """What all governors have: two balls, a sleeve with friction, damping and a spring, stops, and perhaps an engine.
 
@@ -185,6 +189,7 @@ class Governor(Element):
         g = governor_variants(self, n)
         marks, verdicts = governor_marks(g)
         found, errors = nudged(lambda m: near_equilibrium(governor_variants(self, m), marks), n)
+        errors = {name: OF_ARMS * row for name, row in errors.items()}
         for name, more in search_errors(g, marks, found).items():
             errors[name] = errors[name] + ROUNDING * more
         well = verdicts == Verdict.OK

@@ -84,7 +84,7 @@ def kinematic_sheet(pose: Pose, which: str) -> Figure:
         # More values than fit beside the plan stand in a strip of their own under it.
         few = len(lines) <= 33
         rows = 11 if few else -(-len(lines) // 6)
-        strip = 3.2 * max(0, len(notes) - 2) + (0.0 if few else 9 + 3.4 * rows)
+        strip = 3.2 * max(0, len(notes) - 2) + (0.0 if few else 9.5 + 3.5 * rows)
         figure = blank_sheet(height=HEIGHT + strip)
         heading(figure, pose.scene, f"{which} plan at {pose.title}")
         mechanism_plan(pose, place(figure, 2, 54 + strip, 76, HEIGHT - HEADING - 54), special, plan.places)
