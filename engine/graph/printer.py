@@ -190,7 +190,9 @@ class Statements:
         depth = 1 + max((self._depth.get(o, 0) for o in node.operands), default=0)
         if len(self._uses.get(node, ())) > 1 or node.label or depth > DEEPEST or isinstance(node, Sum):
             name = self._name(node)
-            self.statements.append(f"{name} = {text.removeprefix('(').removesuffix(')') if text[0] == '(' else text}")
+            # The brackets around a sum of several terms may be those of two of them.
+            whole = text[0] == "(" and not isinstance(node, Sum)
+            self.statements.append(f"{name} = {text.removeprefix('(').removesuffix(')') if whole else text}")
             text, depth = name, 0
         self._texts[node], self._depth[node] = text, depth
 

@@ -13,6 +13,7 @@ from engine.compiling.widths import LANES, PANEL_POSITIONS
 from engine.graph.functions import field_function, functions_at, functions_of
 from engine.graph.nodes import (
     Constant,
+    Given,
     Graph,
     Held,
     LawResult,
@@ -24,6 +25,7 @@ from engine.graph.nodes import (
     Sum,
     reached,
 )
+from engine.graph.printer import in_lanes
 
 
 @scalar
@@ -252,3 +254,12 @@ def test_multiples_of_one_curve__are_one_term():
     np.testing.assert_allclose(values_of([g.combination(terms)], numbers, q)[0], expected, rtol=1e-10, atol=1e-6)
     apart = g.combination([(g.number("n1"), g.cos_q * g.number("n2")), (g.number("n3"), g.sin_q)])
     assert [curve for _, curve in apart.terms] == [g.cos_q * g.number("n2"), g.sin_q]
+
+
+def test_sum_that_begins_and_ends_with_brackets__keeps_them():
+    graph = Graph()
+    a, b, c, d = (graph.given(label) for label in "abcd")
+    whole = graph.combination([(a + b, graph.one), (graph.number("n"), c), (d + b, graph.one)])
+    rows = {node: row for row, node in enumerate(n for n in reached([whole]) if isinstance(n, (Given, Number)))}
+    text, _ = in_lanes("filled", "A sum.", [whole], rows, Stage.POSITION, 1)
+    compile(text, "printed", "exec")
