@@ -77,7 +77,7 @@ class MachineFunctions(NamedTuple):
 class Task(NamedTuple):
     """What is asked of a machine: the plan of `engine.cycle.machine` in arrays.
 
-    What isn't listed is as in the plan. Of all but integrals, curves are those of the record.
+    Everything else is as in the plan. Curves are numbered as in the record; those of integrals, as in the machine.
 
     Attributes
     ----------

@@ -208,7 +208,7 @@ def functions_in_motion(
         _events(plan),
         _levels(plan),
         _Part("places", "All that a state needs of a position.", places),
-        _Part("rates", "Rates of the states, and of what is gathered.", list(rates), Stage.STATE),
+        _Part("rates", "Rates of the states and of the gathered integrals.", list(rates), Stage.STATE),
         _Part("watch", "What is watched in a state.", list(watched), Stage.STATE),
     )
 

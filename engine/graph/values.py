@@ -42,7 +42,7 @@ class NodeValues:
         self, graph: Graph, numbers: Mapping[str, float], cycle_value: Callable[[Node], float] | None = None
     ) -> None:
         self._graph, self._numbers, self._cycle_value = graph, numbers, cycle_value
-        # Of what belongs to the variant and to its cycle, whatever the positions are.
+        # Values of the variant and of its cycle, which are the same at all positions.
         self._once: dict[Node, object] = {}
 
     def __call__(

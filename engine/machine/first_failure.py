@@ -108,7 +108,7 @@ def failures_of(measuring: Measuring, table: np.ndarray, answers: MeasuredCycles
         failures.verdict[who], failures.group[who], failures.place[who] = verdict, group, place
 
     singular, sines = np.zeros(count, bool), answers.sines()
-    # Where all groups can be assembled, what isn't finite may be so because of a dead centre itself.
+    # Where all groups can be assembled, infinite values may come from the dead centre itself.
     assembled = ~np.isnan([least for least, _ in sines]).any(axis=0)
     for k, (least, place) in enumerate(sines):
         fails = (least < SINGULAR_SINE) & ~singular & assembled

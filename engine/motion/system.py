@@ -25,7 +25,7 @@ from engine.mechanism.actions.motors import motor_ratio
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.loads import Loads
 from engine.mechanism.mechanics import Mechanics
-from engine.motion.methods import METHODS, ORDER_EIGHT
+from engine.motion.methods import EIGHT, METHODS
 from engine.motion.moments.dynamics import CHANNELS
 from engine.motion.moments.tabulation import Tabulation
 from engine.motion.walk import FOUND, GIVEN, WalkBatch, WalkTask, new_room, walk
@@ -255,7 +255,7 @@ class PrintedSystem:
         self.names = {name: len(system.states) + i for i, name in enumerate(system.gathered)}
         self.tabulation = Tabulation(self.functions)
 
-    def task(self, cycle: float, method: int = ORDER_EIGHT, extremes: bool = False) -> WalkTask:
+    def task(self, cycle: float, method: int = EIGHT, extremes: bool = False) -> WalkTask:
         """What a walk is to do."""
         system, made, rows = self.system, METHODS[method], self.functions.rows
         timed = system.clock in rows
@@ -263,8 +263,8 @@ class PrintedSystem:
             along_time=system.along == "time",
             method=method,
             stages=made.stages,
-            fixed=not made.adaptive,
-            nodes=made.nodes,
+            fixed=not made.fine.any(),
+            nodes=made.shares[made.place_of],
             parts=np.ascontiguousarray(made.parts),
             states=len(system.states),
             width=len(self.rates),

@@ -12,7 +12,7 @@ from engine.elements.torsional_trains.reduced_train import ReducedTrain, reduced
 
 # Modes and orders that one diagram can show; speeds up to so many times the speed of the train.
 _MOST_MODES, _MOST_ORDERS, _FASTEST = 6, 16, 1.5
-# An order that does less on a mode than this share of what the greatest does leaves it cold.
+# Orders that do less work on a mode than this share of the greatest are not shown.
 _FELT = 0.05
 _HERTZ = 1.0 / math.tau
 

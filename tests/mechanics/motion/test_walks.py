@@ -11,7 +11,7 @@ from mpmath import mp
 from engine import Scene
 from engine.graph.nodes import value_of
 from engine.mechanism.mechanics import Mechanics
-from engine.motion.methods import ORDER_EIGHT, ORDER_FOUR
+from engine.motion.methods import EIGHT, FOUR
 from engine.motion.moments.dynamics import Dynamics, Reduction
 from engine.motion.moments.grid import edges_of
 from engine.motion.system import PrintedSystem, Walks, along_angle, along_time
@@ -37,7 +37,7 @@ def machine(scene: dict, form: str, works: str = "") -> Machine:
     return Machine(PrintedSystem(*made, mechanics), Dynamics(Reduction(mechanics), off))
 
 
-def walked(own: Machine, states: np.ndarray, goal: float, method: int = ORDER_EIGHT, **given: object) -> Walks:
+def walked(own: Machine, states: np.ndarray, goal: float, method: int = EIGHT, **given: object) -> Walks:
     """Walk from states (states, variants); what isn't given is as in a run without limits."""
     sizes, dynamics, count = own.printed.sizes, own.dynamics, states.shape[1]
     numbers = Numbers(scene_numbers(dynamics.reduction.mechanics.scene), given.pop("varied", {}))
@@ -97,7 +97,7 @@ def test_runge_and_kutta__are_of_order_four(driven):
     turned, exact = 6.0 * TURN, []
     for per_turn in (8, 16, 32):
         length = TURN / per_turn
-        found = walked(driven, np.array([[0.5 * INERTIA * 100.0]]), turned, ORDER_FOUR, farthest=length, pace=length)
+        found = walked(driven, np.array([[0.5 * INERTIA * 100.0]]), turned, FOUR, farthest=length, pace=length)
         exact.append(found.states[1, 0])
     best = walked(driven, np.array([[0.5 * INERTIA * 100.0]]), turned).states[1, 0]
     off = np.abs(np.array(exact) - best)

@@ -262,4 +262,9 @@ def test_sum_that_begins_and_ends_with_brackets__keeps_them():
     whole = graph.combination([(a + b, graph.one), (graph.number("n"), c), (d + b, graph.one)])
     rows = {node: row for row, node in enumerate(n for n in reached([whole]) if isinstance(n, (Given, Number)))}
     text, _ = in_lanes("filled", "A sum.", [whole], rows, Stage.POSITION, 1)
-    compile(text, "printed", "exec")
+    names, tile = {"np": np, "math": math}, np.empty((1, 1, LANES))
+    exec(text, names)
+    values = np.random.default_rng(0).uniform(1.0, 2.0, (len(rows), LANES))
+    names["filled"](values, np.zeros(1), *np.zeros((3, 1, LANES)), tile)
+    a, b, c, d, n = (values[rows[node]] for node in (a, b, c, d, graph.number("n")))
+    np.testing.assert_allclose(tile[0, 0], (a + b) + n * c + (d + b), rtol=1e-15)
