@@ -12,7 +12,7 @@ from engine.elements.torsional_trains.reduced_train import ReducedTrain, reduced
 
 # Modes and orders that one diagram can show; speeds up to so many times the speed of the train.
 _MOST_MODES, _MOST_ORDERS, _FASTEST = 6, 16, 1.5
-# Orders that do less work on a mode than this share of the greatest are not shown.
+# An order that does less work on a mode than this share of the greatest gets no dot.
 _FELT = 0.05
 _HERTZ = 1.0 / math.tau
 
