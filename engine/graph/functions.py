@@ -27,7 +27,9 @@ from engine.graph.nodes import (
     LawResult,
     Node,
     Number,
+    Operation,
     Stage,
+    Sum,
     TableMemory,
     reached,
 )
@@ -214,9 +216,16 @@ def functions_in_motion(
 
 
 def places_of(rates: Sequence[Node]) -> list[Node]:
-    """What depends on the position, and not on the state, of all that some nodes of a state are computed from."""
-    found = reached(rates, lambda node: node.stage < Stage.STATE)
-    return [node for node in found if Stage.PANEL <= node.stage < Stage.STATE]
+    """What doesn't depend on the state, of all that some nodes of a state are computed from, and has no row of its own.
+
+    That is what depends on the position, and what is made of numbers that are given to a variant.
+    """
+    found, made = reached(rates, lambda node: node.stage < Stage.STATE), (Operation, Sum, LawResult)
+    return [
+        node
+        for node in found
+        if Stage.PANEL <= node.stage < Stage.STATE or (node.stage == Stage.VARIANT and isinstance(node, made))
+    ]
 
 
 class _Plan(NamedTuple):

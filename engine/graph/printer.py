@@ -108,8 +108,8 @@ class Statements:
             return not self._inline_held
         if isinstance(node, (Number, NumberTable, Found, Given)):
             return True
-        # What follows from held nodes alone has no row of its own: it is computed where it is used.
-        return node.stage < self._stage and node.stage != Stage.PANEL
+        # What follows from held nodes or given numbers alone has no row of its own: it is computed where it is used.
+        return node.stage < self._stage and node.stage not in (Stage.VARIANT, Stage.PANEL)
 
     def _write(self, node: Node) -> None:
         match node:

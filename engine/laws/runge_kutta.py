@@ -42,10 +42,8 @@ class Method(NamedTuple):
     Attributes
     ----------
     implicit : bool
-        Whether it is a collocation method, whose last stage is the end of the step.
-    newton : bool
-        Whether its stages are found by Newton's method to the last digits, however steep a moment is by the speed;
-        those of other collocation methods are found by fewer corrections, as exactly as a step has to be.
+        Whether it is a collocation method, whose last stage is the end of the step; its stages are found by Newton's
+        method, however steep a moment is by the speed.
     stages, dense_stages : int
         How many stages a step has, and with those of its polynomial.
     matrix : ndarray (dense stages, dense stages)
@@ -58,11 +56,9 @@ class Method(NamedTuple):
         Where the places of stages lie, shares of the step.
     place_of : ndarray (dense stages,) of int
         The place of each stage.
-    fine, coarse, coarsest : ndarray (formulas, stages)
-        Formulas that vanish up to some order, up to a lower one, and up to a still lower one, if there are any: their
-        sizes tell how much what they find fades from order to order.
-    exponent : float
-        To which power of what a step misses its length goes.
+    fine, coarse : ndarray (formulas, stages)
+        Formulas that vanish up to some order, and up to a lower one: their sizes tell how much what they find fades
+        from order to order.
     parts : ndarray (DENSE_PARTS, dense stages)
         Weights of the parts of the polynomial p within the step,
         p(θ) = p₀θ + p₁θ(1−θ) + p₂θ²(1−θ) + p₃θ²(1−θ)² + …
@@ -71,7 +67,6 @@ class Method(NamedTuple):
     """
 
     implicit: bool
-    newton: bool
     stages: int
     dense_stages: int
     matrix: np.ndarray
@@ -81,8 +76,6 @@ class Method(NamedTuple):
     place_of: np.ndarray
     fine: np.ndarray
     coarse: np.ndarray
-    coarsest: np.ndarray
-    exponent: float
     parts: np.ndarray
     looked_at: np.ndarray
 
@@ -130,7 +123,6 @@ def _parts() -> np.ndarray:
 
 ORDER_EIGHT = Method(
     implicit=False,
-    newton=False,
     stages=STAGES,
     dense_stages=DENSE_STAGES,
     matrix=MATRIX,
@@ -141,8 +133,6 @@ ORDER_EIGHT = Method(
     place_of=np.array([s - (s >= STAGES) for s in range(DENSE_STAGES)]),
     fine=np.array([ERRORS[0], _SECOND_ERROR]),
     coarse=SHARE_OF_COARSE * ERRORS[1:],
-    coarsest=np.zeros((0, STAGES)),
-    exponent=1.0 / 8.0,
     parts=_parts(),
     looked_at=np.array([0, 3, 5, 9, 10, 11]),
 )

@@ -1,4 +1,4 @@
-"""Sums over the stages of explicit methods, printed once for each of them.
+"""Sums over the stages of methods, printed once for each of them.
 
 A step of a method with stages k_i = f(y + h Σ a_ij k_j) ends at y + h Σ b_i k_i. What differs from that in formulas of
 a lower order estimates its error. The sums are printed with the coefficients written out: they stay in registers, which
@@ -15,10 +15,11 @@ from engine.compiling.decorators import routine
 from engine.compiling.widths import LANES
 from engine.laws.runge_kutta import ORDER_EIGHT
 from engine.motion.steppers.classical import ORDER_FOUR
+from engine.motion.steppers.radau import ORDER_NINE
 
 # Numbers of the methods.
-EIGHT, FOUR = 0, 1
-METHODS = (ORDER_EIGHT, ORDER_FOUR)
+EIGHT, FOUR, NINE = 0, 1, 2
+METHODS = (ORDER_EIGHT, ORDER_FOUR, ORDER_NINE)
 
 
 def _weighted(weights: np.ndarray) -> str:
@@ -27,10 +28,16 @@ def _weighted(weights: np.ndarray) -> str:
     return " + ".join(terms)
 
 
+def _squares(formulas: np.ndarray) -> str:
+    """Sum of the squares of such sums, as text."""
+    return " + ".join(f"({_weighted(weights)}) ** 2" for weights in formulas)
+
+
 def _stage_text() -> list[str]:
     lines = ["def at_stage(method, s, states, width, begin, h, rates, state):"]
     for number, method in enumerate(METHODS):
-        for s in range(1, method.dense_stages):
+        # Stages of an implicit method follow from all of them.
+        for s in range(1, 0 if method.implicit else method.dense_stages):
             lines += [
                 f"    if method == {number} and s == {s}:",
                 "        for q in range(states):",
@@ -54,9 +61,8 @@ def _end_text() -> list[str]:
             lines += [
                 "        for q in range(judged):",
                 "            for l in range(LANES):",
-                f"                five, six = {_weighted(method.fine[0])}, {_weighted(method.fine[1])}",
-                f"                fine, coarse = five * five + six * six, {_weighted(method.coarse[0])}",
-                "                size = math.sqrt(fine + coarse * coarse)",
+                f"                fine = {_squares(method.fine)}",
+                f"                size = math.sqrt(fine + {_squares(method.coarse)})",
                 "                errors[q, l] = h[l] * (fine / size if size != 0.0 else 0.0)",
             ]
     return lines

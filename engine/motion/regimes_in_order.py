@@ -1,12 +1,13 @@
 """A schedule: the regimes of a scene one after another, for many variants, with an error figure on every number.
 
-Everything is computed twice. A run and a steady motion go with steps as they need them, for the second time each
-changed by its estimated error; steps of a run in time, or with a steep motor, may miss 64 times as much for the second
-time. A run of corrected steps from its begin to an angle carries along what they would change, and isn't gone again.
-The error figure is the change, and the rounding of the energies.
+Runs over the crank angle carry along what their steps may miss. All else is computed twice: a steady motion for the
+second time with every step changed by its estimated error, a run with steps that may miss 64 times as much and turn
+twice as far. The error figure is what was carried along, or the change if that is greater, and the rounding of the
+energies.
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +22,7 @@ from engine.motion.coupled.coupled_steady import CoupledSteady, one_cycle, settl
 from engine.motion.coupled.two_sides import TwoSides, coupling_of
 from engine.motion.loads import PairLoads
 from engine.motion.moments.at_speed import greatest_moment
-from engine.motion.moments.dynamics import CHANNELS, Dynamics, Reduction, Variants
+from engine.motion.moments.dynamics import Dynamics, Reduction, Variants
 from engine.motion.quantities import (
     AXES,
     EFFICIENCY_NOW,
@@ -37,7 +38,7 @@ from engine.motion.runs.run import run_to_end
 from engine.motion.runs.run_extremes import FieldAnswers, RunExtremes
 from engine.motion.runs.run_instants import RunInstants
 from engine.motion.runs.run_progress import TOLERANCE as RUN_TOLERANCE
-from engine.motion.runs.run_progress import Ends, Progress, RunOutcome, Stepping
+from engine.motion.runs.run_progress import Changed, Ends, Progress, RunOutcome, Stepping
 from engine.motion.runs.watching import Observer, RunFields
 from engine.motion.settled.cycle import CycleAnswers, answers_of, cycle_of
 from engine.motion.settled.rubbing_steady import settled_motion
@@ -45,6 +46,7 @@ from engine.motion.settled.sizing import flywheel_for
 from engine.motion.settled.steady import steady_motion
 from engine.motion.steppers.energy_form import NODES
 from engine.motion.steppers.rubbing_form import FRICTION_MOMENT
+from engine.motion.system import CHANNELS
 from engine.parts.regimes import RunRegime, run_keys
 from engine.quantities.quantity import has_cycle
 from engine.scene.pairs import has_friction
@@ -54,8 +56,9 @@ from engine.verdicts import Verdict
 # What a step of a steady motion may miss, of the greatest work of a step: where nothing is said, by the accuracy asked
 # for, and at least.
 TOLERANCE, SURER, LEAST_TOLERANCE = 1e-9, 0.1, 1e-13
-# A step of a run, whose errors nothing takes back.
-SURER_IN_RUNS = 0.1
+# A step of a run in time, and one over the angle, whose errors are known; where nothing is said, the latter may miss so
+# much of what one in time may.
+SURER_IN_RUNS, FINER = (0.1, 0.3), 1e-3
 # Runs by equal steps whose time, angle or speed at the end change by more with steps of twice the length tell nothing.
 TELLS_NOTHING = 0.01
 # Variants that go together: as many as keep their tables, of so many rows, in a cache that the cores share.
@@ -167,7 +170,7 @@ class Known(NamedTuple):
         if not np.array_equal(variants, self.variants):
             return np.zeros(variants.size, bool)
         alike = np.all([now == then for now, then in zip(begin, self.begin, strict=True)], axis=0)
-        return alike & np.isfinite(self.outcome.doubts).all(axis=0)
+        return alike & self.outcome.known
 
 
 class Schedule:
@@ -197,9 +200,9 @@ class Schedule:
         self.scene, self.asked, self.steps = mechanics.scene, asked, steps
         self.keys = run_keys(mechanics.scene.input)
         self.tolerance = TOLERANCE if accuracy is None else max(SURER * accuracy, LEAST_TOLERANCE)
-        self._run_tolerance = RUN_TOLERANCE
+        self._run_tolerance = RUN_TOLERANCE, FINER * RUN_TOLERANCE
         if accuracy is not None:
-            self._run_tolerance = max(SURER_IN_RUNS * accuracy, LEAST_TOLERANCE)
+            self._run_tolerance = tuple(max(share * accuracy, LEAST_TOLERANCE) for share in SURER_IN_RUNS)
         scene = mechanics.scene
         if has_friction(scene) and scene.couplings:
             message = "regimes don't know it beside [couplings], where a machine has two speeds; leave one of them out"
@@ -214,12 +217,15 @@ class Schedule:
         self.fields = {name: [one for one in fields if one.regime == name] for name in self.regimes}
         loads = {one.field for one in fields} - FIELDS.keys() - AXES.keys()
         self.loads = PairLoads(mechanics, loads) if loads else None
-        works = any(name.rpartition(".")[2] in (*WORKS, "efficiency", "work_residual") for name in asked)
+        summaries = {name.rpartition(".")[2] for name in asked}
+        works = not summaries.isdisjoint((*WORKS, "efficiency", "work_residual"))
         works |= any(one.field in ("motors_power", *POWERS, EFFICIENCY_NOW) for one in fields)
         sets = dict.fromkeys(frozenset(self.regimes[name].off) for name in self.needed)
         self.reduction = Reduction(mechanics)
         friction = PairLoads(mechanics, [FRICTION_MOMENT]) if has_friction(scene) else None
-        self.dynamics = {off: Dynamics(self.reduction, off, works, friction) for off in sets}
+        gathered = {"motors"} if works or summaries & {"motor_work", "motor_power"} else set()
+        gathered |= {"squares"} if "motor_moment_rms" in summaries else set()
+        self.dynamics = {off: Dynamics(self.reduction, off, works, friction, frozenset(gathered)) for off in sets}
         self.sides = {off: TwoSides(self.reduction, off, works) for off in sets} if scene.couplings else {}
         self._refuse_equal_steps()
 
@@ -353,7 +359,10 @@ class Schedule:
                 energy = _greatest_energy(dynamics, variants, standing.angle, outcome)
                 if self.regimes[name].method is not None:
                     gone.by_equal_steps[name] = np.stack(outcome.state[:3])
-                found, scale = self._of_run(dynamics, outcome, energy) | extremes.values, extremes.scales
+                told = partial(self._of_run, name, dynamics, variants, energy=energy)
+                found, scale = told(outcome) | extremes.values, extremes.scales
+                off = {} if half else outcome.spread(told)
+                gone.missed.update({f"{name}.{key}": row for key, row in off.items()})
                 found |= self._at_end(outcome, standing)
                 # A residual of works is a share of them, and rounds as they do.
                 scale |= {"end_reached": np.zeros(count), "work_residual": np.ones(count)}
@@ -535,7 +544,8 @@ class Schedule:
         key, left, stepping = ("run", name), np.arange(ready.size), self._stepping(name)
         known = variants.kept.get(key) if half and not observers else None
         if known is not None:
-            outcome, left = known.outcome.doubted(), np.flatnonzero(~known.tells(ready, begin))
+            left = np.flatnonzero(~known.tells(ready, begin))
+            outcome = known.outcome.shifted(known.outcome.changed)
         if left.size or known is None:
             own = (dynamics, part.some(left), *(x[left] for x in begin), ends.some(left))
             gone = run_to_end(Progress(*own, self.steps, half, observers, stepping))
@@ -571,7 +581,7 @@ class Schedule:
         steps = self.regimes[name].steps_per_turn
         extremes = not {f"{name}.{key}" for key in EXTREMES_OF_SPEED}.isdisjoint(self.asked)
         if steps is None:
-            return Stepping(self._run_tolerance, extremes=extremes)
+            return Stepping(*self._run_tolerance, extremes=extremes)
         return Stepping(farthest=TURN / steps, classical=True, extremes=extremes)
 
     def _along(self, name: str, dynamics: Dynamics, part: Variants, begin: Begin) -> RunFields:
@@ -601,11 +611,14 @@ class Schedule:
             found = found._replace(rows=instants.rows)
         return found
 
-    @staticmethod
-    def _of_run(dynamics: Dynamics, outcome: RunOutcome, energy: np.ndarray) -> dict[str, np.ndarray]:
-        state = outcome.state
+    def _of_run(
+        self, name: str, dynamics: Dynamics, variants: Variants, outcome: RunOutcome, energy: np.ndarray
+    ) -> dict[str, np.ndarray]:
+        state, low, high = outcome.state, outcome.slowest, outcome.fastest
         found = {"time": state.time, "angle": state.turned, "final_speed": state.omega}
-        found |= {"speed_min": outcome.slowest, "speed_max": outcome.fastest, "motor_moment_peak": outcome.peak}
+        found |= {"speed_min": low, "speed_max": high}
+        if f"{name}.motor_moment_peak" in self.asked:
+            found["motor_moment_peak"] = greatest_moment(variants.drive, low, high)
         change = outcome.ended - outcome.started
         return found | _work_values(dynamics, state.works, state.squares, state.time, change, energy)
 
@@ -732,9 +745,10 @@ def _over_all(outcome: RunOutcome, ready: np.ndarray, count: int) -> RunOutcome:
     state = type(outcome.state)(*(_of_all(x, ready, count) for x in outcome.state))
     verdict = np.full(count, Verdict.OK, np.uint8)
     verdict[ready] = outcome.verdict
-    names = ("slowest", "fastest", "peak", "started", "ended", "arrived", "doubts", "covered")
+    changed = Changed(*(_of_all(x, ready, count) for x in outcome.changed))
+    names = ("slowest", "fastest", "started", "ended", "arrived", "known", "covered")
     rest = {name: _of_all(getattr(outcome, name), ready, count) for name in names}
-    return RunOutcome(verdict, state, **rest)
+    return RunOutcome(verdict, state, changed=changed, **rest)
 
 
 def _of_all(values: np.ndarray, ready: np.ndarray, count: int) -> np.ndarray:

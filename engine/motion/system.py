@@ -19,6 +19,8 @@ from engine.compiling.widths import LANES
 from engine.graph.derivatives import derivative
 from engine.graph.functions import Functions, functions_in_motion, places_of
 from engine.graph.nodes import Given, Node, Stage
+from engine.laws.elementary import power
+from engine.laws.kinematics.closure import greater
 from engine.laws.loads import sized
 from engine.laws.motor_characteristics import induction_motor, induction_motor_slope
 from engine.mechanism.actions.motors import motor_ratio
@@ -26,19 +28,23 @@ from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.loads import Loads
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.methods import EIGHT, METHODS
-from engine.motion.moments.dynamics import CHANNELS
 from engine.motion.moments.tabulation import Tabulation
 from engine.motion.walk import FOUND, GIVEN, WalkBatch, WalkTask, new_room, walk
 from engine.parts.actions import DCMotor
 from engine.parts.motor_constants import kloss_constants, stall_moment
 
+# Sorts of work that are told apart where works are asked.
+CHANNELS = ("driving", "useful", "harmful", "braking", "other")
 # Shares of a step at which its polynomial of degree seven is recorded.
 SHOWN = 0.5 - 0.5 * np.cos(np.pi * np.arange(8) / 7.0)
 
 SLOPES = {
     sized: {1: lambda size, value: value.graph.apply(sized, size, 1.0)},
     induction_motor: {4: lambda *operands: operands[-1].graph.apply(induction_motor_slope, *operands)},
+    power: {0: lambda x, n: n * x.graph.apply(power, x, n) / x},
 }
+# Share of its energy that a machine may lose before it is near to rest, however steep its motor.
+MUCH = 0.5
 
 
 class Guard(NamedTuple):
@@ -62,6 +68,8 @@ class System(NamedTuple):
     speed, size, steepness, slope : Node
         Speed; magnitudes that the first rate is made of; its derivative by the first state; what has the sign of the
         speed's slope.
+    responses : tuple of Node
+        Derivatives of what is gathered by the first state, where errors are carried along.
     guards : tuple of Guard
     clock : Given
         The time.
@@ -75,6 +83,7 @@ class System(NamedTuple):
     size: Node
     steepness: Node
     slope: Node
+    responses: tuple[Node, ...]
     guards: tuple[Guard, ...]
     clock: Given
 
@@ -168,7 +177,7 @@ def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tup
     works : bool
         Whether the works of useful and harmful loads, … are told apart.
     asked : frozenset of str
-        Of "motors", "squares", "growth" and the channels of work.
+        Of "motors", "squares" and the channels of work.
     """
     graph, (loads, clock, sizes) = mechanics.graph, sizes_of(mechanics)
     energy = graph.given("kinetic energy", Stage.STATE)
@@ -178,16 +187,19 @@ def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tup
     total, pace = moments.total, 1.0 / speed
     steepness = derivative(total, energy, SLOPES)
     squares = (moments.motors * moments.motors) * pace
-    known = {"motors": moments.motors, **moments.channels, "squares": squares, "growth": steepness}
+    known = {"motors": moments.motors, **moments.channels, "squares": squares}
     slope = total - (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)
     size = abs(moments.motors) + abs(total - moments.motors)
     guards = (
         Guard("above", sizes.above - speed),
         Guard("below", speed - sizes.below),
-        Guard("slow", sizes.brisk * energy - abs(total)),
+        # A steep motor answers before much of the energy is gone.
+        Guard("slow", graph.apply(greater, sizes.brisk, -MUCH * steepness) * energy + total),
     )
     gathered = {"time": pace} | {name: node for name, node in known.items() if name in asked}
-    return System("angle", (energy,), (total,), gathered, speed, size, steepness, slope, guards, clock), sizes
+    responses = tuple(derivative(node, energy, SLOPES) for node in gathered.values())
+    rates = (total,)
+    return System("angle", (energy,), rates, gathered, speed, size, steepness, slope, responses, guards, clock), sizes
 
 
 def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tuple[System, Sizes]:
@@ -209,21 +221,28 @@ def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tupl
     gathered = {name: node for name, node in known.items() if name in asked}
     steepness = derivative(epsilon, speed, SLOPES)
     rates = (sizes.facing * speed, epsilon)
-    return System("time", (turned, speed), rates, gathered, speed, graph.zero, steepness, epsilon, guards, clock), sizes
+    states, zero = (turned, speed), graph.zero
+    return System("time", states, rates, gathered, speed, zero, steepness, epsilon, (), guards, clock), sizes
 
 
 class Walks(NamedTuple):
-    """How a number of walks went, (variants,) each; `states` (states and gathered, variants) at their ends.
+    """How a number of walks went, (variants,) each.
 
-    Others are as of `engine.motion.walk.Lane`; `recorded` is what was recorded of their steps.
+    `states`, `doubts`, `ending` (states and gathered, variants) and `recorded` are as in
+    `engine.motion.walk.WalkBatch`, others as in `engine.motion.walk.Lane`.
     """
 
     states: np.ndarray
+    doubts: np.ndarray
+    ending: np.ndarray
     turned: np.ndarray
     pace: np.ndarray
     at: np.ndarray
     slowest: np.ndarray
     fastest: np.ndarray
+    slow_off: np.ndarray
+    fast_off: np.ndarray
+    slope: np.ndarray
     why: np.ndarray
     steps: np.ndarray
     recorded: np.ndarray
@@ -247,7 +266,9 @@ class PrintedSystem:
     def __init__(self, system: System, sizes: Sizes, mechanics: Mechanics) -> None:
         self.system, self.sizes, self.mechanics = system, sizes, mechanics
         self.rates = [*system.rates, *system.gathered.values()]
-        self.watched = [system.speed, system.size, system.steepness, system.slope, *(g.value for g in system.guards)]
+        guards = (guard.value for guard in system.guards)
+        before = system.speed, system.size, system.steepness, system.slope
+        self.watched = [*before, *system.responses, *guards]
         title = f"A machine in motion, along {system.along}."
         self.functions: Functions = functions_in_motion(
             mechanics.graph, title, mechanics.first, mechanics.last, self.rates, self.watched, system.states
@@ -264,11 +285,15 @@ class PrintedSystem:
             method=method,
             stages=made.stages,
             fixed=not made.fine.any(),
+            implicit=made.implicit,
             nodes=made.shares[made.place_of],
+            matrix=made.matrix,
             parts=np.ascontiguousarray(made.parts),
             states=len(system.states),
             width=len(self.rates),
+            watched=len(self.watched),
             guards=len(system.guards),
+            carries=len(system.responses) > 0 and bool(made.fine.any()),
             first_place=len(rows) - len(system.states) - len(self.functions.curves),
             places=len(self.functions.curves),
             rated=len(places_of(self.rates)),
@@ -286,18 +311,19 @@ class PrintedSystem:
         instants: np.ndarray,
         given: Mapping[str, np.ndarray],
         states: np.ndarray,
+        doubts: np.ndarray | None = None,
         recorded: int = 0,
     ) -> Walks:
-        """Walk; parameters as of `engine.motion.walk.walk`, those of lanes by name."""
+        """Walk; parameters as in `engine.motion.walk.WalkBatch`, rows of lanes by name, steps to record."""
         module, count = load_printed(self.functions.text), states.shape[1]
         functions = [TileFunction(getattr(module, name)) for name in ("places", "rates", "watch")]
         rows = np.array([np.broadcast_to(given[name], (count,)) for name in GIVEN], float)
         states, found = np.array(states, float, order="C"), np.empty((len(FOUND), count))
-        kept = np.empty((recorded, 3 + len(self.rates) * SHOWN.size, count))
+        doubts = np.zeros_like(states) if doubts is None else np.array(doubts, float, order="C")
+        ending, kept = np.empty_like(states), np.empty((recorded, 3 + (task.states + 1) * (1 + SHOWN.size), count))
         parts = [np.require(part, float, "CW") for part in (numbers, edges, instants, rows)]
-        repeats = not (task.along_time or task.extremes or recorded) and np.isfinite(task.cycle)
-
-        batch = WalkBatch(self.functions.memory, *parts, states, found, kept)
+        repeats = not (task.along_time or task.extremes or task.implicit or recorded) and np.isfinite(task.cycle)
+        batch = WalkBatch(self.functions.memory, *parts, states, doubts, ending, found, kept)
 
         def arguments() -> tuple:
             room = new_room(task, len(numbers), len(edges) // 2, len(instants), bool(repeats))
@@ -307,20 +333,12 @@ class PrintedSystem:
             kinds = (numba.typeof(x) for x in arguments()[3:])
             prepare(walk, [types.intp, types.intp, FILLS_TILE, FILLS_TILE, FILLS_TILE, *kinds])
         spread(walk, -(-count // LANES), arguments)
-        return Walks(states, *found, kept)
+        return Walks(states, doubts, ending, *found, kept)
 
-    def numbers(
-        self, numbers: Mapping, way: np.ndarray, ends: Mapping, given: Mapping[Given, np.ndarray]
-    ) -> np.ndarray:
-        """Numbers of all variants, (numbers, variants), for the way that each moves.
-
-        Parameters
-        ----------
-        numbers : Numbers
-        way : ndarray (variants,)
-            +1 or −1.
-        ends : mapping of Found to ndarray
-        given : mapping of Given to ndarray (variants,)
-            How large everything is, and how it moves.
-        """
-        return self.tabulation.parameters(numbers, way, ends, given)
+    def limited(self, numbers: np.ndarray, limits: Mapping[Given, np.ndarray | float]) -> np.ndarray:
+        """Numbers of variants with those given that nothing but guards follows from."""
+        numbers = numbers.copy()
+        for node, values in limits.items():
+            if node in self.functions.rows:
+                numbers[self.functions.rows[node]] = values
+        return numbers

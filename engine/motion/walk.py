@@ -16,21 +16,32 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import Row, gather, hand_out, in_lanes
+from engine.compiling.blocks import Row, Rows, gather, hand_out, in_lanes
 from engine.compiling.decorators import driver, inlined, routine
 from engine.compiling.memory import memory
 from engine.compiling.widths import LANES
 from engine.cycle.panels.lanes import ASIDE, one, rows
-from engine.laws.elementary import direction_of
+from engine.laws.elementary import direction_of, exponential
+from engine.laws.rounding import EPS
 from engine.motion.methods import at_stage, step_end
 
 # Steps that are laid for a cycle, at most; lanes that need more go on without repeating theirs.
 MOST_SLOTS = 160
+# Steps after which a walk can be interrupted.
+MOST_STEPS = 1 << 13
 # A repeated step may miss so many times what a new one may.
 ROUGHLY = 100.0
 SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
 # How far a disturbance may fade or grow within an explicit step.
 STEEPEST = 5.0
+# An implicit method is worth its price where after so many steps they are shorter than this share of the farthest one
+# while disturbances fade within them by so much.
+MANY, WORTH_SOLVING, FADES = 100, 0.05, 0.3
+# Rounds for the stages of an implicit step, what they are found to, or nearly so where rounding keeps them from it, and
+# how much of itself a state may lose in one.
+MOST_ROUNDS, FOUND_TO, NEARLY_FOUND, LEAST_LEFT = 12, 1e-14, 1e-11, 0.1
+# The real eigenvalue of the matrix of Radau's method with five stages.
+OWN_SHARE = 0.159
 # Share of its length by which the step to a guard's root is known, and how many steps are tried for it.
 ROOT, MOST_TRIALS = 4e-16, 60
 # Errors below this share of a state are rounding; so is what is left of the way to an edge.
@@ -44,7 +55,7 @@ SHORTEST, LEAST_TIME = 1e-13, 1e-7
 
 
 class Why(IntEnum):
-    """Why a walk ended; from GUARD on by the guard of that number."""
+    """Why a walk ended; STEEP where an implicit method is worth more, from GUARD on by the guard of that number."""
 
     GOING = -1
     GOAL = 0
@@ -58,8 +69,9 @@ class Why(IntEnum):
 
 GOING, GOAL, RANGE, LOST, STEEP, FULL, OTHER_GOAL, GUARD = (int(why) for why in Why)
 # What `watch` gives of a state before its guards: the speed, the magnitudes that the rate of the first state is made
-# of, its derivative by that state, and what has the sign of the speed's slope.
-SPEED, SIZE, STEEPNESS, SLOPE, FIRST_GUARD = range(5)
+# of, its derivative by that state, what has the sign of the speed's slope, and from RESPONSES on derivatives of what is
+# gathered by the first state.
+SPEED, SIZE, STEEPNESS, SLOPE, RESPONSES = range(5)
 # Guards that are no rows of `rates`: the edge ahead, the other goal, an extreme of the speed.
 EDGE, OTHER, RISE, FIRST = range(4)
 
@@ -77,10 +89,16 @@ class WalkTask(NamedTuple):
         Whether steps have fixed lengths.
     nodes, parts : ndarray
         Of the method.
+    implicit : bool
+        Whether its stages are found by Newton's method, of one state.
+    matrix : ndarray
+        Of an implicit method.
     states, width : int
         Rows of `rates`: those of the states, and with what is gathered.
-    guards : int
-        Rows of `watched` that are guards; before them are SPEED, SIZE, STEEPNESS and SLOPE.
+    watched, guards : int
+        Rows that `watch` fills, and how many of them are guards, the last ones.
+    carries : bool
+        Whether what steps may be off by is carried along.
     first_place, places, rated : int
         Rows of P that the printed function `places` fills, and how many of them `rates` reads; those of the states
         follow.
@@ -98,11 +116,15 @@ class WalkTask(NamedTuple):
     method: int
     stages: int
     fixed: bool
+    implicit: bool
     nodes: np.ndarray
+    matrix: np.ndarray
     parts: np.ndarray
     states: int
     width: int
+    watched: int
     guards: int
+    carries: bool
     first_place: int
     places: int
     rated: int
@@ -133,8 +155,10 @@ class Lane(NamedTuple):
         The angle turned, and the length that is tried next.
     at : row
         How far it has come along its way.
-    slowest, fastest : row
-        Least and greatest speed at the ends of steps.
+    slowest, fastest, slow_off, fast_off : row
+        Least and greatest speed at the ends of steps, and what these may be off by.
+    slope : row
+        What has the sign of the speed's slope, at the end.
     why, steps : row
         Why it ended, and after how many steps.
     scale, size : row
@@ -153,6 +177,12 @@ class Lane(NamedTuple):
         Where along its way the cycle that is laid or repeated ends.
     taken, able : row
         1 where the step is taken, and where a cycle is repeated.
+    kept : row
+        How many steps of a cycle are kept.
+    doubt : row
+        What the first state may be off by at the begin of the step.
+    ended : row
+        Number of the guard that ends the step; −1: none.
     """
 
     start: Row
@@ -168,6 +198,9 @@ class Lane(NamedTuple):
     at: Row
     slowest: Row
     fastest: Row
+    slow_off: Row
+    fast_off: Row
+    slope: Row
     why: Row
     steps: Row
     scale: Row
@@ -188,9 +221,12 @@ class Lane(NamedTuple):
     halt: Row
     taken: Row
     able: Row
+    kept: Row
+    doubt: Row
+    ended: Row
 
 
-GIVEN, FOUND = Lane._fields[:10], Lane._fields[8:15]
+GIVEN, FOUND = Lane._fields[:10], Lane._fields[8:18]
 FIRST_FOUND = 8
 
 
@@ -207,6 +243,9 @@ class Room(NamedTuple):
     begin: np.ndarray
     after: np.ndarray
     errors: np.ndarray
+    doubts: np.ndarray
+    ending: np.ndarray
+    equations: np.ndarray
     guards: np.ndarray
     lengths: np.ndarray
     places: np.ndarray
@@ -222,10 +261,13 @@ def new_room(task: WalkTask, numbers: int, edges: int, instants: int, repeats: b
         rows(2 * edges),
         rows(max(instants, 1)),
         rows(task.width * len(task.nodes), aside=ASIDE),
-        rows(2 * (FIRST_GUARD + task.guards)),
+        rows(2 * task.watched),
         rows(task.width),
         rows(task.width, aside=ASIDE),
-        rows(task.states + 1),
+        rows(task.width),
+        rows(task.width),
+        rows(task.width),
+        rows(task.stages * (task.stages + 2) if task.implicit else 0),
         rows(2 * (FIRST + task.guards)),
         rows(laid),
         rows(laid * (task.stages + 1) * max(task.places, 1)),
@@ -255,9 +297,14 @@ class WalkBatch(NamedTuple):
     given : ndarray (GIVEN, variants)
     states : ndarray (width, variants)
         States and what is gathered at the begin; they are carried on.
+    doubts : ndarray (width, variants)
+        What these may be off by, carried on too.
+    ending : ndarray (width, variants)
+        Their rates at the end.
     found : ndarray (FOUND, variants)
-    recorded : ndarray (steps, 3 + width × places, variants)
-        Of each step where it begins, its length and its way, and its polynomials.
+    recorded : ndarray (steps, 3 + (states + 1) × (1 + places), variants)
+        Of each step where it begins, its length and its way; of each state and of what is gathered first its polynomial
+        and what it may be off by at the begin.
     """
 
     memory: np.ndarray
@@ -266,6 +313,8 @@ class WalkBatch(NamedTuple):
     instants: np.ndarray
     given: np.ndarray
     states: np.ndarray
+    doubts: np.ndarray
+    ending: np.ndarray
     found: np.ndarray
     recorded: np.ndarray
 
@@ -315,25 +364,27 @@ def rate(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
 @inlined
 def look(end: int, printed: Printed, task: WalkTask, room: Room) -> None:
     """Watch the begin of a step, 0, or its end, 1."""
-    count = FIRST_GUARD + task.guards
+    count = task.watched
     filled_rows = room.watched[end * count : (end + 1) * count].reshape(count, 1, LANES)
     printed.watch(room.numbers, printed.memory, room.position[0:1], room.position[1:2], room.position[2:3], filled_rows)
 
 
 @inlined
-def keep_place(slot: int, stage: int, task: WalkTask, room: Room) -> None:
-    """Keep what a stage needs of its position."""
-    kept, at, numbers = in_lanes(room.places), (slot * (task.stages + 1) + stage) * task.places, in_lanes(room.numbers)
-    for i in range(task.places):
-        for lane in range(LANES):
+def keep_place(stage: int, task: WalkTask, room: Room) -> None:
+    """Keep what a stage needs of its position, in the slot of the step that each lane tries."""
+    own, kept, numbers = rows_of(room.lane), in_lanes(room.places), in_lanes(room.numbers)
+    most = room.lengths.shape[0] - 1
+    for lane in range(LANES):
+        at = (min(int(own.kept[lane]), most) * (task.stages + 1) + stage) * task.places
+        for i in range(task.places):
             kept[at + i, lane] = numbers[task.first_place + i, lane]
 
 
 @routine
-def attempt(kept: int, laid: int, printed: Printed, task: WalkTask, room: Room) -> None:
+def attempt(kept: int, keeps: bool, printed: Printed, task: WalkTask, room: Room) -> None:
     """Try a step in all lanes: its stages, its end and what it misses.
 
-    From the places of slot `kept` where it isn't negative; they are kept in slot `laid` where that isn't.
+    From the places of slot `kept` where it isn't negative; else they are kept where it `keeps` them.
     """
     own, k, begin = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin)
     after, errors = in_lanes(room.after), in_lanes(room.errors)
@@ -341,29 +392,131 @@ def attempt(kept: int, laid: int, printed: Printed, task: WalkTask, room: Room) 
     for q in range(task.states):
         for lane in range(LANES):
             state[q, lane] = begin[q, lane]
-    for s in range(task.stages):
-        if s > 0:
-            at_stage(task.method, s, task.states, task.width, begin, own.length, k, state)
-        stand(task.nodes[s], s, kept, printed, task, room)
-        rate(s, printed, task, room)
-        if s == 0:
-            look(0, printed, task, room)
-        if laid >= 0:
-            keep_place(laid, s, task, room)
-    judged = task.states if task.along_time else task.states + 1
+    if task.implicit:
+        find_stages(printed, task, room)
+    else:
+        for s in range(task.stages):
+            if s > 0:
+                at_stage(task.method, s, task.states, task.width, begin, own.length, k, state)
+            stand(task.nodes[s], s, kept, printed, task, room)
+            rate(s, printed, task, room)
+            if s == 0:
+                look(0, printed, task, room)
+            if keeps:
+                keep_place(s, task, room)
+    judged = task.width if task.carries else task.states
     step_end(task.method, judged, task.width, begin, own.length, k, after, errors)
     for q in range(task.states):
         for lane in range(LANES):
             state[q, lane] = after[q, lane]
     stand(1.0, task.stages, kept, printed, task, room)
     look(1, printed, task, room)
-    if laid >= 0:
-        keep_place(laid, task.stages, task, room)
-    judge_steps(judged, task, room)
+    if keeps:
+        keep_place(task.stages, task, room)
+    if task.implicit:
+        forget_errors(task, room)
+    judge_steps(task, room)
 
 
 @routine
-def judge_steps(judged: int, task: WalkTask, room: Room) -> None:
+def forget_errors(task: WalkTask, room: Room) -> None:
+    """Of an implicit step's error leave what its end remembers: a steep motor takes the rest back.
+
+    Source: E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, section IV.8.
+    """
+    own, watched, errors = rows_of(room.lane), in_lanes(room.watched), in_lanes(room.errors)
+    for lane in range(LANES):
+        fades = -own.length[lane] * watched[task.watched + STEEPNESS, lane]
+        errors[0, lane] /= 1.0 + (OWN_SHARE * fades if fades > 0.0 else 0.0)
+
+
+@routine
+def find_stages(printed: Printed, task: WalkTask, room: Room) -> None:
+    """Find the stages of an implicit step of one state by Newton's method; where it doesn't, the rates are NaN."""
+    own, k, begin, equations = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin), in_lanes(room.equations)
+    watched, kept, worst = in_lanes(room.watched), in_lanes(room.places), in_lanes(room.errors)[0]
+    numbers, count, width = in_lanes(room.numbers), task.stages, task.width
+    found = count * (count + 1)
+    stand(0.0, 0, -1, printed, task, room)
+    look(0, printed, task, room)
+    for lane in range(LANES):
+        worst[lane] = math.inf
+    for s in range(count):
+        stand(task.nodes[s], s, -1, printed, task, room)
+        for lane in range(LANES):
+            equations[found + s, lane] = begin[0, lane]
+        for i in range(task.places):
+            for lane in range(LANES):
+                kept[s * task.places + i, lane] = numbers[task.first_place + i, lane]
+    for _ in range(MOST_ROUNDS):
+        for s in range(count):
+            rate_found(s, printed, task, room)
+            look(1, printed, task, room)
+            for r in range(count):
+                for lane in range(LANES):
+                    slope = task.matrix[r, s] * own.length[lane] * watched[task.watched + STEEPNESS, lane]
+                    equations[r * (count + 1) + s, lane] = (1.0 if r == s else 0.0) - slope
+        for s in range(count):
+            for lane in range(LANES):
+                equations[s * (count + 1) + count, lane] = begin[0, lane] - equations[found + s, lane]
+            for r in range(count):
+                for lane in range(LANES):
+                    made = task.matrix[s, r] * own.length[lane] * k[r * width, lane]
+                    equations[s * (count + 1) + count, lane] += made
+        eliminate(count, equations)
+        pending = False
+        for lane in range(LANES):
+            # Others may need more rounds.
+            own.able[lane] = 1.0 if worst[lane] > FOUND_TO else 0.0
+            worst[lane] = 0.0 if worst[lane] > FOUND_TO else worst[lane]
+        for s in range(count):
+            for lane in range(LANES):
+                by, before = equations[s * (count + 1) + count, lane], equations[found + s, lane]
+                by = by if own.able[lane] > 0.0 else 0.0
+                size = abs(by) / before
+                worst[lane] = worst[lane] if worst[lane] > size else size
+                left = LEAST_LEFT * before
+                equations[found + s, lane] = before + by if before + by > left else left
+        for lane in range(LANES):
+            pending |= own.length[lane] > 0.0 and worst[lane] > FOUND_TO
+        if not pending:
+            break
+    for s in range(count):
+        rate_found(s, printed, task, room)
+    for lane in range(LANES):
+        k[(count - 1) * width, lane] = k[(count - 1) * width, lane] if worst[lane] <= NEARLY_FOUND else math.nan
+
+
+@inlined
+def rate_found(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
+    """Rates of a stage of an implicit step in the state that was found for it."""
+    kept, numbers, found = in_lanes(room.places), in_lanes(room.numbers), task.stages * (task.stages + 1)
+    state, own = task.first_place + task.places, in_lanes(room.equations)
+    for i in range(task.places):
+        for lane in range(LANES):
+            numbers[task.first_place + i, lane] = kept[stage * task.places + i, lane]
+    for lane in range(LANES):
+        numbers[state, lane] = own[found + stage, lane]
+    rate(stage, printed, task, room)
+
+
+@routine
+def eliminate(count: int, equations: Rows) -> None:
+    """Solve linear equations by Gauss' elimination; the solution is where the right-hand sides were."""
+    for pivot in range(count):
+        own = pivot * (count + 1)
+        for k in range(pivot + 1, count + 1):
+            for lane in range(LANES):
+                equations[own + k, lane] /= equations[own + pivot, lane]
+        for s in range(count):
+            row = s * (count + 1)
+            for k in range(pivot + 1, count + 1 if s != pivot else 0):
+                for lane in range(LANES):
+                    equations[row + k, lane] -= equations[row + pivot, lane] * equations[own + k, lane]
+
+
+@routine
+def judge_steps(task: WalkTask, room: Room) -> None:
     """What the step misses, by what it may.
 
     Along the angle that is a share of the greatest work of a step and of the time of a cycle; along time, of the angle
@@ -372,9 +525,11 @@ def judge_steps(judged: int, task: WalkTask, room: Room) -> None:
     own, k, begin = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin)
     after, errors, width = in_lanes(room.after), in_lanes(room.errors), task.width
     cycle = task.cycle if task.cycle < math.inf else 2.0 * math.pi
-    watched, count = in_lanes(room.watched), FIRST_GUARD + task.guards
+    watched, count = in_lanes(room.watched), task.watched
+    rounded = max(ROUNDED, 4.0 * FOUND_TO if task.implicit else 0.0)
     for lane in range(LANES):
         own.missed[lane] = 0.0
+    judged = task.states if task.along_time else task.states + 1
     for q in range(0 if task.fixed else judged):
         if not task.along_time and q == 0:
             for lane in range(LANES):
@@ -398,7 +553,7 @@ def judge_steps(judged: int, task: WalkTask, room: Room) -> None:
                     made = abs(own.length[lane] * k[s * width + q, lane])
                     own.size[lane] = made if made > own.size[lane] else own.size[lane]
         for lane in range(LANES):
-            off = abs(errors[q, lane]) / (own.tolerance[lane] * own.size[lane] + ROUNDED * abs(begin[q, lane]))
+            off = abs(errors[q, lane]) / (own.tolerance[lane] * own.size[lane] + rounded * abs(begin[q, lane]))
             # What doesn't move at all misses nothing.
             off = off if errors[q, lane] != 0.0 else 0.0
             own.missed[lane] = off if off > own.missed[lane] or off != off else own.missed[lane]
@@ -407,7 +562,8 @@ def judge_steps(judged: int, task: WalkTask, room: Room) -> None:
             own.missed[lane] = own.missed[lane] if abs(after[q, lane]) < math.inf else math.inf
     for lane in range(LANES):
         steep, end = abs(own.length[lane] * watched[STEEPNESS, lane]) > STEEPEST, watched[count + SLOPE, lane]
-        sound = own.missed[lane] == own.missed[lane] and not (steep and not task.fixed) and end == end
+        sound = own.missed[lane] == own.missed[lane] and end == end
+        sound = sound and not (steep and not (task.fixed or task.implicit))
         own.missed[lane] = own.missed[lane] if sound else math.inf
 
 
@@ -537,15 +693,19 @@ def guard(g: int, lane: int, end: int, task: WalkTask, room: Room) -> float:
     """A guard of a lane at the begin of a step, 0, or at its end, 1."""
     own, watched = rows_of(room.lane), in_lanes(room.watched)
     states = in_lanes(room.begin) if end == 0 else in_lanes(room.after)
-    row = end * (FIRST_GUARD + task.guards)
+    row = end * task.watched
     if g == EDGE:
         return (edge_ahead(lane, room) - states[0, lane]) * own.facing[lane] if task.along_time else 1.0
     if g == OTHER:
         return own.other_goal[lane] - states[0 if task.along_time else task.states, lane]
     if g == RISE:
-        sense = math.copysign(1.0, watched[SLOPE, lane]) if watched[SLOPE, lane] != 0.0 else 0.0
+        slope, last = watched[SLOPE, lane], task.states - 1
+        off = FOUND_TO * abs(in_lanes(room.begin)[last, lane]) + abs(in_lanes(room.errors)[last, lane])
+        # Of a motion in balance, the slope's sign is that of what steps miss.
+        unsure = ROUNDED * watched[SIZE, lane] + abs(watched[STEEPNESS, lane]) * off
+        sense = math.copysign(1.0, slope) if abs(slope) > unsure else 0.0
         return sense * watched[row + SLOPE, lane] if task.extremes else 1.0
-    return watched[row + FIRST_GUARD + g - FIRST, lane]
+    return watched[row + task.watched - task.guards + g - FIRST, lane]
 
 
 @routine
@@ -614,47 +774,89 @@ def shorten(lane: int, task: WalkTask, room: Room) -> None:
     if own.missed[lane] < math.inf:
         share = SAFETY / math.sqrt(math.sqrt(math.sqrt(own.missed[lane])))
         share = share if share > SHRINK else SHRINK
-    fades = abs(length * watched[STEEPNESS, lane])
+    fades = 0.0 if task.implicit else abs(length * watched[STEEPNESS, lane])
     if fades > STEEPEST:
         share = max(SHRINK, SAFETY * STEEPEST / fades)
     own.pace[lane], own.trials[lane] = length * share, 0.0
     least = SHORTEST * (abs(own.at[lane]) + (LEAST_TIME if task.along_time else own.farthest[lane]))
-    if not length * share > least:
+    worth_solving = fades > STEEPEST and not task.along_time and length * share < WORTH_SOLVING * own.farthest[lane]
+    if worth_solving or not length * share > least:
         own.why[lane] = STEEP if fades > STEEPEST else LOST
+
+
+@routine
+def carry_errors(task: WalkTask, room: Room) -> None:
+    """Carry over the step what the energy and what is gathered may be off by, and add what the step may be off by.
+
+    What the energy is off by grows or fades as neighbouring motions part or meet, by e^∫∂M/∂E dφ; what is gathered
+    follows by its derivative. Every step rounds. All are magnitudes: nothing makes up for another. Source: E. Hairer,
+    S. P. Nørsett and G. Wanner, Solving Ordinary Differential Equations I, section I.14.
+    """
+    own, watched = rows_of(room.lane), in_lanes(room.watched)
+    doubts, errors, begin, end = in_lanes(room.doubts), in_lanes(room.errors), in_lanes(room.begin), task.watched
+    # What is left of an implicit step's error is a guess.
+    sure = 4.0 if task.implicit else 1.0
+    for lane in range(LANES):
+        grows = 0.5 * own.length[lane] * (watched[STEEPNESS, lane] + watched[end + STEEPNESS, lane])
+        own.doubt[lane] = doubts[0, lane]
+        step = sure * abs(errors[0, lane]) + 0.25 * EPS * begin[0, lane]
+        after = own.doubt[lane] * exponential(grows) + step
+        doubts[0, lane] = after if own.taken[lane] > 0.0 else doubts[0, lane]
+    for q in range(1, task.width):
+        row = RESPONSES + q - 1
+        for lane in range(LANES):
+            follows = abs(watched[row, lane]) * own.doubt[lane] + abs(watched[end + row, lane]) * doubts[0, lane]
+            more = doubts[q, lane] + 0.5 * own.length[lane] * follows + abs(errors[q, lane])
+            doubts[q, lane] = more if own.taken[lane] > 0.0 else doubts[q, lane]
 
 
 @routine
 def advance(task: WalkTask, room: Room) -> None:
     """Take over the states at the end of the step in lanes that take it."""
     own, watched, begin, after = rows_of(room.lane), in_lanes(room.watched), in_lanes(room.begin), in_lanes(room.after)
-    row = FIRST_GUARD + task.guards + SPEED
+    row, doubts = task.watched + SPEED, in_lanes(room.doubts)
+    if task.carries:
+        carry_errors(task, room)
     for q in range(task.width):
         for lane in range(LANES):
             begin[q, lane] = after[q, lane] if own.taken[lane] > 0.0 else begin[q, lane]
     for lane in range(LANES):
         speed, took = watched[row, lane], own.taken[lane] > 0.0
-        own.slowest[lane] = speed if took and speed < own.slowest[lane] else own.slowest[lane]
-        own.fastest[lane] = speed if took and speed > own.fastest[lane] else own.fastest[lane]
+        off = 0.5 * speed * doubts[0, lane] / begin[0, lane] if task.carries else math.nan
+        slower, faster = took and speed < own.slowest[lane], took and speed > own.fastest[lane]
+        own.slowest[lane] = speed if slower else own.slowest[lane]
+        own.slow_off[lane] = off if slower else own.slow_off[lane]
+        own.fastest[lane] = speed if faster else own.fastest[lane]
+        own.fast_off[lane] = off if faster else own.fast_off[lane]
+        own.slope[lane] = watched[task.watched + SLOPE, lane] if took else own.slope[lane]
         own.steps[lane] += own.taken[lane]
 
 
 @routine
 def take(edges: int, task: WalkTask, room: Room) -> None:
     """Take the step in lanes that do, and see what ends there."""
-    own, begin, ended = rows_of(room.lane), in_lanes(room.begin), in_lanes(room.errors)[0]
+    own, begin, watched = rows_of(room.lane), in_lanes(room.begin), in_lanes(room.watched)
+    k, ending, last = in_lanes(room.rates), in_lanes(room.ending), (task.stages - 1) * task.width
+    for q in range(task.width):
+        for lane in range(LANES):
+            # The last stage stands at the end of the step.
+            ending[q, lane] = k[last + q, lane] if own.taken[lane] > 0.0 else ending[q, lane]
     for lane in range(LANES):
-        ended[lane] = -1.0
+        own.ended[lane] = -1.0
         if own.taken[lane] > 0.0 and own.trials[lane] > 0.0:
             for g in range(FIRST + task.guards):
+                # An extreme of the speed ends nothing but the step.
+                if g == RISE and own.ended[lane] >= 0.0:
+                    continue
                 if guard(g, lane, 0, task, room) > 0.0 and not guard(g, lane, 1, task, room) > 0.0:
-                    ended[lane] = float(g)
+                    own.ended[lane] = float(g)
     advance(task, room)
     for lane in range(LANES):
         if own.taken[lane] == 0.0:
             continue
         at, edge = own.at[lane] + own.length[lane], edge_ahead(lane, room)
         if task.along_time:
-            at_edge = ended[lane] == EDGE
+            at_edge = own.ended[lane] == EDGE
             begin[0, lane] = edge if at_edge else begin[0, lane]
             own.at[lane], own.turned[lane] = at, begin[0, lane]
         else:
@@ -669,13 +871,19 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
                 own.turned[lane] = own.turned[lane] if task.along_time else end
         if own.at[lane] >= own.goal[lane]:
             own.why[lane] = GOAL
-        if ended[lane] == OTHER or ended[lane] >= FIRST:
-            own.why[lane] = OTHER_GOAL if ended[lane] == OTHER else GUARD + ended[lane] - FIRST
+        if own.ended[lane] == OTHER or own.ended[lane] >= FIRST:
+            own.why[lane] = OTHER_GOAL if own.ended[lane] == OTHER else GUARD + own.ended[lane] - FIRST
         own.trials[lane] = 0.0
-        if not task.fixed:
+        if task.fixed:
+            own.pace[lane] = own.farthest[lane]
+        else:
             share = SAFETY / math.sqrt(math.sqrt(math.sqrt(own.missed[lane])))
             ahead = own.length[lane] * (share if share < GROW else GROW)
             own.pace[lane] = ahead if ahead > own.pace[lane] else own.pace[lane]
+            fades = own.pace[lane] * abs(watched[task.watched + STEEPNESS, lane])
+            short = own.steps[lane] > MANY and own.pace[lane] < WORTH_SOLVING * own.farthest[lane]
+            if own.why[lane] == GOING and short and fades > FADES and not (task.along_time or task.implicit):
+                own.why[lane] = STEEP
 
 
 @routine
@@ -683,6 +891,7 @@ def record(first: int, printed: Printed, recorded: np.ndarray, task: WalkTask, r
     """Write down the steps of lanes that take one: where each begins, its length, and its polynomial at some places."""
     own, k, begin = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin)
     state, dense = in_lanes(room.numbers[task.first_place + task.places :]), task.nodes.shape[0]
+    doubts = in_lanes(room.doubts)
     for s in range(task.stages, dense):
         at_stage(task.method, s, task.states, task.width, begin, own.length, k, state)
         stand(task.nodes[s], s, -1, printed, task, room)
@@ -692,7 +901,9 @@ def record(first: int, printed: Printed, recorded: np.ndarray, task: WalkTask, r
             continue
         i, v, shown = int(own.steps[lane]), first + lane, task.shown.shape[0]
         recorded[i, 0, v], recorded[i, 1, v], recorded[i, 2, v] = own.at[lane], own.length[lane], own.facing[lane]
-        for q in range(task.width):
+        for q in range(task.states + 1):
+            at = 3 + q * (shown + 1)
+            recorded[i, at + shown, v] = doubts[q, lane]
             for j in range(shown):
                 theta, value, factor = task.shown[j], 0.0, 1.0
                 for p in range(task.parts.shape[0]):
@@ -701,57 +912,62 @@ def record(first: int, printed: Printed, recorded: np.ndarray, task: WalkTask, r
                     for s in range(dense):
                         part += task.parts[p, s] * k[s * task.width + q, lane]
                     value += factor * part
-                recorded[i, 3 + q * shown + j, v] = begin[q, lane] + own.length[lane] * value
+                recorded[i, at + j, v] = begin[q, lane] + own.length[lane] * value
 
 
 # The walk
 
 
 @routine
-def lay(first: int, printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> int:
-    """Make new steps: those of a cycle, which are kept, in lanes with two ahead; all in others. How many are kept.
+def lay(first: int, printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> None:
+    """Make new steps: those of a cycle, which are kept, in lanes with two ahead; all in others.
 
     Whatever a lane does depends on itself alone.
     """
-    own, lengths, laid = rows_of(room.lane), in_lanes(room.lengths), 0
-    most_slots, edges, records = room.lengths.shape[0], batch.edges.shape[0] // 2, batch.recorded.shape[0] > 0
-    most_steps = batch.recorded.shape[0] if records else 1 << 40
+    own, lengths = rows_of(room.lane), in_lanes(room.lengths)
+    slots, edges, records = room.lengths.shape[0], batch.edges.shape[0] // 2, batch.recorded.shape[0] > 0
+    most_steps = batch.recorded.shape[0] if records else MOST_STEPS
     for lane in range(LANES):
-        several = most_slots > 1 and own.at[lane] + (2.0 - NEARLY) * task.cycle <= own.goal[lane]
-        own.halt[lane] = own.at[lane] + task.cycle if several else math.inf
+        several = slots > 1 and own.at[lane] + (2.0 - NEARLY) * task.cycle <= own.goal[lane]
+        own.halt[lane], own.kept[lane] = own.at[lane] + task.cycle if several else math.inf, 0.0
     while choose(edges, batch.instants.shape[0], most_steps, task, room):
-        keeps = laid < most_slots and most_slots > 1
-        if laid == most_slots and most_slots > 1:
-            for lane in range(LANES):
-                own.halt[lane] = own.halt[lane] if own.at[lane] >= own.halt[lane] else math.inf
-        attempt(-1, laid if keeps else -1, printed, task, room)
+        keeps = False
+        for lane in range(LANES):
+            keeps |= own.halt[lane] < math.inf and own.length[lane] > 0.0
+        attempt(-1, keeps, printed, task, room)
         took = decide_steps(task, room)
         if records and took:
             record(first, printed, batch.recorded, task, room)
         for lane in range(LANES if keeps else 0):
-            lengths[laid, lane] = own.taken[lane] * own.length[lane]
+            if own.taken[lane] > 0.0 and own.halt[lane] < math.inf:
+                slot = int(own.kept[lane])
+                if slot < slots:
+                    lengths[slot, lane] = own.length[lane]
+                    own.kept[lane] += 1.0
+                else:
+                    own.halt[lane] = math.inf
         take(edges, task, room)
-        laid += 1 if keeps else 0
-    return laid
 
 
 @routine
-def repeat(laid: int, printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> None:
+def repeat(printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> None:
     """Repeat the steps of a cycle in lanes that have one ahead, as long as they miss little enough."""
     own, lengths = rows_of(room.lane), in_lanes(room.lengths)
     while True:
-        able = 0
+        able, slots = 0, 0
         for lane in range(LANES):
             whole = own.why[lane] == GOING and own.at[lane] >= own.halt[lane]
             whole = whole and own.at[lane] + (1.0 - NEARLY) * task.cycle <= own.goal[lane]
             own.able[lane] = 1.0 if whole else 0.0
             able += 1 if whole else 0
+            slots = max(slots, int(own.kept[lane]) if whole else 0)
         if able == 0:
             break
-        for slot in range(laid):
+        for slot in range(slots):
             for lane in range(LANES):
-                own.length[lane] = own.able[lane] * lengths[slot, lane]
-            attempt(slot, -1, printed, task, room)
+                goes = own.able[lane] > 0.0 and slot < own.kept[lane]
+                own.length[lane] = lengths[slot, lane] if goes else 0.0
+            attempt(slot, False, printed, task, room)
             fires(task, room)
             for lane in range(LANES):
                 sound = own.length[lane] == 0.0 or (own.missed[lane] <= ROUGHLY and own.fired[lane] == 0.0)
@@ -806,10 +1022,12 @@ def walk(
         gather(batch.instants, first, in_lanes(room.instants))
         gather(batch.given, first, in_lanes(room.lane))
         gather(batch.states, first, in_lanes(room.begin))
+        gather(batch.doubts, first, in_lanes(room.doubts))
         last = min(LANES, batch.given.shape[1] - first)
         for lane in range(LANES):
             own.at[lane] = 0.0 if task.along_time else own.turned[lane]
-            own.slowest[lane], own.fastest[lane] = math.inf, -math.inf
+            own.slowest[lane], own.fastest[lane], own.slope[lane] = math.inf, -math.inf, math.nan
+            own.slow_off[lane], own.fast_off[lane] = math.nan, math.nan
             own.steps[lane], own.scale[lane], own.trials[lane] = 0.0, 0.0, 0.0
             own.begins[lane], own.ends[lane] = -math.inf, math.inf
             own.why[lane] = GOING if lane < last and own.at[lane] < own.goal[lane] else GOAL
@@ -817,11 +1035,13 @@ def walk(
             look_ahead(lane, edges, room)
         going = True
         while going:
-            laid = lay(first, printed, batch, task, room)
-            if laid > 0:
-                repeat(laid, printed, batch, task, room)
+            lay(first, printed, batch, task, room)
+            if room.lengths.shape[0] > 1:
+                repeat(printed, batch, task, room)
             going = False
             for lane in range(LANES):
                 going = going or own.why[lane] == GOING
         hand_out(in_lanes(room.begin), first, batch.states)
+        hand_out(in_lanes(room.doubts), first, batch.doubts)
+        hand_out(in_lanes(room.ending), first, batch.ending)
         hand_out(in_lanes(room.lane[FIRST_FOUND:]), first, batch.found)

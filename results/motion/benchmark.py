@@ -36,10 +36,8 @@ QUANTITIES = ("ω", "t")
 FLOOR = 1e-16
 BOUNDS = (
     "What bounds this project: jumps, edges and motors are found for every variant, where the others have them written",
-    "by hand; and a step solves for its seven places at once, which takes about half of the compiled time, finding the",
-    "places themselves a tenth. By processor time 65 to 90 % of what slider-crank and shaper take and 50 to 65 % of",
-    "what the press takes goes into compiled steps, the more the higher the accuracy; the rest into what is laid out",
-    "around them.",
+    "by hand. The places of a cycle are evaluated once and used again in those that follow, so that most of what a",
+    "step takes goes into its sums, its estimated errors and what these come to at the end of the run.",
 )
 OURS, OUR_RK4 = "this project", "this project, rk4"
 HEYOKA, BY_HAND = "heyoka.py batch", "RK8 over φ, lanes"

@@ -1,12 +1,13 @@
 """A machine's equation of motion, made ready: I(φ) and M(φ, ω) of many variants, with chosen actions at work."""
 
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from engine.cycle.regula_falsi import regula_falsi
 from engine.graph.functions import functions_at
-from engine.graph.nodes import Node, reached
+from engine.graph.nodes import Node, reached, value_of
 from engine.laws.senses import sense
 from engine.mechanism.acting import Grip, Load
 from engine.mechanism.actions.brakes import braking_moment
@@ -20,6 +21,7 @@ from engine.motion.moments.grid import Grid, make_grid
 from engine.motion.moments.landmarks import Landmarks
 from engine.motion.moments.tabulation import Ends, Sums, Tabulation
 from engine.motion.steppers.energy_form import Tables
+from engine.motion.system import CHANNELS, PrintedSystem, along_angle
 from engine.parts.actions import Brake, DCMotor
 from engine.parts.motor_constants import kloss_constants, stall_moment
 from engine.scene.load_formulas import load_formulas
@@ -39,8 +41,6 @@ POLYNOMIAL_ORDERS = (0, 1, 2)
 IN_PAIRS = "friction in pairs"
 # The derivative of the inertia, as what jumps where the acceleration of a cam's follower does.
 OF_INERTIA = "inertia of followers"
-# Sorts of work that are told apart where works are asked.
-CHANNELS = ("driving", "useful", "harmful", "braking", "other")
 
 
 class Variants(NamedTuple):
@@ -268,6 +268,8 @@ class Dynamics:
         Whether the works of useful and harmful loads, … are told apart.
     friction : PairLoads, optional
         The moment that stands for friction in the pairs, if any rub.
+    gathered : frozenset of str
+        Of "motors" and "squares", what runs add up besides these works.
     """
 
     def __init__(
@@ -276,10 +278,12 @@ class Dynamics:
         off: frozenset[str] = frozenset(),
         works: bool = False,
         friction: "PairLoads | None" = None,
+        gathered: frozenset[str] = frozenset(),
     ) -> None:
         scene, loads = reduction.mechanics.scene, reduction.loads
         self.works, self.reduction, self.friction, self.off = works, reduction, friction, off
         self.channels = CHANNELS if works else ("all",)
+        self._gathered = gathered | frozenset(CHANNELS if works else ())
         self.motors = tuple(name for name in loads.motors if name not in off)
         # Of what acts: its row of the reduction, its channel and its order.
         acting = [(i, key) for i, key in enumerate(reduction.keys) if key.action not in off]
@@ -323,6 +327,32 @@ class Dynamics:
             ways = [variants._replace(direction=way * variants.direction) for way in (1.0, -1.0)]
             rubbing = np.stack([self.friction.parameters(each, self.off) for each in ways])
         return variants._replace(breaks=breaks, drive=drive, instants=instants, kept={}, rubbing=rubbing)
+
+    @cached_property
+    def by_angle(self) -> PrintedSystem:
+        """The equation of motion over the crank angle, its functions printed."""
+        mechanics = self.reduction.mechanics
+        return PrintedSystem(*along_angle(mechanics, self.works, self._gathered), mechanics)
+
+    def moving(self, variants: Variants, brisk: float) -> np.ndarray:
+        """Numbers of the motion over the crank angle, (numbers, variants), but for the speeds that end it.
+
+        Parameters
+        ----------
+        variants : Variants
+        brisk : float
+            How many times its energy a machine may lose per radian.
+        """
+        key = "by angle", brisk
+        if key not in variants.kept:
+            system, numbers, way = self.by_angle, variants.numbers, variants.direction
+            sizes, unit = system.sizes, numbers.with_values({"input.speed": way})
+            given = {s: value_of(c, unit) if a not in self.off else 0.0 for s, (a, c) in sizes.loads.items()}
+            given |= {size: float(name in self.motors) for size, name in sizes.motors.items()}
+            given |= {sizes.wheel: variants.flywheel, sizes.way: way, sizes.facing: 1.0}
+            given[sizes.brisk] = brisk
+            variants.kept[key] = system.tabulation.parameters(numbers, way, variants.ends, given)
+        return variants.kept[key]
 
     def locked(self, variants: Variants) -> np.ndarray:
         """Which variants have a brake at work that locks by itself, (variants,) of bool."""

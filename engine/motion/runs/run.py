@@ -7,16 +7,14 @@ the two. Ends are met exactly: the last step is shortened until the wanted angle
 
 import numpy as np
 
-from engine.motion.moments.at_speed import greatest_moment
-from engine.motion.runs.run_in_angle import stretch
+from engine.motion.runs.run_in_angle import TIMES_TO_THE_END, stretch
 from engine.motion.runs.run_in_time import set_off, step
 from engine.motion.runs.run_progress import Progress, RunOutcome
 from engine.verdicts import Verdict
 
-# The energy form takes over where moments change the energy by less than so many times itself per radian. Nearer to
-# rest 1/ω is a root of the angle, for which no steps in the angle are short enough; and before that, no polynomial
-# within a step follows it as well as what is found at its end.
-BRISK, BRISK_TO_THE_END = 0.4, 40.0
+# A machine whose steps are looked within goes in time until moments change its energy by less than so many times itself
+# per radian.
+BRISK = 0.4
 # Steps in time, none of them a cycle farther than before, after which a run without an end in time is given up.
 MOST_TIME_STEPS = 40_000
 # So many steps in a row that change neither the angle nor the time by more than these shares of them lead nowhere:
@@ -56,6 +54,7 @@ def _run(runs: Progress) -> RunOutcome:
         if slow.size:
             before = runs.part(slow)
             step(runs, slow, run_to_end)
+            runs.known[slow], runs.changed.omega[slow] = False, 0.0
             after = runs.part(slow)
             still = np.abs(after.turned - before.turned) <= NO_ANGLE * np.abs(runs.start[slow] + after.turned)
             still &= after.time - before.time <= NO_TIME * after.time
@@ -72,12 +71,11 @@ def _run(runs: Progress) -> RunOutcome:
         runs.state,
         runs.slowest,
         runs.fastest,
-        # By the extremes of the speed, where these are looked for.
-        greatest_moment(runs.variants.drive, runs.slowest, runs.fastest) if runs.extremes else np.full(count, np.nan),
         started,
         runs.energy(),
         runs.arrived,
-        runs.doubts,
+        runs.changed,
+        runs.known,
         runs.covered,
     )
 
@@ -88,6 +86,6 @@ def _brisk(runs: Progress, who: np.ndarray) -> np.ndarray:
         return np.zeros(who.size, bool)
     state, way = runs.part(who), np.where(runs.facing[who] < 0.0, -1.0, 1.0)
     rows, moments = runs.form(who).at(state.turned, state.omega, state.time + runs.clock[who], way)
-    brisk = BRISK_TO_THE_END if runs.to_the_end else BRISK
+    brisk = TIMES_TO_THE_END if runs.to_the_end else BRISK
     energy = 0.5 * rows.inertia[0] * state.omega**2
     return (state.omega > 0.0) & (np.abs(moments.total[0]) < brisk * energy)

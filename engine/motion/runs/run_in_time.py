@@ -82,7 +82,7 @@ def step(runs: Progress, who: np.ndarray, carry: Carry) -> None:
     if late.any():
         sub = np.flatnonzero(late)
         shorter, which[sub] = _first_end(runs, form, state, h, facing, goal, who, over[:, sub], sub)
-        part = form.step(state, _scattered(shorter, sub, h), facing, goal, runs.time_tolerance)
+        part = form.step(state, _scattered(shorter, sub, h), facing, goal, runs.tolerance)
         after = _merged(after, part.after, late)
         slowest, fastest = np.where(late, part.slowest, slowest), np.where(late, part.fastest, fastest)
     kept = ~lost
@@ -168,7 +168,7 @@ def _good_step(
         h = np.where(np.isinf(h), form.first_step(state, runs.spacing[who], facing), h)
     speed, ahead = np.abs(state.omega), np.abs(goal - state.turned)
     with np.errstate(all="ignore"):
-        farthest = np.fmin(runs.farthest_in_time, CLOSELY * (2.0 if runs.half else 1.0) if runs.observers else np.inf)
+        farthest = np.fmin(runs.farthest_step, CLOSELY * (2.0 if runs.half else 1.0) if runs.observers else np.inf)
         farthest = farthest * runs.reach[who]
         h = np.fmin(np.fmin(h, farthest / speed), longest)
         # Through a jump at once.
@@ -177,7 +177,7 @@ def _good_step(
     # What begins to hold at its end holds nowhere within it.
     within = np.where(across, goal - AT_END * (goal - state.turned), goal)
     for _ in range(HALVINGS):
-        step = form.step(state, h, facing, within, runs.time_tolerance)
+        step = form.step(state, h, facing, within, runs.tolerance)
         after, missed = step.after, step.missed
         with np.errstate(all="ignore"):
             share = np.clip(SAFETY * missed ** (-1.0 / 8.0), SHRINK, GROW)
@@ -250,7 +250,7 @@ def _first_end(
     for end in np.flatnonzero((over > 0.0).any(axis=1)):
 
         def excess(length: np.ndarray, end: int = end) -> np.ndarray:
-            after = form.step(state, _scattered(length, sub, h), facing, goal, runs.time_tolerance).after
+            after = form.step(state, _scattered(length, sub, h), facing, goal, runs.tolerance).after
             return _overshoot(runs, after, who, facing, goal)[end, sub]
 
         length = regula_falsi(excess, np.zeros(sub.size), h[sub])

@@ -1,6 +1,6 @@
 """How far runs have come: where they are to end, where each stands, and what it met on its way."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -11,13 +11,12 @@ from engine.motion.steppers.rubbing_form import form_in_time
 from engine.motion.steppers.time_form import State, TimeForm, state_at
 from engine.verdicts import Verdict
 
-TOLERANCE, FARTHEST_STEP = 1e-10, 0.25 * np.pi
+# What a step in time may miss, and one over the angle, whose errors add up over many cycles; how far they may turn.
+TOLERANCE, OVER_ANGLE, FARTHEST_STEP = 1e-10, 1e-13, 0.25 * np.pi
 # For comparison, steps of nearly twice the length.
 COARSER = 2.0**6
 # So much of a cycle before a mark it is passed: all that rounding leaves.
 AT_MARK = 1e-9
-# Energy, time and the motors' moment squared over time, beside works.
-DOUBTFUL = 3
 
 
 class Ends(NamedTuple):
@@ -46,6 +45,19 @@ class Ends(NamedTuple):
         return self._replace(**own)
 
 
+class Changed(NamedTuple):
+    """What the ends of runs may be off by as far as it is carried along, (variants,) each, works (works, variants)."""
+
+    turned: np.ndarray
+    omega: np.ndarray
+    energy: np.ndarray
+    time: np.ndarray
+    squares: np.ndarray
+    works: np.ndarray
+    slowest: np.ndarray
+    fastest: np.ndarray
+
+
 class RunOutcome(NamedTuple):
     """How runs went; arrays (variants,) unless said.
 
@@ -54,14 +66,16 @@ class RunOutcome(NamedTuple):
     verdict : ndarray of uint8
     state : State
         At the end; angle and time counted from the begin of the run.
-    slowest, fastest, peak : ndarray
-        Least and greatest speed [rad/s], greatest moment of the motors by magnitude [N·m].
+    slowest, fastest : ndarray
+        Least and greatest speed [rad/s].
     started, ended : ndarray
         Kinetic energy at begin and end [J].
     arrived : ndarray of int
         At which end of its range the input arrived: −1 at the lower one, 1 at the upper one, 0 at none.
-    doubts : ndarray
-        As of `Progress`.
+    changed : Changed
+        What all that may be off by.
+    known : ndarray of bool
+        Whether it isn't off by more.
     covered : ndarray (2, variants)
         Least and greatest angle turned [rad].
     """
@@ -70,24 +84,45 @@ class RunOutcome(NamedTuple):
     state: State
     slowest: np.ndarray
     fastest: np.ndarray
-    peak: np.ndarray
     started: np.ndarray
     ended: np.ndarray
     arrived: np.ndarray
-    doubts: np.ndarray
+    changed: Changed
+    known: np.ndarray
     covered: np.ndarray
 
-    def doubted(self) -> "RunOutcome":
-        """What it would be with every step changed by what it may be off by; no numbers where that isn't known."""
-        energy, time, squares, *works = self.doubts
-        ended, now = self.ended + energy, self.state
+    def shifted(self, by: Changed) -> "RunOutcome":
+        """The same with its end changed."""
+        now = self.state
         state = now._replace(
-            omega=now.omega * np.sqrt(ended / self.ended),
-            time=now.time + time,
-            works=now.works + works,
-            squares=now.squares + squares,
+            turned=now.turned + by.turned,
+            omega=now.omega + by.omega,
+            time=now.time + by.time,
+            works=now.works + by.works,
+            squares=now.squares + by.squares,
         )
-        return self._replace(state=state, ended=ended)
+        speeds = self.slowest - by.slowest, self.fastest + by.fastest
+        return self._replace(state=state, ended=self.ended + by.energy, slowest=speeds[0], fastest=speeds[1])
+
+    def spread(self, told: Callable[["RunOutcome"], dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
+        """What numbers made of the outcome may be off by: the sum of what each of its own numbers changes them by.
+
+        Parameters
+        ----------
+        told : callable
+            Makes them of an outcome.
+        """
+        known, nothing = told(self), Changed(*(np.zeros_like(x) for x in self.changed))
+        off = {name: np.zeros_like(value) for name, value in known.items()}
+        alone = [nothing._replace(**{name: getattr(self.changed, name)}) for name in Changed._fields if name != "works"]
+        for i, work in enumerate(self.changed.works):
+            works = nothing.works.copy()
+            works[i] = work
+            alone.append(nothing._replace(works=works))
+        for change in alone:
+            for name, value in told(self.shifted(change)).items():
+                off[name] += np.abs(value - known[name])
+        return off
 
     def with_others(self, who: np.ndarray, others: "RunOutcome") -> "RunOutcome":
         """The same with the outcome of some variants in its place."""
@@ -97,9 +132,12 @@ class RunOutcome(NamedTuple):
             whole[..., who] = new
             return whole
 
-        state = State(*(put(mine, new) for mine, new in zip(self.state, others.state, strict=True)))
-        rest = {name: put(getattr(self, name), getattr(others, name)) for name in self._fields if name != "state"}
-        return RunOutcome(state=state, **rest)
+        def together(mine: tuple, new: tuple) -> tuple:
+            return type(mine)(*(put(*pair) for pair in zip(mine, new, strict=True)))
+
+        parts = {name: together(getattr(self, name), getattr(others, name)) for name in ("state", "changed")}
+        rest = {name: put(getattr(self, name), getattr(others, name)) for name in self._fields if name not in parts}
+        return RunOutcome(**parts, **rest)
 
 
 class Stepping(NamedTuple):
@@ -107,8 +145,8 @@ class Stepping(NamedTuple):
 
     Attributes
     ----------
-    tolerance : float
-        What a step may miss, as a share.
+    tolerance, over_angle : float
+        What a step in time and one over the angle may miss, as a share.
     farthest : float
         How far a step may turn [rad].
     classical : bool
@@ -118,6 +156,7 @@ class Stepping(NamedTuple):
     """
 
     tolerance: float = TOLERANCE
+    over_angle: float = OVER_ANGLE
     farthest: float = FARTHEST_STEP
     classical: bool = False
     extremes: bool = True
@@ -143,8 +182,7 @@ class Progress:
     steps : int
         In how many places of a cycle it is looked at.
     half : bool
-        Whether it is for comparison: steps in time may miss more, and those of a steep motor; steps of one length are
-        twice as long; others are changed by what they are estimated to miss.
+        Whether it is for comparison: steps may miss more and turn twice as far; those of one length are twice as long.
     observers : sequence of Observer
         What looks at the runs.
     stepping : Stepping
@@ -159,10 +197,8 @@ class Progress:
         Whether the run is over.
     pace : ndarray
         Length of the next step in time [s]; infinite where nothing is known yet.
-    tolerance, time_tolerance : float
-        What a step in angle and one in time may miss, as a share.
-    farthest_step, farthest_in_time : float
-        How far they may turn, of `reach`.
+    tolerance, over_angle, farthest_step : float
+        What a step may miss in time and over the angle, as a share, and how far it may turn, of `reach`.
     reach : ndarray
         What counts as a radian: one, or where the input doesn't turn fully its range by 2π.
     spacing : ndarray
@@ -179,9 +215,12 @@ class Progress:
         +1 or −1, the way that a machine moves in time, 0 where it stands.
     above, below : ndarray
         The speed to be reached [rad/s], as one to come up to or to come down to; infinite where it isn't.
-    doubts : ndarray (3 + works, variants)
-        What kinetic energy [J], time [s], the motors' moment squared over time and all works [J] change by where every
-        step is changed by what it may be off by; NaN where that isn't known before a run for comparison.
+    carried : ndarray (rows of the system by angle, variants)
+        What kinetic energy [J], time [s] and what is gathered may be off by so far, by steps over the angle.
+    changed : Changed
+        What the ends may be off by, as in `RunOutcome`.
+    known : ndarray of bool
+        Whether that is all they may be off by: steps in time and those of one length are compared with others.
     turned_round, farthest : ndarray
         Angle turned where a machine stood last, and where it last turned round on its way forward [rad].
     by_speed : ndarray of bool
@@ -215,20 +254,20 @@ class Progress:
         if not dynamics.reduction.has_cycle:
             self.reach = (high - low) / (2.0 * np.pi)
             self.bounds = np.sort(variants.direction * (np.array([low, high]) - start), axis=0)
-        self.arrived, self.doubts = np.zeros(count, int), np.full((DOUBTFUL + channels + 1, count), np.nan)
+        self.arrived, self.carried = np.zeros(count, int), np.zeros((0, count))
+        self.known = np.full(count, not stepping.classical)
+        nothing = {name: np.zeros(count) for name in Changed._fields}
+        self.changed = Changed(**nothing | {"works": np.zeros((channels + 1, count))})
         self.state = state_at(np.zeros(count), omega.astype(float), np.zeros(count), channels)
         self.verdict = np.full(count, Verdict.OK, np.uint8)
         self.slowest, self.fastest = self.state.omega.copy(), self.state.omega.copy()
         self.covered = np.zeros((2, count))
         self.pace = np.full(count, np.inf)
         self.classical, self.extremes = stepping.classical, stepping.extremes
-        self.to_the_end = not (stepping.classical or stepping.extremes or observers)
-        longer = 2.0 if half else 1.0
-        self.tolerance = stepping.tolerance
-        self.time_tolerance = stepping.tolerance * (COARSER if half else 1.0)
-        # Steps of one length are compared with longer ones.
-        self.farthest_step = stepping.farthest * (longer if stepping.classical else 1.0)
-        self.farthest_in_time = stepping.farthest * longer
+        self.to_the_end = not (stepping.classical or observers)
+        # Steps that may miss more are compared with others only where they are longer.
+        self.farthest_step = stepping.farthest * (2.0 if half else 1.0)
+        self.tolerance, self.over_angle = ((COARSER if half else 1.0) * share for share in stepping[:2])
         self.done = np.zeros(count, bool)
         # A speed to be reached lies above or below the first.
         self.above = np.where(ends.speed > omega, ends.speed, np.inf)

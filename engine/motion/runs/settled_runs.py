@@ -53,7 +53,7 @@ def _held_back(runs: Progress, who: np.ndarray, rising: np.ndarray, share: float
     begin = omega * (1.0 + share * (to_end - 1.0))
     way = runs.variants.direction[who]
     ends = runs.ends.some(who)._replace(turned=np.full(who.size, cycle), most_turned=np.full(who.size, np.inf))
-    stepping = Stepping(runs.tolerance, runs.farthest_step, runs.classical, False)
+    stepping = Stepping(runs.tolerance, runs.over_angle, runs.farthest_step, runs.classical, False)
     ahead = Progress(
         runs.dynamics,
         runs.variants.some(who),

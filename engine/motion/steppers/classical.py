@@ -27,7 +27,6 @@ def _parts() -> np.ndarray:
 
 ORDER_FOUR = Method(
     implicit=False,
-    newton=False,
     stages=4,
     dense_stages=5,
     matrix=_MATRIX,
@@ -38,8 +37,6 @@ ORDER_FOUR = Method(
     # It has no other to be compared with: what it misses is told by steps of twice the length.
     fine=np.zeros((1, 4)),
     coarse=np.zeros((1, 4)),
-    coarsest=np.zeros((0, 4)),
-    exponent=1.0 / 8.0,
     parts=_parts(),
     looked_at=np.array([0, 1, 3]),
 )

@@ -2,13 +2,11 @@
 
 With E = ½Iω² the equation I·ε + ½ω²·dI/dφ = M reads dE/dφ = M(φ, √(2E/I)): no derivative of I is needed, and a
 machine without moments keeps its energy to the last bit. Time and works are integrals over φ of 1/ω and of the
-moments, carried along by the same method. `engine.motion.steppers.settling` goes through a cycle again and again,
-`engine.motion.steppers.going` to the end of a run.
+moments, carried along by the same method. `engine.motion.steppers.settling` goes through a cycle again and again.
 
 Angles here are turned in the direction of motion, so ω > 0 and moments are positive where they drive.
 """
 
-from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
@@ -50,17 +48,3 @@ class Tables(NamedTuple):
 
 
 NODES = slice(None, None, 2)
-
-
-class Stop(IntEnum):
-    """Why a stretch of motion ended."""
-
-    ANGLE = 0
-    TIME = 1
-    ABOVE = 2
-    BELOW = 3
-    NEAR_REST = 4
-    STIFF = 5
-
-
-ANGLE, TIME, ABOVE, BELOW, NEAR_REST, STIFF = (int(stop) for stop in Stop)

@@ -8,42 +8,28 @@ import math
 import numpy as np
 
 from engine.compiling.decorators import inlined, routine
-from engine.compiling.instructions import chosen, held
 from engine.cycle.panels.lanes import Memory
-from engine.cycle.panels.series import larger, smaller
+from engine.cycle.panels.series import larger
 from engine.laws.runge_kutta import DENSE_PARTS, ORDER_EIGHT, Method
 from engine.motion.steppers.places import Form, add_share, moments_at_place, slopes_at_place
-from engine.motion.steppers.radau import ORDER_NINE, ORDER_THIRTEEN
+from engine.motion.steppers.radau import ORDER_NINE
 
-MOST_STAGES = max(method.dense_stages for method in (ORDER_EIGHT, ORDER_NINE, ORDER_THIRTEEN))
+MOST_STAGES = max(method.dense_stages for method in (ORDER_EIGHT, ORDER_NINE))
 # Rows of stages: speed, moment of the motors, moment of everything, ∂M/∂E of both, energy, 1/ω, motors' moment squared
 # by 1/ω, moment of a channel; then the linear equations of an implicit step, row by row with their right-hand sides.
 SPEED, FROM_MOTORS, MOMENT, MOTOR_SLOPE, SLOPE = (i * MOST_STAGES for i in range(5))
 ENERGY, SLOWNESS, SQUARE, CHANNEL, EQUATIONS = (i * MOST_STAGES for i in range(5, 10))
-STAGE_ROWS = EQUATIONS + ORDER_THIRTEEN.stages * (ORDER_THIRTEEN.stages + 1) + 5
-
-# Rows of such corrections behind the last ones: how many there were, the greatest of the last ones, what is left to the
-# limit, how they converge, what will be left after the last, and the factors of their linear equations.
-ROUNDS, CHANGE, LEFT, RATIO, IN_THE_END, FACTORS = (EQUATIONS + ORDER_THIRTEEN.stages + i for i in range(6))
+STAGE_ROWS = EQUATIONS + ORDER_NINE.stages * (ORDER_NINE.stages + 1)
 
 # The same rows as numbers that the compiler doesn't know: what takes one is then compiled once, not for each.
 ROW_OF = np.arange(STAGE_ROWS)
 
-SEVEN = ORDER_THIRTEEN.stages
 # Estimates of as many orders as an error is estimated from.
-ROOTS = 3
+ROOTS = 2
 
 # Newton's method for the stages of an implicit step: most rounds, when they are found, or nearly so, and the least
 # share of an energy that it goes to in a round.
 MOST_ROUNDS, SOLVED, NEARLY_SOLVED, LEAST_SHARE = 25, 1e-14, 1e-11, 0.1
-# Of corrections that go on only as long as a step needs it: most rounds, what may be left as a share of what the step
-# may miss, what that is of a step that may miss anything, and how fast and how slowly they converge; and rounding as a
-# share of the energy.
-MOST_CORRECTIONS, MAY_BE_LEFT, SURE, LEAST_RATIO, SLOWEST_RATIO = 7, 1e-2, 1e-9, 0.1, 0.9
-ROUNDED_ENERGY = 8.0 * float(np.finfo(float).eps)
-# From one pair of orders to the next the share that is left gets smaller, of functions without a pole by so much; and
-# by how much the estimate that follows is enlarged, as it may fall short by as much.
-FADES_FASTER, DOUBLE = 0.5, 2.0
 
 
 @routine
@@ -147,147 +133,6 @@ def solve_stages(
 
 
 @routine
-def correct_stages(
-    wide: int,
-    method: Method,
-    form: Form,
-    drive: Memory,
-    exponents: Memory,
-    places: Memory,
-    energy: Memory,
-    step: Memory,
-    tolerance: Memory,
-    stages: Memory,
-) -> None:
-    """Stages of a collocation step as exactly as it needs them; moments of a lane where they fail are no numbers.
-
-    By Newton's method with the slopes at the energies before the second round: those of the first are far enough off
-    for many more rounds. `tolerance` is what a step may miss, as a share of its work. SLOWNESS is 1 of a lane whose
-    energies are found, −1 of one that has none, or whose energies wouldn't be found in as many rounds as there may be.
-    """
-    count = method.stages
-    for s in range(count):
-        for lane in range(wide):
-            stages[ENERGY + s, lane] = energy[lane]
-        stage_moments(s, wide, method, form, drive, exponents, places, 0, stages)
-    for lane in range(wide):
-        stages[SLOWNESS, lane], stages[ROUNDS, lane], stages[CHANGE, lane] = 0.0, 0.0, 0.0
-    lay_factors(wide, method, form, drive, exponents, places, step, stages)
-    for correction in range(MOST_CORRECTIONS):
-        if correction == 1:
-            lay_factors(wide, method, form, drive, exponents, places, step, stages)
-        for lane in range(wide):
-            stages[CHANNEL, lane], stages[SQUARE, lane] = 0.0, 0.0
-        for s in range(count):
-            change = stages[EQUATIONS + s]
-            for lane in range(wide):
-                change[lane] = energy[lane] - stages[ENERGY + s, lane]
-            add_weighted(wide, method.matrix[s], step, stages, ROW_OF[MOMENT], change)
-        solve_by_factors(wide, count, stages)
-        for s in range(count):
-            for lane in range(wide):
-                before, by, worst = stages[ENERGY + s, lane], stages[EQUATIONS + s, lane], stages[CHANNEL, lane]
-                # What isn't a number stays none.
-                stages[CHANNEL, lane] = larger(worst, abs(by))
-                stages[SQUARE, lane] = larger(abs(stages[MOMENT + s, lane]), stages[SQUARE, lane])
-                by = by if stages[SLOWNESS, lane] == 0.0 else 0.0
-                stages[ENERGY + s, lane] = larger(before + by, LEAST_SHARE * before)
-            stage_moments(s, wide, method, form, drive, exponents, places, 0, stages)
-        ratios, in_the_end = stages[RATIO], stages[IN_THE_END]
-        for lane in range(wide):
-            worst, before = stages[CHANNEL, lane], stages[CHANGE, lane]
-            # They converge geometrically, though the second one may be smaller than that by far.
-            ratio = smaller(larger(worst / before, LEAST_RATIO), SLOWEST_RATIO)
-            ratios[lane] = ratio if before > 0.0 else SLOWEST_RATIO
-            in_the_end[lane] = worst * ratios[lane] / (1.0 - ratios[lane])
-        for _ in range(correction + 1, MOST_CORRECTIONS):
-            for lane in range(wide):
-                in_the_end[lane] *= ratios[lane]
-        pending = False
-        for lane in range(wide):
-            work, worst, ratio = step[lane] * stages[SQUARE, lane], stages[CHANNEL, lane], ratios[lane]
-            left = worst * ratio / (1.0 - ratio)
-            allowed = MAY_BE_LEFT * (tolerance[lane] if tolerance[lane] < 1.0 else SURE) * work
-            # Of slopes laid anew nothing is known before their second round.
-            hopeless = (correction > 1) & (in_the_end[lane] > allowed)
-            enough = (left <= allowed) | (worst <= ROUNDED_ENERGY * energy[lane])
-            now = (1.0 if enough else (-1.0 if hopeless else 0.0)) if worst < math.inf else -1.0
-            going = stages[SLOWNESS, lane] == 0.0
-            stages[CHANGE, lane] = chosen(going, worst, held(stages[CHANGE, lane]))
-            stages[LEFT, lane] = chosen(going, left, held(stages[LEFT, lane]))
-            stages[ROUNDS, lane] += chosen(going, 1.0, 0.0)
-            stages[SLOWNESS, lane] += chosen(going, now, 0.0)
-            pending |= stages[SLOWNESS, lane] == 0.0
-        if not pending:
-            break
-    for lane in range(wide):
-        found = stages[SLOWNESS, lane] > 0.0
-        stages[MOMENT, lane] = stages[MOMENT, lane] if found else math.nan
-        stages[SPEED, lane] = stages[SPEED, lane] if found else math.nan
-
-
-@routine
-def lay_factors(
-    wide: int,
-    method: Method,
-    form: Form,
-    drive: Memory,
-    exponents: Memory,
-    places: Memory,
-    step: Memory,
-    stages: Memory,
-) -> None:
-    """Factors L and U of I − h·A·∂M/∂E at the energies of the stages, with 1/U on the diagonal.
-
-    Slopes are of the step then: h·∂M/∂E.
-    """
-    count = method.stages
-    for s in range(count):
-        at, motors, slope = form.width * method.place_of[s], stages[MOTOR_SLOPE + s], stages[SLOPE + s]
-        slopes_at_place(wide, form, drive, exponents, places, at, stages[SPEED + s], motors, slope)
-        for lane in range(wide):
-            motors[lane] *= step[lane]
-            slope[lane] *= step[lane]
-    for s in range(count):
-        for k in range(count):
-            own, share, diagonal = stages[FACTORS + s * count + k], method.matrix[s, k], 1.0 if k == s else 0.0
-            for lane in range(wide):
-                own[lane] = diagonal - share * stages[SLOPE + k, lane]
-    for s in range(count):
-        for k in range(s):
-            factor, inverse = stages[FACTORS + s * count + k], stages[FACTORS + k * count + k]
-            for lane in range(wide):
-                factor[lane] *= inverse[lane]
-            for i in range(k + 1, count):
-                own, of = stages[FACTORS + s * count + i], stages[FACTORS + k * count + i]
-                for lane in range(wide):
-                    own[lane] -= factor[lane] * of[lane]
-        pivot = stages[FACTORS + s * count + s]
-        for lane in range(wide):
-            pivot[lane] = 1.0 / pivot[lane]
-
-
-@routine
-def solve_by_factors(wide: int, count: int, stages: Memory) -> None:
-    """Solve the equations whose factors are laid; the solution is where the right-hand sides were."""
-    for s in range(count):
-        change = stages[EQUATIONS + s]
-        for k in range(s):
-            factor, of = stages[FACTORS + s * count + k], stages[EQUATIONS + k]
-            for lane in range(wide):
-                change[lane] -= factor[lane] * of[lane]
-    for i in range(count):
-        s = count - 1 - i
-        change, inverse = stages[EQUATIONS + s], stages[FACTORS + s * count + s]
-        for k in range(s + 1, count):
-            factor, of = stages[FACTORS + s * count + k], stages[EQUATIONS + k]
-            for lane in range(wide):
-                change[lane] -= factor[lane] * of[lane]
-        for lane in range(wide):
-            change[lane] *= inverse[lane]
-
-
-@routine
 def lay_equations(wide: int, method: Method, energy: Memory, step: Memory, stages: Memory) -> None:
     """Linear equations for the corrections of the energies of an implicit step's stages."""
     count = method.stages
@@ -343,14 +188,6 @@ def take_corrections(wide: int, count: int, stages: Memory) -> float:
 @routine
 def add_weighted(wide: int, weights: np.ndarray, step: Memory, stages: Memory, row: int, total: Memory) -> None:
     """Add to a total the integral over the step of what stands at the stages, in rows from `row` on."""
-    if weights.shape[0] == SEVEN:
-        # Written out, the sum stays in a register: it is most of what corrections do.
-        a, b, c, d, e, f, g = weights[0], weights[1], weights[2], weights[3], weights[4], weights[5], weights[6]
-        for lane in range(wide):
-            first = a * stages[row, lane] + b * stages[row + 1, lane] + c * stages[row + 2, lane]
-            rest = d * stages[row + 3, lane] + e * stages[row + 4, lane] + f * stages[row + 5, lane]
-            total[lane] += step[lane] * (first + (rest + g * stages[row + 6, lane]))
-        return
     for s in range(weights.shape[0]):
         if weights[s] != 0.0:
             add_share(wide, weights[s], step, stages[row + s], total)
@@ -365,21 +202,11 @@ def estimate(
     ROOTS rows of `work` are to work in, from `at` on. Source: as of DOP853. Each is the root of the squares of all of
     its order: one alone happens to be zero at some lengths of a step, at which nothing of what is missed would be seen.
     """
-    root_of_squares(wide, method.coarsest, step, stages, row, error, work[at + 2])
     root_of_squares(wide, method.coarse, step, stages, row, error, work[at + 1])
     root_of_squares(wide, method.fine, step, stages, row, error, work[at])
-    if method.coarsest.shape[0] == 0:
-        for lane in range(wide):
-            fine, coarse = work[at, lane], work[at + 1, lane]
-            error[lane] = math.copysign(fine * fading(fine, coarse), error[lane])
-        return
     for lane in range(wide):
-        fine, coarse, coarsest = work[at, lane], work[at + 1, lane], work[at + 2, lane]
-        # What fades geometrically over three pairs of orders does so over the next three, and one order is left for
-        # safety. The fine ones may happen to be small, where what came before tells how much they fade at most.
-        before = FADES_FASTER * fading(coarse, coarsest)
-        share = larger(fading(fine, coarse), before)
-        error[lane] = math.copysign(DOUBLE * larger(fine, coarse * before) * share * share * share, error[lane])
+        fine, coarse = work[at, lane], work[at + 1, lane]
+        error[lane] = math.copysign(fine * fading(fine, coarse), error[lane])
 
 
 @inlined

@@ -1,9 +1,5 @@
 """Radau IIA, as data: of order nine for motors so steep that explicit steps would be as short as their time constant.
 
-Of order thirteen for all others, where nothing within a step is asked for. Moments of machines depend on the angle far
-more than on the energy, so that a step is nearly a quadrature: with seven places one of order thirteen goes three times
-as far as an explicit one of order eight with twelve.
-
 The collocation polynomial is the one within the step. The method is L-stable, and its last stage is the end of the
 step.
 
@@ -12,7 +8,6 @@ Source: E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, sec
 
 import numpy as np
 from numpy.polynomial import Polynomial
-from numpy.polynomial.legendre import legvander
 
 from engine.laws.runge_kutta import DENSE_PARTS, Method, Tableau, part_at
 
@@ -22,17 +17,6 @@ FIVE_NODES = np.array(
         0.27684301363812382768004599768563,
         0.58359043236891682005669766866292,
         0.86024013565621944784791291887512,
-        1.0,
-    ]
-)
-SEVEN_NODES = np.array(
-    [
-        0.029316427159784891972050276913165,
-        0.14807859966848429184997685249598,
-        0.33698469028115429909705297208078,
-        0.55867151877155013208139334180552,
-        0.76923386203005450091688336011565,
-        0.92694567131974111485187396581968,
         1.0,
     ]
 )
@@ -67,9 +51,7 @@ def _quadrature(nodes: np.ndarray, chosen: tuple[int, ...]) -> np.ndarray:
     return weights
 
 
-def _method(
-    tableau: Tableau, newton: bool, fine: np.ndarray, coarse: np.ndarray, coarsest: np.ndarray, exponent: float
-) -> Method:
+def _method(tableau: Tableau, fine: np.ndarray, coarse: np.ndarray) -> Method:
     count = tableau.stages
     values = np.array([[part_at(i, theta) for i in range(count)] for theta in tableau.nodes])
     # Weights of the parts of the collocation polynomial.
@@ -77,7 +59,6 @@ def _method(
     parts[:count] = np.linalg.solve(values, tableau.matrix)
     return Method(
         implicit=True,
-        newton=newton,
         stages=count,
         dense_stages=count,
         matrix=tableau.matrix,
@@ -88,8 +69,6 @@ def _method(
         place_of=np.arange(count),
         fine=fine,
         coarse=coarse,
-        coarsest=coarsest,
-        exponent=exponent,
         parts=parts,
         looked_at=np.array([count, *range(count)]),
     )
@@ -99,15 +78,6 @@ RADAU = _tableau(FIVE_NODES)
 # Through five nodes there is no other formula of the finer ones' order.
 ORDER_NINE = _method(
     RADAU,
-    True,
     (RADAU.weights - _quadrature(FIVE_NODES, FEWER))[None],
     SHARE_OF_COARSE * (RADAU.weights - _quadrature(FIVE_NODES, FEWEST))[None],
-    np.zeros((0, FIVE_NODES.size)),
-    1.0 / 8.0,
 )
-
-RADAU_THIRTEEN = _tableau(SEVEN_NODES)
-# Coefficients of Legendre's polynomials through the nodes, in pairs of an even and an odd one: they fade geometrically
-# where the moment is smooth.
-_COEFFICIENTS = np.linalg.inv(legvander(2.0 * SEVEN_NODES - 1.0, SEVEN_NODES.size - 1))
-ORDER_THIRTEEN = _method(RADAU_THIRTEEN, False, *(_COEFFICIENTS[k : k + 2].copy() for k in (5, 3, 1)), 1.0 / 12.0)

@@ -8,9 +8,10 @@ import numpy as np
 
 from engine.compiling.tiles import TileFunction
 from engine.motion.moments.at_speed import Moments
-from engine.motion.moments.dynamics import CHANNELS, Dynamics, Rows, Variants
+from engine.motion.moments.dynamics import Dynamics, Rows, Variants
 from engine.motion.steppers.rubbing import MOST_ROUNDS, SETTLED, Rubbing
 from engine.motion.steppers.time_form import TimeForm
+from engine.motion.system import CHANNELS
 
 # The field of the loads on pairs that stands for friction.
 FRICTION_MOMENT = "friction_moment"

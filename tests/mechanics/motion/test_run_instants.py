@@ -22,12 +22,14 @@ def kept(scene: dict, other: str, names=FIELDS, varied=None) -> tuple:
     return {name.removeprefix("go."): found.fields[name][0] for name in asked}, found
 
 
-def close(rows: np.ndarray, values: np.ndarray, found, name: str, sure: float) -> None:
-    """Rows are what they should be, to their own error figure, and to a share of the greatest of them."""
+def close(rows: np.ndarray, values: np.ndarray, found, name: str, sure: float, other: float = 2e-16) -> None:
+    """Rows are what they should be, to their own error figure, and to a share of the greatest of them.
+
+    What they are compared with is off by another share, or half a unit in the last place.
+    """
     assert np.isfinite(rows).all(), name
     error, size = np.abs(rows - values).max(), np.abs(values).max()
-    # Half a unit in the last place of what is compared with.
-    assert error <= found.figure(f"go.{name}") + 2e-16 * size, (name, error, found.figure(f"go.{name}"))
+    assert error <= found.figure(f"go.{name}") + other * size, (name, error, found.figure(f"go.{name}"))
     assert error <= sure * size, (name, error / size)
 
 
@@ -90,15 +92,15 @@ def by_dop853(begin: float, times: np.ndarray, only: str) -> np.ndarray:
 def test_slider_crank__agrees_with_dop853_at_instants_and_at_angles(only, begin):
     times = np.linspace(0.02, 0.5, 25)
     turned, speed = by_dop853(begin, times, only)
-    # DOP853 misses 1e-12 in each of its some hundred steps.
+    # DOP853 misses 1e-12 in each of its some hundred steps, some of which make up for others.
     rows, found = kept(slider_crank({"go": run(only, from_speed=begin, time=0.5, at={"times": list(times)})}), "turned")
-    close(rows["speed"], speed, found, "speed", 2e-10)
-    close(rows["turned"], turned, found, "turned", 2e-10)
+    close(rows["speed"], speed, found, "speed", 2e-10, 1e-11)
+    close(rows["turned"], turned, found, "turned", 2e-10, 1e-11)
     rows, found = kept(
         slider_crank({"go": run(only, from_speed=begin, time=0.6, at={"angles": list(turned)})}), "instant"
     )
-    close(rows["speed"], speed, found, "speed", 2e-10)
-    close(rows["instant"], times, found, "instant", 2e-10)
+    close(rows["speed"], speed, found, "speed", 2e-10, 1e-11)
+    close(rows["instant"], times, found, "instant", 2e-10, 1e-11)
 
 
 # Power

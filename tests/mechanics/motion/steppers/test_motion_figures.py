@@ -6,7 +6,6 @@ from motion_scenes import ask, run, slider_crank, steady
 
 from engine import Verdict
 from engine.compiling.threads import set_threads
-from engine.motion.regimes_in_order import Known
 
 REGIMES = {
     "start": run("dc fan gravity", speed=35.0),
@@ -56,14 +55,14 @@ def test_error_figures__hold_for_nearly_all_of_200_random_machines(monkeypatch):
         # The reference has an error of its own.
         error = np.abs(value - exact.values[name][sound])
         shares[name] = np.mean(error <= figure + exact.errors[name][sound])
-        told = error > 1e-13 * np.abs(value)
+        # Rounding of many steps is estimated roughly.
+        told = error > 1e-12 * np.abs(value)
         ratios[name] = np.median(figure[told] / error[told]) if told.any() else 1.0
     print("share of honest figures, median of figure over error:")
     print("\n".join(f"  {name:28} {shares[name]:.3f} {ratios[name]:8.2f}" for name in NAMES))
     assert np.mean([*shares.values()]) >= 0.97, shares
     assert min(shares.values()) >= 0.97, shares
-    # What is estimated is a formula of lower order: with steps as small as these it errs some thousand times as much,
-    # and of the order thirteen ten times that.
+    # What is estimated is a formula of lower order: with steps as small as these it errs some thousand times as much.
     assert all(1 <= ratio <= 1e5 for ratio in ratios.values()), ratios
 
 
@@ -88,28 +87,26 @@ def test_figures_of_runs_that_forget__cover_what_their_last_steps_miss(monkeypat
     assert (figure <= 1e-6 * exact).all()
 
 
-@pytest.mark.parametrize("more", ["", "go.motor_work go.useful_work go.harmful_work"], ids=["alone", "works"])
-def test_doubts_carried_along__are_what_a_run_of_changed_steps_changes(more, monkeypatch):
-    machines = random_machines(150, 11) | {"flywheel.inertia": np.geomspace(0.1, 3.0, 150)}
-    regimes = {"go": run("dc induction fan gravity cut rub", from_speed=60.0, cycles=3.7)}
-    names = ["go.final_speed", "go.time", "go.motor_moment_rms", "go.energy_change"]
-    names += more.split()
-    scene = slider_crank(regimes)
-    monkeypatch.setattr("engine.motion.regimes_in_order.RUN_TOLERANCE", 1e-5)
-    along = ask(scene, " ".join(names), 120, varied=machines)
-    monkeypatch.setattr(Known, "tells", lambda self, variants, begin: np.zeros(variants.size, bool))
-    again = ask(scene, " ".join(names), 120, varied=machines)
-    sound = np.array([verdict == Verdict.OK for verdict in again.status])
-    assert sound.mean() > 0.95
-    for name in names:
-        assert np.array_equal(along.values[name], again.values[name], equal_nan=True), name
-        told, other = along.errors[name][sound], again.errors[name][sound]
-        # What is neglected is the square of the doubts. Changes of work and energy are differences of greater ones.
-        size = np.abs(again.values[name][sound])
-        assert (np.abs(told - other) <= 0.05 * other + 1e-12 * (size + 1.0)).all(), (
-            name,
-            np.abs(told / other - 1).max(),
-        )
+@pytest.mark.parametrize("end", [{"cycles": 3.7}, {"time": 0.5}, {"speed": 45.0}], ids=["angle", "time", "speed"])
+def test_errors_carried_along__cover_what_the_ends_of_runs_miss(end, monkeypatch):
+    # Those that are to slow down to a speed take hundreds of turns.
+    count = 40 if "speed" in end else 150
+    machines = random_machines(count, 11) | {"flywheel.inertia": np.geomspace(0.1, 3.0, count)}
+    regimes = {"go": run("dc induction fan gravity cut rub", from_speed=60.0, **end)}
+    names = "time angle final_speed motor_moment_rms energy_change motor_work useful_work harmful_work motor_power"
+    asked, scene = " ".join(f"go.{name}" for name in names.split()), slider_crank(regimes)
+    exact = ask(scene, asked, 120, varied=machines)
+    monkeypatch.setattr("engine.motion.regimes_in_order.RUN_TOLERANCE", 1e-4)
+    rough = ask(scene, asked, 120, varied=machines)
+    sound = np.array([verdict == Verdict.OK for verdict in rough.status])
+    # Not all of them slow down to that speed.
+    assert sound.mean() > (0.3 if "speed" in end else 0.95)
+    for name in asked.split():
+        error, figure = np.abs(rough.values[name] - exact.values[name])[sound], rough.errors[name][sound]
+        assert (error <= figure + exact.errors[name][sound]).all(), name
+        told = error > 1e-12 * np.abs(exact.values[name][sound])
+        # Magnitudes of all steps are added up, of a formula of lower order.
+        assert not told.any() or np.median(figure[told] / error[told]) <= 1000.0, name
 
 
 @pytest.fixture

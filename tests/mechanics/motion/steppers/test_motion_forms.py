@@ -9,9 +9,10 @@ import pytest
 from motion_scenes import ask, reduced, run, slider_crank
 from mpmath import mp
 
+from engine.motion.methods import NINE
 from engine.motion.regimes_in_order import Schedule
+from engine.motion.runs.run_in_angle import FARTHER
 from engine.motion.runs.run_progress import Stepping
-from engine.motion.steppers.radau import ORDER_NINE
 
 REFERENCE = json.loads((Path(__file__).parents[3] / "oracles" / "motion" / "motion_reference.json").read_text())
 
@@ -99,8 +100,7 @@ def test_three_turns__as_mpmath_at_30_digits_within_figures(name, more, monkeypa
 
 @pytest.mark.parametrize("name", MACHINES)
 def test_implicit_steps__as_mpmath_at_30_digits_within_figures(name, monkeypatch):
-    monkeypatch.setattr("engine.motion.runs.run_in_angle.TO_THE_END", (ORDER_NINE, ORDER_NINE))
-    monkeypatch.setattr("engine.motion.runs.run_in_angle.LOOKED_WITHIN", (ORDER_NINE, ORDER_NINE))
+    monkeypatch.setattr("engine.motion.runs.run_in_angle.EIGHT", NINE)
     for errors in steps_and_errors(name, "", monkeypatch).values():
         assert (errors <= 100 * np.array(TOLERANCES)).all(), errors
 
@@ -113,8 +113,8 @@ def test_steps_of_equal_length__order_8(more, monkeypatch):
     # Nothing is refused: steps are as long as they may be.
     monkeypatch.setattr("engine.motion.runs.run_in_time.GROW", 1.0)
     errors = []
-    for length in (math.pi / 8, math.pi / 16):
-        equal = Stepping(tolerance=1e25, farthest=length)
+    for length in (math.pi / 4, math.pi / 8):
+        equal = Stepping(1e25, 1e25, length / FARTHER)
         monkeypatch.setattr(Schedule, "_stepping", lambda self, name, equal=equal: equal)
         found = three_turns("dc", round(2 * math.pi / length), more)
         errors.append(abs(found["omega"] / float(REFERENCE["dc"]["omega"]) - 1.0))

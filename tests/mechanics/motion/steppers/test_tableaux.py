@@ -3,14 +3,13 @@
 import math
 from collections.abc import Iterator
 from functools import cache
-from itertools import combinations_with_replacement, pairwise
+from itertools import combinations_with_replacement
 
 import numpy as np
 import pytest
 
 from engine.laws.runge_kutta import DORMAND_PRINCE, ERRORS, MATRIX, NODES, ORDER_EIGHT, Method, Tableau, part_at
-from engine.motion.steppers.one_step import DOUBLE, FADES_FASTER
-from engine.motion.steppers.radau import ORDER_NINE, ORDER_THIRTEEN, RADAU, RADAU_THIRTEEN
+from engine.motion.steppers.radau import ORDER_NINE, RADAU
 
 # A rooted tree is the tuple of the trees that grow from its root.
 Tree = tuple
@@ -153,53 +152,3 @@ def test_formulas_of_lower_order__of_radau_miss_polynomials_of_their_degree_only
         # Weights of both formulas integrate what the fewer nodes determine.
         assert max(abs(less @ nodes**k) for k in range(count)) < ROUNDED
         assert abs(less @ nodes**count) > 1e-4
-
-
-def test_order_thirteen__by_butchers_simplifying_assumptions():
-    # B(13), C(7) and D(6) give order 13: J. C. Butcher's theorem, Hairer, Nørsett and Wanner I, II.7. B(14) isn't met.
-    a, b, c = RADAU_THIRTEEN.matrix, RADAU_THIRTEEN.weights, RADAU_THIRTEEN.nodes
-    assert max(abs(b @ c ** (k - 1) - 1.0 / k) for k in range(1, 14)) < ROUNDED
-    assert abs(b @ c**13 - 1.0 / 14.0) > 1e-9
-    assert max(np.abs(a @ c ** (k - 1) - c**k / k).max() for k in range(1, 8)) < ROUNDED
-    assert max(np.abs((b * c ** (k - 1)) @ a - b / k * (1.0 - c**k)).max() for k in range(1, 7)) < ROUNDED
-
-
-def fading(fine: float, coarse: float) -> float:
-    return fine / np.hypot(fine, coarse)
-
-
-def of_thirteen(slopes: np.ndarray, length: float) -> float:
-    fine, coarse, coarsest = (
-        length * np.linalg.norm(formulas @ slopes)
-        for formulas in (ORDER_THIRTEEN.fine, ORDER_THIRTEEN.coarse, ORDER_THIRTEEN.coarsest)
-    )
-    before = FADES_FASTER * fading(coarse, coarsest)
-    return DOUBLE * max(fine, coarse * before) * max(fading(fine, coarse), before) ** 3
-
-
-# Entire, with poles beside the way, and with branch points close to it: how far estimates may fall short, and how far
-# the middle one may exceed the error.
-@pytest.mark.parametrize(
-    ("slope", "short", "middle"),
-    [
-        (lambda t: np.sin(7.0 * t), 0.6, 2e5),
-        (lambda t: 1.0 / (1.5 + np.cos(t)), 2.0, 600.0),
-        (lambda t: np.sqrt(1.05 + np.cos(t)), 0.1, 20.0),
-    ],
-    ids=["sine", "poles", "branch points"],
-)
-def test_estimated_error_of_order_thirteen__hardly_falls_short(slope, short: float, middle: float):
-    random, ratios = np.random.default_rng(1), []
-    for begin, length in zip(random.uniform(0.0, 6.28, 800), np.exp(random.uniform(-1.6, 1.14, 800)), strict=True):
-        nodes, weights = np.polynomial.legendre.leggauss(80)
-        # Panels of their own where the integrand is steepest.
-        edges = np.union1d([begin, begin + length], [x for x in (np.pi,) if begin < x < begin + length])
-        true = sum(0.5 * (b - a) * weights @ slope(0.5 * (a + b) + 0.5 * (b - a) * nodes) for a, b in pairwise(edges))
-        slopes = slope(begin + length * RADAU_THIRTEEN.nodes)
-        error = abs(length * (RADAU_THIRTEEN.weights @ slopes) - true)
-        # What rounds says nothing.
-        if error > 1e-13:
-            ratios.append(of_thirteen(slopes, length) / error)
-    assert len(ratios) > 100
-    assert min(ratios) > short
-    assert 1.0 < np.median(ratios) < middle
