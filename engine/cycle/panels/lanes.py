@@ -10,6 +10,7 @@ names them. The annotations of a record of arrays say which of them are `Memory`
 """
 
 import math
+from functools import cache
 from typing import get_type_hints
 
 import numpy as np
@@ -69,6 +70,10 @@ def tiles(count: int) -> np.ndarray:
     return rows(count, POSITIONS)
 
 
+# Looked up once: every evaluation makes some tens of records.
+_kinds_of = cache(get_type_hints)
+
+
 def new_record(record: type, /, **given: object) -> tuple:
     """A record of arrays with memory for what its annotations name.
 
@@ -79,7 +84,7 @@ def new_record(record: type, /, **given: object) -> tuple:
         How many rows, tiles or records there are of a field; of a field that is no memory what it holds.
     """
     made = {}
-    for name, kind in get_type_hints(record).items():
+    for name, kind in _kinds_of(record).items():
         if not isinstance(kind, Memory):
             made[name] = given[name]
         elif not kind.inner:

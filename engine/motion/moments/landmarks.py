@@ -118,7 +118,8 @@ class Landmarks:
         def arguments() -> tuple:
             return given, task, chosen, new_workspace(task, len(parameters), 0), found, coarse
 
-        prepare(find_places, [types.intp, types.intp, *(numba.typeof(argument) for argument in arguments())])
+        if not find_places.overloads:
+            prepare(find_places, [types.intp, types.intp, *(numba.typeof(argument) for argument in arguments())])
         spread(find_places, -(-variants // LANES), arguments)
         return found, coarse
 
