@@ -58,7 +58,7 @@ from engine.verdicts import Verdict
 TOLERANCE, SURER, LEAST_TOLERANCE = 1e-9, 0.1, 1e-13
 # A step of a run in time, and one over the angle, whose errors are known; where nothing is said, the latter may miss so
 # much of what one in time may.
-SURER_IN_RUNS, FINER = (0.1, 0.3), 1e-3
+SURER_IN_RUNS, FINER = (0.1, 0.3), 0.03
 # Runs by equal steps whose time, angle or speed at the end change by more with steps of twice the length tell nothing.
 TELLS_NOTHING = 0.01
 # Variants that go together: as many as keep their tables, of so many rows, in a cache that the cores share.

@@ -247,6 +247,10 @@ class Walks(NamedTuple):
     steps: np.ndarray
     recorded: np.ndarray
 
+    def some(self, chosen: np.ndarray) -> "Walks":
+        """Those of some variants, by index."""
+        return Walks(*(rows[..., chosen] for rows in self))
+
 
 class PrintedSystem:
     """A system with its printed functions.
@@ -322,7 +326,7 @@ class PrintedSystem:
         doubts = np.zeros_like(states) if doubts is None else np.array(doubts, float, order="C")
         ending, kept = np.empty_like(states), np.empty((recorded, 3 + (task.states + 1) * (1 + SHOWN.size), count))
         parts = [np.require(part, float, "CW") for part in (numbers, edges, instants, rows)]
-        repeats = not (task.along_time or task.extremes or task.implicit or recorded) and np.isfinite(task.cycle)
+        repeats = not (task.along_time or task.implicit or recorded) and np.isfinite(task.cycle)
         batch = WalkBatch(self.functions.memory, *parts, states, doubts, ending, found, kept)
 
         def arguments() -> tuple:

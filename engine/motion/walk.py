@@ -178,7 +178,9 @@ class Lane(NamedTuple):
     taken, able : row
         1 where the step is taken, and where a cycle is repeated.
     kept : row
-        How many steps of a cycle are kept.
+        How many steps of a cycle are kept; −1 where none are.
+    free : row
+        Where along its way steps may be kept again.
     doubt : row
         What the first state may be off by at the begin of the step.
     ended : row
@@ -222,6 +224,7 @@ class Lane(NamedTuple):
     taken: Row
     able: Row
     kept: Row
+    free: Row
     doubt: Row
     ended: Row
 
@@ -246,6 +249,7 @@ class Room(NamedTuple):
     doubts: np.ndarray
     ending: np.ndarray
     equations: np.ndarray
+    before: np.ndarray
     guards: np.ndarray
     lengths: np.ndarray
     places: np.ndarray
@@ -268,6 +272,7 @@ def new_room(task: WalkTask, numbers: int, edges: int, instants: int, repeats: b
         rows(task.width),
         rows(task.width),
         rows(task.stages * (task.stages + 2) if task.implicit else 0),
+        rows(2 * (2 * task.width + 1)),
         rows(2 * (FIRST + task.guards)),
         rows(laid),
         rows(laid * (task.stages + 1) * max(task.places, 1)),
@@ -375,7 +380,7 @@ def keep_place(stage: int, task: WalkTask, room: Room) -> None:
     own, kept, numbers = rows_of(room.lane), in_lanes(room.places), in_lanes(room.numbers)
     most = room.lengths.shape[0] - 1
     for lane in range(LANES):
-        at = (min(int(own.kept[lane]), most) * (task.stages + 1) + stage) * task.places
+        at = (min(max(int(own.kept[lane]), 0), most) * (task.stages + 1) + stage) * task.places
         for i in range(task.places):
             kept[at + i, lane] = numbers[task.first_place + i, lane]
 
@@ -413,21 +418,7 @@ def attempt(kept: int, keeps: bool, printed: Printed, task: WalkTask, room: Room
     look(1, printed, task, room)
     if keeps:
         keep_place(task.stages, task, room)
-    if task.implicit:
-        forget_errors(task, room)
     judge_steps(task, room)
-
-
-@routine
-def forget_errors(task: WalkTask, room: Room) -> None:
-    """Of an implicit step's error leave what its end remembers: a steep motor takes the rest back.
-
-    Source: E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, section IV.8.
-    """
-    own, watched, errors = rows_of(room.lane), in_lanes(room.watched), in_lanes(room.errors)
-    for lane in range(LANES):
-        fades = -own.length[lane] * watched[task.watched + STEEPNESS, lane]
-        errors[0, lane] /= 1.0 + (OWN_SHARE * fades if fades > 0.0 else 0.0)
 
 
 @routine
@@ -553,7 +544,11 @@ def judge_steps(task: WalkTask, room: Room) -> None:
                     made = abs(own.length[lane] * k[s * width + q, lane])
                     own.size[lane] = made if made > own.size[lane] else own.size[lane]
         for lane in range(LANES):
-            off = abs(errors[q, lane]) / (own.tolerance[lane] * own.size[lane] + rounded * abs(begin[q, lane]))
+            # A steep motor takes back the rest of an implicit step's error. Source: E. Hairer and G. Wanner, Solving
+            # Ordinary Differential Equations II, section IV.8.
+            fades = -own.length[lane] * watched[count + STEEPNESS, lane] if task.implicit and q == 0 else 0.0
+            left = 1.0 + (OWN_SHARE * fades if fades > 0.0 else 0.0)
+            off = abs(errors[q, lane]) / left / (own.tolerance[lane] * own.size[lane] + rounded * abs(begin[q, lane]))
             # What doesn't move at all misses nothing.
             off = off if errors[q, lane] != 0.0 else 0.0
             own.missed[lane] = off if off > own.missed[lane] or off != off else own.missed[lane]
@@ -709,13 +704,16 @@ def guard(g: int, lane: int, end: int, task: WalkTask, room: Room) -> float:
 
 
 @routine
-def fires(task: WalkTask, room: Room) -> None:
-    """In which lanes a guard that is positive at the begin of the step isn't at its end, into the row `fired`."""
+def fires(rises: bool, task: WalkTask, room: Room) -> None:
+    """In which lanes a guard that is positive at the begin of the step isn't at its end, into the row `fired`.
+
+    Extremes of the speed count where it `rises`.
+    """
     own = rows_of(room.lane)
     for lane in range(LANES):
         own.fired[lane] = 0.0
     for g in range(FIRST + task.guards):
-        if (g != EDGE or task.along_time) and (g != RISE or task.extremes):
+        if (g != EDGE or task.along_time) and (g != RISE or rises):
             for lane in range(LANES):
                 crossed = guard(g, lane, 0, task, room) > 0.0 and not guard(g, lane, 1, task, room) > 0.0
                 own.fired[lane] = 1.0 if crossed else own.fired[lane]
@@ -725,7 +723,7 @@ def fires(task: WalkTask, room: Room) -> None:
 def decide_steps(task: WalkTask, room: Room) -> bool:
     """In which lanes the step is taken, into the row `taken`; in others another length is tried. Whether in any."""
     own, took = rows_of(room.lane), False
-    fires(task, room)
+    fires(task.extremes, task, room)
     for lane in range(LANES):
         own.taken[lane] = 0.0
         if own.length[lane] > 0.0:
@@ -794,12 +792,13 @@ def carry_errors(task: WalkTask, room: Room) -> None:
     """
     own, watched = rows_of(room.lane), in_lanes(room.watched)
     doubts, errors, begin, end = in_lanes(room.doubts), in_lanes(room.errors), in_lanes(room.begin), task.watched
-    # What is left of an implicit step's error is a guess.
-    sure = 4.0 if task.implicit else 1.0
+    most = -3.0 if task.implicit else -1.0
     for lane in range(LANES):
         grows = 0.5 * own.length[lane] * (watched[STEEPNESS, lane] + watched[end + STEEPNESS, lane])
+        # A step forgets no more than its method does.
+        grows = grows if grows > most else most
         own.doubt[lane] = doubts[0, lane]
-        step = sure * abs(errors[0, lane]) + 0.25 * EPS * begin[0, lane]
+        step = abs(errors[0, lane]) + 0.25 * EPS * begin[0, lane]
         after = own.doubt[lane] * exponential(grows) + step
         doubts[0, lane] = after if own.taken[lane] > 0.0 else doubts[0, lane]
     for q in range(1, task.width):
@@ -920,7 +919,7 @@ def record(first: int, printed: Printed, recorded: np.ndarray, task: WalkTask, r
 
 @routine
 def lay(first: int, printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> None:
-    """Make new steps: those of a cycle, which are kept, in lanes with two ahead; all in others.
+    """Make new steps: those of a cycle, which are kept, in lanes with several ahead; all in others.
 
     Whatever a lane does depends on itself alone.
     """
@@ -928,47 +927,84 @@ def lay(first: int, printed: Printed, batch: WalkBatch, task: WalkTask, room: Ro
     slots, edges, records = room.lengths.shape[0], batch.edges.shape[0] // 2, batch.recorded.shape[0] > 0
     most_steps = batch.recorded.shape[0] if records else MOST_STEPS
     for lane in range(LANES):
-        several = slots > 1 and own.at[lane] + (2.0 - NEARLY) * task.cycle <= own.goal[lane]
-        own.halt[lane], own.kept[lane] = own.at[lane] + task.cycle if several else math.inf, 0.0
+        several = slots > 1 and own.at[lane] + (cycles_ahead(task) + 1.0) * task.cycle <= own.goal[lane]
+        later = own.at[lane] < own.free[lane]
+        own.halt[lane] = own.free[lane] if later else own.at[lane] + task.cycle if several else math.inf
+        own.kept[lane] = 0.0 if several and not later else -1.0
     while choose(edges, batch.instants.shape[0], most_steps, task, room):
         keeps = False
         for lane in range(LANES):
-            keeps |= own.halt[lane] < math.inf and own.length[lane] > 0.0
+            keeps |= own.kept[lane] >= 0.0 and own.length[lane] > 0.0
         attempt(-1, keeps, printed, task, room)
         took = decide_steps(task, room)
         if records and took:
             record(first, printed, batch.recorded, task, room)
         for lane in range(LANES if keeps else 0):
-            if own.taken[lane] > 0.0 and own.halt[lane] < math.inf:
+            if own.taken[lane] > 0.0 and own.kept[lane] >= 0.0:
                 slot = int(own.kept[lane])
                 if slot < slots:
                     lengths[slot, lane] = own.length[lane]
                     own.kept[lane] += 1.0
                 else:
-                    own.halt[lane] = math.inf
+                    own.halt[lane], own.kept[lane] = math.inf, -1.0
         take(edges, task, room)
+
+
+@inlined
+def cycles_ahead(task: WalkTask) -> float:
+    """How many cycles a lane has ahead that repeats one."""
+    return (2.0 if task.extremes else 1.0) - NEARLY
+
+
+@inlined
+def remember(first: bool, lane: int, task: WalkTask, room: Room) -> None:
+    """Remember where a lane begins a cycle, and where it began the one before, if that isn't the `first`."""
+    own, before, width = rows_of(room.lane), in_lanes(room.before), task.width
+    begin, doubts, one = in_lanes(room.begin), in_lanes(room.doubts), 2 * task.width + 1
+    for i in range(one):
+        now = own.at[lane] if i == 2 * width else begin[i, lane] if i < width else doubts[i - width, lane]
+        before[i, lane] = now if first else before[one + i, lane]
+        before[one + i, lane] = now
+
+
+@inlined
+def go_back(lane: int, task: WalkTask, room: Room) -> None:
+    """Go back to where a lane began the cycle before; its steps are made anew up to the end of the one it left."""
+    own, before, width = rows_of(room.lane), in_lanes(room.before), task.width
+    begin, doubts = in_lanes(room.begin), in_lanes(room.doubts)
+    for i in range(width):
+        begin[i, lane], doubts[i, lane] = before[i, lane], before[width + i, lane]
+    own.at[lane], own.free[lane] = before[2 * width, lane], before[4 * width + 1, lane] + task.cycle
 
 
 @routine
 def repeat(printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> None:
-    """Repeat the steps of a cycle in lanes that have one ahead, as long as they miss little enough."""
-    own, lengths = rows_of(room.lane), in_lanes(room.lengths)
+    """Repeat the steps of a cycle in lanes that have one ahead, as long as they miss little enough.
+
+    Speeds over the angle of a motion and of the same one a cycle later never cross. So the extremes of a walk are those
+    of its first and its last cycle, whose steps are made anew.
+    """
+    own, lengths, first = rows_of(room.lane), in_lanes(room.lengths), True
     while True:
         able, slots = 0, 0
         for lane in range(LANES):
-            whole = own.why[lane] == GOING and own.at[lane] >= own.halt[lane]
-            whole = whole and own.at[lane] + (1.0 - NEARLY) * task.cycle <= own.goal[lane]
+            whole = own.why[lane] == GOING and own.at[lane] >= own.halt[lane] and own.kept[lane] > 0.0
+            whole = whole and own.at[lane] + cycles_ahead(task) * task.cycle <= own.goal[lane]
             own.able[lane] = 1.0 if whole else 0.0
             able += 1 if whole else 0
             slots = max(slots, int(own.kept[lane]) if whole else 0)
         if able == 0:
             break
+        for lane in range(LANES if task.extremes else 0):
+            if own.able[lane] > 0.0:
+                remember(first, lane, task, room)
+        first = False
         for slot in range(slots):
             for lane in range(LANES):
                 goes = own.able[lane] > 0.0 and slot < own.kept[lane]
                 own.length[lane] = lengths[slot, lane] if goes else 0.0
             attempt(slot, False, printed, task, room)
-            fires(task, room)
+            fires(False, task, room)
             for lane in range(LANES):
                 sound = own.length[lane] == 0.0 or (own.missed[lane] <= ROUGHLY and own.fired[lane] == 0.0)
                 own.able[lane] = own.able[lane] if sound else 0.0
@@ -985,6 +1021,8 @@ def repeat(printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> No
                 own.turned[lane] = own.at[lane]
             elif own.why[lane] == GOING and own.at[lane] != own.turned[lane]:
                 # It left its steps on the way; new ones begin from there.
+                if task.extremes:
+                    go_back(lane, task, room)
                 own.turned[lane], own.halt[lane] = own.at[lane], math.inf
                 find_edge(lane, batch.edges.shape[0] // 2, task, room)
             elif own.why[lane] == GOING:
@@ -1028,7 +1066,7 @@ def walk(
             own.at[lane] = 0.0 if task.along_time else own.turned[lane]
             own.slowest[lane], own.fastest[lane], own.slope[lane] = math.inf, -math.inf, math.nan
             own.slow_off[lane], own.fast_off[lane] = math.nan, math.nan
-            own.steps[lane], own.scale[lane], own.trials[lane] = 0.0, 0.0, 0.0
+            own.steps[lane], own.scale[lane], own.trials[lane], own.free[lane] = 0.0, 0.0, 0.0, -math.inf
             own.begins[lane], own.ends[lane] = -math.inf, math.inf
             own.why[lane] = GOING if lane < last and own.at[lane] < own.goal[lane] else GOAL
             find_edge(lane, edges, task, room)

@@ -21,8 +21,7 @@ from engine.verdicts import Verdict
 TIMES_PER_RADIAN, TIMES_TO_THE_END = 4.0, 40.0
 # What steps may miss at least, and how far they may turn, of what those in time may.
 LEAST, FARTHER = 1e-14, 2.0
-# Steps that are looked within turn so much of that: their polynomial is of a lower order than they are, and extremes
-# are told by the slopes at their ends.
+# Steps that are looked within turn so much of that: their polynomial is of a lower order than they are.
 CLOSELY = 0.5
 # Cycles after which it is first looked whether a run comes nearer to a speed; then twice as many each time.
 FIRST_CYCLES = 8
@@ -106,7 +105,7 @@ def _walk(
     brisk = TIMES_TO_THE_END if runs.to_the_end else TIMES_PER_RADIAN
     limits = {sizes.above: ends.above, sizes.below: ends.below}
     lanes = {"start": begin, "direction": part.direction, "facing": one, "clock": 0.0, "goal": ends.turned}
-    share = CLOSELY if extremes or runs.observers else FARTHER
+    share = CLOSELY if runs.observers else 1.0 if extremes else FARTHER
     farthest = runs.farthest_step * (1.0 if runs.classical else share)
     lanes |= {"other_goal": ends.time, "tolerance": max(runs.over_angle, LEAST), "farthest": farthest}
     lanes |= {"turned": 0.0, "pace": np.minimum(pace, farthest)}
@@ -116,8 +115,10 @@ def _walk(
     edges = np.concatenate(edges_of(part.direction, part.breaks, dynamics.cycle, begin))
     recorded = RECORDED if runs.observers else 0
     gone = system.run(task, numbers, edges, np.zeros((0, who.size)), lanes, states, runs.carried[:, who], recorded)
-    if runs.observers:
-        runs.see(who, _piece_of(runs, who, state, gone, implicit))
+    moved = np.flatnonzero(gone.steps > 0.0)
+    if runs.observers and moved.size:
+        before = State(*(rows[..., moved] for rows in state))
+        runs.see(who[moved], _piece_of(runs, who[moved], before, gone.some(moved), implicit))
     _take(runs, who, states[ENERGY], gone)
     return gone.why, gone.pace
 

@@ -12,7 +12,7 @@ from engine.motion.steppers.time_form import State, TimeForm, state_at
 from engine.verdicts import Verdict
 
 # What a step in time may miss, and one over the angle, whose errors add up over many cycles; how far they may turn.
-TOLERANCE, OVER_ANGLE, FARTHEST_STEP = 1e-10, 1e-13, 0.25 * np.pi
+TOLERANCE, OVER_ANGLE, FARTHEST_STEP = 1e-10, 3e-12, 0.25 * np.pi
 # For comparison, steps of nearly twice the length.
 COARSER = 2.0**6
 # So much of a cycle before a mark it is passed: all that rounding leaves.

@@ -158,7 +158,7 @@ def test_steady_regime__its_powers_over_the_cycle_balance_and_mean_to_their_work
 def test_end__rows_beyond_it_are_nan_and_that_at_the_end_is_not():
     rows, found = kept(rotor({"go": run("brake", from_speed=1.0, rest=True, at={"times": "0 s to 1 s, 21"})}), "turned")
     # 0.8 N·m on 0.4 kg·m² stop 1 rad/s in 0.5 s.
-    assert found["go.time"] == pytest.approx(0.5, rel=1e-12)
+    assert abs(found["go.time"] - 0.5) <= found.figure("go.time") <= 1e-9
     assert np.isfinite(rows["speed"]).sum() == 11
     assert np.isnan(rows["speed"][11:]).all()
     assert rows["speed"][:11] == pytest.approx(1.0 - 2.0 * np.arange(11) * 0.05, abs=1e-12)

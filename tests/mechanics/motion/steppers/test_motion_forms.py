@@ -9,6 +9,7 @@ import pytest
 from motion_scenes import ask, reduced, run, slider_crank
 from mpmath import mp
 
+from engine import Verdict
 from engine.motion.methods import NINE
 from engine.motion.regimes_in_order import Schedule
 from engine.motion.runs.run_in_angle import FARTHER
@@ -114,7 +115,7 @@ def test_steps_of_equal_length__order_8(more, monkeypatch):
     monkeypatch.setattr("engine.motion.runs.run_in_time.GROW", 1.0)
     errors = []
     for length in (math.pi / 4, math.pi / 8):
-        equal = Stepping(1e25, 1e25, length / FARTHER)
+        equal = Stepping(1e25, 1e25, length / FARTHER, extremes=False)
         monkeypatch.setattr(Schedule, "_stepping", lambda self, name, equal=equal: equal)
         found = three_turns("dc", round(2 * math.pi / length), more)
         errors.append(abs(found["omega"] / float(REFERENCE["dc"]["omega"]) - 1.0))
@@ -144,3 +145,26 @@ def test_energy_form_and_time_form__agree_within_their_figures(only, regime):
         assert abs(energy[name] - time[name]) <= 3 * sum_of_figures + 1e-12 * abs(energy[name]), name
         # Figures alone could be large.
         assert energy[name] == pytest.approx(time[name], rel=2e-6, abs=1e-9), name
+
+
+# Extremes of the speed, of which steps of long runs see only those of the first and the last cycle
+
+
+@pytest.mark.parametrize(
+    ("begin", "end"),
+    [
+        (20.0, {"cycles": 12.3}),
+        (90.0, {"cycles": 12.3}),
+        (20.0, {"time": 1.9}),
+        (90.0, {"time": 1.9}),
+        (20.0, {"speed": 60.0}),
+        (90.0, {"speed": 82.0}),
+    ],
+)
+def test_extremes_of_the_speed__are_those_that_are_seen_cycle_by_cycle(begin, end):
+    scene = slider_crank({"go": run("dc fan gravity cut", from_speed=begin, **end)}, flywheel=0.3)
+    found = ask(scene, "go.speed_max go.speed_min go.speed.max go.speed.min", 720)
+    assert found.status == [Verdict.OK]
+    for name in ("max", "min"):
+        apart = abs(found[f"go.speed_{name}"] - found[f"go.speed.{name}"])
+        assert apart <= found.figure(f"go.speed_{name}") + found.figure(f"go.speed.{name}")
