@@ -185,6 +185,9 @@ def _piece_of(runs: Progress, who: np.ndarray, before: State, gone: Walks, impli
 
     columns = np.broadcast_to(np.arange(who.size), turned.shape)
     time, whole, omega, moment = at(columns, turned)
+    # Rounding of polynomials turns back no clock.
+    end = before.time + gone.states[TIME] + (gone.doubts[TIME] if runs.half else 0.0)
+    time = np.minimum(np.maximum.accumulate(time, axis=0), end)
 
     def within(columns: np.ndarray, nodes: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, ...]:
         return tuple(row[0] for row in at(columns[None], (turned[nodes, columns] + lengths)[None]))
