@@ -92,6 +92,21 @@ def induction_motor_slope(
     return -factor * breakdown_slip * rise / synchronous_speed
 
 
+@scalar
+def induction_motor_curvature(
+    breakdown_torque: float, breakdown_slip: float, rotor_ratio: float, synchronous_speed: float, omega: float
+) -> float:
+    """Second derivative of `induction_motor` by the speed [N·m·s²]; parameters as there."""
+    slip = (synchronous_speed - omega) / synchronous_speed
+    damping = rotor_ratio * breakdown_slip
+    denominator = slip * slip + breakdown_slip * breakdown_slip + damping * breakdown_slip * slip
+    factor = breakdown_torque + breakdown_torque + damping * breakdown_torque
+    rise = (breakdown_slip - slip) * (breakdown_slip + slip)
+    bend = slip * denominator + rise * (slip + slip + damping * breakdown_slip)
+    per_slip = breakdown_slip / denominator / denominator / denominator
+    return -2.0 * factor * per_slip * bend / synchronous_speed / synchronous_speed
+
+
 def dc_motor_from_nameplate(power: ArrayLike, rated_speed: ArrayLike, no_load_speed: ArrayLike) -> np.ndarray:
     """Stall torque of a DC motor from its nameplate.
 

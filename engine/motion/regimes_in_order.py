@@ -43,7 +43,7 @@ from engine.motion.runs.watching import Observer, RunFields
 from engine.motion.settled.cycle import CycleAnswers, answers_of, cycle_of
 from engine.motion.settled.rubbing_steady import settled_motion
 from engine.motion.settled.sizing import flywheel_for
-from engine.motion.settled.steady import steady_motion
+from engine.motion.settled.steady import Steady, steady_motion
 from engine.motion.steppers.energy_form import NODES
 from engine.motion.steppers.rubbing_form import FRICTION_MOMENT
 from engine.motion.system import CHANNELS
@@ -224,6 +224,7 @@ class Schedule:
         self.reduction = Reduction(mechanics)
         friction = PairLoads(mechanics, [FRICTION_MOMENT]) if has_friction(scene) else None
         gathered = {"motors"} if works or summaries & {"motor_work", "motor_power"} else set()
+        gathered |= {"fading"} if self.steady & set(self.needed) else set()
         gathered |= {"squares"} if "motor_moment_rms" in summaries else set()
         self.dynamics = {off: Dynamics(self.reduction, off, works, friction, frozenset(gathered)) for off in sets}
         self.sides = {off: TwoSides(self.reduction, off, works) for off in sets} if scene.couplings else {}
@@ -368,7 +369,8 @@ class Schedule:
                 scale |= {"end_reached": np.zeros(count), "work_residual": np.ones(count)}
                 gone.missed.update({f"{name}.{key}": most for key, most in extremes.missed.items()})
             else:
-                found, cycle, standing = self._steady(name, dynamics, variants, standing, half)
+                found, off, cycle, standing = self._steady(name, dynamics, variants, standing, half)
+                gone.missed.update({f"{name}.{key}": row for key, row in off.items()})
                 made, energy = float(steps), found["energy"]
                 # δ is a difference of speeds, and rounds as they do.
                 found, scale = found | cycle.values, cycle.scales | {"speed_fluctuation": np.ones(count)}
@@ -626,34 +628,36 @@ class Schedule:
 
     def _steady(
         self, name: str, dynamics: Dynamics, variants: Variants, standing: Standing, half: bool
-    ) -> tuple[dict[str, np.ndarray], CycleAnswers, Standing]:
-        zero, asked, which = np.zeros(variants.count), self.fields[name], int(half)
-        found, verdict = {}, np.full(variants.count, Verdict.OK, np.uint8)
+    ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], CycleAnswers, Standing]:
+        zero, asked = np.zeros(variants.count), self.fields[name]
+        found, missed, verdict = {}, {}, np.full(variants.count, Verdict.OK, np.uint8)
         if f"{name}.flywheel" in self.asked:
             delta = np.broadcast_to(variants.numbers["flywheel.speed_fluctuation"], (variants.count,))
             found["flywheel"], verdict = flywheel_for(dynamics, variants, self.tolerance, delta, half)
             wheel = np.where(verdict == Verdict.OK, found["flywheel"], variants.flywheel)
-            variants = variants._replace(flywheel=wheel, kept=None)
+            variants = variants._replace(flywheel=wheel, kept={})
         # A force may jump where its moment only bends, for want of motion: at a dead centre.
         sided = variants._replace(breaks=variants.breaks.two_sided()) if asked else variants
         looked = bool(asked or self.sides)
         grid = dynamics.grid(sided, zero, dynamics.cycle, self.steps // 2 if half else self.steps) if looked else None
         nodes = None if grid is None else variants.direction * grid.places[NODES]
-        if nodes is None and variants.kept is not None and dynamics.friction is None:
-            # Found together, both are kept for the second time.
-            if "steady" not in variants.kept:
-                variants.kept["steady"] = steady_motion(dynamics, variants, self.tolerance)
-            steady = variants.kept["steady"][which]
-        else:
+        off: Steady | None = None
+        if dynamics.friction is not None:
             steady = settled_motion(dynamics, variants, self.tolerance, half, nodes)
-        low, high, period = steady.slowest, steady.fastest, steady.period
-        found |= {"speed_min": low, "speed_max": high, "speed_fluctuation": steady.fluctuation}
-        found |= {"period": period, "mean_speed": dynamics.cycle / period, "multiplier": steady.multiplier}
-        found |= {"return_residual": steady.residual, "energy": steady.energy}
-        found["motor_moment_peak"] = greatest_moment(variants.drive, low, high)
-        change = steady.ended - steady.energy
-        found |= _work_values(dynamics, steady.works, steady.squares, period, change, steady.energy)
-        found |= self._slips(name, variants, dynamics.cycle / period)
+        else:
+            # Without nodes both are the same for the second time.
+            if nodes is not None or "steady" not in variants.kept:
+                variants.kept["steady"] = steady_motion(dynamics, variants, self.tolerance, nodes)
+            steady, off = variants.kept["steady"]
+
+        def told(steady: Steady) -> dict[str, np.ndarray]:
+            return self._of_steady(name, dynamics, variants, steady)
+
+        if off is not None and not half:
+            missed |= steady.spread(off, told)
+        if off is not None and half:
+            steady = steady.shifted(off)
+        found |= told(steady)
         if self.sides:
             two = self.sides[frozenset(self.regimes[name].off)]
             peak, most = held_moment(two, dynamics, variants, grid.places[NODES], steady.record[0])
@@ -666,7 +670,19 @@ class Schedule:
         verdict = np.where(standing.verdict != Verdict.OK, standing.verdict, np.maximum(verdict, steady.verdict))
         begin = np.sqrt(2.0 * steady.energy / dynamics.rows(variants, zero[None]).inertia[0])
         held = CoupledStanding(begin, np.full(variants.count, np.inf)) if self.sides else None
-        return found, cycle, Standing(zero, begin, zero, verdict.astype(np.uint8), held)
+        return found, missed, cycle, Standing(zero, begin, zero, verdict.astype(np.uint8), held)
+
+    def _of_steady(self, name: str, dynamics: Dynamics, variants: Variants, steady: Steady) -> dict[str, np.ndarray]:
+        """Numbers of a steady motion by their names without the regime's."""
+        low, high, period = steady.slowest, steady.fastest, steady.period
+        found = {"speed_min": low, "speed_max": high, "speed_fluctuation": steady.fluctuation}
+        found |= {"period": period, "mean_speed": dynamics.cycle / period, "multiplier": steady.multiplier}
+        found |= {"return_residual": steady.residual, "energy": steady.energy}
+        if f"{name}.motor_moment_peak" in self.asked:
+            found["motor_moment_peak"] = greatest_moment(variants.drive, low, high)
+        change = steady.ended - steady.energy
+        found |= _work_values(dynamics, steady.works, steady.squares, period, change, steady.energy)
+        return found | self._slips(name, variants, dynamics.cycle / period)
 
     def _slips(
         self, name: str, variants: Variants, mean_speed: np.ndarray, gone: CoupledOutcome | None = None

@@ -5,7 +5,7 @@ turned and the speed, with I ε + ½ω² dI/dφ = M(φ, ω, t). Moments count in
 negative: a machine that moves backwards is one whose input is meant to turn the other way.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numba
@@ -22,14 +22,15 @@ from engine.graph.nodes import Given, Node, Stage
 from engine.laws.elementary import power
 from engine.laws.kinematics.closure import greater
 from engine.laws.loads import sized
-from engine.laws.motor_characteristics import induction_motor, induction_motor_slope
+from engine.laws.motor_characteristics import induction_motor, induction_motor_curvature, induction_motor_slope
 from engine.mechanism.actions.motors import motor_ratio
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.loads import Loads
 from engine.mechanism.mechanics import Mechanics
+from engine.motion.closed_cycle import TOLD, CycleBatch, CycleRoom, find_cycles, new_cycle_room
 from engine.motion.methods import EIGHT, METHODS
 from engine.motion.moments.tabulation import Tabulation
-from engine.motion.walk import FOUND, GIVEN, WalkBatch, WalkTask, new_room, walk
+from engine.motion.walk import FOUND, GIVEN, Room, WalkBatch, WalkTask, new_room, walk
 from engine.parts.actions import DCMotor
 from engine.parts.motor_constants import kloss_constants, stall_moment
 
@@ -41,6 +42,7 @@ SHOWN = 0.5 - 0.5 * np.cos(np.pi * np.arange(8) / 7.0)
 SLOPES = {
     sized: {1: lambda size, value: value.graph.apply(sized, size, 1.0)},
     induction_motor: {4: lambda *operands: operands[-1].graph.apply(induction_motor_slope, *operands)},
+    induction_motor_slope: {4: lambda *operands: operands[-1].graph.apply(induction_motor_curvature, *operands)},
     power: {0: lambda x, n: n * x.graph.apply(power, x, n) / x},
 }
 # Share of its energy that a machine may lose before it is near to rest, however steep its motor.
@@ -177,7 +179,7 @@ def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tup
     works : bool
         Whether the works of useful and harmful loads, … are told apart.
     asked : frozenset of str
-        Of "motors", "squares" and the channels of work.
+        Of "motors", "squares", "fading", ∫ ∂M/∂E dφ, and the channels of work.
     """
     graph, (loads, clock, sizes) = mechanics.graph, sizes_of(mechanics)
     energy = graph.given("kinetic energy", Stage.STATE)
@@ -187,7 +189,7 @@ def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tup
     total, pace = moments.total, 1.0 / speed
     steepness = derivative(total, energy, SLOPES)
     squares = (moments.motors * moments.motors) * pace
-    known = {"motors": moments.motors, **moments.channels, "squares": squares}
+    known = {"motors": moments.motors, **moments.channels, "squares": squares, "fading": steepness}
     slope = total - (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)
     size = abs(moments.motors) + abs(total - moments.motors)
     guards = (
@@ -250,6 +252,28 @@ class Walks(NamedTuple):
     def some(self, chosen: np.ndarray) -> "Walks":
         """Those of some variants, by index."""
         return Walks(*(rows[..., chosen] for rows in self))
+
+
+class Closed(NamedTuple):
+    """Cycles that come back to their own energies; those of variants that have none stand for nothing.
+
+    Attributes
+    ----------
+    energy : ndarray (variants,)
+        At the begin [J].
+    states, doubts : ndarray (states and gathered, variants)
+        At the end, and what they would be off by if the begin weren't.
+    off : ndarray (variants,)
+        |P(E) − E|/E.
+    verdict : ndarray (variants,)
+        As numbered in `Verdict`, or `TOO_STEEP`.
+    """
+
+    energy: np.ndarray
+    states: np.ndarray
+    doubts: np.ndarray
+    off: np.ndarray
+    verdict: np.ndarray
 
 
 class PrintedSystem:
@@ -319,25 +343,70 @@ class PrintedSystem:
         recorded: int = 0,
     ) -> Walks:
         """Walk; parameters as in `engine.motion.walk.WalkBatch`, rows of lanes by name, steps to record."""
-        module, count = load_printed(self.functions.text), states.shape[1]
-        functions = [TileFunction(getattr(module, name)) for name in ("places", "rates", "watch")]
-        rows = np.array([np.broadcast_to(given[name], (count,)) for name in GIVEN], float)
-        states, found = np.array(states, float, order="C"), np.empty((len(FOUND), count))
+        states = np.array(states, float, order="C")
         doubts = np.zeros_like(states) if doubts is None else np.array(doubts, float, order="C")
-        ending, kept = np.empty_like(states), np.empty((recorded, 3 + (task.states + 1) * (1 + SHOWN.size), count))
-        parts = [np.require(part, float, "CW") for part in (numbers, edges, instants, rows)]
+        batch = self._batch(task, numbers, edges, instants, given, states, doubts, recorded)
         repeats = not (task.along_time or task.implicit or recorded) and np.isfinite(task.cycle)
-        batch = WalkBatch(self.functions.memory, *parts, states, doubts, ending, found, kept)
 
-        def arguments() -> tuple:
-            room = new_room(task, len(numbers), len(edges) // 2, len(instants), bool(repeats))
-            return *functions, batch, task, room
+        def room() -> Room:
+            return new_room(task, len(numbers), len(edges) // 2, len(instants), bool(repeats))
 
-        if not walk.overloads:
-            kinds = (numba.typeof(x) for x in arguments()[3:])
-            prepare(walk, [types.intp, types.intp, FILLS_TILE, FILLS_TILE, FILLS_TILE, *kinds])
-        spread(walk, -(-count // LANES), arguments)
-        return Walks(states, doubts, ending, *found, kept)
+        self._go(walk, states.shape[1], batch, task, room)
+        return Walks(states, doubts, batch.ending, *batch.found, batch.recorded)
+
+    def close(
+        self,
+        task: WalkTask,
+        numbers: np.ndarray,
+        edges: np.ndarray,
+        given: Mapping[str, np.ndarray],
+        energies: np.ndarray,
+    ) -> Closed:
+        """Find the cycles that come back to their own energies, from energies at which loads should win."""
+        states, nothing = np.zeros((task.width, energies.size)), np.zeros((0, energies.size))
+        states[0] = energies
+        walks = self._batch(task, numbers, edges, nothing, given, states, np.zeros_like(states), 0)
+        batch = CycleBatch(walks, np.empty_like(energies), np.empty((len(TOLD), energies.size)), self.names["fading"])
+
+        def room() -> CycleRoom:
+            return new_cycle_room(new_room(task, len(numbers), len(edges) // 2, 0, not task.implicit))
+
+        self._go(find_cycles, energies.size, batch, task, room)
+        return Closed(batch.energies, walks.states, walks.doubts, *batch.told)
+
+    def _batch(
+        self,
+        task: WalkTask,
+        numbers: np.ndarray,
+        edges: np.ndarray,
+        instants: np.ndarray,
+        given: Mapping[str, np.ndarray],
+        states: np.ndarray,
+        doubts: np.ndarray,
+        recorded: int,
+    ) -> WalkBatch:
+        count = states.shape[1]
+        rows = np.array([np.broadcast_to(given[name], (count,)) for name in GIVEN], float)
+        kept = np.empty((recorded, 3 + (task.states + 1) * (1 + SHOWN.size), count))
+        found, parts = np.empty((len(FOUND), count)), (numbers, edges, instants, rows)
+        parts = [np.require(part, float, "CW") for part in parts]
+        return WalkBatch(self.functions.memory, *parts, states, doubts, np.empty_like(states), found, kept)
+
+    def _go(
+        self,
+        driver: Callable,
+        count: int,
+        batch: WalkBatch | CycleBatch,
+        task: WalkTask,
+        room: Callable[[], Room | CycleRoom],
+    ) -> None:
+        """Let a driver go through all blocks of a batch."""
+        module = load_printed(self.functions.text)
+        functions = [TileFunction(getattr(module, name)) for name in ("places", "rates", "watch")]
+        if not driver.overloads:
+            kinds = (numba.typeof(x) for x in (batch, task, room()))
+            prepare(driver, [types.intp, types.intp, FILLS_TILE, FILLS_TILE, FILLS_TILE, *kinds])
+        spread(driver, -(-count // LANES), lambda: (*functions, batch, task, room()))
 
     def limited(self, numbers: np.ndarray, limits: Mapping[Given, np.ndarray | float]) -> np.ndarray:
         """Numbers of variants with those given that nothing but guards follows from."""

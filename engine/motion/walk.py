@@ -44,6 +44,9 @@ MOST_ROUNDS, FOUND_TO, NEARLY_FOUND, LEAST_LEFT = 12, 1e-14, 1e-11, 0.1
 OWN_SHARE = 0.159
 # Share of its length by which the step to a guard's root is known, and how many steps are tried for it.
 ROOT, MOST_TRIALS = 4e-16, 60
+# An extreme of the speed is met where its slope is so much less than what it is made of: the speed is flat there. Steps
+# to it aim so much of what is left beyond it, the second one so much of its way.
+FLAT, BEYOND, BEHIND = 1e-5, 1e-5, 0.2
 # Errors below this share of a state are rounding; so is what is left of the way to an edge.
 ROUNDED = 4.0 * float(np.finfo(float).eps)
 # A cycle that ends so near to the goal, as a share of it, ends there.
@@ -171,6 +174,8 @@ class Lane(NamedTuple):
         Between which angles turned and times a step looks.
     short, long, trials, side : row
         Lengths of steps before and behind a guard's root, how many were tried for it, and which of both stayed last.
+    short_speed, long_speed : row
+        Speeds at the ends of these.
     fired : row
         1 where a guard ends the step.
     halt : row
@@ -181,6 +186,8 @@ class Lane(NamedTuple):
         How many steps of a cycle are kept; −1 where none are.
     free : row
         Where along its way steps may be kept again.
+    worst : row
+        What the worst of the steps that were repeated misses, by what it may.
     doubt : row
         What the first state may be off by at the begin of the step.
     ended : row
@@ -219,12 +226,15 @@ class Lane(NamedTuple):
     long: Row
     trials: Row
     side: Row
+    short_speed: Row
+    long_speed: Row
     fired: Row
     halt: Row
     taken: Row
     able: Row
     kept: Row
     free: Row
+    worst: Row
     doubt: Row
     ended: Row
 
@@ -411,6 +421,11 @@ def attempt(kept: int, keeps: bool, printed: Printed, task: WalkTask, room: Room
                 keep_place(s, task, room)
     judged = task.width if task.carries else task.states
     step_end(task.method, judged, task.width, begin, own.length, k, after, errors)
+    if task.implicit:
+        last = in_lanes(room.equations)[task.stages * (task.stages + 2) - 1]
+        for lane in range(LANES):
+            # The last stage is the end, without the rounding of a steep motor's moment.
+            after[0, lane] = last[lane]
     for q in range(task.states):
         for lane in range(LANES):
             state[q, lane] = after[q, lane]
@@ -521,6 +536,11 @@ def judge_steps(task: WalkTask, room: Room) -> None:
     for lane in range(LANES):
         own.missed[lane] = 0.0
     judged = task.states if task.along_time else task.states + 1
+    for lane in range(LANES if task.implicit else 0):
+        # A steep motor takes back the rest of an implicit step's error. Source: E. Hairer and G. Wanner, Solving
+        # Ordinary Differential Equations II, section IV.8.
+        fades = -own.length[lane] * watched[count + STEEPNESS, lane]
+        errors[0, lane] /= 1.0 + (OWN_SHARE * fades if fades > 0.0 else 0.0)
     for q in range(0 if task.fixed else judged):
         if not task.along_time and q == 0:
             for lane in range(LANES):
@@ -544,11 +564,7 @@ def judge_steps(task: WalkTask, room: Room) -> None:
                     made = abs(own.length[lane] * k[s * width + q, lane])
                     own.size[lane] = made if made > own.size[lane] else own.size[lane]
         for lane in range(LANES):
-            # A steep motor takes back the rest of an implicit step's error. Source: E. Hairer and G. Wanner, Solving
-            # Ordinary Differential Equations II, section IV.8.
-            fades = -own.length[lane] * watched[count + STEEPNESS, lane] if task.implicit and q == 0 else 0.0
-            left = 1.0 + (OWN_SHARE * fades if fades > 0.0 else 0.0)
-            off = abs(errors[q, lane]) / left / (own.tolerance[lane] * own.size[lane] + rounded * abs(begin[q, lane]))
+            off = abs(errors[q, lane]) / (own.tolerance[lane] * own.size[lane] + rounded * abs(begin[q, lane]))
             # What doesn't move at all misses nothing.
             off = off if errors[q, lane] != 0.0 else 0.0
             own.missed[lane] = off if off > own.missed[lane] or off != off else own.missed[lane]
@@ -670,7 +686,10 @@ def choose(edges: int, instants: int, most_steps: int, task: WalkTask, room: Roo
 
 @inlined
 def next_root(lane: int, task: WalkTask, room: Room) -> float:
-    """Length of the step to the first root between two, by the straight line; the longer one once it is known."""
+    """Length of the step to the first root between two, by the straight line; the longer one once it is known.
+
+    Extremes of the speed by the cubic of its values and slopes.
+    """
     own, guards, count = rows_of(room.lane), in_lanes(room.guards), FIRST + task.guards
     short, long = own.short[lane], own.long[lane]
     best = long
@@ -678,9 +697,36 @@ def next_root(lane: int, task: WalkTask, room: Room) -> float:
         for g in range(count):
             near, far = guards[g, lane], guards[count + g, lane]
             if near > 0.0 and far <= 0.0:
-                root = short + (long - short) * (near / (near - far))
+                share = top_between(near, far, lane, room) if g == RISE else near / (near - far)
+                root = short + (long - short) * share
                 best = root if root < best else best
     return best
+
+
+@inlined
+def top_between(leaves: float, comes: float, lane: int, room: Room) -> float:
+    """Share of the way between two lengths at which the speed is extreme, by its slopes towards the extreme there.
+
+    Source: Hermite's cubic, whose slope is a quadratic with one root between slopes of different signs.
+    """
+    own, watched = rows_of(room.lane), in_lanes(room.watched)
+    way = own.long[lane] - own.short[lane]
+    a, b = leaves * way, comes * way
+    c = math.copysign(1.0, watched[SLOPE, lane]) * (own.long_speed[lane] - own.short_speed[lane])
+    linear, squared = 6.0 * c - 4.0 * a - 2.0 * b, 3.0 * (a + b) - 6.0 * c
+    share = 2.0 * a / (math.sqrt(max(linear * linear - 4.0 * squared * a, 0.0)) - linear)
+    # The second trial closes in on it from the other side.
+    overshoot = BEYOND if own.trials[lane] != 2.0 else BEHIND * (share if own.side[lane] < 0.0 else share - 1.0)
+    share += overshoot
+    return share if 0.0 < share < 1.0 else 0.5
+
+
+@inlined
+def speed_slope(lane: int, end: int, task: WalkTask, room: Room) -> float:
+    """Derivative of the speed along the way, at the begin of a step, 0, or its end, 1; dω/dφ = ω/(2E) · I ω dω/dφ."""
+    watched, energy = in_lanes(room.watched), in_lanes(room.begin) if end == 0 else in_lanes(room.after)
+    slope, speed = watched[end * task.watched + SLOPE, lane], watched[end * task.watched + SPEED, lane]
+    return slope if task.along_time else 0.5 * slope * speed / energy[0, lane]
 
 
 @inlined
@@ -699,7 +745,7 @@ def guard(g: int, lane: int, end: int, task: WalkTask, room: Room) -> float:
         # Of a motion in balance, the slope's sign is that of what steps miss.
         unsure = ROUNDED * watched[SIZE, lane] + abs(watched[STEEPNESS, lane]) * off
         sense = math.copysign(1.0, slope) if abs(slope) > unsure else 0.0
-        return sense * watched[row + SLOPE, lane] if task.extremes else 1.0
+        return sense * speed_slope(lane, end, task, room) if task.extremes else 1.0
     return watched[row + task.watched - task.guards + g - FIRST, lane]
 
 
@@ -716,7 +762,23 @@ def fires(rises: bool, task: WalkTask, room: Room) -> None:
         if (g != EDGE or task.along_time) and (g != RISE or rises):
             for lane in range(LANES):
                 crossed = guard(g, lane, 0, task, room) > 0.0 and not guard(g, lane, 1, task, room) > 0.0
+                crossed = crossed and (g != RISE or own.trials[lane] > 0.0 or may_exceed(lane, task, room))
                 own.fired[lane] = 1.0 if crossed else own.fired[lane]
+
+
+@inlined
+def may_exceed(lane: int, task: WalkTask, room: Room) -> bool:
+    """Whether an extreme of the speed within the step may lie beyond all that came before it.
+
+    It lies about within the triangle of the chord and the tangents at its ends, and surely within twice its height.
+    """
+    own, watched = rows_of(room.lane), in_lanes(room.watched)
+    near, far = watched[SPEED, lane], watched[task.watched + SPEED, lane]
+    leaves, comes = speed_slope(lane, 0, task, room), speed_slope(lane, 1, task, room)
+    # Where the tangents meet.
+    top = near + leaves * (far - near - comes * own.length[lane]) / (leaves - comes)
+    highest, lowest = max(near, far), min(near, far)
+    return top + (top - highest) > own.fastest[lane] if leaves > 0.0 else top - (lowest - top) < own.slowest[lane]
 
 
 @routine
@@ -738,30 +800,43 @@ def decide_steps(task: WalkTask, room: Room) -> bool:
 def narrow(lane: int, task: WalkTask, room: Room) -> bool:
     """Narrow down the root of a guard in a lane, by Illinois' rule; true where the step ends at it."""
     own, guards, count = rows_of(room.lane), in_lanes(room.guards), FIRST + task.guards
-    length, fired = own.length[lane], own.fired[lane] > 0.0
+    length, fired, watched = own.length[lane], own.fired[lane] > 0.0, in_lanes(room.watched)
     if own.trials[lane] == 0.0:
         own.short[lane], own.long[lane], own.side[lane] = 0.0, length, 0.0
+        own.short_speed[lane] = watched[SPEED, lane]
         for g in range(count):
             guards[g, lane] = guard(g, lane, 0, task, room)
-    if fired and own.trials[lane] > 0.0 and length >= own.long[lane]:
+    if fired and own.trials[lane] > 0.0 and (length >= own.long[lane] or is_flat(lane, task, room)):
         return True
     side = 1.0 if fired else -1.0
     again = own.side[lane] == side
     for g in range(count):
-        # The end that stays counts half, the other one is new.
+        # The end that stays counts half, the other one is new; slopes are what they are.
+        half = 0.5 if again and g != RISE else 1.0
         if fired:
-            guards[g, lane] *= 0.5 if again else 1.0
+            guards[g, lane] *= half
             guards[count + g, lane] = guard(g, lane, 1, task, room)
         else:
-            guards[count + g, lane] *= 0.5 if again else 1.0
+            guards[count + g, lane] *= half
             guards[g, lane] = guard(g, lane, 1, task, room) if guards[g, lane] > 0.0 else guards[g, lane]
+    speed = watched[task.watched + SPEED, lane]
     if fired:
-        own.long[lane] = length
+        own.long[lane], own.long_speed[lane] = length, speed
     else:
-        own.short[lane] = length
+        own.short[lane], own.short_speed[lane] = length, speed
     own.side[lane] = side
     own.trials[lane] += 1.0
     return False
+
+
+@inlined
+def is_flat(lane: int, task: WalkTask, room: Room) -> bool:
+    """Whether nothing but an extreme of the speed ends the step, and it is as good as met."""
+    watched, end = in_lanes(room.watched), task.watched
+    for g in range(FIRST + task.guards):
+        if g != RISE and guard(g, lane, 0, task, room) > 0.0 and not guard(g, lane, 1, task, room) > 0.0:
+            return False
+    return abs(watched[end + SLOPE, lane]) <= FLAT * (abs(watched[SLOPE, lane]) + watched[SIZE, lane])
 
 
 @inlined
@@ -923,14 +998,21 @@ def lay(first: int, printed: Printed, batch: WalkBatch, task: WalkTask, room: Ro
 
     Whatever a lane does depends on itself alone.
     """
-    own, lengths = rows_of(room.lane), in_lanes(room.lengths)
-    slots, edges, records = room.lengths.shape[0], batch.edges.shape[0] // 2, batch.recorded.shape[0] > 0
-    most_steps = batch.recorded.shape[0] if records else MOST_STEPS
+    own, slots = rows_of(room.lane), room.lengths.shape[0]
     for lane in range(LANES):
         several = slots > 1 and own.at[lane] + (cycles_ahead(task) + 1.0) * task.cycle <= own.goal[lane]
         later = own.at[lane] < own.free[lane]
         own.halt[lane] = own.free[lane] if later else own.at[lane] + task.cycle if several else math.inf
         own.kept[lane] = 0.0 if several and not later else -1.0
+    lay_steps(first, printed, batch, task, room)
+
+
+@routine
+def lay_steps(first: int, printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> None:
+    """Make new steps as far as each lane is to go; they are kept in lanes that keep them."""
+    own, lengths = rows_of(room.lane), in_lanes(room.lengths)
+    slots, edges, records = room.lengths.shape[0], batch.edges.shape[0] // 2, batch.recorded.shape[0] > 0
+    most_steps = batch.recorded.shape[0] if records else MOST_STEPS
     while choose(edges, batch.instants.shape[0], most_steps, task, room):
         keeps = False
         for lane in range(LANES):
@@ -984,7 +1066,7 @@ def repeat(printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> No
     Speeds over the angle of a motion and of the same one a cycle later never cross. So the extremes of a walk are those
     of its first and its last cycle, whose steps are made anew.
     """
-    own, lengths, first = rows_of(room.lane), in_lanes(room.lengths), True
+    own, first = rows_of(room.lane), True
     while True:
         able, slots = 0, 0
         for lane in range(LANES):
@@ -999,19 +1081,7 @@ def repeat(printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> No
             if own.able[lane] > 0.0:
                 remember(first, lane, task, room)
         first = False
-        for slot in range(slots):
-            for lane in range(LANES):
-                goes = own.able[lane] > 0.0 and slot < own.kept[lane]
-                own.length[lane] = lengths[slot, lane] if goes else 0.0
-            attempt(slot, False, printed, task, room)
-            fires(False, task, room)
-            for lane in range(LANES):
-                sound = own.length[lane] == 0.0 or (own.missed[lane] <= ROUGHLY and own.fired[lane] == 0.0)
-                own.able[lane] = own.able[lane] if sound else 0.0
-                own.taken[lane] = own.able[lane] if own.length[lane] > 0.0 else 0.0
-            advance(task, room)
-            for lane in range(LANES):
-                own.at[lane] += own.taken[lane] * own.length[lane]
+        repeat_steps(slots, printed, task, room)
         for lane in range(LANES):
             if own.able[lane] > 0.0:
                 own.halt[lane] += task.cycle
@@ -1027,6 +1097,59 @@ def repeat(printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> No
                 find_edge(lane, batch.edges.shape[0] // 2, task, room)
             elif own.why[lane] == GOING:
                 own.halt[lane] = math.inf
+
+
+@routine
+def repeat_steps(slots: int, printed: Printed, task: WalkTask, room: Room) -> None:
+    """Repeat the steps that are kept in lanes that are able to; they no longer are where one misses too much."""
+    own, lengths = rows_of(room.lane), in_lanes(room.lengths)
+    for lane in range(LANES):
+        own.worst[lane] = 0.0
+    for slot in range(slots):
+        for lane in range(LANES):
+            goes = own.able[lane] > 0.0 and slot < own.kept[lane]
+            own.length[lane] = lengths[slot, lane] if goes else 0.0
+        attempt(slot, False, printed, task, room)
+        fires(False, task, room)
+        for lane in range(LANES):
+            sound = own.length[lane] == 0.0 or (own.missed[lane] <= ROUGHLY and own.fired[lane] == 0.0)
+            own.able[lane] = own.able[lane] if sound else 0.0
+            own.taken[lane] = own.able[lane] if own.length[lane] > 0.0 else 0.0
+            missed = own.missed[lane] if own.taken[lane] > 0.0 else 0.0
+            own.worst[lane] = missed if missed > own.worst[lane] else own.worst[lane]
+        advance(task, room)
+        for lane in range(LANES):
+            own.at[lane] += own.taken[lane] * own.length[lane]
+
+
+@routine
+def take_in(first: int, batch: WalkBatch, task: WalkTask, room: Room) -> None:
+    """Take in a block of variants from the first one on, all lanes where they begin."""
+    own, edges, last = rows_of(room.lane), batch.edges.shape[0] // 2, min(LANES, batch.given.shape[1] - first)
+    gather(batch.numbers, first, in_lanes(room.numbers))
+    gather(batch.edges, first, in_lanes(room.edges))
+    gather(batch.instants, first, in_lanes(room.instants))
+    gather(batch.given, first, in_lanes(room.lane))
+    gather(batch.states, first, in_lanes(room.begin))
+    gather(batch.doubts, first, in_lanes(room.doubts))
+    for lane in range(LANES):
+        own.at[lane] = 0.0 if task.along_time else own.turned[lane]
+        own.slowest[lane], own.fastest[lane], own.slope[lane] = math.inf, -math.inf, math.nan
+        own.slow_off[lane], own.fast_off[lane] = math.nan, math.nan
+        own.steps[lane], own.scale[lane], own.trials[lane], own.free[lane] = 0.0, 0.0, 0.0, -math.inf
+        own.begins[lane], own.ends[lane] = -math.inf, math.inf
+        own.why[lane] = GOING if lane < last and own.at[lane] < own.goal[lane] else GOAL
+        find_edge(lane, edges, task, room)
+        look_ahead(lane, edges, room)
+
+
+@routine
+def give_out(first: int, batch: WalkBatch, room: Room) -> None:
+    """Hand out where a block of variants ended."""
+    hand_out(in_lanes(room.begin), first, batch.states)
+    hand_out(in_lanes(room.doubts), first, batch.doubts)
+    hand_out(in_lanes(room.ending), first, batch.ending)
+    hand_out(in_lanes(room.lane[FIRST_FOUND:]), first, batch.found)
 
 
 @driver
@@ -1052,25 +1175,9 @@ def walk(
     room : Room
     """
     own, printed = rows_of(room.lane), Printed(places, rates, watch, batch.memory)
-    edges = batch.edges.shape[0] // 2
     for b in range(begin, end):
         first = b * LANES
-        gather(batch.numbers, first, in_lanes(room.numbers))
-        gather(batch.edges, first, in_lanes(room.edges))
-        gather(batch.instants, first, in_lanes(room.instants))
-        gather(batch.given, first, in_lanes(room.lane))
-        gather(batch.states, first, in_lanes(room.begin))
-        gather(batch.doubts, first, in_lanes(room.doubts))
-        last = min(LANES, batch.given.shape[1] - first)
-        for lane in range(LANES):
-            own.at[lane] = 0.0 if task.along_time else own.turned[lane]
-            own.slowest[lane], own.fastest[lane], own.slope[lane] = math.inf, -math.inf, math.nan
-            own.slow_off[lane], own.fast_off[lane] = math.nan, math.nan
-            own.steps[lane], own.scale[lane], own.trials[lane], own.free[lane] = 0.0, 0.0, 0.0, -math.inf
-            own.begins[lane], own.ends[lane] = -math.inf, math.inf
-            own.why[lane] = GOING if lane < last and own.at[lane] < own.goal[lane] else GOAL
-            find_edge(lane, edges, task, room)
-            look_ahead(lane, edges, room)
+        take_in(first, batch, task, room)
         going = True
         while going:
             lay(first, printed, batch, task, room)
@@ -1079,7 +1186,4 @@ def walk(
             going = False
             for lane in range(LANES):
                 going = going or own.why[lane] == GOING
-        hand_out(in_lanes(room.begin), first, batch.states)
-        hand_out(in_lanes(room.doubts), first, batch.doubts)
-        hand_out(in_lanes(room.ending), first, batch.ending)
-        hand_out(in_lanes(room.lane[FIRST_FOUND:]), first, batch.found)
+        give_out(first, batch, room)

@@ -63,7 +63,11 @@ class ElasticDrives:
         self.drives: dict[str, MachineDrive] = {name: self.scene.elements[name] for name in drives}
         self._schedule = Schedule(mechanics, set(), 2)
         reduction = self._schedule.reduction
-        self.dynamics = {name: Dynamics(reduction, frozenset(drive.off)) for name, drive in self.drives.items()}
+        gathered = frozenset({"fading"})
+        made = {
+            name: Dynamics(reduction, frozenset(drive.off), gathered=gathered) for name, drive in self.drives.items()
+        }
+        self.dynamics = made
         runs = {name: drive.run for name, drive in self.drives.items() if drive.run is not None}
         self.runs = {name: Dynamics(reduction, frozenset(run.off)) for name, run in runs.items()}
         self.nodes = reduction.nodes
@@ -192,8 +196,8 @@ class ElasticDrives:
         dynamics = self.dynamics[name]
         driven = dynamics.driven(variants)
         own, added = self._inertias(name, driven)
-        rigid = driven._replace(flywheel=driven.flywheel + added, kept=None)
-        bare = driven._replace(flywheel=rigid.flywheel - own, kept=None)
+        rigid = driven._replace(flywheel=driven.flywheel + added, kept={})
+        bare = driven._replace(flywheel=rigid.flywheel - own, kept={})
         steady = steady_motion(dynamics, rigid, TOLERANCE)[0]
         verdict = np.where(dynamics.locked(driven), Verdict.LOCKS, steady.verdict)
         bare_somewhere = dynamics.reduction.without_inertia(bare)

@@ -1,18 +1,17 @@
 """Runs in crank angle: stretches in the energy form while the machine moves briskly."""
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.running import over_variants
 from engine.motion.methods import EIGHT, FOUR, NINE
 from engine.motion.moments.grid import edges_of
+from engine.motion.recorded import SLOPES, read_steps
 from engine.motion.runs.run_progress import Progress
 from engine.motion.runs.settled_runs import Carry, pass_mark
 from engine.motion.runs.watching import BetweenNodes, Piece
 from engine.motion.steppers.time_form import State
-from engine.motion.system import SHOWN, Walks
+from engine.motion.system import Walks
 from engine.motion.walk import Why
 from engine.verdicts import Verdict
 
@@ -174,7 +173,7 @@ def _piece_of(runs: Progress, who: np.ndarray, before: State, gone: Walks, impli
     def at(columns: np.ndarray, turned: np.ndarray) -> tuple[np.ndarray, ...]:
         found = np.empty((3, turned.size))
         asked = turned.size, gone.recorded, gone.steps, columns.ravel(), turned.ravel()
-        read_steps(*asked, runs.half, _SLOPES, found)
+        read_steps(*asked, runs.half, SLOPES, found)
         energy, time, moment = found.reshape(3, *turned.shape)
         own = runs.variants.some(who[columns[-1]])
         inertia = runs.dynamics.rows(own, begin[columns[-1]] + own.direction * turned).inertia
@@ -204,59 +203,3 @@ def _nodes(runs: Progress, who: np.ndarray, state: State) -> np.ndarray:
     begin = runs.start[who] + part.direction * state.turned
     steps = runs.dynamics.grid(sided, begin, cycle, runs.steps).steps
     return np.minimum(np.concatenate((np.zeros((1, who.size)), np.cumsum(steps, axis=0))), cycle)
-
-
-def _slopes() -> np.ndarray:
-    """Derivatives at the places of a recorded step of the polynomials that are 1 at one of them and 0 at the others."""
-    whole = [np.polynomial.Polynomial.fit(SHOWN, row, SHOWN.size - 1).deriv()(SHOWN) for row in np.eye(SHOWN.size)]
-    return np.array(whole)
-
-
-_SLOPES = _slopes()
-
-
-@over_variants
-def read_steps(
-    begin: int,
-    end: int,
-    recorded: np.ndarray,
-    steps: np.ndarray,
-    columns: np.ndarray,
-    turned: np.ndarray,
-    off: bool,
-    slopes: np.ndarray,
-    found: np.ndarray,
-) -> None:
-    """Energy, time and moment at angles turned, each of one of the variants, from what was recorded of their steps.
-
-    Where they are `off`, by what they may be off by at the begin of each step. Source: J.-P. Berrut and
-    L. N. Trefethen, Barycentric Lagrange interpolation, SIAM Review 46 (2004).
-    """
-    shown = slopes.shape[0]
-    for p in range(begin, end):
-        v, low, high = columns[p], 0, max(int(steps[columns[p]]) - 1, 0)
-        while low < high:
-            middle = (low + high + 1) // 2
-            if recorded[middle, 0, v] <= turned[p]:
-                low = middle
-            else:
-                high = middle - 1
-        length = recorded[low, 1, v]
-        theta = (turned[p] - recorded[low, 0, v]) / length
-        total, energy, time, moment = 0.0, 0.0, 0.0, 0.0
-        for j in range(shown):
-            apart = theta - (0.5 - 0.5 * math.cos(math.pi * j / (shown - 1)))
-            weight = (0.5 if j in (0, shown - 1) else 1.0) * (1.0 - 2.0 * (j % 2))
-            # At a place itself nothing else counts.
-            weight = weight / (apart if apart != 0.0 else 1e-300)
-            slope = 0.0
-            for i in range(shown):
-                slope += slopes[i, j] * recorded[low, 3 + i, v]
-            total += weight
-            energy += weight * recorded[low, 3 + j, v]
-            time += weight * recorded[low, 4 + shown + j, v]
-            moment += weight * slope
-        energy_off, time_off = recorded[low, 3 + shown, v], recorded[low, 4 + 2 * shown, v]
-        found[0, p] = energy / total + (energy_off if off else 0.0)
-        found[1, p] = time / total + (time_off if off else 0.0)
-        found[2, p] = moment / total / length

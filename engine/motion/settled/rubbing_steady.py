@@ -35,7 +35,8 @@ def settled_motion(
         Whether every step is changed by its estimated error, or with friction may miss more.
     """
     if dynamics.friction is None:
-        return steady_motion(dynamics, variants, tolerance, asked)[int(doubtful)]
+        steady, off = steady_motion(dynamics, variants, tolerance, asked)
+        return steady.shifted(off) if doubtful else steady
     with np.errstate(all="ignore"):
         return _settled(dynamics, variants, doubtful, asked)
 
@@ -110,7 +111,9 @@ def _measured(
             record[0][:, good], record[1][:, good] = 0.5 * turning * square, time
     begun, ended, residual, period, slowest, fastest, squares = rows
     multiplier = np.where(verdict == Verdict.OK, multiplier, np.nan)
-    return Steady(verdict, begun, ended, multiplier, residual, period, slowest, fastest, squares, works, record)
+    fluctuation = 2.0 * (fastest - slowest) / (fastest + slowest)
+    told = begun, ended, multiplier, residual, period, slowest, fastest, fluctuation, squares, works, record
+    return Steady(verdict, *told)
 
 
 def _cycle(

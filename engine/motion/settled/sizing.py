@@ -54,7 +54,7 @@ def flywheel_for(
 
     def excess(inertia: np.ndarray, who: np.ndarray) -> np.ndarray:
         """Ln δ − ln δ_asked with a mean inertia, by its logarithm; inf where the machine doesn't run."""
-        part = variants.some(who)._replace(flywheel=np.exp(inertia) - np.exp(lightest[who]))
+        part = variants.some(who)._replace(flywheel=np.exp(inertia) - np.exp(lightest[who]), kept={})
         steady = settled_motion(dynamics, part, tolerance, doubtful)
         verdict[who] = steady.verdict
         with np.errstate(all="ignore"):

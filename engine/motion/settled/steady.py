@@ -1,44 +1,32 @@
 """Steady state: the motion that comes back to its own speed after every cycle, found directly.
 
-The return map takes the kinetic energy E at the first node to the energy P(E) one cycle later. Steady motion is a
-fixed point; its multiplier λ = dP/dE = exp ∮ ∂M/∂E dφ tells how a small disturbance grows from cycle to cycle, and
-the steady motion is stable where |λ| < 1. Newton's method on P(E) − E with that λ converges in a few cycles, where
-waiting takes hundreds.
+The return map takes the kinetic energy E at the begin of a cycle to the energy P(E) one cycle later. Steady motion is a
+fixed point; its multiplier λ = dP/dE tells how a small disturbance grows from cycle to cycle, and the steady motion is
+stable where |λ| < 1. Newton's method finds it in a few cycles, where waiting takes hundreds; then one more cycle is
+walked through, with all that is asked of it.
 """
 
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
-import numba
 import numpy as np
-from numba import types
 
-from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE
-from engine.compiling.widths import LANES
-from engine.laws.runge_kutta import ORDER_EIGHT, Method
+from engine.motion.closed_cycle import TOO_STEEP
+from engine.motion.methods import EIGHT, NINE
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.grid import edges_of
-from engine.motion.steppers.places import form_of, source_of
-from engine.motion.steppers.radau import ORDER_NINE
-from engine.motion.steppers.settling import (
-    FOUND,
-    STALLS_AT_ONCE,
-    STALLS_HERE,
-    TOO_MANY_STEPS,
-    Settling,
-    new_block_room,
-    settle,
-)
+from engine.motion.recorded import SLOPES, read_steps
+from engine.motion.system import Closed, Walks
+from engine.motion.walk import Why
 from engine.verdicts import Verdict
 
-# Steps of a cycle besides those that end where moments jump or bend, at most: explicit ones, and implicit ones, for
-# motors that are too steep for so many. How often they are laid anew where the motion needs others than thought of.
-MOST_STEPS, MOST_IMPLICIT_STEPS, MOST_MESHES = 200, 3000, 5
-# Where rounding keeps steps of so steep a motor from missing as little as asked, so many times as much is allowed, and
-# so often more.
-LOOSER, MOST_LOOSENED = 100.0, 3
-# Steps that miss so many times what is allowed are laid anew.
-ALLOWED = 10.0
+# How far a step may turn: while the cycle is searched, where it is walked through, and where it is recorded too.
+FARTHEST, CLOSER, CLOSEST = 0.5 * np.pi, 0.25 * np.pi, 0.125 * np.pi
+# Steps that are recorded at a time.
+RECORDED = 64
+ENERGY, TIME = range(2)
+# How many time constants a motor goes through within a step where the moment is known better by the energy's change.
+STEEP = 200.0
 
 
 class Steady(NamedTuple):
@@ -57,6 +45,8 @@ class Steady(NamedTuple):
         [s].
     slowest, fastest : ndarray
         Least and greatest speed [rad/s].
+    fluctuation : ndarray
+        δ.
     squares : ndarray
         Integral of the motors' moment squared over time [N²·m²·s].
     works : ndarray (channels + 1, variants)
@@ -64,8 +54,6 @@ class Steady(NamedTuple):
     record : ndarray (3, nodes, variants)
         Energy [J] and time [s] at the angles that were asked for; of motors that are very steep the moment [N·m], which
         the energy says less surely, else NaN.
-    besides : ndarray (variants,)
-        By how much δ changes besides, with every step changed by its estimated error.
     """
 
     verdict: np.ndarray
@@ -76,137 +64,211 @@ class Steady(NamedTuple):
     period: np.ndarray
     slowest: np.ndarray
     fastest: np.ndarray
+    fluctuation: np.ndarray
     squares: np.ndarray
     works: np.ndarray
     record: np.ndarray
-    besides: np.ndarray | float = 0.0
 
-    @property
-    def fluctuation(self) -> np.ndarray:
-        """δ."""
-        return 2.0 * (self.fastest - self.slowest) / (self.fastest + self.slowest) + self.besides
+    def shifted(self, by: "Steady") -> "Steady":
+        """The same with every number changed."""
+        return Steady(self.verdict, *(mine + off for mine, off in zip(self[1:], by[1:], strict=True)))
+
+    def spread(self, by: "Steady", told: Callable[["Steady"], dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
+        """What numbers made of the motion may be off by: the sum of what each of its own numbers changes them by.
+
+        Parameters
+        ----------
+        by : Steady
+            What these may be off by.
+        told : callable
+            Makes numbers of a motion.
+        """
+        known, nothing = told(self), Steady(self.verdict, *(np.zeros_like(row) for row in self[1:]))
+        off = {name: np.zeros_like(value) for name, value in known.items()}
+        for alone in _one_by_one(by, nothing):
+            for name, value in told(self.shifted(alone)).items():
+                off[name] += np.abs(value - known[name])
+        return off
+
+
+def _one_by_one(by: Steady, nothing: Steady) -> Iterator[Steady]:
+    """Changes of one number alone."""
+    for name in Steady._fields:
+        if name not in ("verdict", "works", "record"):
+            yield nothing._replace(**{name: getattr(by, name)})
+    for i, work in enumerate(by.works):
+        works = nothing.works.copy()
+        works[i] = work
+        yield nothing._replace(works=works)
 
 
 def steady_motion(
     dynamics: Dynamics, variants: Variants, tolerance: float, asked: np.ndarray | None = None
 ) -> tuple[Steady, Steady]:
-    """Find the steady motion: as it is, and with every step changed by its estimated error.
+    """Find the steady motion, and what its numbers may be off by.
 
     Parameters
     ----------
     dynamics : Dynamics
+        That gathers "fading".
     variants : Variants
     tolerance : float
         What a step may miss, of the greatest work of a step.
     asked : ndarray (nodes, variants), optional
         Angles turned at which energy, time and moment are wanted, in order [rad].
     """
-    count = variants.count
-    asked = np.empty((0, count)) if asked is None else asked
-    speed, driven = no_load_speed(variants)
-    own = np.zeros(count), variants.direction, variants.flywheel, np.full(count, tolerance), speed, speed, driven
-    numbers = np.array([*own, np.zeros(count)], float)
-    found, record = np.empty((2, FOUND + len(dynamics.channels), count)), np.empty((2, 3, asked.shape[0], count))
-    _search(ORDER_EIGHT, dynamics, variants, np.arange(count), numbers, asked, found, record)
-    steep = np.flatnonzero(found[0, 0] == TOO_MANY_STEPS)
-    for _ in range(1 + MOST_LOOSENED):
-        if not steep.size:
-            break
-        # Down from the speed without load, a steep motor comes to its own speed at once.
-        numbers[4, steep], numbers[7, steep] = found[0, 11, steep], 1.0
-        _search(ORDER_NINE, dynamics, variants, steep, numbers, asked, found, record)
-        steep = steep[found[0, 0, steep] == TOO_MANY_STEPS]
-        numbers[3, steep] *= LOOSER
-    lost = np.flatnonzero((found[0, 0] == Verdict.OK) & (found[1, 0] != Verdict.OK))
-    if lost.size:
-        # Where steps can't be gone with their estimated errors, others that may miss more tell how sure it is. They may
-        # happen to be the same: the energy's drift is added.
-        numbers[3, lost], numbers[4, lost], numbers[7, lost] = LOOSER * tolerance, found[0, 1, lost], 1.0
-        loose, notes, drift = found.copy(), record.copy(), found[1, 12, lost]
-        _search(ORDER_NINE, dynamics, variants, lost, numbers, asked, loose, notes)
-        found[1][:, lost], record[1][..., lost] = loose[0][:, lost], notes[0][..., lost]
-        found[1, 12, lost] = drift
-        for row in (7, 8):
-            fine, other = found[0, row, lost], found[1, row, lost]
-            found[1, row, lost] = other + np.copysign(drift * fine, other - fine)
-    fine, doubtful = (_steady_of(*parts) for parts in zip(found, record, strict=True))
-    return fine, doubtful
-
-
-def _search(
-    method: Method,
-    dynamics: Dynamics,
-    variants: Variants,
-    pending: np.ndarray,
-    numbers: np.ndarray,
-    asked: np.ndarray,
-    found: np.ndarray,
-    record: np.ndarray,
-) -> None:
-    """Settle those of the variants that are pending, with steps laid anew where the motion found needs others.
-
-    Those that never miss as little as is allowed have, as it were, too many steps.
-    """
-    unsure = np.zeros(pending.size, bool)
-    for mesh in range(MOST_MESHES):
-        if not pending.size:
-            break
-        part, some = variants.some(pending), np.ascontiguousarray(asked[:, pending])
-        own, notes = _settled(method, dynamics, part, numbers[:, pending], some)
-        found[..., pending], record[..., pending] = own, notes
-        verdict, energy, worst, highest = own[0, 0], own[0, 1], own[0, 9], own[0, 11]
-        stalls, unsure = verdict == STALLS_HERE, (verdict == Verdict.OK) & ~(worst <= ALLOWED)
-        again = stalls | unsure | ((verdict == STALLS_AT_ONCE) & (mesh == 0))
-        numbers[4, pending] = np.where(unsure, energy, highest)
-        numbers[7, pending] = 1.0
-        pending, unsure = pending[again], unsure[again]
-    found[:, 0, pending[unsure]] = TOO_MANY_STEPS
-
-
-def _settled(
-    method: Method, dynamics: Dynamics, variants: Variants, numbers: np.ndarray, asked: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """What `settle` finds, and what it records at the asked angles."""
-    drive, tabulation = variants.drive, dynamics.reduction.tabulation
-    form = form_of(dynamics, len(drive.kloss))
-    source, fill = source_of(dynamics, form), tabulation.function("curves_at")
-    # In a motion that repeats itself nothing that depends on time acts.
-    parameters = variants.parameters.copy()
-    parameters[source.clocks] = 0.0
-    given = Settling(
-        parameters, drive.rows, drive.exponents, *edges_of(variants.direction, variants.breaks, dynamics.cycle), numbers
-    )
-    given = Settling(*(np.require(part, requirements="CW") for part in given))
-    most = (MOST_IMPLICIT_STEPS if method.implicit else MOST_STEPS) + given.edges.shape[0]
-    found = np.empty((2, FOUND + form.channels, variants.count))
-    record, asked = np.empty((2, 3, *asked.shape)), np.require(asked, requirements="CW")
-
-    def arguments() -> tuple:
-        memory = new_block_room(form, given, source.target.size, most)
-        laws, cycle = dynamics.channel_of_laws, dynamics.cycle
-        return fill, source, method, form, laws, cycle, most, given, asked, found, record, memory
-
-    if not settle.overloads:
-        prepare(settle, [types.intp, types.intp, FILLS_TILE, *(numba.typeof(part) for part in arguments()[1:])])
-    spread(settle, -(-variants.count // LANES), arguments)
-    return found, record
-
-
-def _steady_of(found: np.ndarray, record: np.ndarray) -> Steady:
-    verdict, energy, log_multiplier, residual, period, motors, squares, slowest, fastest, _, ended, _, besides = found[
-        :FOUND
-    ]
-    verdict = np.where((verdict == STALLS_HERE) | (verdict == STALLS_AT_ONCE), Verdict.STALLS, verdict)
-    verdict = np.where(verdict == TOO_MANY_STEPS, Verdict.NOT_FINITE, verdict)
-    works = np.concatenate((motors[None], found[FOUND:]))
-    if works.shape[0] == 2:
-        # What the motors didn't give.
-        works[1] = ended - energy - motors
     with np.errstate(all="ignore"):
-        multiplier = np.exp(np.minimum(log_multiplier, 700.0))
-    values = energy, ended, multiplier, residual, period, slowest, fastest, squares, works, record, besides
-    failed = verdict != Verdict.OK
-    return Steady(verdict.astype(np.uint8), *(np.where(failed, np.nan, value) for value in values))
+        motion = _Motion(dynamics, variants, tolerance)
+        steep = np.zeros(variants.count, bool)
+        closed = motion.closed(np.arange(variants.count), False)
+        verdict = closed.verdict.copy()
+        steep = verdict == TOO_STEEP
+        if steep.any():
+            who = np.flatnonzero(steep)
+            for mine, found in zip(closed, motion.closed(who, True), strict=True):
+                mine[..., who] = found
+            verdict = np.where(closed.verdict == TOO_STEEP, Verdict.NOT_FINITE, closed.verdict)
+        asked = np.empty((0, variants.count)) if asked is None else asked
+        return motion.gone_through(closed, steep, verdict.astype(np.uint8), asked)
+
+
+class _Motion:
+    """Machines whose steady motion is wanted."""
+
+    def __init__(self, dynamics: Dynamics, variants: Variants, tolerance: float) -> None:
+        self.dynamics, self.variants, self.tolerance, self.system = dynamics, variants, tolerance, dynamics.by_angle
+        sizes = self.system.sizes
+        # It goes on as long as there is any energy. Nothing that depends on time acts.
+        limits = {sizes.above: np.inf, sizes.below: -np.inf, self.system.system.clock: 0.0}
+        self.numbers = self.system.limited(dynamics.moving(variants, np.inf), limits)
+        self.edges = np.concatenate(edges_of(variants.direction, variants.breaks, dynamics.cycle))
+
+    def _lanes(self, who: np.ndarray, farthest: float) -> dict[str, np.ndarray | float]:
+        given = {"start": 0.0, "direction": self.variants.direction[who], "facing": 1.0, "clock": 0.0, "turned": 0.0}
+        given |= {"goal": self.dynamics.cycle, "other_goal": np.inf, "tolerance": self.tolerance}
+        return given | {"farthest": farthest, "pace": farthest}
+
+    def closed(self, who: np.ndarray, implicit: bool) -> Closed:
+        """Cycles that come back to their own energies; from the speed without load, where loads win."""
+        part = self.variants.some(who)
+        inertia = self.dynamics.rows(part, np.zeros((1, who.size))).inertia[0]
+        top = 0.5 * inertia * no_load_speed(part)[0] ** 2
+        task = self.system.task(self.dynamics.cycle, NINE if implicit else EIGHT)._replace(clock=-1)
+        return self.system.close(task, self.numbers[:, who], self.edges[:, who], self._lanes(who, FARTHEST), top)
+
+    def gone_through(
+        self, closed: Closed, steep: np.ndarray, verdict: np.ndarray, asked: np.ndarray
+    ) -> tuple[Steady, Steady]:
+        """The cycles found, gone through with all that is asked, and what it may be off by."""
+        count, channels = self.variants.count, len(self.dynamics.channels)
+        shapes = [(count,)] * 9 + [(channels + 1, count), (3, *asked.shape)]
+        found, off = ([np.full(shape, np.nan) for shape in shapes] for _ in range(2))
+        # What a cycle misses comes back with the next one.
+        multiplier = np.exp(np.minimum(closed.states[self.system.names["fading"]], 700.0))
+        doubt = (closed.doubts[ENERGY] + closed.off * closed.energy) / np.abs(1.0 - multiplier)
+        for implicit in (False, True):
+            who = np.flatnonzero((verdict == Verdict.OK) & (steep == implicit))
+            if not who.size:
+                continue
+            gone, record, record_off = self._cycle(who, implicit, closed.energy[who], doubt[who], asked[:, who])
+            verdict[who[gone.why != Why.GOAL]] = Verdict.NOT_FINITE
+            own, other = self._told(closed.energy[who], doubt[who], closed.off[who], gone)
+            for mine, new in zip((*found, *off), (*own, record, *other, record_off), strict=True):
+                mine[..., who] = np.where(gone.why == Why.GOAL, new, np.nan)
+        return Steady(verdict, *found), Steady(verdict, *off)
+
+    def _told(
+        self, energy: np.ndarray, doubt: np.ndarray, residual: np.ndarray, gone: Walks
+    ) -> tuple[list[np.ndarray], list[np.ndarray]]:
+        """Numbers of cycles in the order of `Steady`, but for verdict and record, and what they may be off by."""
+        names = self.system.names
+        ended, fading = gone.states[ENERGY], gone.states[names["fading"]]
+        multiplier = np.exp(np.minimum(fading, 700.0))
+        low, high = gone.slowest, gone.fastest
+        # Both extremes move along with the begin; from the one to the other the energy may err by what steps miss.
+        between = np.maximum(gone.doubts[ENERGY] - multiplier * doubt, 0.0)
+        fluctuation = 2.0 * (high - low) / (high + low)
+        fluctuation_off = fluctuation * doubt / energy + between / energy
+        works, squares = self._works(gone.states, ended - energy, -1.0)
+        works_off, squares_off = self._works(gone.doubts, between + np.abs(ended - energy), 1.0)
+        period = gone.states[TIME]
+        own = [energy, ended, multiplier, residual, period, low, high, fluctuation, squares, works]
+        ended_off = doubt + np.abs(ended - energy) + between
+        off = [doubt, ended_off, multiplier * gone.doubts[names["fading"]], residual, gone.doubts[TIME]]
+        off += [gone.slow_off, gone.fast_off, fluctuation_off, squares_off, works_off]
+        return own, off
+
+    def _works(self, rows: np.ndarray, change: np.ndarray, sign: float) -> tuple[np.ndarray, np.ndarray]:
+        """Works of the motors and of each channel, and the motors' moment squared; nothing of what isn't gathered."""
+        names, nothing, channels = self.system.names, np.zeros_like(change), self.dynamics.channels
+        motors, squares = (rows[names[name]] if name in names else nothing for name in ("motors", "squares"))
+        loads = [rows[names[name]] for name in channels] if self.dynamics.works else [change + sign * motors]
+        return np.stack([motors, *loads]), squares
+
+    def _cycle(
+        self, who: np.ndarray, implicit: bool, energy: np.ndarray, doubt: np.ndarray, asked: np.ndarray
+    ) -> tuple[Walks, np.ndarray, np.ndarray]:
+        """A cycle from energies on; what was recorded at the asked angles, and what that may be off by."""
+        task = self.system.task(self.dynamics.cycle, NINE if implicit else EIGHT, True)._replace(clock=-1)
+        nodes, nothing = len(asked), np.zeros((0, who.size))
+        lanes = self._lanes(who, CLOSEST if nodes else CLOSER)
+        states, doubts = np.zeros((2, task.width, who.size))
+        states[ENERGY], doubts[ENERGY] = energy, doubt
+        numbers, edges = self.numbers[:, who], self.edges[:, who]
+        if not nodes:
+            gone = self.system.run(task, numbers, edges, nothing, lanes, states, doubts)
+            return gone, *np.full((2, 3, 0, who.size), np.nan)
+        record, off = np.full((2, 3, nodes, who.size), np.nan)
+        whole: Walks | None = None
+        left = np.arange(who.size)
+        while left.size:
+            own = {name: value[left] if np.ndim(value) else value for name, value in lanes.items()}
+            parts = numbers[:, left], edges[:, left], nothing[:, left]
+            gone = self.system.run(task, *parts, own, states[:, left], doubts[:, left], RECORDED)
+            begun = lanes["turned"] if whole is not None else np.zeros(who.size)
+            self._read(gone, left, begun[left], asked, record, off)
+            whole = gone if whole is None else _joined(whole, left, gone)
+            lanes["turned"], lanes["pace"] = whole.turned, whole.pace
+            states, doubts = whole.states, whole.doubts
+            left = left[(gone.why == Why.FULL) & (gone.steps > 0.0)]
+        # The speed tells a moment unless the motor is very steep.
+        steep = -whole.states[self.system.names["fading"]] > STEEP * whole.steps
+        record[2] = np.where(steep, record[2], np.nan)
+        off[2] = np.where(steep, 0.0, np.nan)
+        return whole._replace(recorded=np.empty((0, 0, who.size))), record, off
+
+    @staticmethod
+    def _read(
+        gone: Walks,
+        who: np.ndarray,
+        begun: np.ndarray,
+        asked: np.ndarray,
+        record: np.ndarray,
+        off: np.ndarray,
+    ) -> None:
+        """Read what was recorded at those of the asked angles that the steps went over."""
+        wanted = asked[:, who]
+        over = (wanted >= begun) & (wanted <= gone.turned) & (gone.steps > 0.0)
+        over |= (wanted > gone.turned) & (gone.why == Why.GOAL)
+        nodes, columns = np.nonzero(over)
+        turned = np.minimum(wanted[over], gone.turned[columns])
+        found, doubtful = np.empty((2, 3, turned.size))
+        for doubts, rows in ((False, found), (True, doubtful)):
+            read_steps(turned.size, gone.recorded, gone.steps, columns, turned, doubts, SLOPES, rows)
+        record[:, nodes, who[columns]], off[:, nodes, who[columns]] = found, doubtful - found
+
+
+def _joined(whole: Walks, who: np.ndarray, gone: Walks) -> Walks:
+    """Walks that went on, with the extremes of all their parts."""
+    made = [row.copy() for row in whole[:-1]]
+    for mine, new in zip(made, gone[:-1], strict=True):
+        mine[..., who] = new
+    joined = Walks(*made, whole.recorded)
+    for extreme, off, better in (("slowest", "slow_off", np.less), ("fastest", "fast_off", np.greater)):
+        kept = ~better(getattr(gone, extreme), getattr(whole, extreme)[who])
+        for name in (extreme, off):
+            getattr(joined, name)[who[kept]] = getattr(whole, name)[who[kept]]
+    return joined
 
 
 def no_load_speed(variants: Variants) -> tuple[np.ndarray, np.ndarray]:

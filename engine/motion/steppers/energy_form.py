@@ -2,7 +2,7 @@
 
 With E = ½Iω² the equation I·ε + ½ω²·dI/dφ = M reads dE/dφ = M(φ, √(2E/I)): no derivative of I is needed, and a
 machine without moments keeps its energy to the last bit. Time and works are integrals over φ of 1/ω and of the
-moments, carried along by the same method. `engine.motion.steppers.settling` goes through a cycle again and again.
+moments, carried along by the same method.
 
 Angles here are turned in the direction of motion, so ω > 0 and moments are positive where they drive.
 """

@@ -1,7 +1,4 @@
-"""One step in the energy form, dE/dφ = M(φ, √(2E/I)), of all lanes of a block, explicit or implicit.
-
-Stages stand at places of their own, whose rows are filled beforehand and used again every cycle.
-"""
+"""What steps in time are made of, in lanes: integrals over their stages, estimates, polynomials within."""
 
 import math
 
@@ -9,180 +6,16 @@ import numpy as np
 
 from engine.compiling.decorators import inlined, routine
 from engine.cycle.panels.lanes import Memory
-from engine.cycle.panels.series import larger
 from engine.laws.runge_kutta import DENSE_PARTS, ORDER_EIGHT, Method
-from engine.motion.steppers.places import Form, add_share, moments_at_place, slopes_at_place
+from engine.motion.steppers.places import add_share
 from engine.motion.steppers.radau import ORDER_NINE
 
 MOST_STAGES = max(method.dense_stages for method in (ORDER_EIGHT, ORDER_NINE))
-# Rows of stages: speed, moment of the motors, moment of everything, ∂M/∂E of both, energy, 1/ω, motors' moment squared
-# by 1/ω, moment of a channel; then the linear equations of an implicit step, row by row with their right-hand sides.
-SPEED, FROM_MOTORS, MOMENT, MOTOR_SLOPE, SLOPE = (i * MOST_STAGES for i in range(5))
-ENERGY, SLOWNESS, SQUARE, CHANNEL, EQUATIONS = (i * MOST_STAGES for i in range(5, 10))
-STAGE_ROWS = EQUATIONS + ORDER_NINE.stages * (ORDER_NINE.stages + 1)
-
-# The same rows as numbers that the compiler doesn't know: what takes one is then compiled once, not for each.
-ROW_OF = np.arange(STAGE_ROWS)
+# Rows of stages as numbers that the compiler doesn't know: what takes one is then compiled once, not for each.
+ROW_OF = np.arange(15 * MOST_STAGES)
 
 # Estimates of as many orders as an error is estimated from.
 ROOTS = 2
-
-# Newton's method for the stages of an implicit step: most rounds, when they are found, or nearly so, and the least
-# share of an energy that it goes to in a round.
-MOST_ROUNDS, SOLVED, NEARLY_SOLVED, LEAST_SHARE = 25, 1e-14, 1e-11, 0.1
-
-
-@routine
-def make_stages(
-    begin: int,
-    end: int,
-    wide: int,
-    method: Method,
-    form: Form,
-    drive: Memory,
-    exponents: Memory,
-    places: Memory,
-    first: int,
-    energy: Memory,
-    step: Memory,
-    stages: Memory,
-) -> None:
-    """Stages begin … end − 1 of a step whose places begin at row `first`; `energy` [J] and `step` [rad] are rows.
-
-    Those of an implicit step are found together, as many as they are.
-    """
-    if method.implicit:
-        solve_stages(wide, method, form, drive, exponents, places, first, energy, step, stages)
-        return
-    for s in range(begin, end):
-        for lane in range(wide):
-            stages[ENERGY + s, lane] = energy[lane]
-        for k in range(s):
-            if method.matrix[s, k] != 0.0:
-                add_share(wide, method.matrix[s, k], step, stages[MOMENT + k], stages[ENERGY + s])
-        stage_moments(s, wide, method, form, drive, exponents, places, first, stages)
-
-
-@routine
-def stage_moments(
-    s: int,
-    wide: int,
-    method: Method,
-    form: Form,
-    drive: Memory,
-    exponents: Memory,
-    places: Memory,
-    first: int,
-    stages: Memory,
-) -> None:
-    """Speed and moments of a stage by its energy."""
-    at, motors, moment = first + form.width * method.place_of[s], stages[FROM_MOTORS + s], stages[MOMENT + s]
-    moments_at_place(wide, form, drive, exponents, places, at, stages[ENERGY + s], stages[SPEED + s], motors, moment)
-
-
-@routine
-def solve_stages(
-    wide: int,
-    method: Method,
-    form: Form,
-    drive: Memory,
-    exponents: Memory,
-    places: Memory,
-    first: int,
-    energy: Memory,
-    step: Memory,
-    stages: Memory,
-) -> None:
-    """Stages of an implicit step, by Newton's method; those of a lane where it fails are no numbers.
-
-    SLOWNESS is 1 of a lane whose energies are found, −1 of one that has none.
-    """
-    count = method.stages
-    for s in range(count):
-        for lane in range(wide):
-            stages[ENERGY + s, lane] = energy[lane]
-    for lane in range(wide):
-        stages[SLOWNESS, lane] = 0.0
-    for _ in range(MOST_ROUNDS):
-        for s in range(count):
-            stage_moments(s, wide, method, form, drive, exponents, places, first, stages)
-            at = first + form.width * method.place_of[s]
-            slopes_at_place(
-                wide, form, drive, exponents, places, at, stages[SPEED + s], stages[MOTOR_SLOPE + s], stages[SLOPE + s]
-            )
-        lay_equations(wide, method, energy, step, stages)
-        solve_equations(wide, count, stages)
-        if take_corrections(wide, count, stages) == 0.0:
-            break
-    for s in range(count):
-        for lane in range(wide):
-            # Rounding may keep corrections of a steep motor's energies from getting as small as asked.
-            nearly = (stages[SLOWNESS, lane] == 0.0) & (stages[CHANNEL, lane] < NEARLY_SOLVED)
-            found = (stages[SLOWNESS, lane] > 0.0) | nearly
-            stages[ENERGY + s, lane] = stages[ENERGY + s, lane] if found else math.nan
-        stage_moments(s, wide, method, form, drive, exponents, places, first, stages)
-    # Of a steep motor the moment is less sure by the energies than these are themselves.
-    for s in range(count):
-        for lane in range(wide):
-            moment = 0.0
-            for k in range(count):
-                moment += method.inverse[s, k] * (stages[ENERGY + k, lane] - energy[lane])
-            moment = moment / step[lane] if step[lane] > 0.0 else stages[MOMENT + s, lane]
-            stages[FROM_MOTORS + s, lane] += moment - stages[MOMENT + s, lane]
-            stages[MOMENT + s, lane] = moment
-
-
-@routine
-def lay_equations(wide: int, method: Method, energy: Memory, step: Memory, stages: Memory) -> None:
-    """Linear equations for the corrections of the energies of an implicit step's stages."""
-    count = method.stages
-    for s in range(count):
-        row = EQUATIONS + s * (count + 1)
-        for lane in range(wide):
-            stages[row + count, lane] = energy[lane] - stages[ENERGY + s, lane]
-        for k in range(count):
-            share = method.matrix[s, k]
-            add_share(wide, share, step, stages[MOMENT + k], stages[row + count])
-            for lane in range(wide):
-                stages[row + k, lane] = (1.0 if k == s else 0.0) - share * step[lane] * stages[SLOPE + k, lane]
-
-
-@routine
-def solve_equations(wide: int, count: int, stages: Memory) -> None:
-    """Solve them by Gauss' elimination; the solution is where the right-hand sides were."""
-    for pivot in range(count):
-        own = EQUATIONS + pivot * (count + 1)
-        for k in range(pivot + 1, count + 1):
-            for lane in range(wide):
-                stages[own + k, lane] /= stages[own + pivot, lane]
-        for s in range(count):
-            row = EQUATIONS + s * (count + 1)
-            for k in range(pivot + 1, count + 1 if s != pivot else 0):
-                for lane in range(wide):
-                    stages[row + k, lane] -= stages[row + pivot, lane] * stages[own + k, lane]
-
-
-@routine
-def take_corrections(wide: int, count: int, stages: Memory) -> float:
-    """Correct the energies of lanes where they aren't found yet; in how many lanes they aren't after that."""
-    for lane in range(wide):
-        stages[CHANNEL, lane] = 0.0
-    for s in range(count):
-        by = EQUATIONS + s * (count + 1) + count
-        for lane in range(wide):
-            # What isn't a number stays none.
-            size = abs(stages[by, lane]) / stages[ENERGY + s, lane]
-            stages[CHANNEL, lane] = stages[CHANNEL, lane] if stages[CHANNEL, lane] > size else size
-            e = stages[ENERGY + s, lane]
-            better = larger(e + stages[by, lane], LEAST_SHARE * e)
-            stages[ENERGY + s, lane] = better if stages[SLOWNESS, lane] == 0.0 else e
-    pending = 0.0
-    for lane in range(wide):
-        worst = stages[CHANNEL, lane]
-        now = (1.0 if worst < SOLVED else 0.0) if worst < math.inf else -1.0
-        stages[SLOWNESS, lane] = now if stages[SLOWNESS, lane] == 0.0 else stages[SLOWNESS, lane]
-        pending += 1.0 if stages[SLOWNESS, lane] == 0.0 else 0.0
-    return pending
 
 
 @routine

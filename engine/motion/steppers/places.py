@@ -4,7 +4,6 @@ A place has 2/I, loads over ω⁰, ω¹ and ω², power laws, where there are se
 dI/dφ in the direction of motion.
 """
 
-import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -16,14 +15,10 @@ from engine.compiling.widths import LANES
 from engine.cycle.panels.lanes import Memory
 from engine.laws.elementary import direction_of
 from engine.motion.moments.at_speed import (
-    FALL,
     POLYNOMIAL,
     add_induction_motors,
-    add_induction_slopes,
     add_power,
-    add_power_slope,
     polynomial,
-    polynomial_slope,
     straight_motors,
 )
 from engine.motion.moments.dynamics import Dynamics
@@ -148,28 +143,6 @@ def add_share(wide: int, share: float, step: Memory, rates: Memory, energy: Memo
 
 
 @routine
-def moments_at_place(
-    wide: int,
-    form: Form,
-    drive: Memory,
-    exponents: Memory,
-    places: Memory,
-    at: int,
-    energy: Memory,
-    speed: Memory,
-    motors: Memory,
-    moment: Memory,
-) -> None:
-    """Speed, moment of the motors and moment of everything by the energy, at the place that begins at row `at`.
-
-    They go into rows, (LANES,).
-    """
-    for lane in range(wide):
-        speed[lane] = math.sqrt(energy[lane] * places[at + INVERSE, lane])
-    moments_at_speed(wide, form, drive, exponents, places, at, speed, motors, moment)
-
-
-@routine
 def moments_at_speed(
     wide: int,
     form: Form,
@@ -181,7 +154,7 @@ def moments_at_speed(
     motors: Memory,
     moment: Memory,
 ) -> None:
-    """Moment of the motors and moment of everything by the speed; as `moments_at_place`."""
+    """Moment of the motors and moment of everything at a place whose rows begin at row `at`; all are rows, (LANES,)."""
     for lane in range(wide):
         motors[lane] = straight_motors(drive, lane, speed[lane])
     add_induction_motors(wide, drive, form.motors, speed, motors)
@@ -189,29 +162,3 @@ def moments_at_speed(
         moment[lane] = motors[lane] + polynomial(places, at + LOADS, lane, speed[lane])
     for law in range(form.laws):
         add_power(wide, places[at + LOADS + POLYNOMIAL + law], exponents[law], speed, moment)
-
-
-@routine
-def slopes_at_place(
-    wide: int,
-    form: Form,
-    drive: Memory,
-    exponents: Memory,
-    places: Memory,
-    at: int,
-    speed: Memory,
-    motors: Memory,
-    slope: Memory,
-) -> None:
-    """∂M/∂E = ∂M/∂ω/(Iω) of the motors and of everything at a place; as `moments_at_place`."""
-    for lane in range(wide):
-        motors[lane] = drive[FALL, lane]
-    add_induction_slopes(wide, drive, form.motors, speed, motors)
-    for lane in range(wide):
-        slope[lane] = motors[lane] + polynomial_slope(places, at + LOADS, lane, speed[lane])
-    for law in range(form.laws):
-        add_power_slope(wide, places[at + LOADS + POLYNOMIAL + law], exponents[law], speed, slope)
-    for lane in range(wide):
-        by_energy = 0.5 * places[at + INVERSE, lane] / speed[lane]
-        motors[lane] *= by_energy
-        slope[lane] *= by_energy

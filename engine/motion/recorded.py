@@ -1,0 +1,67 @@
+"""What was recorded of the steps of walks, read at any place of them."""
+
+import math
+
+import numpy as np
+
+from engine.compiling.running import over_variants
+from engine.motion.system import SHOWN
+
+
+def _slopes() -> np.ndarray:
+    """Derivatives at the places of a recorded step of the polynomials that are 1 at one of them and 0 at the others."""
+    whole = [np.polynomial.Polynomial.fit(SHOWN, row, SHOWN.size - 1).deriv()(SHOWN) for row in np.eye(SHOWN.size)]
+    return np.array(whole)
+
+
+SLOPES = _slopes()
+
+
+@over_variants
+def read_steps(
+    begin: int,
+    end: int,
+    recorded: np.ndarray,
+    steps: np.ndarray,
+    columns: np.ndarray,
+    turned: np.ndarray,
+    off: bool,
+    slopes: np.ndarray,
+    found: np.ndarray,
+) -> None:
+    """Energy, time and moment at angles turned, each of one of the variants, from what was recorded of their steps.
+
+    Where they are `off`, by what they may be off by at the begin of each step. Source: J.-P. Berrut and
+    L. N. Trefethen, Barycentric Lagrange interpolation, SIAM Review 46 (2004).
+    """
+    shown = slopes.shape[0]
+    for p in range(begin, end):
+        v, low, high = columns[p], 0, max(int(steps[columns[p]]) - 1, 0)
+        while low < high:
+            middle = (low + high + 1) // 2
+            if recorded[middle, 0, v] <= turned[p]:
+                low = middle
+            else:
+                high = middle - 1
+        length = recorded[low, 1, v]
+        theta = (turned[p] - recorded[low, 0, v]) / length
+        total, energy, time, moment, at = 0.0, 0.0, 0.0, 0.0, -1
+        for j in range(shown):
+            apart = theta - (0.5 - 0.5 * math.cos(math.pi * j / (shown - 1)))
+            at = j if apart == 0.0 else at
+        for j in range(shown):
+            apart = theta - (0.5 - 0.5 * math.cos(math.pi * j / (shown - 1)))
+            weight = (0.5 if j in (0, shown - 1) else 1.0) * (1.0 - 2.0 * (j % 2))
+            # At a place itself nothing else counts.
+            weight = weight / apart if at < 0 else 1.0 if j == at else 0.0
+            slope = 0.0
+            for i in range(shown):
+                slope += slopes[i, j] * recorded[low, 3 + i, v]
+            total += weight
+            energy += weight * recorded[low, 3 + j, v]
+            time += weight * recorded[low, 4 + shown + j, v]
+            moment += weight * slope
+        energy_off, time_off = recorded[low, 3 + shown, v], recorded[low, 4 + 2 * shown, v]
+        found[0, p] = energy / total + (energy_off if off else 0.0)
+        found[1, p] = time / total + (time_off if off else 0.0)
+        found[2, p] = moment / total / length
