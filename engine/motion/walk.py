@@ -40,8 +40,8 @@ MANY, WORTH_SOLVING, FADES = 100, 0.05, 0.3
 # Rounds for the stages of an implicit step, what they are found to, or nearly so where rounding keeps them from it, and
 # how much of itself a state may lose in one.
 MOST_ROUNDS, FOUND_TO, NEARLY_FOUND, LEAST_LEFT = 12, 1e-14, 1e-11, 0.1
-# The real eigenvalue of the matrix of Radau's method with five stages.
-OWN_SHARE = 0.159
+# The real eigenvalue of the matrix of Radau's method with five stages is 0.159; what of it counts in estimated errors.
+OWN_SHARE = 0.25 * 0.159
 # Share of its length by which the step to a guard's root is known, and how many steps are tried for it.
 ROOT, MOST_TRIALS = 4e-16, 60
 # An extreme of the speed is met where its slope is so much less than what it is made of: the speed is flat there. Steps
@@ -741,8 +741,8 @@ def guard(g: int, lane: int, end: int, task: WalkTask, room: Room) -> float:
         return own.other_goal[lane] - states[0 if task.along_time else task.states, lane]
     if g == RISE:
         slope, last = watched[SLOPE, lane], task.states - 1
-        off = FOUND_TO * abs(in_lanes(room.begin)[last, lane]) + abs(in_lanes(room.errors)[last, lane])
-        # Of a motion in balance, the slope's sign is that of what steps miss.
+        # Of a motion in balance, the slope's sign is that of rounding.
+        off = FOUND_TO * abs(in_lanes(room.begin)[last, lane])
         unsure = ROUNDED * watched[SIZE, lane] + abs(watched[STEEPNESS, lane]) * off
         sense = math.copysign(1.0, slope) if abs(slope) > unsure else 0.0
         return sense * speed_slope(lane, end, task, room) if task.extremes else 1.0
@@ -777,8 +777,12 @@ def may_exceed(lane: int, task: WalkTask, room: Room) -> bool:
     leaves, comes = speed_slope(lane, 0, task, room), speed_slope(lane, 1, task, room)
     # Where the tangents meet.
     top = near + leaves * (far - near - comes * own.length[lane]) / (leaves - comes)
-    highest, lowest = max(near, far), min(near, far)
-    return top + (top - highest) > own.fastest[lane] if leaves > 0.0 else top - (lowest - top) < own.slowest[lane]
+    # Where it isn't beyond both ends, a steep motor bends the speed in some other way.
+    if leaves > 0.0:
+        highest = max(near, far)
+        return not top >= highest or top + (top - highest) > own.fastest[lane]
+    lowest = min(near, far)
+    return not top <= lowest or top - (lowest - top) < own.slowest[lane]
 
 
 @routine
@@ -867,13 +871,13 @@ def carry_errors(task: WalkTask, room: Room) -> None:
     """
     own, watched = rows_of(room.lane), in_lanes(room.watched)
     doubts, errors, begin, end = in_lanes(room.doubts), in_lanes(room.errors), in_lanes(room.begin), task.watched
-    most = -3.0 if task.implicit else -1.0
+    most, rounded = (-3.0, 4.0 * FOUND_TO) if task.implicit else (-1.0, 0.25 * EPS)
     for lane in range(LANES):
         grows = 0.5 * own.length[lane] * (watched[STEEPNESS, lane] + watched[end + STEEPNESS, lane])
         # A step forgets no more than its method does.
         grows = grows if grows > most else most
         own.doubt[lane] = doubts[0, lane]
-        step = abs(errors[0, lane]) + 0.25 * EPS * begin[0, lane]
+        step = abs(errors[0, lane]) + rounded * begin[0, lane]
         after = own.doubt[lane] * exponential(grows) + step
         doubts[0, lane] = after if own.taken[lane] > 0.0 else doubts[0, lane]
     for q in range(1, task.width):

@@ -171,7 +171,9 @@ class _Motion:
             if not who.size:
                 continue
             gone, record, record_off = self._cycle(who, implicit, closed.energy[who], doubt[who], asked[:, who])
-            verdict[who[gone.why != Why.GOAL]] = Verdict.NOT_FINITE
+            # With its shorter steps, a cycle may show how steep a motor is.
+            steep[who] |= gone.why == Why.STEEP
+            verdict[who[(gone.why != Why.GOAL) & (implicit | (gone.why != Why.STEEP))]] = Verdict.NOT_FINITE
             own, other = self._told(closed.energy[who], doubt[who], closed.off[who], gone)
             for mine, new in zip((*found, *off), (*own, record, *other, record_off), strict=True):
                 mine[..., who] = np.where(gone.why == Why.GOAL, new, np.nan)
@@ -185,10 +187,12 @@ class _Motion:
         ended, fading = gone.states[ENERGY], gone.states[names["fading"]]
         multiplier = np.exp(np.minimum(fading, 700.0))
         low, high = gone.slowest, gone.fastest
-        # Both extremes move along with the begin; from the one to the other the energy may err by what steps miss.
-        between = np.maximum(gone.doubts[ENERGY] - multiplier * doubt, 0.0)
         fluctuation = 2.0 * (high - low) / (high + low)
-        fluctuation_off = fluctuation * doubt / energy + between / energy
+        # As far as it doesn't fade, both extremes move along with what the begin is off by, and δ says nothing of it.
+        common = 0.5 * multiplier * doubt / energy
+        apart = np.maximum(gone.slow_off / low - common, 0.0) + np.maximum(gone.fast_off / high - common, 0.0)
+        fluctuation_off = fluctuation * doubt / energy + apart
+        between = np.maximum(gone.doubts[ENERGY] - multiplier * doubt, 0.0)
         works, squares = self._works(gone.states, ended - energy, -1.0)
         works_off, squares_off = self._works(gone.doubts, between + np.abs(ended - energy), 1.0)
         period = gone.states[TIME]
