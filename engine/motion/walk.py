@@ -164,8 +164,8 @@ class Lane(NamedTuple):
         What has the sign of the speed's slope, at the end.
     why, steps : row
         Why it ended, and after how many steps.
-    scale, size : row
-        Greatest work of a step so far; size of what a step's error is a share of.
+    scale, work, size : row
+        Greatest work of a step so far, with that of the step that is tried; size of what a step's error is a share of.
     length, missed : row
         Of the step that is tried, and what it misses by what it may.
     edge, base : row
@@ -213,6 +213,7 @@ class Lane(NamedTuple):
     why: Row
     steps: Row
     scale: Row
+    work: Row
     size: Row
     length: Row
     missed: Row
@@ -550,8 +551,9 @@ def judge_steps(task: WalkTask, room: Room) -> None:
                     else watched[count + SIZE, lane]
                 )
                 size *= own.length[lane]
-                own.scale[lane] = size if size > own.scale[lane] else own.scale[lane]
-                own.size[lane] = own.scale[lane]
+                # A step that isn't taken says nothing of the works of those that are.
+                own.work[lane] = size if size > own.scale[lane] else own.scale[lane]
+                own.size[lane] = own.work[lane]
         elif not task.along_time:
             for lane in range(LANES):
                 # Of time, what a cycle takes at this speed.
@@ -907,6 +909,7 @@ def advance(task: WalkTask, room: Room) -> None:
         own.fastest[lane] = speed if faster else own.fastest[lane]
         own.fast_off[lane] = off if faster else own.fast_off[lane]
         own.slope[lane] = watched[task.watched + SLOPE, lane] if took else own.slope[lane]
+        own.scale[lane] = own.work[lane] if took else own.scale[lane]
         own.steps[lane] += own.taken[lane]
 
 

@@ -148,7 +148,7 @@ def test_extremes_of_steady_motion_with_steep_motors__as_with_shorter_steps(monk
     random, count = np.random.default_rng(6), 500
     machines = {
         "moments.induction.breakdown_slip": np.exp(random.uniform(np.log(0.005), np.log(0.2), count)),
-        "moments.induction.breakdown_moment": np.exp(random.uniform(np.log(10.0), np.log(400.0), count)),
+        "moments.induction.breakdown_moment": np.exp(random.uniform(np.log(10.0), np.log(4e3), count)),
         "groups.drive.first.length": random.uniform(0.15, 0.6, count),
     }
     scene = slider_crank({"on": steady("induction by_angle gravity")}, flywheel=0.0)
