@@ -1,9 +1,9 @@
 """A schedule: the regimes of a scene one after another, for many variants, with an error figure on every number.
 
-Runs over the crank angle carry along what their steps may miss. All else is computed twice: a steady motion for the
-second time with every step changed by its estimated error, a run with steps that may miss 64 times as much and turn
-twice as far. The error figure is what was carried along, or the change if that is greater, and the rounding of the
-energies.
+Runs over the crank angle and steady motions carry along what their steps may miss; fields of a steady motion are told
+once more with all of it added, at half the positions. All else is run twice, for the second time with steps that may
+miss 64 times as much and turn twice as far. The error figure is what was carried along, or the change if that is
+greater, and the rounding of the energies.
 """
 
 from collections.abc import Callable

@@ -32,7 +32,7 @@ def settled_motion(
     dynamics, variants, tolerance, asked
         As of `steady_motion`.
     doubtful : bool
-        Whether every step is changed by its estimated error, or with friction may miss more.
+        Whether the motion is changed by what it may be off by, or with friction steps may miss more.
     """
     if dynamics.friction is None:
         steady, off = steady_motion(dynamics, variants, tolerance, asked)

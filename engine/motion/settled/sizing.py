@@ -39,7 +39,7 @@ def flywheel_for(
     asked : ndarray (variants,)
         δ.
     doubtful : bool
-        Whether every step is changed by its estimated error.
+        Whether the motion is changed by what it may be off by.
 
     Returns
     -------
