@@ -41,8 +41,8 @@ OK, STALLS, RUNS_AWAY, ANY_SPEED, NOT_FINITE = (
 )
 # A lane whose energy is still searched; one whose motor is too steep for these steps.
 SEARCHING, TOO_STEEP = -1.0, -2.0
-# Cycles at most; how near to a fixed point the next energy is that one, or by what share of what steps miss; what is
-# left where rounding keeps it from that.
+# Cycles at most. An energy is found where the next one differs by a smaller share of itself, or of what steps miss; or
+# by NEARLY_CLOSED of itself where rounding lets it come no nearer.
 MOST_CYCLES, CLOSED, UNTOLD, NEARLY_CLOSED = 60, 1e-12, 0.01, 1e-8
 # Repeated steps that miss so many times what is allowed are laid anew before their cycle counts.
 ALLOWED = 10.0

@@ -39,6 +39,7 @@ from engine.motion.runs.run_extremes import FieldAnswers, RunExtremes
 from engine.motion.runs.run_instants import RunInstants
 from engine.motion.runs.run_progress import TOLERANCE as RUN_TOLERANCE
 from engine.motion.runs.run_progress import Changed, Ends, Progress, RunOutcome, Stepping
+from engine.motion.runs.spread_errors import spread_errors
 from engine.motion.runs.watching import Observer, RunFields
 from engine.motion.settled.cycle import CycleAnswers, answers_of, cycle_of
 from engine.motion.settled.rubbing_steady import settled_motion
@@ -362,7 +363,7 @@ class Schedule:
                     gone.by_equal_steps[name] = np.stack(outcome.state[:3])
                 told = partial(self._of_run, name, dynamics, variants, energy=energy)
                 found, scale = told(outcome) | extremes.values, extremes.scales
-                off = {} if half else outcome.spread(told)
+                off = {} if half else spread_errors(outcome, outcome.changed, told)
                 gone.missed.update({f"{name}.{key}": row for key, row in off.items()})
                 found |= self._at_end(outcome, standing)
                 # A residual of works is a share of them, and rounds as they do.
@@ -654,7 +655,7 @@ class Schedule:
             return self._of_steady(name, dynamics, variants, steady)
 
         if off is not None and not half:
-            missed |= steady.spread(off, told)
+            missed |= spread_errors(steady, off, told)
         if off is not None and half:
             steady = steady.shifted(off)
         found |= told(steady)

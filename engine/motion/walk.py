@@ -44,8 +44,8 @@ MOST_ROUNDS, FOUND_TO, NEARLY_FOUND, LEAST_LEFT = 12, 1e-14, 1e-11, 0.1
 OWN_SHARE = 0.25 * 0.159
 # Share of its length by which the step to a guard's root is known, and how many steps are tried for it.
 ROOT, MOST_TRIALS = 4e-16, 60
-# An extreme of the speed is met where its slope is so much less than what it is made of: the speed is flat there. Steps
-# to it aim so much of what is left beyond it, the second one so much of its way.
+# An extreme of the speed is met where the slope is less than this share of its terms, for the speed is flat there. To
+# have it on both sides, a step to it goes on by a share of the bracket, and the second one by a share of its own way.
 FLAT, BEYOND, BEHIND = 1e-5, 1e-5, 0.2
 # Errors below this share of a state are rounding; so is what is left of the way to an edge.
 ROUNDED = 4.0 * float(np.finfo(float).eps)
@@ -165,7 +165,7 @@ class Lane(NamedTuple):
     why, steps : row
         Why it ended, and after how many steps.
     scale, work, size : row
-        Greatest work of a step so far, with that of the step that is tried; size of what a step's error is a share of.
+        Greatest work of the steps taken; the same with the step that is tried; what a step's error is divided by.
     length, missed : row
         Of the step that is tried, and what it misses by what it may.
     edge, base : row

@@ -1,6 +1,6 @@
 """How far runs have come: where they are to end, where each stands, and what it met on its way."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -103,26 +103,6 @@ class RunOutcome(NamedTuple):
         )
         speeds = self.slowest - by.slowest, self.fastest + by.fastest
         return self._replace(state=state, ended=self.ended + by.energy, slowest=speeds[0], fastest=speeds[1])
-
-    def spread(self, told: Callable[["RunOutcome"], dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
-        """What numbers made of the outcome may be off by: the sum of what each of its own numbers changes them by.
-
-        Parameters
-        ----------
-        told : callable
-            Makes them of an outcome.
-        """
-        known, nothing = told(self), Changed(*(np.zeros_like(x) for x in self.changed))
-        off = {name: np.zeros_like(value) for name, value in known.items()}
-        alone = [nothing._replace(**{name: getattr(self.changed, name)}) for name in Changed._fields if name != "works"]
-        for i, work in enumerate(self.changed.works):
-            works = nothing.works.copy()
-            works[i] = work
-            alone.append(nothing._replace(works=works))
-        for change in alone:
-            for name, value in told(self.shifted(change)).items():
-                off[name] += np.abs(value - known[name])
-        return off
 
     def with_others(self, who: np.ndarray, others: "RunOutcome") -> "RunOutcome":
         """The same with the outcome of some variants in its place."""

@@ -6,7 +6,6 @@ stable where |λ| < 1. Newton's method finds it in a few cycles, where waiting t
 walked through, with all that is asked of it.
 """
 
-from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -73,34 +72,6 @@ class Steady(NamedTuple):
         """The same with every number changed."""
         return Steady(self.verdict, *(mine + off for mine, off in zip(self[1:], by[1:], strict=True)))
 
-    def spread(self, by: "Steady", told: Callable[["Steady"], dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
-        """What numbers made of the motion may be off by: the sum of what each of its own numbers changes them by.
-
-        Parameters
-        ----------
-        by : Steady
-            What these may be off by.
-        told : callable
-            Makes numbers of a motion.
-        """
-        known, nothing = told(self), Steady(self.verdict, *(np.zeros_like(row) for row in self[1:]))
-        off = {name: np.zeros_like(value) for name, value in known.items()}
-        for alone in _one_by_one(by, nothing):
-            for name, value in told(self.shifted(alone)).items():
-                off[name] += np.abs(value - known[name])
-        return off
-
-
-def _one_by_one(by: Steady, nothing: Steady) -> Iterator[Steady]:
-    """Changes of one number alone."""
-    for name in Steady._fields:
-        if name not in ("verdict", "works", "record"):
-            yield nothing._replace(**{name: getattr(by, name)})
-    for i, work in enumerate(by.works):
-        works = nothing.works.copy()
-        works[i] = work
-        yield nothing._replace(works=works)
-
 
 def steady_motion(
     dynamics: Dynamics, variants: Variants, tolerance: float, asked: np.ndarray | None = None
@@ -119,7 +90,6 @@ def steady_motion(
     """
     with np.errstate(all="ignore"):
         motion = _Motion(dynamics, variants, tolerance)
-        steep = np.zeros(variants.count, bool)
         closed = motion.closed(np.arange(variants.count), False)
         verdict = closed.verdict.copy()
         steep = verdict == TOO_STEEP
@@ -203,7 +173,7 @@ class _Motion:
         return own, off
 
     def _works(self, rows: np.ndarray, change: np.ndarray, sign: float) -> tuple[np.ndarray, np.ndarray]:
-        """Works of the motors and of each channel, and the motors' moment squared; nothing of what isn't gathered."""
+        """Works of the motors and of each channel, and the motors' moment squared; zero where it isn't gathered."""
         names, nothing, channels = self.system.names, np.zeros_like(change), self.dynamics.channels
         motors, squares = (rows[names[name]] if name in names else nothing for name in ("motors", "squares"))
         loads = [rows[names[name]] for name in channels] if self.dynamics.works else [change + sign * motors]

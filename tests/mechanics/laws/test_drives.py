@@ -13,6 +13,8 @@ from engine.laws.motor_characteristics import (
     dc_motor,
     dc_motor_from_nameplate,
     induction_motor,
+    induction_motor_curvature,
+    induction_motor_slope,
     kloss_from_nameplate,
     nameplate_trouble,
 )
@@ -24,6 +26,32 @@ SYNCHRONOUS = 157.07963267948966
 def circuit_torque(stator, rotor, reactance, slip):
     """Torque of the equivalent circuit with the magnetising branch left out, per (phases V^2/omega_s)."""
     return (rotor / slip) / ((stator + rotor / slip) ** 2 + reactance**2)
+
+
+@settings(deadline=None, max_examples=50)
+@given(st.floats(0.01, 0.5), st.floats(0.0, 3.0), st.floats(-0.9, 1.5))
+def test_induction_motor__slope_and_curvature_are_the_derivatives_of_kloss_formula(breakdown_slip, ratio, turn):
+    with mpmath.workdps(50):
+        own = [mpmath.mpf(x) for x in (300.0, breakdown_slip, ratio, SYNCHRONOUS)]
+
+        def torque(omega):
+            most, critical, share, synchronous = own
+            slip = 1 - omega / synchronous
+            return most * (2 + share * critical) / (slip / critical + critical / slip + share * critical)
+
+        omega = turn * SYNCHRONOUS
+        # Kloss's quotients need a slip.
+        assume(abs(1.0 - turn) > 1e-3)
+        # Beyond the synchronous speed the denominator may vanish; near that neither derivative is known to bits.
+        slip = 1.0 - turn
+        whole = slip**2 + breakdown_slip**2 + ratio * breakdown_slip**2 * slip
+        parts = slip**2 + breakdown_slip**2 + ratio * breakdown_slip**2 * abs(slip)
+        assume(whole > 0.1 * parts)
+        for order, law in ((1, induction_motor_slope), (2, induction_motor_curvature)):
+            exact = float(mpmath.diff(torque, omega, order))
+            # The slip loses what the speed is greater than it; each power of the denominator passes that on.
+            room = 100 * EPS * 300.0 * (parts / whole) ** 3 / (breakdown_slip * SYNCHRONOUS) ** order / breakdown_slip
+            assert abs(law(300.0, breakdown_slip, ratio, SYNCHRONOUS, omega) - exact) <= room + 1e-13 * abs(exact)
 
 
 @settings(deadline=None, max_examples=100)
