@@ -10,7 +10,6 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from engine.compiling.tiles import TileFunction
 from engine.graph.functions import functions_at
 from engine.graph.nodes import Given, Node
 from engine.mechanism.inertia import shaking
@@ -20,7 +19,6 @@ from engine.mechanism.mechanics import Mechanics
 from engine.mechanism.reactions import Reactions
 from engine.motion.moments.dynamics import Variants
 from engine.motion.moments.tabulation import Tabulation
-from engine.motion.steppers.rubbing import Rubbing
 
 # Moments in which the inertia of a flywheel takes part.
 WITH_FLYWHEEL = ("frame.reaction_moment", "shaking_moment")
@@ -72,24 +70,6 @@ class PairLoads:
     @property
     def _coefficients(self) -> list[Node]:
         return [coefficient for _, coefficient in self._sizes.values()]
-
-    @property
-    def function(self) -> TileFunction:
-        """The printed function of the fields."""
-        return self._tabulation.function("curves_at")
-
-    @property
-    def curves(self) -> int:
-        """How many curves it fills."""
-        return len(self._tabulation.functions.curves)
-
-    def source(self, channel: int) -> Rubbing:
-        """Where the first of the fields comes from, as the moment of friction of a channel of work."""
-        functions, given = self._tabulation.functions, self._tabulation.given
-        moving = [functions.rows[node] if node in given else -1 for node in self._moving]
-        clocks = [functions.rows[node] for node in given if node not in self._sizes and node not in self._moving]
-        rows = np.array(moving, np.int64), np.array(clocks, np.int64)
-        return Rubbing(functions.memory, *rows, self._rows[self.names[0]], channel)
 
     def parameters(self, variants: Variants, off: frozenset[str]) -> np.ndarray:
         """Numbers of variants, (numbers, variants), for the way that they turn.

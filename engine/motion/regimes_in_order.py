@@ -23,6 +23,7 @@ from engine.motion.coupled.two_sides import TwoSides, coupling_of
 from engine.motion.loads import PairLoads
 from engine.motion.moments.at_speed import greatest_moment
 from engine.motion.moments.dynamics import Dynamics, Reduction, Variants
+from engine.motion.moments.instants import FRICTION_MOMENT
 from engine.motion.quantities import (
     AXES,
     EFFICIENCY_NOW,
@@ -46,7 +47,6 @@ from engine.motion.settled.rubbing_steady import settled_motion
 from engine.motion.settled.sizing import flywheel_for
 from engine.motion.settled.steady import Steady, steady_motion
 from engine.motion.steppers.energy_form import NODES
-from engine.motion.steppers.rubbing_form import FRICTION_MOMENT
 from engine.motion.system import CHANNELS
 from engine.parts.regimes import RunRegime, run_keys
 from engine.quantities.quantity import has_cycle

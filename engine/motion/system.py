@@ -27,6 +27,7 @@ from engine.mechanism.actions.motors import motor_ratio
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.loads import Loads
 from engine.mechanism.mechanics import Mechanics
+from engine.mechanism.reactions import Reactions
 from engine.motion.closed_cycle import TOLD, CycleBatch, CycleRoom, find_cycles, new_cycle_room
 from engine.motion.methods import EIGHT, METHODS
 from engine.motion.moments.tabulation import Tabulation
@@ -36,6 +37,8 @@ from engine.parts.motor_constants import kloss_constants, stall_moment
 
 # Sorts of work that are told apart where works are asked.
 CHANNELS = ("driving", "useful", "harmful", "braking", "other")
+# Powers of the speed whose loads are added up at a position.
+POLYNOMIAL_ORDERS = (0, 1, 2)
 # Shares of a step at which its polynomial of degree seven is recorded.
 SHOWN = 0.5 - 0.5 * np.cos(np.pi * np.arange(8) / 7.0)
 
@@ -63,6 +66,8 @@ class System(NamedTuple):
     ----------
     along : {"angle", "time"}
     states : tuple of Given
+    unknown : tuple of Given
+        The last state's rate, where it depends on itself; else none.
     rates : tuple of Node
         Of the states, along the way.
     gathered : dict of str to Node
@@ -79,6 +84,7 @@ class System(NamedTuple):
 
     along: str
     states: tuple[Given, ...]
+    unknown: tuple[Given, ...]
     rates: tuple[Node, ...]
     gathered: dict[str, Node]
     speed: Node
@@ -135,17 +141,23 @@ def moments_of(mechanics: Mechanics, loads: Loads, sizes: Sizes, speed: Node, wo
     """StateMoments at a speed, by the sort of work where works are asked."""
     graph = mechanics.graph
     motion = InputMotion(speed * speed, graph.zero, speed)
-    by_channel: dict[str, dict[float | str, list[Node]]] = {c: {} for c in (CHANNELS if works else ("all",))}
+    # A step that ends at rest looks a little beyond it.
+    by_magnitude = motion._replace(speed=abs(speed))
+    by_channel: dict[str, dict[Node, list[Node]]] = {c: {} for c in (CHANNELS if works else ("all",))}
     for size, load in zip(sizes.loads, loads.terms, strict=True):
         if load.basis is graph.zero:
             continue
         channel = load.role if load.role in CHANNELS else "other"
+        # What is off is zero at rest too, where the speed to a negative power is infinite.
+        polynomial = load.order in POLYNOMIAL_ORDERS
+        power_of_speed = (motion if polynomial else by_magnitude).power(load.order)
+        term = graph.apply(sized, size, load.basis if polynomial else load.basis * power_of_speed)
         orders = by_channel[channel if works else "all"]
-        orders.setdefault(load.order, []).append(graph.apply(sized, size, load.basis))
+        orders.setdefault(power_of_speed if polynomial else graph.one, []).append(term)
     channels = {}
     for channel, orders in by_channel.items():
         # What depends on the position alone is added up there.
-        parts = [(sizes.way * sum(terms, graph.zero)) * motion.power(order) for order, terms in orders.items()]
+        parts = [(sizes.way * sum(terms, graph.zero)) * at_speed for at_speed, terms in orders.items()]
         channels[channel] = sum(parts, graph.zero)
     return StateMoments(
         sum((_motor(mechanics, name, on, speed) for on, name in sizes.motors.items()), graph.zero), channels
@@ -201,15 +213,22 @@ def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tup
     gathered = {"time": pace} | {name: node for name, node in known.items() if name in asked}
     responses = tuple(derivative(node, energy, SLOPES) for node in gathered.values())
     rates = (total,)
-    return System("angle", (energy,), rates, gathered, speed, size, steepness, slope, responses, guards, clock), sizes
+    return System(
+        "angle", (energy,), (), rates, gathered, speed, size, steepness, slope, responses, guards, clock
+    ), sizes
 
 
-def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tuple[System, Sizes]:
-    """The equation of motion over time; parameters as of `along_angle`."""
+def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str], rubs: bool = False) -> tuple[System, Sizes]:
+    """The equation of motion over time; parameters as in `along_angle`, and whether there is friction in pairs."""
     graph, (loads, clock, sizes) = mechanics.graph, sizes_of(mechanics)
     turned, speed = (graph.given(label, Stage.STATE) for label in ("angle turned", "speed"))
     inertia = mechanics.reduced.inertia + sizes.wheel
-    moments = moments_of(mechanics, loads, sizes, speed, works)
+    moments, unknown = moments_of(mechanics, loads, sizes, speed, works), ()
+    # Motors make a step stiff; friction doesn't, and its derivative is as long as all reactions.
+    smooth = (moments.total - (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)) / inertia
+    if rubs:
+        unknown = (graph.given("acceleration", Stage.STATE),)
+        moments.channels["harmful" if works else "all"] += _friction(mechanics, loads, sizes, speed, *unknown)
     total = moments.total
     epsilon = (total - (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)) / inertia
     powers = {name: moment * speed for name, moment in moments.channels.items()}
@@ -221,10 +240,18 @@ def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tupl
         Guard("rest", speed),
     )
     gathered = {name: node for name, node in known.items() if name in asked}
-    steepness = derivative(epsilon, speed, SLOPES)
+    steepness = derivative(smooth, speed, SLOPES)
     rates = (sizes.facing * speed, epsilon)
     states, zero = (turned, speed), graph.zero
-    return System("time", states, rates, gathered, speed, zero, steepness, epsilon, (), guards, clock), sizes
+    return System("time", states, unknown, rates, gathered, speed, zero, steepness, epsilon, (), guards, clock), sizes
+
+
+def _friction(mechanics: Mechanics, loads: Loads, sizes: Sizes, speed: Node, epsilon: Node) -> Node:
+    """Moment that stands for friction in the pairs, in the direction of motion."""
+    motion = InputMotion(speed * speed, sizes.way * epsilon, speed)
+    acting = [load._replace(coefficient=size) for size, load in zip(sizes.loads, loads.terms, strict=True)]
+    reactions = Reactions(mechanics.kinematics, mechanics.structure, acting, motion)
+    return sizes.way * reactions.variables["friction_moment"]
 
 
 class Walks(NamedTuple):
@@ -297,9 +324,10 @@ class PrintedSystem:
         guards = (guard.value for guard in system.guards)
         before = system.speed, system.size, system.steepness, system.slope
         self.watched = [*before, *system.responses, *guards]
+        self.last = (*system.states, *system.unknown)
         title = f"A machine in motion, along {system.along}."
         self.functions: Functions = functions_in_motion(
-            mechanics.graph, title, mechanics.first, mechanics.last, self.rates, self.watched, system.states
+            mechanics.graph, title, mechanics.first, mechanics.last, self.rates, self.watched, self.last
         )
         self.names = {name: len(system.states) + i for i, name in enumerate(system.gathered)}
         self.tabulation = Tabulation(self.functions)
@@ -314,6 +342,7 @@ class PrintedSystem:
             stages=made.stages,
             fixed=not made.fine.any(),
             implicit=made.implicit,
+            solves=bool(system.unknown),
             nodes=made.shares[made.place_of],
             matrix=made.matrix,
             parts=np.ascontiguousarray(made.parts),
@@ -322,7 +351,7 @@ class PrintedSystem:
             watched=len(self.watched),
             guards=len(system.guards),
             carries=len(system.responses) > 0 and bool(made.fine.any()),
-            first_place=len(rows) - len(system.states) - len(self.functions.curves),
+            first_place=len(rows) - len(self.last) - len(self.functions.curves),
             places=len(self.functions.curves),
             rated=len(places_of(self.rates)),
             clock=rows[system.clock] if timed else -1,
@@ -386,6 +415,7 @@ class PrintedSystem:
         recorded: int,
     ) -> WalkBatch:
         count = states.shape[1]
+        given = {"longest": np.inf, "floor": 0.0} | given
         rows = np.array([np.broadcast_to(given[name], (count,)) for name in GIVEN], float)
         kept = np.empty((recorded, 3 + (task.states + 1) * (1 + SHOWN.size), count))
         found, parts = np.empty((len(FOUND), count)), (numbers, edges, instants, rows)

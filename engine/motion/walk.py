@@ -42,6 +42,9 @@ MANY, WORTH_SOLVING, FADES = 100, 0.05, 0.3
 MOST_ROUNDS, FOUND_TO, NEARLY_FOUND, LEAST_LEFT = 12, 1e-14, 1e-11, 0.1
 # The real eigenvalue of the matrix of Radau's method with five stages is 0.159; what of it counts in estimated errors.
 OWN_SHARE = 0.25 * 0.159
+# A rate that depends on itself is found to so much of itself, within so many trials; after some of them, rounding
+# alone keeps it from coming nearer.
+SOLVED_TO, MOST_SECANTS, SURE_SECANTS = 1e-13, 20, 6
 # Share of its length by which the step to a guard's root is known, and how many steps are tried for it.
 ROOT, MOST_TRIALS = 4e-16, 60
 # An extreme of the speed is met where the slope is less than this share of its terms, for the speed is flat there. To
@@ -53,12 +56,18 @@ ROUNDED = 4.0 * float(np.finfo(float).eps)
 NEARLY = 1e-12
 # A way is divided into equal steps where there are no more than so many.
 MOST_PARTS = 1e6
+# How far a step in time may turn, of what is meant by its length.
+TOO_FAR = 2.0
 # Steps shorter than this share of what they go along miss whatever is tried; at the begin, of this time [s].
 SHORTEST, LEAST_TIME = 1e-13, 1e-7
 
 
 class Why(IntEnum):
-    """Why a walk ended; STEEP where an implicit method is worth more, from GUARD on by the guard of that number."""
+    """Why a walk ended.
+
+    STEEP where an implicit method is worth more, FADED where the speed is next to nothing; from GUARD on, the guard of
+    that number.
+    """
 
     GOING = -1
     GOAL = 0
@@ -67,10 +76,11 @@ class Why(IntEnum):
     STEEP = 3
     FULL = 4
     OTHER_GOAL = 5
-    GUARD = 6
+    FADED = 6
+    GUARD = 7
 
 
-GOING, GOAL, RANGE, LOST, STEEP, FULL, OTHER_GOAL, GUARD = (int(why) for why in Why)
+GOING, GOAL, RANGE, LOST, STEEP, FULL, OTHER_GOAL, FADED, GUARD = (int(why) for why in Why)
 # What `watch` gives of a state before its guards: the speed, the magnitudes that the rate of the first state is made
 # of, its derivative by that state, what has the sign of the speed's slope, and from RESPONSES on derivatives of what is
 # gathered by the first state.
@@ -94,6 +104,8 @@ class WalkTask(NamedTuple):
         Of the method.
     implicit : bool
         Whether its stages are found by Newton's method, of one state.
+    solves : bool
+        Whether the last state's rate depends on itself; its row of P follows those of the states.
     matrix : ndarray
         Of an implicit method.
     states, width : int
@@ -120,6 +132,7 @@ class WalkTask(NamedTuple):
     stages: int
     fixed: bool
     implicit: bool
+    solves: bool
     nodes: np.ndarray
     matrix: np.ndarray
     parts: np.ndarray
@@ -154,6 +167,8 @@ class Lane(NamedTuple):
         Where along its way it ends; at which angle turned on a way along time, and at which time along the angle.
     tolerance, farthest : row
         What a step may miss, and how far it may turn [rad].
+    longest, floor : row
+        On a way along time, how long a step may be [s], and a speed below which the motion has faded [rad/s].
     turned, pace : row
         The angle turned, and the length that is tried next.
     at : row
@@ -202,6 +217,8 @@ class Lane(NamedTuple):
     other_goal: Row
     tolerance: Row
     farthest: Row
+    longest: Row
+    floor: Row
     turned: Row
     pace: Row
     at: Row
@@ -240,8 +257,8 @@ class Lane(NamedTuple):
     ended: Row
 
 
-GIVEN, FOUND = Lane._fields[:10], Lane._fields[8:18]
-FIRST_FOUND = 8
+GIVEN, FOUND = Lane._fields[:12], Lane._fields[10:20]
+FIRST_FOUND = 10
 
 
 class Room(NamedTuple):
@@ -282,7 +299,7 @@ def new_room(task: WalkTask, numbers: int, edges: int, instants: int, repeats: b
         rows(task.width),
         rows(task.width),
         rows(task.width),
-        rows(task.stages * (task.stages + 2) if task.implicit else 0),
+        rows(task.stages * (task.stages + 2) if task.implicit else 2),
         rows(2 * (2 * task.width + 1)),
         rows(2 * (FIRST + task.guards)),
         rows(laid),
@@ -372,6 +389,38 @@ def stand(share: float, stage: int, slot: int, printed: Printed, task: WalkTask,
 @inlined
 def rate(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
     """Rates of a stage."""
+    if task.solves:
+        solve_rates(stage, printed, task, room)
+    else:
+        fill_rates(stage, printed, task, room)
+
+
+@routine
+def solve_rates(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
+    """Rates of a stage whose last state's rate depends on itself, as friction does on the acceleration; by secants."""
+    here = in_lanes(room.numbers)[task.first_place + task.places + task.states]
+    found = in_lanes(room.rates)[stage * task.width + task.states - 1]
+    before, left_before = in_lanes(room.equations)[0], in_lanes(room.equations)[1]
+    for lane in range(LANES):
+        here[lane] = here[lane] if abs(here[lane]) < math.inf else 0.0
+    for turn in range(MOST_SECANTS):
+        fill_rates(stage, printed, task, room)
+        pending = False
+        for lane in range(LANES):
+            left = found[lane] - here[lane]
+            gains = turn < SURE_SECANTS or abs(left) < abs(left_before[lane])
+            if abs(left) > SOLVED_TO * (abs(found[lane]) + abs(here[lane])) and gains:
+                pending = True
+                secant = here[lane] - left * (here[lane] - before[lane]) / (left - left_before[lane])
+                ahead = secant if turn > 0 and abs(secant) < math.inf else found[lane]
+                before[lane], left_before[lane], here[lane] = here[lane], left, ahead
+        if not pending:
+            break
+
+
+@inlined
+def fill_rates(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
+    """Rates of a stage from its state."""
     width = task.width
     filled_rows = room.rates[stage * width : (stage + 1) * width].reshape(width, 1, LANES)
     printed.rates(room.numbers, printed.memory, room.position[0:1], room.position[1:2], room.position[2:3], filled_rows)
@@ -431,6 +480,8 @@ def attempt(kept: int, keeps: bool, printed: Printed, task: WalkTask, room: Room
         for lane in range(LANES):
             state[q, lane] = after[q, lane]
     stand(1.0, task.stages, kept, printed, task, room)
+    if task.solves:
+        rate(task.stages, printed, task, room)
     look(1, printed, task, room)
     if keeps:
         keep_place(task.stages, task, room)
@@ -573,6 +624,11 @@ def judge_steps(task: WalkTask, room: Room) -> None:
     for q in range(width):
         for lane in range(LANES):
             own.missed[lane] = own.missed[lane] if abs(after[q, lane]) < math.inf else math.inf
+    for lane in range(LANES if task.along_time else 0):
+        # Beyond what a step may turn its estimate is blind; and one from rest may not end at rest.
+        far = abs(after[0, lane] - begin[0, lane]) > TOO_FAR * own.farthest[lane]
+        back = begin[1, lane] <= 0.0 and after[1, lane] <= 0.0
+        own.missed[lane] = math.inf if far or back else own.missed[lane]
     for lane in range(LANES):
         steep, end = abs(own.length[lane] * watched[STEEPNESS, lane]) > STEEPEST, watched[count + SLOPE, lane]
         sound = own.missed[lane] == own.missed[lane] and end == end
@@ -677,6 +733,7 @@ def choose(edges: int, instants: int, most_steps: int, task: WalkTask, room: Roo
                 until = min(until, next_instant(lane, instants, room) - own.clock[lane])
             speed = abs(state[1, lane])
             most = most if most * speed < own.farthest[lane] else own.farthest[lane] / speed
+            most = most if most < own.longest[lane] else own.longest[lane]
         else:
             until, most = min(until, edge_ahead(lane, room)), min(most, own.farthest[lane])
         rest = until - own.at[lane]
@@ -740,7 +797,9 @@ def guard(g: int, lane: int, end: int, task: WalkTask, room: Room) -> float:
     if g == EDGE:
         return (edge_ahead(lane, room) - states[0, lane]) * own.facing[lane] if task.along_time else 1.0
     if g == OTHER:
-        return own.other_goal[lane] - states[0 if task.along_time else task.states, lane]
+        if task.along_time:
+            return (own.other_goal[lane] - states[0, lane]) * own.facing[lane]
+        return own.other_goal[lane] - states[task.states, lane]
     if g == RISE:
         slope, last = watched[SLOPE, lane], task.states - 1
         # Of a motion in balance, the slope's sign is that of rounding.
@@ -954,6 +1013,9 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
             own.why[lane] = GOAL
         if own.ended[lane] == OTHER or own.ended[lane] >= FIRST:
             own.why[lane] = OTHER_GOAL if own.ended[lane] == OTHER else GUARD + own.ended[lane] - FIRST
+        speed = watched[task.watched + SPEED, lane]
+        if task.along_time and own.why[lane] == GOING and 0.0 < speed < own.floor[lane]:
+            own.why[lane] = FADED
         own.trials[lane] = 0.0
         if task.fixed:
             own.pace[lane] = own.farthest[lane]

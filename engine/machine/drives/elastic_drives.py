@@ -30,10 +30,10 @@ from engine.elements.elastic_drives.machine_drive import RESULTS, RUN_RESULTS, V
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.grid import GAP
+from engine.motion.moments.instants import Instants
 from engine.motion.regimes_in_order import TOLERANCE, Schedule
 from engine.motion.runs.elastic_run import FINEST, ElasticRun, run_on_shaft, steps_on_shaft
 from engine.motion.settled.steady import steady_motion
-from engine.motion.steppers.time_form import TimeForm
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.verdicts import Verdict
 
@@ -187,7 +187,7 @@ class ElasticDrives:
         run = self.drives[name].run
         angle, whole, backlash = (self._of_run(name, ready, key) for key in ("angle", "time", "backlash"))
         duration = whole if duration is None else duration
-        form = TimeForm(self.runs[name], self.runs[name].driven(ready.bare), angle)
+        form = Instants(self.runs[name], self.runs[name].driven(ready.bare), angle)
         begin = steady if run.begin == "steady" else np.zeros_like(steady)
         return run_on_shaft(form, ready.given.T, ready.frequency, begin, duration, backlash, coarser, record)
 

@@ -18,7 +18,6 @@ from engine.laws.runge_kutta import DENSE_PARTS, Method
 from engine.motion.moments.at_speed import KLOSS, PER_MOTOR, POLYNOMIAL, add_power, polynomial
 from engine.motion.steppers.one_step import MOST_STAGES, ROOTS, add_weighted, estimate, make_polynomial
 from engine.motion.steppers.places import INVERSE, LOADS, Form, Source, add_share, fill_place, moments_at_speed
-from engine.motion.steppers.time_lanes import face
 
 # What a step is given: crank angle at the begin, way, flywheel; angle turned by the crank, its speed and the shaft's;
 # time, length, the way the crank moves, an angle turned that no stage goes beyond; how the sides are joined, whether
@@ -150,6 +149,18 @@ def fluid_pull(breaks: np.ndarray, pieces: np.ndarray, factor: float, crank: flo
         value = value * beyond + pieces[i, k]
     moment = factor * value * fast * abs(fast)
     return moment if shaft_drives else -moment
+
+
+@routine
+def face(form: Form, facing: Memory, places: Memory, at: int) -> None:
+    """Turn the odd order of resistances, which are those of a machine that moves backwards, to the speed's own sign."""
+    for lane in range(LANES):
+        places[at + LOADS + 1, lane] *= facing[lane]
+    if form.channels > 1:
+        first = at + LOADS + POLYNOMIAL + form.laws
+        for channel in range(form.channels):
+            for lane in range(LANES):
+                places[first + POLYNOMIAL * channel + 1, lane] *= facing[lane]
 
 
 @routine

@@ -21,7 +21,7 @@ from engine.motion.moments.grid import Grid, make_grid
 from engine.motion.moments.landmarks import Landmarks
 from engine.motion.moments.tabulation import Ends, Sums, Tabulation
 from engine.motion.steppers.energy_form import Tables
-from engine.motion.system import CHANNELS, PrintedSystem, along_angle
+from engine.motion.system import CHANNELS, POLYNOMIAL_ORDERS, PrintedSystem, along_angle, along_time
 from engine.parts.actions import Brake, DCMotor
 from engine.parts.motor_constants import kloss_constants, stall_moment
 from engine.scene.load_formulas import load_formulas
@@ -35,8 +35,6 @@ if TYPE_CHECKING:
 LOOKED_AT = 720
 # Share of its greatest value below which the least one is rounding: of the square of a speed that vanishes.
 NO_INERTIA = 1e-18
-# Powers of the speed whose loads are tabulated together; all others are power laws.
-POLYNOMIAL_ORDERS = (0, 1, 2)
 # Friction in pairs, as what jumps where a pair changes the direction of its motion; no action has such a name.
 IN_PAIRS = "friction in pairs"
 # The derivative of the inertia, as what jumps where the acceleration of a cam's follower does.
@@ -334,25 +332,41 @@ class Dynamics:
         mechanics = self.reduction.mechanics
         return PrintedSystem(*along_angle(mechanics, self.works, self._gathered), mechanics)
 
-    def moving(self, variants: Variants, brisk: float) -> np.ndarray:
-        """Numbers of the motion over the crank angle, (numbers, variants), but for the speeds that end it.
+    @cached_property
+    def by_time(self) -> PrintedSystem:
+        """The equation of motion over time, its functions printed."""
+        mechanics, rubs = self.reduction.mechanics, self.friction is not None
+        return PrintedSystem(*along_time(mechanics, self.works, self._gathered, rubs), mechanics)
+
+    def moving(self, system: PrintedSystem, variants: Variants, brisk: float, facing: float = 1.0) -> np.ndarray:
+        """Numbers of the motion by one of the systems, (numbers, variants), but for the speeds that end it.
 
         Parameters
         ----------
+        system : PrintedSystem
         variants : Variants
         brisk : float
-            How many times its energy a machine may lose per radian.
+            How many times its energy a machine loses per radian where it is near to rest.
+        facing : float
+            +1 or −1: forward or backwards.
         """
-        key = "by angle", brisk
+        key = system.system.along, brisk, facing
         if key not in variants.kept:
-            system, numbers, way = self.by_angle, variants.numbers, variants.direction
+            numbers, way = variants.numbers, facing * variants.direction
             sizes, unit = system.sizes, numbers.with_values({"input.speed": way})
             given = {s: value_of(c, unit) if a not in self.off else 0.0 for s, (a, c) in sizes.loads.items()}
             given |= {size: float(name in self.motors) for size, name in sizes.motors.items()}
-            given |= {sizes.wheel: variants.flywheel, sizes.way: way, sizes.facing: 1.0}
-            given[sizes.brisk] = brisk
+            given |= {sizes.wheel: variants.flywheel, sizes.way: way, sizes.facing: facing}
+            # Only forward does the form over the angle take over, where it is able to.
+            by_angle = facing > 0.0 and not self.in_time
+            given |= {sizes.brisk: brisk, sizes.stay: 0.0 if by_angle else np.inf}
             variants.kept[key] = system.tabulation.parameters(numbers, way, variants.ends, given)
         return variants.kept[key]
+
+    @property
+    def in_time(self) -> bool:
+        """Whether nothing but time orders the motion: friction in pairs, moments over time, an input that swings."""
+        return self.timed or self.friction is not None or not self.reduction.has_cycle
 
     def locked(self, variants: Variants) -> np.ndarray:
         """Which variants have a brake at work that locks by itself, (variants,) of bool."""

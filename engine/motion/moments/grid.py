@@ -67,9 +67,13 @@ def make_grid(
 
 
 def edges_of(
-    direction: np.ndarray, breaks: Breaks, cycle: float, begin: float | np.ndarray = 0.0
+    direction: np.ndarray,
+    breaks: Breaks,
+    cycle: float,
+    begin: float | np.ndarray = 0.0,
+    bounds: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Angles turned where moments jump or bend, with begin and end of the cycle, in order.
+    """Angles turned where moments jump or bend, with begin and end of the cycle, or of the range, in order.
 
     Parameters
     ----------
@@ -80,6 +84,8 @@ def edges_of(
         [rad].
     begin : float or ndarray (variants,)
         Crank angle that angles are turned from [rad].
+    bounds : ndarray (2, variants), optional
+        Angles turned at the ends of the range of an input without a cycle.
 
     Returns
     -------
@@ -87,6 +93,10 @@ def edges_of(
         The angles, and how far from each the moments are taken, but no farther than the middle to the next [rad].
     """
     count = direction.size
+    if bounds is not None:
+        turned = np.nan_to_num(direction * (breaks.angles - begin), nan=np.inf)
+        edges = np.concatenate((bounds[:1], np.sort(np.clip(turned, *bounds), axis=0), bounds[1:]))
+        return edges, np.where((edges > bounds[0]) & (edges < bounds[1]), JUMP, 0.0)
     turned = np.nan_to_num(np.mod(direction * (breaks.angles - begin), cycle), nan=cycle)
     # Rounding may put a break on the other side of the begin.
     at_begin = ((turned <= GAP) | (turned >= cycle - GAP)) & ~np.isnan(breaks.angles)

@@ -7,10 +7,9 @@ import numpy as np
 from engine.motion.methods import EIGHT, FOUR, NINE
 from engine.motion.moments.grid import edges_of
 from engine.motion.recorded import SLOPES, read_steps
-from engine.motion.runs.run_progress import Progress
+from engine.motion.runs.run_progress import Progress, State, gathered
 from engine.motion.runs.settled_runs import Carry, pass_mark
 from engine.motion.runs.watching import BetweenNodes, Piece
-from engine.motion.steppers.time_form import State
 from engine.motion.system import Walks
 from engine.motion.walk import Why
 from engine.verdicts import Verdict
@@ -110,7 +109,7 @@ def _walk(
     lanes |= {"turned": 0.0, "pace": np.minimum(pace, farthest)}
     states = np.zeros((len(system.rates), who.size))
     states[ENERGY] = 0.5 * runs.inertia(who, state.turned) * state.omega**2
-    numbers = system.limited(dynamics.moving(runs.variants, brisk)[:, who], limits)
+    numbers = system.limited(dynamics.moving(system, runs.variants, brisk)[:, who], limits)
     edges = np.concatenate(edges_of(part.direction, part.breaks, dynamics.cycle, begin))
     recorded = RECORDED if runs.observers else 0
     gone = system.run(task, numbers, edges, np.zeros((0, who.size)), lanes, states, runs.carried[:, who], recorded)
@@ -134,8 +133,9 @@ def _take(runs: Progress, who: np.ndarray, before: np.ndarray, gone: Walks) -> N
     off = gone.doubts + np.where(slides > 0.0, np.abs(gone.ending) * slides, 0.0)
     speed_off = gone.doubts[ENERGY] + np.where(slides > 0.0, np.abs(gone.slope) * slides, 0.0)
     speed_off = np.where(by_speed, 0.0, 0.5 * omega / energy * speed_off)
-    works, squares = _gathered(runs, gone.states, energy - before, -1.0)
-    works_off, squares_off = _gathered(runs, off, off[ENERGY], 1.0)
+    system = runs.dynamics.by_angle
+    works, squares = gathered(system, runs.dynamics, gone.states, energy - before, -1.0)
+    works_off, squares_off = gathered(system, runs.dynamics, off, off[ENERGY], 1.0)
     time_off = np.where(by_time, 0.0, off[TIME])
     new = slides, speed_off, off[ENERGY], time_off, squares_off, works_off
     for mine, changed in zip(runs.changed, new, strict=False):
@@ -147,17 +147,6 @@ def _take(runs: Progress, who: np.ndarray, before: np.ndarray, gone: Walks) -> N
     runs.slowest[who] = np.fmin(runs.slowest[who], gone.slowest)
     runs.fastest[who] = np.fmax(runs.fastest[who], gone.fastest)
     runs.put(who, State(turned, omega, state.time + gone.states[TIME], state.works + works, state.squares + squares))
-
-
-def _gathered(runs: Progress, rows: np.ndarray, change: np.ndarray, sign: float) -> tuple[np.ndarray, np.ndarray]:
-    """Works of motors and of each channel, and their moment squared over time; nothing of what isn't gathered.
-
-    Loads that aren't told apart give what the energy changes by without the motors.
-    """
-    names, nothing, channels = runs.dynamics.by_angle.names, np.zeros_like(change), runs.dynamics.channels
-    motors, squares = (rows[names[name]] if name in names else nothing for name in ("motors", "squares"))
-    loads = [rows[names[name]] for name in channels] if runs.dynamics.works else [change + sign * motors]
-    return np.stack([motors, *loads]), squares
 
 
 # What is seen of walks on their way

@@ -1,13 +1,15 @@
-"""Runs in time: step by step near rest, backwards, and where a moment depends on time."""
+"""Runs in time: near rest, backwards, with friction in pairs, and where a moment depends on time."""
 
 import numpy as np
 
-from engine.cycle.regula_falsi import regula_falsi
-from engine.motion.moments.grid import JUMP
-from engine.motion.runs.run_progress import Progress
+from engine.motion.methods import EIGHT
+from engine.motion.moments.grid import JUMP, edges_of
+from engine.motion.recorded import SLOPES, read_steps
+from engine.motion.runs.run_progress import Progress, State, gathered
 from engine.motion.runs.settled_runs import Carry, pass_mark
-from engine.motion.runs.watching import BetweenNodes, piece_in_time
-from engine.motion.steppers.time_form import State, Step, TimeForm
+from engine.motion.runs.watching import BetweenNodes, Piece
+from engine.motion.system import SHOWN, Walks
+from engine.motion.walk import Why
 from engine.verdicts import Verdict
 
 # Times that a machine at rest looks whether a moment over time sets it going.
@@ -25,23 +27,26 @@ SAME_SWING = 1e-6
 FADED = 1e-9
 # What stops does so from a speed that isn't next to nothing.
 STILL = 1e-12
-# How far a step may turn that is looked at within, by a polynomial of degree five [rad].
-CLOSELY = 0.1
-# A step's estimated error goes with its length to the eighth power.
-SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
-# Widths of jumps that are gone through in one step [rad]; how far beyond a break a step may go, of the way to it.
-ACROSS, BEYOND = 4.0 * JUMP, 1.02
-# So many times the rounding of the angle ahead a break is passed; share of a step through it that counts as its end.
-MOST_ROUNDED, AT_END = 4.0, 0.25
-# Of the ends that a step in time may meet, the first and the last two.
-REST, RANGE, BREAK = 0, 4, 5
+# How far a step may turn that is looked at within [rad], and how often it is looked at there, at least.
+CLOSELY, LEAST_LOOKS = 0.1, 4
+# A machine moves briskly where moments change its energy by less than so many times itself per radian, and so where
+# its steps are looked within.
+BRISK, BRISK_TO_LOOK = 40.0, 0.4
+# Steps that are recorded at a time.
+RECORDED = 64
+# Many steps lead nowhere that change neither the angle, all together, nor the time, each, by more than these shares of
+# them: beside a dead centre of the driven side the inertia grows beyond all bounds.
+NO_ANGLE, NO_TIME = 1e-14, 1e-9
+# Why a walk ends besides those of every walk, in the order of the guards of the system over time.
+ABOVE, BELOW, TURNS_BRISK, REST = range(int(Why.GUARD), int(Why.GUARD) + 4)
+TURNED, SPEED = range(2)
 
 
 def set_off(runs: Progress, who: np.ndarray) -> None:
     """Choose the way for machines at rest; those that stay are at the end, or don't start."""
     if not who.size:
         return
-    runs.facing[who] = runs.form(who).at_rest(runs.absolute(runs.part(who), who))
+    runs.facing[who] = runs.instants(who).sets_off(runs.state.turned[who], runs.clock[who] + runs.state.time[who])
     # An end of its range holds what is pressed against it.
     runs.facing[who[runs.ahead(who) <= 0.0]] = 0.0
     stays = who[runs.facing[who] == 0.0]
@@ -62,57 +67,6 @@ def set_off(runs: Progress, who: np.ndarray) -> None:
         runs.give_up(stays[~waits], Verdict.STALLS)
 
 
-def step(runs: Progress, who: np.ndarray, carry: Carry) -> None:
-    """One step in time of some variants, or less of it where an end is met."""
-    form, state, facing = runs.form(who), runs.absolute(runs.part(who), who), runs.facing[who]
-    end = runs.clock[who] + runs.ends.time[who]
-    ahead = np.minimum(_next_instant(runs.variants.instants[:, who], state.time), end)
-    longest = ahead - state.time
-    if runs.dynamics.changing:
-        longest = np.minimum(longest, STRIDE * (_span(runs, who) / WAITS))
-    goal = _next_break(runs, who, state.turned, facing)
-    goal = np.where(facing > 0.0, np.fmin(goal, runs.mark[who]), goal)
-    h, step = _good_step(runs, form, who, state, goal, longest)
-    after, slowest, fastest = step.after, step.slowest, step.fastest
-    lost = ~np.isfinite(after.omega)
-    # Reactions aren't finite where friction leaves no equilibrium.
-    runs.give_up(who[lost], Verdict.NOT_FINITE if runs.dynamics.friction is None else Verdict.JAMS)
-    over = _overshoot(runs, after, who, facing, goal)
-    late, which = (over > 0.0).any(axis=0) & ~lost, np.full(who.size, -1)
-    if late.any():
-        sub = np.flatnonzero(late)
-        shorter, which[sub] = _first_end(runs, form, state, h, facing, goal, who, over[:, sub], sub)
-        part = form.step(state, _scattered(shorter, sub, h), facing, goal, runs.tolerance)
-        after = _merged(after, part.after, late)
-        slowest, fastest = np.where(late, part.slowest, slowest), np.where(late, part.fastest, fastest)
-    kept = ~lost
-    if runs.observers and kept.any():
-        before, own = (State(*(x[..., kept] for x in one)) for one in (state, after))
-        form, within = runs.form(who[kept]), _within(runs, who[kept], before, facing[kept], goal[kept])
-        piece = piece_in_time(form, before, own, runs.clock[who[kept]], facing[kept], runs.spacing[who[kept]], within)
-        runs.see(who[kept], piece)
-    runs.slowest[who[kept]] = np.minimum(runs.slowest[who[kept]], slowest[kept])
-    runs.fastest[who[kept]] = np.maximum(runs.fastest[who[kept]], fastest[kept])
-    runs.put(who[kept], State(*(x[..., kept] for x in after))._replace(time=(after.time - runs.clock[who])[kept]))
-    _after_step(runs, who[kept], which[kept])
-    marked = runs.at_mark(who[kept & ~runs.done[who]])
-    if marked.size:
-        pass_mark(runs, marked, carry)
-
-
-def _within(runs: Progress, who: np.ndarray, before: State, facing: np.ndarray, goal: np.ndarray) -> BetweenNodes:
-    """Places within a step in time of some variants, from its begin."""
-
-    def step(columns: np.ndarray, _: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, ...]:
-        own = State(*(x[..., columns] for x in before))
-        form = runs.form(who[columns])
-        there = form.step(own, lengths, facing[columns], goal[columns], runs.tolerance).after
-        time = there.time - runs.clock[who[columns]]
-        return time, there.turned, there.omega, np.full_like(time, np.nan)
-
-    return BetweenNodes(True, step)
-
-
 def _next_look(runs: Progress, who: np.ndarray) -> np.ndarray:
     """When machines at rest look again whether a moment over time sets them going; infinite where none ever will.
 
@@ -126,7 +80,8 @@ def _next_look(runs: Progress, who: np.ndarray) -> np.ndarray:
     if runs.dynamics.changing:
         last = begun + _span(runs, who)
         pause = (last - begun) / WAITS
-    look = np.minimum(now + np.maximum(pause, AT_ONCE * now), _next_instant(instants, now))
+    ahead = np.where(instants > now * (1.0 + 1e-15), instants, np.inf)
+    look = np.minimum(now + np.maximum(pause, AT_ONCE * now), np.minimum.reduce(ahead, axis=0, initial=np.inf))
     return np.where(now < last, look, np.inf)
 
 
@@ -140,12 +95,12 @@ def _span(runs: Progress, who: np.ndarray) -> np.ndarray:
 
 def _starts_by(runs: Progress, who: np.ndarray, look: np.ndarray) -> np.ndarray:
     """When machines at rest start, of those that would at the time of the next look; of others that time."""
-    form, part = runs.form(who), runs.part(who)
+    form, turned = runs.instants(who), runs.state.turned[who]
 
     def start(time: np.ndarray) -> np.ndarray:
-        return form.at_rest(runs.absolute(part._replace(time=time), who)) != 0.0
+        return form.sets_off(turned, runs.clock[who] + time) != 0.0
 
-    started, low, high = start(look), part.time, look
+    started, low, high = start(look), runs.state.time[who], look
     for _ in range(HALVINGS if started.any() else 0):
         middle = 0.5 * (low + high)
         there = start(middle)
@@ -153,131 +108,107 @@ def _starts_by(runs: Progress, who: np.ndarray, look: np.ndarray) -> np.ndarray:
     return np.where(started, high, look)
 
 
-def _next_instant(instants: np.ndarray, time: np.ndarray) -> np.ndarray:
-    """The next time at which a moment over time jumps or bends."""
-    later = np.where(instants > time * (1.0 + 1e-15), instants, np.inf)
-    return np.minimum.reduce(later, axis=0, initial=np.inf)
+def stretch(runs: Progress, who: np.ndarray, carry: Carry) -> tuple[np.ndarray, np.ndarray]:
+    """A stretch in time, one way: to an end of the run, to rest, or until the machine moves briskly.
 
-
-def _good_step(
-    runs: Progress, form: TimeForm, who: np.ndarray, state: State, goal: np.ndarray, longest: np.ndarray
-) -> tuple[np.ndarray, Step]:
-    """A step that misses little enough, and its length, no more than the longest."""
-    facing, h = runs.facing[who], runs.pace[who]
-    if np.isinf(h).any():
-        h = np.where(np.isinf(h), form.first_step(state, runs.spacing[who], facing), h)
-    speed, ahead = np.abs(state.omega), np.abs(goal - state.turned)
-    with np.errstate(all="ignore"):
-        farthest = np.fmin(runs.farthest_step, CLOSELY * (2.0 if runs.half else 1.0) if runs.observers else np.inf)
-        farthest = farthest * runs.reach[who]
-        h = np.fmin(np.fmin(h, farthest / speed), longest)
-        # Through a jump at once.
-        across = (ahead < ACROSS) & (speed * h > ahead)
-        h = np.where(across, ahead / speed, h)
-    # What begins to hold at its end holds nowhere within it.
-    within = np.where(across, goal - AT_END * (goal - state.turned), goal)
-    for _ in range(HALVINGS):
-        step = form.step(state, h, facing, within, runs.tolerance)
-        after, missed = step.after, step.missed
-        with np.errstate(all="ignore"):
-            share = np.clip(SAFETY * missed ** (-1.0 / 8.0), SHRINK, GROW)
-        share = np.where(np.isnan(share), SHRINK, share)
-        # From rest, a step mustn't come back to it.
-        back = (state.omega == 0.0) & (after.omega * facing <= 0.0)
-        far = np.where(back, 0.0, np.abs(after.turned - state.turned))
-        # What moments do beyond a break isn't known: to just behind it.
-        beyond = far > BEYOND * ahead
-        worse = ~(missed <= 1.0) & ~across
-        again = back | worse
-        if not again.any():
-            break
-        with np.errstate(all="ignore"):
-            h = np.where(again, h * np.where(beyond & ~back, np.fmin(share, BEYOND * ahead / far), share), h)
-            h = np.where(back, np.fmin(h, 0.5 * h), h)
-    runs.pace[who] = np.where(across, runs.pace[who], h * share)
-    after.turned[across] = goal[across]
-    return h, step
-
-
-def _next_break(runs: Progress, who: np.ndarray, turned: np.ndarray, facing: np.ndarray) -> np.ndarray:
-    """Angle turned at the next edge of a break of the moments, or at the end of the range: no step goes across one.
-
-    A break has an edge on either side, and itself; for comparison it is gone through at once, so that figures tell what
-    a work misses there.
+    Returns
+    -------
+    brisk : ndarray of bool
+        Which of the variants move briskly now.
+    steps : ndarray
+        How many steps were made.
     """
-    angles, cycle = runs.variants.breaks.angles[:, who], runs.dynamics.cycle
-    end = np.where(facing < 0.0, *runs.bounds[:, who])
-    if not angles.size:
-        return end
-    here = runs.start[who] + runs.variants.direction[who] * turned
-    ahead = runs.variants.direction[who] * facing * (angles - here)
-    sides = (-JUMP, JUMP) if runs.half else (-JUMP, 0.0, JUMP)
-    ahead = np.concatenate([ahead + side for side in sides])
-    ahead = np.mod(ahead, cycle) if np.isfinite(cycle) else ahead
-    # What rounding leaves of an edge that was just passed is none ahead.
-    passed = MOST_ROUNDED * np.spacing(np.abs(here) + np.abs(turned))
-    ahead = np.nan_to_num(np.where(ahead > passed, ahead, np.inf), nan=np.inf)
-    return facing * np.fmin((turned * facing) + ahead.min(axis=0), facing * end)
+    state, facing = runs.part(who), runs.facing[who]
+    forward, share = facing > 0.0, FADED if runs.dynamics.fades else STILL
+    floor = share * np.maximum(runs.fastest[who], np.abs(runs.slowest[who]))
+    goal = np.where(forward, _forward_goal(runs, who), _backward_goal(runs, who))
+    gone = _walk(runs, who, goal, floor)
+    why, moved = gone.why, np.flatnonzero(gone.steps > 0.0)
+    if runs.observers and moved.size:
+        before = State(*(rows[..., moved] for rows in state))
+        runs.see(who[moved], _piece_of(runs, who[moved], before, gone.some(moved)))
+    _take(runs, who, state, gone, goal)
+    runs.pace[who] = gone.pace
+    # Reactions aren't finite where friction leaves no equilibrium.
+    lost = np.isin(why, (Why.LOST, Why.STEEP))
+    runs.give_up(who[lost], Verdict.NOT_FINITE if runs.dynamics.friction is None else Verdict.JAMS)
+    runs.done[who[np.isin(why, (Why.GOAL, ABOVE, BELOW))]] = True
+    met = (why == Why.OTHER_GOAL) & forward
+    runs.done[who[met & (goal == runs.ends.turned[who])]] = True
+    runs.arrive(who[(why == Why.RANGE) | (~runs.done[who] & (why != REST) & (runs.ahead(who) <= 0.0))])
+    _turn_round(runs, who[why == REST], forward[why == REST])
+    speed = np.abs(runs.state.omega[who])
+    _give_up_endless(runs, who[((why == Why.OTHER_GOAL) & ~forward) | ((speed > 0.0) & (speed < floor))])
+    far = np.abs(runs.state.turned[who]) >= runs.ends.most_turned[who]
+    runs.give_up(who[~runs.done[who] & far], Verdict.NO_END)
+    # The steps left neither the place nor the instant.
+    stuck = np.abs(runs.state.turned[who] - state.turned) <= NO_ANGLE * np.abs(runs.start[who] + state.turned)
+    stuck &= (why == Why.FULL) & (gone.at <= NO_TIME * gone.steps * runs.state.time[who])
+    runs.give_up(who[~runs.done[who] & stuck], Verdict.NOT_FINITE)
+    marked = runs.at_mark(who[met & ~runs.done[who]])
+    if marked.size:
+        pass_mark(runs, marked, carry)
+    return why == TURNS_BRISK, gone.steps
 
 
-def _overshoot(runs: Progress, state: State, who: np.ndarray, facing: np.ndarray, goal: np.ndarray) -> np.ndarray:
-    """How far a state is beyond rest, end angle, speed above and below, end of the range, a break; (6, variants)."""
-    return np.array(
-        [
-            -state.omega * facing,
-            state.turned - runs.ends.turned[who],
-            state.omega - runs.above[who],
-            runs.below[who] - state.omega,
-            (state.turned - np.where(facing < 0.0, *runs.bounds[:, who])) * facing,
-            (state.turned - goal) * facing,
-        ]
-    )
+def _forward_goal(runs: Progress, who: np.ndarray) -> np.ndarray:
+    """Angle turned up to which some variants go forward at once."""
+    return np.minimum(np.minimum(runs.ends.turned[who], runs.ends.most_turned[who]), runs.mark[who])
 
 
-def _first_end(
-    runs: Progress,
-    form: TimeForm,
-    state: State,
-    h: np.ndarray,
-    facing: np.ndarray,
-    goal: np.ndarray,
-    who: np.ndarray,
-    over: np.ndarray,
-    sub: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Which end the variants `sub` meet first within the step, and the length of the step to there."""
-    shortest, first = h[sub].copy(), np.full(sub.size, -1)
-    for end in np.flatnonzero((over > 0.0).any(axis=1)):
-
-        def excess(length: np.ndarray, end: int = end) -> np.ndarray:
-            after = form.step(state, _scattered(length, sub, h), facing, goal, runs.tolerance).after
-            return _overshoot(runs, after, who, facing, goal)[end, sub]
-
-        length = regula_falsi(excess, np.zeros(sub.size), h[sub])
-        sooner = (over[end] > 0.0) & ((length < shortest) | (first < 0))
-        shortest, first = np.where(sooner, length, shortest), np.where(sooner, end, first)
-    return shortest, first
+def _backward_goal(runs: Progress, who: np.ndarray) -> np.ndarray:
+    """Angle turned down to which some variants go backwards at once: a cycle from where they turned round."""
+    cycle, turned = runs.dynamics.cycle, runs.state.turned[who]
+    behind = runs.turned_round[who] - cycle
+    return np.maximum(np.where(turned > behind, behind, turned - cycle), -runs.ends.most_turned[who])
 
 
-def _after_step(runs: Progress, who: np.ndarray, which: np.ndarray) -> None:
-    """What follows from an end that was met: the run is over, or the machine turns round."""
-    ended = runs.state.time[who] >= runs.ends.time[who] * (1.0 - 1e-15)
-    runs.done[who[ended | ((which > REST) & (which < RANGE))]] = True
-    runs.arrive(who[(which == RANGE) | ((which != REST) & ~runs.done[who] & (runs.ahead(who) <= 0.0))])
-    rest = who[which == REST]
-    forward = runs.facing[rest] > 0.0
-    runs.state.omega[rest] = 0.0
+def _walk(runs: Progress, who: np.ndarray, goal: np.ndarray, floor: np.ndarray) -> Walks:
+    """Walk in time, up to an angle turned at most."""
+    dynamics, part, state, facing = runs.dynamics, runs.variants.some(who), runs.part(who), runs.facing[who]
+    system, forward, now = dynamics.by_time, facing > 0.0, runs.clock[who] + state.time
+    brisk = BRISK if runs.to_the_end else BRISK_TO_LOOK
+    numbers = np.where(forward, *(dynamics.moving(system, runs.variants, brisk, way)[:, who] for way in (1.0, -1.0)))
+    sizes, (above, below) = system.sizes, (runs.above[who], runs.below[who])
+    limits = {sizes.above: np.where(forward, above, -below), sizes.below: np.where(forward, below, -above)}
+    numbers = system.limited(numbers, limits)
+    bounds = None if dynamics.reduction.has_cycle else runs.bounds[:, who]
+    edges = np.concatenate(edges_of(part.direction, part.breaks, dynamics.cycle, runs.start[who], bounds))
+    # A speed may be met within a step and left again.
+    extremes = (runs.extremes and not runs.observers) or bool(np.isfinite(runs.ends.speed).any())
+    farthest = runs.farthest_step * runs.reach[who]
+    if runs.observers:
+        farthest = np.fmin(farthest, CLOSELY * (2.0 if runs.half else 1.0) * runs.reach[who])
+    longest = STRIDE * _span(runs, who) / WAITS if dynamics.changing else np.inf
+    pace, new = runs.pace[who], np.isinf(runs.pace[who])
+    if new.any():
+        first = runs.instants(who).first_step(state.turned, state.omega, now, facing, runs.spacing[who])
+        pace = np.where(new, first, pace)
+    lanes = {"start": runs.start[who], "direction": part.direction, "facing": facing, "clock": now}
+    lanes |= {"goal": runs.ends.time[who] - state.time, "other_goal": goal, "tolerance": runs.tolerance}
+    lanes |= {"farthest": farthest, "longest": longest, "floor": floor, "turned": state.turned, "pace": pace}
+    states = np.zeros((len(system.rates), who.size))
+    states[TURNED], states[SPEED] = state.turned, np.abs(state.omega)
+    recorded = RECORDED if runs.observers else 0
+    task = system.task(dynamics.cycle, EIGHT, extremes)
+    return system.run(task, numbers, edges, runs.variants.instants[:, who], lanes, states, recorded=recorded)
+
+
+def _take(runs: Progress, who: np.ndarray, before: State, gone: Walks, goal: np.ndarray) -> None:
+    """Take over where walks ended."""
+    facing, why, forward = runs.facing[who], gone.why, runs.facing[who] > 0.0
+    # No sum of steps comes to an end so exactly.
+    turned = np.where(why == Why.OTHER_GOAL, goal, gone.states[TURNED])
+    omega = np.where(why == REST, 0.0, facing * gone.states[SPEED])
+    time = np.where(why == Why.GOAL, runs.ends.time[who], before.time + gone.at)
+    energies = [0.5 * runs.inertia(who, at) * w**2 for at, w in ((before.turned, before.omega), (turned, omega))]
+    works, squares = gathered(runs.dynamics.by_time, runs.dynamics, gone.states, energies[1] - energies[0], -1.0)
+    low, high = np.where(forward, gone.slowest, -gone.fastest), np.where(forward, gone.fastest, -gone.slowest)
+    runs.slowest[who], runs.fastest[who] = np.fmin(runs.slowest[who], low), np.fmax(runs.fastest[who], high)
+    runs.put(who, State(turned, omega, time, before.works + works, before.squares + squares))
     # What rounding left of a speed.
+    rest = who[why == REST]
     runs.slowest[rest] = np.where(np.abs(runs.slowest[rest]) < 1e-12 * runs.fastest[rest], 0.0, runs.slowest[rest])
-    if runs.ends.reversal:
-        runs.done[rest] = True
-    else:
-        runs.facing[rest] = 0.0
-        set_off(runs, rest)
-        _turn_round(runs, rest, forward)
-    _tell_endless(runs, who)
-    lost = who[~runs.done[who] & (np.abs(runs.state.turned[who]) >= runs.ends.most_turned[who])]
-    runs.give_up(lost, Verdict.NO_END)
 
 
 # Phase curves of a machine on which nothing depends on time never cross. So a swing that doesn't reach beyond the last
@@ -286,10 +217,15 @@ def _after_step(runs: Progress, who: np.ndarray, which: np.ndarray) -> None:
 
 
 def _turn_round(runs: Progress, rest: np.ndarray, forward: np.ndarray) -> None:
-    """Note where machines turn round; those that come no farther forward than the last time never will.
+    """Let machines that came to rest stand, or turn round; those that come no farther forward than before never will.
 
     A run to rest goes on as long as its swings become smaller.
     """
+    if runs.ends.reversal:
+        runs.done[rest] = True
+        return
+    runs.facing[rest] = 0.0
+    set_off(runs, rest)
     turned = runs.state.turned[rest]
     runs.turned_round[rest] = turned
     same = SAME_SWING * runs.reach[rest]
@@ -302,16 +238,8 @@ def _turn_round(runs: Progress, rest: np.ndarray, forward: np.ndarray) -> None:
     _give_up_endless(runs, rest[again])
 
 
-def _tell_endless(runs: Progress, who: np.ndarray) -> None:
-    """Give up runs that can't come to their end: backwards for ever, or ever more slowly."""
-    backwards = runs.state.turned[who] <= runs.turned_round[who] - runs.dynamics.cycle
-    share = FADED if runs.dynamics.fades else STILL
-    speed = np.abs(runs.state.omega[who])
-    faded = (speed > 0.0) & (speed < share * runs.fastest[who])
-    _give_up_endless(runs, who[((runs.facing[who] < 0.0) & backwards) | faded])
-
-
 def _give_up_endless(runs: Progress, who: np.ndarray) -> None:
+    """Give up runs that can't come to their end: backwards for ever, or ever more slowly."""
     instants, now = runs.variants.instants[:, who], runs.clock[who] + runs.state.time[who]
     # After the last instant of its tables nothing depends on time any more; on a formula it may for ever.
     last = np.fmax.reduce(instants, axis=0, initial=-np.inf)
@@ -319,11 +247,61 @@ def _give_up_endless(runs: Progress, who: np.ndarray) -> None:
     runs.give_up(who[settled & ~runs.done[who] & np.isinf(runs.ends.time[who])], Verdict.NO_END)
 
 
-def _scattered(values: np.ndarray, places: np.ndarray, base: np.ndarray) -> np.ndarray:
-    whole = base.copy()
-    whole[places] = values
-    return whole
+# What is seen of walks on their way
 
 
-def _merged(one: State, other: State, take_other: np.ndarray) -> State:
-    return State(*(np.where(take_other, b, a) for a, b in zip(one, other, strict=True)))
+def _piece_of(runs: Progress, who: np.ndarray, before: State, gone: Walks) -> Piece:
+    """The recorded steps of walks, each looked at between its ends about as often as a cycle is.
+
+    Where two steps meet, both have a node: between them something may jump.
+    """
+    made, shown, spacing = gone.steps.astype(int), SHOWN.size, runs.spacing[who]
+    step, column = np.nonzero(np.arange(made.max())[:, None] < made)
+    order = np.lexsort((step, column))
+    step, column = step[order], column[order]
+    at, length, _, *rows = gone.recorded[step, :, column].T
+    first, last = rows[0], rows[shown - 1]
+    reach = np.abs(last - first)
+    # How often follows from the variant alone, whichever others go with it.
+    looks = np.maximum(LEAST_LOOKS, np.ceil(reach / spacing[column])).astype(int)
+    of = np.repeat(np.arange(looks.size), looks + 1)
+    k = np.arange(of.size) - np.repeat(np.cumsum(looks + 1) - looks - 1, looks + 1)
+    time, columns = at[of] + k / looks[of] * length[of], column[of]
+
+    def read(columns: np.ndarray, time: np.ndarray) -> np.ndarray:
+        found = np.empty((3, time.size))
+        read_steps(time.size, gone.recorded, gone.steps, columns, time, False, SLOPES, found)
+        return found[:2]
+
+    facing = runs.facing[who]
+    turned, speed = read(columns, time)
+    aside = np.where(reach > 4.0 * JUMP, 1.0, 0.0) * facing[column]
+    begins, ends = (aside * _beside(runs, who[column], at_end) for at_end in (first, last))
+    turned = np.where(k == 0, first[of] + begins[of], np.where(k == looks[of], last[of] - ends[of], turned))
+    counts = np.bincount(columns, minlength=who.size)
+    place = np.arange(of.size) - np.repeat(np.cumsum(counts) - counts, counts)
+
+    def spread(values: np.ndarray) -> np.ndarray:
+        # What ends before others repeats its last node.
+        whole = np.broadcast_to(values[np.cumsum(counts) - 1], (counts.max(), who.size)).copy()
+        whole[place, columns] = values
+        return whole
+
+    nodes = tuple(spread(row) for row in (before.time[columns] + time, turned, facing[columns] * speed))
+    steps = np.zeros_like(nodes[0])
+    steps[place, columns] = np.where(k < looks[of], (reach / looks)[of], 0.0)
+
+    def within(columns: np.ndarray, nodes_at: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, ...]:
+        now = nodes[0][nodes_at, columns] + lengths
+        turned, speed = read(columns, now - before.time[columns])
+        return now, turned, facing[columns] * speed, np.full_like(now, np.nan)
+
+    return Piece(*nodes, facing, steps[:-1], np.full_like(nodes[0], np.nan), BetweenNodes(True, within))
+
+
+def _beside(runs: Progress, who: np.ndarray, turned: np.ndarray) -> np.ndarray:
+    """How far from angles turned the moments are taken, (variants,): beside a break, else there."""
+    cycle = runs.dynamics.cycle
+    apart = np.abs(runs.variants.direction[who] * (runs.variants.breaks.angles[:, who] - runs.start[who]) - turned)
+    apart = np.minimum(np.mod(apart, cycle), cycle - np.mod(apart, cycle)) if np.isfinite(cycle) else apart
+    return np.where((apart <= 2.0 * JUMP).any(axis=0), JUMP, 0.0)

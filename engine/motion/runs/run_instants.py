@@ -68,10 +68,8 @@ class RunInstants:
 
     def _keep(self, who: np.ndarray, piece: Piece, columns: np.ndarray, instants: np.ndarray) -> None:
         asked, along = self.asked[instants], piece.time if self.over_time else piece.turned
-        nodes = np.zeros(columns.size, int)
-        if piece.within is None or not piece.within.in_time:
-            passed = along[:, columns] <= asked * (1.0 + ROUNDED)
-            nodes = np.maximum(passed.sum(axis=0) - 1, 0)
+        passed = along[:, columns] <= asked * (1.0 + ROUNDED)
+        nodes = np.maximum(passed.sum(axis=0) - 1, 0)
         here = [row[nodes, columns] for row in (piece.time, piece.turned, piece.omega, piece.moment)]
         lengths = self._lengths(piece, columns, nodes, asked)
         ahead = np.flatnonzero(lengths > 0.0)
@@ -101,8 +99,7 @@ class RunInstants:
             return np.maximum(asked - here, 0.0)
         # Steps go in what isn't asked for.
         other = piece.turned if self.over_time else piece.time
-        beyond = other[-1] if piece.within.in_time else other[np.minimum(nodes + 1, len(other) - 1), columns]
-        farthest = (beyond[columns] if piece.within.in_time else beyond) - other[nodes, columns]
+        farthest = other[np.minimum(nodes + 1, len(other) - 1), columns] - other[nodes, columns]
         found, between = np.zeros(asked.size), np.flatnonzero((asked > here) & (farthest > 0.0))
         own, at, aim = columns[between], nodes[between], asked[between]
 

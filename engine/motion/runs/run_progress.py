@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.moments.instants import Instants
 from engine.motion.runs.watching import Observer, Piece
-from engine.motion.steppers.rubbing_form import form_in_time
-from engine.motion.steppers.time_form import State, TimeForm, state_at
+from engine.motion.system import PrintedSystem
 from engine.verdicts import Verdict
 
 # What a step in time may miss, and one over the angle, whose errors add up over many cycles; how far they may turn.
@@ -17,6 +17,44 @@ TOLERANCE, OVER_ANGLE, FARTHEST_STEP = 1e-10, 3e-12, 0.25 * np.pi
 COARSER = 2.0**6
 # So much of a cycle before a mark it is passed: all that rounding leaves.
 AT_MARK = 1e-9
+
+
+class State(NamedTuple):
+    """State of each variant, (variants,): angle turned [rad], speed [rad/s], time [s]; works (sorts, variants) [J].
+
+    `works` holds the work of the motors and of each channel of loads, `squares` the integral of the motors' moment
+    squared over time [N²·m²·s].
+    """
+
+    turned: np.ndarray
+    omega: np.ndarray
+    time: np.ndarray
+    works: np.ndarray
+    squares: np.ndarray
+
+
+def gathered(
+    system: PrintedSystem, dynamics: Dynamics, rows: np.ndarray, change: np.ndarray, sign: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Works of motors and of each channel, and their moment squared over time; nothing of what isn't gathered.
+
+    Loads that aren't told apart give what the energy changes by without the motors.
+
+    Parameters
+    ----------
+    system : PrintedSystem
+    dynamics : Dynamics
+    rows : ndarray (states and gathered, variants)
+        Of the system.
+    change : ndarray (variants,)
+        Of the energy.
+    sign : float
+        −1; +1 for what all of them may be off by.
+    """
+    names, nothing = system.names, np.zeros_like(change)
+    motors, squares = (rows[names[name]] if name in names else nothing for name in ("motors", "squares"))
+    loads = [rows[names[name]] for name in dynamics.channels] if dynamics.works else [change + sign * motors]
+    return np.stack([motors, *loads]), squares
 
 
 class Ends(NamedTuple):
@@ -238,7 +276,8 @@ class Progress:
         self.known = np.full(count, not stepping.classical)
         nothing = {name: np.zeros(count) for name in Changed._fields}
         self.changed = Changed(**nothing | {"works": np.zeros((channels + 1, count))})
-        self.state = state_at(np.zeros(count), omega.astype(float), np.zeros(count), channels)
+        works = np.zeros((channels + 1, count))
+        self.state = State(np.zeros(count), omega.astype(float), np.zeros(count), works, np.zeros(count))
         self.verdict = np.full(count, Verdict.OK, np.uint8)
         self.slowest, self.fastest = self.state.omega.copy(), self.state.omega.copy()
         self.covered = np.zeros((2, count))
@@ -348,10 +387,6 @@ class Progress:
         """State of some variants."""
         return State(*(x[..., who] for x in self.state))
 
-    def form(self, who: np.ndarray) -> TimeForm:
-        """The equation of motion in time of some variants."""
-        return form_in_time(self.dynamics, self.variants.some(who), self.start[who])
-
-    def absolute(self, state: State, who: np.ndarray) -> State:
-        """A state of some variants, its time on the clock that moments over time go by."""
-        return state._replace(time=state.time + self.clock[who])
+    def instants(self, who: np.ndarray) -> Instants:
+        """The equation of motion at instants of some variants."""
+        return Instants(self.dynamics, self.variants.some(who), self.start[who])

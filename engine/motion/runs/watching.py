@@ -11,14 +11,9 @@ import numpy as np
 
 from engine.motion.loads import PairLoads
 from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.moments.instants import Instants
 from engine.motion.quantities import INSTANT, TURNED
 from engine.motion.settled.cycle import motion_rows
-from engine.motion.steppers.rubbing_form import form_in_time
-from engine.motion.steppers.time_form import State, TimeForm
-
-# A step in time is looked at in at least so many places. Within a shorter one [rad] the speed is straight: of what is
-# left of its angles after rounding nothing could be told.
-LEAST_LOOKS, SHORT = 4, 1e-6
 
 
 class Piece(NamedTuple):
@@ -52,12 +47,12 @@ class Piece(NamedTuple):
 
 
 class BetweenNodes(NamedTuple):
-    """How a place between two nodes of a piece is found: a step of the method itself from the one before it.
+    """How a place between two nodes of a piece is found, from what was recorded of its steps.
 
     Attributes
     ----------
     in_time : bool
-        Whether the length of a step is a time [s], from the first node; else an angle [rad], from any node.
+        Whether the length is a time [s]; else an angle [rad]. It counts from a node.
     step : callable
         Of the columns (pairs,), nodes (pairs,) and lengths (pairs,): time [s], angle turned [rad], speed [rad/s] and
         moment [N·m] there, as of `Piece`, (pairs,) each.
@@ -108,7 +103,7 @@ class RunFields:
         With them the instant, the angle turned and the moment of each channel of loads.
         """
         own = self.variants.some(who)
-        form, clock = form_in_time(self.dynamics, own, self.start[who]), piece.time + self.clock[who]
+        form, clock = Instants(self.dynamics, own, self.start[who]), piece.time + self.clock[who]
         machine, moments = form.along(piece.turned, piece.omega, clock, piece.facing)
         known = np.isfinite(piece.moment)
         total = np.where(known, piece.moment, moments.total)
@@ -139,48 +134,3 @@ class RunFields:
             variants = self.variants._replace(direction=facing * self.variants.direction)
             self._parameters[facing] = self.loads.parameters(variants, self.off)
         return self._parameters[facing]
-
-
-def piece_in_time(
-    form: TimeForm,
-    before: State,
-    after: State,
-    clock: np.ndarray,
-    facing: np.ndarray,
-    spacing: float,
-    within: BetweenNodes | None = None,
-) -> Piece:
-    """A step in time, looked at where it turns about so far each time.
-
-    Between its ends the angle is the polynomial of degree five that has their angles, speeds and accelerations.
-
-    Parameters
-    ----------
-    form : TimeForm
-    before, after : State
-        Their time on the clock that moments over time go by.
-    clock : ndarray (variants,)
-        Time on it at the begin of the run [s].
-    facing : ndarray (variants,)
-    spacing : float
-        [rad].
-    within : BetweenNodes, optional
-    """
-    ends = [form.acceleration(state.turned, state.omega, state.time, facing)[0] for state in (before, after)]
-    length, reach = after.time - before.time, np.abs(after.turned - before.turned)
-    # How often follows from the variant alone, whichever others go with it.
-    looks = np.maximum(LEAST_LOOKS, np.ceil(reach / spacing))
-    s = np.minimum(np.arange(int(looks.max(initial=1.0)) + 1)[:, None] / looks, 1.0)
-    # In units of the step: with x = φ − φ₀ − ω₀ t − ½ ε₀ t², which begins with three zeros.
-    first, second = before.omega * length, ends[0] * length**2
-    x = after.turned - before.turned - first - 0.5 * second
-    v, a = after.omega * length - first - second, ends[1] * length**2 - second
-    cubic, quartic, quintic = 10.0 * x - 4.0 * v + 0.5 * a, -15.0 * x + 7.0 * v - a, 6.0 * x - 3.0 * v + 0.5 * a
-    turned = before.turned + s * (first + s * (0.5 * second + s * (cubic + s * (quartic + s * quintic))))
-    rate = first + s * (second + s * (3.0 * cubic + s * (4.0 * quartic + s * 5.0 * quintic)))
-    straight = before.omega + s * (after.omega - before.omega)
-    omega = np.where(reach > SHORT, rate / np.where(reach > SHORT, length, 1.0), straight)
-    turned, omega = np.where(s < 1.0, turned, after.turned), np.where(s < 1.0, omega, after.omega)
-    steps = reach * np.diff(s, axis=0)
-    unknown = np.full_like(turned, np.nan)
-    return Piece(before.time - clock + s * length, turned, omega, facing, steps, unknown, within)

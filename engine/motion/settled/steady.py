@@ -110,7 +110,7 @@ class _Motion:
         sizes = self.system.sizes
         # It goes on as long as there is any energy. Nothing that depends on time acts.
         limits = {sizes.above: np.inf, sizes.below: -np.inf, self.system.system.clock: 0.0}
-        self.numbers = self.system.limited(dynamics.moving(variants, np.inf), limits)
+        self.numbers = self.system.limited(dynamics.moving(self.system, variants, np.inf), limits)
         self.edges = np.concatenate(edges_of(variants.direction, variants.breaks, dynamics.cycle))
 
     def _lanes(self, who: np.ndarray, farthest: float) -> dict[str, np.ndarray | float]:

@@ -111,8 +111,6 @@ def test_implicit_steps__as_mpmath_at_30_digits_within_figures(name, monkeypatch
 
 @pytest.mark.parametrize("more", ["", " nothing"], ids=["energy form", "time form"])
 def test_steps_of_equal_length__order_8(more, monkeypatch):
-    # Nothing is refused: steps are as long as they may be.
-    monkeypatch.setattr("engine.motion.runs.run_in_time.GROW", 1.0)
     errors = []
     for length in (math.pi / 4, math.pi / 8):
         equal = Stepping(1e25, 1e25, length / FARTHER, extremes=False)

@@ -1,0 +1,149 @@
+"""The equation of motion at instants, I·ε + ½ω²·dI/dφ = M(φ, ω, t) + M_f, of many variants.
+
+The moment M_f that stands for friction in pairs follows from the reactions, and these from ω² and ε, so that ε is found
+with it, by secants. Angles are turned in the direction of motion that the scene gives; ω may be negative.
+"""
+
+import numpy as np
+
+from engine.motion.moments.at_speed import Moments
+from engine.motion.moments.dynamics import Dynamics, Rows, Variants
+from engine.motion.system import CHANNELS
+from engine.motion.walk import MOST_SECANTS, SOLVED_TO
+
+# The field of the loads on pairs that stands for friction.
+FRICTION_MOMENT = "friction_moment"
+# Shares of a first step in time: of a time constant, in units of the angle it may turn, and of the breakdown slip.
+STIFFEST, FINER = 1.0, 2.0
+
+
+class Instants:
+    """Instants of a set of variants.
+
+    Parameters
+    ----------
+    dynamics : Dynamics
+        With the actions at work.
+    variants : Variants
+    start : ndarray (variants,)
+        Crank angle where the angle turned is 0 [rad].
+    """
+
+    def __init__(self, dynamics: Dynamics, variants: Variants, start: np.ndarray) -> None:
+        self.dynamics, self.variants, self.start = dynamics, variants, start
+        self._mirrored: Variants | None = None
+
+    def at(self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray) -> tuple[Rows, Moments]:
+        """Rows and moments at an instant, (1, variants), as `along` gives them."""
+        return self.along(turned[None], omega[None], time[None], facing)
+
+    def along(
+        self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray
+    ) -> tuple[Rows, Moments]:
+        """Rows and moments at instants, (instants, variants), the moment of friction among those of harmful loads.
+
+        `facing` +1 or −1 is the way that resistances resist.
+        """
+        places = self.start + self.variants.direction * turned
+        rows = self.dynamics.rows(self.variants, places, time)
+        if (facing < 0.0).any():
+            forward, backwards = facing > 0.0, self._backwards(places, time)
+            rows = Rows(*(np.where(forward, a, b) for a, b in zip(rows, backwards, strict=True)))
+        moments = self.dynamics.moments(self.variants, rows, omega)
+        if self.dynamics.friction is not None:
+            channel = CHANNELS.index("harmful") if self.dynamics.works else 0
+            moments.loads[channel] += self._friction(places, omega, time, facing, rows, moments.total)
+        return rows, moments
+
+    def _backwards(self, places: np.ndarray, time: np.ndarray) -> Rows:
+        """Rows of machines that turn against their direction: resistances change sides, odd orders of ω don't."""
+        rows = self.dynamics.rows(self._mirror(), places, time)
+        # Made for the opposite direction, in which ω > 0; back in our own: moments and dI/dφ change sign, and so does
+        # each odd power of ω.
+        signs = np.array([-1.0, 1.0, -1.0])[None, :, None, None]
+        return Rows(rows.inertia, -rows.inertia_phi, signs * rows.loads, -rows.powers)
+
+    def _mirror(self) -> Variants:
+        """The variants as if they turned the other way."""
+        if self._mirrored is None:
+            own = self.variants
+            parameters = self.dynamics.reduction.tabulation.parameters(own.numbers, -own.direction, own.ends)
+            self._mirrored = own._replace(direction=-own.direction, parameters=parameters)
+        return self._mirrored
+
+    def parameters_facing(self, facing: np.ndarray) -> np.ndarray:
+        """Numbers of the rows, (numbers, variants), for machines that move forward or backwards."""
+        if not (facing < 0.0).any():
+            return self.variants.parameters
+        return np.where(facing > 0.0, self.variants.parameters, self._mirror().parameters)
+
+    def _friction(
+        self,
+        places: np.ndarray,
+        omega: np.ndarray,
+        time: np.ndarray,
+        facing: np.ndarray,
+        rows: Rows,
+        moment: np.ndarray,
+    ) -> np.ndarray:
+        """Moment of friction, in the direction of motion, at the ε that it leaves; `moment` is that of all else."""
+        own, loads, way = self.variants, self.dynamics.friction, self.variants.direction
+        parameters = np.require(np.where(facing > 0.0, *own.rubbing), requirements="CW")
+
+        def rubbed(epsilon: np.ndarray) -> np.ndarray:
+            return way * loads(own, parameters, places, np.abs(omega), way * epsilon, time)[FRICTION_MOMENT]
+
+        with np.errstate(all="ignore"):
+            free = (moment - 0.5 * omega * omega * rows.inertia_phi) / rows.inertia
+            before, found = free, rubbed(free)
+            # What is left over of I ε = I ε_free + M_f, over I.
+            left_before = found / rows.inertia
+            here = free + left_before
+            for _ in range(MOST_SECANTS):
+                found = rubbed(here)
+                left = free + found / rows.inertia - here
+                pending = np.abs(left) > SOLVED_TO * (np.abs(free) + np.abs(found / rows.inertia))
+                if not pending.any():
+                    break
+                secant = here - left * (here - before) / (left - left_before)
+                before, left_before = here, left
+                here = np.where(pending & np.isfinite(secant), secant, here)
+        return found
+
+    def acceleration(
+        self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """ε [rad/s²], and the decay rate of ω [1/s]."""
+        rows, moments = self.at(turned, omega, time, facing)
+        inertia, slope = rows.inertia[0], rows.inertia_phi[0]
+        with np.errstate(all="ignore"):
+            epsilon = (moments.total[0] - 0.5 * omega * omega * slope) / inertia
+            return epsilon, np.abs(moments.slope[0] - omega * slope) / inertia
+
+    def sets_off(self, turned: np.ndarray, time: np.ndarray) -> np.ndarray:
+        """Which way machines at rest set off: +1, −1, or 0 where resistances hold them."""
+        still, one = np.zeros_like(turned), np.ones_like(turned)
+        forward, backwards = (self.acceleration(turned, still, time, way * one)[0] for way in (1.0, -1.0))
+        return np.where(forward > 0.0, 1.0, np.where(backwards < 0.0, -1.0, 0.0))
+
+    def first_step(
+        self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray, spacing: np.ndarray
+    ) -> np.ndarray:
+        """Length of a step to try first [s], which turns no farther than `spacing` [rad].
+
+        From rest, time is counted in units of the time that one radian takes. Where a motor pulls the speed towards
+        its own, the more finely the farther off it is. Kloss' curve bends within the breakdown slip, however little it
+        falls before.
+        """
+        epsilon, rate = self.acceleration(turned, omega, time, facing)
+        ahead = self.acceleration(turned + facing * spacing, omega, time, facing)[0]
+        speed, change = np.abs(omega), np.abs(epsilon)
+        with np.errstate(all="ignore"):
+            share = FINER * spacing * (1.0 + speed * rate / change) ** 0.2
+            # About an equilibrium ε is small, but not so a little farther on.
+            pace = np.fmax(speed + np.sqrt(change), np.sqrt(np.abs(ahead - epsilon) / spacing))
+            h = np.fmin(spacing / pace, np.fmin(share, STIFFEST) / rate)
+            for _, slip, _, synchronous, ratio in self.variants.drive.kloss:
+                near = np.abs(synchronous / ratio - omega) + slip * synchronous / ratio
+                h = np.fmin(h, FINER * spacing * near / change)
+        return h
