@@ -23,7 +23,7 @@ from engine.motion.coupled.two_sides import TwoSides, coupling_of
 from engine.motion.loads import PairLoads
 from engine.motion.moments.at_speed import greatest_moment
 from engine.motion.moments.dynamics import Dynamics, Reduction, Variants
-from engine.motion.moments.instants import FRICTION_MOMENT
+from engine.motion.moments.equation_of_motion import FRICTION_MOMENT
 from engine.motion.quantities import (
     AXES,
     EFFICIENCY_NOW,

@@ -29,8 +29,8 @@ from engine.elements.elastic_drives.elastic_shaft import drive_shaft
 from engine.elements.elastic_drives.machine_drive import RESULTS, RUN_RESULTS, VERDICT_KEY, MachineDrive, machine_keys
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.moments.grid import GAP
-from engine.motion.moments.instants import Instants
 from engine.motion.regimes_in_order import TOLERANCE, Schedule
 from engine.motion.runs.elastic_run import FINEST, ElasticRun, run_on_shaft, steps_on_shaft
 from engine.motion.settled.steady import steady_motion
@@ -187,7 +187,7 @@ class ElasticDrives:
         run = self.drives[name].run
         angle, whole, backlash = (self._of_run(name, ready, key) for key in ("angle", "time", "backlash"))
         duration = whole if duration is None else duration
-        form = Instants(self.runs[name], self.runs[name].driven(ready.bare), angle)
+        form = EquationOfMotion(self.runs[name], self.runs[name].driven(ready.bare), angle)
         begin = steady if run.begin == "steady" else np.zeros_like(steady)
         return run_on_shaft(form, ready.given.T, ready.frequency, begin, duration, backlash, coarser, record)
 

@@ -13,7 +13,7 @@ from engine.laws.couplings import fluid_coupling_moment, slip_of
 from engine.laws.tables import make_table
 from engine.motion.moments.at_speed import POLYNOMIAL, Moments
 from engine.motion.moments.dynamics import Dynamics, Reduction, Rows, Variants
-from engine.motion.moments.instants import Instants
+from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.steppers.places import INVERSE, LOADS, Form
 from engine.parts.couplings import Coupling, FluidCoupling, FrictionClutch
 from engine.scene.scene import Numbers, Scene
@@ -181,14 +181,14 @@ class CoupledSides(NamedTuple):
 
     Attributes
     ----------
-    crank : Instants
+    crank : EquationOfMotion
     shaft : ShaftSide
     coupling : CouplingNumbers
     open : bool
         Whether the coupling is open, and transmits nothing.
     """
 
-    crank: Instants
+    crank: EquationOfMotion
     shaft: ShaftSide
     coupling: CouplingNumbers
     open: bool
@@ -205,7 +205,7 @@ class CoupledSides(NamedTuple):
 
     def some(self, who: np.ndarray) -> "CoupledSides":
         """Of some of the variants, by index."""
-        crank = Instants(self.crank.dynamics, self.crank.variants.some(who), self.crank.start[who])
+        crank = EquationOfMotion(self.crank.dynamics, self.crank.variants.some(who), self.crank.start[who])
         return CoupledSides(crank, self.shaft.some(who), self.coupling.some(who), self.open)
 
 
@@ -259,10 +259,10 @@ class TwoSides:
         count, n = whole.count, whole.numbers
         numbers = self.without_shaft(n, count)
         of_crank = self.crank.reduction.variants(numbers, whole.direction, whole.flywheel)
-        crank = Instants(self.crank, self.crank.driven(of_crank), start)
+        crank = EquationOfMotion(self.crank, self.crank.driven(of_crank), start)
         coupling = coupling_numbers(self.scene, n, count)
         inertia = coupling.ratio**2 * _of_all(n[f"shafts.{self.coupling.shaft}.inertia"], count)
         driven, zero = self.shaft.driven(whole), np.zeros(count)
-        form = Instants(self.shaft, driven, zero)
+        form = EquationOfMotion(self.shaft, driven, zero)
         ways = (form.at(zero, zero, zero, np.full(count, way))[0] for way in (1.0, -1.0))
         return CoupledSides(crank, ShaftSide(self.shaft, driven, inertia, *ways), coupling, self.open)

@@ -16,7 +16,7 @@ import numpy as np
 
 from engine.laws.runge_kutta import ORDER_EIGHT
 from engine.motion.moments.at_speed import POLYNOMIAL, moments_at
-from engine.motion.moments.instants import Instants
+from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.verdicts import Verdict
 
 # State: twist, speed at the motors' end, angle turned by the machine, its speed.
@@ -57,7 +57,7 @@ class ElasticRun(NamedTuple):
 class _Going:
     """Machines on their shafts: rates of their state; `touch` says where they are in touch, +1, 0 or −1."""
 
-    def __init__(self, form: Instants, shaft: np.ndarray, backlash: np.ndarray, touch: np.ndarray) -> None:
+    def __init__(self, form: EquationOfMotion, shaft: np.ndarray, backlash: np.ndarray, touch: np.ndarray) -> None:
         self.form, (self.stiffness, self.damping, self.own) = form, shaft
         self.backlash, self.touch = backlash, touch
         channels = len(form.dynamics.channels)
@@ -154,7 +154,7 @@ def steps_on_shaft(frequency: np.ndarray, duration: np.ndarray) -> np.ndarray:
 
 
 def run_on_shaft(
-    form: Instants,
+    form: EquationOfMotion,
     shaft: np.ndarray,
     frequency: np.ndarray,
     begin: np.ndarray,
@@ -167,7 +167,7 @@ def run_on_shaft(
 
     Parameters
     ----------
-    form : Instants
+    form : EquationOfMotion
         Of the machines without what turns at the motors' end.
     shaft : ndarray (3, variants)
         Stiffness, damping, inertia at the motors' end.

@@ -7,8 +7,8 @@ Ends are met exactly: the last step is shortened until the wanted angle, time or
 
 import numpy as np
 
-from engine.motion.runs import run_in_angle, run_in_time
-from engine.motion.runs.run_in_time import set_off
+from engine.motion.runs.run_in_angle import stretch_over_angle
+from engine.motion.runs.run_in_time import BRISK, BRISK_TO_LOOK, set_off, stretch_over_time
 from engine.motion.runs.run_progress import Progress, RunOutcome
 from engine.verdicts import Verdict
 
@@ -41,13 +41,13 @@ def _run(runs: Progress) -> RunOutcome:
     while not runs.done.all():
         fast = np.flatnonzero(brisk & ~runs.done)
         if fast.size:
-            run_in_angle.stretch(runs, fast, run_to_end)
+            stretch_over_angle(runs, fast, run_to_end)
             brisk[fast], runs.pace[fast] = False, np.inf
         set_off(runs, np.flatnonzero((runs.facing == 0.0) & ~runs.done))
         slow = np.flatnonzero(~brisk & ~runs.done & (runs.facing != 0.0))
         if slow.size:
             runs.known[slow], runs.changed.omega[slow] = False, 0.0
-            brisk[slow], made = run_in_time.stretch(runs, slow, run_to_end)
+            brisk[slow], made = stretch_over_time(runs, slow, run_to_end)
             steps[slow] += made
             gained = runs.state.turned > reached + runs.dynamics.cycle
             reached[gained], steps[gained] = runs.state.turned[gained], 0.0
@@ -73,6 +73,6 @@ def _brisk(runs: Progress) -> np.ndarray:
     if runs.dynamics.in_time:
         return np.zeros(every.size, bool)
     way = np.where(runs.facing < 0.0, -1.0, 1.0)
-    rows, moments = runs.instants(every).at(state.turned, state.omega, state.time + runs.clock, way)
-    share = run_in_time.BRISK if runs.to_the_end else run_in_time.BRISK_TO_LOOK
+    rows, moments = runs.equation(every).at(state.turned, state.omega, state.time + runs.clock, way)
+    share = BRISK if runs.to_the_end else BRISK_TO_LOOK
     return (state.omega > 0.0) & (np.abs(moments.total[0]) < share * 0.5 * rows.inertia[0] * state.omega**2)

@@ -43,7 +43,7 @@ class Limits(NamedTuple):
         return Limits(*(rows[chosen] for rows in self))
 
 
-def stretch(runs: Progress, who: np.ndarray, carry: Carry) -> None:
+def stretch_over_angle(runs: Progress, who: np.ndarray, carry: Carry) -> None:
     """A stretch in the energy form, up to an end of the run or to where the machine slows down."""
     steep, many = np.zeros(who.size, bool), np.full(who.size, FIRST_CYCLES)
     pace = np.full(who.size, FARTHER * runs.farthest_step)

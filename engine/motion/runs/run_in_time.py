@@ -46,7 +46,7 @@ def set_off(runs: Progress, who: np.ndarray) -> None:
     """Choose the way for machines at rest; those that stay are at the end, or don't start."""
     if not who.size:
         return
-    runs.facing[who] = runs.instants(who).sets_off(runs.state.turned[who], runs.clock[who] + runs.state.time[who])
+    runs.facing[who] = runs.equation(who).sets_off(runs.state.turned[who], runs.clock[who] + runs.state.time[who])
     # An end of its range holds what is pressed against it.
     runs.facing[who[runs.ahead(who) <= 0.0]] = 0.0
     stays = who[runs.facing[who] == 0.0]
@@ -95,7 +95,7 @@ def _span(runs: Progress, who: np.ndarray) -> np.ndarray:
 
 def _starts_by(runs: Progress, who: np.ndarray, look: np.ndarray) -> np.ndarray:
     """When machines at rest start, of those that would at the time of the next look; of others that time."""
-    form, turned = runs.instants(who), runs.state.turned[who]
+    form, turned = runs.equation(who), runs.state.turned[who]
 
     def start(time: np.ndarray) -> np.ndarray:
         return form.sets_off(turned, runs.clock[who] + time) != 0.0
@@ -108,7 +108,7 @@ def _starts_by(runs: Progress, who: np.ndarray, look: np.ndarray) -> np.ndarray:
     return np.where(started, high, look)
 
 
-def stretch(runs: Progress, who: np.ndarray, carry: Carry) -> tuple[np.ndarray, np.ndarray]:
+def stretch_over_time(runs: Progress, who: np.ndarray, carry: Carry) -> tuple[np.ndarray, np.ndarray]:
     """A stretch in time, one way: to an end of the run, to rest, or until the machine moves briskly.
 
     Returns
@@ -182,7 +182,7 @@ def _walk(runs: Progress, who: np.ndarray, goal: np.ndarray, floor: np.ndarray) 
     longest = STRIDE * _span(runs, who) / WAITS if dynamics.changing else np.inf
     pace, new = runs.pace[who], np.isinf(runs.pace[who])
     if new.any():
-        first = runs.instants(who).first_step(state.turned, state.omega, now, facing, runs.spacing[who])
+        first = runs.equation(who).first_step(state.turned, state.omega, now, facing, runs.spacing[who])
         pace = np.where(new, first, pace)
     lanes = {"start": runs.start[who], "direction": part.direction, "facing": facing, "clock": now}
     lanes |= {"goal": runs.ends.time[who] - state.time, "other_goal": goal, "tolerance": runs.tolerance}

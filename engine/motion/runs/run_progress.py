@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.motion.moments.dynamics import Dynamics, Variants
-from engine.motion.moments.instants import Instants
+from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.runs.watching import Observer, Piece
 from engine.motion.system import PrintedSystem
 from engine.verdicts import Verdict
@@ -387,6 +387,6 @@ class Progress:
         """State of some variants."""
         return State(*(x[..., who] for x in self.state))
 
-    def instants(self, who: np.ndarray) -> Instants:
-        """The equation of motion at instants of some variants."""
-        return Instants(self.dynamics, self.variants.some(who), self.start[who])
+    def equation(self, who: np.ndarray) -> EquationOfMotion:
+        """The equation of motion of some variants."""
+        return EquationOfMotion(self.dynamics, self.variants.some(who), self.start[who])

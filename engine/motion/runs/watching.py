@@ -11,7 +11,7 @@ import numpy as np
 
 from engine.motion.loads import PairLoads
 from engine.motion.moments.dynamics import Dynamics, Variants
-from engine.motion.moments.instants import Instants
+from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.quantities import INSTANT, TURNED
 from engine.motion.settled.cycle import motion_rows
 
@@ -103,7 +103,7 @@ class RunFields:
         With them the instant, the angle turned and the moment of each channel of loads.
         """
         own = self.variants.some(who)
-        form, clock = Instants(self.dynamics, own, self.start[who]), piece.time + self.clock[who]
+        form, clock = EquationOfMotion(self.dynamics, own, self.start[who]), piece.time + self.clock[who]
         machine, moments = form.along(piece.turned, piece.omega, clock, piece.facing)
         known = np.isfinite(piece.moment)
         total = np.where(known, piece.moment, moments.total)

@@ -12,8 +12,8 @@ import numpy as np
 from engine.compiling.running import over_variants
 from engine.motion.loads import PairLoads
 from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.moments.grid import Grid
-from engine.motion.moments.instants import Instants
 from engine.motion.moments.piecewise import integral, peak_between
 from engine.motion.quantities import EFFICIENCY_NOW, INSTANT, Asked
 from engine.motion.settled.steady import Steady
@@ -77,7 +77,7 @@ def cycle_of(
     """
     angle, way = grid.places[NODES], variants.direction
     omega = np.sqrt(2.0 * steady.record[0] / dynamics.rows(variants, angle).inertia)
-    form = Instants(dynamics, variants, np.zeros(variants.count))
+    form = EquationOfMotion(dynamics, variants, np.zeros(variants.count))
     machine, moments = form.along(way * angle, omega, np.zeros_like(angle), np.ones(variants.count))
     total = np.where(np.isnan(steady.record[2]), moments.total, steady.record[2])
     motors = np.where(np.isnan(steady.record[2]), moments.motors, total - moments.loads.sum(axis=0))

@@ -17,8 +17,8 @@ FRICTION_MOMENT = "friction_moment"
 STIFFEST, FINER = 1.0, 2.0
 
 
-class Instants:
-    """Instants of a set of variants.
+class EquationOfMotion:
+    """The equation of motion of a set of variants.
 
     Parameters
     ----------
