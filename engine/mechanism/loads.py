@@ -29,8 +29,8 @@ class Loads:
     ----------
     scene : Scene
     kinematics : Kinematics
-    time : Node, optional
-        Time on which loads over time depend, where the input doesn't move uniformly [s].
+    time, speed : Node, optional
+        Time [s] and the input's speed by magnitude [rad/s], where the input doesn't move uniformly.
 
     Attributes
     ----------
@@ -40,9 +40,11 @@ class Loads:
         Moments of the scene that are motors: they follow from the speed alone.
     """
 
-    def __init__(self, scene: Scene, kinematics: Kinematics, time: Node | None = None) -> None:
+    def __init__(
+        self, scene: Scene, kinematics: Kinematics, time: Node | None = None, speed: Node | None = None
+    ) -> None:
         self.scene, self.kinematics = scene, kinematics
-        self._time = uniform_time(kinematics) if time is None else time
+        self._time, self._speed = uniform_time(kinematics) if time is None else time, speed
         motors = (actions.DCMotor, actions.InductionMotor)
         self.motors = tuple(n for n, m in scene.moments.items() if isinstance(m, motors))
         self.terms: list[Load] = [
@@ -79,7 +81,7 @@ class Loads:
         force, kinematics = self.scene.forces[name], self.kinematics
         motion = along(kinematics, name, force)
         grip = Grip(holder_of(self.scene, force.on), kinematics.points[force.on], motion.direction)
-        for size in characteristics(kinematics, force, f"forces.{name}", motion, self._time):
+        for size in characteristics(kinematics, force, f"forces.{name}", motion, self._time, self._speed):
             yield load(name, size, grip, motion.velocity, force.role)
 
     def _moment(self, name: str) -> Iterator[Load]:
@@ -90,5 +92,5 @@ class Loads:
         if isinstance(moment, actions.TorsionSpring):
             yield load(name, torsion_spring(kinematics, name), grip, motion.velocity, None)
             return
-        for size in characteristics(kinematics, moment, f"moments.{name}", motion, self._time):
+        for size in characteristics(kinematics, moment, f"moments.{name}", motion, self._time, self._speed):
             yield load(name, size, grip, motion.velocity, moment.role)

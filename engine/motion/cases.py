@@ -74,14 +74,15 @@ def _sources(dynamics: Dynamics) -> dict[str, frozenset[str]]:
     found = {name: frozenset("ω") for name in dynamics.motors}
     for load in reduction.loads.terms:
         if load.action in dynamics.active and load.basis is not reduction.mechanics.graph.zero:
-            found[load.action] = found.get(load.action, frozenset()) | _arguments(load, reduction.time)
+            found[load.action] = found.get(load.action, frozenset()) | _arguments(load, reduction)
     return found
 
 
-def _arguments(load: Load, time: Node) -> frozenset[str]:
-    found = set() if load.order == 0 else {"ω"}
+def _arguments(load: Load, reduction: Reduction) -> frozenset[str]:
+    behind = reached([load.basis])
+    found = {"ω"} if load.order != 0 or reduction.speed in behind else set()
     found |= {"φ"} if _varies(load.basis) else set()
-    return frozenset(found | ({"t"} if time in reached([load.basis]) else set()))
+    return frozenset(found | ({"t"} if reduction.time in behind else set()))
 
 
 def _varies(node: Node) -> bool:

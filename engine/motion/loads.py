@@ -49,7 +49,7 @@ class PairLoads:
         # How large a load is, is given with the variant: 0 of what is off.
         self._sizes: dict[Given, tuple[str, Node]] = {}
         loads = []
-        for i, load in enumerate(Loads(mechanics.scene, kinematics, graph.given("time")).terms):
+        for i, load in enumerate(Loads(mechanics.scene, kinematics, graph.given("time"), speed).terms):
             size = graph.given(f"size of load {i}")
             self._sizes[size] = load.action, load.coefficient
             loads.append(load._replace(coefficient=size))

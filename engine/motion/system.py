@@ -19,7 +19,7 @@ from engine.compiling.widths import LANES
 from engine.graph.derivatives import derivative
 from engine.graph.functions import Functions, functions_in_motion, places_of
 from engine.graph.nodes import Given, Node, Stage
-from engine.laws.elementary import power
+from engine.laws.elementary import exponential, power
 from engine.laws.kinematics.closure import greater
 from engine.laws.loads import sized
 from engine.laws.motor_characteristics import induction_motor, induction_motor_curvature, induction_motor_slope
@@ -46,6 +46,7 @@ SLOPES = {
     sized: {1: lambda size, value: value.graph.apply(sized, size, 1.0)},
     induction_motor: {4: lambda *operands: operands[-1].graph.apply(induction_motor_slope, *operands)},
     induction_motor_slope: {4: lambda *operands: operands[-1].graph.apply(induction_motor_curvature, *operands)},
+    exponential: {0: lambda x: x.graph.apply(exponential, x)},
     power: {0: lambda x, n: n * x.graph.apply(power, x, n) / x},
 }
 # Share of its energy that a machine may lose before it is near to rest, however steep its motor.
@@ -122,26 +123,32 @@ class StateMoments(NamedTuple):
         return self.motors + sum(self.channels.values())
 
 
-def sizes_of(mechanics: Mechanics) -> tuple[Loads, Given, Sizes]:
-    """Loads of a machine in motion, the time they depend on, and the numbers given to them."""
-    graph = mechanics.graph
+def _inertia_of(mechanics: Mechanics) -> tuple[Node, Given]:
+    """Reduced inertia with the flywheel of a motion, and the latter [kg·m²]."""
+    wheel = mechanics.graph.given("flywheel of a motion", Stage.VARIANT)
+    return mechanics.reduced.inertia + wheel, wheel
+
+
+def sizes_of(mechanics: Mechanics, speed: Node) -> tuple[Loads, Given, Sizes]:
+    """Loads of a machine in motion at a speed, the time they depend on, and the numbers given to them."""
+    graph, (_, wheel) = mechanics.graph, _inertia_of(mechanics)
     clock = graph.given("time of a state", Stage.STATE)
-    loads = Loads(mechanics.scene, mechanics.kinematics, clock)
+    # A step that ends at rest looks a little beyond it.
+    loads = Loads(mechanics.scene, mechanics.kinematics, clock, abs(speed))
 
     def number(label: str) -> Given:
         return graph.given(label, Stage.VARIANT)
 
     sizes = {number(f"size {i}"): (load.action, load.coefficient) for i, load in enumerate(loads.terms)}
     motors = {number(f"motor {name} acts"): name for name in loads.motors}
-    names = ("flywheel of a motion", "way of motion", "facing", "speed above", "speed below", "brisk", "stay")
-    return loads, clock, Sizes(sizes, motors, *(number(name) for name in names))
+    names = ("way of motion", "facing", "speed above", "speed below", "brisk", "stay")
+    return loads, clock, Sizes(sizes, motors, wheel, *(number(name) for name in names))
 
 
 def moments_of(mechanics: Mechanics, loads: Loads, sizes: Sizes, speed: Node, works: bool) -> StateMoments:
     """StateMoments at a speed, by the sort of work where works are asked."""
     graph = mechanics.graph
     motion = InputMotion(speed * speed, graph.zero, speed)
-    # A step that ends at rest looks a little beyond it.
     by_magnitude = motion._replace(speed=abs(speed))
     by_channel: dict[str, dict[Node, list[Node]]] = {c: {} for c in (CHANNELS if works else ("all",))}
     for size, load in zip(sizes.loads, loads.terms, strict=True):
@@ -193,10 +200,11 @@ def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tup
     asked : frozenset of str
         Of "motors", "squares", "fading", ∫ ∂M/∂E dφ, and the channels of work.
     """
-    graph, (loads, clock, sizes) = mechanics.graph, sizes_of(mechanics)
+    graph = mechanics.graph
     energy = graph.given("kinetic energy", Stage.STATE)
-    inverse = 2.0 / (mechanics.reduced.inertia + sizes.wheel)
+    inverse = 2.0 / _inertia_of(mechanics)[0]
     speed = graph.function("sqrt", energy * inverse)
+    loads, clock, sizes = sizes_of(mechanics, speed)
     moments = moments_of(mechanics, loads, sizes, speed, works)
     total, pace = moments.total, 1.0 / speed
     steepness = derivative(total, energy, SLOPES)
@@ -220,9 +228,9 @@ def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tup
 
 def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str], rubs: bool = False) -> tuple[System, Sizes]:
     """The equation of motion over time; parameters as in `along_angle`, and whether there is friction in pairs."""
-    graph, (loads, clock, sizes) = mechanics.graph, sizes_of(mechanics)
-    turned, speed = (graph.given(label, Stage.STATE) for label in ("angle turned", "speed"))
-    inertia = mechanics.reduced.inertia + sizes.wheel
+    graph = mechanics.graph
+    turned, speed = (graph.given(label, Stage.STATE) for label in ("angle turned", "speed of a state"))
+    (loads, clock, sizes), (inertia, _) = sizes_of(mechanics, speed), _inertia_of(mechanics)
     moments, unknown = moments_of(mechanics, loads, sizes, speed, works), ()
     # Motors make a step stiff; friction doesn't, and its derivative is as long as all reactions.
     smooth = (moments.total - (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)) / inertia

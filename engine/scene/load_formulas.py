@@ -148,7 +148,7 @@ def units_of_names(scene: Scene, formula: LoadFormula) -> dict[str, str]:
 
 
 def formula_problems(scene: Scene) -> list[Problem]:
-    """What is wrong with the formulas of a scene: names, dimensions, and what true motion can't take."""
+    """What is wrong with the formulas of a scene: names, dimensions, what two speeds can't take."""
     formulas = load_formulas(scene)
     found = [problem for name, formula in formulas.items() for problem in _problems(scene, name, formula)]
     return found + _timed_where_motion_repeats(scene)
@@ -259,8 +259,9 @@ def _check_finite(expression: TextExpression, tree: Tree) -> None:
 
 
 def _wrong_in_motion(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem]:
-    """What true motion can't take: a speed but by its powers."""
-    at_work = {f"regimes.{n}": regime for n, regime in scene.regimes.items() if name not in regime.off}
+    """What couplings and elastic drives can't take: a speed but by its powers."""
+    coupled = scene.regimes if scene.couplings else {}
+    at_work = {f"regimes.{n}": regime for n, regime in coupled.items() if name not in regime.off}
     drives = {f"elements.{n}": e for n, e in scene.elements.items() if e.type == "machine_drive"}
     at_work |= {path: drive for path, drive in drives.items() if name not in drive.off}
     runs = {f"{path}.run": drive.run for path, drive in drives.items() if drive.run is not None}
@@ -271,8 +272,8 @@ def _wrong_in_motion(scene: Scene, name: str, formula: LoadFormula) -> Iterator[
         powers_of_speed(formula.expression.tree, formula.velocities)
     except NoPowerError as error:
         what = (
-            f"depends on the speed otherwise than by fixed powers of it, which true motion can't take; switch {name!r} "
-            f"off in {', '.join(at_work)}, or write it by products, sums, powers, abs and sign"
+            "depends on the speed otherwise than by fixed powers of it, which couplings and elastic drives can't take; "
+            f"switch {name!r} off in {', '.join(at_work)}, or write it by products, sums, powers, abs and sign"
         )
         yield formula.key, str(_refused(formula.expression, error.operation, what))
 

@@ -26,7 +26,7 @@ _Action = actions.ForceAction | actions.MomentAction
 
 
 def characteristics(
-    kinematics: Kinematics, action: _Action, at: str, along: Along, time: Node
+    kinematics: Kinematics, action: _Action, at: str, along: Along, time: Node, speed: Node | None
 ) -> Iterator[Characteristic]:
     """How large a force or moment is; one by a formula, or of carried masses, is several, by powers of the speed.
 
@@ -41,11 +41,13 @@ def characteristics(
         Motion of what it acts on.
     time : Node
         [s].
+    speed : Node or None
+        Of the input by magnitude [rad/s]; None where it is that of the scene.
     """
     acts = _acts(kinematics, action, along)
     if isinstance(action, (actions.FormulaForce, actions.FormulaMoment)):
         factor = kinematics.graph.held(acts)
-        yield from formula_characteristics(kinematics, LoadFormula(action, at), along, factor, time)
+        yield from formula_characteristics(kinematics, LoadFormula(action, at), along, factor, time, speed)
     elif isinstance(action, actions.Carried):
         yield from carried_characteristics(kinematics, action, at, along)
     else:

@@ -38,11 +38,11 @@ class Differentiated(NamedTuple):
 
 
 def formula_characteristics(
-    kinematics: Kinematics, formula: LoadFormula, along: Along, factor: Node, time: Node
+    kinematics: Kinematics, formula: LoadFormula, along: Along, factor: Node, time: Node, speed: Node | None
 ) -> Iterator[Characteristic]:
     """How large a load by a formula is: a characteristic for each power of the input's speed.
 
-    What is no sum of such powers is one characteristic, true at the input's uniform speed alone.
+    What is no sum of such powers is one characteristic, which depends on that speed itself.
 
     Parameters
     ----------
@@ -54,17 +54,19 @@ def formula_characteristics(
         What the value is multiplied by; held.
     time : Node
         [s].
+    speed : Node or None
+        Of the input by magnitude [rad/s]; None where it is that of the scene.
     """
     graph, tree = kinematics.graph, formula.expression.tree
     forward = input_sense(kinematics)
     try:
-        parts, speed = powers_of_speed(tree, formula.velocities), forward
+        parts, signed = powers_of_speed(tree, formula.velocities), forward
     except NoPowerError:
-        parts, speed = {Fraction(0): tree}, graph.number("input.speed")
+        parts, signed = {Fraction(0): tree}, graph.number("input.speed") if speed is None else forward * speed
     if along.direction is not None and formula.action.angle is None:
         # Along the motion, whichever way the input moves.
         factor = factor * forward
-    curves = _Curves(kinematics, formula, along, speed, time)
+    curves = _Curves(kinematics, formula, along, signed, time)
     for exponent, part in parts.items():
         order = int(exponent) if exponent in (0, 1, 2) else float(exponent)
         size = graph.derived(f"{formula.at} over speed^{order}", _speed_to(order))
@@ -397,8 +399,10 @@ class _Curves:
         return Differentiated(number, self.graph.zero)
 
     def _at_speed(self, transfer: Differentiated) -> Differentiated:
-        """A velocity, by its transfer function."""
-        return self._product(Differentiated(self.speed, self.graph.zero), transfer)
+        """A velocity, by its transfer function, whose zeros are its own."""
+        found = self._product(Differentiated(self.speed, self.graph.zero), transfer)
+        self._bare[found.value] = self._bare.get(transfer.value, transfer)
+        return found
 
     @property
     def _forward(self) -> Differentiated:

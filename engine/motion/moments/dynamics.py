@@ -1,5 +1,6 @@
 """A machine's equation of motion, made ready: I(φ) and M(φ, ω) of many variants, with chosen actions at work."""
 
+from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -7,7 +8,7 @@ import numpy as np
 
 from engine.cycle.regula_falsi import regula_falsi
 from engine.graph.functions import functions_at
-from engine.graph.nodes import Node, reached, value_of
+from engine.graph.nodes import Given, Node, reached, value_of
 from engine.laws.senses import sense
 from engine.mechanism.acting import Grip, Load
 from engine.mechanism.actions.brakes import braking_moment
@@ -124,8 +125,8 @@ class Reduction:
     Attributes
     ----------
     mechanics : as given
-    time : Given
-        On which loads over time depend.
+    time, speed : Given
+        On which loads over time and such by formula depend.
     loads : Loads
     keys : list of Acting
         What each row of a moment belongs to.
@@ -140,8 +141,8 @@ class Reduction:
 
     def __init__(self, mechanics: Mechanics) -> None:
         graph, reduced = mechanics.graph, mechanics.reduced
-        self.mechanics, self.time = mechanics, graph.given("time")
-        self.loads = Loads(mechanics.scene, mechanics.kinematics, self.time)
+        self.mechanics, self.time, self.speed = mechanics, graph.given("time"), graph.given("speed")
+        self.loads = Loads(mechanics.scene, mechanics.kinematics, self.time, self.speed)
         moments: dict[Acting, Node] = {}
         for key in dict.fromkeys(Acting.of(load) for load in self.loads.terms):
             own = [(t.coefficient, t.basis) for t in self.loads.terms if Acting.of(t) == key]
@@ -211,19 +212,21 @@ class Reduction:
         low, high = self.range_of(variants.numbers, variants.count)
         step = (high - low) / LOOKED_AT
         places = low + step * np.arange(LOOKED_AT + (not self.has_cycle))[:, None]
-        inertia, _ = self.curves(variants, places, None, sums)
+        inertia, _ = self.curves(variants, places, {}, sums)
         around = low + step * inertia.argmin(axis=0)
         before, after = around - step, around + step
         if not self.has_cycle:
             before, after = np.maximum(before, low), np.minimum(after, high)
-        bottom = regula_falsi(lambda q: self.curves(variants, q[None], None, sums)[1, 0], before, after)
-        least = np.fmin(self.curves(variants, bottom[None], None, sums)[0, 0], inertia.min(axis=0))
+        bottom = regula_falsi(lambda q: self.curves(variants, q[None], {}, sums)[1, 0], before, after)
+        least = np.fmin(self.curves(variants, bottom[None], {}, sums)[0, 0], inertia.min(axis=0))
         # An inertia that is taken away counts as a negative flywheel.
         return least + variants.flywheel <= NO_INERTIA * inertia.max(axis=0)
 
-    def curves(self, variants: "Variants", places: np.ndarray, clock: np.ndarray | None, sums: Sums) -> np.ndarray:
-        """Sums of the rows at given crank angles and times, (sums, places, variants)."""
-        given = {node: np.zeros_like(places) if clock is None else clock for node in self.tabulation.given}
+    def curves(
+        self, variants: "Variants", places: np.ndarray, given: Mapping[Given, np.ndarray], sums: Sums
+    ) -> np.ndarray:
+        """Sums of the rows at crank angles, and at times and speeds where they are given, (sums, places, variants)."""
+        given = {node: given.get(node, np.zeros_like(places)) for node in self.tabulation.given}
         return self.tabulation(variants.parameters, places, given, sums)
 
 
@@ -399,20 +402,28 @@ class Dynamics:
         rows = self.rows(variants, grid.places)
         return Tables(grid.steps, rows.inertia, rows.loads, rows.powers)
 
-    def rows(self, variants: Variants, places: np.ndarray, clock: np.ndarray | None = None) -> "Rows":
-        """What depends on the crank angle (and time), at any angles of each variant.
+    def rows(
+        self,
+        variants: Variants,
+        places: np.ndarray,
+        clock: np.ndarray | None = None,
+        omega: np.ndarray | None = None,
+    ) -> "Rows":
+        """What depends on the crank angle, at any angles of each variant; moments may depend on time and speed too.
 
         Parameters
         ----------
         variants : Variants
         places : ndarray (places, variants)
             Crank angles [rad].
-        clock : ndarray (places, variants), optional
-            Time [s].
+        clock, omega : ndarray (places, variants), optional
+            Time [s], and speed [rad/s].
         """
+        given = {} if clock is None else {self.reduction.time: clock}
+        given |= {} if omega is None else {self.reduction.speed: np.abs(omega)}
         channels = len(self.channels)
         sums = Sums(self.target, 2 + 3 * channels + len(self.laws), self._turned, variants.direction)
-        out = self.reduction.curves(variants, places, clock, sums)
+        out = self.reduction.curves(variants, places, given, sums)
         loads, powers = out[2 : 2 + 3 * channels].reshape(channels, 3, *places.shape), out[2 + 3 * channels :]
         return Rows(out[0] + variants.flywheel, out[1], loads, powers)
 

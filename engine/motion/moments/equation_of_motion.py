@@ -45,9 +45,9 @@ class EquationOfMotion:
         `facing` +1 or −1 is the way that resistances resist.
         """
         places = self.start + self.variants.direction * turned
-        rows = self.dynamics.rows(self.variants, places, time)
+        rows = self.dynamics.rows(self.variants, places, time, omega)
         if (facing < 0.0).any():
-            forward, backwards = facing > 0.0, self._backwards(places, time)
+            forward, backwards = facing > 0.0, self._backwards(places, time, omega)
             rows = Rows(*(np.where(forward, a, b) for a, b in zip(rows, backwards, strict=True)))
         moments = self.dynamics.moments(self.variants, rows, omega)
         if self.dynamics.friction is not None:
@@ -55,9 +55,9 @@ class EquationOfMotion:
             moments.loads[channel] += self._friction(places, omega, time, facing, rows, moments.total)
         return rows, moments
 
-    def _backwards(self, places: np.ndarray, time: np.ndarray) -> Rows:
+    def _backwards(self, places: np.ndarray, time: np.ndarray, omega: np.ndarray) -> Rows:
         """Rows of machines that turn against their direction: resistances change sides, odd orders of ω don't."""
-        rows = self.dynamics.rows(self._mirror(), places, time)
+        rows = self.dynamics.rows(self._mirror(), places, time, omega)
         # Made for the opposite direction, in which ω > 0; back in our own: moments and dI/dφ change sign, and so does
         # each odd power of ω.
         signs = np.array([-1.0, 1.0, -1.0])[None, :, None, None]

@@ -140,13 +140,25 @@ def test_wrong_number__is_answered(tmp_path, numbers, words):
 REGIMES = '[regimes.work]\ntype = "{}"\noff = []\n'
 
 
-def test_regimes__take_powers_of_the_speed_alone(tmp_path):
-    stribeck = "-1 N * sign(v) * (1 + exp(-abs(v) / (1 m/s)))"
-    read(tmp_path, force=stribeck)
-    message = refused(tmp_path, force=stribeck, regimes=REGIMES.format("steady"))
-    assert "depends on the speed otherwise than by fixed powers of it, which true motion can't take" in message
+COUPLED = """
+[shafts.motor_shaft]
+geared_to = "crank"
+ratio = 5.0
+inertia = "0.1 kg m2"
+[couplings.clutch]
+type = "friction_clutch"
+shaft = "motor_shaft"
+capacity = "1 N m"
+"""
+
+
+def test_couplings__take_powers_of_the_speed_alone(tmp_path):
+    stribeck, steady = "-1 N * sign(v) * (1 + exp(-abs(v) / (1 m/s)))", REGIMES.format("steady")
+    read(tmp_path, force=stribeck, regimes=steady)
+    message = refused(tmp_path, force=stribeck, regimes=steady + COUPLED)
+    assert "otherwise than by fixed powers of it, which couplings and elastic drives can't take" in message
     assert "switch 'cut' off in regimes.work" in message
-    read(tmp_path, force=stribeck, regimes=REGIMES.format("steady").replace("[]", '["cut"]'))
+    read(tmp_path, force=stribeck, regimes=steady.replace("[]", '["cut"]') + COUPLED)
 
 
 def test_steady_regime__takes_no_time(tmp_path):

@@ -83,6 +83,15 @@ COURSES = {
     ),
     "cube": ("8 N m - 1e-5 N m s3 * omega^3", lambda t, q, w: 8 - 1e-5 * w**3),
     "per speed": ("60 W / omega - 0.1 N m s * omega", lambda t, q, w: 60 / w - 0.1 * w),
+    "exponential": ("6 N m * exp(-omega / (9 rad/s)) - 1 N m", lambda t, q, w: 6 * math.exp(-w / 9) - 1),
+    "stribeck": (
+        "7 N m - sign(omega) * (2 N m + 5 N m * exp(-abs(omega) / (15 rad/s)))",
+        lambda t, q, w: 5 - 5 * math.exp(-w / 15),
+    ),
+    "of speed, angle and time": (
+        "9 N m * sin(phi) / (1 + omega / (10 rad/s)) + 1 N m * cos(omega * t)",
+        lambda t, q, w: 9 * math.sin(q) / (1 + w / 10) + math.cos(w * t),
+    ),
 }
 
 
@@ -116,6 +125,11 @@ LOADS = {
     "fan": (
         {"type": "quadratic_drag", "on": "crank", "coefficient": 2e-3},
         moment("-2e-3 N m s2 * omega * abs(omega)"),
+    ),
+    "draught": (
+        {"type": "quadratic_drag", "on": "crank", "coefficient": 3e-3},
+        # No sum of powers as it is written.
+        moment("-3e-3 N m * sign(omega) * exp(2 * log(abs(omega) / (1 rad/s)))"),
     ),
     "oil": ({"type": "linear_drag", "on": "crank", "coefficient": 0.02}, moment("-0.02 N m s * omega")),
     "rub": ({"type": "against_motion", "on": "crank", "moment": 0.3}, moment("-0.3 N m * sign(omega)")),
