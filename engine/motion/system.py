@@ -167,15 +167,16 @@ def moments_of(mechanics: Mechanics, loads: Loads, sizes: Sizes, speed: Node, wo
         parts = [(sizes.way * sum(terms, graph.zero)) * at_speed for at_speed, terms in orders.items()]
         channels[channel] = sum(parts, graph.zero)
     return StateMoments(
-        sum((_motor(mechanics, name, on, speed) for on, name in sizes.motors.items()), graph.zero), channels
+        sum((_motor(mechanics, name, on, sizes.facing, speed) for on, name in sizes.motors.items()), graph.zero),
+        channels,
     )
 
 
-def _motor(mechanics: Mechanics, name: str, on: Given, speed: Node) -> Node:
-    """Moment of a motor, reduced to the input."""
+def _motor(mechanics: Mechanics, name: str, on: Given, facing: Node, speed: Node) -> Node:
+    """Moment of a motor, reduced to the input, in the direction of motion; it drives the way it is meant to turn."""
     graph, scene, at = mechanics.graph, mechanics.scene, f"moments.{name}"
     motor = scene.moments[name]
-    ratio = graph.derived(f"ratio of {at}", lambda n: np.abs(motor_ratio(scene, motor, n)))
+    ratio = facing * graph.derived(f"ratio of {at}", lambda n: np.abs(motor_ratio(scene, motor, n)))
     if isinstance(motor, DCMotor):
         # Its straight characteristic, without a division in every state.
         stall = graph.derived(f"stall moment of {at}", lambda n: stall_moment(motor, at, n))

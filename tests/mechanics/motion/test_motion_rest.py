@@ -239,3 +239,21 @@ def test_variants_of_all_kinds__each_its_own_way():
     for i in (5, 6):
         one = ask(scene, "go.time", varied={"moments.dc.stall_moment": [stalls[i]]})
         assert one.values["go.time"][0] == pytest.approx(found.values["go.time"][i], rel=1e-13)
+
+
+@pytest.mark.parametrize("load", [-25.0, -200.0])
+def test_load_above_the_motor__turns_it_back_by_the_closed_form(load):
+    """I ω' = M₀ (1 − ω/ω₀) + L keeps to one exponential, forward and backwards alike."""
+    begin, stall, idle, time = 10.0, 20.0, 100.0, 3.0
+    names = ["go.final_speed", "go.angle", "go.motor_work", "go.speed_min"]
+    scene = rotor({"go": run("dc load", from_speed=begin, time=time)}, load={"moment": load})
+    found = ask(scene, " ".join(names))
+    rate, end = stall / idle / INERTIA_OF_ROTOR, idle * (1.0 + load / stall)
+    fades = math.exp(-rate * time)
+    speed = end + (begin - end) * fades
+    angle = end * time + (begin - end) * (1.0 - fades) / rate
+    work = 0.5 * INERTIA_OF_ROTOR * (speed**2 - begin**2) - load * angle
+    # A step misses 1e-10 of the angle it turns and of the speed.
+    for name, exact in zip(names, (speed, angle, work, speed), strict=True):
+        assert found[name] == pytest.approx(exact, rel=1e-8), name
+        assert abs(found[name] - exact) <= found.figure(name), name
