@@ -740,6 +740,9 @@ def choose(edges: int, instants: int, most_steps: int, task: WalkTask, room: Roo
         # Nobody counts the steps of a way without an end.
         parts = math.ceil(rest / most * (1.0 - 1e-9)) if rest < MOST_PARTS * most else 0
         own.length[lane] = most if parts == 0 else (rest / parts if parts > 1 else rest)
+        if not own.length[lane] > 0.0:
+            # From a state that isn't finite no step leads on.
+            own.length[lane], own.why[lane] = 0.0, LOST
     return goes
 
 

@@ -49,7 +49,10 @@ def _held_back(runs: Progress, who: np.ndarray, rising: np.ndarray, share: float
     """Which variants, rising or falling in speed, a motion so much of the way ahead keeps from their ends."""
     omega, cycle = runs.state.omega[who], runs.dynamics.cycle
     # Speeds of neighbouring motions keep about their proportion.
-    to_end = np.where(rising, runs.above[who] / runs.fastest[who], np.maximum(runs.below[who], 0.0) / runs.slowest[who])
+    below = np.maximum(runs.below[who], 0.0)
+    to_end = np.where(
+        rising, runs.above[who] / runs.fastest[who], below / np.where(below > 0.0, runs.slowest[who], 1.0)
+    )
     begin = omega * (1.0 + share * (to_end - 1.0))
     way = runs.variants.direction[who]
     ends = runs.ends.some(who)._replace(turned=np.full(who.size, cycle), most_turned=np.full(who.size, np.inf))

@@ -133,3 +133,9 @@ def test_machine_that_settles_short_of_its_speed__has_no_end(begin, speed):
     seen = history(Scene.model_validate(scene))
     assert ask(scene, "go.time").status == [seen.verdict] == [Verdict.NO_END]
     assert seen.time[-1] < 20.0
+
+
+def test_machine_that_settles_after_a_table_of_time__never_stands():
+    """From rest it comes to the speed of its motor, and falls back to it as the last moment of the table holds."""
+    scene = rotor({"go": run("dc by_time brake", from_speed=0.0, reversal=True)})
+    assert ask(scene, "go.time").status == [Verdict.NO_END]
