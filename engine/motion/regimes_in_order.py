@@ -24,6 +24,7 @@ from engine.motion.loads import PairLoads
 from engine.motion.moments.at_speed import greatest_moment
 from engine.motion.moments.dynamics import Dynamics, Reduction, Variants
 from engine.motion.moments.equation_of_motion import FRICTION_MOMENT
+from engine.motion.moments.grid import NODES
 from engine.motion.quantities import (
     AXES,
     EFFICIENCY_NOW,
@@ -39,14 +40,13 @@ from engine.motion.runs.run import run_to_end
 from engine.motion.runs.run_extremes import FieldAnswers, RunExtremes
 from engine.motion.runs.run_instants import RunInstants
 from engine.motion.runs.run_progress import TOLERANCE as RUN_TOLERANCE
-from engine.motion.runs.run_progress import Changed, Ends, Progress, RunOutcome, Stepping
+from engine.motion.runs.run_progress import Begin, Changed, Ends, Progress, RunOutcome, Stepping
 from engine.motion.runs.spread_errors import spread_errors
 from engine.motion.runs.watching import Observer, RunFields
 from engine.motion.settled.cycle import CycleAnswers, answers_of, cycle_of
 from engine.motion.settled.rubbing_steady import settled_motion
 from engine.motion.settled.sizing import flywheel_for
 from engine.motion.settled.steady import Steady, steady_motion
-from engine.motion.steppers.energy_form import NODES
 from engine.motion.system import CHANNELS
 from engine.parts.regimes import RunRegime, run_keys
 from engine.quantities.quantity import has_cycle
@@ -76,8 +76,6 @@ STEPS_OF_ROUNDING = 32
 TURN = 2.0 * np.pi
 # What is told by the least and the greatest speed.
 EXTREMES_OF_SPEED = ("speed_min", "speed_max", "motor_moment_peak")
-# Crank angle [rad], speed [rad/s] and time on the clock [s] at the begin of runs.
-Begin = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def share_of_change(name: str) -> float:
@@ -542,7 +540,7 @@ class Schedule:
         ready = np.flatnonzero(standing.verdict == Verdict.OK)
         part = variants.some(ready)
         ends = ends.some(ready)
-        begin = angle[ready], omega[ready], standing.clock[ready]
+        begin = Begin(angle, omega, standing.clock).some(ready)
         observers = [] if record is None else [record(self._along(name, dynamics, part, begin))]
         key, left, stepping = ("run", name), np.arange(ready.size), self._stepping(name)
         known = variants.kept.get(key) if half and not observers else None
@@ -550,7 +548,7 @@ class Schedule:
             left = np.flatnonzero(~known.tells(ready, begin))
             outcome = known.outcome.shifted(known.outcome.changed)
         if left.size or known is None:
-            own = (dynamics, part.some(left), *(x[left] for x in begin), ends.some(left))
+            own = (dynamics, part.some(left), begin.some(left), ends.some(left))
             gone = run_to_end(Progress(*own, self.steps, half, observers, stepping))
             outcome = gone if known is None else outcome.with_others(left, gone)
         if not half:
@@ -560,7 +558,7 @@ class Schedule:
             # Looked at are those that come to their end.
             good = np.flatnonzero(outcome.verdict == Verdict.OK)
             chosen = ends.some(good)
-            found = self._extremes(name, dynamics, part.some(good), tuple(x[good] for x in begin), chosen, half)
+            found = self._extremes(name, dynamics, part.some(good), begin.some(good), chosen, half)
             *told, rows = ({k: _of_all(v.T, ready[good], count).T for k, v in own.items()} for own in found)
             extremes = FieldAnswers(*told, rows)
         outcome = _over_all(outcome, ready, count)
@@ -589,8 +587,7 @@ class Schedule:
 
     def _along(self, name: str, dynamics: Dynamics, part: Variants, begin: Begin) -> RunFields:
         """Fields along a run."""
-        angle, _, clock = begin
-        return RunFields(dynamics, part, angle, clock, self.loads, frozenset(self.regimes[name].off))
+        return RunFields(dynamics, part, begin.angle, begin.clock, self.loads, frozenset(self.regimes[name].off))
 
     def _extremes(
         self, name: str, dynamics: Dynamics, part: Variants, begin: Begin, ends: Ends, half: bool
@@ -606,7 +603,7 @@ class Schedule:
         if kept:
             instants = RunInstants(along, kept, self.instants[name])
             observers.append(instants)
-        outcome = run_to_end(Progress(dynamics, part, *begin, ends, steps, half, observers, self._stepping(name)))
+        outcome = run_to_end(Progress(dynamics, part, begin, ends, steps, half, observers, self._stepping(name)))
         low, high = self.reduction.range_of(part.numbers, part.count)
         found = seen.answers(asked, (high - low) / steps) if asked else FieldAnswers({}, {}, {}, {})
         if kept:

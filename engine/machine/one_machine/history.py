@@ -11,11 +11,11 @@ from engine.mechanism.mechanics import Mechanics
 from engine.motion.coupled.coupled_answers import CoupledStanding
 from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.moments.grid import NODES
 from engine.motion.quantities import load_fields
 from engine.motion.regimes_in_order import Schedule, Standing
 from engine.motion.runs.watching import Piece, RunFields
 from engine.motion.settled.rubbing_steady import settled_motion
-from engine.motion.steppers.energy_form import NODES
 from engine.motion.system import CHANNELS
 from engine.parts.regimes import RunRegime
 from engine.quantities.quantity import Quantity

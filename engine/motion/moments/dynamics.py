@@ -21,7 +21,6 @@ from engine.motion.moments.breaks import Breaks, instants_of
 from engine.motion.moments.grid import Grid, make_grid
 from engine.motion.moments.landmarks import Landmarks
 from engine.motion.moments.tabulation import Ends, Sums, Tabulation
-from engine.motion.steppers.energy_form import Tables
 from engine.motion.system import CHANNELS, POLYNOMIAL_ORDERS, PrintedSystem, along_angle, along_time
 from engine.parts.actions import Brake, DCMotor
 from engine.parts.motor_constants import kloss_constants, stall_moment
@@ -397,11 +396,6 @@ class Dynamics:
         """Grid from a start angle, with a node at every break."""
         return make_grid(start, length, variants.direction, steps, self.cycle, variants.breaks)
 
-    def tables(self, variants: Variants, grid: Grid) -> Tables:
-        """What depends on the crank angle, at the places of a grid."""
-        rows = self.rows(variants, grid.places)
-        return Tables(grid.steps, rows.inertia, rows.loads, rows.powers)
-
     def rows(
         self,
         variants: Variants,
@@ -427,7 +421,7 @@ class Dynamics:
         loads, powers = out[2 : 2 + 3 * channels].reshape(channels, 3, *places.shape), out[2 + 3 * channels :]
         return Rows(out[0] + variants.flywheel, out[1], loads, powers)
 
-    def moments(self, variants: Variants, rows: "Rows | Tables", omega: np.ndarray) -> Moments:
+    def moments(self, variants: Variants, rows: "Rows", omega: np.ndarray) -> Moments:
         """Moments at given speeds, in the direction of motion.
 
         Parameters
@@ -441,7 +435,17 @@ class Dynamics:
 
 
 class Rows(NamedTuple):
-    """Reduced inertia with the flywheel, its derivative in the direction of motion, and loads as in `Tables`."""
+    """What depends on the crank angle, (places, variants).
+
+    Attributes
+    ----------
+    inertia, inertia_phi : ndarray (places, variants)
+        Reduced inertia with the flywheel [kg·m²], and its derivative in the direction of motion.
+    loads : ndarray (channels, 3, places, variants)
+        Reduced moments over ω⁰, ω¹ and ω², separately for each sort of work; one channel for all if not asked.
+    powers : ndarray (laws, places, variants)
+        Reduced moments over ω to a power of their own.
+    """
 
     inertia: np.ndarray
     inertia_phi: np.ndarray

@@ -9,6 +9,8 @@ import numpy as np
 
 from engine.motion.moments.breaks import JUMP, Breaks
 
+# Which of the places of a grid are its nodes.
+NODES = slice(None, None, 2)
 # A step that is no longer lies within a jump.
 GAP = 4.0 * JUMP
 

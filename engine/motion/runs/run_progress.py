@@ -57,6 +57,18 @@ def gathered(
     return np.stack([motors, *loads]), squares
 
 
+class Begin(NamedTuple):
+    """Where runs begin, (variants,): crank angle [rad], speed in the direction of motion [rad/s], and time [s]."""
+
+    angle: np.ndarray
+    omega: np.ndarray
+    clock: np.ndarray
+
+    def some(self, chosen: np.ndarray) -> "Begin":
+        """Those of some variants, by index."""
+        return Begin(*(row[chosen] for row in self))
+
+
 class Ends(NamedTuple):
     """Where runs end, (variants,): angle turned from the run's begin [rad], time [s], speed [rad/s]; inf for never.
 
@@ -190,12 +202,7 @@ class Progress:
     ----------
     dynamics : Dynamics
     variants : Variants
-    start : ndarray (variants,)
-        Crank angle at the begin [rad].
-    omega : ndarray (variants,)
-        Speed at the begin, in the direction of motion [rad/s].
-    clock : ndarray (variants,)
-        Time at the begin, for moments that depend on time [s].
+    begin : Begin
     ends : Ends
     steps : int
         In how many places of a cycle it is looked at.
@@ -207,6 +214,8 @@ class Progress:
 
     Attributes
     ----------
+    start, clock : ndarray
+        Crank angle [rad] and time [s] at the begin.
     state : State
         Now; angle and time counted from the begin of the run.
     verdict, slowest, fastest, covered : ndarray
@@ -254,16 +263,15 @@ class Progress:
         self,
         dynamics: Dynamics,
         variants: Variants,
-        start: np.ndarray,
-        omega: np.ndarray,
-        clock: np.ndarray,
+        begin: Begin,
         ends: Ends,
         steps: int,
         half: bool = False,
         observers: Sequence[Observer] = (),
         stepping: Stepping = ADAPTIVE,
     ) -> None:
-        self.dynamics, self.variants, self.start, self.clock = dynamics, variants, start, clock
+        self.dynamics, self.variants = dynamics, variants
+        self.start, omega, self.clock = begin
         self.ends, self.steps, self.half, self.observers = ends, steps, half, observers
         count, channels = variants.count, len(dynamics.channels)
         low, high = dynamics.reduction.range_of(variants.numbers, count)
@@ -271,7 +279,7 @@ class Progress:
         self.reach, self.bounds = np.ones(count), np.array([[-np.inf], [np.inf]]) * np.ones(count)
         if not dynamics.reduction.has_cycle:
             self.reach = (high - low) / (2.0 * np.pi)
-            self.bounds = np.sort(variants.direction * (np.array([low, high]) - start), axis=0)
+            self.bounds = np.sort(variants.direction * (np.array([low, high]) - self.start), axis=0)
         self.arrived, self.carried = np.zeros(count, int), np.zeros((0, count))
         self.known = np.full(count, not stepping.classical)
         nothing = {name: np.zeros(count) for name in Changed._fields}

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from engine.motion.runs.run_progress import Progress, RunOutcome, Stepping
+from engine.motion.runs.run_progress import Begin, Progress, RunOutcome, Stepping
 from engine.verdicts import Verdict
 
 # How much of the way to the speed that it is to come to others are ahead of a machine: to tell soon where nothing else
@@ -57,16 +57,8 @@ def _held_back(runs: Progress, who: np.ndarray, rising: np.ndarray, share: float
     way = runs.variants.direction[who]
     ends = runs.ends.some(who)._replace(turned=np.full(who.size, cycle), most_turned=np.full(who.size, np.inf))
     stepping = Stepping(runs.tolerance, runs.over_angle, runs.farthest_step, runs.classical, False)
-    ahead = Progress(
-        runs.dynamics,
-        runs.variants.some(who),
-        runs.start[who] + way * runs.state.turned[who],
-        begin,
-        runs.clock[who] + runs.state.time[who],
-        ends,
-        runs.steps,
-        stepping=stepping,
-    )
+    here = runs.start[who] + way * runs.state.turned[who], begin, runs.clock[who] + runs.state.time[who]
+    ahead = Progress(runs.dynamics, runs.variants.some(who), Begin(*here), ends, runs.steps, stepping=stepping)
     gone = carry(ahead)
     whole = (gone.verdict == Verdict.OK) & (gone.state.turned >= cycle * (1.0 - 1e-12))
     return whole & np.where(rising, gone.state.omega <= begin, gone.state.omega >= begin)

@@ -13,11 +13,10 @@ from engine.compiling.running import over_variants
 from engine.motion.loads import PairLoads
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion
-from engine.motion.moments.grid import Grid
+from engine.motion.moments.grid import NODES, Grid
 from engine.motion.moments.piecewise import integral, peak_between
 from engine.motion.quantities import EFFICIENCY_NOW, INSTANT, Asked
 from engine.motion.settled.steady import Steady
-from engine.motion.steppers.energy_form import NODES
 from engine.motion.system import CHANNELS
 
 

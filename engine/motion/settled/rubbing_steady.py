@@ -4,7 +4,7 @@ import numpy as np
 
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.runs.run import run_to_end
-from engine.motion.runs.run_progress import Ends, Progress, RunOutcome
+from engine.motion.runs.run_progress import Begin, Ends, Progress, RunOutcome
 from engine.motion.runs.watching import Piece, RunFields
 from engine.motion.settled.steady import Steady, no_load_speed, steady_motion
 from engine.verdicts import Verdict
@@ -122,7 +122,7 @@ def _cycle(
     """A cycle from a speed at φ = 0 on."""
     zero, never = np.zeros(variants.count), np.full(variants.count, np.inf)
     ends = Ends(np.full(variants.count, dynamics.cycle), never, never, False, never)
-    return run_to_end(Progress(dynamics, variants, zero, omega, zero, ends, STEPS, doubtful, observers or ()))
+    return run_to_end(Progress(dynamics, variants, Begin(zero, omega, zero), ends, STEPS, doubtful, observers or ()))
 
 
 class _Nodes:
