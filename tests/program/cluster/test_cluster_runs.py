@@ -9,7 +9,7 @@ import cluster_jobs
 import h5py
 import pytest
 import searches
-from commands import STUDY, refused, said
+from commands import STUDY, done, refused, said
 from press_sweeps import DISTINCT, GOOD, contents, run, study_of
 from press_texts import PRESS
 
@@ -60,7 +60,7 @@ def test_sweep__is_byte_for_byte_that_of_one_machine(client, tmp_path):
     assert without_its_end(path) == without_its_end(alone)
     outcome = describe_result(path).attributes["outcome"]
     assert re.fullmatch(r"computed by 2 workers, \d+ threads; processors: \S+ \(2\)", outcome)
-    assert said("verify", str(path)).exit_code == 0
+    done("verify", str(path))
     # Nothing left to do: nobody is asked.
     assert run_study(study, path, client=None) == path
 
@@ -135,8 +135,7 @@ def test_search__is_that_of_one_machine(client, tmp_path, monkeypatch):
     assert "; computed by 2 workers" in describe_result(path).attributes["outcome"]
     monkeypatch.chdir(tmp_path)
     address = client.scheduler.address
-    answer = said("optimise", "study.toml", "--no-plots", "--out", "told.h5", "--cluster", address)
-    assert answer.exit_code == 0, answer.output
+    done("optimise", "study.toml", "--no-plots", "--out", "told.h5", "--cluster", address)
     assert contents(Path("told.h5")) == contents(alone)
 
 
@@ -203,9 +202,8 @@ def test_commands__compute_on_the_cluster(client, tmp_path, monkeypatch):
     kinds = r"  workers: \S+ variants a second\n  network: \S+ variants a second\n  disk: \S+ variants a second\n"
     assert re.fullmatch(rf"  2 workers, .*\n{kinds}  limit: (workers|network|disk); about \S+ s\n", told)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["press.toml", "study.toml"]
-    answer = said("run", "study.toml", "--no-plots", "--cluster", address)
-    assert answer.exit_code == 0, answer.output
-    assert said("run", "study.toml", "--no-plots", "--out", "alone.h5").exit_code == 0
+    done("run", "study.toml", "--no-plots", "--cluster", address)
+    done("run", "study.toml", "--no-plots", "--out", "alone.h5")
     assert contents(Path("results/study.h5")) == contents(Path("alone.h5"))
 
 
@@ -223,7 +221,7 @@ def test_command_whose_block_fails__tells_it_and_ends_with_1(client, tmp_path, m
         f"in {part}; the same command tries these again.\n"
     )
     assert describe_result(part).blocks_done == 4
-    assert said(*arguments).exit_code == 0
+    done(*arguments)
     assert contents(Path("results/study.h5")) == contents(run(tmp_path, DISTINCT, "alone"))
 
 

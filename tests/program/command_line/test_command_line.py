@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from commands import ROOT, python, refused, said
+from commands import ROOT, done, python, refused, said
 from press_texts import PRESS
 
 from sweeps.study.bundled import bundled_studies
@@ -67,7 +67,7 @@ def test_text_without_any_known_key__is_told_to_be_neither_study_nor_scene(press
 def test_result_under_another_name__is_known_by_its_content(press_result):
     Path(press_result).rename("r.dat")
     assert said("plot", "r.dat", "--variant", "2", "--out", "p.png").stdout.startswith("Wrote p.png")
-    assert said("export", "r.dat", "--to", "r.csv").exit_code == 0
+    done("export", "r.dat", "--to", "r.csv")
     assert len(Path("r.csv").read_text().splitlines()) == 9
 
 
@@ -84,9 +84,8 @@ def test_show_of_another_hdf5_file__is_refused(press_folder):
 
 @pytest.mark.parametrize("name", sorted(templates()))
 def test_new__writes_a_scene_that_can_be_read(name, press_folder):
-    answer = said("new", name)
-    assert answer.exit_code == 0
-    assert f"Wrote {name}.toml" in answer.stdout
+    answer = done("new", name)
+    assert f"Wrote {name}.toml" in answer
     scene = read_scene(Path(f"{name}.toml"))
     assert scene.title == templates()[name]
 
@@ -97,7 +96,7 @@ def test_new__never_overwrites(press_folder):
 
 
 def test_new__makes_the_folder_it_needs(press_folder):
-    assert said("new", "four_bar", "--out", "a/b/mine.toml").exit_code == 0
+    done("new", "four_bar", "--out", "a/b/mine.toml")
     assert Path("a/b/mine.toml").exists()
 
 
@@ -111,13 +110,12 @@ def test_new_where_it_cannot_be_written__is_refused(press_folder):
 
 
 def test_list__names_every_study_and_template(press_folder):
-    answer = said("list")
-    assert answer.exit_code == 0
+    answer = done("list")
     for name, path in bundled_studies().items():
-        assert f"  {name}" in answer.stdout
-        assert read_study(path).question in answer.stdout
+        assert f"  {name}" in answer
+        assert read_study(path).question in answer
     for name, title in templates().items():
-        assert any(line.split() == [name, *title.split()] for line in answer.stdout.splitlines())
+        assert any(line.split() == [name, *title.split()] for line in answer.splitlines())
 
 
 @pytest.mark.parametrize("name", sorted(bundled_studies()))
@@ -128,17 +126,15 @@ def test_bundled_study__is_found_by_its_name_and_asks_a_question(name, press_fol
 
 
 def test_version__is_told_whether_installed_or_not(press_folder):
-    answer = said("--version")
-    assert answer.exit_code == 0
-    assert answer.stdout.startswith("sweeps")
+    answer = done("--version")
+    assert answer.startswith("sweeps")
 
 
 def test_help__names_the_commands(press_folder):
-    answer = said("--help")
-    assert answer.exit_code == 0
+    answer = done("--help")
     for command in ("run", "check", "show", "plot", "orders", "animate", "export", "new", "list", "flywheel"):
-        assert f"  {command}" in answer.stdout
-        assert said(command, "--help").exit_code == 0
+        assert f"  {command}" in answer
+        done(command, "--help")
 
 
 def test_unknown_command__is_refused(press_folder):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import refused, said
+from commands import done, refused, said
 from pyarrow import parquet
 from scipy.io import loadmat
 
@@ -31,7 +31,7 @@ HEADS = ["variant", "input.length [m]", "ram.stroke [m]", "phi [rad]", "B.y [m]"
 @pytest.fixture
 def result(press_folder):
     Path("s.toml").write_text(STUDY)
-    assert said("run", "s.toml", "--no-plots", "--quiet", "--out", "r.h5").exit_code == 0
+    done("run", "s.toml", "--no-plots", "--quiet", "--out", "r.h5")
     return "r.h5"
 
 
@@ -69,7 +69,7 @@ def test_every_format__holds_the_same_numbers(result):
 
 
 def test_columns_without_a_field__have_a_row_for_each_variant(result):
-    assert said("export", "r.h5", "--columns", "ram.stroke_error", "--to", "t.csv").exit_code == 0
+    done("export", "r.h5", "--columns", "ram.stroke_error", "--to", "t.csv")
     lines = Path("t.csv").read_text().splitlines()
     assert lines[0] == "variant,input.length [m],ram.stroke_error [m]"
     assert len(lines) == 4
@@ -79,14 +79,14 @@ def test_table_in_parts__is_the_table_as_a_whole(result, monkeypatch):
     endings = ("csv", "json", "parquet")
     for ending in endings:
         exported(f"whole.{ending}")
-        assert said("export", "r.h5", "--to", f"all.{ending}").exit_code == 0
+        done("export", "r.h5", "--to", f"all.{ending}")
     # A part for each variant, of two groups of variants of which the second has one that failed.
     monkeypatch.setattr(exports, "ROWS_AT_A_TIME", 16)
     monkeypatch.setattr(sweep_result, "VARIANTS_AT_A_TIME", 2)
     for ending in endings:
         exported(f"t.{ending}")
         exported(f"none.{ending}", "--where", "ram.stroke < '1 mm'")
-        assert said("export", "r.h5", "--to", f"parts.{ending}").exit_code == 0
+        done("export", "r.h5", "--to", f"parts.{ending}")
     for whole, parts in (("whole", "t"), ("all", "parts")):
         assert Path(f"{whole}.csv").read_text() == Path(f"{parts}.csv").read_text()
         assert json.loads(Path(f"{whole}.json").read_text()) == json.loads(Path(f"{parts}.json").read_text())

@@ -7,7 +7,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from commands import STUDY, refused, said
+from commands import STUDY, done, refused, said
 from press_texts import PRESS
 
 from engine import Machine
@@ -41,22 +41,20 @@ def test_run_with_pictures__builds_one_machine(press_folder, monkeypatch):
         build(self, *arguments, **options)
 
     monkeypatch.setattr(Machine, "__init__", noted)
-    answer = said("run", "study.toml")
-    assert answer.exit_code == 0
-    assert "_best_diagrams.png" in answer.stdout
+    answer = done("run", "study.toml")
+    assert "_best_diagrams.png" in answer
     assert len(built) == 1
 
 
 def test_run_of_a_scene__answers_for_the_machine_as_it_is(press_folder):
-    answer = said("run", "press.toml", "--no-plots", "--out", "p.h5")
-    assert answer.exit_code == 0
-    assert "Crank press: 1 variant" in answer.stdout
+    answer = done("run", "press.toml", "--no-plots", "--out", "p.h5")
+    assert "Crank press: 1 variant" in answer
     assert SweepResult(Path("p.h5")).columns["status"].tolist() == [0]
 
 
 def test_run_twice__leaves_the_finished_file(press_result):
     before = Path(press_result).stat().st_mtime_ns
-    assert said("run", "study.toml", "--no-plots", "--out", press_result).exit_code == 0
+    done("run", "study.toml", "--no-plots", "--out", press_result)
     assert Path(press_result).stat().st_mtime_ns == before
 
 
@@ -80,7 +78,7 @@ def test_run_with_another_question__answers_that_one(press_result):
 
 
 def test_run_with_jobs__gives_the_same_numbers(press_result):
-    assert said("run", "study.toml", "--no-plots", "--out", "one.h5", "--jobs", "1").exit_code == 0
+    done("run", "study.toml", "--no-plots", "--out", "one.h5", "--jobs", "1")
     one, all_cores = SweepResult(Path("one.h5")).columns, SweepResult(Path(press_result)).columns
     assert all(one[name].tobytes() == all_cores[name].tobytes() for name in all_cores)
 
@@ -92,9 +90,8 @@ def test_run_with_impossible_jobs__is_refused(jobs, press_folder):
 
 def test_run_without_candidates__says_so_and_succeeds(press_folder):
     Path("study.toml").write_text(STUDY.replace("> '90 mm'", "> '9 m'"))
-    answer = said("run", "study.toml", "--no-plots")
-    assert answer.exit_code == 0
-    assert "No variant meets all conditions" in answer.stdout
+    answer = done("run", "study.toml", "--no-plots")
+    assert "No variant meets all conditions" in answer
 
 
 def test_run_where_nothing_assembles__says_so_and_has_an_exit_code_of_its_own(press_folder):
@@ -174,7 +171,7 @@ def test_interrupt__tells_how_many_variants_are_done_and_goes_on_from_there(pres
     assert said("show", "r.part.h5").stdout.startswith("Which crank?: 3 of 8 variants done; run the study again")
     assert "Interrupted: 6 of 8 variants" in interrupted(6)
     monkeypatch.setattr("sweeps.run.runner.measured_block_size", lambda study, machine: 3)
-    assert said("run", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 0
+    done("run", "study.toml", "--no-plots", "--out", "r.h5")
     assert said("show", "r.h5").stdout.startswith("Which crank?: 8 variants, all done")
 
 
@@ -190,7 +187,7 @@ def told_on_the_way(*arguments: str) -> list[str]:
         patch.setattr("sys.argv", ["sweeps", *arguments])
         patch.setattr("sweeps.run.runner.layout_of", lambda *rest: (noted(), layout_of(*rest))[1])
         patch.setattr("sweeps.pictures.sweep.result_pictures.result_pictures", noted)
-        assert said(*arguments).exit_code == 0
+        done(*arguments)
     return words
 
 

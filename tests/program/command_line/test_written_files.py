@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from commands import ROOT, said
+from commands import ROOT, done, said
 
 WRITES = [
     ("export", "press.toml", "--to", "out.csv"),
@@ -47,7 +47,7 @@ def test_draft__is_created_by_its_writer_alone(arguments, press_folder, monkeypa
     try:
         for _ in range(2):
             Path(arguments[-1]).unlink(missing_ok=True)
-            assert said(*arguments).exit_code == 0
+            done(*arguments)
     finally:
         os.umask(mask)
     drafts = [(name, flags) for folder, name, flags in opened if folder == press_folder.resolve()]
@@ -91,7 +91,7 @@ def test_link_of_another_user__is_refused(name, press_folder):
     # The owner of a folder may lead what is written in it elsewhere.
     os.chown(".", 65534, 65534)
     if name == "out.csv":
-        assert said(*command).exit_code == 0
+        done(*command)
         assert target.read_text() != "precious"
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import ROOT, said
+from commands import ROOT, done
 from matplotlib.figure import Figure
 
 import sweeps
@@ -82,7 +82,7 @@ count = 4
 )
 def test_variants_without_a_grid__are_refused_in_words(press_folder, vary, words):
     Path("s.toml").write_text(f'scene = "press.toml"\n[outputs]\nsummaries = ["{STROKE}"]\n{vary}')
-    assert said("run", "s.toml", "--no-plots", "--quiet", "--out", "s.h5").exit_code == 0
+    done("run", "s.toml", "--no-plots", "--quiet", "--out", "s.h5")
     with pytest.raises(sweeps.StoreError, match=words):
         sweeps.read("s.h5", grid=True)
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import said
+from commands import done, said
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from searches import CRANK, NEAREST, RANGES, ROD, SCENE, TWO, searched, study_of
@@ -273,16 +273,14 @@ ASKED = f'minimise = "{NEAREST}"\nsubject_to = "ram.stroke <= \'90 mm\'"\npopula
 
 def test_command__tells_the_best_what_holds_it_and_its_files(folder):
     study_of(folder, ASKED)
-    answer = said("optimise", "study.toml", "--no-plots", "--quiet")
-    assert answer.exit_code == 0
-    assert "Answer: the minimum objective_1 where ram.stroke <= '90 mm' is " in answer.stdout
-    assert "on the limit of: ram.stroke <= '90 mm'" in answer.stdout
-    assert "differential evolution, seed 0: " in answer.stdout
-    assert "results/study_optimised.h5" in answer.stdout
+    answer = done("optimise", "study.toml", "--no-plots", "--quiet")
+    assert "Answer: the minimum objective_1 where ram.stroke <= '90 mm' is " in answer
+    assert "on the limit of: ram.stroke <= '90 mm'" in answer
+    assert "differential evolution, seed 0: " in answer
+    assert "results/study_optimised.h5" in answer
     shown = said("show", "results/study_optimised.h5", "--columns", "ram.stroke", "--limit", "2").stdout
-    assert answer.stdout.split("Files")[0].split("Answer")[1] in shown
-    exported = said("export", "results/study_optimised.h5", "--to", "best.toml")
-    assert exported.exit_code == 0
+    assert answer.split("Files")[0].split("Answer")[1] in shown
+    done("export", "results/study_optimised.h5", "--to", "best.toml")
     # Twice the crank, to the clearance of 1e-9 and seven digits or so of text.
     assert read_study("best.toml").scene.input.length == pytest.approx(0.045, rel=1e-6)
 
@@ -300,8 +298,8 @@ def test_command__goes_on_where_it_was_interrupted(folder):
         assert said("optimise", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 1
     shown = said("show", "r.candidates.part.h5").stdout.splitlines()[0]
     assert shown == "Which crank?: 50 of 80 variants done; run the study again to go on"
-    assert said("optimise", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 0
-    assert said("optimise", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 0
+    done("optimise", "study.toml", "--no-plots", "--out", "r.h5")
+    done("optimise", "study.toml", "--no-plots", "--out", "r.h5")
     study_of(folder, ASKED.replace("= 8", "= 9"))
     another = said("optimise", "study.toml", "--no-plots", "--out", "r.h5", "--quiet")
     assert another.exit_code == 0
@@ -311,10 +309,9 @@ def test_command__goes_on_where_it_was_interrupted(folder):
 def test_command__shows_a_front_from_its_first_objective_on(folder):
     pytest.importorskip("pymoo")
     study_of(folder, TWO.replace("= 40\n", "= 12\n"))
-    answer = said("optimise", "study.toml", "--out", "f.h5", "--quiet")
-    assert answer.exit_code == 0
-    assert "Chosen from the front:" in answer.stdout
-    assert "NSGA-II, seed 0: 144 candidates, 12 generations, " in answer.stdout
+    answer = done("optimise", "study.toml", "--out", "f.h5", "--quiet")
+    assert "Chosen from the front:" in answer
+    assert "NSGA-II, seed 0: 144 candidates, 12 generations, " in answer
     assert Path("f.png").exists()
     shown = said("show", "f.h5", "--columns", "objective_1", "--limit", "3").stdout
     result = SweepResult(Path("f.h5"))

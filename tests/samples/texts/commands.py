@@ -37,6 +37,13 @@ def said(*arguments: str) -> Result:
     return answer
 
 
+def done(*arguments: str) -> str:
+    """What a command says on standard output when it succeeds."""
+    answer = said(*arguments)
+    assert answer.exit_code == 0, answer.output
+    return answer.stdout
+
+
 def refused(*arguments: str) -> str:
     """What a command says on standard error when it refuses."""
     answer = said(*arguments)

@@ -39,6 +39,8 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name in ("four_bar", "slider_crank", "rotor", "scotch_yoke"):
         Path(f"{name}.toml").write_text(bundled_templates()[name].read_text(encoding="utf8"), encoding="utf8")
+    Path("runs.csv").write_text(RAO)
+    Path("triple.toml").write_text(TRIPLE)
     return tmp_path
 
 
@@ -106,7 +108,6 @@ def test_counterweights_that_cannot_be_had__are_refused(folder, arguments, words
 
 
 def test_engine__gets_the_shafts_that_leave_neither_force_nor_couple(folder):
-    Path("triple.toml").write_text(TRIPLE)
     answer = said("balance", "triple.toml", "--planes", "-120 mm, 120 mm").stdout
     # The primary couple √3 m r ω² a of an in-line three with balanced rotating masses.
     mass = 0.4 + 0.5 * 40 / 140
@@ -135,7 +136,6 @@ def test_engine_that_is_balanced__needs_no_shafts(folder):
     ("planes", "words"), [("3, 4", "--planes: 3 has no unit"), ("30 mm", "--planes: '30 mm': 2 numbers are needed")]
 )
 def test_planes_that_cannot_be_read__are_refused(folder, planes, words):
-    Path("triple.toml").write_text(TRIPLE)
     assert words in refused("balance", "triple.toml", "--planes", planes)
 
 
@@ -143,7 +143,6 @@ def test_planes_that_cannot_be_read__are_refused(folder, planes, words):
 
 
 def test_trial_runs__give_the_weights_of_a_textbook(folder):
-    Path("runs.csv").write_text(RAO)
     answer = said("balance", "--trial-runs", "runs.csv").stdout
     # The book: 10.0561 at 325.5548 degrees and 5.8774 at 68.2559 degrees.
     assert re.search(r"^1\s+10\.06 g\s+325\.6°$", answer, re.M)
@@ -152,7 +151,6 @@ def test_trial_runs__give_the_weights_of_a_textbook(folder):
 
 
 def test_noise__leaves_in_proportion_to_it(folder):
-    Path("runs.csv").write_text(RAO)
     runs = read_runs(Path("runs.csv"))
     small, large = (correction_of(Path("runs.csv"), runs, noise).radii for noise in ("0.1 mm/s", "3 cm/s"))
     np.testing.assert_allclose(large, 300 * small, rtol=1e-12)
@@ -161,7 +159,6 @@ def test_noise__leaves_in_proportion_to_it(folder):
 
 
 def test_holes__take_the_weights_of_trial_runs(folder):
-    Path("runs.csv").write_text(RAO)
     answer = said("balance", "--trial-runs", "runs.csv", "--holes", "12").stdout
     # Two weights 30 degrees apart at the angles of their holes.
     for weight, angle in ((10.0561, 325.5548), (5.8774, 68.2559)):
@@ -253,5 +250,4 @@ def test_runs_that_tell_nothing__are_refused(folder, table, words):
     [("3 kg", "in the unit of the readings"), ("0.1 foo", "foo"), ("-1 mm/s", "-1")],
 )
 def test_noise_in_other_units__is_refused(folder, noise, words):
-    Path("runs.csv").write_text(RAO)
     assert words in refused("balance", "--trial-runs", "runs.csv", "--noise", noise)

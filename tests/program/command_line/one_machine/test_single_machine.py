@@ -9,11 +9,12 @@ from pathlib import Path
 import numpy as np
 import press_texts
 import pytest
-from commands import refused, said
+from commands import STUDY, done, refused, said
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from motion_scenes import INERTIA, rotor
 from scipy.io import loadmat
+from slips import changed
 
 from engine import Machine, Scene
 from sweeps.report.readings import readings_at
@@ -159,7 +160,7 @@ def test_show_json__has_the_best_and_what_is_listed(press_result):
 
 
 def test_plot__draws_any_field_over_the_cycle_or_over_another(press_folder):
-    assert said("plot", "press.toml", "-y", "B.vy,rod.angle", "--out", "over.svg").exit_code == 0
+    done("plot", "press.toml", "-y", "B.vy,rod.angle", "--out", "over.svg")
     assert said("plot", "press.toml", "-x", "A.x", "-y", "A.y").stdout == "Wrote press_A_y.png\n"
     assert Path("over.svg").stat().st_size > 0
     assert "did you mean 'B.vy'" in refused("plot", "press.toml", "-y", "B.vz")
@@ -167,25 +168,18 @@ def test_plot__draws_any_field_over_the_cycle_or_over_another(press_folder):
 
 
 def test_table_of_positions__holds_every_field(press):
-    assert said("export", "press.toml", "--to", "p.csv").exit_code == 0
+    done("export", "press.toml", "--to", "p.csv")
     header = next(csv.reader(Path("p.csv").read_text().splitlines()))
     assert {name.partition(" ")[0] for name in header} == {"phi", *Machine(press).available_fields}
 
 
 def test_table_of_a_result__holds_all_that_was_asked(press_folder):
-    text = (
-        Path("study.toml")
-        .read_text()
-        .replace(
-            'summaries = ["ram.stroke", "excess_work"]',
-            'summaries = ["excess_work"]\nderivatives = ["excess_work by bodies.ram.mass"]',
-        )
-        .replace("where = \"ram.stroke > '90 mm'\"", "")
-        + '[tolerances]\n"input.length" = "0.1 mm"\n'
-    )
+    asked = 'summaries = ["excess_work"]\nderivatives = ["excess_work by bodies.ram.mass"]'
+    text = changed(STUDY, 'summaries = ["ram.stroke", "excess_work"]', asked)
+    text = changed(text, "where = \"ram.stroke > '90 mm'\"", '[tolerances]\n"input.length" = "0.1 mm"')
     Path("study.toml").write_text(text)
-    assert said("run", "study.toml", "--no-plots", "--quiet", "--out", "r.h5").exit_code == 0
-    assert said("export", "r.h5", "--to", "r.csv").exit_code == 0
+    done("run", "study.toml", "--no-plots", "--quiet", "--out", "r.h5")
+    done("export", "r.h5", "--to", "r.csv")
     names = [name.partition(" ")[0] for name in next(csv.reader(Path("r.csv").read_text().splitlines()))]
     for asked in ("excess_work.by.bodies.ram.mass", "excess_work.tolerance_rss", "status_by.bodies.ram.mass"):
         assert asked in names
@@ -213,12 +207,6 @@ def test_table_as_parquet__is_the_same_or_says_what_is_missing(press_folder):
     except ImportError:
         assert "machine-sweeps[parquet]" in refused("export", "press.toml", "--to", "p.parquet")
         return
-    assert said("export", "press.toml", "--to", "p.parquet", "--columns", "B.y", "--positions", "8").exit_code == 0
+    done("export", "press.toml", "--to", "p.parquet", "--columns", "B.y", "--positions", "8")
     found = parquet.read_table("p.parquet").column("B.y [m]").to_pylist()
     assert found == pytest.approx([slide(k * math.pi / 4) for k in range(8)], abs=4 * ROUNDING)
-
-
-def test_scene_that_is_there_already__is_not_written_over(press_folder):
-    before = Path("press.toml").read_text()
-    assert "--overwrite" in refused("export", "press.toml", "--to", "press.toml")
-    assert Path("press.toml").read_text() == before

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from commands import ROOT, said
+from commands import ROOT, done, said
 
 from sweeps.text.interruption import farewell, half_written, keeping
 from sweeps.text.whole_files import whole_file
@@ -187,7 +187,7 @@ SMALL_FILES = ("pdf", "svg", "png", "csv", "dxf")
 @pytest.mark.parametrize("arguments", WRITES, ids=lambda a: " ".join(a[:2] + a[-1:]))
 def test_full_disk_under_a_file__one_sentence_and_the_earlier_file_stays(arguments, press_folder, monkeypatch):
     if arguments[1] == "results/study.h5":
-        assert said("run", "study.toml", "--no-plots").exit_code == 0
+        done("run", "study.toml", "--no-plots")
     earlier = Path(arguments[-1])
     if arguments[0] != "new":
         earlier.write_text("earlier")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import refused, said
+from commands import done, refused, said
 from press_texts import PRESS
 from slips import cases, changed
 
@@ -121,7 +121,7 @@ def test_overflow__is_a_status_not_an_exception(old, new, press_folder):
     answer = said("run", "press.toml", "--no-plots", "--quiet")
     assert answer.exit_code == 1
     assert "not finite" in answer.stdout
-    assert said("export", "press.toml", "--to", "p.csv", "--positions", "8").exit_code == 0
+    done("export", "press.toml", "--to", "p.csv", "--positions", "8")
 
 
 def test_balance_of_an_infinite_machine__is_refused(press_folder):
@@ -131,7 +131,7 @@ def test_balance_of_an_infinite_machine__is_refused(press_folder):
 
 def test_body_without_mass__is_exported(press_folder):
     Path("press.toml").write_text(changed(PRESS, "100 kg", "0 kg"))
-    assert said("export", "press.toml", "--to", "p.csv", "--positions", "8").exit_code == 0
+    done("export", "press.toml", "--to", "p.csv", "--positions", "8")
     header, *rows = Path("p.csv").read_text().splitlines()
     places = [i for i, name in enumerate(header.split(",")) if name.startswith("ram.inertia_force")]
     assert all(float(row.split(",")[i]) == 0 for row in rows for i in places)
@@ -184,7 +184,7 @@ def test_long_message__is_cut(press_folder):
 
 def test_title_with_a_dollar__is_drawn_as_it_is(press_folder):
     Path("press.toml").write_text(changed(PRESS, "Crank press", "$5 and \\\\frac{$ press"))
-    assert said("plot", "press.toml", "-y", "B.y", "--out", "p.svg").exit_code == 0
+    done("plot", "press.toml", "-y", "B.y", "--out", "p.svg")
 
 
 # Tables
