@@ -14,16 +14,15 @@ import cluster_jobs
 import dask
 import psutil
 import pytest
+from cluster_jobs import crew_on
 from commands import ROOT
-from distributed import Client
-from press_sweeps import DISTINCT, contents, numbers_in, run, study_of, text_of
+from press_sweeps import DISTINCT, contents, many, numbers_in, run, study_of
 
 from sweeps.run import runner
-from sweeps.run.carrying import Blocks
 from sweeps.run.cluster.cluster_errors import ClusterError, UnfinishedError
 from sweeps.run.cluster.connecting import connected
 from sweeps.run.cluster.crew import Crew
-from sweeps.run.runner import layout_of, run_study
+from sweeps.run.runner import run_study
 from sweeps.store import describe_result
 
 HERE = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])}
@@ -49,17 +48,8 @@ def processes(*commands: list[str], env: dict[str, str] = HERE, cwd: Path | None
 
 
 def scheduler_on(folder: Path) -> list[str]:
-    told = str(folder / "scheduler.json")
-    return [
-        "distributed.cli.dask_scheduler",
-        "--host",
-        "127.0.0.1",
-        "--port",
-        "0",
-        "--no-dashboard",
-        "--scheduler-file",
-        told,
-    ]
+    told = ["--scheduler-file", str(folder / "scheduler.json")]
+    return ["distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", *told]
 
 
 def worker_of(address: str, *options: str) -> list[str]:
@@ -85,14 +75,9 @@ def cluster_of(count: int):
         yield client
 
 
-def crew_on(client: Client, folder: Path, tell=print) -> Crew:
-    study = study_of(folder, DISTINCT)
-    return Crew(client, Blocks(study, layout_of(study, study.machine())), tell)
-
-
 @pytest.mark.parametrize("count", [1, 2])
 def test_job_that_kills_its_workers__is_given_up_and_the_others_are_not(count, tmp_path):
-    with cluster_of(count) as client, crew_on(client, tmp_path) as crew:
+    with cluster_of(count) as client, crew_on(client, study_of(tmp_path, DISTINCT)) as crew:
         found = dict(crew.results(cluster_jobs.squared_by_survivors, ((n, (n,)) for n in range(12))))
         assert found == {n: n**2 for n in range(12) if n != 3}
         assert list(crew.failures) == [3]
@@ -145,7 +130,7 @@ def test_worker_with_other_sources__is_left_out(tmp_path):
     ):
         client.wait_for_workers(1)
         with (
-            crew_on(client, tmp_path) as crew,
+            crew_on(client, study_of(tmp_path, DISTINCT)) as crew,
             pytest.raises(ClusterError, match=r"it has machine-sweeps .*, and here"),
         ):
             crew.assemble()
@@ -166,7 +151,7 @@ def test_worker_without_the_program__is_told_what_to_install(tmp_path):
         processes(scheduler_on(tmp_path)),
         processes(worker_of(address_in(tmp_path)), cwd=empty, env={**os.environ, "PYTHONPATH": str(empty)}),
         connected(address_in(tmp_path)) as client,
-        crew_on(client, tmp_path) as crew,
+        crew_on(client, study_of(tmp_path, DISTINCT)) as crew,
     ):
         client.wait_for_workers(1)
         with pytest.raises(ClusterError, match="it has no sweeps; pip install 'machine-sweeps"):
@@ -176,7 +161,7 @@ def test_worker_without_the_program__is_told_what_to_install(tmp_path):
 # Clients
 
 # Blocks of some ten milliseconds, so that kills fall at all moments.
-LONG = text_of(["40 mm"], ["1 kg"]).replace("values = ['40 mm']", 'from = "20 mm", to = "60 mm", count = 500000')
+LONG = many(500_000)
 
 
 @pytest.fixture(scope="module")

@@ -10,16 +10,14 @@ import dask
 import psutil
 import pytest
 from cluster_attack import Bomb
+from cluster_jobs import crew_on
 from commands import ROOT, refused, said
 from distributed import Client, LocalCluster, Security
 from press_sweeps import DISTINCT, contents, run, study_of
 from test_cluster_losses import HERE, address_in, processes, scheduler_on, worker_of
 
-from sweeps.run.carrying import Blocks
 from sweeps.run.cluster.cluster_errors import ClusterError
 from sweeps.run.cluster.connecting import connected
-from sweeps.run.cluster.crew import Crew
-from sweeps.run.runner import layout_of
 
 SAMPLES = ROOT / "tests" / "samples" / "texts"
 AS_ROOT = hasattr(os, "geteuid") and os.geteuid() == 0
@@ -126,9 +124,8 @@ def test_greeting__is_not_unpickled(kind, tmp_path):
         connected(address_in(tmp_path)) as client,
     ):
         client.wait_for_workers(1)
-        study = study_of(tmp_path, DISTINCT)
         with (
-            Crew(client, Blocks(study, layout_of(study, study.machine())), print) as crew,
+            crew_on(client, study_of(tmp_path, DISTINCT)) as crew,
             pytest.raises(ClusterError, match=r"none of the cluster's workers can take part: .*another machine-sweeps"),
         ):
             crew.assemble()
@@ -165,9 +162,8 @@ def test_certificates__let_in_whoever_holds_them(tmp_path, monkeypatch):
         command = ("run", "study.toml", "--no-plots", "--cluster", address)
         assert "needs certificates" in refused(*command)
         own = Security.temporary()
-        foreign = {
-            f"distributed.comm.tls.client.{part}": getattr(own, f"tls_client_{part}") for part in ("cert", "key")
-        }
+        holder = "distributed.comm.tls.client"
+        foreign = {f"{holder}.{part}": getattr(own, f"tls_client_{part}") for part in ("cert", "key")}
         with dask.config.set(foreign | {"distributed.comm.tls.ca-file": own.tls_ca_file}):
             monkeypatch.setattr("sweeps.run.cluster.connecting.PATIENCE", 2)
             assert "no Dask scheduler answers" in refused(*command)

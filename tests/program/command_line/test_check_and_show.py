@@ -5,7 +5,6 @@ import itertools
 from pathlib import Path
 from types import SimpleNamespace
 
-import h5py
 import numpy as np
 import pytest
 from commands import STUDY, done, refused, said
@@ -81,10 +80,6 @@ def test_check_source__is_python_to_read(press_folder):
     assert "rrp_position(" in answer
 
 
-def test_check_of_nothing__is_refused(press_folder):
-    assert "nothing.toml" in refused("check", "nothing.toml")
-
-
 # show
 
 
@@ -141,12 +136,6 @@ def test_show__says_so_of_the_study_s_own_condition(press_folder):
     assert answer.count("\nAnswer: the minimum excess_work where ram.stroke >= '80 mm' is") == 1
 
 
-def test_show_of_a_file_that_holds_no_study__says_so(press_result):
-    with h5py.File(press_result, "r+") as file:
-        del file.attrs["study_json"]
-    assert "its attribute study_json is missing" in refused("show", press_result)
-
-
 def test_show_where_nothing_fits__shows_an_empty_table(press_result):
     answer = done("show", press_result, "--where", "ram.stroke > '9 m'")
     assert "0 variants meet the condition" in answer
@@ -161,6 +150,8 @@ def test_show_where_nothing_fits__shows_an_empty_table(press_result):
         (["--where", "ram.strok > 1"], ("where", "did you mean 'ram.stroke'")),
         (["--where", "ram.stroke >"], ("where", "ram.stroke >")),
         (["--where", "ram.stroke"], ("where", "condition")),
+        (["--where", "ram.stroke > '2 kg'"], ("where", "compares a length with a mass")),
+        (["--where", "ram.stroke > 2"], ("where", "no unit: write '2 m'")),
         (["--where", "ram.stroke > '3 foo'"], ("where", "3 foo")),
         (["--where", "__import__('os').system('touch stolen')"], ("where", "allowed")),
         (["--limit", "0"], ("--limit",)),
@@ -172,13 +163,6 @@ def test_show_with_a_bad_option__is_refused(options, words, press_result):
     message = refused("show", press_result, *options)
     assert all(word in message for word in words), message
     assert not Path("stolen").exists()
-
-
-def test_condition_of_another_dimension__is_refused_by_show_and_export(press_result):
-    for command in (("show", press_result), ("export", press_result, "--to", "r.csv")):
-        message = refused(*command, "--where", "ram.stroke > '2 kg'")
-        assert "compares a length with a mass" in message
-        assert "no unit: write '2 m'" in refused(*command, "--where", "ram.stroke > 2")
 
 
 SLIDING = PRESS.replace(

@@ -118,13 +118,6 @@ def test_list__names_every_study_and_template(press_folder):
         assert any(line.split() == [name, *title.split()] for line in answer.splitlines())
 
 
-@pytest.mark.parametrize("name", sorted(bundled_studies()))
-def test_bundled_study__is_found_by_its_name_and_asks_a_question(name, press_folder):
-    study = read_study(bundled_studies()[name])
-    assert study.question.endswith("?")
-    assert study.best is not None
-
-
 def test_version__is_told_whether_installed_or_not(press_folder):
     answer = done("--version")
     assert answer.startswith("sweeps")

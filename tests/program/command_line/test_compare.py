@@ -4,7 +4,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from commands import STUDY, done, refused, said
+from commands import STUDY, done, refused, row, said
 from press_texts import PRESS
 
 from sweeps.report import comparison as comparing
@@ -20,10 +20,6 @@ def results(press_result):
     Path("study.toml").write_text(STUDY.replace('"100 kg"', '"100 kg", "150 kg"'))
     done("run", "study.toml", "--no-plots", "--quiet", "--out", "b.h5")
     return press_result, "b.h5"
-
-
-def row(text: str, name: str) -> list[str]:
-    return next(line.split() for line in text.splitlines() if line.split()[:1] == [name])
 
 
 def test_result_beside_itself__agrees(press_result):

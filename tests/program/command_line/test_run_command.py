@@ -46,18 +46,6 @@ def test_run_with_pictures__builds_one_machine(press_folder, monkeypatch):
     assert len(built) == 1
 
 
-def test_run_of_a_scene__answers_for_the_machine_as_it_is(press_folder):
-    answer = done("run", "press.toml", "--no-plots", "--out", "p.h5")
-    assert "Crank press: 1 variant" in answer
-    assert SweepResult(Path("p.h5")).columns["status"].tolist() == [0]
-
-
-def test_run_twice__leaves_the_finished_file(press_result):
-    before = Path(press_result).stat().st_mtime_ns
-    done("run", "study.toml", "--no-plots", "--out", press_result)
-    assert Path(press_result).stat().st_mtime_ns == before
-
-
 def test_run_of_a_changed_study__keeps_the_former_result(press_result):
     Path("study.toml").write_text(STUDY.replace('"50 kg"', '"55 kg"'))
     answer = said("run", "study.toml", "--no-plots", "--out", press_result)
@@ -75,12 +63,6 @@ def test_run_with_another_question__answers_that_one(press_result):
     assert "Answer: the maximum excess_work" in answer.stdout
     assert "Answer: the maximum excess_work" in said("show", press_result).stdout
     assert SweepResult(Path(press_result)).best() != before
-
-
-def test_run_with_jobs__gives_the_same_numbers(press_result):
-    done("run", "study.toml", "--no-plots", "--out", "one.h5", "--jobs", "1")
-    one, all_cores = SweepResult(Path("one.h5")).columns, SweepResult(Path(press_result)).columns
-    assert all(one[name].tobytes() == all_cores[name].tobytes() for name in all_cores)
 
 
 @pytest.mark.parametrize("jobs", ["0", "-1", "many"])
@@ -108,25 +90,21 @@ def test_run_of_an_unknown_study__suggests_the_near_one(press_folder):
     assert "did you mean 'crank_press'?" in message
 
 
-def test_run_of_a_bad_study__tells_file_line_and_key(press_folder):
+def test_run_of_a_bad_study_or_scene__tells_file_line_and_key(press_folder):
     Path("study.toml").write_text(STUDY.replace('"60 mm"', '"60 kg"'))
     message = refused("run", "study.toml", "--no-plots")
     assert message.startswith("Error: study.toml, line 7: vary.input.length: expected a length")
     assert not Path("results").exists()
-
-
-def test_run_of_a_bad_scene__tells_the_scene_s_file(press_folder):
     Path("press.toml").write_text(PRESS.replace('joint = "A"', 'joint = "Z"'))
     assert "press.toml, line 19: groups.slide.first.joint: 'Z' is not a point" in refused("run", "study.toml")
 
 
-def test_out_under_a_file__is_refused(press_folder):
-    assert "press.toml" in refused("run", "study.toml", "--no-plots", "--out", "press.toml/r.h5")
-
-
-def test_out_that_is_a_folder__is_refused(press_folder):
+def test_out_that_is_no_result__is_refused_and_kept(press_folder):
     Path("there.h5").mkdir()
-    assert "there.h5 is a folder" in refused("run", "study.toml", "--no-plots", "--out", "there.h5")
+    Path("r.h5").write_text("my notes")
+    for out, words in (("press.toml/r.h5", "press.toml"), ("there.h5", "there.h5 is a folder"), ("r.h5", "r.h5")):
+        assert words in refused("run", "study.toml", "--no-plots", "--out", out)
+    assert Path("r.h5").read_text() == "my notes"
 
 
 def test_out_in_a_read_only_place__is_refused(press_folder):
@@ -138,12 +116,6 @@ def test_out_in_a_read_only_place__is_refused(press_folder):
     message = refused("run", "study.toml", "--no-plots", "--out", str(place / "r.h5"))
     assert str(place / "r") in message
     assert "--out" in message
-
-
-def test_out_of_another_program__is_refused_and_kept(press_folder):
-    Path("r.h5").write_text("my notes")
-    assert "r.h5" in refused("run", "study.toml", "--no-plots", "--out", "r.h5")
-    assert Path("r.h5").read_text() == "my notes"
 
 
 def interrupted(after: int) -> str:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import done, refused, said
+from commands import done, refused, row, said
 from press_texts import PRESS
 
 from sweeps.text.engineer_units import show_in_units
@@ -23,10 +23,6 @@ def inches(press_folder):
     Path("inches.toml").write_text(INCHES)
     yield "inches.toml"
     show_in_units([])
-
-
-def row(text: str, name: str) -> list[str]:
-    return next(line.split() for line in text.splitlines() if line.split()[:1] == [name])
 
 
 def test_scene_in_inches__is_shown_in_inches(inches):

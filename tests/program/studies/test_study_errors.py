@@ -7,7 +7,6 @@ from press_texts import PRESS_WITH_FLYWHEEL as SCENE
 from slips import cases, changed
 from study_samples import STUDY, study_of, varying
 
-from sweeps.study.bundled import find_study
 from sweeps.text.input_files import InputError
 
 # Name | what to change | what into | a mark of the line | key | words of the message.
@@ -197,11 +196,6 @@ def test_error_in_a_scene_inside_the_study__names_its_line_there(study_folder):
         line = next(i for i, row in enumerate(broken.splitlines(), 1) if new in row)
         assert caught.value.problems[0][0] == line, str(caught.value)
         assert caught.value.problems[0][1].endswith(key)
-
-
-def test_unknown_study__is_refused_with_what_there_is(study_folder):
-    with pytest.raises(InputError, match="no such file, and no bundled study"):
-        find_study("crank_pres")
 
 
 @pytest.mark.parametrize(

@@ -53,6 +53,11 @@ def refused(*arguments: str) -> str:
     return answer.stderr
 
 
+def row(text: str, name: str) -> list[str]:
+    """Words of the line that begins with a name."""
+    return next(line.split() for line in text.splitlines() if line.split()[:1] == [name])
+
+
 def python(*arguments: str, **options: object) -> subprocess.CompletedProcess:
     """A command as a process of its own, with pipes for its output."""
     return subprocess.run(

@@ -141,12 +141,6 @@ def test_wrong_setting__is_refused(arguments, words, press_folder):
     assert words in refused("check", "press.toml", *arguments)
 
 
-def test_run_of_which_every_variant_fails__exits_with_1(press_folder):
-    answer = said("run", "press.toml", "--no-plots", "--set", "input.length=250 mm")
-    assert answer.exit_code == 1
-    assert "cannot assemble" in answer.stdout
-
-
 def test_show_json__has_the_best_and_what_is_listed(press_result):
     told = json.loads(said("show", press_result, "--json", "--limit", "2").stdout)
     assert told["variants"] == 8

@@ -4,7 +4,6 @@ import os
 import re
 from pathlib import Path
 
-import numpy as np
 import pytest
 from commands import done, refused, said
 from press_texts import PRESS
@@ -213,7 +212,6 @@ def test_table_of_a_spreadsheet__is_read(text, tmp_path):
     ("text", "words"),
     [
         ("a [mm];b\n1.234,5;1\n", "line 2: '1.234,5' is not a number"),
-        ("a [mm],b\n1,5,2\n", "line 2: has 3 cells, the header 2"),
         ('a [mm],b\n"1,2\n3",4\n', "a quoted cell spans several lines"),
     ],
 )
@@ -221,43 +219,6 @@ def test_table_that_cannot_be_read__is_told_precisely(text, words, tmp_path):
     (tmp_path / "t.csv").write_text(text)
     with pytest.raises(InputError, match=re.escape(words)):
         read_csv(tmp_path / "t.csv")
-
-
-def test_same_variants__of_csv_hdf5_and_parquet(press_folder):
-    import h5py
-
-    from sweeps.study.study_reader import read_study
-
-    lengths = [40.1, 50.3, 60.7]
-    Path("v.csv").write_text("input.length [mm]\n" + "\n".join(map(str, lengths)))
-    with h5py.File("v.h5", "w") as file:
-        file["input.length"] = np.array(lengths)
-        file["input.length"].attrs["units"] = "mm"
-    files = ["v.csv", "v.h5"]
-    try:
-        import pyarrow
-        from pyarrow import parquet
-
-        parquet.write_table(pyarrow.table({"input.length [mm]": lengths}), "v.parquet")
-        files.append("v.parquet")
-    except ImportError:
-        Path("v.parquet").write_bytes(b"PAR1")
-        Path("study.toml").write_text('scene = "press.toml"\nvariants = "v.parquet"\n')
-        assert "machine-sweeps[parquet]" in refused("check", "study.toml")
-    for name in files:
-        Path("study.toml").write_text(f'scene = "press.toml"\nvariants = "{name}"\n')
-        found = read_study("study.toml").design.values(0, 3)["input.length"]
-        # Of binary numbers the factor 1e-3 is one more rounding.
-        assert found == pytest.approx([0.0401, 0.0503, 0.0607], rel=0 if name == "v.csv" else 3e-16)
-
-
-def test_variants_of_a_result__are_those_of_another_study(press_result):
-    from sweeps.study.study_reader import read_study
-
-    Path("again.toml").write_text('scene = "press.toml"\nvariants = "r.h5"\n')
-    found = read_study("again.toml").design.values(0, 8)
-    assert set(found) == {"input.length", "bodies.ram.mass"}
-    assert found["bodies.ram.mass"].tolist() == [50, 100] * 4
 
 
 @pytest.mark.parametrize("text", ["root:x:0:0:root:/root:/bin/sh\nsecret:x:1:1\n", "a [mm]\nsecret\n"])

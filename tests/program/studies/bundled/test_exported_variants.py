@@ -66,18 +66,16 @@ summaries = ["upper.swing"]
 """
 
 
-@pytest.mark.parametrize(
-    "command",
-    [
-        "show FILE --variant 1 --at 10",
-        "export FILE --variant 1 --at 10 --to t.csv",
-        "export FILE --variant 1 --to t.csv",
-        "export FILE --variant 1 --to t.toml",
-        "export FILE --variant 1 --to t.svg",
-        "plot FILE --variant 1 --out p.png",
-        "plot FILE --variant 1 -y upper.angle --out p.png",
-    ],
-)
+COMMANDS = """show FILE --variant 1 --at 10
+export FILE --variant 1 --at 10 --to t.csv
+export FILE --variant 1 --to t.csv
+export FILE --variant 1 --to t.toml
+export FILE --variant 1 --to t.svg
+plot FILE --variant 1 --out p.png
+plot FILE --variant 1 -y upper.angle --out p.png"""
+
+
+@pytest.mark.parametrize("command", COMMANDS.splitlines())
 def test_variant_whose_mode_is_not_reached__is_no_machine_for_any_command(command, unreached):
     """Put together by the scene's own near it would be another machine than the one that the sweep refuses."""
     for file in ("r.h5", "study.toml"):

@@ -4,24 +4,15 @@ import math
 
 import numpy as np
 import pytest
-from test_studies import FRICTION_STUDY_NAMES, as_it_is, otto_work, sample, study, variants
+from test_studies import FRICTION_STUDY_NAMES, as_it_is, otto_work, sample, variants
 
-from engine import any_quantity
 from engine.laws.friction.coefficients import WORN_IN
 from engine.laws.friction.journals import friction_circle
-from engine.parts.formulas.expressions import parse
 
 
 @pytest.mark.parametrize("name", FRICTION_STUDY_NAMES)
-def test_study__asks_one_question_and_gives_finite_numbers(name):
-    s, found = study(name), sample(name)
-    assert s.question.count("?") == 1
-    assert 1000 <= s.design.size <= 20000
-    assert all(np.isfinite(v).all() for v in (*found.summaries.values(), *found.errors.values()))
-    assert s.best.goal in s.summaries
-    assert set(parse(s.best.where, any_quantity).names) <= {*s.parameters, *s.summaries}
-    # Far from jamming.
-    assert (found.summaries["jamming_margin"] > 0.5).all()
+def test_study_with_friction__is_far_from_jamming(name):
+    assert (sample(name).summaries["jamming_margin"] > 0.5).all()
 
 
 def test_toggle_press_study__has_the_force_of_leaning_bars():
