@@ -18,7 +18,7 @@ from element_samples import EVERY
 from free_link_scenes import triad_data
 from governor_samples import ENGINE, EVERY_GOVERNOR, PORTER
 from graph_values import GraphValues
-from machines import crank, four_bar, frame, on, rpr
+from machines import crank, four_bar, frame, on, prp, rpr, rrp
 from noncircular_wheels import CHAIN, ELLIPSES
 from pydantic import ValidationError
 from racks import DOUBLER, LIFT, ON_CRANK
@@ -44,14 +44,7 @@ def slider_crank(**tables: dict) -> dict:
         "points": {"O": frame(0, 0), "P": frame(0.3, 0.3), "K": on("rod", 0.1, 0.03), "Q": frame(0.4, 0.0)},
         "guides": {"way": {"y": 0.01}},
         "input": crank(length=0.05, speed=5.0),
-        "groups": {
-            "g": {
-                "type": "RRP",
-                "inner": "B",
-                "first": {"link": "rod", "joint": "A", "length": 0.2},
-                "second": {"link": "ram", "guide": "way"},
-            }
-        },
+        "groups": {"g": rrp("B", ("rod", "A", 0.2), "ram", "way")},
         "bodies": {
             "rod_body": {"link": "rod", "mass": 2.0, "x": 0.1, "inertia": 0.01},
             "ram_body": {"link": "ram", "mass": 1.0, "y": 0.05},
@@ -139,16 +132,11 @@ TWO_GUIDES = {
     "points": {"O": frame(0, 0)},
     "input": crank(length=0.05),
     "guides": {"a": {"angle": 0.1}, "b": {"link": "crank", "x": 0.05, "angle": 1.5}},
-    "groups": {
-        "g": {
-            "type": "PRP",
-            "inner": "B",
-            "first": {"link": "one", "guide": "a"},
-            "second": {"link": "other", "guide": "b"},
-        }
-    },
+    "groups": {"g": prp("B", ("one", "a", 0.0), ("other", "b", 0.0))},
     "bodies": {"m": {"link": "one", "mass": 2.0}},
 }
+RING = {"type": "ring", "diameter": 0.2, "inner_diameter": 0.1, "thickness": 0.01}
+FLAT = {"type": "translating", "link": "tappet", "guide": "way", "contact": "flat"}
 WANTED = {"over_angle": [0.2, 1.5, 4.0]}
 ARMS = {"type": "arms", "arm_area": 1e-3, "hub_diameter": 0.05, "hub_width": 0.04}
 LINES = {"piston": "ram", "bore": 0.05, "suction": 1e5, "discharge": 5e5}
@@ -188,9 +176,7 @@ SCENES = {
     "rod": body(mass=1.0, shape={"type": "rod", "length": 0.2}),
     "dense_rod": body(density=7000.0, shape={"type": "rod", "length": 0.2, "area": 1e-3}),
     "disc": body(mass=1.0, shape={"type": "disc", "diameter": 0.2}),
-    "dense_ring": body(
-        density=7000.0, shape={"type": "ring", "diameter": 0.2, "inner_diameter": 0.1, "thickness": 0.01}
-    ),
+    "dense_ring": body(density=7000.0, shape=RING),
     "plate": body(mass=1.0, shape={"type": "plate", "length": 0.2, "width": 0.1}),
     "swing": body(mass=1.0, x=0.1, swing={"type": "compound", "period": 1.0, "distance": 0.1}),
     "rim": wheel(type="rim", diameter=1.0, strength=1e8),
@@ -201,21 +187,8 @@ SCENES = {
     "mean_rim": wheel(type="mean rim", mean_diameter=1.0),
     "even_input": law(ratio=1),
     "wavy_input": law(harmonics={"one": {"order": 1, "cosine": 0.3}}),
-    "pump": slider_crank(
-        cylinders={"c": {"type": "pump", "piston": "ram", "bore": 0.05, "suction": 1e5, "discharge": 5e5}}
-    ),
-    "compressor": slider_crank(
-        cylinders={
-            "c": {
-                "type": "compressor",
-                "piston": "ram",
-                "bore": 0.05,
-                "clearance": 0.1,
-                "suction": 1e5,
-                "discharge": 5e5,
-            }
-        }
-    ),
+    "pump": slider_crank(cylinders={"c": LINES | {"type": "pump"}}),
+    "compressor": slider_crank(cylinders={"c": LINES | {"type": "compressor", "clearance": 0.1}}),
     "base": slider_crank(base={"acceleration_x": 1.0}),
     "wanted_path": slider_crank(wanted={"w": {"type": "path", "point": "K", "x": [0.1, 0.12], "y": [0.02, 0.03]}}),
     "wanted_slide": slider_crank(wanted={"w": {"type": "slider", "of": "ram", "slide": [0.1, 0.2, 0.1], **WANTED}}),
@@ -227,11 +200,7 @@ SCENES = {
     "ellipses": ELLIPSES,
     "chain": CHAIN,
     "cam": changed(SLIDING, cams__cam__sections=program("lift")),
-    "flat_cam": changed(
-        SLIDING,
-        cams__cam__sections=program("lift"),
-        cams__cam__follower={"type": "translating", "link": "tappet", "guide": "way", "contact": "flat"},
-    ),
+    "flat_cam": changed(SLIDING, cams__cam__sections=program("lift"), cams__cam__follower=FLAT),
     "tabled_cam": changed(SLIDING, cams__cam__sections=None, cams__cam__table=ROWS),
     "swinging_cam": SWINGING,
     "journal": rubbing(pair="g.inner", diameter=0.02),
@@ -270,15 +239,8 @@ SCENES = {
     "slider": {
         "points": {"D": frame(0.05, 0.25)},
         "guides": {"way": {"angle": 0.2}},
-        "input": {
-            "type": "slider",
-            "link": "piston",
-            "guide": "way",
-            "point": "P",
-            "start": 0.0,
-            "stop": 0.1,
-            "speed": 0.3,
-        },
+        "input": {"type": "slider", "link": "piston", "guide": "way", "point": "P"}
+        | {"start": 0.0, "stop": 0.1, "speed": 0.3},
         "groups": {"g": rpr(("block", "P"), ("lever", "D"))},
         "bodies": {"l": {"link": "lever", "mass": 1.0, "x": 0.1}},
     },
@@ -487,12 +449,8 @@ RUN_KEYS = {
     "from_position": (0.01, "slider"),
     "from_shaft_speed": (2.0, "coupling"),
 }
-RUN_ENDS = {
-    "speed": (9.0, "crank"),
-    "velocity": (9.0, "slider"),
-    "end_of_range": (True, "range"),
-    "lock_up": (True, "coupling"),
-}
+RUN_ENDS = {"speed": (9.0, "crank"), "velocity": (9.0, "slider")}
+RUN_ENDS |= {"end_of_range": (True, "range"), "lock_up": (True, "coupling")}
 
 
 @pytest.mark.parametrize("key", [*RUN_KEYS, *RUN_ENDS])

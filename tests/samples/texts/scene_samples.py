@@ -75,6 +75,31 @@ stiffness = "5 N/mm"
 speed_fluctuation = "1/10"
 """
 
+SLIDING = """\
+[guides.way]
+
+[guides.slot]
+link = "arm"
+
+[points]
+D = {x = "200 mm", y = "50 mm"}
+
+[input]
+type = "slider"
+link = "ram"
+guide = "way"
+point = "A"
+start = "0 mm"
+stop = "50 mm"
+speed = "1 m/s"
+
+[groups.bars]
+type = "RRR"
+inner = "B"
+first = {link = "rod", joint = "A", length = "200 mm"}
+second = {link = "arm", joint = "D", length = "150 mm"}
+"""
+
 FROM_CSV = GOOD.replace(
     'over_stroke = ["0 mm", "1 mm", "8 mm"]\nforce = ["0 kN", "100 kN", "60 kN"]', 'file = "punch.csv"'
 )
