@@ -12,8 +12,7 @@ from oracle import REAL, Motion, Pose
 from oracle_dynamics import _characteristic, _pump_force, body_of
 from scipy.linalg import lu_factor, lu_solve
 
-from engine import Scene
-from engine.parts.skeleton import FRAME, CrankInput, Sliding, Yoke
+from engine import FRAME, CrankInput, Scene, Sliding, Yoke
 
 
 class Unknown(NamedTuple):

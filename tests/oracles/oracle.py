@@ -14,8 +14,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from engine import Scene
-from engine.parts.skeleton import FRAME, CrankInput, Sliding, Yoke
+from engine import FRAME, CrankInput, Scene, Sliding, Yoke
 
 REAL = np.longdouble
 EPS = float(np.finfo(float).eps)

@@ -9,9 +9,8 @@ import pytest
 from commands import ROOT, done, python, refused, said
 from press_texts import PRESS
 
+from sweeps import read_scene, read_study
 from sweeps.study.bundled import bundled_studies
-from sweeps.study.study_reader import read_study
-from sweeps.text.scene_text import read_scene
 from sweeps.text.templates import templates
 
 # Files of the wrong kind

@@ -5,11 +5,9 @@ import pytest
 from searches import CRANK, HEAD, NEAREST, ROD, TWO, best_of, searched, study_of
 
 from engine import Machine, Verdict
+from sweeps import Study, SweepResult, read_study
 from sweeps.optimising.optimum import choices, front, is_front, met, objectives, optimum_text
 from sweeps.optimising.runner import optimise_study
-from sweeps.report.sweep_result import SweepResult
-from sweeps.study.study import Study
-from sweeps.study.study_reader import read_study
 
 # One objective
 

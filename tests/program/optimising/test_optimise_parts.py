@@ -12,20 +12,17 @@ from searches import CRANK, NEAREST, RANGES, ROD, SCENE, TWO, searched, study_of
 
 from engine import Verdict
 from engine.parts.formulas.expressions import parse
+from sweeps import InputError, SweepResult, read_study, run_study
 from sweeps.optimising.optimum import choices, front
 from sweeps.optimising.trials import Trials
 from sweeps.page.digest import Digest
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.sweep.front_picture import front_picture
 from sweeps.pictures.sweep.result_pictures import result_pictures, sweep_data
-from sweeps.report.sweep_result import SweepResult
-from sweeps.run.runner import run_study
 from sweeps.study.sampling import Columns, Design, Linear, Listed, Logarithmic, Sampled
 from sweeps.study.search_task import task_of
 from sweeps.study.search_variables import Span, Variables
-from sweeps.study.study_reader import read_study
 from sweeps.text.conditions import Condition
-from sweeps.text.input_files import InputError
 
 # Margins
 

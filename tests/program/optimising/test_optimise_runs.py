@@ -10,14 +10,11 @@ from press_sweeps import contents as datasets
 from searches import CRANK, NEAREST, ONE, ROD, TWO, best_of, searched, study_of
 
 from engine import Machine
+from sweeps import StoreError, Study, SweepResult, read_study, run_study
 from sweeps.optimising import searching
 from sweeps.optimising.runner import optimise_study
-from sweeps.report.sweep_result import SweepResult
-from sweeps.run.runner import run_study
-from sweeps.store import StoreError, describe_result
+from sweeps.store import describe_result
 from sweeps.study.search_task import task_of
-from sweeps.study.study import Study
-from sweeps.study.study_reader import read_study
 
 
 def contents(path: Path) -> dict[str, object]:

@@ -6,17 +6,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine.parts.dimensions import DIMENSIONS
-from engine.parts.formulas.dimension_check import (
+from engine import (
+    DIMENSIONS,
+    ExpressionError,
+    any_quantity,
     check_yields,
-    dimension_in_words,
     dimension_of,
     dimension_of_unit,
     dimensions_by_unit,
     unit_of_dimension,
 )
-from engine.parts.formulas.expressions import ExpressionError, parse
-from engine.parts.units import any_quantity
+from engine.parts.formulas.dimension_check import dimension_in_words
+from engine.parts.formulas.expressions import parse
 from sweeps.text.conditions import Condition
 
 UNITS = {

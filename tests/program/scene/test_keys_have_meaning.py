@@ -24,9 +24,8 @@ from pydantic import ValidationError
 from racks import DOUBLER, LIFT, ON_CRANK
 from rubbing_machines import yoke
 
-from engine import Mechanics, Scene, SceneError
+from engine import Element, Mechanics, Scene, SceneError
 from engine.cycle.measured import Measured
-from engine.elements.element import Element
 from engine.graph.nodes import Node
 from engine.parts.skeleton import Part, _marked
 from engine.quantities.expressions import Evaluation, VariantNumber, nodes_of

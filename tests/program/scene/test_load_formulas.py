@@ -8,12 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from press_texts import slider_crank_text
 
-from engine import Scene, SceneError, order_groups, scene_numbers
-from engine.parts.formulas.expressions import evaluate_tree, parse
+from engine import Scene, SceneError, any_quantity, evaluate_tree, order_groups, scene_numbers
+from engine.parts.formulas.expressions import parse
 from engine.parts.formulas.speed_powers import NoPowerError, powers_of_speed
-from engine.parts.units import any_quantity
-from sweeps.text.input_files import InputError
-from sweeps.text.scene_text import read_scene, with_values, write_scene
+from sweeps import InputError, read_scene, write_scene
+from sweeps.text.scene_text import with_values
 
 
 def text_of(force, moment, numbers, regimes):

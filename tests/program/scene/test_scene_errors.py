@@ -11,8 +11,7 @@ from press_texts import slider_crank_text
 from scene_samples import FROM_CSV, GOOD, PUNCH, SLIDING, line_with, refused
 from slips import cases, changed
 
-from sweeps.text.input_files import InputError
-from sweeps.text.scene_text import read_scene
+from sweeps import InputError, read_scene
 
 GROUND = """\
 [points]

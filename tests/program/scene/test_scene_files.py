@@ -7,8 +7,7 @@ import pytest
 from scene_samples import FROM_CSV, GOOD, PUNCH, line_with, refused
 from slips import cases, changed
 
-from sweeps.text.input_files import InputError
-from sweeps.text.scene_text import read_scene
+from sweeps import InputError, read_scene
 
 # Name | text of the file | words of the message.
 TABLES = cases(r"""

@@ -7,8 +7,7 @@ import pytest
 from commands import done, refused
 from press_texts import slider_crank_text
 
-from sweeps import read, read_study, run_study
-from sweeps.text.input_files import InputError
+from sweeps import InputError, read, read_study, run_study
 
 SCENE = f"""
 {slider_crank_text(speed="300 rpm")}

@@ -12,10 +12,8 @@ import pytest
 from commands import refused
 
 from engine import ExpressionError, UnitError, any_quantity, in_text, parse_expression
-from sweeps.imports.foreign_scene import import_scene
-from sweeps.study.study_reader import read_study
+from sweeps import InputError, import_scene, read_study
 from sweeps.text.csv_text import read_csv
-from sweeps.text.input_files import InputError
 from sweeps.text.numbers_in_row import numbers_in_row
 from sweeps.text.toml_text import parse_toml
 

@@ -8,8 +8,7 @@ from press_texts import PRESS_WITH_FLYWHEEL as SCENE
 from slips import changed
 from study_samples import STUDY, study_of, varying
 
-from sweeps.study.study import Study
-from sweeps.study.study_reader import read_study
+from sweeps import Study, read_study
 
 
 def column(study: Study, name: str) -> list[float]:

@@ -12,18 +12,14 @@ from press_texts import slider_crank_text
 from slips import cases
 
 from engine import Verdict
+from sweeps import InputError, Study, SweepResult, read_study, run_study
 from sweeps.optimising.runner import optimise_study
 from sweeps.pictures.style import VERMILION
 from sweeps.pictures.sweep.maps import curves
 from sweeps.pictures.sweep.result_pictures import sweep_data
-from sweeps.report.sweep_result import SweepResult
 from sweeps.run.blocks import evaluate_block, largest_block
-from sweeps.run.runner import run_study
 from sweeps.store import describe_result
 from sweeps.study import sensitivity
-from sweeps.study.study import Study
-from sweeps.study.study_reader import read_study
-from sweeps.text.input_files import InputError
 
 EPS = np.finfo(float).eps
 SCENE = f"""\

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from press_sweeps import DISTINCT, HEAD, STROKE, run, study_of
 
-from sweeps.study.study_reader import read_study
+from sweeps import InputError, read_study
 from sweeps.study.variant_tables import read_variant_table
-from sweeps.text.input_files import InputError
 
 pyarrow = pytest.importorskip("pyarrow")
 parquet = pytest.importorskip("pyarrow.parquet")

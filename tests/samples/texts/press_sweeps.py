@@ -5,9 +5,7 @@ from pathlib import Path
 
 import h5py
 
-from sweeps.run.runner import run_study
-from sweeps.study.study import Study
-from sweeps.study.study_reader import read_study
+from sweeps import Study, read_study, run_study
 
 # A four-bar with a press beside it: the slider-crank's group comes second, and is the one to blame for most.
 SCENE = """\

@@ -4,8 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from sweeps.text.input_files import InputError
-from sweeps.text.scene_text import read_scene
+from sweeps import InputError, read_scene
 
 GOOD = """\
 title = "Crank press with a rocker"

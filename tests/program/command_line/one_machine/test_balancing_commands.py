@@ -8,15 +8,14 @@ import pytest
 from commands import done, refused
 from drawn_machines import sliding_input
 
-from engine import ElementsAlone, Scene, shaken
-from engine.elements.engines.engine_layout import in_line_engine
-from sweeps import SweepResult, read_scene
+from engine import ElementsAlone, Scene, in_line_engine, shaken
+from sweeps import SweepResult, read_scene, write_scene
 from sweeps.pictures.elements.element_pictures import element_sheet
 from sweeps.pictures.elements.engine_sheet import engine_table
 from sweeps.pictures.style import new_figure
 from sweeps.pictures.sweep.result_pictures import result_pictures
 from sweeps.report.order_table import EngineRow, engine_rows, remaining_orders
-from sweeps.text.scene_text import with_values, write_scene
+from sweeps.text.scene_text import with_values
 from sweeps.text.templates import bundled_templates
 
 EPS = np.finfo(float).eps

@@ -12,13 +12,11 @@ from press_texts import PRESS
 from slips import cases, changed
 
 from engine import Machine, Scene, Verdict
+from sweeps import SweepResult, read_scene, read_study
 from sweeps.report.regime_words import by_regime, regime_words
-from sweeps.report.sweep_result import SweepResult
 from sweeps.run import cost
 from sweeps.run.blocks import MOST_AT_ONCE_IN_MOTION, evaluate_block, most_at_once
 from sweeps.study.default_summaries import telling_summaries
-from sweeps.study.study_reader import read_study
-from sweeps.text.scene_text import read_scene
 
 USEFUL = PRESS.replace('force = "100 kN"', 'force = "5 kN"\nrole = "useful"')
 MOTION = f"""{USEFUL}

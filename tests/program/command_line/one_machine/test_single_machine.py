@@ -17,10 +17,8 @@ from scipy.io import loadmat
 from slips import changed
 
 from engine import Machine, Scene
-from sweeps.report.readings import readings_at
-from sweeps.report.readings_in_time import readings_in_time
-from sweeps.text.input_files import InputError
-from sweeps.text.scene_text import read_scene, scene_from
+from sweeps import InputError, read_scene, readings_at, readings_in_time
+from sweeps.text.scene_text import scene_from
 
 CRANK, ROD = 0.05, 0.2
 PRESS = scene_from(tomllib.loads(press_texts.PRESS), "", "press", Path())

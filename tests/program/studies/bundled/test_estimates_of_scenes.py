@@ -10,10 +10,9 @@ import math
 import numpy as np
 import pytest
 
-from engine import Machine
-from engine.scene.scene import scene_numbers
+from engine import Machine, scene_numbers
+from sweeps import read_scene
 from sweeps.study.bundled import STUDIES
-from sweeps.text.scene_text import read_scene
 
 VARIANTS = 64
 FINE = 1e-12

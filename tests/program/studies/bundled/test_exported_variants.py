@@ -8,11 +8,9 @@ from commands import refused
 from free_link_scenes import triad_data
 
 from engine import Machine, Scene, Verdict
-from sweeps.report.sweep_result import SweepResult
-from sweeps.run.runner import run_study
+from sweeps import SweepResult, read_scene, read_study, run_study, write_scene
 from sweeps.study.bundled import bundled_studies
-from sweeps.study.study_reader import read_study
-from sweeps.text.scene_text import read_scene, with_numbers, with_values, write_scene
+from sweeps.text.scene_text import with_numbers, with_values
 from sweeps.text.templates import bundled_templates
 
 CAMPAIGN = Path(__file__).parents[4] / "results" / "reliability"

@@ -9,10 +9,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from engine import Verdict
-from sweeps.report.sweep_result import SweepResult
-from sweeps.run.runner import run_study
+from sweeps import SweepResult, read_study, run_study
 from sweeps.study.bundled import bundled_studies
-from sweeps.study.study_reader import read_study
 
 STUDIES = ("accumulator_press", "emergency_stop", "engine_idling", "press_start")
 TURN = 2 * math.pi

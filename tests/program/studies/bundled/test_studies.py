@@ -10,9 +10,8 @@ from scipy.optimize import brentq
 
 from engine import Machine, Verdict, any_quantity, scene_numbers
 from engine.parts.formulas.expressions import parse
+from sweeps import read_scene, read_study
 from sweeps.study.bundled import bundled_studies
-from sweeps.study.study_reader import read_study
-from sweeps.text.scene_text import read_scene
 from sweeps.text.templates import bundled_templates, template_text, templates
 
 MECHANISMS = """cam_roller_follower crank_shaper dwell_slide elliptical_wheels four_bar geared_five_bar hybrid_five_bar

@@ -13,11 +13,9 @@ import pytest
 from commands import ROOT
 from press_sweeps import DISTINCT, GOOD, SCENE, Stop, contents, many, numbers_in, run, stopping, study_of
 
-from sweeps.report.sweep_result import SweepResult
+from sweeps import SweepResult, read_study, run_study
 from sweeps.run import blocks, carrying, runner
-from sweeps.run.runner import run_study
 from sweeps.store import describe_result, read_columns
-from sweeps.study.study_reader import read_study
 
 # Going on
 

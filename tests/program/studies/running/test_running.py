@@ -9,14 +9,11 @@ import pytest
 import xarray
 from press_sweeps import DISTINCT, FIELDS, GOOD, HEAD, SCENE, STROKE, numbers_in, run, study_of, text_of
 
-from engine import Verdict
-from engine.compiling.threads import set_threads
-from sweeps.report.sweep_result import SweepResult
+from engine import Verdict, set_threads
+from sweeps import SweepResult, read_study, run_study
 from sweeps.run import runner
 from sweeps.run.blocks import BYTES_PER_BLOCK, LARGEST_BLOCK, block_size
-from sweeps.run.runner import run_study
 from sweeps.store import describe_result
-from sweeps.study.study_reader import read_study
 
 # What the file holds
 
