@@ -66,6 +66,18 @@ def address_in(folder: Path) -> str:
 
 
 @contextmanager
+def worker_in(folder: Path, *options: str, **program: object):
+    """A client of a scheduler with one worker, which may have a program of its own."""
+    with (
+        processes(scheduler_on(folder)),
+        processes(worker_of(address_in(folder), *options), **program),
+        connected(address_in(folder)) as client,
+    ):
+        client.wait_for_workers(1)
+        yield client
+
+
+@contextmanager
 def cluster_of(count: int):
     """Workers, any death of which makes Dask give up what was under way there."""
     with (
@@ -123,12 +135,7 @@ def test_worker_with_other_sources__is_left_out(tmp_path):
         file.write("# Another version.\n")
     strangers = {**os.environ, "PYTHONPATH": str(other)}
     told = []
-    with (
-        processes(scheduler_on(tmp_path)),
-        processes(worker_of(address_in(tmp_path)), cwd=other, env=strangers),
-        connected(address_in(tmp_path)) as client,
-    ):
-        client.wait_for_workers(1)
+    with worker_in(tmp_path, cwd=other, env=strangers) as client:
         with (
             crew_on(client, study_of(tmp_path, DISTINCT)) as crew,
             pytest.raises(ClusterError, match=r"it has machine-sweeps .*, and here"),
@@ -148,14 +155,11 @@ def test_worker_without_the_program__is_told_what_to_install(tmp_path):
     empty.mkdir()
     (empty / "sweeps.py").write_text('raise ModuleNotFoundError("No module named \'sweeps\'", name="sweeps")\n')
     with (
-        processes(scheduler_on(tmp_path)),
-        processes(worker_of(address_in(tmp_path)), cwd=empty, env={**os.environ, "PYTHONPATH": str(empty)}),
-        connected(address_in(tmp_path)) as client,
+        worker_in(tmp_path, cwd=empty, env={**os.environ, "PYTHONPATH": str(empty)}) as client,
         crew_on(client, study_of(tmp_path, DISTINCT)) as crew,
+        pytest.raises(ClusterError, match="it has no sweeps; pip install 'machine-sweeps"),
     ):
-        client.wait_for_workers(1)
-        with pytest.raises(ClusterError, match="it has no sweeps; pip install 'machine-sweeps"):
-            crew.assemble()
+        crew.assemble()
 
 
 # Clients

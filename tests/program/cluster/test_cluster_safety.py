@@ -1,6 +1,7 @@
 """Who can make whom run programs: strangers on this machine, workers, and whoever holds no certificate."""
 
 import os
+import pickle
 import subprocess
 import sys
 from contextlib import contextmanager
@@ -14,7 +15,7 @@ from cluster_jobs import crew_on
 from commands import ROOT, refused, said
 from distributed import Client, LocalCluster, Security
 from press_sweeps import DISTINCT, contents, run, study_of
-from test_cluster_losses import HERE, address_in, processes, scheduler_on, worker_of
+from test_cluster_losses import HERE, address_in, processes, scheduler_on, worker_in, worker_of
 
 from sweeps.run.cluster.cluster_errors import ClusterError
 from sweeps.run.cluster.connecting import connected
@@ -119,22 +120,15 @@ def test_greeting__is_not_unpickled(kind, tmp_path):
     # The scheduler knows nothing of the class.
     found = {**HERE, "PYTHONPATH": os.pathsep.join([str(SAMPLES), HERE["PYTHONPATH"]])}
     with (
-        processes(scheduler_on(tmp_path)),
-        processes([*worker_of(address_in(tmp_path)), "--preload", str(preload)], env=found),
-        connected(address_in(tmp_path)) as client,
+        worker_in(tmp_path, "--preload", str(preload), env=found) as client,
+        crew_on(client, study_of(tmp_path, DISTINCT)) as crew,
+        pytest.raises(ClusterError, match=r"none of the cluster's workers can take part: .*another machine-sweeps"),
     ):
-        client.wait_for_workers(1)
-        with (
-            crew_on(client, study_of(tmp_path, DISTINCT)) as crew,
-            pytest.raises(ClusterError, match=r"none of the cluster's workers can take part: .*another machine-sweeps"),
-        ):
-            crew.assemble()
+        crew.assemble()
     assert not mark.exists()
 
 
 def test_bomb__goes_off_when_unpickled(tmp_path):
-    import pickle
-
     pickle.loads(pickle.dumps(Bomb(str(tmp_path / "mark"))))
     assert (tmp_path / "mark").exists()
 

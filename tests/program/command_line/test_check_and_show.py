@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from commands import STUDY, done, refused, said
+from commands import done, refused, said
 from press_texts import PRESS
 
 from sweeps.report.result_report import undecided_text
@@ -21,18 +21,17 @@ def test_check__tells_what_is_computed_and_what_it_costs_and_writes_nothing(pres
     answer = said("check", "study.toml")
     assert answer.exit_code == 0
     assert answer.stderr == ""
-    for words in (
-        "Which crank?",
-        "group slide: RRP of rod and ram",
-        "W = 3n − 2p₁ = 3·3 − 2·4 = 1",
-        "assembles over the whole cycle",
-        "8 = input.length [4] × bodies.ram.mass [2]",
-        "Computed at as many positions as its curves need",
-        "Left out, as nothing asked needs it",
-        "acceleration",
-        "MB beside the program's own",
-        "free",
-    ):
+    told = """Which crank?
+group slide: RRP of rod and ram
+W = 3n − 2p₁ = 3·3 − 2·4 = 1
+assembles over the whole cycle
+8 = input.length [4] × bodies.ram.mass [2]
+Computed at as many positions as its curves need
+Left out, as nothing asked needs it
+acceleration
+MB beside the program's own
+free"""
+    for words in told.splitlines():
         assert words in answer.stdout
     # In line, the stroke is twice the crank of 50 mm.
     assert any(line.split()[:2] == ["ram.stroke", "100"] for line in answer.stdout.splitlines())
@@ -127,19 +126,6 @@ def test_show__takes_what_agrees_within_error_estimates_for_equal(press_result):
 def test_variants_that_an_estimate_leaves_open__are_counted(count, words):
     text = undecided_text(SimpleNamespace(undecided=lambda where: count), "stroke > 1")
     assert text == (f"{words} within error estimates" if words else "")
-
-
-def test_show__says_so_of_the_study_s_own_condition(press_folder):
-    Path("study.toml").write_text(STUDY.replace("> '90 mm'", ">= '80 mm'"))
-    done("run", "study.toml", "--no-plots", "--out", "r.h5")
-    answer = said("show", "r.h5").stdout
-    assert answer.count("\nAnswer: the minimum excess_work where ram.stroke >= '80 mm' is") == 1
-
-
-def test_show_where_nothing_fits__shows_an_empty_table(press_result):
-    answer = done("show", press_result, "--where", "ram.stroke > '9 m'")
-    assert "0 variants meet the condition" in answer
-    assert table_of(answer) == []
 
 
 @pytest.mark.parametrize(

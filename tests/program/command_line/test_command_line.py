@@ -89,23 +89,14 @@ def test_new__writes_a_scene_that_can_be_read(name, press_folder):
     assert scene.title == templates()[name]
 
 
-def test_new__never_overwrites(press_folder):
-    assert "press.toml" in refused("new", "four_bar", "--out", "press.toml")
-    assert Path("press.toml").read_text() == PRESS
-
-
-def test_new__makes_the_folder_it_needs(press_folder):
+def test_new__writes_where_it_is_told_and_never_over_what_is_there(press_folder):
     done("new", "four_bar", "--out", "a/b/mine.toml")
     assert Path("a/b/mine.toml").exists()
-
-
-def test_new_of_an_unknown_template__suggests_the_near_one(press_folder):
+    for out in ("press.toml", "press.toml/mine.toml"):
+        assert "press.toml" in refused("new", "four_bar", "--out", out)
+    assert Path("press.toml").read_text() == PRESS
     assert "did you mean 'four_bar'?" in refused("new", "four_bars")
     assert "slider_crank" in refused("new", "zzz")
-
-
-def test_new_where_it_cannot_be_written__is_refused(press_folder):
-    assert "press.toml" in refused("new", "four_bar", "--out", "press.toml/mine.toml")
 
 
 def test_list__names_every_study_and_template(press_folder):
@@ -117,19 +108,12 @@ def test_list__names_every_study_and_template(press_folder):
         assert any(line.split() == [name, *title.split()] for line in answer.splitlines())
 
 
-def test_version__is_told_whether_installed_or_not(press_folder):
-    answer = done("--version")
-    assert answer.startswith("sweeps")
-
-
 def test_help__names_the_commands(press_folder):
     answer = done("--help")
     for command in ("run", "check", "show", "plot", "orders", "animate", "export", "new", "list", "flywheel"):
         assert f"  {command}" in answer
         done(command, "--help")
-
-
-def test_unknown_command__is_refused(press_folder):
+    assert done("--version").startswith("sweeps")
     assert "frobnicate" in refused("frobnicate")
 
 

@@ -71,38 +71,6 @@ def test_other_block_size__that_of_the_file_is_kept(path: Path) -> None:
         assert store.pending == [1, 2, 3, 4]
 
 
-def test_finished_file_of_the_study__nothing_to_do(path: Path) -> None:
-    complete(path, layout())
-    before = path.read_bytes()
-    with Store.open(path, layout(block=7)) as store:
-        assert store.finished
-        assert store.pending == []
-        store.finish()
-    assert path.read_bytes() == before
-    assert files(path.parent) == ["out.h5"]
-
-
-def test_finished_file_of_another_study__kept_under_a_number_in_the_end(path: Path) -> None:
-    complete(path, layout())
-    before = path.read_bytes()
-    with Store.open(path, other_study()) as store:
-        assert store.sources == (path,)
-        fill(store)
-        assert path.read_bytes() == before
-        store.finish(keep_former=True)
-        (note,) = store.notes
-    assert note.endswith("out.1.h5.")
-    assert path.with_name("out.1.h5").read_bytes() == before
-    assert files(path.parent) == ["out.1.h5", "out.h5"]
-
-
-def test_former_file__may_be_replaced(path: Path) -> None:
-    complete(path, layout())
-    complete(path, other_study())
-    assert describe_result(path).attributes["study_hash"] == "9z9z"
-    assert files(path.parent) == ["out.h5"]
-
-
 @pytest.mark.parametrize("finished", [True, False])
 def test_other_words__change_nothing_else(path: Path, part: Path, finished: bool) -> None:
     if finished:

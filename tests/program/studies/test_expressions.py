@@ -1,5 +1,4 @@
 import math
-import operator
 import pickle
 
 import mpmath
@@ -11,35 +10,8 @@ from hypothesis import strategies as st
 from engine.parts.formulas.expressions import DEEPEST, LONGEST, ExpressionError, joined_by_and, parse
 from engine.parts.formulas.unknown_names import unknown_name_message
 
-# --- random trees, evaluated by the test itself ------------------------------------------------------------
+# --- random texts, against Python's own reading of them --------------------------------------------------------
 
-
-def divided(left, right):
-    """Division as IEEE 754 has it, where Python raises."""
-    if right:
-        return left / right
-    return math.nan if not left or math.isnan(left) else math.copysign(math.inf, left) * math.copysign(1, right)
-
-
-def smaller(left, right):
-    return math.nan if math.isnan(left) or math.isnan(right) else min(left, right)
-
-
-# Operation: (precedence, function). All of them are correctly rounded, so results must agree exactly.
-BINARY = {
-    "+": (4, operator.add),
-    "-": (4, operator.sub),
-    "*": (5, operator.mul),
-    "/": (5, divided),
-    "<": (3, operator.lt),
-    "<=": (3, operator.le),
-    ">": (3, operator.gt),
-    ">=": (3, operator.ge),
-    "==": (3, operator.eq),
-    "!=": (3, operator.ne),
-    "and": (1, lambda left, right: left and right),
-    "or": (0, lambda left, right: left or right),
-}
 VALUES = {"a": 1.7, "input.length": -0.3, "bodies.rod.center[0]": 1e3, "groups.rod.first.length": 0.0}
 
 SIGNS = "abx019.,()[]{}'\"+-*/%^&|~<>=!:;@#\\\n\t _\x00\ud800é"
@@ -48,73 +20,40 @@ WORDS = [
     *("sqrt(", "min(", "pi", "**", "'1 mm'", "__", "None", "1e999", "1j", "f'"),
 ]
 
-leaves = st.one_of(st.sampled_from(sorted(VALUES)), st.integers(0, 99), st.floats(0, 1e6, allow_subnormal=False))
-numbers = st.recursive(
-    leaves,
-    lambda inner: st.one_of(
-        st.tuples(st.sampled_from("+-*/"), inner, inner),
-        st.tuples(st.just("negative"), inner),
-        st.tuples(st.sampled_from(["min", "abs", "sqrt"]), inner, inner),
-        st.tuples(st.sampled_from(["if a < 2 else", "if a < 1 else"]), inner, inner),
-    ),
-    max_leaves=12,
+
+def smaller(left, right):
+    return math.nan if math.isnan(left) or math.isnan(right) else min(left, right)
+
+
+# What Python reads instead: numbers of NumPy divide as IEEE 754 has it, and all operations are correctly rounded.
+NAMES = {name: f"v{i}" for i, name in enumerate(VALUES)}
+SCOPE = {"real": np.float64, "sqrt": np.sqrt, "abs": abs, "min": smaller}
+SCOPE |= {NAMES[name]: np.float64(value) for name, value in VALUES.items()}
+
+
+def formed(*forms):
+    """Texts of two operands, each with what Python reads instead of it."""
+    return lambda inner: st.tuples(st.sampled_from(forms), inner, inner).map(
+        lambda drawn: tuple(drawn[0].format(*operands) for operands in zip(*drawn[1:], strict=True))
+    )
+
+
+literals = st.one_of(st.integers(0, 99), st.floats(0, 1e6, allow_subnormal=False))
+leaves = st.one_of(st.sampled_from(list(NAMES.items())), literals.map(lambda x: (str(x), f"real({x})")))
+choices = "({} if a < 2 else {})", "({} if a < 1 else {})"
+signs = [f"{{}} {sign} {{}}" for sign in ("<", "<=", ">", ">=", "==", "!=")]
+operations = formed(
+    *("{} + {}", "{} - {}", "{} * {}", "{} / {}", "{} / ({})", "({}) * {}", "-{}", "-({})"),
+    *("min({}, {})", "abs({})", "sqrt({})", *choices),
 )
-comparisons = st.tuples(st.sampled_from(["<", "<=", ">", ">=", "==", "!="]), numbers, numbers)
-conditions = st.recursive(
-    comparisons,
-    lambda inner: st.one_of(st.tuples(st.sampled_from(["and", "or"]), inner, inner), st.tuples(st.just("not"), inner)),
-    max_leaves=6,
-)
+numbers = st.recursive(leaves, operations, max_leaves=12)
+joined = formed("{} and {}", "{} or {}", "({}) and ({})", "not {}", "not ({})")
+conditions = st.recursive(formed(*signs)(numbers), joined, max_leaves=6)
 
 
-def result_of(tree):
-    match tree:
-        case str():
-            return VALUES[tree]
-        case int() | float():
-            return float(tree)
-        case ("negative", inner):
-            return -result_of(inner)
-        case ("not", inner):
-            return not result_of(inner)
-        case ("min", left, right):
-            return smaller(result_of(left), result_of(right))
-        case ("abs", inner, _):
-            return abs(result_of(inner))
-        case ("sqrt", inner, _):
-            value = result_of(inner)
-            return math.sqrt(value) if value >= 0 else math.nan
-        case ("if a < 2 else", left, _):
-            return result_of(left)
-        case ("if a < 1 else", _, right):
-            return result_of(right)
-        case (operation, left, right):
-            return BINARY[operation][1](result_of(left), result_of(right))
-
-
-def text_of(tree):
-    """Return the text with no more parentheses than needed, and the precedence of its outermost operation."""
-    match tree:
-        case str() | int() | float():
-            return str(tree), 9
-        case ("negative", inner):
-            return f"-{enclosed(inner, 6)}", 6
-        case ("not", inner):
-            return f"not {enclosed(inner, 2)}", 2
-        case ("min", left, right):
-            return f"min({text_of(left)[0]}, {text_of(right)[0]})", 9
-        case (("abs" | "sqrt") as function, inner, _):
-            return f"{function}({text_of(inner)[0]})", 9
-        case (("if a < 2 else" | "if a < 1 else") as choice, left, right):
-            return f"({enclosed(left, 0)} {choice} {text_of(right)[0]})", 9
-        case (operation, left, right):
-            precedence = BINARY[operation][0]
-            return f"{enclosed(left, precedence)} {operation} {enclosed(right, precedence + 1)}", precedence
-
-
-def enclosed(tree, least):
-    text, precedence = text_of(tree)
-    return text if precedence >= least else f"({text})"
+def read_by_python(text):
+    with np.errstate(all="ignore"):
+        return eval(text.replace(" a ", f" {NAMES['a']} "), {"__builtins__": {}}, SCOPE)
 
 
 def same(one, other):
@@ -123,18 +62,18 @@ def same(one, other):
 
 @settings(deadline=None, max_examples=300)
 @given(numbers)
-def test_random_arithmetic__agrees_with_own_evaluation(tree):
-    expression = parse(text_of(tree)[0])
+def test_random_arithmetic__agrees_with_python(texts):
+    expression = parse(texts[0])
     assert not expression.is_condition
-    assert same(expression.evaluate(VALUES), result_of(tree))
+    assert same(expression.evaluate(VALUES), read_by_python(texts[1]))
 
 
 @settings(deadline=None, max_examples=300)
 @given(conditions)
-def test_random_condition__agrees_with_own_evaluation(tree):
-    expression = parse(text_of(tree)[0])
+def test_random_condition__agrees_with_python(texts):
+    expression = parse(texts[0])
     assert expression.is_condition
-    assert expression.evaluate(VALUES) is bool(result_of(tree))
+    assert expression.evaluate(VALUES) is bool(read_by_python(texts[1]))
 
 
 @settings(deadline=None, max_examples=500)

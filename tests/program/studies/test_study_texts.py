@@ -127,13 +127,6 @@ def test_sampling__draws_between_the_ends_together(method, study_folder):
     assert abs((masses < 1000**0.5).sum() - 64) <= 40
 
 
-def test_seed__changes_the_draw_and_nothing_else_does(study_folder):
-    text = '"input.length" = {low = "40 mm", high = "60 mm"}\n[sampling]\nmethod = "random"\ncount = 16\nseed = '
-    one, again, two = (column(varying(study_folder, text + s), "input.length") for s in ("1", "1", "2"))
-    assert one == again
-    assert one != two
-
-
 def test_scene_as_a_study__is_a_single_variant_with_all_summaries(study_folder):
     study = read_study(study_folder / "press.toml")
     assert (study.design.size, study.paths, study.title) == (1, (), "Crank press")
