@@ -30,13 +30,19 @@ ROOT = Path(__file__).parents[3]
 POSITIONS = 48
 
 
+def forget() -> None:
+    """As if the process had been started anew."""
+    for known in (printed._load, kept_code._say_once, kept_code.folder_of):
+        known.cache_clear()
+
+
 @pytest.fixture
 def fresh_cache(tmp_path, monkeypatch) -> Path:
     """An empty cache of this test's own."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    printed._load.cache_clear()
+    forget()
     yield tmp_path / "machine-sweeps"
-    printed._load.cache_clear()
+    forget()
 
 
 def coupler(title: str = "A coupler.") -> tuple[object, list, str]:
@@ -117,7 +123,7 @@ def test_broken_cache__is_recovered(kind, left, fresh_cache):
         half = content[: len(content) // 2]
         path.write_bytes({"none": b"", "half": half, "rubbish": b"\x07rubbish" * 9, "one bit": bytes(changed)}[left])
     for _ in range(2):
-        printed._load.cache_clear()
+        forget()
         assert_right()
     for path in spoilt:
         assert hashlib.sha256(path.read_bytes()[32:]).digest() == path.read_bytes()[:32]
@@ -147,11 +153,10 @@ def test_cache_that_cannot_be_made__is_done_without(variable, tmp_path, monkeypa
     monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
     (tmp_path / "file").write_text("")
     monkeypatch.setenv(variable, str(tmp_path / "file"))
-    printed._load.cache_clear()
-    kept_code._say_once.cache_clear()
+    forget()
     assert kept_code.cache_folder() is None
     assert_right()
-    printed._load.cache_clear()
+    forget()
     (record,) = caplog.records
     assert "Machine code is compiled in every run: no cache" in record.getMessage()
     assert list(tmp_path.iterdir()) == [tmp_path / "file"]
@@ -161,8 +166,7 @@ def test_cache_that_others_may_write_to__is_not_believed(fresh_cache, caplog):
     assert_right()
     before = sorted(fresh_cache.rglob("*"))
     fresh_cache.chmod(0o770)
-    kept_code._say_once.cache_clear()
-    printed._load.cache_clear()
+    forget()
     assert kept_code.cache_folder() is None
     assert_right("Another coupler.")
     assert sorted(fresh_cache.rglob("*")) == before
@@ -187,8 +191,7 @@ def test_entry_that_others_may_have_written__is_neither_unpickled_nor_run(where,
     for path in entries:
         path.write_bytes(hashlib.sha256(payload).digest() + payload)
         (path if where == "entry" else path.parent).chmod(0o770)
-    printed._load.cache_clear()
-    kept_code.folder_of.cache_clear()
+    forget()
     assert_right()
     assert not (fresh_cache.parent / "mark").exists()
     # Made again, for the user alone.
@@ -200,7 +203,7 @@ def test_full_disk_under_the_cache__is_said_once_and_nothing_left(fresh_cache, m
     def full(self: object, path: str) -> None:
         raise OSError(28, "No space left on device")
 
-    kept_code._say_once.cache_clear()
+    forget()
     monkeypatch.setattr(kept_code._VerifiedFiles, "_open_for_write", full)
     assert_right()
     assert [path for path in fresh_cache.rglob("*") if path.is_file()] == []
@@ -211,9 +214,7 @@ def test_full_disk_under_the_cache__is_said_once_and_nothing_left(fresh_cache, m
 def test_warm_cache_that_cannot_be_written__is_read_and_left_as_it_is(fresh_cache, monkeypatch, caplog):
     assert_right()
     before = {path: path.stat() for path in sorted(fresh_cache.rglob("*")) if path.is_file()}
-    kept_code._say_once.cache_clear()
-    kept_code.folder_of.cache_clear()
-    printed._load.cache_clear()
+    forget()
 
     def refused(*arguments: object, **options: object) -> None:
         raise OSError(30, "Read-only file system")
@@ -225,7 +226,7 @@ def test_warm_cache_that_cannot_be_written__is_read_and_left_as_it_is(fresh_cach
     assert_right()
     assert caplog.records == []
     assert {path: path.stat() for path in sorted(fresh_cache.rglob("*")) if path.is_file()}.keys() == before.keys()
-    kept_code.folder_of.cache_clear()
+    forget()
 
 
 # Other processes. A law called by what is printed, in a file of its own, is what a compiler's cache overlooks.

@@ -118,11 +118,6 @@ def test_a_window_where_stroke_begins_and_ends_sets_in_at_the_dead_centres():
     assert np.all(found.panels <= 9)
 
 
-def test_a_step_at_the_very_beginning_and_at_the_very_end():
-    numbers = press_numbers(2, other_force=50.0, from_=np.array([0.0, TURN - 0.01]), to=np.array([0.01, TURN]))
-    check_windows(numbers)
-
-
 def test_levels_that_are_never_reached_and_no_levels_cut_nothing():
     shares = {"near_share": -0.2, "far_share": 1.2}
     never, none = press_numbers(1, **shares), press_numbers(1, **dict.fromkeys(shares, np.nan))

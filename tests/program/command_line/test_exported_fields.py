@@ -64,7 +64,9 @@ def test_every_format__holds_the_same_numbers(result):
         assert [float(row[HEADS[4]]) for row in csv.DictReader(file)] == expected.tolist()
     assert json.loads(Path("t.json").read_text())["columns"]["B.y"] == {"unit": "m", "values": expected.tolist()}
     assert parquet.read_table("t.parquet")[HEADS[4]].to_pylist() == expected.tolist()
-    assert loadmat("t.mat")["data"]["B_y"][0, 0].ravel().tolist() == expected.tolist()
+    mat = loadmat("t.mat", simplify_cells=True)
+    assert mat["data"]["B_y"].tolist() == expected.tolist()
+    assert (mat["names"]["B_y"], mat["units"]["B_y"]) == ("B.y", "m")
 
 
 def test_columns_without_a_field__have_a_row_for_each_variant(result):

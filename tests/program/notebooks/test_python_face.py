@@ -13,7 +13,7 @@ from commands import ROOT, done
 from matplotlib.figure import Figure
 
 import sweeps
-from engine import Machine, Scene, Verdict
+from engine import Machine, Scene
 from sweeps.pictures.picture_error import PictureError
 
 CRANKS = np.array([0.04, 0.05, 0.06, 0.25])
@@ -199,8 +199,3 @@ assert not kept
 def test_notebook__is_told_how_to_show_every_type():
     done = subprocess.run([sys.executable, "-c", NOTEBOOK], cwd=ROOT, capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")
-
-
-def test_verdict_names__have_no_blanks():
-    """Meanings of flags are separated by blanks."""
-    assert all(" " not in verdict.name for verdict in Verdict)

@@ -163,14 +163,6 @@ def test_machine_that_runs_away__shows_its_start_and_says_where_it_fails(tmp_pat
     assert "regime work: the machine runs away" in figure.get_suptitle()
 
 
-def test_scene_with_values__is_the_machine_of_the_variant():
-    varied = Machine(SCENE, ["start.time"], varied=["flywheel.inertia", "moments.oil.coefficient"])
-    values = {"flywheel.inertia": 1.25, "moments.oil.coefficient": 0.123}
-    expected = varied.evaluate({path: np.array([value]) for path, value in values.items()}).summaries["start.time"][0]
-    assert summary(with_values(SCENE, values), "start.time")[0] == expected
-    assert summary(SCENE, "start.time")[0] < expected
-
-
 def test_long_row__keeps_its_extremes_when_thinned():
     rng = np.random.default_rng(1)
     row, x = rng.normal(size=7 * MOST_INSTANTS + 3), np.arange(7.0 * MOST_INSTANTS + 3)

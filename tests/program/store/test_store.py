@@ -179,9 +179,7 @@ def test_creation_under_way_elsewhere__refused(path: Path, part: Path) -> None:
         child.communicate("\n", timeout=60)
 
 
-def test_second_writer_before_the_draft_has_its_name__first_goes_on(
-    path: Path, part: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_second_writer_before_the_draft_has_its_name__first_goes_on(path, part, monkeypatch):
     real, children = Path.replace, []
 
     def late(old: Path, new: Path) -> Path:
@@ -202,9 +200,7 @@ def test_second_writer_before_the_draft_has_its_name__first_goes_on(
     assert files(path.parent) == ["out.part.h5"]
 
 
-def test_part_file_appears_during_creation__not_overwritten(
-    path: Path, part: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_part_file_appears_during_creation__not_overwritten(path, part, monkeypatch):
     real = h5py.File
 
     def slow(name: Path, mode: str, **options: object) -> h5py.File:
@@ -261,9 +257,7 @@ def test_place_that_cannot_be_written__store_error(tmp_path: Path, name: str, wo
         ("lenght", np.zeros(4), "lenght"),
     ],
 )
-def test_arrays_not_of_the_layout__value_error_and_block_pending(
-    path: Path, name: str, values: np.ndarray, words: str
-) -> None:
+def test_arrays_not_of_the_layout__value_error_and_block_pending(path, name, values, words):
     with Store.open(path, layout()) as store:
         with pytest.raises(ValueError, match=words):
             store.write(0, {**results(store, 0), name: values})
@@ -297,9 +291,7 @@ def test_blocks__each_variant_in_exactly_one(variants: int, block: int) -> None:
     copies=st.integers(1, 40),
     text=st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=200),
 )
-def test_bytes__at_least_the_size_of_the_file(
-    path: Path, part: Path, variants: int, block: int, positions: int, copies: int, text: str
-) -> None:
+def test_bytes__at_least_the_size_of_the_file(path, part, variants, block, positions, copies, text):
     more = tuple(Column(f"c{i}", text, "1") for i in range(copies))
     attributes = {"study_hash": "1", "study": text * 50}
     shape = layout(variants, block, positions, columns=(*layout().columns, *more), attributes=attributes)

@@ -181,11 +181,6 @@ def test_long_message__is_cut(press_folder):
     assert len(refused("check", "press.toml")) < 3000
 
 
-def test_title_with_a_dollar__is_drawn_as_it_is(press_folder):
-    Path("press.toml").write_text(changed(PRESS, "Crank press", "$5 and \\\\frac{$ press"))
-    done("plot", "press.toml", "-y", "B.y", "--out", "p.svg")
-
-
 # Tables
 
 
