@@ -6,22 +6,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from commands import ROOT, done, said
+from commands import ROOT, WRITES, done, said
 
-WRITES = [
-    ("export", "press.toml", "--to", "out.csv"),
-    ("export", "press.toml", "--to", "out.json"),
-    ("export", "press.toml", "--to", "out.mat"),
-    ("export", "press.toml", "--to", "out.parquet"),
-    ("export", "press.toml", "--to", "out.toml"),
-    ("export", "press.toml", "--to", "out.svg"),
-    ("export", "press.toml", "--to", "out.dxf"),
-    ("plot", "press.toml", "--out", "out.png"),
-    ("plot", "press.toml", "--out", "out.pdf"),
-    ("animate", "press.toml", "--frames", "4", "--out", "out.gif"),
-    ("new", "rotor", "--out", "out.toml"),
-    ("report", "press.toml", "--out", "out.html"),
-]
 OF_LIBRARIES = {".json": None, ".mat": "scipy", ".parquet": "pyarrow", ".dxf": "ezdxf", ".html": "plotly"}
 
 

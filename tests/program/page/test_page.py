@@ -167,26 +167,6 @@ def test_page__study_is_to_be_run_first(tmp_path):
     assert "run it first" in refused("report", str(tmp_path / "study.toml"))
 
 
-def test_page__earlier_one_survives_what_fails(tmp_path, result, page, monkeypatch):
-    out = tmp_path / "page.html"
-    out.write_text("earlier")
-    monkeypatch.setattr(Path, "replace", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
-    assert "No space left" in refused("report", str(result), "--out", str(out))
-    assert out.read_text() == "earlier"
-    assert [path.name for path in tmp_path.iterdir()] == ["page.html"]
-
-
-@pytest.mark.parametrize("flag", [0, 1, 83])
-def test_garbled_verdict__every_command_says_damaged(result, tmp_path, flag):
-    damaged = Path(shutil.copy(result, tmp_path / "damaged.h5"))
-    with h5py.File(damaged, "r+") as file:
-        file["progress/block_done"][0] = flag
-        file["status"][1] = 83
-    for line in (("show",), ("report",), ("export", "--to", str(tmp_path / "rows.csv")), ("plot",)):
-        assert "is damaged: numbers of variants 0 … " in refused(line[0], str(damaged), *line[1:])
-    assert said("verify", str(damaged)).exit_code == 1
-
-
 # In a browser
 
 BRUSHES = """

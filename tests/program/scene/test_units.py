@@ -116,47 +116,36 @@ def test_per_second_as_angular_speed__is_refused_as_ambiguous(text):
         to_si(text, "angular_speed")
 
 
-@pytest.mark.parametrize(
-    ("text", "dimension", "message"),
-    [
-        ("12 N m", "length", "expected a length such as '80 mm', got 'N m'"),
-        ("7 Nm", "stiffness", "expected a stiffness such as '8 N/mm', got 'Nm'"),
-        ("1,5 mm", "length", "use a decimal point"),
-        ("1,000.5 mm", "length", "use a decimal point"),
-        ("1 000 mm", "length", "in one piece, without gaps"),
-        ("1 000", "number", "in one piece, without gaps"),
-        ("80 mmm", "length", "unknown unit 'mmm': did you mean 'mm'"),
-        ("80 MM", "length", r"did you mean 'mm'\?"),
-        ("5 mn", "force", r"did you mean 'mN' or 'MN'\?"),
-        ("5 parsec", "length", "unknown unit 'parsec'"),
-        ("mm", "length", "does not begin with a number"),
-        ("", "length", "does not begin with a number"),
-        ("nan m", "length", "does not begin with a number"),
-        ("inf m", "length", "does not begin with a number"),
-        ("200 rpm", "number", "got 'rpm'"),
-        ("5 deg", "number", "got 'deg'"),
-        ("5 N m/rad", "moment", "got 'N m/rad'"),
-        ("5 N m", "torsional_stiffness", "ambiguous for a torsional stiffness: write N m/rad"),
-        ("5 N m s", "torsional_damping", "ambiguous for a torsional damping: write N m s/rad"),
-        ("5 1/s2", "angular_acceleration", "ambiguous for an angular acceleration: write rad/s2"),
-        ("5 N/m s", "damping", r"ambiguous after the '/': use brackets"),
-        ("5 % m", "length", "cannot read the unit"),
-        ("5 %/%", "number", "cannot read the unit"),
-        ("10² m", "length", "cannot read the unit"),
-        ("5 m2m", "volume", "cannot read the unit"),
-        ("5 m10", "length", "cannot read the unit"),
-        ("5 (m", "length", "cannot read the unit"),
-        ("5 m)", "length", "cannot read the unit"),
-        ("5 ()", "number", "cannot read the unit"),
-        ("5 m**", "length", "cannot read the unit"),
-        ("1/30 m", "length", "cannot read the unit"),
-        ("1/30", "length", "cannot read the unit"),
-        ("1/0", "number", "not a finite number"),
-        ("1e999 m", "length", "range of float64"),
-        ("1e-999 m", "length", "range of float64"),
-        ("1e" + 80 * "9" + " m", "length", "not a finite length"),
+# Message, and texts that are taken for a dimension.
+TRAPS = {
+    "expected a length such as '80 mm', got 'N m'": [("12 N m", "length")],
+    "expected a stiffness such as '8 N/mm', got 'Nm'": [("7 Nm", "stiffness")],
+    "use a decimal point": [("1,5 mm", "length"), ("1,000.5 mm", "length")],
+    "in one piece, without gaps": [("1 000 mm", "length"), ("1 000", "number")],
+    "unknown unit 'mmm': did you mean 'mm'": [("80 mmm", "length")],
+    r"did you mean 'mm'\?": [("80 MM", "length")],
+    r"did you mean 'mN' or 'MN'\?": [("5 mn", "force")],
+    "unknown unit 'parsec'": [("5 parsec", "length")],
+    "does not begin with a number": [("mm", "length"), ("", "length"), ("nan m", "length"), ("inf m", "length")],
+    "got 'rpm'": [("200 rpm", "number")],
+    "got 'deg'": [("5 deg", "number")],
+    "got 'N m/rad'": [("5 N m/rad", "moment")],
+    "ambiguous for a torsional stiffness: write N m/rad": [("5 N m", "torsional_stiffness")],
+    "ambiguous for a torsional damping: write N m s/rad": [("5 N m s", "torsional_damping")],
+    "ambiguous for an angular acceleration: write rad/s2": [("5 1/s2", "angular_acceleration")],
+    r"ambiguous after the '/': use brackets": [("5 N/m s", "damping")],
+    "cannot read the unit": [
+        *(("5 % m", "length"), ("5 %/%", "number"), ("10² m", "length"), ("5 m2m", "volume"), ("5 m10", "length")),
+        *(("5 (m", "length"), ("5 m)", "length"), ("5 ()", "number"), ("5 m**", "length"), ("1/30 m", "length")),
+        ("1/30", "length"),
     ],
-)
+    "not a finite number": [("1/0", "number")],
+    "range of float64": [("1e999 m", "length"), ("1e-999 m", "length")],
+    "not a finite length": [("1e" + 80 * "9" + " m", "length")],
+}
+
+
+@pytest.mark.parametrize(("text", "dimension", "message"), [(*pair, words) for words in TRAPS for pair in TRAPS[words]])
 def test_trap__is_refused_with_its_mend(text, dimension, message):
     for read in (to_si, in_text):
         with pytest.raises(UnitError, match=message):

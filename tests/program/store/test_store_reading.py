@@ -227,22 +227,3 @@ def test_edited_texts__named_and_decisive_ones_refused(path: Path) -> None:
         file.attrs["study_json"] = "{ }"
     with pytest.raises(DamagedError, match="its study_json"):
         read_columns(path)
-
-
-def test_numbers_are_there_before_their_status(path: Path, part: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whoever reads along, status first, finds the numbers of every variant that has one: seen at every flush."""
-    real, seen = h5py.File.flush, []
-
-    def flush(file: h5py.File) -> None:
-        real(file)
-        columns = MappedResult(part).columns
-        known = columns["status"] != NOT_COMPUTED
-        assert np.isfinite(columns["length"][known]).all()
-        assert np.isfinite(columns["torque"][known]).all()
-        seen.append(int(known.sum()))
-
-    with Store.open(path, layout()) as store:
-        monkeypatch.setattr(h5py.File, "flush", flush)
-        fill(store)
-    assert sorted(seen) == seen
-    assert {0, 4, 22} <= set(seen)

@@ -29,6 +29,22 @@ minimise = "excess_work"
 where = "ram.stroke > '90 mm'"
 """
 
+# Commands that write a file each, in every format.
+WRITES = [
+    ("export", "press.toml", "--to", "out.csv"),
+    ("export", "press.toml", "--to", "out.json"),
+    ("export", "press.toml", "--to", "out.mat"),
+    ("export", "press.toml", "--to", "out.parquet"),
+    ("export", "press.toml", "--overwrite", "--to", "out.toml"),
+    ("export", "press.toml", "--to", "out.svg"),
+    ("export", "press.toml", "--to", "out.dxf"),
+    ("plot", "press.toml", "--out", "out.png"),
+    ("plot", "press.toml", "--out", "out.pdf"),
+    ("animate", "press.toml", "--frames", "4", "--out", "out.gif"),
+    ("new", "rotor", "--out", "out.toml"),
+    ("report", "press.toml", "--out", "out.html"),
+]
+
 
 def said(*arguments: str) -> Result:
     """A command's answer; it never ends in an exception of its own."""

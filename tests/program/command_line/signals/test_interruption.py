@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from commands import ROOT, done, python, said
+from commands import ROOT, WRITES, done, python, said
 
 from sweeps.text.interruption import farewell, half_written, keeping
 from sweeps.text.whole_files import whole_file
@@ -163,22 +163,13 @@ def test_link_and_device__stay_what_they_are(tmp_path):
         assert draft == Path("/dev/null")
 
 
-WRITES = [
-    ("export", "results/study.h5", "--to", "out.csv"),
-    ("export", "press.toml", "--to", "out.csv"),
-    ("export", "press.toml", "--overwrite", "--to", "out.toml"),
-    ("export", "press.toml", "--to", "out.svg"),
-    ("export", "press.toml", "--to", "out.dxf"),
-    ("plot", "press.toml", "--out", "out.pdf"),
-    ("animate", "press.toml", "--frames", "4", "--out", "out.gif"),
-    ("new", "rotor", "--out", "new.toml"),
-]
+OF_RESULT = ("export", "results/study.h5", "--to", "out.csv")
 SMALL_FILES = ("pdf", "svg", "png", "csv", "dxf")
 
 
-@pytest.mark.parametrize("arguments", WRITES, ids=lambda a: " ".join(a[:2] + a[-1:]))
+@pytest.mark.parametrize("arguments", [OF_RESULT, *WRITES], ids=lambda a: " ".join(a[:2] + a[-1:]))
 def test_full_disk_under_a_file__one_sentence_and_the_earlier_file_stays(arguments, press_folder, monkeypatch):
-    if arguments[1] == "results/study.h5":
+    if arguments is OF_RESULT:
         done("run", "study.toml", "--no-plots")
     earlier = Path(arguments[-1])
     if arguments[0] != "new":
