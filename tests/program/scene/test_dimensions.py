@@ -20,19 +20,8 @@ from engine.parts.formulas.dimension_check import dimension_in_words
 from engine.parts.formulas.expressions import parse
 from sweeps.text.conditions import Condition
 
-UNITS = {
-    "length": "m",
-    "bore": "m",
-    "mass": "kg",
-    "time": "s",
-    "force": "N",
-    "pressure": "Pa",
-    "inertia": "kg m2",
-    "work": "J",
-    "phi": "rad",
-    "omega": "rad s-1",
-    "n": "1",
-}
+UNITS = {"length": "m", "bore": "m", "mass": "kg", "time": "s", "force": "N", "pressure": "Pa", "n": "1"}
+UNITS |= {"inertia": "kg m2", "work": "J", "phi": "rad", "omega": "rad s-1"}
 KNOWN = {name: dimension_of_unit(unit) for name, unit in UNITS.items()}
 # The reference: quantities of Pint's own registry, in which radians are plain numbers, computed by Python.
 REGISTRY = pint.UnitRegistry()

@@ -74,12 +74,12 @@ def row(text: str, name: str) -> list[str]:
     return next(line.split() for line in text.splitlines() if line.split()[:1] == [name])
 
 
+def ran(*line: str, **options: object) -> subprocess.CompletedProcess:
+    """Python as a process of its own, with pipes for its output."""
+    found = {**os.environ, "PYTHONPATH": str(ROOT)}
+    return subprocess.run([sys.executable, *line], env=found, capture_output=True, text=True, **options)
+
+
 def python(*arguments: str, **options: object) -> subprocess.CompletedProcess:
-    """A command as a process of its own, with pipes for its output."""
-    return subprocess.run(
-        [sys.executable, "-m", "sweeps", *arguments],
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        **options,
-    )
+    """A command as a process of its own."""
+    return ran("-m", "sweeps", *arguments, **options)

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from commands import ROOT, WRITES, done, python, said
+from commands import ROOT, WRITES, done, python, ran, said
 
 from sweeps.text.interruption import farewell, half_written, keeping
 from sweeps.text.whole_files import whole_file
@@ -29,10 +29,6 @@ def started(code: str, *arguments: str, cwd: Path) -> subprocess.Popen:
     process = subprocess.Popen(line, cwd=cwd, env=ENVIRONMENT, text=True, **pipes)
     assert process.stdout.readline() == "here\n"
     return process
-
-
-def ran(code: str, cwd: Path) -> subprocess.CompletedProcess:
-    return subprocess.run([sys.executable, "-c", code], env=ENVIRONMENT, cwd=cwd, capture_output=True, text=True)
 
 
 def last_words(process: subprocess.Popen) -> str:
@@ -61,7 +57,7 @@ def test_ignored_signal__stays_ignored(name, tmp_path):
     """As under nohup."""
     code = f"import signal; signal.signal(signal.{name}, signal.SIG_IGN); from sweeps.text.interruption import listen; "
     code += f"listen(); import os; os.kill(os.getpid(), signal.{name}); import time; time.sleep(0.3); print('well')"
-    done = ran(code, tmp_path)
+    done = ran("-c", code, cwd=tmp_path)
     assert (done.returncode, done.stdout, done.stderr) == (0, "well\n", "")
 
 
@@ -69,7 +65,7 @@ def test_ignored_signal__stays_ignored(name, tmp_path):
 def test_signal_while_python_ends__changes_nothing(number, tmp_path):
     code = "import atexit, os, sys, time; sys.argv = ['sweeps', 'list']; from sweeps.__main__ import start; "
     code += f"atexit.register(lambda: (os.kill(os.getpid(), {int(number)}), time.sleep(0.5))); start()"
-    done = ran(code, tmp_path)
+    done = ran("-c", code, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert "crank_press" in done.stdout
 

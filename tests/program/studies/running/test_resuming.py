@@ -10,7 +10,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from commands import ROOT
+from commands import ROOT, ran
 from press_sweeps import DISTINCT, GOOD, SCENE, Stop, contents, many, numbers_in, run, stopping, study_of
 
 from sweeps import SweepResult, read_study, run_study
@@ -287,8 +287,7 @@ print(peak())
 
 def test_many_variants__need_memory_for_a_block_only(tmp_path):
     study_of(tmp_path, many(200_000, head="positions = 720\n"), "big")
-    line = [sys.executable, "-c", MEASURED]
-    child = subprocess.run(line, cwd=tmp_path, env=HERE, capture_output=True, text=True)
+    child = ran("-c", MEASURED, cwd=tmp_path)
     assert child.returncode == 0, child.stderr
     # All rows of reduced moments alone would take 200 000 × 720 × 8 bytes = 1.15 GB.
     assert int(child.stdout) < 1e9
