@@ -83,16 +83,8 @@ def press_numbers(variants, **given):
 
 def press(**asked):
     """The press, cut where its loads set in and end; curves are its inertia (0) and the moment of the loads (1)."""
-    plan = Plan(
-        ends=(FIRST, LAST),
-        curves=2,
-        landmarks=[(LOW, HIGH, LOW_AT, HIGH_AT)],
-        levels=[NEAR, FAR],
-        states=[LOAD],
-        crossings=[(0, NEAR, 0.0), (0, FAR, 0.0)],
-        cuts=[FROM, TO],
-        **asked,
-    )
+    loads = {"levels": [NEAR, FAR], "states": [LOAD], "crossings": [(0, NEAR, 0.0), (0, FAR, 0.0)], "cuts": [FROM, TO]}
+    plan = Plan(ends=(FIRST, LAST), curves=2, landmarks=[(LOW, HIGH, LOW_AT, HIGH_AT)], **loads, **asked)
     return CycleMachine(plan, press_curves, press_events, press_levels, press_states)
 
 

@@ -15,15 +15,8 @@ from sweeps.text.templates import templates
 
 # Files of the wrong kind
 
-WRONG = {
-    "empty": b"",
-    "text.toml": b"title = 'x'",
-    "random": bytes(range(256)),
-    "damaged.h5": b"\x89HDF\r\n\x1a\n" + bytes(100),
-    "folder": None,
-    "nothing": None,
-    "r.h5": None,
-}
+DAMAGED = b"\x89HDF\r\n\x1a\n" + bytes(100)
+WRONG = {"empty": b"", "text.toml": b"title = 'x'", "random": bytes(range(256)), "damaged.h5": DAMAGED}
 KINDS = [
     ("run check plot animate", "empty", "is empty; `sweeps new slider_crank` writes a scene"),
     ("show", "empty", "it is empty, so no result of a sweep"),
@@ -48,8 +41,7 @@ KINDS = [
 def test_file_of_the_wrong_kind__is_refused_in_one_sentence(command, file, words, press_result):
     Path("folder").mkdir()
     for name, content in WRONG.items():
-        if content is not None:
-            Path(name).write_bytes(content)
+        Path(name).write_bytes(content)
     message = refused(command, file)
     assert words in message
     assert f" {file}: " in message or f"{file}, line" in message
@@ -133,8 +125,7 @@ def test_process__keeps_results_and_messages_apart(press_folder):
 
 def test_process_in_a_plain_locale__still_writes_its_signs(press_folder):
     env = {**os.environ, "PYTHONPATH": str(ROOT), "LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONIOENCODING": "ascii"}
-    done = subprocess.run(
-        [sys.executable, "-m", "sweeps", "check", "study.toml"], env=env, capture_output=True, text=True
-    )
+    line = [sys.executable, "-m", "sweeps", "check", "study.toml"]
+    done = subprocess.run(line, env=env, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert "Traceback" not in done.stderr

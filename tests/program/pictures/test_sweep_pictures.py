@@ -35,16 +35,8 @@ def grid_data(shape, failed=(), parameters=("a", "b")):
     arrays |= {"mass": mass, "mass_error": 0.1 * mass, "cost": -(sum(columns) ** 2), "moment": field}
     units = dict.fromkeys(parameters, "m") | {"mass": "kg", "cost": "1", "moment": "N m"}
     names = {"a": "a", "b": "b", "mass": "mass of the wheel", "cost": "cost", "moment": "moment"}
-    return SweepData(
-        arrays,
-        units,
-        names,
-        parameters,
-        ("mass", "cost"),
-        shape,
-        status,
-        {"moment": FieldAxis("phi", "crank angle", "rad", phi)},
-    )
+    axes = {"moment": FieldAxis("phi", "crank angle", "rad", phi)}
+    return SweepData(arrays, units, names, parameters, ("mass", "cost"), shape, status, axes)
 
 
 def test_curves__values_error_band_and_failed_variants():
