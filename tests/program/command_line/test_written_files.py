@@ -8,18 +8,10 @@ from pathlib import Path
 import pytest
 from commands import ROOT, WRITES, done, said
 
-OF_LIBRARIES = {".json": None, ".mat": "scipy", ".parquet": "pyarrow", ".dxf": "ezdxf", ".html": "plotly"}
-
-
-def needs_library(arguments: tuple[str, ...]) -> None:
-    if (library := OF_LIBRARIES.get(Path(arguments[-1]).suffix)) is not None:
-        pytest.importorskip(library)
-
 
 @pytest.mark.parametrize("arguments", WRITES, ids=lambda a: f"{a[0]} {a[-1]}")
 def test_draft__is_created_by_its_writer_alone(arguments, press_folder, monkeypatch):
     """The system's call that creates it fails where there is anything, a link too."""
-    needs_library(arguments)
     opened, real = [], os.open
 
     def noted(path: object, flags: int, *rest: object, **options: object) -> int:
@@ -47,7 +39,6 @@ def test_draft__is_created_by_its_writer_alone(arguments, press_folder, monkeypa
 @pytest.mark.parametrize("arguments", WRITES, ids=lambda a: f"{a[0]} {a[-1]}")
 def test_planted_link__is_not_written_through(arguments, press_folder, monkeypatch):
     """Even where the name of a draft is known beforehand."""
-    needs_library(arguments)
     monkeypatch.setattr("sweeps.text.whole_files.secrets.token_hex", lambda count: "known")
     target, link = press_folder / "target", press_folder / f".known{Path(arguments[-1]).suffix}"
     for content in (None, "precious"):

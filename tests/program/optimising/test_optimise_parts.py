@@ -262,7 +262,6 @@ def test_command__goes_on_where_it_was_interrupted(folder):
 
 
 def test_command__shows_a_front_from_its_first_objective_on(folder):
-    pytest.importorskip("pymoo")
     study_of(folder, TWO.replace("= 40\n", "= 12\n"))
     answer = done("optimise", "study.toml", "--out", "f.h5", "--quiet")
     assert "Chosen from the front:" in answer
@@ -280,7 +279,6 @@ def test_command__shows_a_front_from_its_first_objective_on(folder):
 
 
 def test_picture__shows_the_front_and_its_chosen_machines_to_one_scale(tmp_path):
-    pytest.importorskip("pymoo")
     result = searched(tmp_path, TWO)
     figure = front_picture(result, sweep_data(result, ())[0], tmp_path / "front.svg")
     top, *machines = figure.axes
@@ -296,7 +294,6 @@ def test_picture__shows_the_front_and_its_chosen_machines_to_one_scale(tmp_path)
 
 
 def test_picture_of_an_empty_front__is_refused(tmp_path):
-    pytest.importorskip("pymoo")
     asked = TWO.replace("= 40\n", "= 8\n") + "subject_to = \"ram.stroke < '1 mm'\"\n"
     result = searched(tmp_path, asked)
     assert not front(result).size

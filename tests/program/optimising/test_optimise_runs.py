@@ -34,8 +34,6 @@ def interrupted(study: Study, path: Path) -> None:
 
 @pytest.mark.parametrize("asked", [ONE, TWO.replace("= 40\n", "= 12\n")], ids=["evolution", "NSGA-II"])
 def test_interrupted_search__ends_as_an_uninterrupted_one(asked, tmp_path):
-    if asked is not ONE:
-        pytest.importorskip("pymoo")
     rest = '[tolerances]\n"input.length" = "0.1 mm"\n'
     study = study_of(tmp_path, asked, rest=rest)
     whole = optimise_study(study, tmp_path / "whole.h5")

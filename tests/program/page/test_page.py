@@ -41,8 +41,6 @@ def result(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def page(result):
-    pytest.importorskip("jinja2")
-    pytest.importorskip("plotly")
     done("report", str(result))
     return result.with_suffix(".html")
 
@@ -224,8 +222,6 @@ def planted(data: object) -> object:
 
 
 def test_acting_characters_of_a_foreign_result__are_spelled_out(result, tmp_path, monkeypatch):
-    pytest.importorskip("jinja2")
-    pytest.importorskip("plotly")
     monkeypatch.chdir(tmp_path)
     path = Path(f"foreign{ACTING.replace('/', '')}.h5")
     shutil.copyfile(result, path)

@@ -189,20 +189,16 @@ def test_number__is_si_already(value):
     assert type(to_si(value, "length")) is float
 
 
-@pytest.mark.parametrize("value", [80, "80", " 80 "])
-def test_number_without_unit_in_text__is_refused_with_both_ways_to_write_it(value):
-    with pytest.raises(UnitError, match='write "80 mm", or "80 m" if the SI unit is meant'):
-        in_text(value, "length")
+BOTH = 'write "80 mm", or "80 m" if the SI unit is meant'
+WITHOUT = [(in_text, value, "length", BOTH) for value in (80, "80", " 80 ")]
+WITHOUT += [(in_text, 3.5, "mass", r'^3\.5 has no unit: write "3\.5 kg"$')]
+WITHOUT += [(to_si, "5", "angle", '5 has no unit: write "5 deg", or "5 rad"')]
 
 
-def test_number_without_unit_where_si_is_usual__is_refused_with_one_way_to_write_it():
-    with pytest.raises(UnitError, match=r'^3\.5 has no unit: write "3\.5 kg"$'):
-        in_text(3.5, "mass")
-
-
-def test_text_without_unit__is_refused_by_to_si():
-    with pytest.raises(UnitError, match='5 has no unit: write "5 deg", or "5 rad"'):
-        to_si("5", "angle")
+@pytest.mark.parametrize(("read", "value", "dimension", "message"), WITHOUT)
+def test_number_without_unit__is_refused_with_the_ways_to_write_it(read, value, dimension, message):
+    with pytest.raises(UnitError, match=message):
+        read(value, dimension)
 
 
 @pytest.mark.parametrize("zero", [0, 0.0, "0", "0.0", "-0"])

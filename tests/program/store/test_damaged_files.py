@@ -136,7 +136,6 @@ def test_column_of_another_length_or_type__is_told_by_every_command(kind, press_
 
 @pytest.mark.parametrize("name", ["question", "study", "scene", "scene_text"])
 def test_damaged_text__is_shown_with_a_warning(name, press_result):
-    pytest.importorskip("plotly")
     with h5py.File(press_result, "r+") as file:
         file.attrs[name] = file.attrs[name].replace("a", "b")
     commands = [
