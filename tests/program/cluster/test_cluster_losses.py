@@ -16,7 +16,8 @@ import psutil
 import pytest
 from cluster_jobs import crew_on
 from commands import ROOT
-from press_sweeps import DISTINCT, contents, many, numbers_in, run, study_of
+from long_runs import AGAIN, LONG, blocks_done, start, wait_for_blocks
+from press_sweeps import DISTINCT, contents, numbers_in, run, study_of
 
 from sweeps.run import runner
 from sweeps.run.cluster.cluster_errors import ClusterError, UnfinishedError
@@ -164,9 +165,6 @@ def test_worker_without_the_program__is_told_what_to_install(tmp_path):
 
 # Clients
 
-# Blocks of some ten milliseconds, so that kills fall at all moments.
-LONG = many(500_000)
-
 
 @pytest.fixture(scope="module")
 def uninterrupted(tmp_path_factory):
@@ -175,15 +173,9 @@ def uninterrupted(tmp_path_factory):
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -9), (signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_client_that_ends__leaves_what_goes_on(number, code, uninterrupted, tmp_path):
-    study_of(tmp_path, LONG, "long")
-    arguments = ["run", "long.toml", "--out", "long.h5", "--no-plots", "--quiet", "--cluster", "local:2"]
-    command = [sys.executable, "-m", "sweeps", *arguments]
-    with subprocess.Popen(
-        command, cwd=tmp_path, env=HERE, stderr=subprocess.PIPE, text=True, start_new_session=True
-    ) as process:
-        part = tmp_path / "long.part.h5"
-        while process.poll() is None and not (part.exists() and describe_result(part).blocks_done >= 2):
-            time.sleep(0.005)
+    on_two = ("--cluster", "local:2")
+    with start(tmp_path, *on_two) as process:
+        wait_for_blocks(process, tmp_path, 2)
         workers = psutil.Process(process.pid).children(recursive=True)
         if number == signal.SIGINT:
             # From a terminal it reaches all of them.
@@ -195,7 +187,7 @@ def test_client_that_ends__leaves_what_goes_on(number, code, uninterrupted, tmp_
     assert psutil.wait_procs(workers, timeout=60)[1] == []
     assert process.returncode == code
     if code > 0:
-        assert errors.endswith(f"are done and kept; resume with: sweeps {' '.join(arguments)}\n")
+        assert errors.endswith(f"are done and kept; resume with: sweeps {' '.join(AGAIN + on_two)}\n")
         assert errors.count("\n") == 1
-    assert describe_result(part).blocks_done >= 2
+    assert blocks_done(tmp_path) >= 2
     assert numbers_in(run(tmp_path, LONG, "long")) == uninterrupted

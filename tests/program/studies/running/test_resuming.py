@@ -1,16 +1,14 @@
 """Runs that are interrupted, killed and taken up again; and how much memory they need."""
 
-import os
 import signal
-import subprocess
-import sys
 import time
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-from commands import ROOT, ran
+from commands import ran
+from long_runs import AGAIN, COUNT, LONG, blocks_done, start, wait_for_blocks
 from press_sweeps import DISTINCT, GOOD, SCENE, Stop, contents, many, numbers_in, run, stopping, study_of
 
 from sweeps import SweepResult, read_study, run_study
@@ -195,28 +193,6 @@ def test_file_of_another_version__stands_while_nothing_is_to_be_computed(monkeyp
 
 # Real processes
 
-# Blocks of some ten milliseconds, so that kills fall at all moments.
-
-
-LONG = many(400_000)
-AGAIN = ("run", "long.toml", "--out", "long.h5", "--no-plots", "--quiet")
-HERE = {**os.environ, "PYTHONPATH": str(ROOT)}
-
-
-def start(folder: Path, *options: str) -> subprocess.Popen:
-    line = [sys.executable, "-m", "sweeps", *AGAIN, *options]
-    return subprocess.Popen(line, cwd=folder, env=HERE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-
-
-def blocks_done(folder: Path) -> int:
-    part = folder / "long.part.h5"
-    return describe_result(part).blocks_done if part.exists() else 0
-
-
-def wait_for_blocks(process: subprocess.Popen, folder: Path, count: int) -> None:
-    while process.poll() is None and blocks_done(folder) < count:
-        time.sleep(0.003)
-
 
 @pytest.fixture(scope="module")
 def uninterrupted(tmp_path_factory) -> dict:
@@ -225,7 +201,6 @@ def uninterrupted(tmp_path_factory) -> dict:
 
 
 def test_killed_runs__go_on_to_the_same_bits(uninterrupted, tmp_path):
-    study_of(tmp_path, LONG, "long")
     rng = np.random.default_rng(3)
     done, kills = 0, 0
     for _ in range(3):
@@ -243,21 +218,20 @@ def test_killed_runs__go_on_to_the_same_bits(uninterrupted, tmp_path):
     process = start(tmp_path, "--jobs", "1")
     output, errors = process.communicate()
     assert process.returncode == 0, errors
-    assert "400000 variants" in output
+    assert f"{COUNT} variants" in output
     assert numbers_in(tmp_path / "long.h5") == uninterrupted
     assert [p.name for p in tmp_path.glob("*.h5*")] == ["long.h5"]
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_interrupt__keeps_the_blocks_and_says_how_to_go_on(number, code, uninterrupted, tmp_path):
-    study_of(tmp_path, LONG, "long")
     process = start(tmp_path)
     wait_for_blocks(process, tmp_path, 2)
     process.send_signal(number)
     _, errors = process.communicate()
     assert process.returncode == code
     assert errors.startswith("Interrupted: ")
-    assert errors.endswith(f" of 400000 variants are done and kept; resume with: sweeps {' '.join(AGAIN)}\n")
+    assert errors.endswith(f" of {COUNT} variants are done and kept; resume with: sweeps {' '.join(AGAIN)}\n")
     assert errors.count("\n") == 1
     assert blocks_done(tmp_path) >= 2
     calls: list[tuple[int, int]] = []
