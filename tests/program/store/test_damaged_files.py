@@ -56,16 +56,11 @@ def test_flipped_byte__is_noticed_or_harmless(tmp_path):
     assert unseen > 3
 
 
-def change_number(file: h5py.File) -> None:
-    file["ram.stroke"][1] += 1e-3
-
-
-def change_text(file: h5py.File) -> None:
-    file.attrs["question"] = "What?"
-
-
-def change_unit(file: h5py.File) -> None:
-    file["ram.stroke"].attrs["units"] = "mm"
+CONTENTS = {
+    "a number": lambda file: file["ram.stroke"].write_direct(np.array([1e-3]), dest_sel=np.s_[1:2]),
+    "a text": lambda file: file.attrs.update(question="What?"),
+    "a unit": lambda file: file["ram.stroke"].attrs.update(units="mm"),
+}
 
 
 def replaced(values: object, name: str = "ram.stroke") -> object:
@@ -87,7 +82,7 @@ SHAPES = {
     "longer": replaced(np.zeros(9)),
     "shorter": replaced(np.zeros(7)),
     "empty": replaced(np.zeros(0)),
-    "a number": replaced(1.0),
+    "a scalar": replaced(1.0),
     "a table": replaced(np.zeros((8, 2))),
     "of other numbers": replaced(np.zeros(8, np.float32)),
     "of other bytes": replaced(np.zeros(8, ">f8")),
@@ -96,17 +91,16 @@ SHAPES = {
 }
 
 
-@pytest.mark.parametrize("change", [change_number, change_text, change_unit, *SHAPES.values()])
+@pytest.mark.parametrize("change", [*CONTENTS, *SHAPES])
 def test_dataset_of_a_damaged_file__is_refused_unless_unchecked(change, press_result):
-    before = sweeps.read(press_result)
-    assert before.sizes["variant"] == 8
-    before.close()
+    with sweeps.read(press_result) as before:
+        assert before.sizes["variant"] == 8
     with h5py.File(press_result, "r+") as file:
-        change(file)
+        (CONTENTS | SHAPES)[change](file)
     for grid in (False, True):
         with pytest.raises(DamagedError, match="is damaged"):
             sweeps.read(press_result, grid=grid)
-    if change in (change_number, change_text, change_unit):
+    if change in CONTENTS:
         with sweeps.read(press_result, check=False) as data:
             assert data.sizes["variant"] == 8
 
@@ -115,17 +109,9 @@ def test_dataset_of_a_damaged_file__is_refused_unless_unchecked(change, press_re
 def test_column_of_another_length_or_type__is_told_by_every_command(kind, press_result):
     with h5py.File(press_result, "r+") as file:
         SHAPES[kind](file)
-    commands = [
-        ("verify", press_result),
-        ("show", press_result),
-        ("show", press_result, "--where", "ram.stroke > '1 mm'"),
-        ("plot", press_result),
-        ("report", press_result),
-        ("export", press_result, "--to", "o.csv"),
-        ("compare", press_result, press_result),
-    ]
-    for command in commands:
-        message = refused(*command)
+    more = ("export r.h5 --to o.csv", "compare r.h5 r.h5", "show r.h5 --where ram.stroke>'1mm'")
+    for command in ("verify r.h5", "show r.h5", "plot r.h5", "report r.h5", *more):
+        message = refused(*command.split())
         assert "hasn't the length or type that it was made with" in message
         assert message.count("\n") == 1
     # Its study, run again, makes it whole.
@@ -138,15 +124,9 @@ def test_column_of_another_length_or_type__is_told_by_every_command(kind, press_
 def test_damaged_text__is_shown_with_a_warning(name, press_result):
     with h5py.File(press_result, "r+") as file:
         file.attrs[name] = file.attrs[name].replace("a", "b")
-    commands = [
-        ("show", press_result),
-        ("plot", press_result, "--out", "o.svg"),
-        ("report", press_result, "--out", "o.html"),
-        ("export", press_result, "--to", "o.csv"),
-        ("export", press_result, "--variant", "0", "--to", "o.toml", "--overwrite"),
-    ]
-    for command in commands:
-        answer = said(*command)
+    exports = ("export r.h5 --to o.csv", "export r.h5 --variant 0 --to o.toml --overwrite")
+    for command in ("show r.h5", "plot r.h5 --out o.svg", "report r.h5 --out o.html", *exports):
+        answer = said(*command.split())
         assert f"Warning: {press_result}: its {name} isn't as it was written\n" in answer.stderr, command
     assert f"its {name} isn&#39;t as it was written" in Path("o.html").read_text("utf8")
 
