@@ -129,9 +129,8 @@ def test_variants_computed_together__are_fewer_where_motion_is_asked(folder):
     assert most_at_once(still, still.machine()) > 30_000
     # A longer block is computed in parts.
     cuts = (34_000, 34_000 + MOST_AT_ONCE_IN_MOTION, 34_005 + MOST_AT_ONCE_IN_MOTION)
-    whole, *parts = (
-        evaluate_block(moving, moving.machine(), slice(cuts[a], cuts[b])) for a, b in ((0, 2), (0, 1), (1, 2))
-    )
+    pieces = (slice(cuts[a], cuts[b]) for a, b in ((0, 2), (0, 1), (1, 2)))
+    whole, *parts = (evaluate_block(moving, moving.machine(), piece) for piece in pieces)
     for name, column in whole.items():
         np.testing.assert_array_equal(column, np.concatenate([part[name] for part in parts]), name)
 
@@ -142,15 +141,10 @@ def test_variants_computed_together__are_fewer_where_motion_is_asked(folder):
 def test_run_of_a_scene__groups_its_answers_by_regime(folder):
     text = said("run", "press.toml", "--no-plots").stdout
     heads = [line for line in text.splitlines() if line and not line.startswith(" ")]
-    assert [line.partition(":")[0] for line in heads] == [
-        "Crank press",
-        "1  ok",
-        "cycle at 60 rpm, driven by a constant moment, everything acting but brakes",
-        "start",
-        "work",
-        "stop",
-        "Files (" + heads[-1].partition("(")[2].partition(":")[0],
-    ]
+    cycle = "cycle at 60 rpm, driven by a constant moment, everything acting but brakes"
+    before = ["Crank press", "1  ok", cycle, "start", "work", "stop"]
+    assert [line.partition(":")[0] for line in heads[:-1]] == before
+    assert heads[-1].startswith("Files (")
     rows = [line.split()[0] for line in indented_under(text, "work: ")]
     assert rows[0] == "work.mean_speed"
     assert {"work.speed_fluctuation", "work.efficiency", "work.motor_moment_rms", "work.multiplier"} <= set(rows)
@@ -160,13 +154,8 @@ def test_run_of_a_scene__groups_its_answers_by_regime(folder):
 
 def test_run__draws_the_history_and_the_steady_cycle(folder):
     files = said("run", "press.toml").stdout.split("Files")[1].split()
-    assert [Path(f).name for f in files if "press" in f] == [
-        "press.h5",
-        "press.png",
-        "press_diagrams.png",
-        "press_history.png",
-        "press_work.png",
-    ]
+    names = "press.h5 press.png press_diagrams.png press_history.png press_work.png"
+    assert [Path(f).name for f in files if "press" in f] == names.split()
 
 
 # Name | what stands in the scene | what stands there instead | verdict | regime | words of its reason and of the mend.
