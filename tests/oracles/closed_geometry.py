@@ -36,11 +36,8 @@ def parts(*vectors):
 
 
 def near(value, reference, tolerance):
-    assert abs(mpf(value) - reference) <= tolerance + NOISE, (
-        value,
-        mpmath.nstr(reference, 20),
-        mpmath.nstr(tolerance, 3),
-    )
+    told = value, mpmath.nstr(reference, 20), mpmath.nstr(tolerance, 3)
+    assert abs(mpf(value) - reference) <= tolerance + NOISE, told
 
 
 class Path:

@@ -89,7 +89,7 @@ CASES = {
     "a million revolutions a minute backwards": {"w": -1e5},
     "fluctuation of 1e-8": {"d": 1e-8},
     "fluctuation of 1.9": {"d": 1.9},
-    "micrometres, 1e-12 kg, 1e5 rad/s": {
+    "micrometres, 1e-12 kg, 1e5 1/s": {
         "r": 1e-6,
         "l": 4e-6,
         "e": 1e-7,

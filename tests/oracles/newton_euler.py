@@ -9,11 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 from oracle import REAL, Motion, Pose
-from oracle_dynamics import _characteristic, _pump_force, body_of
+from oracle_dynamics import _pump_force, body_of, force_at, moment_on, pull_of
 from scipy.linalg import lu_factor, lu_solve
 
-from engine import Scene
-from engine.parts.skeleton import FRAME, CrankInput, Sliding, Yoke
+from engine import FRAME, CrankInput, Scene, Sliding, Yoke
 
 
 class Unknown(NamedTuple):
@@ -75,34 +74,15 @@ def external(motion: Motion, speed: float | np.ndarray | None = None) -> tuple[B
         place = tuple(part.v for part in motion.links[body.link].point(x, y))
         outside.push(body.link, place, 0 * motion.q, 0 * motion.q - mass * scene.gravity)
     for force in scene.forces.values():
-        x, y = motion.points[force.on]
-        if force.angle is None:
-            v = np.sqrt(x.d**2 + y.d**2)
-            c, s, v = x.d / v, y.d / v, abs(speed) * v
-            sign = np.sign(speed)
-            value = _characteristic(force, motion, speed, v) * sign
-        else:
-            way = Pose(0, 0, motion.links[force.turns_with].theta + force.angle)
-            c, s = way.c.v, way.s.v
-            value = _characteristic(force, motion, speed, speed * (c * x.d + s * y.d))
-        outside.push(holder(scene, force.on), _at(motion, force.on), value * c, value * s)
+        outside.push(holder(scene, force.on), _at(motion, force.on), *force_at(force, motion, speed))
     for moment in scene.moments.values():
-        theta = motion.links[moment.on].theta
+        value = moment_on(moment, motion, speed)
+        (inside if moment.type == "torsion_spring" else outside).twist(moment.on, value)
         if moment.type == "torsion_spring":
-            angle = np.angle(np.exp(1j * theta.v.astype(float)))
-            value = -moment.stiffness * (angle - moment.free_angle)
-            inside.twist(moment.on, value)
             inside.twist(FRAME, -value)
-        else:
-            outside.twist(moment.on, _characteristic(moment, motion, speed, speed * theta.d))
     for spring in scene.springs.values():
-        (ax, ay), (bx, by) = (motion.points[end] for end in spring.between)
-        ex, ey = bx - ax, by - ay
-        length = np.hypot(ex.v, ey.v)
-        rate = speed * (ex.v * ex.d + ey.v * ey.d) / length
-        pull = spring.stiffness * (length - spring.free_length) + spring.damping * rate
         for end, sign in zip(spring.between, (1, -1), strict=True):
-            inside.push(holder(scene, end), _at(motion, end), pull * ex.v / length, pull * ey.v / length, sign)
+            inside.push(holder(scene, end), _at(motion, end), *pull_of(spring, motion, speed), sign)
     for cylinder in scene.cylinders.values():
         slider = motion.links[cylinder.piston]
         value = _pump_force(cylinder, speed * motion.slides[cylinder.piston].d)

@@ -14,8 +14,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from engine import Scene
-from engine.parts.skeleton import FRAME, CrankInput, Sliding, Yoke
+from engine import FRAME, CrankInput, Scene, Sliding, Yoke
 
 REAL = np.longdouble
 EPS = float(np.finfo(float).eps)
@@ -33,11 +32,7 @@ class Jet:
 
     def __mul__(self, other):
         o = jet(other)
-        return Jet(
-            self.v * o.v,
-            self.d * o.v + self.v * o.d,
-            self.dd * o.v + 2 * self.d * o.d + self.v * o.dd,
-        )
+        return Jet(self.v * o.v, self.d * o.v + self.v * o.d, self.dd * o.v + 2 * self.d * o.d + self.v * o.dd)
 
     def __neg__(self):
         return self * -1
@@ -50,10 +45,7 @@ class Jet:
     def turned(self):
         """Cosine and sine of an angle."""
         c, s = np.cos(self.v), np.sin(self.v)
-        return (
-            Jet(c, -s * self.d, -s * self.dd - c * self.d**2),
-            Jet(s, c * self.d, c * self.dd - s * self.d**2),
-        )
+        return Jet(c, -s * self.d, -s * self.dd - c * self.d**2), Jet(s, c * self.d, c * self.dd - s * self.d**2)
 
 
 def jet(x):

@@ -141,32 +141,51 @@ def stroke(scene: Scene, slider: str) -> tuple[float, float]:
     return ends[0], ends[1]
 
 
+def force_at(force: object, motion: Motion, speed: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Parts of a force along the frame's axes."""
+    x, y = motion.points[force.on]
+    if force.angle is None:
+        v = np.sqrt(x.d**2 + y.d**2)
+        value = _characteristic(force, motion, speed, abs(speed) * v) * np.sign(speed)
+        return value * x.d / v, value * y.d / v
+    way = Pose(0, 0, motion.links[force.turns_with].theta + force.angle)
+    value = _characteristic(force, motion, speed, speed * (way.c.v * x.d + way.s.v * y.d))
+    return value * way.c.v, value * way.s.v
+
+
+def moment_on(moment: object, motion: Motion, speed: float | np.ndarray) -> np.ndarray:
+    theta = motion.links[moment.on].theta
+    if moment.type == "torsion_spring":
+        return -moment.stiffness * (np.angle(np.exp(1j * theta.v.astype(float))) - moment.free_angle)
+    return _characteristic(moment, motion, speed, speed * theta.d)
+
+
+def pull_of(spring: object, motion: Motion, speed: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What a spring pulls its first end with, along the frame's axes."""
+    (ax, ay), (bx, by) = (motion.points[end] for end in spring.between)
+    ex, ey = bx - ax, by - ay
+    length = np.hypot(ex.v, ey.v)
+    rate = speed * (ex.v * ex.d + ey.v * ey.d) / length
+    pull = spring.stiffness * (length - spring.free_length) + spring.damping * rate
+    return pull * ex.v / length, pull * ey.v / length
+
+
 def moments(motion: Motion) -> dict[str, np.ndarray]:
     """Reduced moment of every action (no motors) and of gravity, by its name: power over input speed."""
     scene, found = motion.scene, {}
     speed = scene.input.speed
+
+    def power(point: str, fx: np.ndarray, fy: np.ndarray) -> np.ndarray:
+        x, y = motion.points[point]
+        return fx * x.d + fy * y.d
+
     for name, force in scene.forces.items():
-        x, y = motion.points[force.on]
-        if force.angle is None:
-            v = abs(speed) * np.sqrt(x.d**2 + y.d**2)
-        else:
-            direction = Pose(0, 0, motion.links[force.turns_with].theta + force.angle)
-            v = speed * (direction.c.v * x.d + direction.s.v * y.d)
-        found[name] = _characteristic(force, motion, speed, v) * v / speed
+        found[name] = power(force.on, *force_at(force, motion, speed))
     for name, moment in scene.moments.items():
-        theta = motion.links[moment.on].theta
-        if moment.type == "torsion_spring":
-            angle = np.angle(np.exp(1j * theta.v.astype(float)))
-            found[name] = -moment.stiffness * (angle - moment.free_angle) * theta.d
-        else:
-            found[name] = _characteristic(moment, motion, speed, speed * theta.d) * theta.d
+        found[name] = moment_on(moment, motion, speed) * motion.links[moment.on].theta.d
     for name, spring in scene.springs.items():
-        (ax, ay), (bx, by) = (motion.points[end] for end in spring.between)
-        ex, ey = bx - ax, by - ay
-        length = np.hypot(ex.v, ey.v)
-        rate = (ex.v * ex.d + ey.v * ey.d) / length
-        pull = spring.stiffness * (length - spring.free_length) + spring.damping * speed * rate
-        found[name] = -pull * rate
+        first, second = (power(end, *pull_of(spring, motion, speed)) for end in spring.between)
+        found[name] = first - second
     for name, cylinder in scene.cylinders.items():
         v = motion.slides[cylinder.piston].d
         found[name] = _pump_force(cylinder, speed * v) * v

@@ -6,9 +6,7 @@ import math
 def _gas_length(travel: float, stroke: float, clearance: float) -> float:
     """Gas volume over piston area [m]."""
     # Rounding puts the dead centre at a travel just below 0; without clearance the volume would be negative.
-    if travel < 0.0:
-        return clearance * stroke
-    return travel + clearance * stroke
+    return max(travel, 0.0) + clearance * stroke
 
 
 def _polytropic(pressure: float, before: float, after: float, exponent: float) -> float:
@@ -17,22 +15,10 @@ def _polytropic(pressure: float, before: float, after: float, exponent: float) -
 
 
 def _compressor_compression(length: float, most: float, suction: float, discharge: float, exponent: float) -> float:
-    pressure = _polytropic(suction, most, length, exponent)
-    if pressure > discharge:
-        return discharge
-    return pressure
+    return min(_polytropic(suction, most, length, exponent), discharge)
 
 
-def polytropic_compressor(
-    travel: float,
-    stroke: float,
-    clearance: float,
-    toward_head: bool,
-    suction: float,
-    discharge: float,
-    n_compression: float,
-    n_expansion: float,
-) -> float:
+def polytropic_compressor(travel, stroke, clearance, toward_head, suction, discharge, n_compression, n_expansion):
     """Pressure in a compressor cylinder with polytropic compression and re-expansion.
 
     Toward the head p = suction · (V_max/V)^n until the discharge valve opens; away from it the gas left in
@@ -68,10 +54,7 @@ def polytropic_compressor(
         # Without clearance no gas is left that could expand.
         return suction
     reached = _compressor_compression(least, most, suction, discharge, n_compression)
-    pressure = _polytropic(reached, least, length, n_expansion)
-    if pressure < suction:
-        return suction
-    return pressure
+    return max(_polytropic(reached, least, length, n_expansion), suction)
 
 
 def pump(toward_head: bool, suction: float, discharge: float) -> float:
@@ -89,22 +72,10 @@ def pump(toward_head: bool, suction: float, discharge: float) -> float:
     float
         Pressure [Pa].
     """
-    if toward_head:
-        return discharge
-    return suction
+    return discharge if toward_head else suction
 
 
-def four_stroke_engine(
-    travel: float,
-    stroke: float,
-    clearance: float,
-    stroke_number: int,
-    intake: float,
-    exhaust: float,
-    peak: float,
-    n_compression: float,
-    n_expansion: float,
-) -> float:
+def four_stroke_engine(travel, stroke, clearance, stroke_number, intake, exhaust, peak, n_compression, n_expansion):
     """Pressure in a four-stroke engine with combustion at constant volume (Otto cycle).
 
     Parameters
@@ -139,17 +110,8 @@ def four_stroke_engine(
 
 
 def two_stroke_engine(
-    travel: float,
-    stroke: float,
-    clearance: float,
-    stroke_number: int,
-    intake: float,
-    exhaust: float,
-    peak: float,
-    n_compression: float,
-    n_expansion: float,
-    port: float,
-) -> float:
+    travel, stroke, clearance, stroke_number, intake, exhaust, peak, n_compression, n_expansion, port
+):
     """Pressure in a two-stroke engine whose ports the piston opens and closes.
 
     The cylinder is at exhaust pressure while the ports are open, and charged to intake pressure when they

@@ -4,8 +4,6 @@ import ast
 import hashlib
 import os
 import pickle
-import platform
-import re
 import shutil
 import subprocess
 import sys
@@ -16,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numba import types
+from packed import assert_packed
 
 from engine.compiling import kept_code, printed, sources
 from engine.compiling.decorators import driver
@@ -31,13 +30,19 @@ ROOT = Path(__file__).parents[3]
 POSITIONS = 48
 
 
+def forget() -> None:
+    """As if the process had been started anew."""
+    for known in (printed._load, kept_code._say_once, kept_code.folder_of):
+        known.cache_clear()
+
+
 @pytest.fixture
 def fresh_cache(tmp_path, monkeypatch) -> Path:
     """An empty cache of this test's own."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    printed._load.cache_clear()
+    forget()
     yield tmp_path / "machine-sweeps"
-    printed._load.cache_clear()
+    forget()
 
 
 def coupler(title: str = "A coupler.") -> tuple[object, list, str]:
@@ -68,24 +73,6 @@ def assert_right(title: str = "A coupler.") -> None:
     np.testing.assert_allclose(np.hypot(x - 0.22, y - 0.01), 0.15, rtol=1e-14)
 
 
-# Packed square roots and divisions of float64, by the machine's architecture.
-_X86 = (r"\bv?sqrtpd\b", r"\bv?divpd\b")
-PACKED = {
-    "x86_64": _X86,
-    "AMD64": _X86,
-    "aarch64": (r"\bfsqrt\W+v\d+\.2d", r"\bfdiv\W+v\d+\.2d"),
-    "arm64": (r"\bfsqrt\.2d", r"\bfdiv\.2d"),
-}
-
-
-def assert_packed(function: object) -> None:
-    assembly = "\n".join(function.inspect_asm().values())
-    # Elsewhere it is enough that there is machine code at all.
-    for pattern in PACKED.get(platform.machine(), (r"\S",)):
-        assert re.search(pattern, assembly), pattern
-    assert not re.search(r"\bcall\w*\s+\W*(sin|cos|atan2?)\b", assembly)
-
-
 @pytest.mark.parametrize("dtype", ["float64", "float32"])
 @pytest.mark.parametrize("many", [1, 6], ids=["rows one by one", "rows together"])
 def test_fields__are_filled_by_packed_instructions(dtype, many, fresh_cache):
@@ -93,11 +80,11 @@ def test_fields__are_filled_by_packed_instructions(dtype, many, fresh_cache):
     # With more rows than the compiler tells apart.
     nodes = [x, y, *(x * (2.0 + i) + y for i in range(many - 1))]
     module = load_printed(field_function("Rows.", nodes, functions.rows, np.dtype(dtype)))
-    assert_packed(module.fields)
+    assert_packed(module.fields, 1, ("root", "quotient"))
 
 
 def test_tiles__are_filled_by_packed_instructions(fresh_cache):
-    assert_packed(load_printed(coupler()[0].text).curves)
+    assert_packed(load_printed(coupler()[0].text).curves, 1, ("root", "quotient"))
 
 
 def test_tile__is_the_same_to_the_last_bit_in_every_lane_and_at_every_position(fresh_cache):
@@ -136,7 +123,7 @@ def test_broken_cache__is_recovered(kind, left, fresh_cache):
         half = content[: len(content) // 2]
         path.write_bytes({"none": b"", "half": half, "rubbish": b"\x07rubbish" * 9, "one bit": bytes(changed)}[left])
     for _ in range(2):
-        printed._load.cache_clear()
+        forget()
         assert_right()
     for path in spoilt:
         assert hashlib.sha256(path.read_bytes()[32:]).digest() == path.read_bytes()[:32]
@@ -166,11 +153,10 @@ def test_cache_that_cannot_be_made__is_done_without(variable, tmp_path, monkeypa
     monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
     (tmp_path / "file").write_text("")
     monkeypatch.setenv(variable, str(tmp_path / "file"))
-    printed._load.cache_clear()
-    kept_code._say_once.cache_clear()
+    forget()
     assert kept_code.cache_folder() is None
     assert_right()
-    printed._load.cache_clear()
+    forget()
     (record,) = caplog.records
     assert "Machine code is compiled in every run: no cache" in record.getMessage()
     assert list(tmp_path.iterdir()) == [tmp_path / "file"]
@@ -180,8 +166,7 @@ def test_cache_that_others_may_write_to__is_not_believed(fresh_cache, caplog):
     assert_right()
     before = sorted(fresh_cache.rglob("*"))
     fresh_cache.chmod(0o770)
-    kept_code._say_once.cache_clear()
-    printed._load.cache_clear()
+    forget()
     assert kept_code.cache_folder() is None
     assert_right("Another coupler.")
     assert sorted(fresh_cache.rglob("*")) == before
@@ -206,8 +191,7 @@ def test_entry_that_others_may_have_written__is_neither_unpickled_nor_run(where,
     for path in entries:
         path.write_bytes(hashlib.sha256(payload).digest() + payload)
         (path if where == "entry" else path.parent).chmod(0o770)
-    printed._load.cache_clear()
-    kept_code.folder_of.cache_clear()
+    forget()
     assert_right()
     assert not (fresh_cache.parent / "mark").exists()
     # Made again, for the user alone.
@@ -219,7 +203,7 @@ def test_full_disk_under_the_cache__is_said_once_and_nothing_left(fresh_cache, m
     def full(self: object, path: str) -> None:
         raise OSError(28, "No space left on device")
 
-    kept_code._say_once.cache_clear()
+    forget()
     monkeypatch.setattr(kept_code._VerifiedFiles, "_open_for_write", full)
     assert_right()
     assert [path for path in fresh_cache.rglob("*") if path.is_file()] == []
@@ -230,9 +214,7 @@ def test_full_disk_under_the_cache__is_said_once_and_nothing_left(fresh_cache, m
 def test_warm_cache_that_cannot_be_written__is_read_and_left_as_it_is(fresh_cache, monkeypatch, caplog):
     assert_right()
     before = {path: path.stat() for path in sorted(fresh_cache.rglob("*")) if path.is_file()}
-    kept_code._say_once.cache_clear()
-    kept_code.folder_of.cache_clear()
-    printed._load.cache_clear()
+    forget()
 
     def refused(*arguments: object, **options: object) -> None:
         raise OSError(30, "Read-only file system")
@@ -244,14 +226,14 @@ def test_warm_cache_that_cannot_be_written__is_read_and_left_as_it_is(fresh_cach
     assert_right()
     assert caplog.records == []
     assert {path: path.stat() for path in sorted(fresh_cache.rglob("*")) if path.is_file()}.keys() == before.keys()
-    kept_code.folder_of.cache_clear()
+    forget()
 
 
 # Other processes. A law called by what is printed, in a file of its own, is what a compiler's cache overlooks.
 
 CHILD = """
 import sys
-sys.path.insert(1, sys.argv[1])
+sys.path[1:1] = sys.argv[1:]
 from test_printed import coupler, coupler_rows
 functions, _, text = coupler()
 print(coupler_rows(text, functions).tobytes().hex())
@@ -261,7 +243,7 @@ print(coupler_rows(text, functions).tobytes().hex())
 def child(engine_in: Path, cache: Path) -> np.ndarray:
     """Rows that a process computes with the engine in a folder."""
     done = subprocess.run(
-        [sys.executable, "-c", CHILD, str(Path(__file__).parent)],
+        [sys.executable, "-c", CHILD, str(Path(__file__).parent), str(ROOT / "tests" / "oracles")],
         env={**os.environ, "PYTHONPATH": str(engine_in), "XDG_CACHE_HOME": str(cache)},
         cwd=engine_in,
         capture_output=True,

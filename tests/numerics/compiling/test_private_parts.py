@@ -13,37 +13,22 @@ from numba import types
 
 # Module, class or function, its attributes: those overridden and those called.
 PARTS = {
-    "code that becomes part of its callers' (decorators)": (
-        "numba.core.codegen",
-        "JITCodeLibrary",
-        *("_optimize_final_module", "_finalize_final_module", "_finalize_dynamic_globals"),
-        *("_verify_declare_only_symbols", "get_pointer_to_function", "codegen"),
-    ),
-    "passes with other flags (decorators)": ("numba.core.compiler", "Compiler", "define_pipelines"),
-    "arrays that don't overlap (decorators)": ("numba.core.compiler", "Flags", "noalias"),
-    "folder of machine code (kept_code)": (
-        "numba.core.caching",
-        "_CacheLocator",
-        *("from_function", "ensure_cache_path", "get_cache_path", "get_source_stamp", "get_disambiguator"),
-    ),
-    "cache of a function (kept_code)": ("numba.core.caching", "FunctionCache", "_impl_class", "cache_path"),
-    "entries of the cache (kept_code)": (
-        "numba.core.caching",
-        "CompileResultCacheImpl",
-        *("_locator_classes", "filename_base"),
-    ),
-    "files with a digest (kept_code)": (
-        "numba.core.caching",
-        "IndexDataCacheFile",
-        *("save", "load", "_load_index", "_load_data", "_save_index", "_save_data"),
-        *("_index_path", "_data_path", "_open_for_write"),
-    ),
-    "bytes of machine code (kept_code)": ("numba.core.serialize", "dumps"),
-    "signatures (tiles)": ("numba.core.typing", "Signature"),
-    "items of memory, their types (memory)": ("numba.core.typing.templates", "AbstractTemplate", "generic"),
-    "items of memory, registered (memory)": ("numba.core.typing.templates", "infer_global"),
-    "items of memory, signature (memory)": ("numba.core.typing.templates", "signature"),
-    "items of memory, several indices (memory)": ("numba.core.cgutils", "unpack_tuple"),
+    "code that becomes part of its callers' (decorators)": """numba.core.codegen JITCodeLibrary _optimize_final_module
+    _finalize_final_module _finalize_dynamic_globals _verify_declare_only_symbols get_pointer_to_function codegen""",
+    "passes with other flags (decorators)": "numba.core.compiler Compiler define_pipelines",
+    "arrays that don't overlap (decorators)": "numba.core.compiler Flags noalias",
+    "folder of machine code (kept_code)": """numba.core.caching _CacheLocator from_function ensure_cache_path
+    get_cache_path get_source_stamp get_disambiguator""",
+    "cache of a function (kept_code)": "numba.core.caching FunctionCache _impl_class cache_path",
+    "entries of the cache (kept_code)": "numba.core.caching CompileResultCacheImpl _locator_classes filename_base",
+    "files with a digest (kept_code)": """numba.core.caching IndexDataCacheFile save load _load_index _load_data
+    _save_index _save_data _index_path _data_path _open_for_write""",
+    "bytes of machine code (kept_code)": "numba.core.serialize dumps",
+    "signatures (tiles)": "numba.core.typing Signature",
+    "items of memory, their types (memory)": "numba.core.typing.templates AbstractTemplate generic",
+    "items of memory, registered (memory)": "numba.core.typing.templates infer_global",
+    "items of memory, signature (memory)": "numba.core.typing.templates signature",
+    "items of memory, several indices (memory)": "numba.core.cgutils unpack_tuple",
 }
 # Set in constructors, so that a class doesn't show them.
 BY_INSTANCES = {"_index_path", "generic"}
@@ -51,7 +36,7 @@ BY_INSTANCES = {"_index_path", "generic"}
 
 @pytest.mark.parametrize("use", PARTS)
 def test_private_part__is_still_there(use):
-    module, name, *attributes = PARTS[use]
+    module, name, *attributes = PARTS[use].split()
     part = getattr(importlib.import_module(module), name, None)
     assert part is not None, f"{use}: Numba {numba.__version__} has no {module}.{name}"
     missing = [a for a in attributes if a not in BY_INSTANCES and not hasattr(part, a)]

@@ -23,51 +23,51 @@ NUMBERS = 22
 COMPILED = {**TILE_OPTIONS, "cache": False}
 
 
-@njit(TILE_SIGNATURE, **COMPILED)
-def press_events(P, T, q, cos_q, sin_q, tile):
-    count, room = q.shape[0], tile.shape[1]
-    P, cos_q, sin_q, tile = in_lanes(P), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
-    for i in range(count):
-        for lane in range(LANES):
-            r, length, c, s = P[CRANK, lane], P[ROD, lane], cos_q[i, lane], sin_q[i, lane]
-            y = r * s - P[OFFSET, lane]
-            root = math.sqrt(length * length - y * y)
-            tile[i, lane], tile[room + i, lane] = r * c + root, -r * s - y * r * c / root
+def at_positions(law):
+    """A function that fills a tile by a law: what its curves are in a lane at a position."""
+    law = njit(error_model="numpy", fastmath=TILE_OPTIONS["fastmath"])(law)
+
+    @njit(TILE_SIGNATURE, **COMPILED)
+    def filled(P, T, q, cos_q, sin_q, tile):
+        count, room = q.shape[0], tile.shape[1]
+        P, q, cos_q, sin_q, tile = in_lanes(P), in_lanes(q), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
+        for i in range(count):
+            for lane in range(LANES):
+                law(P, lane, q[i, lane], cos_q[i, lane], sin_q[i, lane], tile, i, room)
+
+    return filled
 
 
-@njit(TILE_SIGNATURE, **COMPILED)
-def press_levels(P, T, q, cos_q, sin_q, tile):
-    P, tile = in_lanes(P), in_lanes(tile)
-    for lane in range(LANES):
-        stroke = P[HIGH, lane] - P[LOW, lane]
-        tile[0, lane] = P[LOW, lane] + P[NEAR_SHARE, lane] * stroke
-        tile[1, lane] = P[LOW, lane] + P[FAR_SHARE, lane] * stroke
+@at_positions
+def press_events(P, lane, q, c, s, tile, i, room):
+    r, length, y = P[CRANK, lane], P[ROD, lane], P[CRANK, lane] * s - P[OFFSET, lane]
+    root = math.sqrt(length * length - y * y)
+    tile[i, lane], tile[room + i, lane] = r * c + root, -r * s - y * r * c / root
 
 
-@njit(TILE_SIGNATURE, **COMPILED)
-def press_states(P, T, q, cos_q, sin_q, tile):
-    P, q, cos_q, sin_q, tile = in_lanes(P), in_lanes(q), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
-    for lane in range(LANES):
-        r, length, c, s = P[CRANK, lane], P[ROD, lane], cos_q[0, lane], sin_q[0, lane]
-        y = r * s - P[OFFSET, lane]
-        root = math.sqrt(length * length - y * y)
-        place, rate = r * c + root, -r * s - y * r * c / root
-        on_stroke = (place > P[NEAR, lane]) & (place < P[FAR, lane]) & (rate < 0.0)
-        on_input = (q[0, lane] > P[FROM, lane]) & (q[0, lane] < P[TO, lane])
-        tile[0, lane] = (P[FORCE, lane] if on_stroke else 0.0) + (P[OTHER_FORCE, lane] if on_input else 0.0)
+@at_positions
+def press_levels(P, lane, q, c, s, tile, i, room):
+    stroke = P[HIGH, lane] - P[LOW, lane]
+    tile[0, lane] = P[LOW, lane] + P[NEAR_SHARE, lane] * stroke
+    tile[1, lane] = P[LOW, lane] + P[FAR_SHARE, lane] * stroke
 
 
-@njit(TILE_SIGNATURE, **COMPILED)
-def press_curves(P, T, q, cos_q, sin_q, tile):
-    count, room = q.shape[0], tile.shape[1]
-    P, cos_q, sin_q, tile = in_lanes(P), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
-    for i in range(count):
-        for lane in range(LANES):
-            r, length, c, s = P[CRANK, lane], P[ROD, lane], cos_q[i, lane], sin_q[i, lane]
-            y = r * s - P[OFFSET, lane]
-            rate = -r * s - y * r * c / math.sqrt(length * length - y * y)
-            tile[i, lane] = P[INERTIA, lane] + P[MASS, lane] * rate * rate
-            tile[room + i, lane] = P[LOAD, lane] * rate
+@at_positions
+def press_states(P, lane, q, c, s, tile, i, room):
+    r, length, y = P[CRANK, lane], P[ROD, lane], P[CRANK, lane] * s - P[OFFSET, lane]
+    root = math.sqrt(length * length - y * y)
+    place, rate = r * c + root, -r * s - y * r * c / root
+    on_stroke = (place > P[NEAR, lane]) & (place < P[FAR, lane]) & (rate < 0.0)
+    on_input = (q > P[FROM, lane]) & (q < P[TO, lane])
+    tile[0, lane] = (P[FORCE, lane] if on_stroke else 0.0) + (P[OTHER_FORCE, lane] if on_input else 0.0)
+
+
+@at_positions
+def press_curves(P, lane, q, c, s, tile, i, room):
+    r, length, y = P[CRANK, lane], P[ROD, lane], P[CRANK, lane] * s - P[OFFSET, lane]
+    rate = -r * s - y * r * c / math.sqrt(length * length - y * y)
+    tile[i, lane] = P[INERTIA, lane] + P[MASS, lane] * rate * rate
+    tile[room + i, lane] = P[LOAD, lane] * rate
 
 
 def press_numbers(variants, **given):
@@ -83,16 +83,8 @@ def press_numbers(variants, **given):
 
 def press(**asked):
     """The press, cut where its loads set in and end; curves are its inertia (0) and the moment of the loads (1)."""
-    plan = Plan(
-        ends=(FIRST, LAST),
-        curves=2,
-        landmarks=[(LOW, HIGH, LOW_AT, HIGH_AT)],
-        levels=[NEAR, FAR],
-        states=[LOAD],
-        crossings=[(0, NEAR, 0.0), (0, FAR, 0.0)],
-        cuts=[FROM, TO],
-        **asked,
-    )
+    loads = {"levels": [NEAR, FAR], "states": [LOAD], "crossings": [(0, NEAR, 0.0), (0, FAR, 0.0)], "cuts": [FROM, TO]}
+    plan = Plan(ends=(FIRST, LAST), curves=2, landmarks=[(LOW, HIGH, LOW_AT, HIGH_AT)], **loads, **asked)
     return CycleMachine(plan, press_curves, press_events, press_levels, press_states)
 
 
@@ -106,19 +98,13 @@ def slide(numbers, q):
 CURVE_FIRST, CURVE_LAST, ECCENTRICITY, COS_PHASE, SIN_PHASE = range(5)
 
 
-@njit(TILE_SIGNATURE, **COMPILED)
-def smooth_curves(P, T, q, cos_q, sin_q, tile):
-    count, room = q.shape[0], tile.shape[1]
-    P, cos_q, sin_q, tile = in_lanes(P), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
-    for i in range(count):
-        for lane in range(LANES):
-            c = cos_q[i, lane] * P[COS_PHASE, lane] + sin_q[i, lane] * P[SIN_PHASE, lane]
-            s = sin_q[i, lane] * P[COS_PHASE, lane] - cos_q[i, lane] * P[SIN_PHASE, lane]
-            e = P[ECCENTRICITY, lane]
-            tile[i, lane] = 1.0 / (1.0 + e * c)
-            tile[room + i, lane] = math.sqrt(1.0 - e * e * s * s)
-            tile[2 * room + i, lane] = c
-            tile[3 * room + i, lane] = 2.5
+@at_positions
+def smooth_curves(P, lane, q, c, s, tile, i, room):
+    along = c * P[COS_PHASE, lane] + s * P[SIN_PHASE, lane]
+    across = s * P[COS_PHASE, lane] - c * P[SIN_PHASE, lane]
+    e = P[ECCENTRICITY, lane]
+    tile[i, lane], tile[room + i, lane] = 1.0 / (1.0 + e * along), math.sqrt(1.0 - e * e * across * across)
+    tile[2 * room + i, lane], tile[3 * room + i, lane] = along, 2.5
 
 
 def smooth_numbers(e, phase, first=0.0, last=2.0 * np.pi):
@@ -136,56 +122,37 @@ def smooth(**asked):
 ORDERS = 7
 
 
-@njit(TILE_SIGNATURE, **COMPILED)
-def wave_curve(P, T, q, cos_q, sin_q, tile):
-    count = q.shape[0]
-    P, cos_q, sin_q, tile = in_lanes(P), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
-    for i in range(count):
-        for lane in range(LANES):
-            c, s = cos_q[i, lane], sin_q[i, lane]
-            cos_k, sin_k, total = c, s, 0.0
-            for k in range(1, ORDERS):
-                total += P[2 * k, lane] * cos_k + P[2 * k + 1, lane] * sin_k
-                cos_k, sin_k = cos_k * c - sin_k * s, sin_k * c + cos_k * s
-            tile[i, lane] = total
+@at_positions
+def wave_curve(P, lane, q, c, s, tile, i, room):
+    cos_k, sin_k, total = c, s, 0.0
+    for k in range(1, ORDERS):
+        total += P[2 * k, lane] * cos_k + P[2 * k + 1, lane] * sin_k
+        cos_k, sin_k = cos_k * c - sin_k * s, sin_k * c + cos_k * s
+    tile[i, lane] = total
 
 
-@njit(TILE_SIGNATURE, **COMPILED)
-def rounding_curves(P, T, q, cos_q, sin_q, tile):
-    count, room = q.shape[0], tile.shape[1]
-    cos_q, sin_q, tile = in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
-    for i in range(count):
-        for lane in range(LANES):
-            c, s = cos_q[i, lane], sin_q[i, lane]
-            # Nothing but rounding, and a wave with rounding far above what is tolerated.
-            tile[i, lane] = 1e3 * ((c * c + s * s) - 1.0)
-            tile[room + i, lane] = (1e6 + c) - 1e6
+@at_positions
+def rounding_curves(P, lane, q, c, s, tile, i, room):
+    # Nothing but rounding, and a wave with rounding far above what is tolerated.
+    tile[i, lane] = 1e3 * ((c * c + s * s) - 1.0)
+    tile[room + i, lane] = (1e6 + c) - 1e6
 
 
-@njit(TILE_SIGNATURE, **COMPILED)
-def peak_curve(P, T, q, cos_q, sin_q, tile):
-    count = q.shape[0]
-    P, cos_q, sin_q, tile = in_lanes(P), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
-    for i in range(count):
-        for lane in range(LANES):
-            along = cos_q[i, lane] * P[3, lane] + sin_q[i, lane] * P[4, lane]
-            tile[i, lane] = 1.0 / (P[2, lane] + (1.0 - along))
+@at_positions
+def peak_curve(P, lane, q, c, s, tile, i, room):
+    tile[i, lane] = 1.0 / (P[2, lane] + (1.0 - (c * P[3, lane] + s * P[4, lane])))
 
 
-@njit(TILE_SIGNATURE, **COMPILED)
-def force_curves(P, T, q, cos_q, sin_q, tile):
-    count, room = q.shape[0], tile.shape[1]
-    P, q, tile = in_lanes(P), in_lanes(q), in_lanes(tile)
-    for i in range(count):
-        for lane in range(LANES):
-            x = q[i, lane] - P[3, lane]
-            angle, size = P[2, lane] * math.sin(x), 1.0 + 0.5 * math.cos(x)
-            tile[i, lane], tile[room + i, lane] = size * math.cos(angle), size * math.sin(angle)
-            tile[2 * room + i, lane] = size * size
-            fading = 0.25 * (1.0 + math.cos(x)) ** 2
-            tile[3 * room + i, lane], tile[4 * room + i, lane] = fading * math.cos(x), fading * math.sin(x)
-            tile[5 * room + i, lane] = fading * fading
-            tile[6 * room + i, lane] = P[2, lane] * math.cos(x)
+@at_positions
+def force_curves(P, lane, q, c, s, tile, i, room):
+    x = q - P[3, lane]
+    angle, size = P[2, lane] * math.sin(x), 1.0 + 0.5 * math.cos(x)
+    tile[i, lane], tile[room + i, lane] = size * math.cos(angle), size * math.sin(angle)
+    tile[2 * room + i, lane] = size * size
+    fading = 0.25 * (1.0 + math.cos(x)) ** 2
+    tile[3 * room + i, lane], tile[4 * room + i, lane] = fading * math.cos(x), fading * math.sin(x)
+    tile[5 * room + i, lane] = fading * fading
+    tile[6 * room + i, lane] = P[2, lane] * math.cos(x)
 
 
 def forces(**asked):
@@ -202,16 +169,11 @@ def force_numbers(swing, phase):
     return np.array([np.zeros(swing.size), np.full(swing.size, 2.0 * np.pi), swing, phase], dtype=float)
 
 
-@njit(TILE_SIGNATURE, **COMPILED)
-def square_curve(P, T, q, cos_q, sin_q, tile):
-    count = q.shape[0]
-    P, cos_q, sin_q, tile = in_lanes(P), in_lanes(cos_q), in_lanes(sin_q), in_lanes(tile)
-    for i in range(count):
-        for lane in range(LANES):
-            c = cos_q[i, lane] * P[COS_PHASE, lane] + sin_q[i, lane] * P[SIN_PHASE, lane]
-            s = sin_q[i, lane] * P[COS_PHASE, lane] - cos_q[i, lane] * P[SIN_PHASE, lane]
-            b = P[ECCENTRICITY, lane]
-            tile[i, lane] = c * c + b * b * s * s
+@at_positions
+def square_curve(P, lane, q, c, s, tile, i, room):
+    along = c * P[COS_PHASE, lane] + s * P[SIN_PHASE, lane]
+    across = P[ECCENTRICITY, lane] * (s * P[COS_PHASE, lane] - c * P[SIN_PHASE, lane])
+    tile[i, lane] = along * along + across * across
 
 
 def squares(**asked):

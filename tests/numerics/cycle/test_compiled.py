@@ -5,9 +5,7 @@ import pytest
 from cycle_machines import press, press_numbers, smooth, smooth_numbers
 
 from engine.compiling.threads import set_threads
-from engine.compiling.widths import LANES
 from engine.cycle.driver import evaluate_blocks
-from engine.cycle.panels.lanes import ASIDE, rows, tiles
 
 
 def test_all_machines_share_one_driver():
@@ -15,14 +13,6 @@ def test_all_machines_share_one_driver():
     smooth(extremes=(0,)).evaluate(smooth_numbers(0.1, 0.0)[:, None])
     # One more where something is asked that is asked rarely.
     assert len(evaluate_blocks.signatures) <= 2
-
-
-def test_memory_of_lanes_begins_on_a_line_and_what_is_added_up_half_a_row_aside():
-    for _ in range(20):
-        assert tiles(3).ctypes.data % 4096 == 0
-        assert rows(5, 2, aside=ASIDE).ctypes.data % 4096 == 8 * ASIDE
-        assert rows(7, aside=ASIDE).flags.c_contiguous
-    assert tiles(3).shape == (3, 17, LANES)
 
 
 @pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="counts this processor's instructions")

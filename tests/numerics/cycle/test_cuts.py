@@ -2,13 +2,12 @@ import math
 
 import numpy as np
 import pytest
-from cycle_machines import COMPILED, CRANK, OFFSET, ROD, TO, press, press_numbers, slide
+from cycle_machines import CRANK, OFFSET, ROD, TO, at_positions, press, press_numbers, slide
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba import njit
 
 from engine.compiling.memory import memory
-from engine.compiling.tiles import TILE_SIGNATURE
 from engine.compiling.widths import LANES
 from engine.cycle.events import sort_edges
 from engine.cycle.machine import CycleMachine, Plan
@@ -99,9 +98,8 @@ def test_a_window_between_positions_of_any_width_anywhere(data, exponent):
 @given(st.floats(0.0, 1.0), st.floats(-4.0, 0.0), st.floats(0.0, TURN), st.floats(0.0, 2.0))
 def test_windows_of_stroke_and_position_that_overlap(share, exponent, begin, width):
     end, far_share = min(begin + width, TURN), min(share + 10.0**exponent, 1.0)
-    numbers = press_numbers(
-        1, force=700.0, near_share=share, far_share=far_share, other_force=-40.0, from_=begin, to=end
-    )
+    windows_of_both = {"near_share": share, "far_share": far_share, "from_": begin, "to": end}
+    numbers = press_numbers(1, force=700.0, other_force=-40.0, **windows_of_both)
     found = PRESS.evaluate(numbers)
     near, far = stroke_ends(numbers)
     exact = -700.0 * (far_share - share) * (far - near) - 40.0 * (slide(numbers, end) - slide(numbers, begin))
@@ -120,16 +118,9 @@ def test_a_window_where_stroke_begins_and_ends_sets_in_at_the_dead_centres():
     assert np.all(found.panels <= 9)
 
 
-def test_a_step_at_the_very_beginning_and_at_the_very_end():
-    numbers = press_numbers(2, other_force=50.0, from_=np.array([0.0, TURN - 0.01]), to=np.array([0.01, TURN]))
-    check_windows(numbers)
-
-
 def test_levels_that_are_never_reached_and_no_levels_cut_nothing():
-    never, none = (
-        press_numbers(1, near_share=-0.2, far_share=1.2),
-        press_numbers(1, near_share=np.nan, far_share=np.nan),
-    )
+    shares = {"near_share": -0.2, "far_share": 1.2}
+    never, none = press_numbers(1, **shares), press_numbers(1, **dict.fromkeys(shares, np.nan))
     assert PRESS.evaluate(never).panels[0] == PRESS.evaluate(none).panels[0]
 
 
@@ -172,21 +163,14 @@ def test_results_are_the_same_in_whatever_lane_with_cuts(presses):
     assert np.array_equal(together.landmarks.least_at.value[:, order], apart.landmarks.least_at.value)
 
 
-@njit(TILE_SIGNATURE, **COMPILED)
-def wavy_events(P, T, q, cos_q, sin_q, tile):
-    for i in range(q.shape[0]):
-        for lane in range(LANES):
-            tile[0, i, lane], tile[1, i, lane] = (
-                math.sin(P[2, lane] * q[i, lane]),
-                P[2, lane] * math.cos(P[2, lane] * q[i, lane]),
-            )
+@at_positions
+def wavy_events(P, lane, q, c, s, tile, i, room):
+    tile[i, lane], tile[room + i, lane] = math.sin(P[2, lane] * q), P[2, lane] * math.cos(P[2, lane] * q)
 
 
-@njit(TILE_SIGNATURE, **COMPILED)
-def constant_curve(P, T, q, cos_q, sin_q, tile):
-    for i in range(q.shape[0]):
-        for lane in range(LANES):
-            tile[0, i, lane] = 1.0
+@at_positions
+def constant_curve(P, lane, q, c, s, tile, i, room):
+    tile[i, lane] = 1.0
 
 
 def test_what_switches_ever_more_often_is_looked_at_more_closely_until_it_has_no_results_and_spoils_no_other():

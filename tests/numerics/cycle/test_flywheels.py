@@ -37,9 +37,8 @@ class Exact:
         self.out = math.asin(numbers[OFFSET] / (numbers[ROD] + numbers[CRANK]))
         self.inner = math.pi - math.asin(numbers[OFFSET] / (numbers[ROD] - numbers[CRANK]))
         self.mean = numbers[FORCE] * (self.levels[0] - self.levels[1]) / TURN
-        self.cuts = [
-            brentq(lambda q, at=at: self.place(q) - at, self.out, self.inner, xtol=1e-15) for at in self.levels
-        ]
+        ends = {"a": self.out, "b": self.inner, "xtol": 1e-15}
+        self.cuts = [brentq(lambda q, at=at: self.place(q) - at, **ends) for at in self.levels]
 
     def place(self, q):
         return float(slide(self.p, q))
@@ -50,13 +49,8 @@ class Exact:
 
     def work(self, q):
         # By how far the slider has come since the force set in; on its way out there is none.
-        come = 0.0
-        if q > self.cuts[1]:
-            come = (
-                max(self.place(q), self.levels[0]) - self.levels[1]
-                if q < self.cuts[0]
-                else self.levels[0] - self.levels[1]
-            )
+        near, far = self.levels
+        come = 0.0 if q <= self.cuts[1] else (max(self.place(q), near) if q < self.cuts[0] else near) - far
         return self.p[FORCE] * come - self.mean * q
 
     def inertia(self, q):
@@ -73,10 +67,8 @@ class Exact:
         for a, b in zip([0.0, *self.cuts[::-1]], [*self.cuts[::-1], TURN], strict=True):
             for i in range(40):
                 low, high = a + (b - a) * max(i - 1, 0) / 40, a + (b - a) * min(i + 2, 40) / 40
-                found = minimize_scalar(
-                    lambda q: -value(q), bounds=(low, high), method="bounded", options={"xatol": 1e-9}
-                )
-                for q in (found.x, low, high):
+                asked = {"bounds": (low, high), "method": "bounded", "options": {"xatol": 1e-9}}
+                for q in (minimize_scalar(lambda q: -value(q), **asked).x, low, high):
                     if value(q) > best:
                         best, at = value(q), q
         return best, at

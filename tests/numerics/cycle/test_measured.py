@@ -82,14 +82,8 @@ def test_powers_follow_their_derivative(exponent):
 
 def test_what_is_not_known_stays_unknown():
     unknown = Measured([math.nan, 1.0], [0.0, 0.1])
-    for result in (
-        unknown + 1.0,
-        2.0 * unknown,
-        1.0 / unknown,
-        sqrt(unknown),
-        abs(unknown),
-        maximum(unknown, measured(0.0)),
-    ):
+    more = 1.0 / unknown, sqrt(unknown), abs(unknown), maximum(unknown, measured(0.0))
+    for result in (unknown + 1.0, 2.0 * unknown, *more):
         assert np.isnan(result.value[0])
         assert np.isfinite(result.value[1])
         assert np.isfinite(result.error[1])
@@ -113,9 +107,8 @@ def test_choice_takes_values_with_their_errors():
 
 
 # Statistics of the magnitude of a force, and of a component.
-OF_FORCE = [f"input.reaction.{key}" for key in ("min", "max", "range", "peak", "mean", "rms")] + [
-    "input.reaction_x.rms"
-]
+OF_FORCE = [f"input.reaction.{key}" for key in ("min", "max", "range", "peak", "mean", "rms")]
+OF_FORCE += ["input.reaction_x.rms"]
 
 
 def test_forces_whose_squares_vanish__are_known_by_their_figures():

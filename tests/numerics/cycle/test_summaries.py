@@ -139,9 +139,8 @@ def test_extremes_of_waves_with_many_tops():
     rng = np.random.default_rng(7)
     parts = rng.normal(size=(2 * (ORDERS - 1), 1500))
     numbers = np.vstack([np.zeros(1500), np.full(1500, TURN), parts])
-    found = (
-        CycleMachine(Plan(ends=(0, 1), curves=1, extremes=(0,), tolerance=1e-12), wave_curve).evaluate(numbers).extremes
-    )
+    plan = Plan(ends=(0, 1), curves=1, extremes=(0,), tolerance=1e-12)
+    found = CycleMachine(plan, wave_curve).evaluate(numbers).extremes
     q = np.linspace(0.0, TURN, 2881)
     k = np.arange(1, ORDERS)[:, None] * q
     waves = np.einsum("kv,kq->vq", parts[0::2], np.cos(k)) + np.einsum("kv,kq->vq", parts[1::2], np.sin(k))

@@ -80,6 +80,10 @@ def test_stages__are_the_latest_of_what_a_node_depends_on():
     assert g.held(low) is low
 
 
+OPERATIONS = {"+": np.add, "-": np.subtract, "*": np.multiply, "/": np.divide}
+OPERATIONS |= {"sqrt": np.sqrt, "abs": np.abs, "neg": np.negative}
+
+
 def values_of(nodes: list[Node], numbers: dict[str, np.ndarray], q: np.ndarray) -> list[np.ndarray]:
     """The same mathematics, node by node in NumPy."""
     laws = {"turned": lambda x, y, c, s: (x * c - y * s, x * s + y * c), "step_of": lambda x: (x > 0) * 1.0}
@@ -94,15 +98,7 @@ def values_of(nodes: list[Node], numbers: dict[str, np.ndarray], q: np.ndarray) 
             case Position():
                 known[node] = {"q": q, "cos_q": np.cos(q), "sin_q": np.sin(q)}[node.which]
             case Operation():
-                known[node] = {
-                    "+": lambda a, b: a + b,
-                    "-": lambda a, b: a - b,
-                    "*": lambda a, b: a * b,
-                    "/": lambda a, b: a / b,
-                    "sqrt": np.sqrt,
-                    "abs": np.abs,
-                    "neg": np.negative,
-                }[node.symbol](*of)
+                known[node] = OPERATIONS[node.symbol](*of)
             case Sum():
                 known[node] = sum(known[c] * known[b] for c, b in node.terms)
             case Held():

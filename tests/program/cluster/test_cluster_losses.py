@@ -14,16 +14,16 @@ import cluster_jobs
 import dask
 import psutil
 import pytest
+from cluster_jobs import crew_on
 from commands import ROOT
-from distributed import Client
-from press_sweeps import DISTINCT, contents, numbers_in, run, study_of, text_of
+from long_runs import AGAIN, LONG, blocks_done, start, wait_for_blocks
+from press_sweeps import DISTINCT, contents, numbers_in, run, study_of
 
 from sweeps.run import runner
-from sweeps.run.carrying import Blocks
 from sweeps.run.cluster.cluster_errors import ClusterError, UnfinishedError
 from sweeps.run.cluster.connecting import connected
 from sweeps.run.cluster.crew import Crew
-from sweeps.run.runner import layout_of, run_study
+from sweeps.run.runner import run_study
 from sweeps.store import describe_result
 
 HERE = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])}
@@ -49,17 +49,8 @@ def processes(*commands: list[str], env: dict[str, str] = HERE, cwd: Path | None
 
 
 def scheduler_on(folder: Path) -> list[str]:
-    told = str(folder / "scheduler.json")
-    return [
-        "distributed.cli.dask_scheduler",
-        "--host",
-        "127.0.0.1",
-        "--port",
-        "0",
-        "--no-dashboard",
-        "--scheduler-file",
-        told,
-    ]
+    told = ["--scheduler-file", str(folder / "scheduler.json")]
+    return ["distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", *told]
 
 
 def worker_of(address: str, *options: str) -> list[str]:
@@ -76,6 +67,18 @@ def address_in(folder: Path) -> str:
 
 
 @contextmanager
+def worker_in(folder: Path, *options: str, **program: object):
+    """A client of a scheduler with one worker, which may have a program of its own."""
+    with (
+        processes(scheduler_on(folder)),
+        processes(worker_of(address_in(folder), *options), **program),
+        connected(address_in(folder)) as client,
+    ):
+        client.wait_for_workers(1)
+        yield client
+
+
+@contextmanager
 def cluster_of(count: int):
     """Workers, any death of which makes Dask give up what was under way there."""
     with (
@@ -85,14 +88,9 @@ def cluster_of(count: int):
         yield client
 
 
-def crew_on(client: Client, folder: Path, tell=print) -> Crew:
-    study = study_of(folder, DISTINCT)
-    return Crew(client, Blocks(study, layout_of(study, study.machine())), tell)
-
-
 @pytest.mark.parametrize("count", [1, 2])
 def test_job_that_kills_its_workers__is_given_up_and_the_others_are_not(count, tmp_path):
-    with cluster_of(count) as client, crew_on(client, tmp_path) as crew:
+    with cluster_of(count) as client, crew_on(client, study_of(tmp_path, DISTINCT)) as crew:
         found = dict(crew.results(cluster_jobs.squared_by_survivors, ((n, (n,)) for n in range(12))))
         assert found == {n: n**2 for n in range(12) if n != 3}
         assert list(crew.failures) == [3]
@@ -138,14 +136,9 @@ def test_worker_with_other_sources__is_left_out(tmp_path):
         file.write("# Another version.\n")
     strangers = {**os.environ, "PYTHONPATH": str(other)}
     told = []
-    with (
-        processes(scheduler_on(tmp_path)),
-        processes(worker_of(address_in(tmp_path)), cwd=other, env=strangers),
-        connected(address_in(tmp_path)) as client,
-    ):
-        client.wait_for_workers(1)
+    with worker_in(tmp_path, cwd=other, env=strangers) as client:
         with (
-            crew_on(client, tmp_path) as crew,
+            crew_on(client, study_of(tmp_path, DISTINCT)) as crew,
             pytest.raises(ClusterError, match=r"it has machine-sweeps .*, and here"),
         ):
             crew.assemble()
@@ -163,20 +156,14 @@ def test_worker_without_the_program__is_told_what_to_install(tmp_path):
     empty.mkdir()
     (empty / "sweeps.py").write_text('raise ModuleNotFoundError("No module named \'sweeps\'", name="sweeps")\n')
     with (
-        processes(scheduler_on(tmp_path)),
-        processes(worker_of(address_in(tmp_path)), cwd=empty, env={**os.environ, "PYTHONPATH": str(empty)}),
-        connected(address_in(tmp_path)) as client,
-        crew_on(client, tmp_path) as crew,
+        worker_in(tmp_path, cwd=empty, env={**os.environ, "PYTHONPATH": str(empty)}) as client,
+        crew_on(client, study_of(tmp_path, DISTINCT)) as crew,
+        pytest.raises(ClusterError, match="it has no sweeps; pip install 'machine-sweeps"),
     ):
-        client.wait_for_workers(1)
-        with pytest.raises(ClusterError, match="it has no sweeps; pip install 'machine-sweeps"):
-            crew.assemble()
+        crew.assemble()
 
 
 # Clients
-
-# Blocks of some ten milliseconds, so that kills fall at all moments.
-LONG = text_of(["40 mm"], ["1 kg"]).replace("values = ['40 mm']", 'from = "20 mm", to = "60 mm", count = 500000')
 
 
 @pytest.fixture(scope="module")
@@ -186,15 +173,9 @@ def uninterrupted(tmp_path_factory):
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -9), (signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_client_that_ends__leaves_what_goes_on(number, code, uninterrupted, tmp_path):
-    study_of(tmp_path, LONG, "long")
-    arguments = ["run", "long.toml", "--out", "long.h5", "--no-plots", "--quiet", "--cluster", "local:2"]
-    command = [sys.executable, "-m", "sweeps", *arguments]
-    with subprocess.Popen(
-        command, cwd=tmp_path, env=HERE, stderr=subprocess.PIPE, text=True, start_new_session=True
-    ) as process:
-        part = tmp_path / "long.part.h5"
-        while process.poll() is None and not (part.exists() and describe_result(part).blocks_done >= 2):
-            time.sleep(0.005)
+    on_two = ("--cluster", "local:2")
+    with start(tmp_path, *on_two) as process:
+        wait_for_blocks(process, tmp_path, 2)
         workers = psutil.Process(process.pid).children(recursive=True)
         if number == signal.SIGINT:
             # From a terminal it reaches all of them.
@@ -206,7 +187,7 @@ def test_client_that_ends__leaves_what_goes_on(number, code, uninterrupted, tmp_
     assert psutil.wait_procs(workers, timeout=60)[1] == []
     assert process.returncode == code
     if code > 0:
-        assert errors.endswith(f"are done and kept; resume with: sweeps {' '.join(arguments)}\n")
+        assert errors.endswith(f"are done and kept; resume with: sweeps {' '.join(AGAIN + on_two)}\n")
         assert errors.count("\n") == 1
-    assert describe_result(part).blocks_done >= 2
+    assert blocks_done(tmp_path) >= 2
     assert numbers_in(run(tmp_path, LONG, "long")) == uninterrupted

@@ -9,13 +9,12 @@ import cluster_jobs
 import h5py
 import pytest
 import searches
-from commands import STUDY, refused, said
-from press_sweeps import DISTINCT, GOOD, contents, run, study_of
-from press_texts import PRESS
+from cluster_jobs import crew_on
+from commands import done, refused, said
+from press_sweeps import DISTINCT, GOOD, Stop, contents, run, stopping, study_of
 
 from sweeps.optimising.runner import optimise_study
 from sweeps.run import runner
-from sweeps.run.carrying import Blocks
 from sweeps.run.cluster.cluster_errors import ClusterError
 from sweeps.run.cluster.connecting import connected
 from sweeps.run.cluster.crew import UNDER_WAY, Crew
@@ -60,7 +59,7 @@ def test_sweep__is_byte_for_byte_that_of_one_machine(client, tmp_path):
     assert without_its_end(path) == without_its_end(alone)
     outcome = describe_result(path).attributes["outcome"]
     assert re.fullmatch(r"computed by 2 workers, \d+ threads; processors: \S+ \(2\)", outcome)
-    assert said("verify", str(path)).exit_code == 0
+    done("verify", str(path))
     # Nothing left to do: nobody is asked.
     assert run_study(study, path, client=None) == path
 
@@ -102,21 +101,12 @@ def test_edited_study__is_extended_as_on_one_machine(client, tmp_path):
     assert found["on"] == found["alone"]
 
 
-class Stop(Exception):
-    """Stands for whatever ends a run."""
-
-
 @pytest.mark.parametrize("first", ["on", "alone"])
 def test_interrupted_run__goes_on_with_or_without_the_cluster(first, client, tmp_path):
     whole = contents(run(tmp_path, DISTINCT, "whole"))
-
-    def stop(done: int, before: int) -> None:
-        if done >= 80:
-            raise Stop
-
     here = {"on": client, "alone": None}
     with pytest.raises(Stop):
-        run_study(study_of(tmp_path, DISTINCT), tmp_path / "study.h5", progress=stop, client=here.pop(first))
+        run_study(study_of(tmp_path, DISTINCT), tmp_path / "study.h5", progress=stopping(80), client=here.pop(first))
     assert describe_result(tmp_path / "study.part.h5").blocks_done == 2
     calls = []
     (other,) = here.values()
@@ -135,8 +125,7 @@ def test_search__is_that_of_one_machine(client, tmp_path, monkeypatch):
     assert "; computed by 2 workers" in describe_result(path).attributes["outcome"]
     monkeypatch.chdir(tmp_path)
     address = client.scheduler.address
-    answer = said("optimise", "study.toml", "--no-plots", "--out", "told.h5", "--cluster", address)
-    assert answer.exit_code == 0, answer.output
+    done("optimise", "study.toml", "--no-plots", "--out", "told.h5", "--cluster", address)
     assert contents(Path("told.h5")) == contents(alone)
 
 
@@ -145,8 +134,7 @@ def test_search__is_that_of_one_machine(client, tmp_path, monkeypatch):
 
 @pytest.fixture
 def crew(client, tmp_path):
-    study = study_of(tmp_path, GOOD)
-    with Crew(client, Blocks(study, layout_of(study, study.machine())), print) as crew:
+    with crew_on(client, study_of(tmp_path, GOOD)) as crew:
         yield crew
 
 
@@ -192,20 +180,16 @@ def test_limits__count_fetching_and_writing_one_after_the_other(rates, least, se
     assert limits.seconds == pytest.approx(seconds, rel=1e-12)
 
 
-def test_commands__compute_on_the_cluster(client, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    Path("press.toml").write_text(PRESS)
-    Path("study.toml").write_text(STUDY)
+def test_commands__compute_on_the_cluster(client, press_folder):
     address = client.scheduler.address
     answer = said("check", "study.toml", "--cluster", address)
     assert answer.exit_code == 0, answer.output
     told = answer.output.partition("\nCluster\n")[2]
     kinds = r"  workers: \S+ variants a second\n  network: \S+ variants a second\n  disk: \S+ variants a second\n"
     assert re.fullmatch(rf"  2 workers, .*\n{kinds}  limit: (workers|network|disk); about \S+ s\n", told)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["press.toml", "study.toml"]
-    answer = said("run", "study.toml", "--no-plots", "--cluster", address)
-    assert answer.exit_code == 0, answer.output
-    assert said("run", "study.toml", "--no-plots", "--out", "alone.h5").exit_code == 0
+    assert sorted(path.name for path in press_folder.iterdir()) == ["press.toml", "study.toml"]
+    done("run", "study.toml", "--no-plots", "--cluster", address)
+    done("run", "study.toml", "--no-plots", "--out", "alone.h5")
     assert contents(Path("results/study.h5")) == contents(Path("alone.h5"))
 
 
@@ -223,14 +207,11 @@ def test_command_whose_block_fails__tells_it_and_ends_with_1(client, tmp_path, m
         f"in {part}; the same command tries these again.\n"
     )
     assert describe_result(part).blocks_done == 4
-    assert said(*arguments).exit_code == 0
+    done(*arguments)
     assert contents(Path("results/study.h5")) == contents(run(tmp_path, DISTINCT, "alone"))
 
 
-def test_wrong_addresses__are_told_in_a_sentence(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    Path("press.toml").write_text(PRESS)
-    Path("study.toml").write_text(STUDY)
+def test_wrong_addresses__are_told_in_a_sentence(press_folder, monkeypatch):
     monkeypatch.setattr("sweeps.run.cluster.connecting.PATIENCE", 0.5)
 
     def told(*arguments: str) -> str:

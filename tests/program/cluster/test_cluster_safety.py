@@ -1,6 +1,7 @@
 """Who can make whom run programs: strangers on this machine, workers, and whoever holds no certificate."""
 
 import os
+import pickle
 import subprocess
 import sys
 from contextlib import contextmanager
@@ -10,16 +11,14 @@ import dask
 import psutil
 import pytest
 from cluster_attack import Bomb
+from cluster_jobs import crew_on
 from commands import ROOT, refused, said
 from distributed import Client, LocalCluster, Security
 from press_sweeps import DISTINCT, contents, run, study_of
-from test_cluster_losses import HERE, address_in, processes, scheduler_on, worker_of
+from test_cluster_losses import HERE, address_in, processes, scheduler_on, worker_in, worker_of
 
-from sweeps.run.carrying import Blocks
 from sweeps.run.cluster.cluster_errors import ClusterError
 from sweeps.run.cluster.connecting import connected
-from sweeps.run.cluster.crew import Crew
-from sweeps.run.runner import layout_of
 
 SAMPLES = ROOT / "tests" / "samples" / "texts"
 AS_ROOT = hasattr(os, "geteuid") and os.geteuid() == 0
@@ -121,23 +120,15 @@ def test_greeting__is_not_unpickled(kind, tmp_path):
     # The scheduler knows nothing of the class.
     found = {**HERE, "PYTHONPATH": os.pathsep.join([str(SAMPLES), HERE["PYTHONPATH"]])}
     with (
-        processes(scheduler_on(tmp_path)),
-        processes([*worker_of(address_in(tmp_path)), "--preload", str(preload)], env=found),
-        connected(address_in(tmp_path)) as client,
+        worker_in(tmp_path, "--preload", str(preload), env=found) as client,
+        crew_on(client, study_of(tmp_path, DISTINCT)) as crew,
+        pytest.raises(ClusterError, match=r"none of the cluster's workers can take part: .*another machine-sweeps"),
     ):
-        client.wait_for_workers(1)
-        study = study_of(tmp_path, DISTINCT)
-        with (
-            Crew(client, Blocks(study, layout_of(study, study.machine())), print) as crew,
-            pytest.raises(ClusterError, match=r"none of the cluster's workers can take part: .*another machine-sweeps"),
-        ):
-            crew.assemble()
+        crew.assemble()
     assert not mark.exists()
 
 
 def test_bomb__goes_off_when_unpickled(tmp_path):
-    import pickle
-
     pickle.loads(pickle.dumps(Bomb(str(tmp_path / "mark"))))
     assert (tmp_path / "mark").exists()
 
@@ -165,9 +156,8 @@ def test_certificates__let_in_whoever_holds_them(tmp_path, monkeypatch):
         command = ("run", "study.toml", "--no-plots", "--cluster", address)
         assert "needs certificates" in refused(*command)
         own = Security.temporary()
-        foreign = {
-            f"distributed.comm.tls.client.{part}": getattr(own, f"tls_client_{part}") for part in ("cert", "key")
-        }
+        holder = "distributed.comm.tls.client"
+        foreign = {f"{holder}.{part}": getattr(own, f"tls_client_{part}") for part in ("cert", "key")}
         with dask.config.set(foreign | {"distributed.comm.tls.ca-file": own.tls_ca_file}):
             monkeypatch.setattr("sweeps.run.cluster.connecting.PATIENCE", 2)
             assert "no Dask scheduler answers" in refused(*command)

@@ -1,56 +1,36 @@
 """What there is to ask and to write: `sweeps quantities`, `sweeps help`."""
 
-import re
-
 import pytest
-from commands import refused, said
+from commands import done, refused, row
 
 from engine import Machine, Scene, described_dimension, scene_numbers
+from sweeps import read_scene
 from sweeps.report.help.key_help import key_text
 from sweeps.study.study_text import StudyText
-from sweeps.text.templates import templates
+from sweeps.text.templates import bundled_templates, templates
 
 
-@pytest.fixture
-def press(press_folder):
-    return "press.toml"
-
-
-def test_quantities__lists_all_that_the_machine_offers(press):
-    from sweeps.text.scene_text import read_scene
-
-    machine = Machine(read_scene(press))
-    told = {line.split()[0] for line in said("quantities", press).stdout.splitlines() if line.startswith("  ")}
+def test_quantities__lists_all_that_the_machine_offers(press_folder):
+    machine = Machine(read_scene("press.toml"))
+    told = {line.split()[0] for line in done("quantities", "press.toml").splitlines() if line.startswith("  ")}
     assert told == {*machine.available_summaries, *machine.available_fields}
 
 
-def test_quantities__tells_symbol_unit_and_meaning(press):
-    lines = said("quantities", press, "ram.velocity").stdout.splitlines()
-    row = next(line for line in lines if "ram.velocity" in line)
-    assert re.split(r"\s{2,}", row.strip()) == ["ram.velocity", "v_ram", "m/s", "velocity of slider ram"]
-
-
-def test_quantities__takes_words_of_the_meaning_and_all_of_them(press):
-    lines = [line for line in said("quantities", press, "STROKE", "high").stdout.splitlines() if line[:2] == "  "]
-    assert lines
-    assert all("stroke" in line and "high" in line for line in lines)
-
-
-def test_quantities__finds_a_statistic(press):
-    assert "maximum of the velocity of slider ram" in said("quantities", press, "ram.velocity.max").stdout
-
-
-def test_quantities__of_an_unknown_word_names_what_is_near(press):
-    message = refused("quantities", press, "ram.velocty")
+def test_quantities__tells_symbol_unit_and_meaning_of_what_is_asked_by_name_or_by_words(press_folder):
+    line = row(done("quantities", "press.toml", "ram.velocity"), "ram.velocity")
+    assert line == ["ram.velocity", "v_ram", "m/s", "velocity", "of", "slider", "ram"]
+    assert "maximum of the velocity of slider ram" in done("quantities", "press.toml", "ram.velocity.max")
+    found = [line for line in done("quantities", "press.toml", "STROKE", "high").splitlines() if line[:2] == "  "]
+    assert found
+    assert all("stroke" in line and "high" in line for line in found)
+    message = refused("quantities", "press.toml", "ram.velocty")
     assert "'ram.velocity'" in message
     assert len(message.splitlines()) == 1
 
 
 @pytest.mark.parametrize("asked", ["input.length", "groups.drive.first.length", "vary.input.length.from", "compressor"])
 def test_help__explains_paths_of_the_user_and_types(asked):
-    answer = said("help", asked)
-    assert answer.exit_code == 0
-    assert "must be given" in answer.stdout
+    assert "must be given" in done("help", asked)
 
 
 def test_help__tells_unit_limit_default_and_example():
@@ -63,9 +43,6 @@ def test_help__tells_unit_limit_default_and_example():
 
 def test_help__knows_every_number_of_every_template():
     """Paths of numbers in scenes, found by reading them, against paths found by walking the models."""
-    from sweeps.text.scene_text import read_scene
-    from sweeps.text.templates import bundled_templates
-
     for name in templates():
         for path, number in scene_numbers(read_scene(bundled_templates()[name])).items():
             if ".numbers." in path:
@@ -75,7 +52,7 @@ def test_help__knows_every_number_of_every_template():
 
 
 def test_help__knows_every_key_at_the_top():
-    listed = said("help").stdout
+    listed = done("help")
     for key in {*Scene.model_fields, *StudyText.model_fields}:
         assert f"  {key} " in listed
         assert key_text(key)

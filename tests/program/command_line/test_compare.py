@@ -4,7 +4,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from commands import STUDY, refused, said
+from commands import STUDY, done, refused, row, said
 from press_texts import PRESS
 
 from sweeps.report import comparison as comparing
@@ -18,19 +18,14 @@ def results(press_result):
     """The study's result, and one with a longer rod and a variant more."""
     Path("press.toml").write_text(PRESS.replace("200 mm", "210 mm"))
     Path("study.toml").write_text(STUDY.replace('"100 kg"', '"100 kg", "150 kg"'))
-    assert said("run", "study.toml", "--no-plots", "--quiet", "--out", "b.h5").exit_code == 0
+    done("run", "study.toml", "--no-plots", "--quiet", "--out", "b.h5")
     return press_result, "b.h5"
 
 
-def row(text: str, name: str) -> list[str]:
-    return next(line.split() for line in text.splitlines() if line.split()[:1] == [name])
-
-
 def test_result_beside_itself__agrees(press_result):
-    answer = said("compare", press_result, press_result)
-    assert answer.exit_code == 0
-    assert "the same" in answer.stdout
-    assert row(answer.stdout, "excess_work")[1:3] == ["8", "0"]
+    answer = done("compare", press_result, press_result)
+    assert "the same" in answer
+    assert row(answer, "excess_work")[1:3] == ["8", "0"]
 
 
 def test_results_of_other_machines__differ_where_they_should(results):
@@ -82,5 +77,5 @@ def test_what_is_no_result__is_refused(press_result):
 
 
 def test_results_without_a_variant_in_common__are_refused(press_result):
-    assert said("run", "press.toml", "--no-plots", "--quiet", "--out", "b.h5").exit_code == 0
+    done("run", "press.toml", "--no-plots", "--quiet", "--out", "b.h5")
     assert "nothing to compare" in refused("compare", press_result, "b.h5")

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import refused, said
+from commands import done, refused, row, said
 from press_texts import PRESS
 
 from sweeps.text.engineer_units import show_in_units
@@ -25,10 +25,6 @@ def inches(press_folder):
     show_in_units([])
 
 
-def row(text: str, name: str) -> list[str]:
-    return next(line.split() for line in text.splitlines() if line.split()[:1] == [name])
-
-
 def test_scene_in_inches__is_shown_in_inches(inches):
     # In line, the stroke is twice the crank.
     shown = said("run", inches, "--no-plots", "--out", "r.h5").stdout
@@ -40,8 +36,8 @@ def test_scene_in_inches__is_shown_in_inches(inches):
 
 
 def test_result_of_a_scene_in_inches__is_shown_so_later_and_others_are_not(inches, press_folder):
-    assert said("run", inches, "--no-plots", "--out", "r.h5").exit_code == 0
-    assert said("run", "press.toml", "--no-plots", "--out", "mm.h5").exit_code == 0
+    done("run", inches, "--no-plots", "--out", "r.h5")
+    done("run", "press.toml", "--no-plots", "--out", "mm.h5")
     assert "mm" in said("show", "mm.h5").stdout
     units = said("show", "r.h5", "--columns", "ram.stroke").stdout
     assert " in\n" in units
@@ -60,17 +56,17 @@ def table_of(path: str) -> dict[str, list[str]]:
 
 def test_tables__come_in_the_units_that_the_scene_is_written_in_where_that_is_wanted(inches, press_folder):
     Path("study.toml").write_text('scene = "inches.toml"\n[vary]\n"input.length" = "50 mm to 4 in, 2"\n')
-    assert said("run", "study.toml", "--no-plots").exit_code == 0
+    done("run", "study.toml", "--no-plots")
     show_in_units([])
-    assert said("export", "results/study.h5", "--to", "si.csv").exit_code == 0
-    assert said("export", "results/study.h5", "--to", "own.csv", "--as-written").exit_code == 0
+    done("export", "results/study.h5", "--to", "si.csv")
+    done("export", "results/study.h5", "--to", "own.csv", "--as-written")
     si, own = table_of("si.csv"), table_of("own.csv")
     # In line, the stroke is twice the crank; one rounding of 1/0.0254, one of the product.
     assert [float(x) for x in own["ram.stroke [in]"]] == pytest.approx([100 / 25.4, 8.0], rel=1e-12)
     assert [float(x) for x in own["input.length [in]"]] == pytest.approx([50 / 25.4, 4.0], rel=4e-16)
     assert [float(x) for x in si["input.length [m]"]] == [0.05, 0.1016]
     assert own["ram.stroke_error [in]"] != si["ram.stroke_error [m]"]
-    assert said("export", "inches.toml", "--to", "own.csv", "--as-written", "--columns", "B.y").exit_code == 0
+    done("export", "inches.toml", "--to", "own.csv", "--as-written", "--columns", "B.y")
     place, height = (np.array(column, float) for column in table_of("own.csv").values())
     assert list(table_of("own.csv")) == ["phi [deg]", "B.y [in]"]
     assert height[place == 90.0] == pytest.approx(-6.0, rel=1e-12)

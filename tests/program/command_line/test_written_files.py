@@ -6,34 +6,12 @@ import sys
 from pathlib import Path
 
 import pytest
-from commands import ROOT, said
-
-WRITES = [
-    ("export", "press.toml", "--to", "out.csv"),
-    ("export", "press.toml", "--to", "out.json"),
-    ("export", "press.toml", "--to", "out.mat"),
-    ("export", "press.toml", "--to", "out.parquet"),
-    ("export", "press.toml", "--to", "out.toml"),
-    ("export", "press.toml", "--to", "out.svg"),
-    ("export", "press.toml", "--to", "out.dxf"),
-    ("plot", "press.toml", "--out", "out.png"),
-    ("plot", "press.toml", "--out", "out.pdf"),
-    ("animate", "press.toml", "--frames", "4", "--out", "out.gif"),
-    ("new", "rotor", "--out", "out.toml"),
-    ("report", "press.toml", "--out", "out.html"),
-]
-OF_LIBRARIES = {".json": None, ".mat": "scipy", ".parquet": "pyarrow", ".dxf": "ezdxf", ".html": "plotly"}
-
-
-def needs_library(arguments: tuple[str, ...]) -> None:
-    if (library := OF_LIBRARIES.get(Path(arguments[-1]).suffix)) is not None:
-        pytest.importorskip(library)
+from commands import ROOT, WRITES, done, said
 
 
 @pytest.mark.parametrize("arguments", WRITES, ids=lambda a: f"{a[0]} {a[-1]}")
 def test_draft__is_created_by_its_writer_alone(arguments, press_folder, monkeypatch):
     """The system's call that creates it fails where there is anything, a link too."""
-    needs_library(arguments)
     opened, real = [], os.open
 
     def noted(path: object, flags: int, *rest: object, **options: object) -> int:
@@ -47,7 +25,7 @@ def test_draft__is_created_by_its_writer_alone(arguments, press_folder, monkeypa
     try:
         for _ in range(2):
             Path(arguments[-1]).unlink(missing_ok=True)
-            assert said(*arguments).exit_code == 0
+            done(*arguments)
     finally:
         os.umask(mask)
     drafts = [(name, flags) for folder, name, flags in opened if folder == press_folder.resolve()]
@@ -61,7 +39,6 @@ def test_draft__is_created_by_its_writer_alone(arguments, press_folder, monkeypa
 @pytest.mark.parametrize("arguments", WRITES, ids=lambda a: f"{a[0]} {a[-1]}")
 def test_planted_link__is_not_written_through(arguments, press_folder, monkeypatch):
     """Even where the name of a draft is known beforehand."""
-    needs_library(arguments)
     monkeypatch.setattr("sweeps.text.whole_files.secrets.token_hex", lambda count: "known")
     target, link = press_folder / "target", press_folder / f".known{Path(arguments[-1]).suffix}"
     for content in (None, "precious"):
@@ -91,7 +68,7 @@ def test_link_of_another_user__is_refused(name, press_folder):
     # The owner of a folder may lead what is written in it elsewhere.
     os.chown(".", 65534, 65534)
     if name == "out.csv":
-        assert said(*command).exit_code == 0
+        done(*command)
         assert target.read_text() != "precious"
 
 

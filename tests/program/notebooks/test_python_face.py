@@ -1,7 +1,6 @@
 """What Python and notebooks get: datasets, tables, figures, and how things show themselves."""
 
 import gc
-import subprocess
 import sys
 import weakref
 import xml.etree.ElementTree as ET
@@ -9,31 +8,40 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import ROOT, said
+from commands import done, ran
 from matplotlib.figure import Figure
 
 import sweeps
-from engine import Machine, Scene, Verdict
+from engine import Machine, Scene
 from sweeps.pictures.picture_error import PictureError
 
 CRANKS = np.array([0.04, 0.05, 0.06, 0.25])
 STROKE = "ram.stroke"
 
 
+VARIED = {"input.length": CRANKS}
+
+
 @pytest.fixture
-def evaluated(press_folder):
-    """A press over four cranks, of which one is longer than its rod: scene, machine, what varied, outcome."""
-    machine = Machine(sweeps.read_scene("press.toml"), [STROKE], ["B.y"], ["input.length"], positions=48)
-    varied = {"input.length": CRANKS}
-    return machine, varied, machine.evaluate(varied)
+def machine(press_folder):
+    """A press over four cranks, of which one is longer than its rod."""
+    return Machine(sweeps.read_scene("press.toml"), [STROKE], ["B.y"], ["input.length"], positions=48)
+
+
+@pytest.fixture
+def outcome(machine):
+    return machine.evaluate(VARIED)
+
+
+@pytest.fixture
+def data(outcome, machine):
+    return sweeps.to_xarray(outcome, machine, VARIED)
 
 
 # Datasets
 
 
-def test_dataset_of_an_outcome__holds_what_the_outcome_does_with_units(evaluated):
-    machine, varied, outcome = evaluated
-    data = sweeps.to_xarray(outcome, machine, varied)
+def test_dataset_of_an_outcome__holds_what_the_outcome_does_with_units(data):
     # In line, the stroke is twice the crank; rounding of a sum of three lengths of at most 0.3 m.
     assert data[STROKE].values[:2] == pytest.approx(2 * CRANKS[:2], abs=1e-15)
     assert data[STROKE].attrs["units"] == data[f"{STROKE}_error"].attrs["units"] == data["input.length"].attrs["units"]
@@ -44,9 +52,8 @@ def test_dataset_of_an_outcome__holds_what_the_outcome_does_with_units(evaluated
     assert np.isfinite(data.status_at.values[3])
 
 
-def test_table_of_an_outcome__has_a_row_for_each_variant(evaluated):
-    machine, varied, outcome = evaluated
-    table = sweeps.to_dataframe(outcome, machine, varied)
+def test_table_of_an_outcome__has_a_row_for_each_variant(machine, outcome):
+    table = sweeps.to_dataframe(outcome, machine, VARIED)
     assert list(table) == ["input.length [m]", "verdict", f"{STROKE} [m]", f"{STROKE}_error [m]"]
     assert list(table["verdict"]) == ["ok", "ok", "ok", "cannot_assemble"]
     assert table.loc[1, f"{STROKE} [m]"] == outcome.summaries[STROKE][1]
@@ -82,7 +89,7 @@ count = 4
 )
 def test_variants_without_a_grid__are_refused_in_words(press_folder, vary, words):
     Path("s.toml").write_text(f'scene = "press.toml"\n[outputs]\nsummaries = ["{STROKE}"]\n{vary}')
-    assert said("run", "s.toml", "--no-plots", "--quiet", "--out", "s.h5").exit_code == 0
+    done("run", "s.toml", "--no-plots", "--quiet", "--out", "s.h5")
     with pytest.raises(sweeps.StoreError, match=words):
         sweeps.read("s.h5", grid=True)
 
@@ -90,10 +97,8 @@ def test_variants_without_a_grid__are_refused_in_words(press_folder, vary, words
 # Figures
 
 
-def test_figures__are_made_without_pyplot_and_are_let_go_of(evaluated, press_result):
-    machine, varied, outcome = evaluated
+def test_figures__are_made_without_pyplot_and_are_let_go_of(machine, data, press_result):
     scene = machine.scene
-    data = sweeps.to_xarray(outcome, machine, varied)
     figures = [
         sweeps.plot_mechanism(scene, [0.3], ["B"]),
         sweeps.plot_fields(scene, ["B.vy"], positions=48),
@@ -115,16 +120,14 @@ def test_figures__are_made_without_pyplot_and_are_let_go_of(evaluated, press_res
     assert [ref() for ref in left] == [None] * len(left)
 
 
-def test_curve_of_a_dataset__shows_its_numbers(evaluated):
-    machine, varied, outcome = evaluated
-    line = sweeps.plot_sweep(sweeps.to_xarray(outcome, machine, varied)).axes[0].lines[0]
+def test_curve_of_a_dataset__shows_its_numbers(data):
+    line = sweeps.plot_sweep(data).axes[0].lines[0]
     # In millimetres; the one that can't be assembled leaves a gap.
     np.testing.assert_allclose(line.get_xdata(), [40, 50, 60, 250])
     np.testing.assert_allclose(line.get_ydata(), [80, 100, 120, np.nan], rtol=1e-12)
 
 
-def test_figures_of_nothing__are_refused(evaluated):
-    machine, varied, outcome = evaluated
+def test_figures_of_nothing__are_refused(machine, data):
     with pytest.raises(PictureError, match="no regimes"):
         sweeps.plot_history(machine.scene)
     alone = Scene.model_validate({"elements": {"k": {"type": "oscillator", "mass": "1 kg", "stiffness": "1 N/m"}}})
@@ -132,14 +135,13 @@ def test_figures_of_nothing__are_refused(evaluated):
         with pytest.raises(PictureError, match="elements alone"):
             plot(alone)
     with pytest.raises(PictureError, match="no variants"):
-        sweeps.plot_sweep(sweeps.to_xarray(outcome, machine, varied).drop_vars("status"))
+        sweeps.plot_sweep(data.drop_vars("status"))
 
 
 # How things show themselves
 
 
-def test_representation__is_a_line(evaluated):
-    machine, _, outcome = evaluated
+def test_representation__is_a_line(machine, outcome):
     assert repr(machine.scene) == "<Scene 'Crank press': input crank, RRP slide, 1 body, 1 force>"
     assert repr(machine) == "<Machine 'Crank press': varied input.length; summaries ram.stroke; fields B.y>"
     assert repr(outcome) == "<Outcome of 4 variants: 3 ok, 1 cannot_assemble; summaries ram.stroke; fields B.y>"
@@ -148,8 +150,7 @@ def test_representation__is_a_line(evaluated):
     assert repr(study) == f"<Study 'Which crank?': {of}; ram.stroke, excess_work>"
 
 
-def test_html__holds_a_drawing_and_the_numbers(evaluated):
-    machine, _, outcome = evaluated
+def test_html__holds_a_drawing_and_the_numbers(machine, outcome):
     for thing, words in (
         (machine.scene, "groups.slide.first.length"),
         (machine, "summaries and"),
@@ -165,15 +166,13 @@ def test_html__holds_a_drawing_and_the_numbers(evaluated):
     assert rows[1][2].text.startswith("0.08 ±")
 
 
-def test_html__takes_a_title_for_text_not_for_markup(evaluated):
-    machine, _, _ = evaluated
+def test_html__takes_a_title_for_text_not_for_markup(machine):
     text = sweeps.to_html(machine.scene.model_copy(update={"title": "<script>alert(1)</script> $x"}))
     assert "<script>" not in text
     assert "&lt;script&gt;" in text
 
 
-def test_html_of_what_cannot_be_drawn__says_why(evaluated):
-    machine, _, _ = evaluated
+def test_html_of_what_cannot_be_drawn__says_why(machine):
     long = machine.scene.model_copy(update={"input": machine.scene.input.model_copy(update={"length": 3.0})})
     assert "<svg" not in sweeps.to_html(long)
     assert "<table>" in sweeps.to_html(long)
@@ -197,10 +196,5 @@ assert not kept
 
 
 def test_notebook__is_told_how_to_show_every_type():
-    done = subprocess.run([sys.executable, "-c", NOTEBOOK], cwd=ROOT, capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (0, "")
-
-
-def test_verdict_names__have_no_blanks():
-    """Meanings of flags are separated by blanks."""
-    assert all(" " not in verdict.name for verdict in Verdict)
+    ended = ran("-c", NOTEBOOK)
+    assert (ended.returncode, ended.stderr) == (0, "")

@@ -5,11 +5,9 @@ import pytest
 from searches import CRANK, HEAD, NEAREST, ROD, TWO, best_of, searched, study_of
 
 from engine import Machine, Verdict
+from sweeps import Study, SweepResult, read_study
 from sweeps.optimising.optimum import choices, front, is_front, met, objectives, optimum_text
 from sweeps.optimising.runner import optimise_study
-from sweeps.report.sweep_result import SweepResult
-from sweeps.study.study import Study
-from sweeps.study.study_reader import read_study
 
 # One objective
 
@@ -170,8 +168,6 @@ def test_nothing_that_meets_the_conditions__is_said(tmp_path):
 
 @pytest.mark.parametrize("goals", ['"ram.stroke"', '["ram.stroke", "excess_work"]'], ids=["evolution", "NSGA-II"])
 def test_narrow_conditions__are_found_by_missing_them_less_and_less(goals, tmp_path):
-    if "[" in goals:
-        pytest.importorskip("pymoo")
     # Two millionths of the ranges: no candidate of 2000 drawn at random would be likely to meet them.
     conditions = [
         "abs(ram.stroke - '71.3 mm') <= '0.05 mm'",
@@ -211,7 +207,6 @@ def test_objective__carries_the_error_figures_of_its_summaries(flywheel):
 
 @pytest.fixture(scope="module")
 def two(tmp_path_factory) -> SweepResult:
-    pytest.importorskip("pymoo")
     return searched(tmp_path_factory.mktemp("two"), TWO)
 
 
@@ -256,7 +251,6 @@ def test_generations__are_as_large_as_asked_without_twins(two):
 
 
 def test_few_entries_of_lists__are_all_tried_and_none_twice(tmp_path):
-    pytest.importorskip("pymoo")
     vary = '[vary]\n"input.length" = {values = ["40 mm", "50 mm", "60 mm"]}\n'
     vary += '"groups.slide.first.length" = {values = ["200 mm", "210 mm", "220 mm", "230 mm"]}\n'
     asked = 'minimise = "ram.stroke"\nmaximise = "groups.slide.first.length"\npopulation = 8\ngenerations = 10'

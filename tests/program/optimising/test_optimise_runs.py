@@ -5,24 +5,28 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from press_sweeps import Stop, stopping
+from press_sweeps import contents as datasets
 from searches import CRANK, NEAREST, ONE, ROD, TWO, best_of, searched, study_of
 
 from engine import Machine
+from sweeps import StoreError, Study, SweepResult, read_study, run_study
 from sweeps.optimising import searching
 from sweeps.optimising.runner import optimise_study
-from sweeps.report.sweep_result import SweepResult
-from sweeps.run.runner import run_study
-from sweeps.store import StoreError, describe_result
+from sweeps.store import describe_result
 from sweeps.study.search_task import task_of
-from sweeps.study.study_reader import read_study
 
 
-def contents(path: Path) -> dict[str, bytes]:
-    """Every dataset of a file, bit by bit."""
-    found = {}
+def contents(path: Path) -> dict[str, object]:
+    """Every dataset and text of a file, bit by bit."""
     with h5py.File(path, "r") as file:
-        file.visititems(lambda name, item: found.update({name: item[()].tobytes()} if hasattr(item, "dtype") else {}))
-        return found | {name: str(value).encode() for name, value in file.attrs.items() if name != "finished"}
+        return datasets(path) | {name: str(value) for name, value in file.attrs.items() if name != "finished"}
+
+
+def interrupted(study: Study, path: Path) -> None:
+    """A search that is ended after its first generation."""
+    with pytest.raises(Stop):
+        optimise_study(study, path, progress=stopping(1))
 
 
 # Interruptions
@@ -30,8 +34,6 @@ def contents(path: Path) -> dict[str, bytes]:
 
 @pytest.mark.parametrize("asked", [ONE, TWO.replace("= 40\n", "= 12\n")], ids=["evolution", "NSGA-II"])
 def test_interrupted_search__ends_as_an_uninterrupted_one(asked, tmp_path):
-    if asked is not ONE:
-        pytest.importorskip("pymoo")
     rest = '[tolerances]\n"input.length" = "0.1 mm"\n'
     study = study_of(tmp_path, asked, rest=rest)
     whole = optimise_study(study, tmp_path / "whole.h5")
@@ -40,10 +42,9 @@ def test_interrupted_search__ends_as_an_uninterrupted_one(asked, tmp_path):
 
         def progress(done: int, before: int, words: str, stop: int = stop) -> None:
             told.append((done, before))
-            if done == stop > before:
-                raise KeyboardInterrupt
+            stopping(stop)(done, before)
 
-        with pytest.raises(KeyboardInterrupt):
+        with pytest.raises(Stop):
             optimise_study(study, path, progress=progress)
         assert describe_result(tmp_path / "parts.candidates.part.h5").blocks_done == stop
         assert not path.exists()
@@ -74,14 +75,8 @@ def test_search_interrupted_in_its_last_phase__doesn_t_repeat_its_generations(tm
 
 def test_spoilt_candidates__are_computed_again(tmp_path):
     study, path = study_of(tmp_path, ONE), tmp_path / "r.h5"
-
-    def stop(done: int, before: int, words: str) -> None:
-        if done:
-            raise KeyboardInterrupt
-
     whole = contents(optimise_study(study, tmp_path / "whole.h5"))
-    with pytest.raises(KeyboardInterrupt):
-        optimise_study(study, path, progress=stop)
+    interrupted(study, path)
     with h5py.File(tmp_path / "r.candidates.part.h5", "r+") as file:
         file[CRANK][3] += 1e-6
     told = []
@@ -92,13 +87,7 @@ def test_spoilt_candidates__are_computed_again(tmp_path):
 
 def test_candidates_of_another_way__are_refused(tmp_path, monkeypatch):
     study, path = study_of(tmp_path, ONE), tmp_path / "r.h5"
-
-    def stop(done: int, before: int, words: str) -> None:
-        if done:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        optimise_study(study, path, progress=stop)
+    interrupted(study, path)
     first = searching.first_generation
     with monkeypatch.context() as patch:
         patch.setattr(searching, "first_generation", lambda task: first(task) * 0.999)
@@ -133,13 +122,8 @@ def test_every_word_of_a_search__makes_another_one(tmp_path):
 
 def test_interrupted_sweep_of_the_same_name__is_spared(tmp_path):
     study = study_of(tmp_path, ONE)
-
-    def stop(done: int, before: int) -> None:
-        if done:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        run_study(study, tmp_path / "r.h5", progress=stop)
+    with pytest.raises(Stop):
+        run_study(study, tmp_path / "r.h5", progress=stopping(1))
     before = contents(tmp_path / "r.part.h5")
     optimise_study(study, tmp_path / "r.h5")
     assert contents(tmp_path / "r.1.part.h5") == before

@@ -12,20 +12,8 @@ from engine import Machine, MovingMachine
 from sweeps.pictures.machine.diagrams import diagrams, main_slider
 from sweeps.pictures.picture_error import PictureError
 
-COMPRESSOR = slider_crank(
-    title="Compressor",
-    cylinders={
-        "air": {
-            "type": "compressor",
-            "piston": "piston",
-            "bore": 0.09,
-            "clearance": 0.06,
-            "suction": 1e5,
-            "discharge": 6e5,
-        }
-    },
-    flywheel={"speed_fluctuation": 0.04},
-)
+AIR = {"type": "compressor", "piston": "piston", "bore": 0.09, "clearance": 0.06, "suction": 1e5, "discharge": 6e5}
+COMPRESSOR = slider_crank(title="Compressor", cylinders={"air": AIR}, flywheel={"speed_fluctuation": 0.04})
 
 
 def test_diagrams__six_panels_with_the_engine_s_rows(tmp_path):
@@ -49,12 +37,8 @@ def test_diagrams__six_panels_with_the_engine_s_rows(tmp_path):
 
 def test_mean_moment__is_that_of_the_cycle_where_the_load_jumps():
     """10 N m over 100.2 of 360 degrees; the mean of rows half a degree apart would be that of 100 or 100.5."""
-    load = {
-        "type": "formula",
-        "on": "crank",
-        "moment": "-m if phi > begin and phi < end else 0 * m",
-        "numbers": {"m": "10 N m", "begin": "100.1 deg", "end": "200.3 deg"},
-    }
+    load = {"type": "formula", "on": "crank", "moment": "-m if phi > begin and phi < end else 0 * m"}
+    load["numbers"] = {"m": "10 N m", "begin": "100.1 deg", "end": "200.3 deg"}
     figure = diagrams(four_bar(moments={"load": load}), Figure())
     assert f"mean \N{MINUS SIGN}{10 * 100.2 / 360:.4g} N" in figure.axes[2].get_title()
 

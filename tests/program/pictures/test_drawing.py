@@ -17,7 +17,7 @@ from drawn_machines import (
     slider_crank,
     sliding_input,
 )
-from machines import frame
+from machines import frame, prp
 from matplotlib.figure import Figure
 
 from engine import Scene
@@ -159,30 +159,15 @@ def test_slider_beside_a_moving_guide__on_a_rod_through_its_joint():
     drawn = primitives(on_moving_guide(offset=0.02), 1.0)
     f = circle(drawn, "F").points[0]
     (sleeve,) = boxes(drawn)
-    rods = [
-        p.points
-        for p in drawn
-        if p.kind == "line" and p.layer == "links" and is_parallel(np.ptp(p.points), long_side(sleeve))
-    ]
+    bars = [p.points for p in drawn if p.kind == "line" and p.layer == "links"]
+    rods = [(a, b) for a, b in bars if is_parallel(b - a, long_side(sleeve))]
     assert any(abs(((f - a) / (b - a)).imag) < 1e-9 and 0 < ((f - a) / (b - a)).real < 1 for a, b in rods)
 
 
 def test_slider_on_a_crank__sleeve_along_the_crank():
-    scene = Scene.model_validate(
-        {
-            "points": {"O": {"x": 0, "y": 0}},
-            "guides": {"bar": {"link": "crank"}, "way": {"y": 0.12}},
-            "input": crank(start=0.9, stop=2.2),
-            "groups": {
-                "g": {
-                    "type": "PRP",
-                    "inner": "B",
-                    "first": {"link": "sleeve", "guide": "bar"},
-                    "second": {"link": "ram", "guide": "way"},
-                }
-            },
-        }
-    )
+    group = prp("B", ("sleeve", "bar", 0.0), ("ram", "way", 0.0))
+    guides = {"bar": {"link": "crank"}, "way": {"y": 0.12}}
+    scene = slider_crank(guides=guides, input=crank(start=0.9, stop=2.2), groups={"g": group}, bodies={})
     drawn = primitives(scene, 0.9)
     sleeve, ram = boxes(drawn)
     u = complex(math.cos(0.9), math.sin(0.9))
@@ -266,9 +251,8 @@ def test_arrows_of_second_inputs__ahead_of_them_by_the_laws_and_none_at_rest(spe
 def test_arrow_of_second_input_on_the_cranks_pin__turns_by_its_law_against_the_crank():
     # It turns back by half a turn of the crank's, so forward in the frame.
     scene = {"points": {"O": {"x": 0, "y": 0}, "T": {"link": "arm", "x": 0.04, "y": 0}}, "input": crank(revolutions=2)}
-    drawn = primitives(
-        Scene.model_validate(scene | {"inputs": {"arm": {"type": "crank", "pivot": "A", "ratio": -0.5}}}), 1.0
-    )
+    scene |= {"inputs": {"arm": {"type": "crank", "pivot": "A", "ratio": -0.5}}}
+    drawn = primitives(Scene.model_validate(scene), 1.0)
     _, arc = [np.array(p.points) for p in drawn if p.layer == "names" and p.kind == "line"]
     assert np.all(np.diff(np.unwrap(np.angle(arc - 0.05 * np.exp(1j)))) < 0)
 
@@ -313,23 +297,31 @@ def test_primitives__finite_in_known_layers_and_convex(name):
                 assert (turns > 0).all() or (turns < 0).all()
 
 
-def test_unknown_point__named_with_the_nearest():
-    with pytest.raises(PictureError, match=r"'Q' is not a point.*known are: A, B, D, O, P"):
-        primitives(four_bar(), 0.0, paths=["Q"])
+LOCKING = {"groups.g.first.length": 0.1, "groups.g.second.length": 0.1}
+REFUSED = {
+    "unknown point": (lambda: primitives(four_bar(), 0.0, paths=["Q"]), r"'Q' is not a point.*: A, B, D, O, P"),
+    "outside": (lambda: primitives(sliding_input(), 0.2), r"0\.2 is outside the input's range 0 to 0\.12"),
+    "unknown kind": (lambda: annotated(slider_crank(), 1.0, "mass"), r"'mass' can't be shown.*mean 'masses'"),
+    "locked": (
+        lambda: primitives(DrawnMotion(four_bar(), LOCKING), 3.1),
+        r"position 3\.1.* can't be drawn: a group can't be assembled",
+    ),
+    "nowhere": (
+        lambda: primitives(DrawnMotion(four_bar(), {"groups.g.first.length": 0.001}), 0.0),
+        "can't be drawn at any position",
+    ),
+}
 
 
-def test_position_outside_the_range__refused_with_the_range():
-    with pytest.raises(PictureError, match=r"0\.2 is outside the input's range 0 to 0\.12"):
-        primitives(sliding_input(), 0.2)
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_cannot_be_drawn__is_refused(case):
+    drawn, words = REFUSED[case]
+    with pytest.raises(PictureError, match=words):
+        drawn()
 
 
 def test_mechanism_that_locks__drawn_where_it_exists():
-    values = {"groups.g.first.length": 0.1, "groups.g.second.length": 0.1}
-    assert primitives(DrawnMotion(four_bar(), values), 0.0)
-    with pytest.raises(PictureError, match=r"position 3\.1.* can't be drawn: a group can't be assembled"):
-        primitives(DrawnMotion(four_bar(), values), 3.1)
-    with pytest.raises(PictureError, match="can't be drawn at any position"):
-        primitives(DrawnMotion(four_bar(), {"groups.g.first.length": 0.001}), 0.0)
+    assert primitives(DrawnMotion(four_bar(), LOCKING), 0.0)
 
 
 def test_draw__first_position_black_others_light_axes_equal():
@@ -404,11 +396,6 @@ def test_links__named_and_no_name_on_another():
         for two, other in boxes_of_texts[:i]:
             gap, room = one - two, half + other
             assert abs(gap.real) > room.real or abs(gap.imag) > room.imag
-
-
-def test_unknown_kind_to_show__named_with_the_nearest():
-    with pytest.raises(PictureError, match=r"'mass' can't be shown.*did you mean 'masses'"):
-        annotated(slider_crank(), 1.0, "mass")
 
 
 def test_scale__is_that_of_the_paper(tmp_path, monkeypatch):

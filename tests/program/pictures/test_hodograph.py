@@ -1,28 +1,20 @@
 """Hodographs of shaking forces: what they show is what the engine computes, and what can't be shown is said."""
 
+import machines
 import numpy as np
 import pytest
-from machines import crank, frame, rrp
+from machines import crank, rrp
 
-from engine import Machine, Scene
-from engine.machine.balancing.counterweights import balance
+from engine import Machine, Scene, balance
 from sweeps.pictures.machine.hodographs import hodographs, order_sizes, shaking_force
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import new_figure
 
 
 def slider_crank(**parts) -> Scene:
-    return Scene.model_validate(
-        {
-            "title": "Engine",
-            "points": {"O": frame(0.0, 0.0)},
-            "guides": {"way": {}},
-            "input": crank(revolutions=2),
-            "groups": {"g": rrp("B", ("rod", "A", 1.2), "piston", "way")},
-            "bodies": {"piston_body": {"link": "piston", "mass": 2000.0}},
-            **parts,
-        }
-    )
+    usual = {"title": "Engine", "input": crank(revolutions=2)}
+    usual |= {"bodies": {"piston_body": {"link": "piston", "mass": 2000.0}}}
+    return Scene.model_validate(machines.slider_crank(rod=1.2, slider="piston", **usual | parts))
 
 
 def test_orders__are_those_of_the_engine():

@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from commands import done
 from drawn_machines import crank, four_bar
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -16,10 +16,8 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from plan_machines import MACHINES, MECHANISMS, cycle_of
 
-from engine import Scene
-from engine.parts.skeleton import FRAME
+from engine import FRAME, Scene
 from engine.scene.pairs import pairs
-from sweeps.cli import main
 from sweeps.pictures.drawing.racks import rack_bar
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.plans import (
@@ -47,14 +45,8 @@ from sweeps.text.templates import bundled_templates
 
 
 def heavy_crank():
-    return Scene.model_validate(
-        {
-            "points": {"O": {"x": 0, "y": 0}},
-            "gravity": 10.0,
-            "input": crank(speed=1e-6),
-            "bodies": {"disc": {"link": "crank", "mass": 3.0}},
-        }
-    )
+    scene = {"points": {"O": {"x": 0, "y": 0}}, "gravity": 10.0, "input": crank(speed=1e-6)}
+    return Scene.model_validate(scene | {"bodies": {"disc": {"link": "crank", "mass": 3.0}}})
 
 
 def test_load_of_a_heavy_wheel__stands_in_the_frame_and_turns_in_the_shaft():
@@ -187,19 +179,9 @@ def test_paper__a_vector_too_short_to_be_seen_left_out():
 
 def test_plan_pictures__a_sheet_for_each_plan(tmp_path):
     made = plan_pictures(MACHINES["slider_crank"], tmp_path / "press.svg", math.radians(40))
-    assert [path.name for path in made] == [
-        f"press_{what}.svg"
-        for what in (
-            "velocity",
-            "acceleration",
-            "forces_crank",
-            "forces_drive",
-            "reactions",
-            "bearing_input",
-            "bearing_drive_first",
-            "bearing_drive_inner",
-        )
-    ]
+    sheets = """velocity acceleration forces_crank forces_drive reactions bearing_input bearing_drive_first
+    bearing_drive_inner"""
+    assert [path.name for path in made] == [f"press_{sheet}.svg" for sheet in sheets.split()]
     for path in made:
         ElementTree.parse(path)
 
@@ -227,8 +209,8 @@ def test_plan_pictures_of_many_bearings__those_that_bear_most(tmp_path, monkeypa
     scene = MACHINES["slider_crank"]
     monkeypatch.setattr("sweeps.pictures.plans.files.MOST_BEARINGS", 1)
     drawn = [path.stem for path in plan_pictures(scene, tmp_path / "a.svg") if "bearing" in path.stem]
-    peaks = {pair: np.abs(bearing_load(MachineCycle(scene), pair).force).max() for pair in ("input", "drive.inner")}
-    peaks["drive.first"] = np.abs(bearing_load(MachineCycle(scene), "drive.first").force).max()
+    bearings = ("input", "drive.inner", "drive.first")
+    peaks = {pair: np.abs(bearing_load(MachineCycle(scene), pair).force).max() for pair in bearings}
     assert drawn == [f"a_bearing_{max(peaks, key=peaks.get).replace('.', '_')}"]
 
 
@@ -253,8 +235,7 @@ def test_plot_with_plans__made_at_the_first_angle_asked(tmp_path, monkeypatch):
     monkeypatch.setattr("sweeps.pictures.plans.plan_pictures", lambda *arguments: asked.append(arguments) or [])
     monkeypatch.chdir(tmp_path)
     scene = str(bundled_templates()["four_bar"])
-    outcome = CliRunner().invoke(main, ["plot", scene, "--plans", "--at", "90,120", "--out", "a.svg"])
-    assert outcome.exit_code == 0, outcome.output
+    done("plot", scene, "--plans", "--at", "90,120", "--out", "a.svg")
     ((_, path, at, values),) = asked
     assert (path.name, values) == ("a.svg", {})
     assert at == pytest.approx(math.pi / 2)

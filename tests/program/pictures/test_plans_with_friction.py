@@ -10,10 +10,10 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from plan_machines import rubbing
 from rubbing_machines import RHO, press, yoke
-from test_plans import EXACT
+from test_plans import assert_closed, assert_in_equilibrium
 
 from engine import Scene
-from sweeps.pictures.plans import MachineCycle, force_polygon, force_sheet, free_body, group_loads, loads_on_links
+from sweeps.pictures.plans import MachineCycle, force_sheet, free_body, group_loads, loads_on_links
 from sweeps.pictures.plans.forces.force_plan import force_lines
 
 # All kinds of groups, shafts, both kinds of inputs, guides that move; some sliders tilt.
@@ -26,6 +26,10 @@ def poses_of(name, length):
     return [cycle.at(cycle.motion.q[k]) for k in (77, 301, 655)]
 
 
+def press_at_one(coefficient):
+    return MachineCycle(Scene.model_validate(press(coefficient))).at(1.0)
+
+
 def distance(point, load):
     """Of a point from the line of a force, positive to its left [m]."""
     return ((point - load.at) * load.force.conjugate()).imag / abs(load.force)
@@ -35,24 +39,10 @@ def distance(point, load):
 
 
 @pytest.mark.parametrize(("name", "length"), RUBBING)
-def test_loads_with_friction__every_link_in_equilibrium(name, length):
+def test_loads_with_friction__every_link_in_equilibrium_and_every_force_plan_closed(name, length):
     for pose in poses_of(name, length):
-        on_links = loads_on_links(pose)
-        scale = max([abs(load.force) for loads in on_links.values() for load in loads], default=0.0)
-        size = abs(np.ptp(np.concatenate(list(pose.motion.points.values()))))
-        for link, loads in on_links.items():
-            origin = pose.origin(link).place
-            least = max([scale * size, *(abs(load.moment) for load in loads)])
-            assert abs(sum(load.force for load in loads)) <= EXACT * scale
-            assert abs(sum(load.moment_about(origin) for load in loads)) <= EXACT * least
-
-
-@pytest.mark.parametrize(("name", "length"), RUBBING)
-def test_force_plans_with_friction__close(name, length):
-    for pose in poses_of(name, length):
-        for part in (*pose.scene.groups, *pose.cycle.structure.links):
-            forces = [load.force for load in force_polygon(pose, part)]
-            assert abs(sum(forces)) <= EXACT * max(map(abs, forces), default=0.0)
+        assert_in_equilibrium(pose)
+        assert_closed(pose, (*pose.scene.groups, *pose.cycle.structure.links))
 
 
 def test_force_plan_of_a_group__has_friction_beside_its_reaction():
@@ -64,7 +54,7 @@ def test_force_plan_of_a_group__has_friction_beside_its_reaction():
 
 
 def test_reactions_of_a_massless_rod__on_one_line_that_touches_both_friction_circles():
-    pose = MachineCycle(Scene.model_validate(press(0.15))).at(1.0)
+    pose = press_at_one(0.15)
     a, b = (pose.motion.points[name][pose.k] for name in "AB")
     at_a, at_b = loads_on_links(pose)["rod"]
     # Radii of some 2 mm as differences of places of some 400 mm.
@@ -82,7 +72,7 @@ def test_reactions_of_a_massless_rod__on_one_line_that_touches_both_friction_cir
 
 def test_force_of_a_guide__leans_by_the_friction_angle_against_the_motion():
     f = 0.15
-    pose = MachineCycle(Scene.model_validate(press(f))).at(1.0)
+    pose = press_at_one(f)
     own = [load for load in loads_on_links(pose)["ram"] if load.pair == "drive.second"]
     normal, friction = (load for load in own if not load.is_moment)
     assert friction.is_friction
@@ -116,7 +106,7 @@ def test_long_slider__is_pressed_where_its_moment_puts_the_force():
 
 def test_free_body_with_friction__shows_the_friction_circle_to_scale():
     ax = Figure(figsize=(5, 5)).add_axes((0, 0, 1, 1))
-    pose = MachineCycle(Scene.model_validate(press(0.15))).at(1.0)
+    pose = press_at_one(0.15)
     loads = free_body(pose, "rod", ax)
     circles = [line for line in ax.lines if len(line.get_xdata()) == 49]
     radii = sorted((np.ptp(line.get_xdata()) + np.ptp(line.get_ydata())) / 4 for line in circles)
@@ -125,6 +115,6 @@ def test_free_body_with_friction__shows_the_friction_circle_to_scale():
 
 
 def test_force_sheet_with_friction__says_what_its_letters_mean():
-    pose = MachineCycle(Scene.model_validate(press(0.15))).at(1.0)
+    pose = press_at_one(0.15)
     notes = [text.get_text() for text in force_sheet(pose, "drive").findobj(Text)]
     assert any(r"\rho_{12}$: radius of the friction circle" in note for note in notes)

@@ -35,16 +35,8 @@ def grid_data(shape, failed=(), parameters=("a", "b")):
     arrays |= {"mass": mass, "mass_error": 0.1 * mass, "cost": -(sum(columns) ** 2), "moment": field}
     units = dict.fromkeys(parameters, "m") | {"mass": "kg", "cost": "1", "moment": "N m"}
     names = {"a": "a", "b": "b", "mass": "mass of the wheel", "cost": "cost", "moment": "moment"}
-    return SweepData(
-        arrays,
-        units,
-        names,
-        parameters,
-        ("mass", "cost"),
-        shape,
-        status,
-        {"moment": FieldAxis("phi", "crank angle", "rad", phi)},
-    )
+    axes = {"moment": FieldAxis("phi", "crank angle", "rad", phi)}
+    return SweepData(arrays, units, names, parameters, ("mass", "cost"), shape, status, axes)
 
 
 def test_curves__values_error_band_and_failed_variants():
@@ -79,8 +71,7 @@ def test_field_band__least_and_greatest_of_the_computed_variants():
 @pytest.mark.parametrize(("x", "y"), [("a", "b"), ("b", "a")])
 def test_map__cells_where_their_parameters_are_and_failed_ones_hatched(x, y):
     data = grid_data((5, 4), failed=[3, 19])
-    figure = Figure()
-    axes = figure.add_subplot()
+    axes = Figure().add_subplot()
     map2d(axes, data, x, y, "mass", best=7)
     mesh = axes.collections[1]
     cells = np.ma.filled(mesh.get_array(), np.nan)
@@ -90,7 +81,7 @@ def test_map__cells_where_their_parameters_are_and_failed_ones_hatched(x, y):
     assert axes.collections[0].get_array().count() == 2
     star = axes.lines[0].get_xydata()[0]
     assert star == pytest.approx([1000 * data.arrays[x][7], 1000 * data.arrays[y][7]])
-    assert [t.get_text() for t in figure.legends[0].get_texts()] == ["best", "can't be assembled"]
+    assert [t.get_text() for t in axes.figure.legends[0].get_texts()] == ["best", "can't be assembled"]
 
 
 @pytest.mark.parametrize("smooth", [True, False])
@@ -189,37 +180,34 @@ def test_curves__missing_variants_are_pale():
 
 
 def test_map__missing_cells_are_veiled():
-    figure = Figure()
-    axes = figure.add_subplot()
+    axes = Figure().add_subplot()
     data = conditioned((5, 4), [0, 7, 8], failed=[3])
     map2d(axes, data, "a", "b", "mass")
     veil = axes.collections[-1].get_array()
     # Rows of the picture run along b, the second axis of the grid.
     assert np.argwhere(~np.ma.getmaskarray(veil)).tolist() == [[0, 0], [0, 2], [3, 1]]
-    assert labels_of(figure) == [MISSING, "can't be assembled"]
+    assert labels_of(axes.figure) == [MISSING, "can't be assembled"]
 
 
 def test_scatter__missing_dots_are_pale_and_not_on_the_front():
-    figure = Figure()
-    axes = figure.add_subplot()
+    axes = Figure().add_subplot()
     data = conditioned((5, 4), range(10), failed=[19])
     scatter(axes, data, "mass", "cost", "a", minimise=(True, False))
     pale, coloured = axes.collections
     assert len(pale.get_offsets()) == 10
     assert len(coloured.get_offsets()) == 9
     assert axes.lines[0].get_xdata().min() == pytest.approx(1000 * data.arrays["mass"][10:19].min())
-    assert labels_of(figure) == [MISSING, "Pareto front"]
+    assert labels_of(axes.figure) == [MISSING, "Pareto front"]
 
 
 def test_parallel__missing_lines_are_pale():
-    figure = Figure()
-    axes = figure.add_subplot()
+    axes = Figure().add_subplot()
     data = conditioned((5, 4), range(15), failed=[19])
     parallel(axes, data, ["a", "b", "mass"], "mass")
     pale, coloured = axes.collections
     assert len(pale.get_paths()) == 15
     assert np.asarray(coloured.get_array()) == pytest.approx(1000 * data.arrays["mass"][15:19])
-    assert labels_of(figure) == [MISSING]
+    assert labels_of(axes.figure) == [MISSING]
 
 
 def test_field_band__of_what_meets_the_condition_within_that_of_all():
@@ -264,11 +252,13 @@ def test_legend_of_the_energy_loop__lies_beside_all_axes():
     assert not any(ax.get_legend() for ax in figure.axes)
 
 
-def test_unknown_column__refused_with_those_there_are(tmp_path):
-    with pytest.raises(PictureError, match="'weight' is not in this result; there are: a, b, mass, cost, moment"):
-        plot_result(grid_data((3, 3)), tmp_path / "a.png", y="weight")
-
-
-def test_field_as_colour__refused(tmp_path):
-    with pytest.raises(PictureError, match=r"'moment' is a field.*shown as y"):
-        plot_result(grid_data((3, 3)), tmp_path / "a.png", colour="moment")
+@pytest.mark.parametrize(
+    ("asked", "words"),
+    [
+        ({"y": "weight"}, "'weight' is not in this result; there are: a, b, mass, cost, moment"),
+        ({"colour": "moment"}, r"'moment' is a field.*shown as y"),
+    ],
+)
+def test_column_that_cannot_be_shown__refused(asked, words, tmp_path):
+    with pytest.raises(PictureError, match=words):
+        plot_result(grid_data((3, 3)), tmp_path / "a.png", **asked)

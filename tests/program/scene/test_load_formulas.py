@@ -8,12 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from press_texts import slider_crank_text
 
-from engine import Scene, SceneError, order_groups, scene_numbers
-from engine.parts.formulas.expressions import evaluate_tree, parse
+from engine import Scene, SceneError, any_quantity, evaluate_tree, order_groups, scene_numbers
+from engine.parts.formulas.expressions import parse
 from engine.parts.formulas.speed_powers import NoPowerError, powers_of_speed
-from engine.parts.units import any_quantity
-from sweeps.text.input_files import InputError
-from sweeps.text.scene_text import read_scene, with_values, write_scene
+from sweeps import InputError, read_scene, write_scene
+from sweeps.text.scene_text import with_values
 
 
 def text_of(force, moment, numbers, regimes):
@@ -58,21 +57,15 @@ def test_formulas__are_read_with_their_numbers(tmp_path):
     assert numbers["forces.cut.numbers.n"][:2] == (2.0, "number")
 
 
-@pytest.mark.parametrize(
-    "force",
-    [
-        "0",
-        "k * ram.slide",
-        "-3 kN * sign(v) * abs(v / (1 m/s))^1.5",
-        "2 kN if ram.from_high < 10 mm and v > 0 else 0",
-        "k * ram.stroke * (ram.from_low / ram.stroke)^n",
-        "1 kN * exp(-t / (2 s)) * cos(rod.angle - 30 deg)",
-        "gravity * 2 kg + forces.cut.numbers.k * input.length",
-        "5 N s/m * (v + A.vx + ram.velocity)",
-        "min(k * 1 mm, 2 bar * 3 cm2)",
-        "3 N m s2 / ram.stroke_high * rod.angular_velocity^2",
-    ],
-)
+FORCES = [
+    *("0", "k * ram.slide", "-3 kN * sign(v) * abs(v / (1 m/s))^1.5", "2 kN if ram.from_high < 10 mm and v > 0 else 0"),
+    *("k * ram.stroke * (ram.from_low / ram.stroke)^n", "1 kN * exp(-t / (2 s)) * cos(rod.angle - 30 deg)"),
+    *("gravity * 2 kg + forces.cut.numbers.k * input.length", "5 N s/m * (v + A.vx + ram.velocity)"),
+    *("min(k * 1 mm, 2 bar * 3 cm2)", "3 N m s2 / ram.stroke_high * rod.angular_velocity^2"),
+]
+
+
+@pytest.mark.parametrize("force", FORCES)
 def test_formula_that_is_a_force__is_taken(tmp_path, force):
     read(tmp_path, force=force)
 
@@ -196,29 +189,12 @@ def test_scene_with_formulas__is_written_and_read_again(tmp_path):
 ATTACKS = [
     *("__import__('os').system('true')", "open('/etc/passwd').read()", "().__class__.__bases__[0]", "lambda: 0"),
     *("[x for x in (1, 2)]", "{}", "f'{1}'", "(y := 1 N)", "exec('1')", "eval('1')", "globals()", "k.__class__"),
-    *(
-        "ram.__init__",
-        "print(1)",
-        "1 N; import os",
-        "import os",
-        "1 N\\\\nimport os",
-        "sin.__call__(1)",
-        "getattr(k, 'x')",
-    ),
-    *(
-        "breakpoint()",
-        "9**9**9**9 * 1 N / 0",
-        "'1 N'.format(k)",
-        "'a' * 10**9",
-        "yield 1",
-        "await k",
-        "*k",
-        "**k",
-        "k[:]",
-    ),
-    *("1 N if True else 2 N", "None", "...", "b'1 N'", "1j * 1 N", "k @ k", "k << 3", "not k", "~k", "k if k else k"),
-    *("min(*k)", "max(k=1)", "sqrt()", "numpy.sqrt(k)", "np.load('x')", "math.inf * 1 N", "T * 1 N", "P[0] * 1 N"),
-    *("tile * 1 N", "q * 1 N", "cos_q * 1 N", "lane * 1 N", "__builtins__ * 1 N", "\\u202e 1 N", "k\u0000", "1_0 N N"),
+    *("ram.__init__", "print(1)", "1 N; import os", "import os", "1 N\\\\nimport os", "sin.__call__(1)"),
+    *("getattr(k, 'x')", "breakpoint()", "9**9**9**9 * 1 N / 0", "'1 N'.format(k)", "'a' * 10**9", "yield 1"),
+    *("await k", "*k", "**k", "k[:]", "1 N if True else 2 N", "None", "...", "b'1 N'", "1j * 1 N", "k @ k", "k << 3"),
+    *("not k", "~k", "k if k else k", "min(*k)", "max(k=1)", "sqrt()", "numpy.sqrt(k)", "np.load('x')", "1_0 N N"),
+    *("math.inf * 1 N", "T * 1 N", "P[0] * 1 N", "tile * 1 N", "q * 1 N", "cos_q * 1 N", "lane * 1 N", "k\u0000"),
+    *("__builtins__ * 1 N", "\\u202e 1 N"),
 ]
 WORDS = """k v t ( ) [ ] { } ' ** ^ if else not . , + - = : ; @ ! # lambda for in os eval __class__ sin 1e999"""
 words = st.sampled_from([*WORDS.split(), "1 N", "import os", "\\", "\n"])

@@ -8,11 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from press_texts import slider_crank_text
-from scene_samples import FROM_CSV, GOOD, PUNCH, line_with, refused
+from scene_samples import FROM_CSV, GOOD, PUNCH, SLIDING, line_with, refused
 from slips import cases, changed
 
-from sweeps.text.input_files import InputError
-from sweeps.text.scene_text import read_scene
+from sweeps import InputError, read_scene
 
 GROUND = """\
 [points]
@@ -54,31 +53,6 @@ type = "RRR"
 inner = "F"
 first = {{link = "bar_2", joint = "E", length = "100 mm"}}
 second = {{link = "bar_3", joint = "corner", length = "100 mm"}}
-"""
-
-SLIDING = """\
-[guides.way]
-
-[guides.slot]
-link = "arm"
-
-[points]
-D = {x = "200 mm", y = "50 mm"}
-
-[input]
-type = "slider"
-link = "ram"
-guide = "way"
-point = "A"
-start = "0 mm"
-stop = "50 mm"
-speed = "1 m/s"
-
-[groups.bars]
-type = "RRR"
-inner = "B"
-first = {link = "rod", joint = "A", length = "200 mm"}
-second = {link = "arm", joint = "D", length = "150 mm"}
 """
 
 ENGINE = f"""\
@@ -238,12 +212,8 @@ def test_several_problems__are_told_at_once(tmp_path):
     for old, new in (('"50 mm"', '"50 kg"'), ('"100 kg"', "100"), ('"linear"', '"cubic"'), ('"2 N m"', '"2"')):
         text = changed(text, old, new)
     error = refused(tmp_path, text)
-    assert {key for _, key, _ in error.problems} == {
-        "input.length",
-        "bodies.ram.mass",
-        "forces.punch.interpolation",
-        "moments.friction.moment",
-    }
+    keys = {"input.length", "bodies.ram.mass", "forces.punch.interpolation", "moments.friction.moment"}
+    assert {key for _, key, _ in error.problems} == keys
     assert str(error).count("press.toml, line ") == 4
 
 
@@ -257,25 +227,8 @@ LINES = GOOD.splitlines()
 WORDS = re.findall(r'"[^"]*"', GOOD)
 KEYS = [i for i, line in enumerate(LINES) if "=" in line]
 VALUES = [
-    "0",
-    "-1",
-    "1e400",
-    "true",
-    "nan",
-    '""',
-    '"1 mm"',
-    '"-3 deg"',
-    '"A"',
-    '"frame"',
-    '"ram"',
-    "[]",
-    "{}",
-    '["D"]',
-    '["1 mm", "2 mm"]',
-    "[[1]]",
-    "{x = 1}",
-    "1979-05-27",
-    '"""\n[input]\n"""',
+    *("0", "-1", "1e400", "true", "nan", '""', '"1 mm"', '"-3 deg"', '"A"', '"frame"', '"ram"', "[]", "{}", '["D"]'),
+    *('["1 mm", "2 mm"]', "[[1]]", "{x = 1}", "1979-05-27", '"""\n[input]\n"""'),
 ]
 
 

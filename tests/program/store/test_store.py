@@ -10,20 +10,10 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from store_samples import complete, files, layout, results, start_child
+from store_samples import begun, complete, files, fill, layout, results, start_child
 
 from sweeps.store import Column, FileLayout, Store, StoreError, describe_result, read_columns, reword
 from sweeps.store.errors import explained
-
-
-@pytest.fixture
-def path(tmp_path: Path) -> Path:
-    return tmp_path / "out.h5"
-
-
-@pytest.fixture
-def part(tmp_path: Path) -> Path:
-    return tmp_path / "out.part.h5"
 
 
 def other_study() -> FileLayout:
@@ -31,14 +21,13 @@ def other_study() -> FileLayout:
 
 
 def test_part_of_another_study__set_aside_as_a_source(path: Path, part: Path) -> None:
-    with Store.open(path, layout()) as store:
-        store.write(0, results(store, 0))
+    begun(path, 0)
     before = part.read_bytes()
     with Store.open(path, other_study()) as store:
         assert store.pending == [0, 1, 2, 3, 4, 5]
         assert store.sources == (path.with_name("out.1.part.h5"),)
         (note,) = store.notes
-        store.write(1, results(store, 1))
+        fill(store, 1)
     assert "set aside as" in note
     assert "hash" not in note
     assert path.with_name("out.1.part.h5").read_bytes() == before
@@ -68,8 +57,7 @@ def test_part_of_another_study_without_a_block__thrown_away(path: Path) -> None:
     ],
 )
 def test_changed_layout__part_set_aside(path: Path, changes: dict) -> None:
-    with Store.open(path, layout()) as store:
-        store.write(0, results(store, 0))
+    begun(path, 0)
     with Store.open(path, layout(**changes)) as store:
         assert store.layout.blocks == len(store.pending)
     assert files(path.parent) == ["out.1.part.h5", "out.part.h5"]
@@ -77,43 +65,10 @@ def test_changed_layout__part_set_aside(path: Path, changes: dict) -> None:
 
 def test_other_block_size__that_of_the_file_is_kept(path: Path) -> None:
     with Store.open(path, layout(), block=lambda: 5) as store:
-        store.write(0, results(store, 0))
+        fill(store, 0)
     with Store.open(path, layout(block=7), block=lambda: pytest.fail("asked again")) as store:
         assert store.layout.block == 5
         assert store.pending == [1, 2, 3, 4]
-
-
-def test_finished_file_of_the_study__nothing_to_do(path: Path) -> None:
-    complete(path, layout())
-    before = path.read_bytes()
-    with Store.open(path, layout(block=7)) as store:
-        assert store.finished
-        assert store.pending == []
-        store.finish()
-    assert path.read_bytes() == before
-    assert files(path.parent) == ["out.h5"]
-
-
-def test_finished_file_of_another_study__kept_under_a_number_in_the_end(path: Path) -> None:
-    complete(path, layout())
-    before = path.read_bytes()
-    with Store.open(path, other_study()) as store:
-        assert store.sources == (path,)
-        for i in store.pending:
-            store.write(i, results(store, i))
-        assert path.read_bytes() == before
-        store.finish(keep_former=True)
-        (note,) = store.notes
-    assert note.endswith("out.1.h5.")
-    assert path.with_name("out.1.h5").read_bytes() == before
-    assert files(path.parent) == ["out.1.h5", "out.h5"]
-
-
-def test_former_file__may_be_replaced(path: Path) -> None:
-    complete(path, layout())
-    complete(path, other_study())
-    assert describe_result(path).attributes["study_hash"] == "9z9z"
-    assert files(path.parent) == ["out.h5"]
 
 
 @pytest.mark.parametrize("finished", [True, False])
@@ -121,8 +76,7 @@ def test_other_words__change_nothing_else(path: Path, part: Path, finished: bool
     if finished:
         arrays = complete(path, layout())
     else:
-        with Store.open(path, layout()) as store:
-            store.write(0, results(store, 0))
+        begun(path, 0)
         arrays = read_columns(part)
     file = path if finished else part
     reword(file, {"title": "Länge", "study": "x" * 100_000})
@@ -140,7 +94,7 @@ def test_other_words__change_nothing_else(path: Path, part: Path, finished: bool
 def test_restart__old_file_stays_until_the_new_one_is_finished(path: Path) -> None:
     complete(path, layout())
     with Store.open(path, other_study(), restart=True) as store:
-        store.write(0, results(store, 0))
+        fill(store, 0)
     assert describe_result(path).attributes["study_hash"] == "1a2b"
     with Store.open(path, other_study()) as store:
         assert store.pending == [1, 2, 3, 4, 5]
@@ -150,8 +104,7 @@ def test_restart__old_file_stays_until_the_new_one_is_finished(path: Path) -> No
 
 
 def test_restart__throws_away_part_file(path: Path) -> None:
-    with Store.open(path, layout()) as store:
-        store.write(0, results(store, 0))
+    begun(path, 0)
     with Store.open(path, other_study(), restart=True) as store:
         assert len(store.pending) == 6
 
@@ -162,9 +115,7 @@ def test_foreign_file_under_the_name__kept(path: Path, content: bytes) -> None:
     with pytest.raises(StoreError, match=r"cannot read .*out\.h5"):
         Store.open(path, layout())
     assert path.read_bytes() == content
-
-
-def test_foreign_hdf5_file_under_the_name__kept(path: Path) -> None:
+    path.unlink()
     h5py.File(path, "w").close()
     with pytest.raises(StoreError, match="no result of a sweep"):
         Store.open(path, layout())
@@ -211,7 +162,7 @@ def test_second_writer_in_the_process__refused_and_first_goes_on(path: Path) -> 
         for restart in (False, True):
             with pytest.raises(StoreError, match="another sweep is writing"):
                 Store.open(path, layout(), restart=restart)
-        store.write(0, results(store, 0))
+        fill(store, 0)
     store.close()
     with Store.open(path, layout()) as store:
         assert store.pending == [1, 2, 3, 4, 5]
@@ -220,18 +171,15 @@ def test_second_writer_in_the_process__refused_and_first_goes_on(path: Path) -> 
 def test_creation_under_way_elsewhere__refused(path: Path, part: Path) -> None:
     raw = part.with_name("out.part.h5.new")
     code = f"import h5py, sys; f = h5py.File({str(raw)!r}, 'x'); print('held', flush=True); sys.stdin.readline()"
-    with subprocess.Popen(
-        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    ) as child:
+    line, pipes = [sys.executable, "-c", code], {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen(line, text=True, **pipes) as child:
         assert child.stdout.readline() == "held\n"
         with pytest.raises(StoreError, match="another sweep is writing"):
             Store.open(path, layout())
         child.communicate("\n", timeout=60)
 
 
-def test_second_writer_before_the_draft_has_its_name__first_goes_on(
-    path: Path, part: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_second_writer_before_the_draft_has_its_name__first_goes_on(path, part, monkeypatch):
     real, children = Path.replace, []
 
     def late(old: Path, new: Path) -> Path:
@@ -248,13 +196,11 @@ def test_second_writer_before_the_draft_has_its_name__first_goes_on(
         out, err = child.communicate(timeout=60)
         assert (err, child.returncode) == ("", 0)
         assert "another sweep is writing" in out
-        store.write(0, results(store, 0))
+        fill(store, 0)
     assert files(path.parent) == ["out.part.h5"]
 
 
-def test_part_file_appears_during_creation__not_overwritten(
-    path: Path, part: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_part_file_appears_during_creation__not_overwritten(path, part, monkeypatch):
     real = h5py.File
 
     def slow(name: Path, mode: str, **options: object) -> h5py.File:
@@ -288,22 +234,17 @@ def test_system_error__store_error_with_path_and_mend(error: Exception, words: s
 
 
 def test_part_file_renamed_by_hand__not_taken_for_finished(path: Path, part: Path) -> None:
-    with Store.open(path, layout()) as store:
-        store.write(2, results(store, 2))
+    begun(path, 2)
     part.rename(path)
     with Store.open(path, layout()) as store:
         assert not store.finished
         assert store.sources == (path,)
 
 
-def test_folder_as_file__store_error(tmp_path: Path) -> None:
-    with pytest.raises(StoreError, match="is a folder"):
-        Store.open(tmp_path, layout(), restart=True)
-
-
-def test_missing_folder__store_error(tmp_path: Path) -> None:
-    with pytest.raises(StoreError, match="its folder does not exist"):
-        Store.open(tmp_path / "nowhere" / "out.h5", layout())
+@pytest.mark.parametrize(("name", "words"), [(".", "is a folder"), ("nowhere/out.h5", "its folder does not exist")])
+def test_place_that_cannot_be_written__store_error(tmp_path: Path, name: str, words: str) -> None:
+    with pytest.raises(StoreError, match=words):
+        Store.open(tmp_path / name, layout(), restart=name == ".")
 
 
 @pytest.mark.parametrize(
@@ -316,9 +257,7 @@ def test_missing_folder__store_error(tmp_path: Path) -> None:
         ("lenght", np.zeros(4), "lenght"),
     ],
 )
-def test_arrays_not_of_the_layout__value_error_and_block_pending(
-    path: Path, name: str, values: np.ndarray, words: str
-) -> None:
+def test_arrays_not_of_the_layout__value_error_and_block_pending(path, name, values, words):
     with Store.open(path, layout()) as store:
         with pytest.raises(ValueError, match=words):
             store.write(0, {**results(store, 0), name: values})
@@ -329,7 +268,7 @@ def test_write_after_close__store_error(path: Path) -> None:
     store = Store.open(path, layout())
     store.close()
     with pytest.raises(StoreError, match="not open for writing"):
-        store.write(0, results(store, 0))
+        fill(store, 0)
 
 
 @settings(deadline=None, max_examples=100)
@@ -352,9 +291,7 @@ def test_blocks__each_variant_in_exactly_one(variants: int, block: int) -> None:
     copies=st.integers(1, 40),
     text=st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=200),
 )
-def test_bytes__at_least_the_size_of_the_file(
-    path: Path, part: Path, variants: int, block: int, positions: int, copies: int, text: str
-) -> None:
+def test_bytes__at_least_the_size_of_the_file(path, part, variants, block, positions, copies, text):
     more = tuple(Column(f"c{i}", text, "1") for i in range(copies))
     attributes = {"study_hash": "1", "study": text * 50}
     shape = layout(variants, block, positions, columns=(*layout().columns, *more), attributes=attributes)

@@ -8,7 +8,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from store_samples import NAMES, complete, layout, results, same_bits
+from store_samples import NAMES, begun, complete, fill, layout, results, same_bits
 
 from sweeps.store import (
     NOT_COMPUTED,
@@ -25,19 +25,9 @@ from sweeps.store import (
 )
 
 
-@pytest.fixture
-def path(tmp_path: Path) -> Path:
-    return tmp_path / "out.h5"
-
-
-@pytest.fixture
-def part(tmp_path: Path) -> Path:
-    return tmp_path / "out.part.h5"
-
-
 def test_rows_not_written__nan_and_status_255(path: Path, part: Path) -> None:
     with Store.open(path, layout()) as store:
-        store.write(1, results(store, 1))
+        fill(store, 1)
         expected = results(store, 1)
     got = read_columns(part, NAMES)
     rest = np.delete(np.arange(22), np.s_[4:8])
@@ -48,38 +38,20 @@ def test_rows_not_written__nan_and_status_255(path: Path, part: Path) -> None:
     assert same_bits({name: got[name][4:8] for name in expected}, expected)
 
 
-def test_h5py__scales_on_every_axis_and_contiguous_data(path: Path) -> None:
+def test_h5py__contiguous_data_over_positions_as_given(path: Path) -> None:
     complete(path, layout())
     with h5py.File(path, "r") as file:
-        assert sorted(file) == sorted([*NAMES, "variant", "phi", "progress"])
         for name in NAMES:
-            axes = [axis[0].name for axis in file[name].dims]
-            assert axes == (["/variant", "/phi"] if name == "torque" else ["/variant"])
-            assert file[name].chunks is None
-            assert file[name].compression is None
-        assert file["torque"].attrs["coordinates"] == "length speed"
-        assert "coordinates" not in file["length"].attrs
-        assert file["variant"].is_scale
-        assert file["phi"].is_scale
-        assert file["variant"][:].tolist() == list(range(22))
+            assert (file[name].chunks, file[name].compression) == (None, None)
         assert file["phi"][:].tobytes() == layout().position.tobytes()
-        assert file["phi"].attrs["units"] == "rad"
-        assert file["status"].attrs["flag_values"].tolist() == [0, 1, NOT_COMPUTED]
-        assert file["status"].attrs["flag_values"].dtype == np.uint8
         assert file["status"].attrs["flag_meanings"] == "ok cannot_be_assembled not_computed"
 
 
-def test_xarray__dimensions_coordinates_and_units_without_warning(path: Path) -> None:
+def test_xarray__numbers_bit_for_bit_and_what_they_are(path: Path) -> None:
     arrays = complete(path, layout())
     with open_dataset(path) as data:
-        assert dict(data.sizes) == {"variant": 22, "phi": 5}
-        assert set(data.coords) == {"variant", "phi", "length", "speed"}
-        assert set(data.data_vars) == {"peak_torque", "order", "status", "torque"}
-        assert data.torque.dims == ("variant", "phi")
         assert data.torque.attrs == {"long_name": "driving torque", "units": "N m"}
         assert data.phi.attrs == {"long_name": "crank angle", "units": "rad"}
-        assert data.attrs["Conventions"] == "CF-1.11"
-        assert data.attrs["title"] == "Shear"
         assert data.attrs["finished"].endswith("+00:00")
         assert same_bits({name: data[name].values for name in NAMES}, arrays)
 
@@ -111,7 +83,7 @@ def test_xarray_missing__store_error_names_the_extra(path: Path, monkeypatch: py
 
 def test_describe__columns_attributes_and_progress_of_open_part_and_of_final_file(path: Path, part: Path) -> None:
     with Store.open(path, layout()) as store:
-        store.write(2, results(store, 2))
+        fill(store, 2)
         shown = describe_result(part)
     assert (shown.title, shown.variants, shown.positions) == ("Shear", 22, 5)
     assert (shown.blocks, shown.blocks_done) == (6, 1)
@@ -203,8 +175,7 @@ def test_changed_bit_in_a_part_file__block_pending_and_not_computed_for_readers(
         status = read_columns(part, ["status"])["status"]
         assert (status[4:8] == NOT_COMPUTED).all()
         assert (status[12:16] != NOT_COMPUTED).all()
-        for i in store.pending:
-            store.write(i, results(store, i))
+        fill(store)
         store.finish()
     assert MappedResult(path).damaged() == []
 
@@ -220,8 +191,7 @@ def test_finished_file_with_a_block_not_flagged__damaged(path: Path) -> None:
 
 
 def test_status_of_blocks_not_done__not_computed_whatever_stands_there(path: Path, part: Path) -> None:
-    with Store.open(path, layout()) as store:
-        store.write(1, results(store, 1))
+    begun(path, 1)
     with h5py.File(part, "r+") as file:
         file["status"][:4] = (0, 83, 0, 254)
     for status in (read_columns(part)["status"], mapped_columns(part).columns["status"]):
@@ -257,23 +227,3 @@ def test_edited_texts__named_and_decisive_ones_refused(path: Path) -> None:
         file.attrs["study_json"] = "{ }"
     with pytest.raises(DamagedError, match="its study_json"):
         read_columns(path)
-
-
-def test_numbers_are_there_before_their_status(path: Path, part: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whoever reads along, status first, finds the numbers of every variant that has one: seen at every flush."""
-    real, seen = h5py.File.flush, []
-
-    def flush(file: h5py.File) -> None:
-        real(file)
-        columns = MappedResult(part).columns
-        known = columns["status"] != NOT_COMPUTED
-        assert np.isfinite(columns["length"][known]).all()
-        assert np.isfinite(columns["torque"][known]).all()
-        seen.append(int(known.sum()))
-
-    with Store.open(path, layout()) as store:
-        monkeypatch.setattr(h5py.File, "flush", flush)
-        for i in store.pending:
-            store.write(i, results(store, i))
-    assert sorted(seen) == seen
-    assert {0, 4, 22} <= set(seen)

@@ -10,21 +10,11 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
-from store_samples import KILLED, NAMES, complete, files, layout, results, run_child, same_bits, start_child
+from store_samples import KILLED, NAMES, complete, files, fill, layout, results, run_child, same_bits, start_child
 
 from sweeps.store import Store, StoreError, describe_result, read_columns
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals and limits")
-
-
-@pytest.fixture
-def path(tmp_path: Path) -> Path:
-    return tmp_path / "out.h5"
-
-
-@pytest.fixture
-def part(tmp_path: Path) -> Path:
-    return tmp_path / "out.part.h5"
 
 
 KILLS = 12
@@ -99,8 +89,7 @@ def test_every_flush__flagged_blocks_are_in_the_file(path: Path, part: Path, mon
             rows_at = {name: file[name].id.get_offset() for name in NAMES}
             flags_at = file["progress/block_done"].id.get_offset()
         monkeypatch.setattr(h5py.File, "flush", flush)
-        for i in store.pending:
-            store.write(i, results(store, i))
+        fill(store)
     assert seen[-1] == shape.blocks
 
 
@@ -115,8 +104,7 @@ def test_kill_before_rename__next_run_only_finishes(path: Path, monkeypatch: pyt
         raise KeyboardInterrupt
 
     with Store.open(path, layout()) as store, monkeypatch.context() as patch:
-        for i in store.pending:
-            store.write(i, results(store, i))
+        fill(store)
         patch.setattr(Path, "replace", killed)
         with pytest.raises(KeyboardInterrupt):
             store.finish("ill")
@@ -129,8 +117,7 @@ def test_kill_before_rename__next_run_only_finishes(path: Path, monkeypatch: pyt
 
 def test_finishing__changes_attributes_in_place_only(path: Path, part: Path) -> None:
     with Store.open(path, layout()) as store:
-        for i in store.pending:
-            store.write(i, results(store, i))
+        fill(store)
     before = np.frombuffer(part.read_bytes(), np.uint8)
     with Store.open(path, layout()) as store:
         store.finish("x" * 2000)
@@ -145,7 +132,7 @@ def test_finishing__changes_attributes_in_place_only(path: Path, part: Path) -> 
 def test_unfinished_file__pending_are_the_blocks_not_written(path: Path) -> None:
     with Store.open(path, layout()) as store:
         assert store.pending == [0, 1, 2, 3, 4, 5]
-        store.write(3, results(store, 3))
+        fill(store, 3)
     with Store.open(path, layout()) as store:
         assert store.pending == [0, 1, 2, 4, 5]
         with pytest.raises(StoreError, match="5 blocks are not done"):

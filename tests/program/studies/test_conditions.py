@@ -5,9 +5,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from engine import any_quantity
-from engine.parts.formulas.dimension_check import dimension_of_unit, dimensions_by_unit
-from engine.parts.formulas.expressions import ExpressionError, parse
+from engine import ExpressionError, any_quantity, dimension_of_unit, dimensions_by_unit
+from engine.parts.formulas.expressions import parse
 from sweeps.text.conditions import Condition, UnknownNameError, errors_in, value_with_error
 
 UNITS = {"stroke": "m", "rod": "m", "mass": "kg", "count": "1", "reach": ""}

@@ -4,12 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from commands import done, refused
 from press_texts import slider_crank_text
 
-from sweeps import read, read_study, run_study
-from sweeps.cli import main
-from sweeps.text.input_files import InputError
+from sweeps import InputError, read, read_study, run_study
 
 SCENE = f"""
 {slider_crank_text(speed="300 rpm")}
@@ -86,10 +84,8 @@ def test_wrong_value_of_a_number__is_answered(tmp_path, change, words):
 def test_commands__take_scenes_with_formulas(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "machine.toml").write_text(SCENE, encoding="utf8")
-    for words in (["check", "machine.toml"], ["plot", "machine.toml"], ["run", "machine.toml"]):
-        result = CliRunner().invoke(main, words)
-        assert result.exit_code == 0, result.output
+    for command in ("check", "plot", "run"):
+        done(command, "machine.toml")
     (tmp_path / "wrong.toml").write_text(SCENE.replace("-m * omega^2", "-m * omega"), encoding="utf8")
-    result = CliRunner().invoke(main, ["check", "wrong.toml"])
-    assert result.exit_code != 0
-    assert "moments.fan.moment: '-m * omega' gives a torsional damping, but this is a moment" in result.output
+    words = "moments.fan.moment: '-m * omega' gives a torsional damping, but this is a moment"
+    assert words in refused("check", "wrong.toml")

@@ -12,39 +12,15 @@ import pytest
 from commands import refused
 
 from engine import ExpressionError, UnitError, any_quantity, in_text, parse_expression
-from sweeps.imports.foreign_scene import import_scene
-from sweeps.study.study_reader import read_study
+from sweeps import InputError, import_scene, read_study
 from sweeps.text.csv_text import read_csv
-from sweeps.text.input_files import InputError
 from sweeps.text.numbers_in_row import numbers_in_row
 from sweeps.text.toml_text import parse_toml
 
 PIECES = [
-    *(
-        "a",
-        "1",
-        "1.",
-        "a.",
-        "1 ",
-        "a ",
-        "= ",
-        "==",
-        "[",
-        "]",
-        "[a]",
-        "(",
-        "1,",
-        "a,",
-        '"',
-        "'",
-        "#",
-        " ",
-        "\t",
-        "-",
-        "^",
-    ),
+    *("a", "1", "1.", "a.", "1 ", "a ", "= ", "==", "[", "]", "[a]", "(", "1,", "a,", '"', "'", "#", " ", "\t", "-"),
     *("*", "1e", "mm ", "mm/", "a=1,", "{a=", "?", "?a.a", "t,", "|", "a|", "\n", "a\n", "a=1\n", "=1 a", "1 to ", "/"),
-    *("1/", "not ", "-1", "a<", "a*", "(a)", "a.1 ", "%", "&"),
+    *("1/", "not ", "-1", "a<", "a*", "(a)", "a.1 ", "%", "&", "^"),
 ]
 SHORT, TIMES = 4000, 4
 # Seconds below which a ratio is one of noise, and how many times as long a text so many times as long may take: the
@@ -119,26 +95,18 @@ WRONG_LINES = {
 }
 
 
-@pytest.mark.parametrize("kind", WRONG_LINES)
+@pytest.mark.parametrize("kind", [*WRONG_LINES, "groups"])
 def test_many_wrong_keys__take_a_time_in_proportion(kind, press_folder):
-    head, line = WRONG_LINES[kind]
-
-    def of(count: int) -> float:
-        return seconds(study, head + "\n".join(line.format(i=i) for i in range(count)))
-
-    short = of(5000)
-    assert min(of(20000) for _ in range(2)) < max(MOST * short, 2 * NOISE)
-
-
-def test_many_wrong_groups__take_a_time_in_proportion(press_folder):
     press = Path("press.toml").read_text(encoding="utf8")
+    head, line = WRONG_LINES.get(kind, (press, GROUP))
+    read = (lambda text: read_study(written("hostile.toml", text))) if kind == "groups" else study
+    few = 250 if kind == "groups" else 5000
 
     def of(count: int) -> float:
-        groups = "".join(GROUP.format(i=i) for i in range(count))
-        return seconds(lambda text: read_study(written("hostile.toml", text)), press + groups)
+        return seconds(read, head + "\n".join(line.format(i=i) for i in range(count)))
 
-    short = of(250)
-    assert min(of(1000) for _ in range(2)) < max(MOST * short, 2 * NOISE)
+    short = of(few)
+    assert min(of(4 * few) for _ in range(2)) < max(MOST * short, 2 * NOISE)
 
 
 # Sizes that no memory holds

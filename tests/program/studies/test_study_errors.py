@@ -7,7 +7,6 @@ from press_texts import PRESS_WITH_FLYWHEEL as SCENE
 from slips import cases, changed
 from study_samples import STUDY, study_of, varying
 
-from sweeps.study.bundled import find_study
 from sweeps.text.input_files import InputError
 
 # Name | what to change | what into | a mark of the line | key | words of the message.
@@ -87,13 +86,17 @@ not TOML | [vary] | [vary | [vary |  | not valid TOML
 """)
 
 
+def refused(folder: Path, text: str) -> InputError:
+    with pytest.raises(InputError) as caught:
+        study_of(folder, text)
+    return caught.value
+
+
 @pytest.mark.parametrize("slip", SLIPS)
 def test_slip__is_refused_with_line_key_and_mend(slip, study_folder):
     old, new, marker, key, *words = SLIPS[slip]
     text = changed(STUDY, old, new)
-    with pytest.raises(InputError) as caught:
-        study_of(study_folder, text)
-    error = caught.value
+    error = refused(study_folder, text)
     if key:
         lines = [line for line, path, _ in error.problems if path == key]
         assert lines, str(error)
@@ -119,10 +122,9 @@ def test_slip__is_refused_with_line_key_and_mend(slip, study_folder):
 )
 def test_bad_csv_of_variants__is_refused_and_named(csv, words, study_folder):
     (study_folder / "choice.csv").write_text(csv)
-    with pytest.raises(InputError) as caught:
-        study_of(study_folder, 'scene = "press.toml"\nvariants = "choice.csv"\n')
-    assert {(2, "variants")} == {(line, key) for line, key, _ in caught.value.problems}, str(caught.value)
-    assert all(word in str(caught.value) for word in words), str(caught.value)
+    error = refused(study_folder, 'scene = "press.toml"\nvariants = "choice.csv"\n')
+    assert {(2, "variants")} == {(line, key) for line, key, _ in error.problems}, str(error)
+    assert all(word in str(error) for word in words), str(error)
 
 
 def test_condition_of_several_lines__is_refused_with_its_own_line(study_folder):
@@ -132,10 +134,9 @@ def test_condition_of_several_lines__is_refused_with_its_own_line(study_folder):
   "input.length < bodies.ram.mass",
 ]
 """
-    with pytest.raises(InputError) as caught:
-        study_of(study_folder, changed(STUDY, "positions = 48\n", require))
-    assert [(line, key) for line, key, _ in caught.value.problems] == [(7, "require")]
-    assert "compares a length with a mass:\n    input.length < bodies.ram.mass" in str(caught.value)
+    error = refused(study_folder, changed(STUDY, "positions = 48\n", require))
+    assert [(line, key) for line, key, _ in error.problems] == [(7, "require")]
+    assert "compares a length with a mass:\n    input.length < bodies.ram.mass" in str(error)
 
 
 def test_row_of_a_table__is_refused_by_the_names_of_its_columns(study_folder):
@@ -148,13 +149,12 @@ slider = "ram"
 interpolation = "linear"
 force = ["0 kN", "1 kN", "2 kN"]
 """
-    start, end = SCENE.index("[forces.punch]"), SCENE.index("[flywheel]")
-    (study_folder / "press.toml").write_text(SCENE[:start] + table + SCENE[end:])
-    with pytest.raises(
-        InputError, match=r"row 3: over_stroke = 0\.001 is below row 2's 0\.008; sort .* by over_stroke"
-    ):
+    scene = SCENE[: SCENE.index("[forces.punch]")] + table + SCENE[SCENE.index("[flywheel]") :]
+    (study_folder / "press.toml").write_text(scene)
+    words = r"row 3: over_stroke = 0\.001 is below row 2's 0\.008; sort .* by over_stroke"
+    with pytest.raises(InputError, match=words):
         study_of(study_folder, STUDY)
-    (study_folder / "press.toml").write_text((SCENE[:start] + table + SCENE[end:]).replace(', "2 kN"]', "]"))
+    (study_folder / "press.toml").write_text(scene.replace(', "2 kN"]', "]"))
     with pytest.raises(InputError, match="over_stroke has 3 rows, force has 2; give one force for every over_stroke"):
         study_of(study_folder, STUDY)
 
@@ -168,13 +168,8 @@ def test_name_varied_in_two_places__is_refused(study_folder):
 def test_several_problems__are_told_at_once(study_folder):
     text = changed(changed(STUDY, '"60 mm"', '"60 kg"'), "[3, 4, 5]", '["x"]')
     text = changed(text, "reach * input.length", "reech * input.length")
-    with pytest.raises(InputError) as caught:
-        study_of(study_folder, text)
-    assert [key for _, key, _ in caught.value.problems] == [
-        "vary.input.length",
-        "vary.reach",
-        "derive.groups.slide.first.length",
-    ]
+    keys = [key for _, key, _ in refused(study_folder, text).problems]
+    assert keys == ["vary.input.length", "vary.reach", "derive.groups.slide.first.length"]
 
 
 def test_error_in_the_scene_s_file__names_that_file_and_its_line(study_folder):
@@ -186,22 +181,12 @@ def test_error_in_the_scene_s_file__names_that_file_and_its_line(study_folder):
 def test_error_in_a_scene_inside_the_study__names_its_line_there(study_folder):
     inside = SCENE.replace("\n[", "\n[scene.").replace('title = "Crank press"', "[scene]", 1)
     text = 'positions = 48\n[vary]\n"input.length" = {values = ["1 mm"]}\n' + inside
-    for old, new, key in (
-        ("50 mm", "50 kg", "length"),
-        ('joint = "A"', 'joint = "Z"', "joint"),
-        ("mass =", "maas =", "maas"),
-    ):
+    slips = [("50 mm", "50 kg", "length"), ('joint = "A"', 'joint = "Z"', "joint"), ("mass =", "maas =", "maas")]
+    for old, new, key in slips:
         broken = changed(text, old, new)
-        with pytest.raises(InputError) as caught:
-            study_of(study_folder, broken)
-        line = next(i for i, row in enumerate(broken.splitlines(), 1) if new in row)
-        assert caught.value.problems[0][0] == line, str(caught.value)
-        assert caught.value.problems[0][1].endswith(key)
-
-
-def test_unknown_study__is_refused_with_what_there_is(study_folder):
-    with pytest.raises(InputError, match="no such file, and no bundled study"):
-        find_study("crank_pres")
+        found = refused(study_folder, broken).problems[0]
+        assert found[0] == next(i for i, row in enumerate(broken.splitlines(), 1) if new in row)
+        assert found[1].endswith(key)
 
 
 @pytest.mark.parametrize(
@@ -216,9 +201,9 @@ def test_number_that_means_nothing_there__does_not_vary(tmp_path, added, path, v
     (tmp_path / "scene.toml").write_text(f"{SCENE}\n{added}", encoding="utf8")
     text = f'scene = "scene.toml"\npositions = 48\n\n[{{}}]\n"{path}" = {{}}\n\n[outputs]\nsummaries = ["ram.stroke"]\n'
     for table, given in (("vary", f"{{values = [{value}]}}"), ("derive", f"'{value.strip(chr(34))}'")):
-        with pytest.raises(InputError, match=words) as refused:
-            study_of(tmp_path, text.format(table, given))
-        assert f"{table}.{path}: can't vary in this scene" in str(refused.value)
+        message = str(refused(tmp_path, text.format(table, given)))
+        assert words in message
+        assert f"{table}.{path}: can't vary in this scene" in message
 
 
 def test_number_that_another_one_gives_a_meaning__varies_with_it(tmp_path):

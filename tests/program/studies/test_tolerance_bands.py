@@ -5,25 +5,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from commands import done
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from press_texts import slider_crank_text
+from slips import cases
 
 from engine import Verdict
-from sweeps.cli import main
+from sweeps import InputError, Study, SweepResult, read_study, run_study
 from sweeps.optimising.runner import optimise_study
 from sweeps.pictures.style import VERMILION
 from sweeps.pictures.sweep.maps import curves
 from sweeps.pictures.sweep.result_pictures import sweep_data
-from sweeps.report.sweep_result import SweepResult
 from sweeps.run.blocks import evaluate_block, largest_block
-from sweeps.run.runner import run_study
 from sweeps.store import describe_result
 from sweeps.study import sensitivity
-from sweeps.study.study import Study
-from sweeps.study.study_reader import read_study
-from sweeps.text.input_files import InputError
 
 EPS = np.finfo(float).eps
 SCENE = f"""\
@@ -62,10 +58,20 @@ def study_of(folder: Path, rest: str, scene: str = SCENE) -> Study:
     return read_study(folder / "study.toml")
 
 
+def swept(folder: Path, text: str) -> SweepResult:
+    return SweepResult(run_study(study_of(folder, text), folder / "study.h5"))
+
+
+def one_tolerance(path: str, half: str) -> str:
+    return f'[outputs]\nsummaries = ["ram.stroke"]\n[tolerances]\n"{path}" = "{half}"\n'
+
+
+ALL = VARY + DERIVATIVES + TOLERANCES
+
+
 @pytest.fixture(scope="module")
 def result(tmp_path_factory) -> SweepResult:
-    folder = tmp_path_factory.mktemp("bands")
-    return SweepResult(run_study(study_of(folder, VARY + DERIVATIVES + TOLERANCES), folder / "study.h5"))
+    return swept(tmp_path_factory.mktemp("bands"), ALL)
 
 
 def test_derivatives__take_along_what_is_derived(result):
@@ -102,7 +108,7 @@ def test_bands__worst_case_and_root_of_the_sum_of_squares(result):
 
 def test_bands__hold_all_machines_within_tolerances(result, tmp_path):
     c, random = result.columns, np.random.default_rng(3)
-    study = study_of(tmp_path, VARY + DERIVATIVES + TOLERANCES)
+    study = study_of(tmp_path, ALL)
     machine = study.sensitivity.machine
     count = 1000
     made = {path: np.full(count, c[path][2] if path in c else study.fixed[path]) for path in machine.varied}
@@ -126,7 +132,7 @@ def test_variants_that_fail__have_their_verdict_and_no_number(result):
 
 
 def test_blocks__don_t_change_a_bit(result, tmp_path, monkeypatch):
-    study = study_of(tmp_path, VARY + DERIVATIVES + TOLERANCES)
+    study = study_of(tmp_path, ALL)
     monkeypatch.setattr(sensitivity, "TOGETHER", 1)
     machine = study.machine()
     parts = [evaluate_block(study, machine, slice(i, i + 2), machine.new_buffer(2)) for i in range(0, 8, 2)]
@@ -138,34 +144,31 @@ def test_blocks__don_t_change_a_bit(result, tmp_path, monkeypatch):
 def test_result__is_listed_sorted_and_chosen_by_them(result):
     path = str(result.path)
     where = "ram.stroke_high.by.ratio > '45 mm' and ram.stroke.tolerance_rss < '1 mm'"
-    shown = CliRunner().invoke(main, ["show", path, "--where", where, "--sort", "ram.stroke_high.by.ratio"])
-    assert shown.exit_code == 0, shown.output
-    assert "4 variants meet the condition" in shown.output
-    assert "reduced_inertia.mean.by.bodies.ram_body.mass" in shown.output
+    shown = done("show", path, "--where", where, "--sort", "ram.stroke_high.by.ratio")
+    assert "4 variants meet the condition" in shown
+    assert "reduced_inertia.mean.by.bodies.ram_body.mass" in shown
     exported = result.path.with_suffix(".csv")
-    assert CliRunner().invoke(main, ["export", path, "--to", str(exported)]).exit_code == 0
+    done("export", path, "--to", str(exported))
     header = exported.read_text().splitlines()[0]
     assert "ram.stroke_high.by.ratio [m]" in header
     assert "ram.stroke.tolerance_worst_case [m]" in header
 
 
 def test_checked_study__names_what_is_asked_and_counts_it_in_its_blocks(tmp_path):
-    plain, study = study_of(tmp_path, VARY), study_of(tmp_path, VARY + DERIVATIVES + TOLERANCES)
+    plain, study = study_of(tmp_path, VARY), study_of(tmp_path, ALL)
     # Four numbers, of which one has a tolerance and a derivative both.
     assert (study.sensitivity.evaluations, plain.sensitivity.evaluations) == (4 * 12, 0)
-    parts = (VARY, VARY + DERIVATIVES, VARY + TOLERANCES, VARY + DERIVATIVES + TOLERANCES)
+    parts = (VARY, VARY + DERIVATIVES, VARY + TOLERANCES, ALL)
     assert len({study_of(tmp_path, part).digest for part in parts}) == 4
     assert largest_block(study, study.machine()) <= largest_block(plain, plain.machine())
-    checked = CliRunner().invoke(main, ["check", str(tmp_path / "study.toml")])
-    assert checked.exit_code == 0, checked.output
-    assert "ram.stroke_high.by.ratio" in checked.output
-    assert "reduced_inertia.mean.tolerance_rss" in checked.output
+    checked = done("check", str(tmp_path / "study.toml"))
+    assert "ram.stroke_high.by.ratio" in checked
+    assert "reduced_inertia.mean.tolerance_rss" in checked
 
 
 def test_robust_design__is_what_best_may_ask(tmp_path):
     best = '\n[best]\nminimise = "ram.stroke_high.tolerance_rss"\nwhere = "ram.stroke_high.by.ratio > \'45 mm\'"\n'
-    study = study_of(tmp_path, VARY + DERIVATIVES + TOLERANCES + best)
-    found = SweepResult(run_study(study, tmp_path / "r.h5"))
+    found = swept(tmp_path, ALL + best)
     values = found.columns["ram.stroke_high.tolerance_rss"]
     assert found.best() == np.nanargmin(np.where(found.columns["input.length"] > 0.045, values, np.nan))
     # A band asks for its summary by itself.
@@ -175,8 +178,7 @@ def test_robust_design__is_what_best_may_ask(tmp_path):
 
 def test_nonlinear_number__error_of_the_band_holds_the_second_order(tmp_path):
     # On the crank's axis the stroke depends on the guide's offset by its square alone.
-    text = '[outputs]\nsummaries = ["ram.stroke"]\n[tolerances]\n"guides.way.y" = "10 mm"\n'
-    found = SweepResult(run_study(study_of(tmp_path, text), tmp_path / "r.h5")).columns
+    found = swept(tmp_path, one_tolerance("guides.way.y", "10 mm")).columns
     exact = math.sqrt(0.25**2 - 0.01**2) - math.sqrt(0.15**2 - 0.01**2) - 0.1
     assert found["ram.stroke.tolerance_worst_case"][0] == pytest.approx(0, abs=1e-9)
     # Besides the second order the figure holds what strokes at their positions may be off by, some 1e-6 of 0.1 m.
@@ -186,7 +188,7 @@ def test_nonlinear_number__error_of_the_band_holds_the_second_order(tmp_path):
 def test_asked_accuracy__serves_derivatives_and_bands_too(tmp_path):
     text, path = HEAD.replace("positions = 48", "accuracy = 1e-6"), tmp_path / "study.toml"
     (tmp_path / "scene.toml").write_text(SCENE)
-    path.write_text(text + VARY + DERIVATIVES + TOLERANCES)
+    path.write_text(text + ALL)
     found = SweepResult(run_study(read_study(path), tmp_path / "r.h5"))
     # Off by at most 1e-6 at both ends of steps of a tenth of the crank; windows magnify that some ten times.
     by_length = found.columns["ram.stroke_high.by.input.length"][KEPT]
@@ -195,25 +197,20 @@ def test_asked_accuracy__serves_derivatives_and_bands_too(tmp_path):
 
 
 def test_tolerance_beyond_what_can_be_assembled__no_band(tmp_path):
-    text = '[outputs]\nsummaries = ["ram.stroke"]\n[tolerances]\n"guides.way.y" = "160 mm"\n'
-    found = SweepResult(run_study(study_of(tmp_path, text), tmp_path / "r.h5")).columns
+    found = swept(tmp_path, one_tolerance("guides.way.y", "160 mm")).columns
     assert found["ram.stroke"][0] == pytest.approx(0.1)
     assert np.isnan(found["ram.stroke.tolerance_worst_case"][0])
 
 
 def test_curves__show_bands_about_their_summary(tmp_path):
     vary = '[vary]\n"input.length" = {from = "40 mm", to = "60 mm", count = 5}\n'
-    text = vary + '[outputs]\nsummaries = ["ram.stroke"]\n[tolerances]\n"input.length" = "1 mm"\n'
-    found = SweepResult(run_study(study_of(tmp_path, text), tmp_path / "r.h5"))
-    data = sweep_data(found, ())[0]
+    data = sweep_data(swept(tmp_path, vary + one_tolerance("input.length", "1 mm")), ())[0]
     assert list(data.summaries) == ["ram.stroke"]
     figure = Figure()
     curves(figure, data, "input.length", ["ram.stroke"])
     bands = [b for b in figure.axes[0].collections if np.allclose(b.get_facecolor()[0, :3], to_rgb(VERMILION))]
-    assert [b.get_label() for b in bands] == [
-        "within tolerances, worst case",
-        "within tolerances, root of sum of squares",
-    ]
+    labels = ["within tolerances, worst case", "within tolerances, root of sum of squares"]
+    assert [b.get_label() for b in bands] == labels
     # Strokes of 80 to 120 mm, ± 2 mm.
     heights = bands[0].get_paths()[0].get_extents()
     assert (heights.ymin, heights.ymax) == (pytest.approx(78, rel=1e-5), pytest.approx(122, rel=1e-5))
@@ -221,34 +218,32 @@ def test_curves__show_bands_about_their_summary(tmp_path):
 
 def test_search__leaves_them_to_its_own_columns(tmp_path):
     asked = '\n[optimise]\nminimise = "ram.stroke"\npopulation = 8\ngenerations = 2\n'
-    study = study_of(tmp_path, VARY + DERIVATIVES + TOLERANCES + asked)
+    study = study_of(tmp_path, ALL + asked)
     columns = {column.name for column in describe_result(optimise_study(study, tmp_path / "o.h5")).columns}
     assert "ram.stroke.tolerance" in columns
     assert not {"ram.stroke.tolerance_rss", "ram.stroke_high.by.ratio"} & columns
 
 
-@pytest.mark.parametrize(
-    ("asked", "rest", "message"),
-    [
-        ("ram.stroke of input.length", "", "write a summary, 'by' and a number, such as 'excess_work by input.length'"),
-        ("ram.strok by input.length", "", "'ram.strok' is not a summary of this scene; did you mean 'ram.stroke'"),
-        ("ram.stroke by input.lenght", "", "unknown name 'input.lenght'; did you mean 'input.length' or 'input.speed'"),
-        (
-            "ram.stroke by groups.drive.mode",
-            "",
-            r"'groups.drive.mode' is one of \[1, -1\]: there is no derivative by it",
-        ),
-        ("ram.slide.max_at by input.length", "", "is the place of an extreme, which may jump"),
-        (
-            "ram.stroke by input.length",
-            '[tolerances]\n"input.lenght" = "1 mm"',
-            "tolerances.input.lenght: is not a number",
-        ),
-        ("ram.stroke by input.length", '[tolerances]\n"input.length" = "1 kg"', "line 16: tolerances.input.length:"),
-    ],
-)
-def test_refusals__name_key_line_and_mend(asked, rest, message, tmp_path):
-    with pytest.raises(InputError, match=message) as refused:
-        study_of(tmp_path, f'{VARY}derivatives = ["{asked}"]\n{rest}\n')
-    if not rest:
-        assert "study.toml, line 14: outputs.derivatives:" in str(refused.value)
+# Name | what the study says besides | line and key | words of the message.
+REFUSED = cases(r"""
+not by | derivatives = ["ram.stroke of input.length"] | line 14: outputs.derivatives:
+    | write a summary, 'by' and a number, such as 'excess_work by input.length'
+summary | derivatives = ["ram.strok by input.length"] | line 14: outputs.derivatives:
+    | 'ram.strok' is not a summary of this scene; did you mean 'ram.stroke'
+number | derivatives = ["ram.stroke by input.lenght"] | line 14: outputs.derivatives:
+    | unknown name 'input.lenght'; did you mean 'input.length' or 'input.speed'
+mode | derivatives = ["ram.stroke by groups.drive.mode"] | line 14: outputs.derivatives:
+    | 'groups.drive.mode' is one of [1, -1]: there is no derivative by it
+place | derivatives = ["ram.slide.max_at by input.length"] | line 14: outputs.derivatives:
+    | is the place of an extreme, which may jump
+tolerance | [tolerances]\n"input.lenght" = "1 mm" | tolerances.input.lenght: is not a number
+unit | [tolerances]\n"input.length" = "1 kg" | line 15: tolerances.input.length:
+""")
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_refusals__name_key_line_and_mend(case, tmp_path):
+    text, *words = REFUSED[case]
+    with pytest.raises(InputError) as refused:
+        study_of(tmp_path, f"{VARY}{text}\n")
+    assert all(word in str(refused.value) for word in words)

@@ -4,15 +4,13 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+import pyarrow
 import pytest
 from press_sweeps import DISTINCT, HEAD, STROKE, run, study_of
+from pyarrow import parquet
 
-from sweeps.study.study_reader import read_study
+from sweeps import InputError, read_study
 from sweeps.study.variant_tables import read_variant_table
-from sweeps.text.input_files import InputError
-
-pyarrow = pytest.importorskip("pyarrow")
-parquet = pytest.importorskip("pyarrow.parquet")
 
 LENGTHS, MASSES = np.array([30.0, 40.0, 55.0]), np.array([1, 2, 3])
 GOOD = {"input.length [mm]": LENGTHS, "bodies.ram.mass [kg]": MASSES}

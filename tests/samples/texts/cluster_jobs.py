@@ -3,14 +3,24 @@
 import os
 import signal
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from distributed import Client
 
+from sweeps.run.carrying import Blocks
 from sweeps.run.cluster import on_workers
+from sweeps.run.cluster.crew import Crew
+from sweeps.run.runner import layout_of
+from sweeps.study.study import Study
 
 # Of the study in which each block is 40 variants: the first variant of the third block.
 THIRD = 80
+
+
+def crew_on(client: Client, study: Study, tell: Callable[[str], None] = print) -> Crew:
+    return Crew(client, Blocks(study, layout_of(study, study.machine())), tell)
 
 
 def forget() -> None:

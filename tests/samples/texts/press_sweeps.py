@@ -1,12 +1,11 @@
 """Sweeps of a press beside a four-bar: their texts, their runs, and what a result file holds bit by bit."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import h5py
 
-from sweeps.run.runner import run_study
-from sweeps.study.study import Study
-from sweeps.study.study_reader import read_study
+from sweeps import Study, read_study, run_study
 
 # A four-bar with a press beside it: the slider-crank's group comes second, and is the one to blame for most.
 SCENE = """\
@@ -79,6 +78,26 @@ def text_of(lengths: list[str], masses: list[str], asked: str = ASKED + BEST, he
     return HEAD + head + vary + asked
 
 
+def many(count: int, asked: str = ASKED + BEST, head: str = "positions = 48\n") -> str:
+    """A study of so many lengths of the crank."""
+    text = text_of(["40 mm"], ["1 kg"], asked, head)
+    return text.replace("values = ['40 mm']", f'from = "20 mm", to = "60 mm", count = {count}')
+
+
+class Stop(Exception):
+    """Stands for whatever ends a run."""
+
+
+def stopping(at: int) -> Callable[..., None]:
+    """Progress of a run that ends once so much is done."""
+
+    def stop(done: int, before: int, words: str = "") -> None:
+        if done >= at > before:
+            raise Stop
+
+    return stop
+
+
 def study_of(folder: Path, text: str, name: str = "study") -> Study:
     (folder / "scene.toml").write_text(SCENE)
     (folder / f"{name}.toml").write_text(text)
@@ -110,6 +129,4 @@ def numbers_in(path: Path) -> dict[str, tuple[str, bytes]]:
 # The same studies in several files: two variants of two numbers, and many of one.
 GOOD = text_of(["40 mm", "50 mm"], ["50 kg", "100 kg"], FIELDS)
 
-DISTINCT = text_of(["40 mm"], ["1 kg"], FIELDS).replace(
-    "values = ['40 mm']", 'from = "20 mm", to = "60 mm", count = 200'
-)
+DISTINCT = many(200, FIELDS)

@@ -4,8 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from sweeps.text.input_files import InputError
-from sweeps.text.scene_text import read_scene
+from sweeps import InputError, read_scene
 
 GOOD = """\
 title = "Crank press with a rocker"
@@ -73,6 +72,31 @@ stiffness = "5 N/mm"
 
 [flywheel]
 speed_fluctuation = "1/10"
+"""
+
+SLIDING = """\
+[guides.way]
+
+[guides.slot]
+link = "arm"
+
+[points]
+D = {x = "200 mm", y = "50 mm"}
+
+[input]
+type = "slider"
+link = "ram"
+guide = "way"
+point = "A"
+start = "0 mm"
+stop = "50 mm"
+speed = "1 m/s"
+
+[groups.bars]
+type = "RRR"
+inner = "B"
+first = {link = "rod", joint = "A", length = "200 mm"}
+second = {link = "arm", joint = "D", length = "150 mm"}
 """
 
 FROM_CSV = GOOD.replace(

@@ -4,10 +4,8 @@ from pathlib import Path
 
 from press_texts import PRESS_WITH_FLYWHEEL
 
+from sweeps import Study, SweepResult, read_study
 from sweeps.optimising.runner import optimise_study
-from sweeps.report.sweep_result import SweepResult
-from sweeps.study.study import Study
-from sweeps.study.study_reader import read_study
 
 SCENE = PRESS_WITH_FLYWHEEL.replace("100 kN", "10 kN")
 CRANK, ROD = "input.length", "groups.slide.first.length"

@@ -51,10 +51,21 @@ def results(store: Store, i: int) -> dict[str, np.ndarray]:
     return arrays
 
 
+def fill(store: Store, *blocks: int) -> None:
+    """Write some blocks, all that are pending where none are named."""
+    for i in blocks or store.pending:
+        store.write(i, results(store, i))
+
+
+def begun(path: Path, *blocks: int, **changes: object) -> None:
+    """A sweep that ends when some blocks are written."""
+    with Store.open(path, layout(**changes)) as store:
+        fill(store, *blocks)
+
+
 def sweep(path: Path, shape: FileLayout, **options: bool) -> None:
     with Store.open(path, shape, **options) as store:
-        for i in store.pending:
-            store.write(i, results(store, i))
+        fill(store)
         store.finish("all is well")
 
 
@@ -117,8 +128,7 @@ def child_creates_on_full_disk(path: Path) -> None:
 
 def child_fills_disk_at_work(path: Path) -> None:
     store = Store.open(path, layout(**KILLED))
-    for i in range(3):
-        store.write(i, results(store, i))
+    fill(store, 0, 1, 2)
     limit_file_size(100_000)
     for i in (20, 21):
         try:
@@ -133,8 +143,7 @@ def child_fills_disk_at_work(path: Path) -> None:
 
 def child_finishes_on_full_disk(path: Path) -> None:
     with Store.open(path, layout(**KILLED)) as store:
-        for i in store.pending:
-            store.write(i, results(store, i))
+        fill(store)
         limit_file_size(store.part.stat().st_size)
         store.finish("n" * 5000)
 

@@ -2,8 +2,7 @@
 
 from pathlib import Path
 
-from sweeps.study.study import Study
-from sweeps.study.study_reader import read_study
+from sweeps import Study, read_study
 
 STUDY = """\
 title = "Which crank?"

@@ -5,20 +5,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
-from commands import refused
+from commands import done, refused
 from drawn_machines import sliding_input
 
-from engine import ElementsAlone, Scene, shaken
-from engine.elements.engines.engine_layout import in_line_engine
-from sweeps import SweepResult, read_scene
-from sweeps.cli import main
+from engine import ElementsAlone, Scene, in_line_engine, shaken
+from sweeps import SweepResult, read_scene, write_scene
 from sweeps.pictures.elements.element_pictures import element_sheet
 from sweeps.pictures.elements.engine_sheet import engine_table
 from sweeps.pictures.style import new_figure
 from sweeps.pictures.sweep.result_pictures import result_pictures
 from sweeps.report.order_table import EngineRow, engine_rows, remaining_orders
-from sweeps.text.scene_text import with_values, write_scene
+from sweeps.text.scene_text import with_values
 from sweeps.text.templates import bundled_templates
 
 EPS = np.finfo(float).eps
@@ -29,14 +26,33 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
 
-def said(*words):
-    outcome = CliRunner().invoke(main, list(words))
-    assert outcome.exit_code == 0, outcome.output
-    return outcome.output
-
-
 def wrote(output):
     return [line.removeprefix("Wrote ") for line in output.splitlines() if line.startswith("Wrote ")]
+
+
+def swept(name, scene, axis, asked):
+    """Result of a study that varies one number of a template."""
+    done("new", scene)
+    text = f'scene = "{scene}.toml"\n[vary]\n{axis}\n[outputs]\n{asked}\n'
+    Path(f"{name}.toml").write_text(text, encoding="utf8")
+    done("run", f"{name}.toml", "--quiet", "--no-plots")
+    return SweepResult(Path(f"results/{name}.h5"))
+
+
+@pytest.fixture
+def seen(folder, monkeypatch):
+    """Positions at which machines are to be drawn."""
+    found = []
+    monkeypatch.setattr("sweeps.pictures.picture_files.machine_pictures", lambda *given: found.append(given[3]) or [])
+    return found
+
+
+@pytest.fixture
+def drawn(folder, monkeypatch):
+    """Scenes of which hodographs are to be drawn."""
+    found = []
+    monkeypatch.setattr("sweeps.pictures.picture_files.hodographs", lambda scenes, _: found.append(dict(scenes)))
+    return found
 
 
 def template(name, **changes):
@@ -48,7 +64,7 @@ def template(name, **changes):
 
 
 def test_plot_of_an_engine__draws_its_sheet_and_tells_its_orders(folder):
-    answer = said("plot", "v_twin")
+    answer = done("plot", "v_twin")
     assert wrote(answer) == ["v_twin_twin_orders.png"]
     assert Path("v_twin_twin_orders.png").stat().st_size > 20_000
     lines = answer.splitlines()
@@ -59,16 +75,14 @@ def test_plot_of_an_engine__draws_its_sheet_and_tells_its_orders(folder):
 
 
 def test_plot_of_a_rotor__draws_its_plan(folder):
-    assert wrote(said("plot", "fan_rotor", "--out", "fan.svg")) == ["fan_fan_plan.svg"]
+    assert wrote(done("plot", "fan_rotor", "--out", "fan.svg")) == ["fan_fan_plan.svg"]
 
 
 def test_plot_of_a_variant__draws_the_elements_with_its_numbers(folder):
-    said("new", "engine")
-    study = 'scene = "engine.toml"\n[vary]\n"elements.engine.gas.peak" = { values = ["30 bar", "60 bar"] }\n'
-    Path("peaks.toml").write_text(study + '[outputs]\nsummaries = ["engine.mean_torque"]\n', encoding="utf8")
-    said("run", "peaks.toml", "--quiet")
-    for variant, torque in enumerate(SweepResult(Path("results/peaks.h5")).columns["engine.mean_torque"]):
-        answer = said("plot", "results/peaks.h5", "--variant", str(variant))
+    axis = '"elements.engine.gas.peak" = { values = ["30 bar", "60 bar"] }'
+    result = swept("peaks", "engine", axis, 'summaries = ["engine.mean_torque"]')
+    for variant, torque in enumerate(result.columns["engine.mean_torque"]):
+        answer = done("plot", "results/peaks.h5", "--variant", str(variant))
         assert f"mean {torque:.4g} N·m" in answer
         assert wrote(answer) == [f"peaks_{variant}_engine_orders.png"]
     first, second = (Path(f"peaks_{variant}_engine_orders.png").read_bytes() for variant in range(2))
@@ -79,18 +93,18 @@ def test_plot_of_elements_beside_a_mechanism__adds_their_pictures(folder):
     slider_crank, rotor = (bundled_templates()[name].read_text() for name in ("slider_crank", "rotor"))
     text = slider_crank + rotor.partition("\n\n")[2]
     Path("both.toml").write_text(text.replace('title = "Rotor, balanced in two planes"\n', ""), encoding="utf8")
-    assert wrote(said("plot", "both.toml")) == ["both.png", "both_diagrams.png", "both_rotor_plan.png"]
+    assert wrote(done("plot", "both.toml")) == ["both.png", "both_diagrams.png", "both_rotor_plan.png"]
 
 
 def test_best_rotor_of_a_study__is_drawn_with_its_sweep(folder):
-    answer = said("run", "v_twin", "--quiet")
+    answer = done("run", "v_twin", "--quiet")
     assert "v_twin_best_twin_orders.png" in answer
 
 
 @pytest.mark.parametrize("name", ["engine", "rotor"])
 def test_element_template__runs_with_every_number_finite(name, folder):
-    said("new", name)
-    said("run", f"{name}.toml", "--quiet", "--no-plots")
+    done("new", name)
+    done("run", f"{name}.toml", "--quiet", "--no-plots")
     result = SweepResult(Path(f"results/{name}.h5"))
     assert result.columns["status"].tolist() == [0]
     for summary in result.summaries:
@@ -149,8 +163,8 @@ def test_engine_table__tells_what_a_student_expects_of_an_in_line_four():
 
 
 def test_orders__tells_well_known_engines_or_those_of_a_scene(folder):
-    assert "V8 90° cross-plane" in said("orders")
-    answer = said("orders", "v_twin", "--out", "orders.png")
+    assert "V8 90° cross-plane" in done("orders")
+    answer = done("orders", "v_twin", "--out", "orders.png")
     assert answer.splitlines()[1].startswith("twin    –       1.616 × 0.3843 ↺  1.107 × 0.6909 ↺")
     assert "At λ = 0.2705: A₁ = 1, A₂ = 0.2756" in answer
     assert wrote(answer) == ["orders.png"]
@@ -178,36 +192,21 @@ def test_engine_rows__are_the_layouts_with_lengths_as_multiples():
 # Shaking forces of mechanisms
 
 
-def test_hodograph__of_a_scene_and_beside_another(folder, monkeypatch):
-    drawn = []
-    monkeypatch.setattr(
-        "sweeps.pictures.picture_files.hodographs", lambda scenes, target: drawn.append((dict(scenes), target))
-    )
-    said("new", "slider_crank")
-    assert wrote(said("plot", "slider_crank.toml", "--hodograph"))[-1] == "slider_crank_hodograph.png"
-    said("plot", "slider_crank.toml", "--beside", "compressor")
-    said("plot", "slider_crank.toml", "--beside", "slider_crank.toml")
-    assert [list(scenes) for scenes, _ in drawn] == [
-        ["slider_crank"],
-        ["compressor", "slider_crank"],
-        ["slider_crank (beside)", "slider_crank"],
-    ]
+def test_hodograph__of_a_scene_and_beside_another(drawn):
+    done("new", "slider_crank")
+    assert wrote(done("plot", "slider_crank.toml", "--hodograph"))[-1] == "slider_crank_hodograph.png"
+    done("plot", "slider_crank.toml", "--beside", "compressor")
+    done("plot", "slider_crank.toml", "--beside", "slider_crank.toml")
+    others = ["slider_crank"], ["compressor", "slider_crank"], ["slider_crank (beside)", "slider_crank"]
+    assert [list(scenes) for scenes in drawn] == [*others]
 
 
-def test_hodograph_of_a_variant__has_the_scene_as_given_beside(folder, monkeypatch):
-    drawn = []
-    monkeypatch.setattr("sweeps.pictures.picture_files.hodographs", lambda scenes, target: drawn.append(dict(scenes)))
-    said("new", "slider_crank")
-    study = 'scene = "slider_crank.toml"\n[vary]\n"bodies.piston_body.mass" = { values = ["1.5 kg", "3 kg"] }\n'
-    Path("masses.toml").write_text(study + '[outputs]\nsummaries = ["piston.stroke"]\n', encoding="utf8")
-    said("run", "masses.toml", "--quiet", "--no-plots")
-    said("plot", "results/masses.h5", "--variant", "1", "--hodograph")
+def test_hodograph_of_a_variant__has_the_scene_as_given_beside(drawn):
+    axis = '"bodies.piston_body.mass" = { values = ["1.5 kg", "3 kg"] }'
+    swept("masses", "slider_crank", axis, 'summaries = ["piston.stroke"]')
+    done("plot", "results/masses.h5", "--variant", "1", "--hodograph")
     (scenes,) = drawn
     assert {name: s.bodies["piston_body"].mass for name, s in scenes.items()} == {"scene": 1.5, "masses_1": 3.0}
-
-
-def test_hodograph_of_elements_alone__is_refused(folder):
-    assert "it needs a crank that turns fully" in refused("plot", "v_twin", "--hodograph")
 
 
 # Positions
@@ -218,28 +217,24 @@ def rack(folder):
     Path("rack.toml").write_text(write_scene(sliding_input()), encoding="utf8")
 
 
-def test_at_of_a_sliding_input__is_read_as_lengths(rack, monkeypatch):
-    seen = []
-    monkeypatch.setattr("sweeps.pictures.picture_files.machine_pictures", lambda *given: seen.append(given[3]) or [])
-    said("plot", "rack.toml", "--at", "20 mm, 5 cm")
+def test_at_of_a_sliding_input__is_read_as_lengths(rack, seen):
+    done("plot", "rack.toml", "--at", "20 mm, 5 cm")
     assert seen == [(0.02, 0.05)]
     answer = refused("plot", "rack.toml", "--at", "60")
     assert '60 has no unit: write "60 mm"' in answer
     assert "--at '0 mm, 20 mm'" in answer
 
 
-def test_at_of_a_crank__is_read_as_degrees_or_with_a_unit(folder, monkeypatch):
-    seen = []
-    monkeypatch.setattr("sweeps.pictures.picture_files.machine_pictures", lambda *given: seen.append(given[3]) or [])
-    said("plot", "compressor", "--at", "30, 1.5 rad,90 deg")
+def test_at_of_a_crank__is_read_as_degrees_or_with_a_unit(seen):
+    done("plot", "compressor", "--at", "30, 1.5 rad,90 deg")
     assert seen[0] == pytest.approx((math.pi / 6, 1.5, math.pi / 2), rel=1e-15)
     assert "such as --at 0,60,120" in refused("plot", "compressor", "--at", "sixty")
 
 
 @pytest.mark.parametrize("ending", ["svg", "dxf"])
 def test_export_of_a_sliding_input__has_a_position_without_asking(ending, rack):
-    assert "Wrote a." in said("export", "rack.toml", "--to", f"a.{ending}")
-    assert "Wrote b." in said("export", "rack.toml", "--to", f"b.{ending}", "--at", "60 mm")
+    assert "Wrote a." in done("export", "rack.toml", "--to", f"a.{ending}")
+    assert "Wrote b." in done("export", "rack.toml", "--to", f"b.{ending}", "--at", "60 mm")
     # The middle of its range.
     assert Path(f"a.{ending}").stat().st_size == pytest.approx(Path(f"b.{ending}").stat().st_size, rel=0.01)
 
@@ -248,16 +243,15 @@ def test_export_of_a_sliding_input__has_a_position_without_asking(ending, rack):
 
 
 def test_result_without_a_goal__shows_the_reactions_of_the_first_variant_that_works(folder):
-    said("new", "slider_crank")
-    study = 'scene = "slider_crank.toml"\n[vary]\n"groups.drive.first.length" = { values = ["20 mm", "160 mm"] }\n'
-    outputs = '[outputs]\nsummaries = ["piston.stroke"]\nfields = ["drive.inner.reaction_x"]\n'
-    Path("rods.toml").write_text(study + outputs, encoding="utf8")
-    said("run", "rods.toml", "--quiet", "--no-plots")
-    made = [path.name for path in result_pictures(SweepResult(Path("results/rods.h5")))]
+    axis = '"groups.drive.first.length" = { values = ["20 mm", "160 mm"] }'
+    asked = 'summaries = ["piston.stroke"]\nfields = ["drive.inner.reaction_x"]'
+    result = swept("rods", "slider_crank", axis, asked)
+    made = [path.name for path in result_pictures(result)]
     assert made == ["rods.png", "rods_1_reactions.png", "rods_1_bearing_drive_inner.png"]
     # A picture that was asked for comes alone.
-    assert len(result_pictures(SweepResult(Path("results/rods.h5")), Path("a.png"))) == 1
+    assert len(result_pictures(result, Path("a.png"))) == 1
 
 
-def test_elements_alone__are_no_mechanism_to_draw(folder):
+def test_elements_alone__are_no_mechanism(folder):
+    assert "it needs a crank that turns fully" in refused("plot", "v_twin", "--hodograph")
     assert "there is no mechanism to draw" in refused("export", "v_twin", "--to", "a.dxf")

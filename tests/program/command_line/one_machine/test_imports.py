@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import refused, said
+from commands import done, refused
 
 from engine import Machine
 from sweeps import import_scene
@@ -17,42 +17,24 @@ def ref(name):
     return {"ref": name}
 
 
+def joint(kind, name, x, y, **more):
+    return {"type": kind, "name": name, "x": x, "y": y, **more}
+
+
+def fixed(name, x, y):
+    return {"inline": True, **joint("Static", name, x, y)}
+
+
 # A crank-rocker with a coupler point on it, a slider driven by that, and a fixed point given in place.
 JOINTS = {
     "name": "Four-bar, slider",
     "joints": [
-        {"type": "Static", "name": "A", "x": 0, "y": 0},
-        {"type": "Crank", "name": "B", "x": 0.5, "y": 0.6, "joint0": ref("A"), "distance": 1, "angle": -0.3},
-        {
-            "type": "Revolute",
-            "name": "C",
-            "x": 3,
-            "y": 2,
-            "joint0": ref("B"),
-            "joint1": {"inline": True, "type": "Static", "x": 3, "y": 0, "name": "D 1"},
-            "distance0": 3,
-            "distance1": 1.5,
-        },
-        {
-            "type": "Fixed",
-            "name": "P",
-            "x": 0,
-            "y": 0,
-            "joint0": ref("B"),
-            "joint1": ref("C"),
-            "distance": 1.2,
-            "angle": 0.6,
-        },
-        {
-            "type": "Prismatic",
-            "name": "S",
-            "x": -7,
-            "y": -1,
-            "joint0": ref("P"),
-            "joint1": {"inline": True, "type": "Static", "x": 0, "y": -1, "name": "E"},
-            "joint2": {"inline": True, "type": "Static", "x": 1, "y": -1, "name": "F"},
-            "revolute_radius": 5,
-        },
+        joint("Static", "A", 0, 0),
+        joint("Crank", "B", 0.5, 0.6, joint0=ref("A"), distance=1, angle=-0.3),
+        joint("Revolute", "C", 3, 2, joint0=ref("B"), joint1=fixed("D 1", 3, 0), distance0=3, distance1=1.5),
+        joint("Fixed", "P", 0, 0, joint0=ref("B"), joint1=ref("C"), distance=1.2, angle=0.6),
+        joint("Prismatic", "S", -7, -1, joint0=ref("P"), revolute_radius=5)
+        | {"joint1": fixed("E", 0, -1), "joint2": fixed("F", 1, -1)},
     ],
 }
 
@@ -138,10 +120,10 @@ def test_rows_of_pmks__stand_where_the_file_has_them(tmp_path):
 def test_address_of_pmks__is_read_by_the_command(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("m.url").write_text(ADDRESS)
-    assert said("import", "m.url", "--unit", "1 cm", "--speed", "90 rpm").exit_code == 0
+    done("import", "m.url", "--unit", "1 cm", "--speed", "90 rpm")
     text = Path("m.toml").read_text()
     assert text.startswith("# Imported from m.url")
-    assert said("check", "m.toml").exit_code == 0
+    done("check", "m.toml")
     assert "exists already" in refused("import", "m.url")
 
 
@@ -195,7 +177,7 @@ def test_welded_links_of_pmks_plus__are_one(tmp_path):
 
 
 def changed(data, kind, **values):
-    joints = [joint | values if joint["type"] == kind else joint for joint in data["joints"]]
+    joints = [one | values if one["type"] == kind else one for one in data["joints"]]
     return json.dumps(data | {"joints": joints})
 
 

@@ -9,19 +9,17 @@ import numpy as np
 import pytest
 from commands import refused, said
 from press_texts import PRESS
+from slips import cases, changed
 
 from engine import Machine, Scene, Verdict
+from sweeps import SweepResult, read_scene, read_study
 from sweeps.report.regime_words import by_regime, regime_words
-from sweeps.report.sweep_result import SweepResult
 from sweeps.run import cost
 from sweeps.run.blocks import MOST_AT_ONCE_IN_MOTION, evaluate_block, most_at_once
 from sweeps.study.default_summaries import telling_summaries
-from sweeps.study.study_reader import read_study
-from sweeps.text.scene_text import read_scene
 
-MOTION = (
-    PRESS.replace('force = "100 kN"', 'force = "5 kN"\nrole = "useful"')
-    + """
+USEFUL = PRESS.replace('force = "100 kN"', 'force = "5 kN"\nrole = "useful"')
+MOTION = f"""{USEFUL}
 [flywheel]
 inertia = "30 kg m2"
 
@@ -53,7 +51,6 @@ type = "run"
 off = ["motor", "punch"]
 rest = true
 """
-)
 
 STUDY = """\
 scene = "press.toml"
@@ -79,10 +76,9 @@ def folder(tmp_path, monkeypatch) -> Path:
     return tmp_path
 
 
-def changed(old: str, new: str) -> None:
+def change(old: str, new: str) -> None:
     """Write the scene with something replaced."""
-    assert old in MOTION
-    Path("press.toml").write_text(MOTION.replace(old, new))
+    Path("press.toml").write_text(changed(MOTION, old, new))
 
 
 def indented_under(text: str, head: str) -> list[str]:
@@ -133,21 +129,10 @@ def test_variants_computed_together__are_fewer_where_motion_is_asked(folder):
     assert most_at_once(still, still.machine()) > 30_000
     # A longer block is computed in parts.
     cuts = (34_000, 34_000 + MOST_AT_ONCE_IN_MOTION, 34_005 + MOST_AT_ONCE_IN_MOTION)
-    whole, *parts = (
-        evaluate_block(moving, moving.machine(), slice(cuts[a], cuts[b])) for a, b in ((0, 2), (0, 1), (1, 2))
-    )
+    pieces = (slice(cuts[a], cuts[b]) for a, b in ((0, 2), (0, 1), (1, 2)))
+    whole, *parts = (evaluate_block(moving, moving.machine(), piece) for piece in pieces)
     for name, column in whole.items():
         np.testing.assert_array_equal(column, np.concatenate([part[name] for part in parts]), name)
-
-
-def test_probe__looks_at_variants_from_all_over_the_study(folder):
-    study = read_study("study.toml")
-    values, drop = cost._spread(study, 2)
-    assert values["moments.motor.stall_moment"].tolist() == [800, 1000]
-    assert not drop.any()
-    values, drop = cost._spread(read_study("press.toml"), 5)
-    assert values == {}
-    assert not drop.any()
 
 
 # run
@@ -156,15 +141,10 @@ def test_probe__looks_at_variants_from_all_over_the_study(folder):
 def test_run_of_a_scene__groups_its_answers_by_regime(folder):
     text = said("run", "press.toml", "--no-plots").stdout
     heads = [line for line in text.splitlines() if line and not line.startswith(" ")]
-    assert [line.partition(":")[0] for line in heads] == [
-        "Crank press",
-        "1  ok",
-        "cycle at 60 rpm, driven by a constant moment, everything acting but brakes",
-        "start",
-        "work",
-        "stop",
-        "Files (" + heads[-1].partition("(")[2].partition(":")[0],
-    ]
+    cycle = "cycle at 60 rpm, driven by a constant moment, everything acting but brakes"
+    before = ["Crank press", "1  ok", cycle, "start", "work", "stop"]
+    assert [line.partition(":")[0] for line in heads[:-1]] == before
+    assert heads[-1].startswith("Files (")
     rows = [line.split()[0] for line in indented_under(text, "work: ")]
     assert rows[0] == "work.mean_speed"
     assert {"work.speed_fluctuation", "work.efficiency", "work.motor_moment_rms", "work.multiplier"} <= set(rows)
@@ -174,63 +154,32 @@ def test_run_of_a_scene__groups_its_answers_by_regime(folder):
 
 def test_run__draws_the_history_and_the_steady_cycle(folder):
     files = said("run", "press.toml").stdout.split("Files")[1].split()
-    assert [Path(f).name for f in files if "press" in f] == [
-        "press.h5",
-        "press.png",
-        "press_diagrams.png",
-        "press_history.png",
-        "press_work.png",
-    ]
+    names = "press.h5 press.png press_diagrams.png press_history.png press_work.png"
+    assert [Path(f).name for f in files if "press" in f] == names.split()
 
 
-FAILURES = [
-    (
-        'stall_moment = "800 N m"',
-        'stall_moment = "60 N m"',
-        "STALLS",
-        ("regime work", "motors can't carry the loads", "stronger motor"),
-    ),
-    (
-        "[moments.brake]",
-        '[moments.rub]\ntype = "against_motion"\non = "crank"\nmoment = "900 N m"\n\n[moments.brake]',
-        "STALLS",
-        ("regime start", "does not start at φ = 0 °", "800 N·m drive it there, 900 N·m hold it", "a stronger motor"),
-    ),
-    (
-        'speed = "60 rpm"\nat_most',
-        'speed = "80 rpm"\nat_most',
-        "NO_END",
-        (
-            "regime start",
-            "the speed of 80 rpm isn't reached",
-            "cycles, and a machine nearer to it gets slower",
-            "ask for a speed that its",
-        ),
-    ),
-    (
-        'off = ["motor", "punch"]\nrest',
-        'off = ["brake", "punch"]\nat_most = 5\nrest',
-        "NO_END",
-        ("regime stop", "it doesn't come to rest", "a slower machine gets faster", "switch off what drives it"),
-    ),
-    (
-        'speed = "60 rpm"\nat_most = 20',
-        "cycles = 30\nat_most = 20",
-        "NO_END",
-        ("regime start", "regimes.start.at_most comes before its end", "raise it"),
-    ),
-    (
-        'type = "dc_motor"\non = "crank"\nstall_moment = "800 N m"\nno_load_speed = "66 rpm"',
-        'type = "constant"\non = "crank"\nmoment = "800 N m"\nrole = "driving"',
-        "RUNS_AWAY",
-        ("regime work", "the loads balance the drive at no speed", "add a load"),
-    ),
-]
+# Name | what stands in the scene | what stands there instead | verdict | regime | words of its reason and of the mend.
+FAILURES = cases(r"""
+weak motor | stall_moment = "800 N m" | stall_moment = "60 N m" | STALLS | regime work | motors can't carry the loads
+    | stronger motor
+rubbing | [moments.brake] | [moments.rub]\ntype = "against_motion"\non = "crank"\nmoment = "900 N m"\n\n[moments.brake]
+    | STALLS | regime start | does not start at φ = 0 ° | 800 N·m drive it there, 900 N·m hold it | a stronger motor
+too fast | speed = "60 rpm"\nat_most | speed = "80 rpm"\nat_most | NO_END | regime start
+    | the speed of 80 rpm isn't reached | cycles, and a machine nearer to it gets slower | ask for a speed that its
+driven | off = ["motor", "punch"]\nrest | off = ["brake", "punch"]\nat_most = 5\nrest | NO_END | regime stop
+    | it doesn't come to rest | a slower machine gets faster | switch off what drives it
+too short | speed = "60 rpm"\nat_most = 20 | cycles = 30\nat_most = 20 | NO_END | regime start
+    | regimes.start.at_most comes before its end | raise it
+no balance | type = "dc_motor"\non = "crank"\nstall_moment = "800 N m"\nno_load_speed = "66 rpm"
+    | type = "constant"\non = "crank"\nmoment = "800 N m"\nrole = "driving" | RUNS_AWAY | regime work
+    | the loads balance the drive at no speed | add a load
+""")
 
 
-@pytest.mark.parametrize(("old", "new", "verdict", "words"), FAILURES)
-def test_motion_that_fails__is_explained_with_its_regime_and_a_mend(old, new, verdict, words, folder):
-    changed(old, new)
+@pytest.mark.parametrize("case", FAILURES)
+def test_motion_that_fails__is_explained_with_its_regime_and_a_mend(case, folder):
+    old, new, verdict, *words = FAILURES[case]
+    change(old, new)
     checked, ran = said("check", "press.toml").stdout, said("run", "press.toml", "--no-plots").stdout
     assert SweepResult(Path("results/press.h5")).columns["status"][0] == Verdict[verdict]
     for text in (checked, ran):
@@ -286,7 +235,7 @@ def test_export_history_with_loads__has_a_column_for_each_and_refuses_others(fol
 
 
 def test_export_history_of_a_motion_that_fails__tells_why_on_standard_error(folder):
-    changed('speed = "60 rpm"\nat_most', 'speed = "80 rpm"\nat_most')
+    change('speed = "60 rpm"\nat_most', 'speed = "80 rpm"\nat_most')
     answer = said("export", "press.toml", "--history", "--to", "h.csv")
     assert answer.exit_code == 0
     assert "The history ends early: regime start: the speed of 80 rpm isn't reached" in answer.stderr
@@ -296,74 +245,55 @@ def test_export_history_of_a_motion_that_fails__tells_why_on_standard_error(fold
 def test_export_history_of_what_has_none__is_refused(folder):
     Path("press.toml").write_text(PRESS)
     assert "regimes: the scene has none" in refused("export", "press.toml", "--history", "--to", "h.csv")
-    assert "writes a table, .csv, .json, .parquet, .mat, not '.svg'" in refused(
-        "export", "press.toml", "--history", "--to", "h.svg"
-    )
+    told = refused("export", "press.toml", "--history", "--to", "h.svg")
+    assert "writes a table, .csv, .json, .parquet, .mat, not '.svg'" in told
 
 
 # Refusals
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        (
-            '"punch", "brake"]',
-            '"punhc", "brake"]',
-            "line {}: regimes.start.off: 'punhc' is not an action of this scene; known are: brake, gravity, "
-            "motor, punch; "
-            "did you mean 'punch'?",
-        ),
-        (
-            "at_most = 20",
-            'time = "3 s"',
-            "line {}: regimes.start: a run ends after cycles, after a time, at a speed or at rest: time and speed are "
-            "given; give exactly one of cycles, time, speed, rest = true",
-        ),
-        (
-            "rest = true",
-            "",
-            "line {}: regimes.stop: a run ends after cycles, after a time, at a speed or at rest: none",
-        ),
-        ("at_most = 20", "at_mots = 20", "line {}: regimes.start.at_mots: unknown key; allowed: type, off,"),
-        ("at_most = 20", "at_mots = 20", "did you mean 'at_most'?"),
-        (
-            'type = "steady"',
-            'type = "stedy"',
-            "type 'stedy' is not known; allowed: steady, run; did you mean 'steady'?",
-        ),
-        ('speed = "60 rpm"\nat', 'speed = "60 N"\nat', "line {}: regimes.start.speed: expected an angular speed"),
-        ("[regimes.work]", "[regimes.punch]", "line {}: regimes.punch: the name 'punch' is already taken"),
-        ("[regimes.work]", "[regime.work]", "line {}: regime: unknown key; allowed: title"),
-    ],
-)
-def test_wrong_regime__is_refused_with_file_line_key_and_mend(old, new, message, folder):
-    changed(old, new)
-    said_ = refused("check", "press.toml")
-    assert said_.startswith("Error: press.toml, line ")
-    if "{}" in message:
-        number = int(said_.split("line ")[1].split(":")[0])
-        key = message.split(": ")[1].split(".")[-1]
-        line = Path("press.toml").read_text().splitlines()[number - 1]
-        assert line.startswith((key, "[regime")), line
-        message = message.format(number)
-    assert message in said_
+# Name | what stands in the scene | what stands there instead | key at its line | words of the message.
+REGIMES = cases(r"""
+unknown action | "punch", "brake"] | "punhc", "brake"] | regimes.start.off
+    | 'punhc' is not an action of this scene; known are: brake, gravity, motor, punch; did you mean 'punch'?
+two ends | at_most = 20 | time = "3 s" | regimes.start | a run ends after cycles, after a time, at a speed or at rest:
+    | time and speed are given; give exactly one of cycles, time, speed, rest = true
+no end | rest = true |  | regimes.stop | a run ends after cycles, after a time, at a speed or at rest: none
+misspelt | at_most = 20 | at_mots = 20 | regimes.start.at_mots | unknown key; allowed: type, off, | mean 'at_most'?
+type | type = "steady" | type = "stedy" |  | type 'stedy' is not known; allowed: steady, run; did you mean 'steady'?
+unit | speed = "60 rpm"\nat | speed = "60 N"\nat | regimes.start.speed | expected an angular speed
+name | [regimes.work] | [regimes.punch] | regimes.punch | the name 'punch' is already taken
+table | [regimes.work] | [regime.work] | regime | unknown key; allowed: title
+""")
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
-        ('["start.time",', '["strat.time",', ("outputs", "'strat.time' is not a summary", "did you mean 'start.time'")),
-        ('"work.speed_fl', '"work.sped_fl', ("outputs", "'work.speed_fluctuation'")),
-        ('minimise = "start.time"', 'minimise = "strat.time"', ("best.minimise", "did you mean 'start.time'")),
-        ('minimise = "start.time"', 'minimise = "start.tme"', ("best.minimise", "did you mean 'start.time'")),
-        ('where = "work.', 'where = "wrok.', ("best.where", "did you mean 'work.speed_fluctuation'")),
-        ('"moments.motor.stall_moment"', '"regimes.start.sped"', ("line 5", "did you mean 'regimes.start.speed'")),
-    ],
-)
-def test_unknown_quantity_of_a_regime__is_refused_with_the_near_one(old, new, words, folder):
-    assert old in STUDY
-    Path("study.toml").write_text(STUDY.replace(old, new))
+@pytest.mark.parametrize("case", REGIMES)
+def test_wrong_regime__is_refused_with_file_line_key_and_mend(case, folder):
+    old, new, key, *words = REGIMES[case]
+    change(old, new)
+    message = refused("check", "press.toml")
+    assert message.startswith("Error: press.toml, line ")
+    number = int(message.split("line ")[1].split(":")[0])
+    if key:
+        assert f"line {number}: {key}: {words[0]}" in message
+        assert Path("press.toml").read_text().splitlines()[number - 1].startswith((key.split(".")[-1], "[regime"))
+    assert all(word in message for word in words), message
+
+
+# Name | what stands in the study | what stands there instead | words of the message.
+QUANTITIES = cases(r"""
+summary | ["start.time", | ["strat.time", | outputs | 'strat.time' is not a summary | did you mean 'start.time'
+other summary | "work.speed_fl | "work.sped_fl | outputs | 'work.speed_fluctuation'
+goal | minimise = "start.time" | minimise = "start.tme" | best.minimise | did you mean 'start.time'
+condition | where = "work. | where = "wrok. | best.where | did you mean 'work.speed_fluctuation'
+axis | "moments.motor.stall_moment" | "regimes.start.sped" | line 5 | did you mean 'regimes.start.speed'
+""")
+
+
+@pytest.mark.parametrize("case", QUANTITIES)
+def test_unknown_quantity_of_a_regime__is_refused_with_the_near_one(case, folder):
+    old, new, *words = QUANTITIES[case]
+    Path("study.toml").write_text(changed(STUDY, old, new))
     message = refused("check", "study.toml")
     assert message.startswith("Error: study.toml, line ")
     assert all(word in message for word in words), message
@@ -410,14 +340,12 @@ def test_telling_summaries__exist_and_leave_out_what_does_not_act(folder):
 def test_telling_summaries__ask_for_the_flywheel_where_none_is_given(folder):
     asked = 'speed_fluctuation = "1/20"'
     for wheel, told in ((asked, True), (f'{asked}\ninertia = "30 kg m2"', False)):
-        changed('inertia = "30 kg m2"', wheel)
+        change('inertia = "30 kg m2"', wheel)
         assert ("work.flywheel" in telling_summaries(read_scene("press.toml"))) == told
 
 
 # A push of 0.1 s when the machine starts: its cycle at constant speed has no reduced moment.
-TIMED = (
-    PRESS
-    + """
+TIMED = f"""{PRESS}
 [flywheel]
 inertia = "30 kg m2"
 
@@ -433,23 +361,20 @@ type = "run"
 time = "0.3 s"
 from_speed = "40 rpm"
 """
-)
 
 
-@pytest.mark.parametrize(
-    "command",
-    [
-        "run scene.toml --out r.h5",
-        "check scene.toml",
-        "show scene.toml --at 10,20",
-        "export scene.toml --to t.csv",
-        "export scene.toml --to t.toml",
-        "plot scene.toml --out p.png",
-        "report scene.toml --out p.html",
-        "balance scene.toml",
-        "quantities scene.toml",
-    ],
-)
+COMMANDS = """run scene.toml --out r.h5
+check scene.toml
+show scene.toml --at 10,20
+export scene.toml --to t.csv
+export scene.toml --to t.toml
+plot scene.toml --out p.png
+report scene.toml --out p.html
+balance scene.toml
+quantities scene.toml"""
+
+
+@pytest.mark.parametrize("command", COMMANDS.splitlines())
 def test_load_over_time__leaves_every_command_what_repeats_with_the_cycle(command, press_folder):
     Path("scene.toml").write_text(TIMED, encoding="utf8")
     answer = said(*command.split())

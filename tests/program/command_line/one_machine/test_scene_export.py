@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from commands import refused, said
+from commands import done, refused
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from press_texts import PRESS
@@ -21,17 +21,17 @@ COMMENTED = PRESS.replace('length = "50 mm"', 'length = "5 cm"   # half the stro
 
 def test_variant__is_written_with_the_author_s_comments_and_units(press_folder):
     Path("press.toml").write_text(COMMENTED)
-    assert said("run", "study.toml", "--no-plots", "--quiet", "--out", "r.h5").exit_code == 0
+    done("run", "study.toml", "--no-plots", "--quiet", "--out", "r.h5")
     # Variant 2: 60 mm, 50 kg.
     wanted = COMMENTED.replace('"5 cm"', '"6 cm"').replace('"100 kg"', '"50 kg"')
     for number, file in enumerate(("r.h5", "study.toml")):
-        assert said("export", file, "--variant", "2", "--to", f"v{number}.toml").exit_code == 0
+        done("export", file, "--variant", "2", "--to", f"v{number}.toml")
         assert Path(f"v{number}.toml").read_text() == wanted
 
 
 def test_scene_with_numbers_set_anew__is_written_so(press_folder):
     Path("press.toml").write_text(COMMENTED)
-    assert said("export", "press.toml", "--set", "input.length=1 in", "--to", "v.toml").exit_code == 0
+    done("export", "press.toml", "--set", "input.length=1 in", "--to", "v.toml")
     assert Path("v.toml").read_text() == COMMENTED.replace('"5 cm"', '"2.54 cm"')
 
 
@@ -40,8 +40,7 @@ def test_texts_that_are_there__are_not_written_over(press_folder):
     assert "is there already" in refused("export", "press.toml", "--to", "press.toml")
     assert "exists already" in refused("balance", "press.toml", "--out", "press.toml")
     assert Path("press.toml").read_text() == before
-    answer = said("export", "press.toml", "--set", "input.length=60 mm", "--to", "press.toml", "--overwrite")
-    assert answer.exit_code == 0
+    done("export", "press.toml", "--set", "input.length=60 mm", "--to", "press.toml", "--overwrite")
     assert Path("press.toml").read_text() == before.replace("50 mm", "60 mm")
 
 

@@ -1,11 +1,8 @@
 """Faults done on purpose: a part of `results/reliability/campaign.py`, whose slices add up."""
 
 import json
-import os
-import subprocess
-import sys
 
-from commands import ROOT
+from commands import ROOT, ran
 
 CAMPAIGN = ROOT / "results" / "reliability" / "campaign.py"
 
@@ -13,10 +10,9 @@ CAMPAIGN = ROOT / "results" / "reliability" / "campaign.py"
 def test_injected_texts__get_through_nowhere_and_slices_add_up(tmp_path):
     counts = tmp_path / "counts.json"
     for seed in (5, 6):
-        line = [sys.executable, str(CAMPAIGN), "--minutes", "0.0001", "--only", "inject", "--counts", str(counts)]
-        environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-        done = subprocess.run([*line, "--seed", str(seed)], env=environment, capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr
+        asked = ("--minutes", "0.0001", "--only", "inject", "--counts", str(counts), "--seed", str(seed))
+        ended = ran(str(CAMPAIGN), *asked)
+        assert ended.returncode == 0, ended.stderr
     data = json.loads(counts.read_text())
     assert data["wrong"] == []
     assert sum(data["faults"]["injections"]["ways"].values()) == 4

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from commands import ROOT, said
+from commands import ROOT, WRITES, done, python, ran, said
 
 from sweeps.text.interruption import farewell, half_written, keeping
 from sweeps.text.whole_files import whole_file
@@ -20,6 +20,15 @@ BUSY = {
     "waiting for a thread": "import threading; threading.Event().wait()",
     "in code that swallows what is raised": "while True:\n    try: time.sleep(30)\n    except BaseException: pass",
 }
+
+
+def started(code: str, *arguments: str, cwd: Path) -> subprocess.Popen:
+    """A process that says when it is there."""
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    line = [sys.executable, "-c", code, *arguments]
+    process = subprocess.Popen(line, cwd=cwd, env=ENVIRONMENT, text=True, **pipes)
+    assert process.stdout.readline() == "here\n"
+    return process
 
 
 def last_words(process: subprocess.Popen) -> str:
@@ -35,15 +44,7 @@ def last_words(process: subprocess.Popen) -> str:
 def test_signal__ends_the_program_with_one_sentence(number, code, busy, tmp_path):
     head = "import sys, time\nfrom sweeps.text.interruption import half_written, listen\nlisten()\n"
     head += "half_written.add('draft'); open('draft', 'w').close(); print('here', flush=True)\n"
-    with subprocess.Popen(
-        [sys.executable, "-c", head + BUSY[busy], "run", "a b.toml", "--restart"],
-        cwd=tmp_path,
-        env=ENVIRONMENT,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as process:
-        assert process.stdout.readline() == "here\n"
+    with started(head + BUSY[busy], "run", "a b.toml", "--restart", cwd=tmp_path) as process:
         process.send_signal(number)
         errors = last_words(process)
     assert process.returncode == code
@@ -56,7 +57,7 @@ def test_ignored_signal__stays_ignored(name, tmp_path):
     """As under nohup."""
     code = f"import signal; signal.signal(signal.{name}, signal.SIG_IGN); from sweeps.text.interruption import listen; "
     code += f"listen(); import os; os.kill(os.getpid(), signal.{name}); import time; time.sleep(0.3); print('well')"
-    done = subprocess.run([sys.executable, "-c", code], env=ENVIRONMENT, capture_output=True, text=True)
+    done = ran("-c", code, cwd=tmp_path)
     assert (done.returncode, done.stdout, done.stderr) == (0, "well\n", "")
 
 
@@ -64,7 +65,7 @@ def test_ignored_signal__stays_ignored(name, tmp_path):
 def test_signal_while_python_ends__changes_nothing(number, tmp_path):
     code = "import atexit, os, sys, time; sys.argv = ['sweeps', 'list']; from sweeps.__main__ import start; "
     code += f"atexit.register(lambda: (os.kill(os.getpid(), {int(number)}), time.sleep(0.5))); start()"
-    done = subprocess.run([sys.executable, "-c", code], env=ENVIRONMENT, cwd=tmp_path, capture_output=True, text=True)
+    done = ran("-c", code, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert "crank_press" in done.stdout
 
@@ -84,9 +85,7 @@ with whole_file("out.csv") as draft, scratch_folder(".") as folder:
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_draft_and_scratch_folder__are_removed_by_every_signal(number, tmp_path):
-    line, pipes = [sys.executable, "-c", DRAFTING], {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    with subprocess.Popen(line, cwd=tmp_path, env=ENVIRONMENT, text=True, **pipes) as process:
-        assert process.stdout.readline() == "here\n"
+    with started(DRAFTING, cwd=tmp_path) as process:
         assert len(list(tmp_path.iterdir())) == 2
         process.send_signal(number)
         last_words(process)
@@ -104,13 +103,8 @@ def test_farewell__tells_what_the_innermost_run_keeps():
 @pytest.mark.parametrize("arguments", [["list"], ["new", "--help"], ["check", "fan_rotor"]])
 def test_full_disk_under_standard_output__one_sentence(arguments):
     with open("/dev/full", "w") as full:
-        done = subprocess.run(
-            [sys.executable, "-m", "sweeps", *arguments],
-            env=ENVIRONMENT,
-            stdout=full,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
+        line = [sys.executable, "-m", "sweeps", *arguments]
+        done = subprocess.run(line, env=ENVIRONMENT, stdout=full, stderr=subprocess.PIPE, text=True)
     assert done.returncode == 2
     assert done.stderr.startswith("Error: ")
     assert done.stderr.endswith("No space left on device\n")
@@ -118,13 +112,8 @@ def test_full_disk_under_standard_output__one_sentence(arguments):
 
 
 def test_reader_that_goes_away__nothing_said():
-    with subprocess.Popen(
-        [sys.executable, "-m", "sweeps", "list"],
-        env=ENVIRONMENT,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as process:
+    line, pipes = [sys.executable, "-m", "sweeps", "list"], {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen(line, env=ENVIRONMENT, text=True, **pipes) as process:
         process.stdout.close()
         errors = process.stderr.read()
         process.wait()
@@ -132,8 +121,7 @@ def test_reader_that_goes_away__nothing_said():
 
 
 def test_name_longer_than_a_disk_takes__is_told_in_part_and_spelt_out():
-    line = [sys.executable, "-m", "sweeps", "check", "\x1b[2J" + 5000 * "a"]
-    answer = subprocess.run(line, capture_output=True, text=True, timeout=60)
+    answer = python("check", "\x1b[2J" + 5000 * "a", timeout=60)
     assert answer.returncode == 2
     assert answer.stderr.startswith("Error: \\x1b[2Jaaaa")
     assert "too long" in answer.stderr
@@ -171,23 +159,14 @@ def test_link_and_device__stay_what_they_are(tmp_path):
         assert draft == Path("/dev/null")
 
 
-WRITES = [
-    ("export", "results/study.h5", "--to", "out.csv"),
-    ("export", "press.toml", "--to", "out.csv"),
-    ("export", "press.toml", "--overwrite", "--to", "out.toml"),
-    ("export", "press.toml", "--to", "out.svg"),
-    ("export", "press.toml", "--to", "out.dxf"),
-    ("plot", "press.toml", "--out", "out.pdf"),
-    ("animate", "press.toml", "--frames", "4", "--out", "out.gif"),
-    ("new", "rotor", "--out", "new.toml"),
-]
+OF_RESULT = ("export", "results/study.h5", "--to", "out.csv")
 SMALL_FILES = ("pdf", "svg", "png", "csv", "dxf")
 
 
-@pytest.mark.parametrize("arguments", WRITES, ids=lambda a: " ".join(a[:2] + a[-1:]))
+@pytest.mark.parametrize("arguments", [OF_RESULT, *WRITES], ids=lambda a: " ".join(a[:2] + a[-1:]))
 def test_full_disk_under_a_file__one_sentence_and_the_earlier_file_stays(arguments, press_folder, monkeypatch):
-    if arguments[1] == "results/study.h5":
-        assert said("run", "study.toml", "--no-plots").exit_code == 0
+    if arguments is OF_RESULT:
+        done("run", "study.toml", "--no-plots")
     earlier = Path(arguments[-1])
     if arguments[0] != "new":
         earlier.write_text("earlier")

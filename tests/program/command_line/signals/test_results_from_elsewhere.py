@@ -10,14 +10,9 @@ import numpy as np
 import pytest
 from commands import refused, said
 
-COMMANDS = [
-    ("show",),
-    ("show", "--where", "ram.stroke > '1 mm'"),
-    ("plot",),
-    ("plot", "--variant", "0"),
-    ("export", "--to", "o.csv"),
-    ("export", "--variant", "0", "--to", "o.toml"),
-]
+EXPORTS = ("export --to o.csv", "export --variant 0 --to o.toml")
+COMMANDS = ("show", "show --where ram.stroke>'1mm'", "plot", "plot --variant 0", *EXPORTS)
+COMMANDS = [command.split() for command in COMMANDS]
 
 
 def reworked(path: str, change: Callable[[dict], None]) -> None:
@@ -48,9 +43,7 @@ CHANGES = {
     "no axes": without("vary"),
     "best of nothing": with_value("best", {"minimise": "beauty", "maximise": None, "where": None}),
     "best of a wrong kind": with_value("best", 7),
-    "an unreadable condition": with_value(
-        "best", {"minimise": "excess_work", "maximise": None, "where": "ram.stroke >"}
-    ),
+    "an unreadable condition": with_value("best", {"minimise": "excess_work", "maximise": None, "where": "a >"}),
     "a parameter too many": with_value("parameters", {"colour": "1"}),
     "axes of another size": with_value("vary", [{"names": ["input.length"], "size": 3}]),
     "no text of conditions": with_value("require", [7]),
@@ -74,12 +67,15 @@ def test_edited_scene__is_told_by_what_needs_it(press_result):
     assert "holds a scene that is none" in message
 
 
-@pytest.mark.parametrize("text", ["", "{", "[]", "7", "null"])
+@pytest.mark.parametrize("text", [None, "", "{", "[]", "7", "null"])
 def test_record_that_is_none__is_told(text, press_result):
     with h5py.File(press_result, "r+") as file:
-        file.attrs["study_json"] = text
-        del file["progress"].attrs["text_checksums"]
-    assert "attribute study_json" in refused("show", press_result)
+        del file.attrs["study_json"]
+        if text is not None:
+            file.attrs["study_json"] = text
+            del file["progress"].attrs["text_checksums"]
+    words = "its attribute study_json is missing" if text is None else "attribute study_json"
+    assert words in refused("show", press_result)
 
 
 @pytest.mark.parametrize("name", ["study_json", "question", "title", "outcome", "study", "scene", "versions"])
@@ -88,7 +84,6 @@ def test_missing_attribute__is_told_or_not_needed(name, press_result):
         del file.attrs[name]
     for command, *options in COMMANDS:
         answer = said(command, press_result, *options)
-        assert answer.exit_code in (0, 2), answer.output
         assert answer.exit_code == (2 if name == "study_json" else 0), answer.output
     verified = said("verify", press_result)
     assert verified.exit_code == (0 if name == "outcome" else 1)

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from engine.compiling.kept_code import compiling
 from sweeps.cli.waiting import Waiting, doing, waiting_told
 
 
@@ -48,16 +49,16 @@ def test_long_wait__is_told_with_its_seconds_and_taken_back(terminal):
 
 def test_pause_between_two_waits__begins_anew(terminal):
     waiting = Waiting()
-    for compiling, now in ((True, 0.0), (True, 0.8), (False, 0.9), (True, 1.0), (True, 1.9)):
-        waiting.look(compiling, now)
+    for busy, now in ((True, 0.0), (True, 0.8), (False, 0.9), (True, 1.0), (True, 1.9)):
+        waiting.look(busy, now)
     assert terminal.getvalue() == ""
 
 
 def test_task__is_told_but_for_what_is_compiled_for_it(terminal):
     waiting = Waiting()
     waiting.name("Drawing")
-    for compiling, now in ((False, 0.0), (False, 1.5), (True, 1.7), (True, 3.7), (False, 4.0), (False, 4.8)):
-        waiting.look(compiling, now)
+    for busy, now in ((False, 0.0), (False, 1.5), (True, 1.7), (True, 3.7), (False, 4.0), (False, 4.8)):
+        waiting.look(busy, now)
     said = [line.rstrip() for line in terminal.getvalue().split("\r\x1b[K") if line]
     assert said == ["Drawing: 2 s", "Compiling this kind of machine, once for all times: 2 s"]
     waiting.look(False, 5.0)
@@ -69,30 +70,30 @@ def test_task__is_told_but_for_what_is_compiled_for_it(terminal):
     assert terminal.getvalue() == before
 
 
-def test_command__names_its_task_while_it_is_done(terminal, monkeypatch):
+@pytest.fixture
+def impatient(monkeypatch):
     monkeypatch.setattr("sweeps.cli.waiting.PATIENCE", 0.0)
     monkeypatch.setattr("sweeps.cli.waiting.LOOK", 0.01)
+
+
+def wait_for_words(terminal):
+    for _ in range(500):
+        if terminal.getvalue():
+            break
+        time.sleep(0.01)
+
+
+def test_command__names_its_task_while_it_is_done(terminal, impatient):
     with waiting_told():
         with doing("Writing"):
-            for _ in range(500):
-                if terminal.getvalue():
-                    break
-                time.sleep(0.01)
+            wait_for_words(terminal)
         assert terminal.getvalue().endswith("\r\x1b[K")
     assert "Writing: 0 s" in terminal.getvalue()
 
 
-def test_compiling__is_seen_in_the_engine(terminal, monkeypatch):
-    from engine.compiling.kept_code import compiling
-
-    monkeypatch.setattr("sweeps.cli.waiting.PATIENCE", 0.0)
-    monkeypatch.setattr("sweeps.cli.waiting.LOOK", 0.01)
+def test_compiling__is_seen_in_the_engine(terminal, impatient):
     with compiling(), waiting_told():
-        for _ in range(500):
-            if terminal.getvalue():
-                break
-
-            time.sleep(0.01)
+        wait_for_words(terminal)
     assert "Compiling this kind of machine" in terminal.getvalue()
     assert terminal.getvalue().endswith("\r\x1b[K")
 

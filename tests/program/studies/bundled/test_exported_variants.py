@@ -8,11 +8,9 @@ from commands import refused
 from free_link_scenes import triad_data
 
 from engine import Machine, Scene, Verdict
-from sweeps.report.sweep_result import SweepResult
-from sweeps.run.runner import run_study
+from sweeps import SweepResult, read_scene, read_study, run_study, write_scene
 from sweeps.study.bundled import bundled_studies
-from sweeps.study.study_reader import read_study
-from sweeps.text.scene_text import read_scene, with_numbers, with_values, write_scene
+from sweeps.text.scene_text import with_numbers, with_values
 from sweeps.text.templates import bundled_templates
 
 CAMPAIGN = Path(__file__).parents[4] / "results" / "reliability"
@@ -66,18 +64,16 @@ summaries = ["upper.swing"]
 """
 
 
-@pytest.mark.parametrize(
-    "command",
-    [
-        "show FILE --variant 1 --at 10",
-        "export FILE --variant 1 --at 10 --to t.csv",
-        "export FILE --variant 1 --to t.csv",
-        "export FILE --variant 1 --to t.toml",
-        "export FILE --variant 1 --to t.svg",
-        "plot FILE --variant 1 --out p.png",
-        "plot FILE --variant 1 -y upper.angle --out p.png",
-    ],
-)
+COMMANDS = """show FILE --variant 1 --at 10
+export FILE --variant 1 --at 10 --to t.csv
+export FILE --variant 1 --to t.csv
+export FILE --variant 1 --to t.toml
+export FILE --variant 1 --to t.svg
+plot FILE --variant 1 --out p.png
+plot FILE --variant 1 -y upper.angle --out p.png"""
+
+
+@pytest.mark.parametrize("command", COMMANDS.splitlines())
 def test_variant_whose_mode_is_not_reached__is_no_machine_for_any_command(command, unreached):
     """Put together by the scene's own near it would be another machine than the one that the sweep refuses."""
     for file in ("r.h5", "study.toml"):

@@ -9,64 +9,25 @@ import pytest
 from scipy.optimize import brentq
 
 from engine import Machine, Verdict, any_quantity, scene_numbers
+from engine.laws.friction.coefficients import WORN_IN
+from engine.laws.friction.journals import friction_circle
 from engine.parts.formulas.expressions import parse
+from sweeps import read_scene, read_study
 from sweeps.study.bundled import bundled_studies
-from sweeps.study.study_reader import read_study
-from sweeps.text.scene_text import read_scene
 from sweeps.text.templates import bundled_templates, template_text, templates
 
-TEMPLATE_NAMES = (
-    "cam_roller_follower",
-    "crank_shaper",
-    "dwell_slide",
-    "elliptical_wheels",
-    "four_bar",
-    "geared_five_bar",
-    "hybrid_five_bar",
-    "offset_slider_crank",
-    "press_with_motor",
-    "rack_doubler",
-    "scotch_yoke",
-    "slider_crank",
-    "stephenson_far_side",
-    "stephenson_six_bar",
-    "toggle",
-    "triad",
-    "watt_six_bar",
-    "whitworth",
-)
+MECHANISMS = """cam_roller_follower crank_shaper dwell_slide elliptical_wheels four_bar geared_five_bar hybrid_five_bar
+offset_slider_crank press_with_motor rack_doubler scotch_yoke slider_crank stephenson_far_side stephenson_six_bar toggle
+triad watt_six_bar whitworth"""
+ELEMENTS = """cam engine rotor governor oscillator torsional_train elastic_drive planetary_train driven_machine"""
+TEMPLATE_NAMES, ELEMENT_TEMPLATE_NAMES = MECHANISMS.split(), ELEMENTS.split()
 # One motor and one flywheel mean nothing to drives that keep to laws of their own.
 WITH_OWN_DRIVES = ("hybrid_five_bar",)
 STUDY_NAMES = ("compressor", "crank_press", "four_stroke_engine", "jaw_crusher", "shaper", "stirling_engine")
-ELEMENT_TEMPLATE_NAMES = (
-    "cam",
-    "engine",
-    "rotor",
-    "governor",
-    "oscillator",
-    "torsional_train",
-    "elastic_drive",
-    "planetary_train",
-    "driven_machine",
-)
-ELEMENT_STUDY_NAMES = (
-    "braking_car",
-    "crankshaft_vibration",
-    "engine_governor",
-    "fan_rotor",
-    "governed_set",
-    "locomotive",
-    "planetary_reducer",
-    "press_backlash",
-    "screw_jack",
-    "v_twin",
-    "valve_train",
-)
-SEARCHED_STUDY_NAMES = ("four_bar_counterweights",)
+OTHER_STUDIES = """braking_car crankshaft_vibration engine_governor fan_rotor governed_set locomotive planetary_reducer
+press_backlash screw_jack v_twin valve_train four_bar_counterweights elliptical_quick_return geared_five_bar valve_gear
+triad_dwell accumulator_press emergency_stop engine_idling press_coupling press_start"""
 FRICTION_STUDY_NAMES = ("engine_bearings", "toggle_press")
-HIGHER_PAIR_STUDY_NAMES = ("elliptical_quick_return", "geared_five_bar", "valve_gear")
-FREE_LINK_STUDY_NAMES = ("triad_dwell",)
-MOTION_STUDY_NAMES = ("accumulator_press", "emergency_stop", "engine_idling", "press_coupling", "press_start")
 TURN = 2 * math.pi
 
 
@@ -125,18 +86,18 @@ def test_template__says_first_what_to_change(name):
 
 
 # Links that rest at an end of their swing or stroke, or whose guide lies midway in the arc of their joint.
-TIED_ENDS = {
-    "crank_shaper": ("drag_link",),
-    "dwell_slide": ("slide", "rod", "lever"),
-}
+TIED_ENDS = {"crank_shaper": ("drag_link",), "dwell_slide": ("slide", "rod", "lever")}
 
 
 @pytest.mark.parametrize("name", TEMPLATE_NAMES)
 def test_template__assembles_with_every_summary_finite(name):
     values, _, _ = template(name)
     # A link that goes round has no swing: the crank always, Whitworth's slotted link and its block, wheels in mesh.
-    others = {"whitworth": ("slotted", "block"), "elliptical_wheels": ("first", "second")}
-    others |= {"hybrid_five_bar": ("second",)}
+    others = {
+        "whitworth": ["slotted", "block"],
+        "elliptical_wheels": ["first", "second"],
+        "hybrid_five_bar": ["second"],
+    }
     turning = ("crank", *others.get(name, ()))
     for summary, (value, error) in values.items():
         link, _, kind = summary.partition(".")
@@ -167,46 +128,53 @@ def test_template__transmits_forces_well(name):
     assert all(values[f"{group}.transmission_angle"][0] > math.radians(30) for group in scene.groups)
 
 
-def test_slider_crank_template__does_the_work_of_its_force_over_twice_the_crank():
-    values, _, _ = template("slider_crank")
-    assert close(values["piston.stroke"], 2 * 0.040)
-    assert close(values["required_power"], 2000 * 2 * 0.040 * 180 / 60)
-
-
-def test_scotch_yoke_template__does_the_work_of_its_force_over_twice_the_crank():
-    values, _, _ = template("scotch_yoke")
-    assert close(values["yoke.stroke"], 2 * 0.050)
-    assert close(values["required_power"], 1500 * 2 * 0.050 * 150 / 60)
-
-
-def test_elliptical_wheels_template__returns_as_fast_as_its_closed_form():
-    """The driven crank is at its dead centres a quarter turn off its fastest place: tan(θ/2) = (1 − e)/(1 + e)."""
-    values, _, _ = template("elliptical_wheels")
-    back = 4 * math.atan((1 - 0.3) / (1 + 0.3))
-    assert close(values["ram.stroke"], 2 * 0.060)
-    assert close(values["ram.stroke_time_ratio"], (TURN - back) / back)
-    assert close(values["required_power"], 800 * 4 * 0.060 * 120 / 60)
-
-
-def test_rack_doubler_template__does_the_work_of_its_force_over_twice_the_stroke():
-    values, _, _ = template("rack_doubler")
-    assert close(values["table.stroke"], 4 * 0.050)
-    assert close(values["required_power"], 300 * 8 * 0.050 * 120 / 60)
-
-
-def test_dwell_slide_template__does_the_work_of_its_moment_over_twice_the_swing():
-    values, _, _ = template("dwell_slide")
-    assert close(values["slide.stroke"], 0.080)
-    swing = abs(lever_at(0.110 + 0.080) - lever_at(0.110))
-    assert close(values["required_power"], 20 * 2 * swing * 100 / 60)
-
-
 def lever_at(slid):
     """Angle of the lever of dwell_slide, by the law of cosines."""
     arm = complex(slid + 0.040, 0.050) - complex(0.330, 0.170)
     distance = abs(arm)
     between = math.acos((distance**2 + 0.120**2 - 0.140**2) / (2 * distance * 0.120))
     return math.atan2(arm.imag, arm.real) % TURN + between
+
+
+def times(half):
+    """Ratio of times where the way back takes so much less than half of the turn."""
+    return (math.pi + 2 * half) / (math.pi - 2 * half)
+
+
+# Of the offset saw: the way there takes so much more than half of the turn.
+LAG = math.asin(70 / 160) - math.asin(70 / 280)
+SAW = math.sqrt(0.280**2 - 0.070**2) - math.sqrt(0.160**2 - 0.070**2)
+DWELL_SWING = abs(lever_at(0.110 + 0.080) - lever_at(0.110))
+# Stroke, ratio of times, and power: the work of the load over its way, times the turns a second.
+CLOSED = {
+    "slider_crank": {"piston.stroke": 2 * 0.040, "required_power": 2000 * 2 * 0.040 * 180 / 60},
+    "scotch_yoke": {"yoke.stroke": 2 * 0.050, "required_power": 1500 * 2 * 0.050 * 150 / 60},
+    # The driven crank is at its dead centres a quarter turn off its fastest place: tan(θ/2) = (1 − e)/(1 + e).
+    "elliptical_wheels": {
+        **{"ram.stroke": 2 * 0.060, "required_power": 800 * 4 * 0.060 * 120 / 60},
+        "ram.stroke_time_ratio": TURN / (4 * math.atan((1 - 0.3) / (1 + 0.3))) - 1,
+    },
+    "rack_doubler": {"table.stroke": 4 * 0.050, "required_power": 300 * 8 * 0.050 * 120 / 60},
+    "dwell_slide": {"slide.stroke": 0.080, "required_power": 20 * 2 * DWELL_SWING * 100 / 60},
+    "offset_slider_crank": {
+        **{"saw.stroke": SAW, "saw.stroke_time_ratio": times(LAG / 2), "required_power": 400 * SAW * 90 / 60}
+    },
+    "whitworth": {
+        **{"ram.stroke": 2 * 0.090, "ram.stroke_time_ratio": times(math.asin(50 / 75))},
+        "required_power": 1200 * 2 * 0.090 * 45 / 60,
+    },
+    "crank_shaper": {
+        **{"ram.stroke": 2 * 0.420 * 90 / 240, "ram.stroke_time_ratio": times(math.asin(90 / 240))},
+        "required_power": 2000 * (0.300 - 0.015) * 40 / 60,
+    },
+}
+
+
+@pytest.mark.parametrize("name", CLOSED)
+def test_template__has_the_stroke_the_times_and_the_power_of_closed_forms(name):
+    values, _, _ = template(name)
+    for summary, exact in CLOSED[name].items():
+        assert close(values[summary], exact), summary
 
 
 def test_hybrid_five_bar_template__needs_the_power_of_both_drives():
@@ -223,9 +191,7 @@ def test_hybrid_five_bar_template__needs_the_power_of_both_drives():
 def test_stephenson_far_side_template__swings_as_its_four_bar_does_between_the_dead_centres_of_crank_and_rod():
     """There the plate's point F is as far from the crank's bearing as the rod is long, and the crank more or less."""
     values, _, _ = template("stephenson_far_side")
-    ends = [
-        brentq(lambda at, reach=reach: abs(four_bar(at)[0] + 0.130 - 0.165j) - reach, 0.9, 2.2) for reach in REACHES
-    ]
+    ends = [brentq(lambda at, far=far: abs(four_bar(at)[0] + 0.130 - 0.165j) - far, 0.9, 2.2) for far in REACHES]
     swing = abs(np.angle(four_bar(ends[0])[1] / four_bar(ends[1])[1]))
     assert close(values["left.swing"], abs(ends[1] - ends[0]), relative=1e-11)
     assert close(values["right.swing"], swing, relative=1e-11)
@@ -243,16 +209,6 @@ def four_bar(at):
     return left + complex(0.075, 0.060) * plate, (left + 0.150 * plate - 0.170) / 0.120
 
 
-def test_offset_slider_crank_template__returns_as_fast_as_its_closed_form():
-    r, rod, e = 0.060, 0.220, 0.070
-    values, _, _ = template("offset_slider_crank")
-    stroke = math.sqrt((rod + r) ** 2 - e**2) - math.sqrt((rod - r) ** 2 - e**2)
-    lag = math.asin(e / (rod - r)) - math.asin(e / (rod + r))
-    assert close(values["saw.stroke"], stroke)
-    assert close(values["saw.stroke_time_ratio"], (math.pi + lag) / (math.pi - lag))
-    assert close(values["required_power"], 400 * stroke * 90 / 60)
-
-
 def cuts_slowly(rate, moment):
     """Whether a resistance acts on the stroke that takes more of the turn, and there alone."""
     slow = 1 if np.count_nonzero(rate > 0) > np.count_nonzero(rate < 0) else -1
@@ -266,22 +222,6 @@ def test_quick_return_template__cuts_on_the_slow_stroke(name):
     assert cuts_slowly(*fields.values())
 
 
-def test_whitworth_template__returns_as_fast_as_its_closed_form():
-    values, _, _ = template("whitworth")
-    half = math.asin(50 / 75)
-    assert close(values["ram.stroke"], 2 * 0.090)
-    assert close(values["ram.stroke_time_ratio"], (math.pi + 2 * half) / (math.pi - 2 * half))
-    assert close(values["required_power"], 1200 * 2 * 0.090 * 45 / 60)
-
-
-def test_crank_shaper_template__returns_as_fast_as_its_closed_form():
-    values, _, _ = template("crank_shaper")
-    half = math.asin(90 / 240)
-    assert close(values["ram.stroke"], 2 * 0.420 * 90 / 240)
-    assert close(values["ram.stroke_time_ratio"], (math.pi + 2 * half) / (math.pi - 2 * half))
-    assert close(values["required_power"], 2000 * (0.300 - 0.015) * 40 / 60)
-
-
 def test_toggle_template__spends_half_of_force_times_way_and_does_not_pass_through():
     values, fields, _ = template("toggle")
     assert close(values["required_power"], 400e3 * 0.002 / 2 * 60 / 60)
@@ -289,15 +229,16 @@ def test_toggle_template__spends_half_of_force_times_way_and_does_not_pass_throu
     assert -0.0021 < fields["B.x"].max() < -0.0015
 
 
-def test_watt_six_bar_template__swings_as_its_comment_says():
-    values, _, _ = template("watt_six_bar")
-    assert round(math.degrees(values["bell_crank.swing"][0])) == 74
-    assert round(math.degrees(values["agitator.swing"][0])) == 172
+@pytest.mark.parametrize(
+    ("name", "swings"), [("watt_six_bar", {"bell_crank": 74, "agitator": 172}), ("stephenson_six_bar", {"feeder": 38})]
+)
+def test_six_bar_template__swings_as_its_comment_says(name, swings):
+    values, _, _ = template(name)
+    assert {link: round(math.degrees(values[f"{link}.swing"][0])) for link in swings} == swings
 
 
 def test_stephenson_six_bar_template__dwells_as_its_comment_says():
-    values, fields, _ = template("stephenson_six_bar")
-    assert round(math.degrees(values["feeder.swing"][0])) == 38
+    _, fields, _ = template("stephenson_six_bar")
     angle = np.degrees(np.concatenate([fields["feeder.angle"]] * 2))
     assert min(np.ptp(angle[k : k + 200]) for k in range(720)) < 0.2
 
@@ -345,21 +286,24 @@ def as_it_is(name):
     return {k: (v[-1], s.errors[k][-1]) for k, v in s.summaries.items()}, {k: v[-1] for k, v in s.fields.items()}
 
 
-def test_studies__are_the_six_with_one_question_each_and_those_of_elements_and_motion():
-    named = STUDY_NAMES + ELEMENT_STUDY_NAMES + MOTION_STUDY_NAMES + SEARCHED_STUDY_NAMES + FRICTION_STUDY_NAMES
-    named += HIGHER_PAIR_STUDY_NAMES + FREE_LINK_STUDY_NAMES
-    assert tuple(bundled_studies()) == tuple(sorted(named))
-    for name in STUDY_NAMES:
-        assert study(name).question.count("?") == 1
-        assert study(name).title
-        assert study(name).best is not None
-        assert 1000 <= study(name).design.size <= 20000
+def test_studies__are_these():
+    assert tuple(bundled_studies()) == tuple(sorted((*STUDY_NAMES, *FRICTION_STUDY_NAMES, *OTHER_STUDIES.split())))
 
 
-@pytest.mark.parametrize("name", STUDY_NAMES)
+@pytest.mark.parametrize("name", bundled_studies())
+def test_study__asks_one_question_and_chooses_by_columns_that_it_has(name):
+    s = study(name)
+    assert s.question.count("?") == 1
+    assert s.title
+    assert s.best.goal in s.summaries
+    assert set(parse(s.best.where, any_quantity).names) <= {*s.parameters, *s.summaries}
+
+
+@pytest.mark.parametrize("name", [*STUDY_NAMES, *FRICTION_STUDY_NAMES])
 def test_study__gives_finite_numbers_all_over_its_design_space(name):
     found = sample(name)
     assert len(found.values[study(name).parameters[0]]) > 10
+    assert 1000 <= study(name).design.size <= 20000
     assert all(np.isfinite(v).all() for v in (*found.summaries.values(), *found.errors.values()))
 
 
@@ -367,13 +311,6 @@ def test_study__gives_finite_numbers_all_over_its_design_space(name):
 def test_study__drops_some_variants_and_keeps_many(name):
     _, drop = study(name).values(0, study(name).design.size)
     assert 0.2 < drop.mean() < 0.7
-
-
-@pytest.mark.parametrize("name", STUDY_NAMES)
-def test_study__chooses_by_columns_that_it_has(name):
-    best = study(name).best
-    assert best.goal in study(name).summaries
-    assert set(parse(best.where, any_quantity).names) <= {*study(name).parameters, *study(name).summaries}
 
 
 def test_crank_press_study__has_the_power_and_flywheel_of_a_hand_calculation():
@@ -519,3 +456,48 @@ def test_jaw_crusher_scene__spends_its_power_on_the_stone():
     work = ((push[1:] + push[:-1]) / 2 * steps)[steps > 0].sum() + 1000 * TURN
     # Two trapezoid rules over half a degree, errors of the order of (0.5 deg)^2.
     assert values["required_power"][0] == pytest.approx(work * 170 / 60, rel=1e-4)
+
+
+# Friction in pairs
+
+
+@pytest.mark.parametrize("name", FRICTION_STUDY_NAMES)
+def test_study_with_friction__is_far_from_jamming(name):
+    assert (sample(name).summaries["jamming_margin"] > 0.5).all()
+
+
+def test_toggle_press_study__has_the_force_of_leaning_bars():
+    values, o, e = variants("toggle_press")
+    load, bar, reach, f = 100e3, 0.150, values["reach"], values["coefficient"]
+    circle = np.array([friction_circle(d / 2, c, WORN_IN) for d, c in zip(values["pin"], f, strict=True)])
+    # Of the bars' forces the upper leans by one friction circle, the lower by two; the ways by their angle.
+    alpha = np.arcsin(reach / bar)
+    upper, lower = np.tan(alpha + np.arcsin(circle / bar)), np.tan(alpha + np.arcsin(2 * circle / bar))
+    expected = load / (1 - f * lower) * (upper + lower)
+    assert (abs(o["input_moment_with_friction.min"] - expected) <= 1e-9 * load).all()
+    assert (abs(o["input_moment.min"] - load * 2 * np.tan(alpha)) <= 1e-9 * load).all()
+    works = sum(o[f"{pair}.friction_work"] for pair in ("knee.first", "press.first", "press.inner", "press.second"))
+    np.testing.assert_allclose(works, o["friction_loss"], rtol=1e-12)
+    assert (e["friction_loss"] <= 0.01 * o["friction_loss"]).all()
+
+
+def test_engine_bearings_study__turns_the_work_of_the_gas_into_work_and_friction():
+    _, o, e = variants("engine_bearings")
+    swept = math.pi / 4 * 0.088**2 * 2 * 0.032
+    work = otto_work(8.0, 59e5, swept)
+    expected = 1 - o["friction_loss"] / work
+    doubt = e["mechanical_efficiency"] + e["friction_loss"] / work + 1e-3
+    assert (abs(o["mechanical_efficiency"] - expected) <= doubt).all()
+    parts = sum(o[f"{pair}.friction_work"] for pair in ("input", "drive.first", "drive.second"))
+    # What is left is the gudgeon pin's: little, it only swings.
+    assert ((parts < o["friction_loss"]) & (o["friction_loss"] < 1.1 * parts)).all()
+
+
+def test_engine_bearings_scene__carries_the_gas_less_inertia_at_its_peak():
+    values, _ = as_it_is("engine_bearings")
+    area, r, omega = math.pi / 4 * 0.088**2, 0.032, 3000 * 2 * math.pi / 60
+    gas = (59e5 - 1e5) * area
+    # At the top the piston and a third of the rod go down with r omega² (1 + r/l), 1.05 kN for each kg or so.
+    inertia = (0.42 + 0.35 * 0.3) * r * omega**2 * (1 + 32 / 110)
+    # The peak of pressure is passed after some degrees: 5 %.
+    assert values["drive.first.reaction.max"][0] == pytest.approx(gas - inertia, rel=0.05)

@@ -9,12 +9,9 @@ from commands import refused, said
 from motion_scenes import rotor, run
 
 from engine import Scene
-from sweeps.report.sweep_result import SweepResult
+from sweeps import SweepResult, read_scene, read_study, run_study, write_scene
 from sweeps.run import runner
-from sweeps.run.runner import run_study
 from sweeps.store import describe_result, read_columns
-from sweeps.study.study_reader import read_study
-from sweeps.text.scene_text import read_scene, write_scene
 
 STUDY = """scene = "machine.toml"
 positions = 240

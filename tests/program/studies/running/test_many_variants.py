@@ -6,14 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from engine import Verdict
+from sweeps import SweepResult, read_study, run_study
 from sweeps.pictures.sweep import result_pictures
 from sweeps.pictures.sweep.sweep_data import evenly_chosen
 from sweeps.report import sweep_result
 from sweeps.report.result_report import counts_text
-from sweeps.report.sweep_result import SweepResult
-from sweeps.run.runner import run_study
 from sweeps.study.bundled import bundled_studies
-from sweeps.study.study_reader import read_study
 from sweeps.text.templates import template_text
 
 

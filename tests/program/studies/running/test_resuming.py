@@ -1,23 +1,19 @@
 """Runs that are interrupted, killed and taken up again; and how much memory they need."""
 
-import os
 import signal
-import subprocess
-import sys
 import time
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-from commands import ROOT
-from press_sweeps import DISTINCT, GOOD, SCENE, contents, numbers_in, run, study_of, text_of
+from commands import ran
+from long_runs import AGAIN, COUNT, LONG, blocks_done, start, wait_for_blocks
+from press_sweeps import DISTINCT, GOOD, SCENE, Stop, contents, many, numbers_in, run, stopping, study_of
 
-from sweeps.report.sweep_result import SweepResult
+from sweeps import SweepResult, read_study, run_study
 from sweeps.run import blocks, carrying, runner
-from sweeps.run.runner import run_study
 from sweeps.store import describe_result, read_columns
-from sweeps.study.study_reader import read_study
 
 # Going on
 
@@ -28,20 +24,11 @@ def counted(text: str, folder: Path, **options: bool) -> list[tuple[int, int]]:
     return calls
 
 
-class Stop(Exception):
-    """Stands for whatever ends a run."""
-
-
 def test_interrupted_run__goes_on_with_the_blocks_left(monkeypatch, tmp_path):
     whole = numbers_in(run(tmp_path, DISTINCT, "whole"))
     monkeypatch.setattr(runner, "measured_block_size", lambda study, machine: 40)
-
-    def stop(done: int, before: int) -> None:
-        if done == 80:
-            raise Stop
-
     with pytest.raises(Stop):
-        run_study(study_of(tmp_path, DISTINCT), tmp_path / "study.h5", progress=stop)
+        run_study(study_of(tmp_path, DISTINCT), tmp_path / "study.h5", progress=stopping(80))
     assert not (tmp_path / "study.h5").exists()
     assert describe_result(tmp_path / "study.part.h5").blocks_done == 2
     assert counted(DISTINCT, tmp_path) == [(80, 80), (120, 80), (160, 80), (200, 80)]
@@ -70,11 +57,8 @@ def test_edited_words__are_taken_over_without_computing(tmp_path):
     edited = GOOD.replace("How short", "How long").replace("minimise", "maximise").replace("'80 mm'", "'70 mm'")
     assert counted(edited, tmp_path) == []
     result = SweepResult(path)
-    assert (result.question, result.goal.maximise, result.goal.where) == (
-        "How long?",
-        "excess_work",
-        "ram.stroke > '70 mm'",
-    )
+    told = (result.question, result.goal.maximise, result.goal.where)
+    assert told == ("How long?", "excess_work", "ram.stroke > '70 mm'")
     assert result.description.attributes["study"] == edited
     assert contents(path) == before
     assert [p.name for p in tmp_path.glob("*.h5")] == ["study.h5"]
@@ -167,13 +151,8 @@ def test_edited_scene__runs_again_and_the_former_file_is_kept_or_replaced(replac
 
 def test_interrupted_run_then_edited__takes_over_what_is_done(monkeypatch, tmp_path):
     monkeypatch.setattr(runner, "measured_block_size", lambda study, machine: 40)
-
-    def stop(done: int, before: int) -> None:
-        if done == 80:
-            raise Stop
-
     with pytest.raises(Stop):
-        run_study(study_of(tmp_path, DISTINCT), tmp_path / "study.h5", progress=stop)
+        run_study(study_of(tmp_path, DISTINCT), tmp_path / "study.h5", progress=stopping(80))
     longer = DISTINCT.replace("['1 kg']", "['1 kg', '2 kg']")
     count, told = evaluated(monkeypatch, longer, tmp_path)
     assert count == 400 - 80
@@ -214,42 +193,6 @@ def test_file_of_another_version__stands_while_nothing_is_to_be_computed(monkeyp
 
 # Real processes
 
-# Blocks of some ten milliseconds, so that kills fall at all moments.
-LONG = text_of(["40 mm"], ["1 kg"]).replace("values = ['40 mm']", 'from = "20 mm", to = "60 mm", count = 400000')
-
-
-def start(folder: Path, *options: str) -> subprocess.Popen:
-    command = [
-        sys.executable,
-        "-m",
-        "sweeps",
-        "run",
-        "long.toml",
-        "--out",
-        "long.h5",
-        "--no-plots",
-        "--quiet",
-        *options,
-    ]
-    return subprocess.Popen(
-        command,
-        cwd=folder,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-
-
-def blocks_done(folder: Path) -> int:
-    part = folder / "long.part.h5"
-    return describe_result(part).blocks_done if part.exists() else 0
-
-
-def wait_for_blocks(process: subprocess.Popen, folder: Path, count: int) -> None:
-    while process.poll() is None and blocks_done(folder) < count:
-        time.sleep(0.003)
-
 
 @pytest.fixture(scope="module")
 def uninterrupted(tmp_path_factory) -> dict:
@@ -258,7 +201,6 @@ def uninterrupted(tmp_path_factory) -> dict:
 
 
 def test_killed_runs__go_on_to_the_same_bits(uninterrupted, tmp_path):
-    study_of(tmp_path, LONG, "long")
     rng = np.random.default_rng(3)
     done, kills = 0, 0
     for _ in range(3):
@@ -276,22 +218,20 @@ def test_killed_runs__go_on_to_the_same_bits(uninterrupted, tmp_path):
     process = start(tmp_path, "--jobs", "1")
     output, errors = process.communicate()
     assert process.returncode == 0, errors
-    assert "400000 variants" in output
+    assert f"{COUNT} variants" in output
     assert numbers_in(tmp_path / "long.h5") == uninterrupted
     assert [p.name for p in tmp_path.glob("*.h5*")] == ["long.h5"]
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_interrupt__keeps_the_blocks_and_says_how_to_go_on(number, code, uninterrupted, tmp_path):
-    study_of(tmp_path, LONG, "long")
     process = start(tmp_path)
     wait_for_blocks(process, tmp_path, 2)
     process.send_signal(number)
     _, errors = process.communicate()
     assert process.returncode == code
     assert errors.startswith("Interrupted: ")
-    again = "resume with: sweeps run long.toml --out long.h5 --no-plots --quiet\n"
-    assert errors.endswith(f" of 400000 variants are done and kept; {again}")
+    assert errors.endswith(f" of {COUNT} variants are done and kept; resume with: sweeps {' '.join(AGAIN)}\n")
     assert errors.count("\n") == 1
     assert blocks_done(tmp_path) >= 2
     calls: list[tuple[int, int]] = []
@@ -320,16 +260,8 @@ print(peak())
 
 
 def test_many_variants__need_memory_for_a_block_only(tmp_path):
-    text = text_of(["40 mm"], ["1 kg"], head="positions = 720\n")
-    text = text.replace("values = ['40 mm']", 'from = "20 mm", to = "60 mm", count = 200000')
-    study_of(tmp_path, text, "big")
-    child = subprocess.run(
-        [sys.executable, "-c", MEASURED],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-    )
+    study_of(tmp_path, many(200_000, head="positions = 720\n"), "big")
+    child = ran("-c", MEASURED, cwd=tmp_path)
     assert child.returncode == 0, child.stderr
     # All rows of reduced moments alone would take 200 000 × 720 × 8 bytes = 1.15 GB.
     assert int(child.stdout) < 1e9
