@@ -31,7 +31,7 @@ from engine.parts.formulas.expressions import (
     parse,
     pointed_out,
 )
-from engine.parts.formulas.speed_powers import NoPowerError, powers_of_speed
+from engine.parts.formulas.speed_powers import NoPowerError, jump_at_a_speed, powers_of_speed
 from engine.parts.formulas.switching import MOST_TURNS, compared, operations, turns
 from engine.parts.formulas.unknown_names import unknown_name_message
 from engine.parts.regimes import RunRegime
@@ -259,9 +259,17 @@ def _check_finite(expression: TextExpression, tree: Tree) -> None:
 
 
 def _wrong_in_motion(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem]:
-    """What couplings and elastic drives can't take: a speed but by its powers."""
-    coupled = scene.regimes if scene.couplings else {}
-    at_work = {f"regimes.{n}": regime for n, regime in coupled.items() if name not in regime.off}
+    """What true motion can't take: a jump at some speed; beside couplings and in drives, a speed but by its powers."""
+    regimes = {f"regimes.{n}": regime for n, regime in scene.regimes.items() if name not in regime.off}
+    jump = jump_at_a_speed(formula.expression.tree, formula.velocities) if regimes else None
+    if jump is not None:
+        what = (
+            f"{jump.name} jumps at a speed, about which a motion may hover for ever; switch {name!r} off in "
+            f"{', '.join(regimes)}, or let it bend instead, by min, max or exp"
+        )
+        yield formula.key, str(_refused(formula.expression, jump, what))
+        return
+    at_work = regimes if scene.couplings else {}
     drives = {f"elements.{n}": e for n, e in scene.elements.items() if e.type == "machine_drive"}
     at_work |= {path: drive for path, drive in drives.items() if name not in drive.off}
     runs = {f"{path}.run": drive.run for path, drive in drives.items() if drive.run is not None}

@@ -12,8 +12,8 @@ from engine.motion.runs.run_in_time import BRISK, BRISK_TO_LOOK, set_off, stretc
 from engine.motion.runs.run_progress import Progress, RunOutcome
 from engine.verdicts import Verdict
 
-# Steps in time, none of them a cycle farther than before, after which a run without an end in time is given up.
-MOST_TIME_STEPS = 40_000
+# A run is given up that comes neither a cycle farther nor so much of its time in so many steps.
+MOST_TIME_STEPS, OF_ITS_TIME = 40_000, 0.01
 
 
 def run_to_end(runs: Progress) -> RunOutcome:
@@ -37,7 +37,7 @@ def _run(runs: Progress) -> RunOutcome:
         # What vanishes with the speed stops no machine in finite time.
         runs.give_up(np.flatnonzero(~runs.done & np.isinf(runs.ends.time)), Verdict.NO_END)
     brisk = _brisk(runs)
-    steps, reached = np.zeros(count), np.zeros(count)
+    steps, reached, until = np.zeros(count), np.zeros(count), np.zeros(count)
     while not runs.done.all():
         fast = np.flatnonzero(brisk & ~runs.done)
         if fast.size:
@@ -49,10 +49,10 @@ def _run(runs: Progress) -> RunOutcome:
             runs.known[slow], runs.changed.omega[slow] = False, 0.0
             brisk[slow], made = stretch_over_time(runs, slow, run_to_end)
             steps[slow] += made
-            gained = runs.state.turned > reached + runs.dynamics.cycle
-            reached[gained], steps[gained] = runs.state.turned[gained], 0.0
-            lost = (steps > MOST_TIME_STEPS) & np.isinf(runs.ends.time)
-            runs.give_up(np.flatnonzero(~runs.done & lost), Verdict.NO_END)
+            turned, time = runs.state.turned, runs.state.time
+            gained = (turned > reached + runs.dynamics.cycle) | (time > until + OF_ITS_TIME * runs.ends.time)
+            reached[gained], until[gained], steps[gained] = turned[gained], time[gained], 0.0
+            runs.give_up(np.flatnonzero(~runs.done & (steps > MOST_TIME_STEPS)), Verdict.NO_END)
     return RunOutcome(
         runs.verdict,
         runs.state,

@@ -15,11 +15,14 @@ from engine.parts.formulas.expressions import (
     is_zero,
     names_in_tree,
 )
+from engine.parts.formulas.switching import operations
 
 # Integral powers of sums are multiplied out up to this one.
 LARGEST_POWER = 8
 # Products of sums with more terms aren't multiplied out.
 MOST_PRODUCTS = 100
+# What jumps where its numbers pass each other.
+JUMPS = ("<", "<=", ">", ">=", "sign", "atan2")
 # Powers such as 1/3 are rounded numbers.
 _LARGEST_DENOMINATOR = 1000
 
@@ -90,6 +93,17 @@ def powers_of_speed(tree: Tree, velocities: Collection[str]) -> Powers:
             return {_ZERO: _of_alike(tree, parts)}
         case _:
             raise NoPowerError(tree)
+
+
+def jump_at_a_speed(tree: Tree, velocities: Collection[str]) -> TextOperation | None:
+    """The operation of a formula that jumps at a speed of its own, whatever the position; None where none does."""
+    for operation in operations(tree):
+        if operation.name in JUMPS:
+            try:
+                _alike(operation, [powers_of_speed(operand, velocities) for operand in operation.operands])
+            except NoPowerError:
+                return operation
+    return None
 
 
 def _condition(tree: TextOperation, velocities: Collection[str]) -> TextOperation:

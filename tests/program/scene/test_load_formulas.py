@@ -154,6 +154,17 @@ def test_couplings__take_powers_of_the_speed_alone(tmp_path):
     read(tmp_path, force=stribeck, regimes=steady.replace("[]", '["cut"]') + COUPLED)
 
 
+@pytest.mark.parametrize("jump", ["v > 2 m/s", "abs(v) > 2 m/s and v > 0", "sign(v - 1 m/s) > 0", "2 N <= 1 N s/m * v"])
+def test_regimes__take_no_jump_at_a_speed(tmp_path, jump):
+    force = f"-5 N if {jump} else 0 N"
+    read(tmp_path, force=force)
+    message = refused(tmp_path, force=force, regimes=REGIMES.format("steady"))
+    assert "jumps at a speed, about which a motion may hover for ever; switch 'cut' off in regimes.work" in message
+    # Where it bends, or the motion turns round, nothing hovers.
+    for force in ("-5 N * max(0, v / (2 m/s) - 1)", "-5 N if v > 0 else 0 N"):
+        read(tmp_path, force=force, regimes=REGIMES.format("steady"))
+
+
 def test_steady_regime__takes_no_time(tmp_path):
     timed = "1 N * sin(2 rad/s * t)"
     message = refused(tmp_path, force=timed, regimes=REGIMES.format("steady"))
