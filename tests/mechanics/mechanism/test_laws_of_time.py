@@ -5,17 +5,17 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from driving_cams import changed
+from driving_cams import BALANCE, changed, rows_of
 from geared_links import CRANK
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from machines import rrr
 
-from engine import Machine, Scene, SceneError, Verdict
+from engine import Machine, Scene, SceneError
 from engine.machine.results import AskError
 from engine.scene.structure.ordering import order
 
 EPS = np.finfo(float).eps
-BALANCE = ("input_moment_disagreement", "equilibrium_residual")
 SPEED, PERIOD, TURNING = 4 * math.pi, 0.8, -2.5
 SWINGS = {
     "out": {"type": "rise", "law": "cycloidal", "angle": "120 deg", "swing": 0.3},
@@ -33,14 +33,7 @@ SECOND = {
 MACHINE = {
     "gravity": 9.81,
     "points": {"C": {"x": 0.2, "y": 0.02}, "D": {"link": "second", "x": 0.04, "y": 0.01}},
-    "groups": {
-        "arms": {
-            "type": "RRR",
-            "inner": "B",
-            "first": {"link": "left", "joint": "A", "length": 0.19},
-            "second": {"link": "right", "joint": "D", "length": 0.17},
-        }
-    },
+    "groups": {"arms": rrr("B", ("left", "A", 0.19), ("right", "D", 0.17))},
     "bodies": {
         "left_body": {"link": "left", "mass": 0.7, "x": 0.09, "inertia": 0.002},
         "right_body": {"link": "right", "mass": 0.8, "x": 0.08, "inertia": 0.003},
@@ -104,14 +97,6 @@ def energy_change(one, psi, time: mpmath.mpf, ram: float) -> mpmath.mpf:
         return total + ram * 9.81 * one(t).imag
 
     return mpmath.diff(energy, time)
-
-
-def rows_of(machine: Machine, **values: float) -> dict[str, np.ndarray]:
-    outcome = machine.evaluate({path: np.array([value]) for path, value in values.items()})
-    assert outcome.status[0] == Verdict.OK
-    # A few roundings of what a handful of links pass on, against the greatest.
-    assert all(outcome.summaries[name][0] < 1e-13 for name in BALANCE)
-    return {name: outcome.fields[name][0] for name in machine.asked_fields}
 
 
 def compared(rows: dict[str, np.ndarray], k: int, one, psi, time: mpmath.mpf, speed: float, ram: float = 0.0) -> None:
