@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from machines import crank, frame, on, rrp, rrr
+from machines import crank, four_bar, frame, on, rrp, rrr
 from oracle import EPS
 from scipy.optimize import nnls
 
@@ -147,23 +147,6 @@ def test_bound_of_a_search_that_is_cut_short__holds_nevertheless(seed, steps):
         rough = least_rms(a, b, unknowns)
     assert rough.bound <= best.value * (1 + 1e-12)
     assert rough.value >= best.value * (1 - 1e-12)
-
-
-def test_limit_that_is_reached__proves_the_optimum():
-    # A kilogram takes one newton away, of ten; two kilograms are allowed.
-    a, b = np.ones((4, 1, 1)), np.full((4, 1), -10.0)
-    found = least_rms(a, b, [Unknown(1, 2.0)])
-    assert found == (2.0, 8.0, 8.0)
-
-
-def test_peak_of_opposite_vectors__is_the_radius_of_their_circle():
-    # Masses at the corners of a triangle: least peak about the centre of the smallest circle around them.
-    corners = np.array([[0.0, 0.0], [4.0, 0.0], [1.0, 3.0]])
-    a = np.repeat(-np.eye(2)[None], 3, axis=0)
-    found = least_peak(a, corners, [Unknown(2)])
-    np.testing.assert_allclose(found.unknowns, [2.0, 1.0], rtol=1e-4)
-    # The radius of its circumscribed circle: all three angles are sharp.
-    assert found.value == pytest.approx(math.sqrt(5), rel=2 * GAP)
 
 
 def test_nothing_that_shakes__needs_nothing():
@@ -315,10 +298,7 @@ def test_limits__are_kept_and_reached():
 
 @pytest.mark.parametrize("criterion", ["rms", "peak"])
 def test_moment_with_its_weight__is_that_of_the_balanced_machine(criterion):
-    data = {
-        "points": {"O": frame(0.1, -0.2), "D": frame(1.15, -0.3), "Q": frame(0.5, 0.4)},
-        "input": crank(),
-        "groups": {"bars": rrr("B", ("coupler", "A", 1.0), ("rocker", "D", 0.8))},
+    data = four_bar(Q=frame(0.5, 0.4)) | {
         "shafts": {"wheel": {"geared_to": "rocker", "ratio": -3.0, "inertia": 0.05}},
         "bodies": {"b": {"link": "coupler", "mass": 2.0, "x": 0.45, "y": -0.12, "inertia": 0.15}},
         "balance": {"about": "Q"},
@@ -365,14 +345,7 @@ def test_what_cannot_be_balanced__is_said(settings_, message):
 
 
 def test_moment_on_a_link_that_swings__asks_for_a_place():
-    scene = Scene.model_validate(
-        {
-            "points": {"O": frame(0.1, -0.2), "D": frame(1.15, -0.3)},
-            "input": crank(),
-            "groups": {"bars": rrr("B", ("coupler", "A", 1.0), ("rocker", "D", 0.8))},
-            "bodies": {"b": {"link": "coupler", "mass": 2.0, "x": 0.45}},
-        }
-    )
+    scene = Scene.model_validate(four_bar() | {"bodies": {"b": {"link": "coupler", "mass": 2.0, "x": 0.45}}})
     with pytest.raises(BalanceError, match="on 'rocker' depends on its radius: give a place on it"):
         balance(scene, ["crank", "rocker"], criterion="rms", moment_weight=1.0)
 

@@ -251,14 +251,6 @@ def test_boxer_and_in_line_six__leave_no_force(pairs, ratio):
     assert (found.couples.major <= ROUNDED_ORDERS * EPS * found.couple_terms).all()
 
 
-def test_in_line_four__shakes_with_four_times_the_second_order_of_a_cylinder():
-    r, rod, m = 0.043, 0.144, 0.55
-    k = r / rod
-    found = engine_shaking(Engine(in_line_engine(4).layout(spacing=0.09), r, rod, m)).forces
-    # Three terms of A₂; the next is 0.06 λ⁷ and so.
-    assert_allclose(found.major[1], 4 * m * r * (k + k**3 / 4 + 15 * k**5 / 128), rtol=k**6)
-
-
 def test_problem_of_four_cranks_at_right_angles__has_no_forces_and_the_couples_of_a_hand_calculation():
     # Cranks 1-4-2-3 at 90°, r = 50 mm, l = 200 mm, 0.2 m apart, 2 kg, 2000 rpm (a textbook problem).
     layout = in_line_engine(4, [math.radians(x) for x in (0, 180, 270, 90)]).layout(spacing=0.2)
@@ -278,15 +270,6 @@ def test_cylinders__stand_about_the_cranks_middle_with_their_rods_side_by_side()
     assert_allclose(rows.positions, [-0.07, 0.03, -0.05, 0.05, -0.03, 0.07], rtol=4 * EPS)
     assert_allclose(np.degrees(rows.banks), [60, 60, 0, 0, -60, -60], rtol=4 * EPS)
     assert_allclose(boxer_engine(4).layout(spacing=0.1).positions, [-0.15, 0.05, -0.05, 0.15], rtol=4 * EPS)
-
-
-def test_slider_cranks_in_antiphase__leave_the_even_orders_or_a_couple():
-    single = engine_shaking(Engine(in_line_engine(1).layout(), 1.0, 4.0)).forces.major
-    beside = engine_shaking(Engine(in_line_engine(2).layout(), 1.0, 4.0))
-    opposed = engine_shaking(Engine(boxer_engine(2).layout(), 1.0, 4.0))
-    assert_allclose(beside.forces.major, [0, *(2 * single[1:])], rtol=8 * EPS, atol=8 * EPS)
-    assert_allclose(opposed.forces.major, 0, atol=8 * EPS)
-    assert_allclose(opposed.couples.major, single, rtol=8 * EPS)
 
 
 def test_variants__are_those_computed_one_by_one():

@@ -10,16 +10,8 @@ from numpy.testing import assert_allclose
 
 from engine.elements.engines.engine_layout import Engine, in_line_engine, v_engine
 from engine.elements.engines.harmonics import piston_harmonics
-from engine.elements.engines.shafts import balance_shafts, crankshaft_counterweights, remaining_shaking
+from engine.elements.engines.shafts import balance_shafts, remaining_shaking
 from engine.elements.engines.shaking import SHAKING_ORDERS, engine_shaking
-
-
-def test_counterweights_of_half_the_mass__halve_the_first_order_of_a_single_cylinder():
-    engine = Engine(in_line_engine(1).layout(), 0.04, 0.14, 0.5, 0.8)
-    left = remaining_shaking(engine_shaking(engine), [crankshaft_counterweights(engine, 1.0, 0.5)])
-    forward, backward = left.forces.of(1)
-    assert abs(forward) <= 4 * EPS
-    assert_allclose(abs(backward), 0.5 * 0.04 / 2, rtol=8 * EPS)
 
 
 @pytest.mark.parametrize("order", [1, 2])
@@ -35,15 +27,6 @@ def test_lanchester_shafts__leave_no_force_of_their_order(order):
     sizes = [abs(s.unbalances[0]) for s in shafts]
     expected = 0.5 * 0.04 * piston_harmonics(0.04 / 0.14, (order,)).real[0] / order**2 / 2
     assert_allclose(sizes, expected, rtol=16 * EPS)
-
-
-def test_lanchester_shafts_of_an_in_line_four__have_half_a_cylinders_second_order_each():
-    found = engine_shaking(Engine(in_line_engine(4).layout(), 0.04, 0.14, 0.5), (2,))
-    # 4 m r A₂ ω² = 2 U (2 ω)².
-    a2 = piston_harmonics(0.04 / 0.14, (2,)).real[0]
-    assert_allclose(
-        [abs(s.unbalances[0]) for s in balance_shafts(found, (0.0, 0.0))], 0.5 * 0.04 * a2 / 2, rtol=16 * EPS
-    )
 
 
 def test_balance_shafts__are_as_few_as_the_engine_needs():

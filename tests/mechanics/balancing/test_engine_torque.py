@@ -97,15 +97,6 @@ def inertia_torque(parts, orders):
     return cylinder_torque(still, np.array(0.1), CylinderParts(*map(np.asarray, parts)), orders).orders
 
 
-def test_inertia_torque__has_the_textbook_harmonics():
-    k = 0.05
-    found = inertia_torque((1.0, 1 / k, 0.0, 2.0, 0.0, 3.0), (1, 2, 3, 4))
-    # Den Hartog: m r² ω² (λ/4 sin − 1/2 sin 2 − 3λ/4 sin 3 − λ²/4 sin 4), the next terms smaller by λ².
-    expected = 2.0 * 3.0**2 * np.array([k / 4, -1 / 2, -3 * k / 4, -(k**2) / 4])
-    assert_allclose(-found.imag, expected, rtol=k**2)
-    assert (np.abs(found.real) <= 1e-13).all()
-
-
 @few
 @given(st.floats(0.05, 0.4), st.floats(-0.15, 0.15), st.floats(0.1, 2.0), st.floats(0, 0.1), angles)
 def test_inertia_torque__is_the_rate_of_the_kinetic_energy(ratio, aside, mass, correction, phi):

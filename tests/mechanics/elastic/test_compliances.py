@@ -4,12 +4,12 @@ import math
 
 import numpy as np
 import pytest
-from element_samples import asked, one
+from element_samples import asked, element, one
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from engine import Scene, Verdict
+from engine import Verdict
 from sweeps.pictures.elements.element_pictures import element_sheet
 from sweeps.pictures.style import new_figure
 
@@ -93,10 +93,10 @@ def loaded(part, moment):
 @settings(deadline=None, max_examples=60)
 @given(drives(), st.floats(10, 1000))
 def test_parts_together__twist_store_and_dissipate_as_each_of_them_does(part, frequency):
-    element = drive({"all": part}, moment=100.0, frequency=frequency)
+    data = drive({"all": part}, moment=100.0, frequency=frequency)
     twist, energy, lost = loaded(part, 100.0)
     names = ["twist", "stiffness", "damping", "energy_absorption"]
-    _, outcome = asked({"it": element}, *(f"it.{n}" for n in names))
+    _, outcome = asked({"it": data}, *(f"it.{n}" for n in names))
     assert outcome.status[0] == Verdict.OK
     # What a cycle of this amplitude dissipates at the frequency, over the greatest energy.
     absorbed = math.pi * frequency * lost / energy
@@ -142,7 +142,7 @@ def test_parts_vary_by_their_paths():
 )
 def test_part_that_cannot_be__says_what_to_mend(part, said):
     with pytest.raises(ValidationError, match=said):
-        Scene.model_validate({"elements": {"it": drive({"a": part})}})
+        element(drive({"a": part}))
 
 
 def test_bore_that_varies_beyond_the_diameter__is_a_status():
@@ -153,7 +153,7 @@ def test_bore_that_varies_beyond_the_diameter__is_a_status():
 
 def test_bars_of_a_shaft_line__are_shares_of_the_work_of_its_parts():
     line = drive({"stiff": SHAFT | {"diameter": 0.08}, "soft": COUPLING | {"ratio": 0.5}}, moment=200.0)
-    (ax,) = element_sheet(Scene(elements={"it": line}).elements["it"], new_figure(140, 45), "line").axes
+    (ax,) = element_sheet(element(line), new_figure(140, 45), "line").axes
     names, heights = [text.get_text() for text in ax.get_xticklabels()], [bar.get_height() for bar in ax.patches]
     # A part at half the speed has twice the moment, and the work ½M²/c of each is its share.
     works = [0.5 * 200.0**2 / (STEEL * math.pi * 0.08**4 / 32 / 0.4), 0.5 * 400.0**2 / 2e4]

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from element_samples import one
+from element_samples import element, one
 from test_oscillators import OSCILLATOR, ROTOR
 from test_two_mass_drives import DRIVE, peak_of_start
 
@@ -17,10 +17,6 @@ from sweeps.study.study_reader import read_study
 from sweeps.text.scene_text import read_scene, scene_from, write_scene
 from sweeps.text.templates import TEMPLATES, bundled_templates
 from sweeps.text.toml_text import parse_toml
-
-
-def element(data):
-    return Scene.model_validate({"elements": {"it": data}}).elements["it"]
 
 
 @pytest.mark.parametrize("name", ["oscillator", "torsional_train", "elastic_drive"])

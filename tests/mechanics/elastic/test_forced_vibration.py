@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 import pytest
-from element_samples import asked
+from element_samples import asked, element
 from engine_samples import EPS
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from train_samples import BRANCHED, chain, matrices, solved
 
-from engine import ElementsAlone, Scene, Verdict, engine_torque
+from engine import Verdict, engine_torque
 from engine.elements.torsional_trains.order_sums import extremes_of_orders
 
 some = settings(deadline=None, max_examples=30)
@@ -217,9 +217,9 @@ def crankshaft(stiffness):
 
 def test_engine_on_a_stiff_crankshaft__turns_it_with_its_whole_torque():
     found = solved(crankshaft(1e13), "flywheel.amplitude", "s3.mean_moment", "s3.alternating_moment")
-    element = Scene.model_validate({"elements": {"it": ENGINE}}).elements["it"]
+    engine = element(ENGINE)
     orders = [k / 2 for k in range(1, 25)]
-    one, torque, _ = engine_torque(element, element.own_numbers(), orders)
+    one, torque, _ = engine_torque(engine, engine.own_numbers(), orders)
     assert found["s3.mean_moment"][0] == pytest.approx(4 * one.mean[0], rel=1e-12)
     # The rigid whole: all of the torque's orders on the sum of inertias, of which the flywheel takes its share.
     swing = over_time(dict(zip(orders, torque[0], strict=True)))
@@ -240,8 +240,6 @@ def test_engine_on_an_elastic_crankshaft__excites_orders_that_cancel_on_a_rigid_
 
 def test_numbers_of_the_engine__vary_by_their_paths():
     train = crankshaft(2e5)
-    scene = Scene.model_validate({"elements": {"it": train}})
-    path = "elements.it.engine.speed"
-    outcome = ElementsAlone(scene, ["it.margin_1"], varied=[path]).evaluate({path: np.array([100.0, 150.0])})
-    assert outcome.summaries["it.margin_1"][1] == pytest.approx(solved(train, "margin_1")["margin_1"][0], rel=8 * EPS)
-    assert outcome.summaries["it.margin_1"][0] != outcome.summaries["it.margin_1"][1]
+    slow, given = solved(train, "margin_1", engine__speed=[100.0, 150.0])["margin_1"][0]
+    assert given == pytest.approx(solved(train, "margin_1")["margin_1"][0], rel=8 * EPS)
+    assert slow != given

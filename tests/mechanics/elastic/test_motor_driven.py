@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import scipy.integrate
 import scipy.linalg
-from element_samples import asked, one
+from element_samples import asked, element, one
 from pydantic import ValidationError
 
-from engine import Scene, Verdict
+from engine import Verdict
 from engine.elements.elastic_drives.motor_phases import MOST_RADIANS
 from engine.elements.elastic_drives.two_mass_drive import drive_history
 
@@ -200,7 +200,7 @@ def test_motor_in_balance_with_its_load__comes_to_that_speed():
 
 def test_history_under_a_motor__ends_as_the_results_do():
     drive = DRIVE | {"motor": KLOSS, "damping_ratio": 0.05}
-    history = drive_history(Scene.model_validate({"elements": {"it": drive}}).elements["it"], 20_001)
+    history = drive_history(element(drive), 20_001)
     greatest, at, first, second, _ = one(drive, *NAMES)
     assert (history.motor_speed[-1], history.load_speed[-1]) == pytest.approx((first, second), rel=1e-12)
     assert np.interp(at, history.time, history.moment) == pytest.approx(greatest, rel=1e-5)
@@ -223,4 +223,4 @@ def test_history_under_a_motor__ends_as_the_results_do():
 )
 def test_motor_that_cannot_be__says_what_to_mend(change, said):
     with pytest.raises(ValidationError, match=said):
-        Scene.model_validate({"elements": {"it": DRIVE | change}})
+        element(DRIVE | change)

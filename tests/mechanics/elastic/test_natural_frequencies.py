@@ -6,35 +6,15 @@ import mpmath
 import numpy as np
 import pytest
 import scipy.linalg
-from element_samples import asked
+from element_samples import asked, element
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 from train_samples import BRANCHED, chain, free, frequencies_of, matrices, solved
 
-from engine import Scene, Verdict
+from engine import Verdict
 
 some = settings(deadline=None, max_examples=25)
-
-
-def test_two_masses__have_their_closed_form_and_one_zero():
-    found = solved(chain([0.4, 2.5], [3e4]))
-    assert found["frequency_1"][0] == pytest.approx(math.sqrt(3e4 * (0.4 + 2.5) / (0.4 * 2.5)), rel=1e-14)
-    assert found["rigid_body_modes"] == (1.0, 0.0)
-    # Equal and opposite angular momenta.
-    assert found["mode_1.m0"][0] == 1.0
-    assert found["mode_1.m1"][0] == pytest.approx(-0.4 / 2.5, rel=1e-13)
-
-
-def test_three_masses__have_the_roots_of_their_quadratic():
-    a, b, c, k, h = 0.7, 1.9, 0.3, 2e4, 5e4
-    # λ² − p λ + q = 0 with λ = ω².
-    p, q = k / a + (k + h) / b + h / c, k * h * (a + b + c) / (a * b * c)
-    root = math.sqrt(p * p - 4 * q)
-    values, errors = frequencies_of(chain([a, b, c], [k, h]))
-    exact = np.sqrt([2 * q / (p + root), (p + root) / 2])
-    assert values == pytest.approx(exact, rel=1e-14)
-    assert (np.abs(values - exact) <= errors + 4e-16 * exact).all()
 
 
 def test_uniform_chain_of_200__has_twice_the_sine():
@@ -80,10 +60,10 @@ rates = st.floats(-6, 6).map(lambda x: 10**x)
 
 
 @some
-@given(st.integers(2, 6).flatmap(lambda n: st.tuples(st.lists(sizes, min_size=n, max_size=n), st.just(n))), st.data())
-def test_frequencies_and_modes__hold_to_50_digits_whatever_the_ratios(inertias, data):
-    inertias, n = inertias
-    stiffnesses = data.draw(st.lists(rates, min_size=n - 1, max_size=n - 1))
+@given(st.lists(sizes, min_size=2, max_size=6), st.lists(rates, min_size=5, max_size=5))
+def test_frequencies_and_modes__hold_to_50_digits_whatever_the_ratios(inertias, stiffnesses):
+    n = len(inertias)
+    stiffnesses = stiffnesses[: n - 1]
     exact, modes = exact_chain(inertias, stiffnesses)
     found = solved(chain(inertias, stiffnesses))
     for k in range(1, n):
@@ -225,4 +205,4 @@ DAMPED_PARTS = {
 )
 def test_train_that_cannot_be__says_what_to_mend(change, said):
     with pytest.raises(ValidationError, match=said):
-        Scene.model_validate({"elements": {"it": chain([1.0, 1.0, 1.0], [1.0, 1.0]) | change}})
+        element(chain([1.0, 1.0, 1.0], [1.0, 1.0]) | change)

@@ -5,24 +5,18 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from element_samples import asked, one
+from element_samples import asked, element, figures, one
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 from scipy.integrate import solve_ivp
 
-from engine import Scene, Verdict
+from engine import Verdict
 
 OSCILLATOR = {"type": "oscillator", "mass": 2.0, "stiffness": 800.0}
 some = settings(deadline=None, max_examples=40)
 ratios = st.one_of(st.floats(0.0, 3.0), st.sampled_from([0.0, 1.0, 1 - 1e-9, 1 + 1e-9, 1 - 1e-14, 1 + 1e-6, 50.0]))
 starts = st.floats(-2.0, 2.0).filter(lambda x: x == 0 or abs(x) > 1e-6)
-
-
-def figures(element, *names, **varied):
-    _, outcome = asked({"it": element}, *(f"it.{n}" for n in names), **varied)
-    assert outcome.status[0] == Verdict.OK
-    return [(float(outcome.summaries[f"it.{n}"][0]), float(outcome.errors[f"it.{n}"][0])) for n in names]
 
 
 def free_exact(ratio, q, v, t, w=20.0):
@@ -42,8 +36,8 @@ def free_exact(ratio, q, v, t, w=20.0):
 @some
 @given(ratios, starts, starts, st.floats(0.0, 3.0))
 def test_free_motion__is_that_of_the_roots_within_its_figure(ratio, q, v, t):
-    element = OSCILLATOR | {"damping_ratio": ratio, "start": {"displacement": q, "velocity": v, "time": t}}
-    found = figures(element, "free_displacement", "free_velocity")
+    data = OSCILLATOR | {"damping_ratio": ratio, "start": {"displacement": q, "velocity": v, "time": t}}
+    found = figures(data, "free_displacement", "free_velocity")
     for (value, error), exact in zip(found, free_exact(ratio, q, v, t), strict=True):
         # 50 digits of numbers up to 1e3 leave 1e-46.
         assert abs(value - exact) <= error + 1e-46
@@ -53,8 +47,8 @@ def test_free_motion__is_that_of_the_roots_within_its_figure(ratio, q, v, t):
 @some
 @given(st.floats(0.0, 3.0).filter(lambda z: abs(z - 1) > 1e-6), starts, starts)
 def test_greatest_free_displacement__is_not_passed_and_is_reached(ratio, q, v):
-    element = OSCILLATOR | {"damping_ratio": ratio, "start": {"displacement": q, "velocity": v}}
-    (greatest, _), (when, _) = figures(element, "free_greatest", "free_greatest_at")
+    data = OSCILLATOR | {"damping_ratio": ratio, "start": {"displacement": q, "velocity": v}}
+    (greatest, _), (when, _) = figures(data, "free_greatest", "free_greatest_at")
     times = np.linspace(0, 1.0, 2001)
     moved = np.abs([free_exact(ratio, q, v, t)[0] for t in times[:: 2001 // 200]])
     assert moved.max() <= greatest * (1 + 1e-9)
@@ -93,9 +87,9 @@ def test_forced_vibration__solves_the_equation_and_balances_work(kind, eta, rati
     excitation = {"type": kind, "speed": eta * 20.0}
     excitation |= {"mass": 0.1, "radius": 0.02} if kind == "unbalance" else {"amplitude": 3.0}
     unit = {"force": 3.0 / 800.0, "unbalance": 0.1 * 0.02 / 2.0, "support_motion": 3.0}[kind]
-    element = OSCILLATOR | {"damping_ratio": ratio, "excitation": excitation}
+    data = OSCILLATOR | {"damping_ratio": ratio, "excitation": excitation}
     names = ["dynamic_factor", "amplitude", "phase_lag", "transmitted_force", "dissipated_power", "damping"]
-    found = figures(element, *names)
+    found = figures(data, *names)
     # The speed as the element is given it.
     factor, lag = steady_exact(float(excitation["speed"]) / 20.0, ratio, kind)
     assert abs(found[0][0] - factor) <= found[0][1]
@@ -111,8 +105,8 @@ def test_forced_vibration__solves_the_equation_and_balances_work(kind, eta, rati
 
 def test_dynamic_factor_without_damping__is_one_at_rest_and_at_root_two():
     for eta in (1e-9, math.sqrt(2)):
-        element = OSCILLATOR | {"excitation": {"type": "force", "amplitude": 1.0, "speed": 20 * eta}}
-        assert one(element, "dynamic_factor") == pytest.approx([1.0], rel=1e-12)
+        data = OSCILLATOR | {"excitation": {"type": "force", "amplitude": 1.0, "speed": 20 * eta}}
+        assert one(data, "dynamic_factor") == pytest.approx([1.0], rel=1e-12)
 
 
 @pytest.mark.parametrize("kind", ["force", "unbalance", "support_motion"])
@@ -120,22 +114,22 @@ def test_dynamic_factor_without_damping__is_one_at_rest_and_at_root_two():
 def test_resonance__is_the_greatest_of_all_speeds(kind, ratio):
     excitation = {"type": kind, "speed": 1.0}
     excitation |= {"mass": 0.1, "radius": 0.02} if kind == "unbalance" else {"amplitude": 3.0}
-    element = OSCILLATOR | {"damping_ratio": ratio, "excitation": excitation}
-    best, greatest = one(element, "resonance_speed", "resonance_amplitude")
+    data = OSCILLATOR | {"damping_ratio": ratio, "excitation": excitation}
+    best, greatest = one(data, "resonance_speed", "resonance_amplitude")
     speeds = best * np.array([1 - 1e-4, 1.0, 1 + 1e-4])
-    values, _ = _swept(element, speeds)
+    values, _ = _swept(data, speeds)
     assert values[1] == pytest.approx(greatest, rel=1e-12)
     assert max(values[0], values[2]) < values[1]
 
 
-def _swept(element, speeds):
-    values, outcome = asked({"it": element}, "it.amplitude", **{"it__excitation__speed": speeds})
+def _swept(data, speeds):
+    values, outcome = asked({"it": data}, "it.amplitude", **{"it__excitation__speed": speeds})
     return values[0], outcome
 
 
 def test_resonance_without_damping__is_a_status_never_a_number():
-    element = OSCILLATOR | {"excitation": {"type": "force", "amplitude": 1.0, "speed": 20.0}}
-    values, outcome = _swept(element, np.array([19.0, 20.0]))
+    data = OSCILLATOR | {"excitation": {"type": "force", "amplitude": 1.0, "speed": 20.0}}
+    values, outcome = _swept(data, np.array([19.0, 20.0]))
     assert list(outcome.status) == [Verdict.OK, Verdict.RESONANCE]
     assert np.isnan(values[1])
     assert values[0] > 0
@@ -143,8 +137,8 @@ def test_resonance_without_damping__is_a_status_never_a_number():
 
 def test_cantilever__carries_its_mass_with_3_e_i_over_l_cubed():
     beam = {"length": 0.4, "diameter": 0.03, "bore": 0.01, "elastic_modulus": 2.1e11}
-    element = {"type": "oscillator", "mass": 5.0, "cantilever": beam}
-    stiffness, frequency = one(element, "stiffness", "natural_frequency")
+    data = {"type": "oscillator", "mass": 5.0, "cantilever": beam}
+    stiffness, frequency = one(data, "stiffness", "natural_frequency")
     expected = 3 * 2.1e11 * math.pi * (0.03**4 - 0.01**4) / 64 / 0.4**3
     assert stiffness == pytest.approx(expected, rel=1e-13)
     assert frequency == pytest.approx(math.sqrt(expected / 5.0), rel=1e-13)
@@ -181,8 +175,8 @@ def integrated_peak(ratio, start, acceleration, w=20.0):
     [(0.02, 40.0, -2.0), (0.0, 0.0, 8.0), (0.3, 0.0, 3.0), (0.1, 24.0, -200.0), (0.005, 0.0, 40.0)],
 )
 def test_run_through_resonance__is_that_of_the_integrated_equation(ratio, start, acceleration):
-    element = ROTOR | {"damping_ratio": ratio, "run_through": {"start": start, "acceleration": acceleration}}
-    ((amplitude, error),) = figures(element, "run_through_amplitude")
+    data = ROTOR | {"damping_ratio": ratio, "run_through": {"start": start, "acceleration": acceleration}}
+    ((amplitude, error),) = figures(data, "run_through_amplitude")
     # The instants of the integration miss the top by less than 1e-6 of it.
     assert amplitude == pytest.approx(0.1 * 0.02 / 2 * integrated_peak(ratio, start, acceleration), rel=2e-6)
     assert 0 < error < 1e-9 * amplitude
@@ -212,8 +206,8 @@ def test_slow_run_through__comes_near_the_steady_resonance_and_a_quick_one_stays
 
 
 def test_run_that_moves_away_from_the_resonance__has_no_amplitude():
-    element = ROTOR | {"damping_ratio": 0.05, "run_through": {"start": 30.0, "acceleration": 2.0}}
-    _, outcome = asked({"it": element}, "it.run_through_amplitude")
+    data = ROTOR | {"damping_ratio": 0.05, "run_through": {"start": 30.0, "acceleration": 2.0}}
+    _, outcome = asked({"it": data}, "it.run_through_amplitude")
     assert outcome.status[0] == Verdict.OK
     assert np.isnan(outcome.summaries["it.run_through_amplitude"][0])
 
@@ -230,4 +224,4 @@ def test_run_that_moves_away_from_the_resonance__has_no_amplitude():
 )
 def test_oscillator_that_cannot_be__says_what_to_mend(change, said):
     with pytest.raises(ValidationError, match=said):
-        Scene.model_validate({"elements": {"it": OSCILLATOR | change}})
+        element(OSCILLATOR | change)

@@ -5,25 +5,17 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from element_samples import asked
+from element_samples import asked, element, figures
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 from scipy.integrate import solve_ivp
-
-from engine import Scene, Verdict
 
 OSCILLATOR = {"type": "oscillator", "mass": 2.0, "stiffness": 800.0}
 W = 20.0
 some = settings(deadline=None, max_examples=25)
 ratios = st.one_of(st.floats(0.0, 3.0), st.sampled_from([0.0, 1.0, 1 - 1e-9, 1 + 1e-9, 50.0]))
 GREATEST = ("greatest_displacement", "greatest_displacement_at", "spring_force", "spring_force_at")
-
-
-def figures(element, *names):
-    _, outcome = asked({"it": element}, *(f"it.{n}" for n in names))
-    assert outcome.status[0] == Verdict.OK
-    return [(float(outcome.summaries[f"it.{n}"][0]), float(outcome.errors[f"it.{n}"][0])) for n in names]
 
 
 def driven(kind, instants, rows, ratio=0.0, q=0.0, v=0.0, **more):
@@ -92,8 +84,8 @@ def test_motion_under_rows__is_that_of_the_transform_within_its_figure(kind, rat
         rows[0] = 0.0  # a support that begins elsewhere would be a jump to the exact solution's damper
         rows[-1] = rows[-1] or 1.0
     time = spacing * np.arange(len(rows))
-    element = driven(kind, time, rows, ratio, q, v, time=float(time[-1] + 0.3))
-    found = figures(element, "end_displacement", *GREATEST)
+    data = driven(kind, time, rows, ratio, q, v, time=float(time[-1] + 0.3))
+    found = figures(data, "end_displacement", *GREATEST)
     wanted = exact(kind, time, rows, ratio, q, v, time[-1] + 0.3)
     value, error = found[0]
     size = abs(q) + abs(v) + max(map(abs, rows))
@@ -145,8 +137,8 @@ def test_pulses_without_damping__have_the_dynamic_factors_of_the_textbook():
 def test_greatest_among_many_tops__is_none_of_the_skipped(ratio, periods, drift):
     """A long ramp: hundreds of tops in one piece."""
     span = periods * math.tau / W
-    element = driven("force_over_time", [0.0, span], [0.0, 800.0 * drift], ratio, 1.0, 0.0)
-    (greatest, _), (when, _) = figures(element, "greatest_displacement", "greatest_displacement_at")
+    data = driven("force_over_time", [0.0, span], [0.0, 800.0 * drift], ratio, 1.0, 0.0)
+    (greatest, _), (when, _) = figures(data, "greatest_displacement", "greatest_displacement_at")
     t = np.linspace(0.0, span, 40 * int(periods) + 1)
     beta, root = ratio * W, W * math.sqrt(1 - ratio**2)
     slope = drift / span
@@ -164,8 +156,8 @@ def test_formula__is_that_of_an_integration_within_its_figure():
     numbers = {"a": (300.0, "kg m s-3"), "w": (40.0, "s-2"), "tau": (0.4, "time")}
     numbers = {k: {"value": v, "dimension": dimension} for k, (v, dimension) in numbers.items()}
     excitation = {"type": "force_over_time", "formula": formula, "numbers": numbers, "time": 2.0}
-    element = OSCILLATOR | {"damping_ratio": 0.1, "excitation": excitation}
-    found = figures(element, "end_displacement", "end_velocity")
+    data = OSCILLATOR | {"damping_ratio": 0.1, "excitation": excitation}
+    found = figures(data, "end_displacement", "end_velocity")
 
     def rates(t, y):
         force = 300.0 * t * math.sin(40.0 * t * t) * math.exp(-t / 0.4)
@@ -190,11 +182,9 @@ def test_numbers_of_a_formula__vary_by_their_paths():
 
 @pytest.mark.parametrize("kind", ["force_over_time", "support_over_time"])
 def test_history__goes_through_the_greatest_values(kind):
-    element = driven(kind, [0.0, 0.1, 0.15, 0.4], [0.0, 0.7, -0.2, 0.1], 0.05, 0.001, 0.1, time=1.0)
-    element = Scene.model_validate({"elements": {"it": element}}).elements["it"]
-    numbers = element.own_numbers()
-    own = element.values(numbers)
-    history = element.history(4001)
+    oscillator = element(driven(kind, [0.0, 0.1, 0.15, 0.4], [0.0, 0.7, -0.2, 0.1], 0.05, 0.001, 0.1, time=1.0))
+    own = oscillator.values(oscillator.own_numbers())
+    history = oscillator.history(4001)
     for curve, name in ((history.displacement, "greatest_displacement"), (history.spring_force, "spring_force")):
         assert np.abs(curve).max() == pytest.approx(own[name][0], rel=1e-4)
         assert history.time[np.abs(curve).argmax()] == pytest.approx(own[f"{name}_at"][0], abs=2e-3)
@@ -236,15 +226,13 @@ def test_ratios_of_stiffness_and_spans_of_many_powers__stay_exact():
 )
 def test_wrong_excitation_over_time__is_refused_with_the_mend(excitation, words):
     with pytest.raises(ValidationError, match=words):
-        Scene.model_validate(
-            {"elements": {"it": OSCILLATOR | {"excitation": {"type": "force_over_time"} | excitation}}}
-        )
+        element(OSCILLATOR | {"excitation": {"type": "force_over_time"} | excitation})
 
 
 def test_support_that_jumps_and_a_second_time__are_refused():
-    for element, words in (
+    for data, words in (
         (driven("support_over_time", [0.0, 1.0, 1.0], [0.0, 0.0, 1.0]), "can't jump"),
         (driven("force_over_time", [0.0, 1.0], [0.0, 1.0]) | {"start": {"time": 1.0}}, r"give excitation\.time"),
     ):
         with pytest.raises(ValidationError, match=words):
-            Scene.model_validate({"elements": {"it": element}})
+            element(data)

@@ -4,24 +4,19 @@ import math
 
 import numpy as np
 import pytest
+from element_samples import element, scene
 from train_samples import BRANCHED, chain, free, solved
 
-from engine import Scene
 from sweeps.pictures.elements.element_pictures import element_pictures, element_tables
 from sweeps.pictures.elements.train_sheet import train_sheet, train_table
 from sweeps.pictures.style import new_figure
-
-
-def element(train):
-    return Scene.model_validate({"elements": {"it": train}}).elements["it"]
-
 
 EXCITED = chain([1.0, 2.0, 0.5], [4e4, 9e4], speed=60.0, excitations={"e": {"on": "m0", "order": 2, "amplitude": 30.0}})
 
 
 def test_sheet__has_modes_levels_and_moments_of_the_train():
     figure = new_figure(180, 170)
-    train_sheet(Scene.model_validate({"elements": {"it": EXCITED}}), "it", figure, "Drive")
+    train_sheet(scene(it=EXCITED), "it", figure, "Drive")
     modes, campbell, moments = figure.axes
     found = solved(EXCITED)
     # Both ends of each shaft, and a gap.
@@ -39,11 +34,10 @@ def test_sheet__has_modes_levels_and_moments_of_the_train():
 @pytest.mark.parametrize("train", [free(BRANCHED), chain([1.0], []) | {"shafts": {
     "bar": {"between": ["m0", "frame"], "stiffness": 1e3}}}])  # fmt: skip
 def test_files_and_tables__are_made_of_branched_and_single_trains(train, tmp_path):
-    scene = Scene.model_validate({"elements": {"it": train}})
-    (made,) = element_pictures(scene, tmp_path / "scene.png")
+    (made,) = element_pictures(scene(it=train), tmp_path / "scene.png")
     assert made.name == "scene_it_vibration.png"
     assert made.stat().st_size > 10_000
-    assert "Holzer" in element_tables(scene)
+    assert "Holzer" in element_tables(scene(it=train))
 
 
 def test_holzers_table__adds_up_to_nothing():

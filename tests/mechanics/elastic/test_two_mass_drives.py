@@ -4,12 +4,12 @@ import math
 
 import numpy as np
 import pytest
-from element_samples import asked, one
+from element_samples import asked, element, figures, one
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from engine import Scene, Verdict
+from engine import Verdict
 from engine.elements.elastic_drives.two_mass_drive import drive_history
 
 DRIVE = {
@@ -23,17 +23,6 @@ DRIVE = {
     "time": 0.05,
 }
 KEYS = ("motor_inertia", "load_inertia", "stiffness", "damping", "backlash", "motor_moment", "load_moment")
-
-
-def element(drive):
-    return Scene.model_validate({"elements": {"it": drive}}).elements["it"]
-
-
-def found(drive, *names):
-    """Results and their figures."""
-    values, outcome = asked({"it": drive}, *(f"it.{n}" for n in names))
-    assert outcome.status[0] == Verdict.OK
-    return {n: (float(v[0]), float(outcome.errors[f"it.{n}"][0])) for n, v in zip(names, values, strict=True)}
 
 
 def peak_of_start(first, second, k, gap, motor, load):
@@ -60,7 +49,7 @@ def test_first_peak_of_a_start__is_the_closed_form(first, second, k, gap, motor,
     # Long enough for the gap, and for a half wave after it.
     time = math.sqrt(2 * gap * first / motor) + math.pi * math.sqrt(first / k)
     drive = DRIVE | dict(zip(KEYS, (first, second, k, None, gap, motor, load), strict=True)) | {"time": time}
-    value, error = found(drive, "greatest_moment")["greatest_moment"]
+    ((value, error),) = figures(drive, "greatest_moment")
     exact = peak_of_start(first, second, k, gap, motor, load)
     assert abs(value - exact) <= error + 4e-15 * exact
     assert error <= 1e-11 * exact
@@ -157,19 +146,18 @@ def test_history__keeps_momentum_and_ends_as_the_results_do(change):
     apart = history.motor_speed - history.load_speed
     slid = np.concatenate([[0], np.cumsum(0.5 * step * (apart[1:] + apart[:-1]))])
     assert np.abs(history.gap - history.gap[0] - slid).max() < 1e-6
-    results = found(drive, "greatest_moment", "motor_speed", "load_speed")
-    assert history.motor_speed[-1] == pytest.approx(results["motor_speed"][0], abs=1e-9)
-    assert history.load_speed[-1] == pytest.approx(results["load_speed"][0], abs=1e-9)
+    greatest, *speeds = one(drive, "greatest_moment", "motor_speed", "load_speed")
+    assert [history.motor_speed[-1], history.load_speed[-1]] == pytest.approx(speeds, abs=1e-9)
     # Instants miss the peak of a damper that is hit with full speed.
-    assert np.abs(history.moment).max() == pytest.approx(results["greatest_moment"][0], rel=5e-3)
+    assert np.abs(history.moment).max() == pytest.approx(greatest, rel=5e-3)
 
 
 def test_load_that_holds_the_motor__never_starts():
     drive = DRIVE | {"load_moment": 900.0, "damping_ratio": 0.1, "time": 3.0}
-    values = found(drive, "load_starts_at", "load_speed", "motor_speed")
-    assert np.isnan(values["load_starts_at"][0])
-    assert values["load_speed"] == (0.0, 0.0)
-    assert abs(values["motor_speed"][0]) < 1e-6
+    (starts, _), of_load, (motor_speed, _) = figures(drive, "load_starts_at", "load_speed", "motor_speed")
+    assert np.isnan(starts)
+    assert of_load == (0.0, 0.0)
+    assert abs(motor_speed) < 1e-6
 
 
 def test_parts_of_the_shaft__count_as_their_series():

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from element_samples import LEVER, WOUND, asked, one
+from element_samples import LEVER, WOUND, asked, figures, one
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
@@ -17,12 +17,6 @@ some = settings(deadline=None, max_examples=40)
 angles = st.floats(-3.0, 3.0)
 FIXED = [f"fixed_inertia_{axis}" for axis in "xyz"] + [f"fixed_product_{pair}" for pair in ("xy", "yz", "zx")]
 PRINCIPAL = ["greatest_inertia", "middle_inertia", "least_inertia"]
-
-
-def figures(element, *names):
-    values, outcome = asked({"it": element}, *(f"it.{n}" for n in names))
-    assert outcome.status[0] == Verdict.OK
-    return [(float(v[0]), float(outcome.errors[f"it.{n}"][0])) for n, v in zip(names, values, strict=True)]
 
 
 # A body about fixed axes

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from free_link_scenes import triad_data
+from machines import rrr
 from reaction_graphs import ReactionValues
 
 from engine import Scene
@@ -37,20 +38,8 @@ def by_dyads(modes: tuple[int, int]) -> dict:
         "bodies": bodies,
         "input": {"type": "crank", "link": "upper", "pivot": "Q", "pin": "D", "length": 0.2, "speed": 1.0},
         "groups": {
-            "near": {
-                "type": "RRR",
-                "inner": "C",
-                "first": {"link": "plate", "joint": "D", "length": abs(corners["C"] - corners["D"])},
-                "second": {"link": "lower", "joint": "P", "length": 0.2},
-                "mode": modes[0],
-            },
-            "far": {
-                "type": "RRR",
-                "inner": "A",
-                "first": {"link": "rod", "joint": "B", "length": 0.2},
-                "second": {"link": "crank", "joint": "O", "length": 0.03},
-                "mode": modes[1],
-            },
+            "near": rrr("C", ("plate", "D", abs(corners["C"] - corners["D"])), ("lower", "P", 0.2), modes[0]),
+            "far": rrr("A", ("rod", "B", 0.2), ("crank", "O", 0.03), modes[1]),
         },
     }
 

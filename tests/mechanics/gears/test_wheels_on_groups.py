@@ -4,16 +4,16 @@ import math
 
 import numpy as np
 import pytest
-from driving_cams import changed
+from driving_cams import BALANCE, changed, rows_of
 from geared_links import CRANK
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from machines import rrr
 
 from engine import Machine, Scene, SceneError, Verdict
 from engine.scene.structure.ordering import order
 
 EPS = np.finfo(float).eps
-BALANCE = ("input_moment_disagreement", "equilibrium_residual")
 # J. Watt's sun and planet, and a wheel that the beam turns.
 WATT = {
     "gravity": 9.81,
@@ -25,14 +25,7 @@ WATT = {
         "H": {"link": "counter", "x": 0.06, "y": 0.01},
     },
     "input": CRANK | {"length": 0.1},
-    "groups": {
-        "beam": {
-            "type": "RRR",
-            "inner": "B",
-            "first": {"link": "rod", "joint": "A", "length": 0.4},
-            "second": {"link": "rocker", "joint": "D", "length": 0.2},
-        }
-    },
+    "groups": {"beam": rrr("B", ("rod", "A", 0.4), ("rocker", "D", 0.2))},
     "shafts": {
         "sun": {"geared_to": "rod", "carrier": "crank", "pivot": "O", "ratio": -1, "inertia": 0.05, "phase": 0.4}
         | {"pressure_angle": "20 deg"},
@@ -47,14 +40,6 @@ WATT = {
 }
 LINKS = ("rod", "rocker", "sun", "counter", "idler")
 FIELDS = [f"{link}.angle{rate}" for link in LINKS for rate in ("", "_phi", "_phiphi")]
-
-
-def rows_of(machine: Machine, **values: float) -> dict[str, np.ndarray]:
-    outcome = machine.evaluate({path: np.array([value]) for path, value in values.items()})
-    assert outcome.status[0] == Verdict.OK
-    # A few roundings of what a handful of links pass on, against the greatest.
-    assert all(outcome.summaries[name][0] < 1e-13 for name in BALANCE)
-    return {name: outcome.fields[name][0] for name in machine.asked_fields}
 
 
 @pytest.fixture(scope="module")

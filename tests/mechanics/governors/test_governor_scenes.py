@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from commands import said
+from element_samples import element
 from governor_samples import ENGINE, EVERY_GOVERNOR, PORTER, PROELL, TABLE, governor_results
 from machines import slider_crank
 from numpy.testing import assert_allclose
@@ -92,9 +93,9 @@ def test_governor_of_the_machine__has_the_inertia_of_its_mechanism():
 def test_governor_of_no_machine__is_refused():
     engine = {"machine": True, "throttle": {"type": "linear", "full": 400.0}, "load": 300.0}
     with pytest.raises(ValueError, match=r"elements\.it\.engine\.machine: the scene has no crank that turns fully"):
-        Scene.model_validate({"elements": {"it": PORTER | {"engine": engine}}})
+        element(PORTER | {"engine": engine})
     with pytest.raises(ValueError, match="machine = true for the scene's own"):
-        Scene.model_validate({"elements": {"it": PORTER | {"engine": engine | {"machine": False}}}})
+        element(PORTER | {"engine": engine | {"machine": False}})
 
 
 # The study
@@ -153,8 +154,7 @@ def test_governed_set_study__weighs_evenness_against_speed():
 
 
 def test_curves__have_their_stops_and_stretches():
-    scene = Scene.model_validate({"elements": {"it": PROELL | {"least_radius": 0.15}}})
-    curve = governor_curves(scene.elements["it"])
+    curve = governor_curves(element(PROELL | {"least_radius": 0.15}))
     found, _, _ = governor_results(PROELL | {"least_radius": 0.15})
     assert curve.stops == (pytest.approx(0.15), pytest.approx(0.2))
     assert curve.stable[0] == pytest.approx(found["stable_from"][0], rel=1e-9)
@@ -169,7 +169,7 @@ def lines(ax):
 
 
 def test_sheet__shows_what_is_computed():
-    governor = Scene.model_validate({"elements": {"it": GOVERNED}}).elements["it"]
+    governor = element(GOVERNED)
     force, speed, diagram, change, _ = element_sheet(governor, new_figure(180, 200), "governor").axes
     found, _, _ = governor_results(GOVERNED)
     rays = [t.get_text() for t in force.texts]
@@ -188,7 +188,7 @@ def test_sheet__shows_what_is_computed():
 def test_no_oscillation__is_shown_where_the_discriminant_says():
     from engine.laws.governors.stability import oscillates
 
-    figure = element_sheet(Scene.model_validate({"elements": {"it": GOVERNED}}).elements["it"], new_figure(180, 200))
+    figure = element_sheet(element(GOVERNED), new_figure(180, 200))
     drawn = lines(figure.axes[2])
     edges = [drawn[f"no oscillation {side}"].get_data() for side in ("above", "below")]
     for x in np.linspace(0.5, 5.9, 12):
@@ -201,13 +201,12 @@ def test_no_oscillation__is_shown_where_the_discriminant_says():
 
 
 def test_sheet_of_a_governor_that_does_not_work__says_why():
-    unstable = Scene.model_validate({"elements": {"it": TABLE | {"controlling_force": [300.0, 310.0, 315.0, 320.0]}}})
-    figure = element_sheet(unstable.elements["it"], new_figure(180, 100))
+    unstable = element(TABLE | {"controlling_force": [300.0, 310.0, 315.0, 320.0]})
+    figure = element_sheet(unstable, new_figure(180, 100))
     assert "stable nowhere between its stops" in figure.axes[0].get_title()
     assert set(lines(figure.axes[0])) >= {"unstable", "stops"}
-    short = Scene.model_validate({"elements": {"it": PORTER | {"upper_arm": 0.1}}})
     with pytest.raises(PictureError, match="no results that could be drawn"):
-        element_sheet(short.elements["it"], new_figure(180, 100))
+        element_sheet(element(PORTER | {"upper_arm": 0.1}), new_figure(180, 100))
 
 
 def test_element_that_cannot_be_drawn__leaves_the_pictures_of_the_others(tmp_path):

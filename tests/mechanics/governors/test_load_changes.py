@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from element_samples import element
 from governed_motion import GovernedMotion
 from governor_samples import ENGINE, HARTNELL, PORTER, governor_results
 from hypothesis import given, settings
@@ -29,10 +30,6 @@ CASES = {
     "valve": PORTER | {"damping": 400.0, "engine": FOLLOWED | {"throttle": SWITCHED}},
     "valve, friction": PORTER | {"friction": 5.0, "damping": 400.0, "engine": FOLLOWED | {"throttle": SWITCHED}},
 }
-
-
-def element(governor):
-    return Scene.model_validate({"elements": {"it": governor}}).elements["it"]
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -298,7 +295,7 @@ def test_throttled_action_that_is_not_there__is_named():
     with pytest.raises(SceneError, match=r"elements\.it\.engine\.throttled.*did you mean 'steam'"):
         made_ready(Scene.model_validate(crank_engine(throttled=["stem"])), ["it.highest_speed"])
     with pytest.raises(ValueError, match="throttled names actions of the scene's mechanism"):
-        Scene.model_validate({"elements": {"it": PORTER | {"engine": ENGINE | {"throttled": ["steam"]}}}})
+        element(PORTER | {"engine": ENGINE | {"throttled": ["steam"]}})
 
 
 def test_machine_with_a_constant_inertia_and_moment__moves_as_an_engine_without_mechanism():

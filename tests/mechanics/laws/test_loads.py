@@ -26,15 +26,6 @@ def test_constant_resistance__is_its_magnitude_against_the_motion(c, v):
     assert constant_against_motion(c, v) == -c * np.sign(v)
 
 
-def test_braking_by_a_constant_moment__stops_after_the_textbook_angle():
-    # A_braking = I omega0^2/2: 0.4 kg m^2 at 100 rad/s against 0.8 N m turns 2500 rad. Velocity is linear in
-    # time over 50 s, so 2000 trapezoids integrate the power 0.8 omega to rounding.
-    t = np.linspace(0.0, 50.0, 2001)
-    omega = 100.0 - 2.0 * t
-    power = np.array([constant_against_motion(0.8, w) * w for w in omega])
-    assert_allclose(np.trapezoid(power, t), -0.5 * 0.4 * 100.0**2, rtol=1e-12)
-
-
 @settings(deadline=None, max_examples=60)
 @given(sizes, st.floats(1e-6, 10.0), st.floats(1e-6, 10.0))
 def test_spring__does_the_work_of_its_energy(stiffness, free_length, length):

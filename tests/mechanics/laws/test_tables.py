@@ -76,13 +76,6 @@ def test_cubics__agree_with_scipy_inside_and_hold_outside(row, seed, interpolati
     assert_allclose(values(table, u), expected, rtol=0, atol=rounding(table, np.abs(u).max()))
 
 
-def test_natural_spline__takes_the_textbook_value():
-    # Natural spline through (0, 0), (1, 1), (2, 0): its one unknown curvature is 6 (0 - 2 + 0)/4 = -3, the
-    # first piece 3/2 t - t^3/2, at 1/2 it is 11/16. The solver rounds a few times.
-    table = make_table([0.0, 1.0, 2.0], [0.0, 1.0, 0.0], "spline")
-    assert_allclose(table_value(*table, 0.5), 11 / 16, rtol=8 * EPS)
-
-
 @pytest.mark.parametrize("interpolation", ["linear", "pchip", "spline"])
 def test_rows__are_returned_as_given(interpolation):
     x, y = np.array([-1.0, 0.5, 2.0, 7.0]), np.array([3.0, -4.0, 4.0, 0.1])
@@ -157,17 +150,6 @@ def test_periodic_pchip__has_one_slope_at_the_seam():
     u = np.linspace(0.0, 4.0, 101)
     table = make_table(x, y, "pchip", period=4.0)
     assert_allclose(values(table, u), tiled(u), rtol=0, atol=rounding(table, 4.0))
-
-
-def test_periodic_sine__has_the_error_of_the_spline():
-    period = 2.0 * math.pi
-    x = np.arange(64) * (period / 64)
-    u = np.linspace(-10.0, 30.0, 999)
-    # Cubic spline of a smooth function: 5/384 h^4 max|f''''| (C. A. Hall and W. W. Meyer, 1976).
-    bound = 5 / 384 * (period / 64) ** 4
-    table = make_table(x, np.sin(x), "spline", period=period)
-    worst = np.abs(values(table, u) - np.sin(u)).max()
-    assert bound / 20 < worst <= bound
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from governor_samples import ENGINE, PORTER
 from graph_values import GraphValues
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from machines import crank, four_bar, frame, on
+from machines import crank, four_bar, frame, on, rrr, slider_crank
 
 from engine import Machine, Mechanics, Scene, SceneError, Verdict
 from engine.machine.results import AskError
@@ -41,12 +41,9 @@ def hung_on(draw: st.DrawFn, scene: dict, shaft: str, planet: bool) -> bool:
         formula = f"5 N m * {shaft}.angle"
         scene["moments"][f"load_{shaft}"] = {"type": "formula", "on": "crank", "moment": formula}
     elif kind == "rocker":
-        scene["groups"][f"group_{shaft}"] = {
-            "type": "RRR",
-            "inner": f"inner_{shaft}",
-            "first": {"link": f"bar_{shaft}", "joint": f"on_{shaft}", "length": 4.0},
-            "second": {"link": f"beam_{shaft}", "joint": "O", "length": 4.0},
-        }
+        scene["groups"][f"group_{shaft}"] = rrr(
+            f"inner_{shaft}", (f"bar_{shaft}", f"on_{shaft}", 4.0), (f"beam_{shaft}", "O", 4.0)
+        )
         scene["moments"][f"load_{shaft}"] = {
             "type": "torsion_spring", "on": f"beam_{shaft}", "stiffness": 3.0, "free_angle": 0.7,
         }  # fmt: skip
@@ -239,25 +236,9 @@ def test_torsion_spring_on_a_link_of_a_group__may_swing_and_not_turn():
 
 
 def four_stroke(revolutions, quarter=False):
-    scene = {
-        "points": {"O": {"x": 0, "y": 0}},
-        "guides": {"way": {}},
-        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.05, "speed": 90.0, "revolutions": revolutions},
-        "groups": {
-            "g": {
-                "type": "RRP",
-                "inner": "B",
-                "first": {"link": "rod", "joint": "A", "length": 0.2},
-                "second": {"link": "piston", "guide": "way"},
-            }
-        },
-        "cylinders": {
-            "fire": {
-                **{"type": "four_stroke", "piston": "piston", "bore": 0.08, "clearance": 0.1},
-                **{"intake": 1e5, "exhaust": 1.1e5, "peak": 5e6},
-            }
-        },
-    }
+    gas = {"bore": 0.08, "clearance": 0.1, "intake": 1e5, "exhaust": 1.1e5, "peak": 5e6}
+    scene = slider_crank(slider="piston", cylinders={"fire": {"type": "four_stroke", "piston": "piston", **gas}})
+    scene["input"] |= {"speed": 90.0, "revolutions": revolutions}
     if quarter:
         scene["shafts"] = {"s": {"geared_to": "crank", "ratio": 0.25, "pivot": "O"}}
         scene["bodies"] = {"w": {"link": "s", "mass": 5.0, "x": 0.1}}

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from machines import crank, frame, rrp
 from mpmath import mpf
 
 from engine import AskError, Machine, Outcome, Scene, Verdict, made_ready
@@ -31,17 +32,10 @@ def slider_crank() -> Scene:
     """An offset slider-crank whose ram alone has a mass, pushed one way by a constant force."""
     return Scene.model_validate(
         {
-            "points": {"O": {"x": 0.0, "y": 0.0}},
+            "points": {"O": frame(0.0, 0.0)},
             "guides": {"way": {"y": NOMINAL[OFFSET]}},
-            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": NOMINAL[LENGTH], "speed": 6.0},
-            "groups": {
-                "drive": {
-                    "type": "RRP",
-                    "inner": "B",
-                    "first": {"link": "rod", "joint": "A", "length": NOMINAL[ROD]},
-                    "second": {"link": "ram", "guide": "way"},
-                }
-            },
+            "input": crank(length=NOMINAL[LENGTH], speed=6.0),
+            "groups": {"drive": rrp("B", ("rod", "A", NOMINAL[ROD]), "ram", "way")},
             "bodies": {"ram_body": {"link": "ram", "mass": NOMINAL[MASS]}},
             "flywheel": {"speed_fluctuation": 0.02},
             "forces": {"push": {"type": "constant", "on": "B", "angle": 0.0, "force": NOMINAL[FORCE]}},

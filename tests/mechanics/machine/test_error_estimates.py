@@ -5,6 +5,7 @@ import math
 import mpmath
 import numpy as np
 import pytest
+from machines import crank, frame, rpp, rrp, rrr
 
 from engine import Machine, Scene
 from engine.compiling.running import mean_of_rows, sum_of_rows
@@ -12,14 +13,12 @@ from engine.compiling.running import mean_of_rows, sum_of_rows
 TURN = 2.0 * math.pi
 
 
-def four_bar(crank, rod, rocker, frame):
-    group = {"type": "RRR", "inner": "B", "first": {"link": "rod", "joint": "A", "length": rod}}
-    group |= {"second": {"link": "rocker", "joint": "D", "length": rocker}}
+def four_bar(length, rod, rocker, base):
     return Scene.model_validate(
         {
-            "points": {"O": {"x": 0, "y": 0}, "D": {"x": frame, "y": 0}},
-            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": crank, "speed": 10.0},
-            "groups": {"g": group},
+            "points": {"O": frame(0.0, 0.0), "D": frame(base, 0.0)},
+            "input": crank(length=length, speed=10.0),
+            "groups": {"g": rrr("B", ("rod", "A", rod), ("rocker", "D", rocker))},
             "bodies": {"rocker_body": {"link": "rocker", "mass": 1.0, "x": 0.1, "y": 0, "inertia": 0.01}},
         }
     )
@@ -32,16 +31,16 @@ BESIDE = ("rocker.angular_velocity.max", "rocker.angular_acceleration.max", "B.x
 def near_change_points(count):
     """Crank-rockers whose longest link is 1e-11 to 0.01 too short for all links to fall in line; by how much."""
     rng = np.random.default_rng(6)
-    crank, one, other = rng.uniform(0.5, 1.0, count), rng.uniform(1.2, 3.0, count), rng.uniform(1.2, 3.0, count)
+    r, one, other = rng.uniform(0.5, 1.0, count), rng.uniform(1.2, 3.0, count), rng.uniform(1.2, 3.0, count)
     short = 10.0 ** rng.uniform(-11.0, -2.0, count)
-    links = rng.permuted(np.array([one, other, one + other - crank - short]), axis=0)
-    return np.array([crank, *links]), short
+    links = rng.permuted(np.array([one, other, one + other - r - short]), axis=0)
+    return np.array([r, *links]), short
 
 
 def true_swing(*lengths):
     """Between the positions with crank and rod in line."""
-    crank, rod, rocker, frame = map(mpmath.mpf, lengths)
-    angles = [mpmath.acos((frame**2 + rocker**2 - r**2) / (2 * frame * rocker)) for r in (rod + crank, rod - crank)]
+    r, rod, rocker, base = map(mpmath.mpf, lengths)
+    angles = [mpmath.acos((base**2 + rocker**2 - far**2) / (2 * base * rocker)) for far in (rod + r, rod - r)]
     return angles[0] - angles[1]
 
 
@@ -76,15 +75,8 @@ PRESS = {
     "gravity": 9.81,
     "points": {"O": {"x": 0, "y": 0}},
     "guides": {"way": {"x": 0.0, "y": 0.015625, "angle": 0.3}},
-    "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.05, "speed": 10.0},
-    "groups": {
-        "g": {
-            "type": "RRP",
-            "inner": "B",
-            "first": {"link": "rod", "joint": "A", "length": 0.2},
-            "second": {"link": "ram", "guide": "way", "offset": 0.0},
-        }
-    },
+    "input": crank(length=0.05, speed=10.0),
+    "groups": {"g": rrp("B", ("rod", "A", 0.2), "ram", "way")},
     "bodies": {"rod_body": {"link": "rod", "mass": 1.0, "x": 0.1, "y": 0.0, "inertia": 0.01}},
     "flywheel": {"inertia": 1.0},
 }
@@ -120,8 +112,7 @@ def test_load_at_the_end_of_a_stroke__its_work_is_covered(width):
 
 
 def test_what_vanishes_by_nature__reaches_the_accuracy():
-    yoke = {"type": "RPP", "first": {"link": "block", "joint": "A"}}
-    yoke |= {"second": {"link": "yoke", "guide": "way", "slot_angle": 0.5 * math.pi}}
+    yoke = rpp(("block", "A"), ("yoke", "way"), 0.5 * math.pi)
     scene = PRESS | {"groups": {"g": yoke}, "bodies": {"b": {"link": "yoke", "mass": 2.0, "inertia": 0.0}}}
     scene |= {"guides": {"way": {"angle": 0.0}}}
     asked = ["shaking_force.order_2", "required_power", "input_moment.order_3", "yoke.velocity.mean", "yoke.stroke_low"]

@@ -2,36 +2,22 @@
 
 import numpy as np
 import pytest
+from machines import changed, crank, frame, on, rrp
 from pydantic import ValidationError
 
 from engine import AskError, Machine, NonZero, Scene, Verdict, scene_numbers
 
 SCENE = {
-    "points": {"O": {"x": 0, "y": 0}, "C": {"link": "rod", "x": 0.2, "y": 0.0}},
+    "points": {"O": frame(0.0, 0.0), "C": on("rod", 0.2, 0.0), "P": frame(0.1, 0.03)},
     "guides": {"way": {"angle": 0}, "table": {"y": -0.3}},
-    "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.05, "speed": 30.0},
+    "input": crank(length=0.05, speed=30.0),
     "shafts": {"second": {"geared_to": "crank", "ratio": 2.0, "inertia": 0.1}},
-    "groups": {
-        "drive": {
-            "type": "RRP",
-            "inner": "B",
-            "first": {"link": "rod", "joint": "A", "length": 0.2},
-            "second": {"link": "piston", "guide": "way"},
-        }
-    },
+    "groups": {"drive": rrp("B", ("rod", "A", 0.2), "piston", "way")},
     "pinions": {"wheel": {"rack": "piston", "pivot": "P", "radius": 0.03}},
     "bodies": {"piston_body": {"link": "piston", "mass": 2.0}},
 }
-SCENE["points"]["P"] = {"x": 0.1, "y": 0.03}
 NUMBERS = scene_numbers(Scene.model_validate(SCENE))
 NEVER_ZERO = [path for path, number in NUMBERS.items() if any(isinstance(m, NonZero) for m in number.limits)]
-
-
-def changed(path, value):
-    def inside(part, keys):
-        return part | {keys[0]: inside(part[keys[0]], keys[1:]) if keys[1:] else value}
-
-    return inside(SCENE, path.split("."))
 
 
 def test_numbers_that_must_not_be_zero__are_these():
@@ -41,7 +27,7 @@ def test_numbers_that_must_not_be_zero__are_these():
 @pytest.mark.parametrize("path", NUMBERS)
 def test_variant_of_zero__is_outside_limits_where_the_scene_refuses_zero(path):
     try:
-        Scene.model_validate(changed(path, 0.0))
+        Scene.model_validate(changed(SCENE, {path: 0.0}))
     except ValidationError:
         refused = True
     else:

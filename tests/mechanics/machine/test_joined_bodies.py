@@ -7,6 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from machines import slider_crank
 from oracle import EPS
 from press import press
 
@@ -110,14 +111,7 @@ def test_many_bodies__are_one_mass_to_a_link(count):
 @pytest.mark.parametrize("others", [{}, {"other": {"link": "crank", "mass": 0.0, "inertia": 0.2}}])
 def test_crank_body_without_mass__adds_its_inertia(others):
     bodies = {"wheel": {"link": "crank", "mass": 0.0, "inertia": 0.1}, "ram": {"link": "piston", "mass": 2.0}} | others
-    rod = {"link": "rod", "joint": "A", "length": 0.2}
-    scene = {
-        "points": {"O": {"x": 0, "y": 0}},
-        "guides": {"way": {"angle": 0}},
-        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.05, "speed": 30.0},
-        "groups": {"slide": {"type": "RRP", "inner": "B", "first": rod, "second": {"link": "piston", "guide": "way"}}},
-        "bodies": bodies,
-    }
+    scene = slider_crank(speed=30.0, slider="piston", bodies=bodies)
     asked = ["reduced_inertia.max", "input.reaction.max", "shaking_force.max"]
     machine = Machine(Scene.model_validate(scene), asked, varied=["bodies.wheel.inertia"])
     found = machine.evaluate({"bodies.wheel.inertia": np.array([0.0, 0.1, 3.0])})

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from machines import crank, frame, rrp, rrr
 from numba import njit
 
 from engine import Machine, Scene, set_threads
@@ -14,16 +15,9 @@ EPS = np.finfo(float).eps
 
 FOUR_BAR = {
     "gravity": 9.81,
-    "points": {"O": {"x": 0.0, "y": 0.0}, "D": {"x": 0.22, "y": 0.01}},
-    "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.05, "speed": 12.0},
-    "groups": {
-        "g": {
-            "type": "RRR",
-            "inner": "B",
-            "first": {"link": "rod", "joint": "A", "length": 0.2},
-            "second": {"link": "rocker", "joint": "D", "length": 0.15},
-        }
-    },
+    "points": {"O": frame(0.0, 0.0), "D": frame(0.22, 0.01)},
+    "input": crank(length=0.05, speed=12.0),
+    "groups": {"g": rrr("B", ("rod", "A", 0.2), ("rocker", "D", 0.15))},
     "bodies": {"rod": {"link": "rod", "mass": 1.0, "x": 0.1, "y": 0.01, "inertia": 0.01}},
     "moments": {"twist": {"on": "rocker", "type": "constant", "moment": 5.0}},
     "flywheel": {"speed_fluctuation": 0.02},
@@ -81,9 +75,9 @@ def test_part_of_a_buffer__gets_the_same_bits_and_nothing_is_left_of_what_it_hel
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
 @pytest.mark.parametrize("revolutions", [1, 2])
 def test_angles__go_on_through_all_turns(dtype, revolutions):
-    crank = {**FOUR_BAR["input"], "revolutions": revolutions}
+    turning = FOUR_BAR["input"] | {"revolutions": revolutions}
     machine = Machine(
-        four_bar(input=crank), [], ["crank.angle", "rod.angle", "A.x", "A.y", "B.x", "B.y"], [], 360, dtype
+        four_bar(input=turning), [], ["crank.angle", "rod.angle", "A.x", "A.y", "B.x", "B.y"], [], 360, dtype
     )
     f = {name: rows[0] for name, rows in machine.evaluate({}).fields.items()}
     # A rounding of the greatest angle, and of the direction before it.
@@ -135,14 +129,7 @@ def test_ranges_of_variants_own__are_those_of_the_slide():
                 "type": "slider", "link": "drive", "guide": "along", "point": "A",
                 "start": 0.05, "stop": 0.1, "speed": 0.1,
             },
-            "groups": {
-                "g": {
-                    "type": "RRP",
-                    "inner": "B",
-                    "first": {"link": "rod", "joint": "A", "length": 0.2},
-                    "second": {"link": "ram", "guide": "across"},
-                }
-            },
+            "groups": {"g": rrp("B", ("rod", "A", 0.2), "ram", "across")},
         }
     )  # fmt: skip
     stops = np.array([0.1, 0.15, 0.19, 0.26, -0.1])

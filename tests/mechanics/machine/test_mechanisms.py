@@ -217,17 +217,6 @@ def test_position_out_of_reach__nan_there_and_verdict():
         np.testing.assert_array_equal(np.isnan(row), [np.zeros(24, bool), missing])
 
 
-def test_parallelogram_at_its_change_point__singular_with_finite_position():
-    scene = changed(four_bar(), {"points.O.x": 0.0, "points.O.y": 0.0, "points.D.x": 1.0, "points.D.y": 0.0})
-    scene["groups"]["bars"]["second"]["length"] = 0.3
-    machine = Machine(Scene.model_validate(scene), fields=["B.x", "B.x_phi"], positions=16)
-    outcome = machine.evaluate({})
-    assert outcome.status[0] == Verdict.SINGULAR
-    assert min(abs(outcome.status_at[0] - place) for place in (0.0, math.pi, 2 * math.pi)) < 1e-6
-    assert np.isfinite(outcome.fields["B.x"]).all()
-    assert not np.isfinite(outcome.fields["B.x_phi"][0, 0])
-
-
 def test_parallel_guides__singular():
     scene = {
         "points": {"O": frame(0.0, 0.0)},

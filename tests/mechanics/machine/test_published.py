@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 import pytest
+from machines import crank, frame, on, rpr, rrp, rrr
 
 from engine import Machine, Scene
 from engine.cycle.turning_moment import fluctuation, turning_moment_from_areas, turning_moment_from_table
@@ -102,7 +103,7 @@ def test_bevan_12_10__in_feet_and_pounds():
 # Flywheels of scenes: a crank with an engine's and a load's moment over its angle
 
 
-def crank(engine, load, speed, wheel):
+def driven(engine, load, speed, wheel):
     """A crank with two moments as splines over its angle, by 2° from 0 to 360°."""
     phi = np.linspace(0, 360, 181)
 
@@ -113,8 +114,8 @@ def crank(engine, load, speed, wheel):
 
     return Scene.model_validate(
         {
-            "points": {"O": {"x": 0, "y": 0}},
-            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": 0.1, "speed": f"{speed} rpm"},
+            "points": {"O": frame(0.0, 0.0)},
+            "input": crank(speed=f"{speed} rpm"),
             "moments": {"engine": table(engine, "driving"), "load": table(load, "useful")},
             "flywheel": wheel,
         }
@@ -130,7 +131,7 @@ def solve(scene, *asked):
 def test_khurmi_16_11__engine_by_harmonics():
     # T = 20 000 + 9500 sin 2θ − 5700 cos 2θ at 180 rpm; printed 377 kW, 11 078 J (cut off from 11 078.8), and
     # 3121 kg·m² for ±0.5 %, after rounding δω² from 3.553 to 3.55.
-    scene = crank(lambda t: 20_000 + 9500 * np.sin(2 * t) - 5700 * np.cos(2 * t), lambda t: 0, 180,
+    scene = driven(lambda t: 20_000 + 9500 * np.sin(2 * t) - 5700 * np.cos(2 * t), lambda t: 0, 180,
                   {"speed_fluctuation": 0.01})  # fmt: skip
     power, excess, wheel = solve(scene, "required_power", "excess_work", "flywheel_wittenbauer")
     assert -power == pytest.approx(377e3, abs=500)
@@ -140,7 +141,7 @@ def test_khurmi_16_11__engine_by_harmonics():
 
 def test_khurmi_16_12__engine_against_a_varying_load():
     # T = 5000 + 600 sin 2θ against 5000 + 500 sin θ, 500 kg at 0.4 m, 150 rpm; printed 1204 J and δ = 6.1 %.
-    scene = crank(lambda t: 5000 + 600 * np.sin(2 * t), lambda t: -5000 - 500 * np.sin(t), 150,
+    scene = driven(lambda t: 5000 + 600 * np.sin(2 * t), lambda t: -5000 - 500 * np.sin(t), 150,
                   {"inertia": 500 * 0.16})  # fmt: skip
     excess, delta, useful = solve(scene, "excess_work", "speed_fluctuation", "mean_useful_moment")
     assert excess == pytest.approx(1204, abs=0.5)
@@ -150,7 +151,7 @@ def test_khurmi_16_12__engine_against_a_varying_load():
 
 def test_khurmi_16_13__three_cranks():
     # T = 5000 + 1500 sin 3θ at 300 rpm, 1000 kg·m², constant load; printed 157.1 kW and δ = 0.1 %.
-    scene = crank(lambda t: 5000 + 1500 * np.sin(3 * t), lambda t: 0, 300, {"inertia": 1000})
+    scene = driven(lambda t: 5000 + 1500 * np.sin(3 * t), lambda t: 0, 300, {"inertia": 1000})
     power, delta = solve(scene, "required_power", "speed_fluctuation")
     assert -power == pytest.approx(157.1e3, abs=50)
     assert delta == pytest.approx(0.001, abs=5e-4)
@@ -159,7 +160,7 @@ def test_khurmi_16_13__three_cranks():
 def test_sarkar_10__engine_against_a_varying_load():
     # B. K. Sarkar, Theory of Machines, ch. 6 illustration 10 (FOSSEE companion, which corrects the book's energy):
     # 15 000 + 8000 sin 2θ against 15 000 − 6000 cos θ, 200 rpm; 314.1 kW and, with π of four digits, 15 124 J.
-    scene = crank(lambda t: 15_000 + 8000 * np.sin(2 * t), lambda t: -15_000 + 6000 * np.cos(t), 200,
+    scene = driven(lambda t: 15_000 + 8000 * np.sin(2 * t), lambda t: -15_000 + 6000 * np.cos(t), 200,
                   {"speed_fluctuation": 0.02})  # fmt: skip
     useful, excess = solve(scene, "mean_useful_moment", "excess_work")
     assert useful * rpm(200) == pytest.approx(314.1e3, abs=100)
@@ -172,17 +173,9 @@ def test_sarkar_10__engine_against_a_varying_load():
 def four_bar(ground, crank_length, coupler, rocker, mode):
     return Scene.model_validate(
         {
-            "points": {"O": {"x": 0, "y": 0}, "D": {"x": ground, "y": 0}},
-            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": crank_length, "speed": 1.0},
-            "groups": {
-                "g": {
-                    "type": "RRR",
-                    "inner": "B",
-                    "mode": mode,
-                    "first": {"link": "coupler", "joint": "A", "length": coupler},
-                    "second": {"link": "rocker", "joint": "D", "length": rocker},
-                }
-            },
+            "points": {"O": frame(0.0, 0.0), "D": frame(ground, 0.0)},
+            "input": crank(length=crank_length, speed=1.0),
+            "groups": {"g": rrr("B", ("coupler", "A", coupler), ("rocker", "D", rocker), mode)},
         }
     )
 
@@ -236,17 +229,10 @@ def test_norton_problem_row_a__has_the_printed_answers(mode, link, angle, omega,
 def slider_crank(crank_length, rod, offset=0.0):
     return Scene.model_validate(
         {
-            "points": {"O": {"x": 0, "y": 0}},
+            "points": {"O": frame(0.0, 0.0)},
             "guides": {"way": {}},
-            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": crank_length, "speed": 1.0},
-            "groups": {
-                "g": {
-                    "type": "RRP",
-                    "inner": "B",
-                    "first": {"link": "rod", "joint": "A", "length": rod},
-                    "second": {"link": "ram", "guide": "way", "offset": offset},
-                }
-            },
+            "input": crank(length=crank_length, speed=1.0),
+            "groups": {"g": rrp("B", ("rod", "A", rod), "ram", "way", offset)},
         }
     )
 
@@ -290,25 +276,12 @@ def slotted_lever(distance, radius, lever=0.45):
     """A crank at O drives a slotted lever pivoted below it; P is the lever's end."""
     return Scene.model_validate(
         {
-            "points": {
-                "O": {"x": 0, "y": 0},
-                "C": {"x": 0, "y": -distance},
-                "P": {"link": "lever", "x": lever, "y": 0},
-            },
+            "points": {"O": frame(0.0, 0.0), "C": frame(0.0, -distance), "P": on("lever", lever, 0.0)},
             "guides": {"way": {"y": -distance}},
-            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": radius, "speed": 1.0},
+            "input": crank(length=radius, speed=1.0),
             "groups": {
-                "g": {
-                    "type": "RPR",
-                    "first": {"link": "block", "joint": "A"},
-                    "second": {"link": "lever", "joint": "C"},
-                },
-                "out": {
-                    "type": "RRP",
-                    "inner": "B",
-                    "first": {"link": "rod", "joint": "P", "length": 4 * lever},
-                    "second": {"link": "ram", "guide": "way"},
-                },
+                "g": rpr(("block", "A"), ("lever", "C")),
+                "out": rrp("B", ("rod", "P", 4 * lever), "ram", "way"),
             },
         }
     )

@@ -242,20 +242,3 @@ def test_mass_at_the_first_point__may_vary():
     np.testing.assert_allclose(sum(found.summaries[name] for name in asked), 2.0, rtol=32 * EPS)
     inertia = body_inertia(scene, "rod_body", Numbers(scene_numbers(scene), {}))
     assert (np.abs(found.summaries["rod_body.replacement_error"]) <= 200 * EPS * inertia).all()
-
-
-def test_four_bar_with_static_masses__moves_as_with_bodies_of_points():
-    """Masses by name of the point against bodies that a user would put there by hand."""
-    replaced = four_bar()
-    replaced["bodies"] = {"c": {"link": "coupler", "mass": 3.0, "x": 0.4, "inertia": 0.2}}
-    replaced["bodies"]["c"]["replace"] = {"type": "static", "at": ["A", "B"]}
-    # The coupler is 1 m long.
-    by_hand = four_bar()
-    by_hand["bodies"] = {"a": {"link": "coupler", "mass": 1.8}, "b": {"link": "coupler", "mass": 1.2, "x": 1.0}}
-    rows = [
-        Machine(Scene.model_validate(s), fields=["reduced_inertia"], positions=16)
-        .evaluate({})
-        .fields["reduced_inertia"]
-        for s in (replaced, by_hand)
-    ]
-    np.testing.assert_allclose(*rows, rtol=64 * EPS)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from machines import crank, frame, on, rpr, rrp, rrr
 
 from engine import Machine, Scene, Verdict
 from engine.cycle.measured import Measured
@@ -65,21 +66,16 @@ def test_quick_return_ratio__of_an_end_that_may_be_at_either_of_two_places_is_un
 def scene(groups, points, length, guides=None, **more):
     return Scene.model_validate(
         {
-            "points": {"O": {"x": 0, "y": 0}} | points,
+            "points": {"O": frame(0.0, 0.0)} | points,
             "guides": guides or {},
-            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": length, "speed": 10.0, "revolutions": 2},
+            "input": crank(length=length, speed=10.0, revolutions=2),
             "groups": groups,
         }
         | more
     )
 
 
-SLIDER_CRANK = {
-    "type": "RRP",
-    "inner": "B",
-    "first": {"link": "rod", "joint": "A", "length": 0.2},
-    "second": {"link": "ram", "guide": "way", "offset": 0.01},
-}
+SLIDER_CRANK = rrp("B", ("rod", "A", 0.2), "ram", "way", 0.01)
 
 
 def test_offset_slider_crank__has_the_stroke_and_time_ratio_of_its_triangles():
@@ -108,20 +104,14 @@ def test_offset_slider_crank__has_the_stroke_and_time_ratio_of_its_triangles():
 
 @pytest.mark.parametrize("rod", [0.06, 0.0500001, 1.0])
 def test_transmission_angle__is_that_of_a_crank_across_the_guide(rod):
-    in_line = {"second": {"link": "ram", "guide": "way"}}
-    group = SLIDER_CRANK | in_line | {"first": {"link": "rod", "joint": "A", "length": rod}}
+    group = rrp("B", ("rod", "A", rod), "ram", "way")
     outcome = Machine(scene({"g": group}, {}, 0.05, {"way": {}}), ["g.transmission_angle"]).evaluate({})
     ratio = 0.05 / rod
     # A rounding of the ratio over its cosine.
     within_figures(outcome, "g.transmission_angle", math.acos(ratio), 8 * EPS / math.sqrt((1 - ratio) * (1 + ratio)))
 
 
-ROCKER = {
-    "type": "RRR",
-    "inner": "B",
-    "first": {"link": "rod", "joint": "A", "length": 0.2},
-    "second": {"link": "rocker", "joint": "D", "length": 0.15},
-}
+ROCKER = rrr("B", ("rod", "A", 0.2), ("rocker", "D", 0.15))
 
 
 def test_crank_rocker__has_the_swing_of_its_dead_centres():
@@ -151,9 +141,8 @@ def test_crank_rocker__has_the_swing_of_its_dead_centres():
 
 def test_swing_of_a_link_that_turns_round__is_undefined():
     # A double crank: the fixed link is the shortest, so all others turn round.
-    bars = ROCKER | {"first": {"link": "rod", "joint": "A", "length": 0.2}}
     names = ["rocker.swing", "rocker.swing_time_ratio", "rod.swing", "rocker.angle_phi.mean"]
-    outcome = Machine(scene({"g": bars}, {"D": {"x": 0.05, "y": 0}}, 0.18), names).evaluate({})
+    outcome = Machine(scene({"g": ROCKER}, {"D": {"x": 0.05, "y": 0}}, 0.18), names).evaluate({})
     assert outcome.status[0] == Verdict.OK
     for name in names[:3]:
         assert np.isnan([outcome.summaries[name][0], outcome.errors[name][0]]).all()
@@ -190,7 +179,7 @@ def test_statistics_of_an_angle__are_those_of_its_rows(pivot, crank):
 
 
 def test_oscillating_slotted_lever__has_the_time_ratio_of_its_tangents():
-    lever = {"type": "RPR", "first": {"link": "block", "joint": "A"}, "second": {"link": "lever", "joint": "D"}}
+    lever = rpr(("block", "A"), ("lever", "D"))
     rng = np.random.default_rng(5)
     distance = rng.uniform(0.15, 0.6, 100)
     asked = ["lever.swing", "lever.swing_time_ratio", "block.stroke", "g.transmission_angle"]
@@ -232,16 +221,8 @@ def test_end_of_a_stroke_that_is_a_dwell__may_be_anywhere_in_it():
 
 def test_time_ratio_of_what_repeats_with_the_cycle_alone__is_not_told():
     """On a shaft that turns once in two turns of the crank there is a way out and a way back in two turns."""
-    groups = {
-        "g": SLIDER_CRANK,
-        "h": SLIDER_CRANK
-        | {
-            "inner": "E",
-            "first": {"link": "bar", "joint": "D", "length": 0.2},
-            "second": {"link": "valve", "guide": "way"},
-        },
-    }
-    points = {"C": {"x": 0.0, "y": 0.02}, "D": {"link": "half", "x": 0.03, "y": 0.0}}
+    groups = {"g": SLIDER_CRANK, "h": rrp("E", ("bar", "D", 0.2), "valve", "way", 0.01)}
+    points = {"C": frame(0.0, 0.02), "D": on("half", 0.03, 0.0)}
     shafts = {"half": {"geared_to": "crank", "ratio": -0.5, "pivot": "C"}}
     machine = Machine(scene(groups, points, 0.05, {"way": {}}, shafts=shafts))
     assert "ram.stroke_time_ratio" in machine.available_summaries
@@ -275,28 +256,22 @@ def test_limited_crank__has_the_stroke_of_its_range(start, stop):
 @pytest.mark.parametrize(("inside", "turns"), [(False, 1), (True, 1), (False, 2), (True, 3)])
 def test_swing_that_ends_where_the_cycle_does__has_its_ratio(inside, turns):
     """Rocker at its end where crank and rod are in line: the frame leans so that this is at the crank angle 0."""
-    crank, rod, rocker, frame = 0.1, 0.25, 0.2, 0.3
+    r, rod, rocker, base = 0.1, 0.25, 0.2, 0.3
 
     def aside(reach):
         """Angle between the frame and the line from the crank's pivot to the joint of rod and rocker."""
-        return math.acos((reach**2 + frame**2 - rocker**2) / (2 * reach * frame))
+        return math.acos((reach**2 + base**2 - rocker**2) / (2 * reach * base))
 
-    far, near = aside(rod + crank), aside(rod - crank) + math.pi
+    far, near = aside(rod + r), aside(rod - r) + math.pi
     beside = np.array([0.0, 1e-15, -1e-15, 1e-12, -1e-12, 1e-8, -1e-8, 1e-5, -1e-5])
     lean = beside - (near if inside else far)
-    dyad = {
-        "type": "RRR",
-        "inner": "B",
-        "first": {"link": "rod", "joint": "A", "length": rod},
-        "second": {"link": "rocker", "joint": "D", "length": rocker},
-        "mode": 1,
-    }
-    points = {"O": {"x": 0.0, "y": 0.0}, "D": {"x": frame, "y": 0.0}}
+    dyad = rrr("B", ("rod", "A", rod), ("rocker", "D", rocker))
+    points = {"O": frame(0.0, 0.0), "D": frame(base, 0.0)}
     names = ["rocker.swing_time_ratio", "rocker.swing_low_at", "rocker.swing_high_at"]
-    given = scene({"g": dyad}, points, crank)
+    given = scene({"g": dyad}, points, r)
     given = given.model_copy(update={"input": given.input.model_copy(update={"revolutions": turns})})
     machine = Machine(given, names, varied=["points.D.x", "points.D.y"])
-    outcome = machine.evaluate({"points.D.x": frame * np.cos(lean), "points.D.y": frame * np.sin(lean)})
+    outcome = machine.evaluate({"points.D.x": base * np.cos(lean), "points.D.y": base * np.sin(lean)})
     assert (outcome.status == Verdict.OK).all()
     up = (near - far) % TURN
     slow = max(up, TURN - up)

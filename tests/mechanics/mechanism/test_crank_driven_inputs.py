@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
-from driving_cams import changed
+from driving_cams import BALANCE, changed
 from geared_links import CRANK
+from machines import rrr
 
 from engine import Machine, Scene, SceneError, Verdict
 from engine.scene.structure.ordering import order
 
 EPS = np.finfo(float).eps
-BALANCE = ["input_moment_disagreement", "equilibrium_residual"]
 MOTOR = {"type": "dc_motor", "on": "crank", "stall_moment": 30.0, "no_load_speed": "150 rpm"}
 REST = {
     "gravity": 9.81,
@@ -23,14 +23,7 @@ FIVE_BAR = {
     **REST,
     "points": {"O": {"x": 0, "y": 0}, "C": {"x": 0.2, "y": 0.02}, "D": {"link": "second", "x": 0.04, "y": 0.01}},
     "inputs": {"second": {"type": "crank", "drive": "crank", **SECOND}},
-    "groups": {
-        "arms": {
-            "type": "RRR",
-            "inner": "B",
-            "first": {"link": "left", "joint": "A", "length": 0.19},
-            "second": {"link": "right", "joint": "D", "length": 0.17},
-        }
-    },
+    "groups": {"arms": rrr("B", ("left", "A", 0.19), ("right", "D", 0.17))},
     "bodies": {
         "left_body": {"link": "left", "mass": 0.7, "x": 0.09, "y": 0.01, "inertia": 0.002},
         "second_body": {"link": "second", "mass": 1.5, "x": 0.01, "y": 0.02, "inertia": 0.002},

@@ -5,17 +5,17 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from driving_cams import changed
+from driving_cams import BALANCE, changed, rows_of
 from geared_links import CRANK
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from machines import rrr
 
-from engine import Machine, Scene, SceneError, Verdict
+from engine import Machine, Scene, SceneError
 from engine.machine.results import AskError
 from engine.scene.structure.ordering import order
 
 EPS = np.finfo(float).eps
-BALANCE = ("input_moment_disagreement", "equilibrium_residual")
 SPEED, PERIOD, TURNING = 4 * math.pi, 0.8, -2.5
 SWINGS = {
     "out": {"type": "rise", "law": "cycloidal", "angle": "120 deg", "swing": 0.3},
@@ -33,14 +33,7 @@ SECOND = {
 MACHINE = {
     "gravity": 9.81,
     "points": {"C": {"x": 0.2, "y": 0.02}, "D": {"link": "second", "x": 0.04, "y": 0.01}},
-    "groups": {
-        "arms": {
-            "type": "RRR",
-            "inner": "B",
-            "first": {"link": "left", "joint": "A", "length": 0.19},
-            "second": {"link": "right", "joint": "D", "length": 0.17},
-        }
-    },
+    "groups": {"arms": rrr("B", ("left", "A", 0.19), ("right", "D", 0.17))},
     "bodies": {
         "left_body": {"link": "left", "mass": 0.7, "x": 0.09, "inertia": 0.002},
         "right_body": {"link": "right", "mass": 0.8, "x": 0.08, "inertia": 0.003},
@@ -104,14 +97,6 @@ def energy_change(one, psi, time: mpmath.mpf, ram: float) -> mpmath.mpf:
         return total + ram * 9.81 * one(t).imag
 
     return mpmath.diff(energy, time)
-
-
-def rows_of(machine: Machine, **values: float) -> dict[str, np.ndarray]:
-    outcome = machine.evaluate({path: np.array([value]) for path, value in values.items()})
-    assert outcome.status[0] == Verdict.OK
-    # A few roundings of what a handful of links pass on, against the greatest.
-    assert all(outcome.summaries[name][0] < 1e-13 for name in BALANCE)
-    return {name: outcome.fields[name][0] for name in machine.asked_fields}
 
 
 def compared(rows: dict[str, np.ndarray], k: int, one, psi, time: mpmath.mpf, speed: float, ram: float = 0.0) -> None:
@@ -212,37 +197,28 @@ def test_speed_and_period_vary__where_nothing_has_to_close():
         np.testing.assert_allclose(row, own[name], rtol=1e-13, atol=1e-13 * np.abs(row).max())
 
 
-TURNS = {"start": None, "stop": None}
-
-
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("scene", "changes", "told"),
     [
-        ({"input": CRANK}, "doesn't close: no cycle of up to 24"),
+        (OVER_RANGE, {"input": CRANK}, "doesn't close: no cycle of up to 24"),
         (
+            OVER_RANGE,
             {"input": CRANK, "inputs__second": {"type": "crank", "pivot": "C", "speed": 1.0}},
             "inputs.second.speed: 'second' makes",
         ),
-        ({"inputs__second__travel": 0.1, "inputs__second__period": None}, "inputs.second.travel: is of a first input"),
-        ({"regimes": {"run": {"type": "run", "time": 1.0}}}, "counts on one drive"),
+        (
+            OVER_RANGE,
+            {"inputs__second__travel": 0.1, "inputs__second__period": None},
+            "inputs.second.travel: is of a first input",
+        ),
+        (OVER_RANGE, {"regimes": {"run": {"type": "run", "time": 1.0}}}, "counts on one drive"),
+        (SLIDING, {"inputs__second__travel": None}, "give travel, the length"),
+        (SLIDING, {"inputs__second__drive": "crank"}, "there is no crank"),
     ],
 )
-def test_laws_without_meaning__are_refused_in_words(changes, told):
+def test_laws_without_meaning__are_refused_in_words(scene, changes, told):
     with pytest.raises(SceneError) as caught:
-        order(Scene.model_validate(changed(OVER_RANGE, **changes)))
-    assert told in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("changes", "told"),
-    [
-        ({"inputs__second__travel": None}, "give travel, the length"),
-        ({"inputs__second__drive": "crank"}, "there is no crank"),
-    ],
-)
-def test_laws_beside_a_sliding_input__are_refused_in_words(changes, told):
-    with pytest.raises(SceneError) as caught:
-        order(Scene.model_validate(changed(SLIDING, **changes)))
+        order(Scene.model_validate(changed(scene, **changes)))
     assert told in str(caught.value)
 
 

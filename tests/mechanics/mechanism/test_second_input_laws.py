@@ -5,18 +5,18 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from driving_cams import changed
+from driving_cams import BALANCE, changed, rows_of
 from geared_links import CRANK
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from machines import rrr
 from scipy.interpolate import CubicSpline
 
-from engine import Machine, Scene, SceneError, Verdict
+from engine import Machine, Scene, SceneError
 from engine.machine.results import AskError
 from engine.scene.structure.ordering import order
 
 EPS = np.finfo(float).eps
-BALANCE = ("input_moment_disagreement", "equilibrium_residual")
 NODES = 48
 SECTIONS = {
     "out": {"type": "rise", "law": "cycloidal", "angle": "100 deg", "lift": 0.06},
@@ -32,14 +32,7 @@ JOINED = {
     "guides": {"way": {"x": 0.2, "y": -0.03, "angle": "25 deg"}},
     "input": CRANK,
     "inputs": {"ram": SLIDING},
-    "groups": {
-        "arms": {
-            "type": "RRR",
-            "inner": "B",
-            "first": {"link": "left", "joint": "A", "length": 0.2},
-            "second": {"link": "right", "joint": "D", "length": 0.18},
-        }
-    },
+    "groups": {"arms": rrr("B", ("left", "A", 0.2), ("right", "D", 0.18))},
     "bodies": {
         "left_body": {"link": "left", "mass": 0.7, "x": 0.09, "inertia": 0.002},
         "right_body": {"link": "right", "mass": 0.8, "x": 0.08, "inertia": 0.003},
@@ -48,14 +41,6 @@ JOINED = {
 }
 MOTION = [f"{of}{rate}" for of in ("B.x", "B.y", "ram.slide") for rate in ("", "_phi", "_phiphi")]
 DRIVES = ["input_moment_by_equilibrium", "ram.driving_force", "input_moment_by_power", "input_moment"]
-
-
-def rows_of(machine: Machine, **values: float) -> dict[str, np.ndarray]:
-    outcome = machine.evaluate({path: np.array([value]) for path, value in values.items()})
-    assert outcome.status[0] == Verdict.OK
-    # A few roundings of what a handful of links pass on, against the greatest.
-    assert all(outcome.summaries[name][0] < 1e-13 for name in BALANCE)
-    return {name: outcome.fields[name][0] for name in machine.asked_fields}
 
 
 def lift(phi: mpmath.mpf, begin: float, reach: float) -> mpmath.mpf:

@@ -5,17 +5,17 @@ import math
 
 import numpy as np
 import pytest
-from driving_cams import changed
+from driving_cams import BALANCE, changed, rows_of
 from geared_links import CRANK
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from machines import rrr
 
-from engine import Machine, Scene, SceneError, Verdict
+from engine import Machine, Scene, SceneError
 from engine.machine.results import AskError
 from engine.scene.structure.ordering import order
 
 EPS = np.finfo(float).eps
-BALANCE = ("input_moment_disagreement", "equilibrium_residual")
 HARMONICS = {"one": {"order": 1, "cosine": 0.2, "sine": -0.3}, "three": {"order": 3, "cosine": 0.04, "sine": 0.05}}
 FIVE_BAR = {
     "gravity": "9.81 m/s2",
@@ -27,14 +27,7 @@ FIVE_BAR = {
     },
     "input": CRANK,
     "inputs": {"second": {"type": "crank", "pivot": "C", "ratio": -1, "phase": 0.5, "harmonics": HARMONICS}},
-    "groups": {
-        "arms": {
-            "type": "RRR",
-            "inner": "B",
-            "first": {"link": "left", "joint": "A", "length": 0.19},
-            "second": {"link": "right", "joint": "D", "length": 0.17},
-        }
-    },
+    "groups": {"arms": rrr("B", ("left", "A", 0.19), ("right", "D", 0.17))},
     "springs": {"s": {"between": ("B", "H"), "stiffness": 100.0}},
     "bodies": {
         "left_body": {"link": "left", "mass": 0.7, "x": 0.09, "y": 0.01, "inertia": 0.002},
@@ -58,17 +51,8 @@ MACHINE = Machine(
 )
 
 
-def evaluated(machine: Machine, **values: float) -> dict[str, np.ndarray]:
-    outcome = machine.evaluate({path: np.array([value]) for path, value in values.items()})
-    assert outcome.status[0] == Verdict.OK
-    # A few roundings of what a handful of links pass on, against the greatest.
-    assert outcome.summaries[BALANCE[0]][0] < 1e-13
-    assert outcome.summaries[BALANCE[1]][0] < 1e-13
-    return {name: outcome.fields[name][0] for name in machine.asked_fields}
-
-
 def varied(phase: float, cosine: float, sine: float, speed: float) -> dict[str, np.ndarray]:
-    return evaluated(MACHINE, **dict(zip(MACHINE.varied, (phase, cosine, sine, speed), strict=True)))
+    return rows_of(MACHINE, **dict(zip(MACHINE.varied, (phase, cosine, sine, speed), strict=True)))
 
 
 def law(phi: float, phase: float, cosine: float, sine: float) -> float:
@@ -149,7 +133,7 @@ def test_second_input_of_a_ratio__moves_as_a_geared_shaft_does():
     driven = Machine(Scene.model_validate(changed(FIVE_BAR, inputs=inputs)), BALANCE, names, positions=24)
     shafts = {"second": {**second, "geared_to": "crank"}}
     geared = Machine(Scene.model_validate(changed(FIVE_BAR, inputs={}, shafts=shafts)), BALANCE, names, positions=24)
-    one, other = evaluated(driven), evaluated(geared)
+    one, other = rows_of(driven), rows_of(geared)
     for name in names:
         np.testing.assert_allclose(one[name], other[name], atol=32 * EPS * np.abs(other[name]).max())
 
@@ -162,7 +146,7 @@ def test_friction__is_borne_by_both_drives():
     scene = Scene.model_validate(changed(FIVE_BAR, friction=friction))
     names = ["input_moment_with_friction", "input_moment_by_equilibrium", "second.driving_moment", "second.angle_phi"]
     machine = Machine(scene, BALANCE, names, positions=24)
-    whole, own, second, rate = evaluated(machine).values()
+    whole, own, second, rate = rows_of(machine).values()
     np.testing.assert_allclose(whole, own + second * rate, atol=8 * EPS * (np.abs(own) + np.abs(second * rate)).max())
 
 

@@ -66,3 +66,15 @@ def one(element, *names, **changes):
     values, outcome = asked({"it": {**element, **changes}}, *(f"it.{name}" for name in names))
     assert outcome.status[0] == Verdict.OK
     return [float(value[0]) for value in values]
+
+
+def element(data):
+    """The element that some data describe, alone."""
+    return scene(it=data).elements["it"]
+
+
+def figures(data, *names, **varied):
+    """Results of a single element with their error figures."""
+    values, outcome = asked({"it": data}, *(f"it.{name}" for name in names), **varied)
+    assert outcome.status[0] == Verdict.OK
+    return [(float(v[0]), float(outcome.errors[f"it.{n}"][0])) for n, v in zip(names, values, strict=True)]

@@ -3,6 +3,8 @@
 import math
 from fractions import Fraction
 
+from machines import frame, on, rpp, rpr, rrp, rrr
+
 from engine import Scene
 
 
@@ -13,17 +15,10 @@ def crank(length=0.05, **others):
 def slider_crank(angle=0.0, offset=0.0, **others):
     return Scene.model_validate(
         {
-            "points": {"O": {"x": 0, "y": 0}},
+            "points": {"O": frame(0, 0)},
             "guides": {"way": {"angle": angle, "y": offset}},
             "input": crank(),
-            "groups": {
-                "g": {
-                    "type": "RRP",
-                    "inner": "B",
-                    "first": {"link": "rod", "joint": "A", "length": 0.2},
-                    "second": {"link": "piston", "guide": "way"},
-                }
-            },
+            "groups": {"g": rrp("B", ("rod", "A", 0.2), "piston", "way")},
             "bodies": {
                 "rod": {"link": "rod", "mass": 2.0, "x": 0.07, "inertia": 0.01},
                 "piston": {"link": "piston", "mass": 1.5},
@@ -36,20 +31,9 @@ def slider_crank(angle=0.0, offset=0.0, **others):
 def four_bar(**others):
     return Scene.model_validate(
         {
-            "points": {
-                "O": {"x": 0, "y": 0},
-                "D": {"x": 0.22, "y": 0.01},
-                "P": {"link": "rod", "x": 0.1, "y": 0.08},
-            },
+            "points": {"O": frame(0, 0), "D": frame(0.22, 0.01), "P": on("rod", 0.1, 0.08)},
             "input": crank(),
-            "groups": {
-                "g": {
-                    "type": "RRR",
-                    "inner": "B",
-                    "first": {"link": "rod", "joint": "A", "length": 0.2},
-                    "second": {"link": "rocker", "joint": "D", "length": 0.15},
-                }
-            },
+            "groups": {"g": rrr("B", ("rod", "A", 0.2), ("rocker", "D", 0.15))},
         }
         | others
     )
@@ -59,34 +43,19 @@ def on_moving_guide(offset=0.0):
     scene = four_bar().model_dump(exclude_none=True)
     scene["points"]["G"] = {"x": 0.33, "y": 0.0}
     scene["guides"] = {"bar": {"link": "rocker", "x": 0.07, "y": 0.035, "angle": 0.2}}
-    scene["groups"]["h"] = {
-        "type": "RRP",
-        "inner": "F",
-        "first": {"link": "arm", "joint": "G", "length": 0.18},
-        "second": {"link": "sleeve", "guide": "bar", "offset": offset},
-    }
+    scene["groups"]["h"] = rrp("F", ("arm", "G", 0.18), "sleeve", "bar", offset)
     return Scene.model_validate(scene)
 
 
 def quick_return(offset=0.0):
     return Scene.model_validate(
         {
-            "points": {"O": {"x": 0, "y": 0.3}, "D": {"x": 0, "y": 0}, "E": {"link": "rocker", "x": 0.56, "y": 0}},
+            "points": {"O": frame(0, 0.3), "D": frame(0, 0), "E": on("rocker", 0.56, 0)},
             "guides": {"way": {"y": 0.6}},
             "input": crank(0.11),
             "groups": {
-                "q": {
-                    "type": "RPR",
-                    "first": {"link": "stone", "joint": "A"},
-                    "second": {"link": "rocker", "joint": "D", "offset": offset},
-                },
-                "r": {
-                    "type": "RRP",
-                    "inner": "F",
-                    "mode": -1,
-                    "first": {"link": "rod", "joint": "E", "length": 0.2},
-                    "second": {"link": "ram", "guide": "way"},
-                },
+                "q": rpr(("stone", "A"), ("rocker", "D"), offset),
+                "r": rrp("F", ("rod", "E", 0.2), "ram", "way", mode=-1),
             },
         }
     )
@@ -98,13 +67,7 @@ def scotch_yoke():
             "points": {"O": {"x": 0, "y": 0}},
             "guides": {"way": {"angle": 0.3}},
             "input": crank(),
-            "groups": {
-                "g": {
-                    "type": "RPP",
-                    "first": {"link": "stone", "joint": "A"},
-                    "second": {"link": "yoke", "guide": "way", "slot_angle": math.pi / 2},
-                }
-            },
+            "groups": {"g": rpp(("stone", "A"), ("yoke", "way"), math.pi / 2)},
         }
     )
 
@@ -112,22 +75,10 @@ def scotch_yoke():
 def geared_five_bar(ratio=-2.0):
     return Scene.model_validate(
         {
-            "points": {
-                "O": {"x": 0, "y": 0},
-                "D": {"x": 0.16, "y": 0},
-                "E": {"link": "wheel", "x": 0.04, "y": 0},
-                "H": {"x": 0.05, "y": -0.2},
-            },
+            "points": {"O": frame(0, 0), "D": frame(0.16, 0), "E": on("wheel", 0.04, 0), "H": frame(0.05, -0.2)},
             "input": crank(0.04) | {"revolutions": Fraction(ratio).denominator},
             "shafts": {"wheel": {"geared_to": "crank", "ratio": ratio, "pivot": "D", "phase": 1.5}},
-            "groups": {
-                "g": {
-                    "type": "RRR",
-                    "inner": "B",
-                    "first": {"link": "left", "joint": "A", "length": 0.16},
-                    "second": {"link": "right", "joint": "E", "length": 0.16},
-                }
-            },
+            "groups": {"g": rrr("B", ("left", "A", 0.16), ("right", "E", 0.16))},
             "springs": {"s": {"between": ("B", "H"), "stiffness": 100.0}},
         }
     )
@@ -147,14 +98,7 @@ def sliding_input():
                 "stop": 0.12,
                 "speed": 0.1,
             },
-            "groups": {
-                "g": {
-                    "type": "RRR",
-                    "inner": "B",
-                    "first": {"link": "rod", "joint": "A", "length": 0.15},
-                    "second": {"link": "lever", "joint": "D", "length": 0.14},
-                }
-            },
+            "groups": {"g": rrr("B", ("rod", "A", 0.15), ("lever", "D", 0.14))},
             "bodies": {"lever": {"link": "lever", "mass": 2.0, "x": 0.1, "inertia": 0.01}},
         }
     )

@@ -2,7 +2,11 @@
 
 from copy import deepcopy
 
+import numpy as np
+
 from engine import Machine, Scene, Verdict
+
+BALANCE = ("input_moment_disagreement", "equilibrium_residual")
 
 SECTIONS = {
     "out": {"type": "rise", "law": "modified sine", "angle": "100 deg", "lift": "20 mm"},
@@ -77,10 +81,18 @@ def changed(data: dict, **paths: object) -> dict:
 
 def asked(data: dict, fields: list[str]) -> tuple[Machine, object]:
     """A machine whose forces balance, and its fields at 24 positions."""
-    checks = ("input_moment_disagreement", "equilibrium_residual")
-    machine = Machine(Scene.model_validate(data), checks, fields, positions=24)
+    machine = Machine(Scene.model_validate(data), BALANCE, fields, positions=24)
     outcome = machine.evaluate({})
     assert outcome.status[0] == Verdict.OK
     # A handful of roundings of forces that a few links pass on.
-    assert max(outcome.summaries[name][0] for name in checks) < 1e-13
+    assert max(outcome.summaries[name][0] for name in BALANCE) < 1e-13
     return machine, outcome
+
+
+def rows_of(machine: Machine, **values: float) -> dict[str, np.ndarray]:
+    """Fields of one variant of a machine that is asked for BALANCE, too, and is in balance."""
+    outcome = machine.evaluate({path: np.array([value]) for path, value in values.items()})
+    assert outcome.status[0] == Verdict.OK
+    # A few roundings of what a handful of links pass on, against the greatest.
+    assert all(outcome.summaries[name][0] < 1e-13 for name in BALANCE)
+    return {name: outcome.fields[name][0] for name in machine.asked_fields}

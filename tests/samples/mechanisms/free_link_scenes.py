@@ -2,6 +2,8 @@
 
 import copy
 
+from machines import rrp, rrr
+
 from engine import Scene
 
 _TRIAD = {
@@ -147,18 +149,8 @@ def dyads_twice() -> tuple[dict, dict]:
     }
     dyads, free = copy.deepcopy(data), copy.deepcopy(data)
     dyads["groups"] = {
-        "swing": {
-            "type": "RRR",
-            "inner": "B",
-            "first": {"link": "coupler", "joint": "A", "length": 0.2},
-            "second": {"link": "rocker", "joint": "D", "length": 0.14},
-        },
-        "press": {
-            "type": "RRP",
-            "inner": "F",
-            "first": {"link": "rod", "joint": "E", "length": 0.25},
-            "second": {"link": "ram", "guide": "way"},
-        },
+        "swing": rrr("B", ("coupler", "A", 0.2), ("rocker", "D", 0.14)),
+        "press": rrp("F", ("rod", "E", 0.25), "ram", "way"),
     }
     free["links"] = {
         "coupler": {"joints": ["A", "B"], "length": 0.2},

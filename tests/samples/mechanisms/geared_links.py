@@ -1,5 +1,7 @@
 """Machines with planets and geared cranks, as data of a scene."""
 
+from machines import rrp, rrr
+
 CRANK = {"type": "crank", "pivot": "O", "pin": "A", "length": 0.05, "speed": "120 rpm"}
 # A wheel rolls inside one of twice its radius: its pitch circle's points go straight through the centre.
 CARDAN = {
@@ -12,14 +14,7 @@ CARDAN = {
             "pressure_angle": "20 deg",
         }
     },
-    "groups": {
-        "g": {
-            "type": "RRP",
-            "inner": "B",
-            "first": {"link": "rod", "joint": "P", "length": 0.15},
-            "second": {"link": "ram", "guide": "way"},
-        }
-    },
+    "groups": {"g": rrp("B", ("rod", "P", 0.15), "ram", "way")},
     "bodies": {
         "planet_body": {"link": "planet", "mass": 1, "x": 0.01, "inertia": 0.001},
         "ram_body": {"link": "ram", "mass": 2},
@@ -41,14 +36,7 @@ FIVE_BAR = {
     "points": {"O": {"x": 0, "y": 0}, "C": {"x": 0.18, "y": 0}, "D": {"link": "second", "x": 0.04, "y": 0}},
     "input": CRANK,
     "shafts": {"second": {"geared_to": "crank", "ratio": 1, "pivot": "C", "phase": 1.0}},
-    "groups": {
-        "rods": {
-            "type": "RRR",
-            "inner": "B",
-            "first": {"link": "left", "joint": "A", "length": 0.15},
-            "second": {"link": "right", "joint": "D", "length": 0.16},
-        }
-    },
+    "groups": {"rods": rrr("B", ("left", "A", 0.15), ("right", "D", 0.16))},
     "bodies": {
         "left_body": {"link": "left", "mass": 0.6, "x": 0.075, "inertia": 0.0012},
         "right_body": {"link": "right", "mass": 0.6, "x": 0.08, "inertia": 0.0013},

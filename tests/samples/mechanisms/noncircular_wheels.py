@@ -1,6 +1,7 @@
 """Machines with non-circular wheels, as data of a scene."""
 
 from geared_links import CRANK
+from machines import rrp
 
 # Elliptical wheels before a slider-crank.
 ELLIPSES = {
@@ -18,14 +19,7 @@ ELLIPSES = {
             "pressure_angle": "20 deg",
         }
     },
-    "groups": {
-        "drive": {
-            "type": "RRP",
-            "inner": "B",
-            "first": {"link": "rod", "joint": "D", "length": 0.26},
-            "second": {"link": "ram", "guide": "way"},
-        }
-    },
+    "groups": {"drive": rrp("B", ("rod", "D", 0.26), "ram", "way")},
     "bodies": {
         "ram_body": {"link": "ram", "mass": 10},
         "second_body": {"link": "second", "mass": 6, "x": 0.01, "inertia": 0.03},

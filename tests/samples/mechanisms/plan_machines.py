@@ -5,6 +5,7 @@ from functools import cache
 from drawn_machines import GALLERY, crank, four_bar
 from driving_cams import SLIDING, SWINGING, changed
 from geared_links import CARDAN, CRANK, TRAIN
+from machines import prp, rpp, rrr
 from noncircular_wheels import CHAIN, ELLIPSES
 from racks import LIFT, ON_CRANK
 
@@ -21,18 +22,8 @@ PRP = Scene.model_validate(
         "gravity": 9.81,
         "input": crank(),
         "groups": {
-            "g": {
-                "type": "RRR",
-                "inner": "B",
-                "first": {"link": "rod", "joint": "A", "length": 0.2},
-                "second": {"link": "rocker", "joint": "D", "length": 0.15},
-            },
-            "h": {
-                "type": "PRP",
-                "inner": "F",
-                "first": {"link": "sleeve", "guide": "bar", "offset": 0.02},
-                "second": {"link": "ram", "guide": "way", "offset": -0.01},
-            },
+            "g": rrr("B", ("rod", "A", 0.2), ("rocker", "D", 0.15)),
+            "h": prp("F", ("sleeve", "bar", 0.02), ("ram", "way", -0.01)),
         },
         "bodies": {"ram": {"link": "ram", "mass": 3.0}, "sleeve": {"link": "sleeve", "mass": 1.0, "inertia": 0.002}},
     }
@@ -53,11 +44,7 @@ TURNING_YOKE = four_bar(
     guides={"bar": {"link": "rocker", "x": 0.05, "y": 0.02, "angle": 0.3}},
     groups={
         **four_bar().model_dump(exclude_none=True)["groups"],
-        "h": {
-            "type": "RPP",
-            "first": {"link": "block", "joint": "G"},
-            "second": {"link": "yoke", "guide": "bar", "slot_angle": 1.4},
-        },
+        "h": rpp(("block", "G"), ("yoke", "bar"), 1.4),
     },
     bodies={"yoke": {"link": "yoke", "mass": 2.0, "x": 0.05, "y": 0.02, "inertia": 0.004}},
     gravity=9.81,
@@ -112,14 +99,7 @@ _SERVOS = {
         },
         "ram": {"type": "slider", "guide": "bar", "harmonics": {"one": {"order": 2, "sine": 0.02}}},
     },
-    "groups": {
-        "arms": {
-            "type": "RRR",
-            "inner": "B",
-            "first": {"link": "left", "joint": "A", "length": 0.19},
-            "second": {"link": "right", "joint": "D", "length": 0.17},
-        }
-    },
+    "groups": {"arms": rrr("B", ("left", "A", 0.19), ("right", "D", 0.17))},
     "bodies": {
         "left_body": {"link": "left", "mass": 0.7, "x": 0.09, "y": 0.01, "inertia": 0.002},
         "second_body": {"link": "second", "mass": 1.5, "x": 0.01, "y": 0.02, "inertia": 0.002},

@@ -1,13 +1,9 @@
 """Machines with racks and pinions, as data of a scene."""
 
 from geared_links import CRANK
+from machines import rrp
 
-DRIVE = {
-    "type": "RRP",
-    "inner": "B",
-    "first": {"link": "rod", "joint": "A", "length": 0.2},
-    "second": {"link": "ram", "guide": "way"},
-}
+DRIVE = rrp("B", ("rod", "A", 0.2), "ram", "way")
 # A pinion on the slider's joint, between a rack of the frame and one that moves: it doubles the stroke.
 DOUBLER = {
     "gravity": "9.81 m/s2",

@@ -171,17 +171,6 @@ def test_wedge_without_friction__does_the_work_of_its_load():
 # Screws
 
 
-def test_power_screw_with_collar__shigley():
-    # Budynas & Nisbett, Shigley's, example 8-1: 32 mm square double thread of pitch 4 mm, f = 0.08 in thread and
-    # collar of 40 mm, 6.4 kN: 26.18 and 9.77 N·m, efficiency 0.311.
-    slope = thread_slope(0.008, 0.030)
-    collar = collar_moment(6400.0, 0.020, 0.08)
-    up = raise_moment(6400.0, 0.015, slope, 0.08) + collar
-    assert round(up, 2) == 26.18
-    assert round(lower_moment(6400.0, 0.015, slope, 0.08) + collar, 2) == 9.77
-    assert round(raise_efficiency(6400.0, 0.015, slope, up), 3) == 0.311
-
-
 def thread_by_equilibrium(way, load, radius, slope, friction, half_angle):
     """Moment and power lost in a turn of 1 rad, from forces on a helical flank, its normal taken in space."""
     with mpmath.workdps(50):
@@ -272,10 +261,3 @@ def test_efficiencies_of_a_thread__are_those_of_the_angles(load, slope, friction
     got = lower_efficiency(load, 2.0, slope, lower_moment(load, 2.0, slope, friction))
     # Near the limit of self-locking slope - f cancels; its error is a rounding of the slope.
     assert_allclose(got, max(float(down), 0.0), rtol=0, atol=8 * EPS)
-
-
-def test_self_locking_thread__raises_with_less_than_half():
-    # At beta = phi the efficiency is (1 - tan²(phi))/2, less than half; any self-locking thread does worse.
-    for friction in (0.02, 0.1, 0.3):
-        moment = raise_moment(1.0, 1.0, friction, friction)
-        assert_allclose(raise_efficiency(1.0, 1.0, friction, moment), (1 - friction**2) / 2, rtol=8 * EPS)

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from machines import slider_crank
 
 from engine import Machine, Scene, Verdict
 
@@ -25,24 +26,14 @@ def machine_with(place, rows, interpolation="linear"):
     begin = 0.15 if place == "from the guide" else 0.0
     x = np.linspace(0.0, length, 20 * rows + 1)
     table = {axis: (begin + x).tolist(), "force": np.interp(x, corners, values).tolist()}
-    scene = {
-        "points": {"O": {"x": 0, "y": 0}},
-        "guides": {"way": {"angle": 0}},
-        "input": {"type": "crank", "pivot": "O", "pin": "A", "length": STROKE / 2, "speed": 30.0},
-        "groups": {
-            "drive": {
-                "type": "RRP",
-                "inner": "B",
-                "first": {"link": "rod", "joint": "A", "length": 0.2},
-                "second": {"link": "piston", "guide": "way"},
-            }
-        },
-        "bodies": {"piston_body": {"link": "piston", "mass": 2.0}},
-        "forces": {
-            "load": {"type": "table", "on": "B", "angle": math.pi, "interpolation": interpolation} | keys | table
-        },
-        "flywheel": {"speed_fluctuation": 0.02},
-    }
+    load = {"type": "table", "on": "B", "angle": math.pi, "interpolation": interpolation} | keys | table
+    scene = slider_crank(
+        speed=30.0,
+        slider="piston",
+        bodies={"piston_body": {"link": "piston", "mass": 2.0}},
+        forces={"load": load},
+        flywheel={"speed_fluctuation": 0.02},
+    )
     return Machine(Scene.model_validate(scene), ASKED, varied=["input.length"])
 
 

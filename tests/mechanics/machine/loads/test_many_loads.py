@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from machines import frame, slider_crank
 
 from engine import Machine, Scene
 
@@ -10,23 +11,9 @@ POST = np.array([0.4, 0.1])
 
 
 def scene_of(**loads):
-    return Scene.model_validate(
-        {
-            "points": {"O": {"x": 0, "y": 0}, "F": {"x": POST[0], "y": POST[1]}},
-            "guides": {"way": {}},
-            "input": {"type": "crank", "pivot": "O", "pin": "A", "length": CRANK, "speed": 6},
-            "groups": {
-                "g": {
-                    "type": "RRP",
-                    "inner": "B",
-                    "first": {"link": "rod", "joint": "A", "length": ROD},
-                    "second": {"link": "ram", "guide": "way"},
-                }
-            },
-            "bodies": {"mass": {"link": "ram", "mass": 2}},
-            **loads,
-        }
-    )
+    points = {"O": frame(0.0, 0.0), "F": frame(*POST)}
+    bodies = {"mass": {"link": "ram", "mass": 2}}
+    return Scene.model_validate(slider_crank(CRANK, ROD, 6.0, **{"points": points, "bodies": bodies} | loads))
 
 
 def over_angle(i):
