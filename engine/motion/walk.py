@@ -56,7 +56,7 @@ ROUNDED = 4.0 * float(np.finfo(float).eps)
 NEARLY = 1e-12
 # A way is divided into equal steps where there are no more than so many.
 MOST_PARTS = 1e6
-# How far a step in time may turn, of what is meant by its length.
+# A step in time is refused that turns more than so many times the farthest that a step may.
 TOO_FAR = 2.0
 # Steps shorter than this share of what they go along miss whatever is tried; at the begin, of this time [s].
 SHORTEST, LEAST_TIME = 1e-13, 1e-7
@@ -397,8 +397,12 @@ def rate(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
 
 @routine
 def solve_rates(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
-    """Rates of a stage whose last state's rate depends on itself, as friction does on the acceleration; by secants."""
-    here = in_lanes(room.numbers)[task.first_place + task.places + task.states]
+    """Rates of a stage whose last state's rate depends on itself, as friction does on the acceleration; by secants.
+
+    Where no rate is found, it is NaN, and the step is refused.
+    """
+    own, row = rows_of(room.lane), task.first_place + task.places + task.states
+    here, state = in_lanes(room.numbers)[row], in_lanes(room.numbers)[row - 1]
     found = in_lanes(room.rates)[stage * task.width + task.states - 1]
     before, left_before = in_lanes(room.equations)[0], in_lanes(room.equations)[1]
     for lane in range(LANES):
@@ -416,6 +420,10 @@ def solve_rates(stage: int, printed: Printed, task: WalkTask, room: Room) -> Non
                 before[lane], left_before[lane], here[lane] = here[lane], left, ahead
         if not pending:
             break
+    for lane in range(LANES):
+        off = own.length[lane] * abs(found[lane] - here[lane])
+        sure = off <= NEARLY_FOUND * (abs(state[lane]) + own.length[lane] * abs(found[lane]))
+        found[lane] = found[lane] if sure else math.nan
 
 
 @inlined

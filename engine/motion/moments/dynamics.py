@@ -225,7 +225,9 @@ class Reduction:
         self, variants: "Variants", places: np.ndarray, given: Mapping[Given, np.ndarray], sums: Sums
     ) -> np.ndarray:
         """Sums of the rows at crank angles, and at times and speeds where they are given, (sums, places, variants)."""
-        given = {node: given.get(node, np.zeros_like(places)) for node in self.tabulation.given}
+        # Without a time nothing over time acts; what depends on a speed isn't known without it.
+        unknown = {self.time: np.zeros_like(places), self.speed: np.full_like(places, np.nan)}
+        given = {node: given.get(node, unknown[node]) for node in self.tabulation.given}
         return self.tabulation(variants.parameters, places, given, sums)
 
 

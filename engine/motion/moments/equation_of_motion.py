@@ -9,7 +9,7 @@ import numpy as np
 from engine.motion.moments.at_speed import Moments
 from engine.motion.moments.dynamics import Dynamics, Rows, Variants
 from engine.motion.system import CHANNELS
-from engine.motion.walk import MOST_SECANTS, SOLVED_TO
+from engine.motion.walk import MOST_SECANTS, NEARLY_FOUND, SOLVED_TO
 
 # The field of the loads on pairs that stands for friction.
 FRICTION_MOMENT = "friction_moment"
@@ -108,7 +108,8 @@ class EquationOfMotion:
                 secant = here - left * (here - before) / (left - left_before)
                 before, left_before = here, left
                 here = np.where(pending & np.isfinite(secant), secant, here)
-        return found
+            nearly = np.abs(left) <= NEARLY_FOUND * (np.abs(free) + np.abs(found / rows.inertia))
+        return np.where(nearly, found, np.nan)
 
     def acceleration(
         self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray

@@ -7,8 +7,8 @@ Ends are met exactly: the last step is shortened until the wanted angle, time or
 
 import numpy as np
 
-from engine.motion.runs.run_in_angle import stretch_over_angle
-from engine.motion.runs.run_in_time import BRISK, BRISK_TO_LOOK, set_off, stretch_over_time
+from engine.motion.runs.run_in_angle import TIMES_TO_THE_END, stretch_over_angle
+from engine.motion.runs.run_in_time import BRISK_TO_LOOK, set_off, stretch_over_time
 from engine.motion.runs.run_progress import Progress, RunOutcome
 from engine.verdicts import Verdict
 
@@ -74,5 +74,5 @@ def _brisk(runs: Progress) -> np.ndarray:
         return np.zeros(every.size, bool)
     way = np.where(runs.facing < 0.0, -1.0, 1.0)
     rows, moments = runs.equation(every).at(state.turned, state.omega, state.time + runs.clock, way)
-    share = BRISK if runs.to_the_end else BRISK_TO_LOOK
+    share = TIMES_TO_THE_END if runs.to_the_end else BRISK_TO_LOOK
     return (state.omega > 0.0) & (np.abs(moments.total[0]) < share * 0.5 * rows.inertia[0] * state.omega**2)

@@ -5,6 +5,7 @@ import numpy as np
 from engine.motion.methods import EIGHT
 from engine.motion.moments.grid import JUMP, edges_of
 from engine.motion.recorded import SLOPES, read_steps
+from engine.motion.runs.run_in_angle import TIMES_TO_THE_END
 from engine.motion.runs.run_progress import Progress, State, gathered
 from engine.motion.runs.settled_runs import Carry, pass_mark
 from engine.motion.runs.watching import BetweenNodes, Piece
@@ -29,9 +30,9 @@ FADED = 1e-9
 STILL = 1e-12
 # How far a step may turn that is looked at within [rad], and how often it is looked at there, at least.
 CLOSELY, LEAST_LOOKS = 0.1, 4
-# A machine moves briskly where moments change its energy by less than so many times itself per radian, and so where
-# its steps are looked within.
-BRISK, BRISK_TO_LOOK = 40.0, 0.4
+# A machine whose steps are looked within goes over time until moments change its energy by less than so many times
+# itself per radian.
+BRISK_TO_LOOK = 0.4
 # Steps that are recorded at a time.
 RECORDED = 64
 # Many steps lead nowhere that change neither the angle, all together, nor the time, each, by more than these shares of
@@ -167,7 +168,7 @@ def _walk(runs: Progress, who: np.ndarray, goal: np.ndarray, floor: np.ndarray) 
     """Walk in time, up to an angle turned at most."""
     dynamics, part, state, facing = runs.dynamics, runs.variants.some(who), runs.part(who), runs.facing[who]
     system, forward, now = dynamics.by_time, facing > 0.0, runs.clock[who] + state.time
-    brisk = BRISK if runs.to_the_end else BRISK_TO_LOOK
+    brisk = TIMES_TO_THE_END if runs.to_the_end else BRISK_TO_LOOK
     numbers = np.where(forward, *(dynamics.moving(system, runs.variants, brisk, way)[:, who] for way in (1.0, -1.0)))
     sizes, (above, below) = system.sizes, (runs.above[who], runs.below[who])
     limits = {sizes.above: np.where(forward, above, -below), sizes.below: np.where(forward, below, -above)}

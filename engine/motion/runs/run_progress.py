@@ -36,9 +36,9 @@ class State(NamedTuple):
 def gathered(
     system: PrintedSystem, dynamics: Dynamics, rows: np.ndarray, change: np.ndarray, sign: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Works of motors and of each channel, and their moment squared over time; nothing of what isn't gathered.
+    """Works of the motors and of each channel, and the motors' moment squared over time; zero where not gathered.
 
-    Loads that aren't told apart give what the energy changes by without the motors.
+    The work of loads in one channel is the change of energy less the motors' work.
 
     Parameters
     ----------

@@ -139,3 +139,9 @@ def test_machine_that_settles_after_a_table_of_time__never_stands():
     """From rest it comes to the speed of its motor, and falls back to it as the last moment of the table holds."""
     scene = rotor({"go": run("dc by_time brake", from_speed=0.0, reversal=True)})
     assert ask(scene, "go.time").status == [Verdict.NO_END]
+
+
+def test_run_that_gets_nowhere_in_its_time__is_given_up():
+    """A stall moment of 10⁹ N·m pulls to the no-load speed in 4·10⁻⁸ s, and moments over time leave no other form."""
+    scene = rotor({"go": run("dc nothing", from_speed=0.0, time=1e6)}, dc={"stall_moment": 1e9})
+    assert ask(scene, "go.time").status == [Verdict.NO_END]
