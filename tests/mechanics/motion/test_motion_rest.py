@@ -257,3 +257,13 @@ def test_load_above_the_motor__turns_it_back_by_the_closed_form(load):
     for name, exact in zip(names, (speed, angle, work, speed), strict=True):
         assert found[name] == pytest.approx(exact, rel=1e-8), name
         assert abs(found[name] - exact) <= found.figure(name), name
+
+
+def test_push_that_turns_about__pulls_a_machine_back_against_its_friction():
+    """M = 3 − 750 t: forward until ∫(M − R) dt is zero, then backwards against R."""
+    friction, end = 0.4, 0.01
+    table = {"over_time": [0.0, end], "moment": [3.0, -4.5]}
+    found = ask(rotor({"go": run("by_time rub", from_speed=0.0, time=end)}, by_time=table), "go.final_speed", 240)
+    turns = (3.0 - friction) / 375.0
+    impulse = (3.0 + friction) * (end - turns) - 375.0 * (end**2 - turns**2)
+    assert found["go.final_speed"] == pytest.approx(impulse / INERTIA_OF_ROTOR, rel=1e-9)

@@ -57,6 +57,18 @@ def test_rotor_under_a_constant_moment__accelerates_evenly_and_loads_its_bearing
         assert found[f"go.{name}.min_time"] == 0.0
 
 
+@pytest.mark.parametrize("speed", [10.0, -10.0])
+@pytest.mark.parametrize("before", [-5.0, 9.0])
+def test_extreme_at_a_jump__is_that_of_its_own_side(speed, before):
+    """Moments over the angle jump at 1 rad; moments over time leave no form but that over time."""
+    table = {"over_angle": [0.0, 1.0, 1.0, 6.0], "moment": [2.0, before, 7.0 - before, 2.0], "outside": "hold"}
+    scene = rotor({"go": run("by_angle nothing", from_speed=30.0, cycles=1.0)}, speed, by_angle=table)
+    found = ask(scene, "go.load_moment.min go.load_moment.max", 240)
+    # The table falls by 12 N·m/rad at most, and is read 1e-10 rad beside the jump.
+    assert found["go.load_moment.min"] == pytest.approx(min(before, 7.0 - before), abs=1e-8)
+    assert found["go.load_moment.max"] == pytest.approx(max(before, 7.0 - before), abs=1e-8)
+
+
 def test_pendulum_let_go__bears_its_weight_and_twice_the_energy_of_its_fall():
     mass, arm, inertia = 2.0, 0.25, 0.05
     # From the horizontal, until it comes to the same height again on the other side.

@@ -255,6 +255,16 @@ def test_push_that_swings__moves_a_machine_from_rest_as_its_integral_says():
     assert errors["work.final_speed"] <= 1e-6 * expected
 
 
+def test_short_push__is_not_stepped_over():
+    """A crank creeps on by itself, and is pushed within a fiftieth of its time: ∫ M e^(−(t−t₀)²/s²) dt = √π M s."""
+    start = {"type": "run", "off": ["load"], "speed": 0.01}
+    moments = {"load": moment("2 N m * exp(-((t - 6 s) / (0.1 s))^2)"), "push": moment("9 N m")}
+    scene = crank(moments, {"start": start, "work": {**RUN, "off": ["push"], "time": 10.0}})
+    found, errors = answers(scene, "work.final_speed")
+    expected = 0.01 + math.sqrt(math.pi) * 2.0 * 0.1 / INERTIA
+    assert abs(found["work.final_speed"] - expected) <= errors["work.final_speed"] + 1e-9
+
+
 def test_instant_that_varies__is_met_by_each_variant():
     """A push that sets in at a time of each variant's own, on a machine that it finds at rest."""
     scene = crank({"load": moment("2 N m if t > t0 else 0", numbers={"t0": "0.5 s"})}, {"work": RUN})

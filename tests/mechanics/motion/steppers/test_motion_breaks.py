@@ -97,6 +97,14 @@ def test_friction_force__bends_at_dead_centres():
     check(of(breaks, "ways"), [(0.0, False), (math.pi, False)])
 
 
+def test_friction_that_fades_with_the_speed__bends_at_dead_centres_too():
+    scene = slider_crank({})
+    force = "-sign(v) * (20 N + 30 N * exp(-abs(v) / (0.1 m/s)))"
+    scene["forces"] = {"ways": {"type": "formula", "on": "B", "angle": 0.0, "force": force}}
+    _, breaks = landmarks(scene)
+    check(of(breaks, "ways"), [(0.0, False), (math.pi, False)])
+
+
 @pytest.mark.parametrize("head", ["high", "low"])
 def test_compressor_valves__where_the_polytropes_reach_the_lines(head):
     scene = slider_crank({})
