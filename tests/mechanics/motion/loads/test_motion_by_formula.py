@@ -258,11 +258,14 @@ def test_push_that_swings__moves_a_machine_from_rest_as_its_integral_says():
 def test_short_push__is_not_stepped_over():
     """A crank creeps on by itself, and is pushed within a fiftieth of its time: ∫ M e^(−(t−t₀)²/s²) dt = √π M s."""
     start = {"type": "run", "off": ["load"], "speed": 0.01}
-    moments = {"load": moment("2 N m * exp(-((t - 6 s) / (0.1 s))^2)"), "push": moment("9 N m")}
-    scene = crank(moments, {"start": start, "work": {**RUN, "off": ["push"], "time": 10.0}})
-    found, errors = answers(scene, "work.final_speed")
+    pulse = moment("2 N m * exp(-((t - t0) / (0.1 s))^2)", numbers={"t0": "1 s"})
+    regimes = {"start": start, "work": {**RUN, "off": ["push"], "time": 10.0}}
+    scene = crank({"load": pulse, "push": moment("9 N m")}, regimes)
+    machine = Machine(scene, summaries=["work.final_speed"], varied=["moments.load.numbers.t0"])
+    outcome = machine.evaluate({"moments.load.numbers.t0": np.linspace(1.0, 9.0, 40)})
     expected = 0.01 + math.sqrt(math.pi) * 2.0 * 0.1 / INERTIA
-    assert abs(found["work.final_speed"] - expected) <= errors["work.final_speed"] + 1e-9
+    off = np.abs(outcome.summaries["work.final_speed"] - expected)
+    assert (off <= outcome.errors["work.final_speed"] + 1e-9).all()
 
 
 def test_instant_that_varies__is_met_by_each_variant():
