@@ -123,21 +123,21 @@ class StateMoments(NamedTuple):
         return self.motors + sum(self.channels.values())
 
 
-def _inertia_of(mechanics: Mechanics) -> tuple[Node, Given]:
+def inertia_of(mechanics: Mechanics) -> tuple[Node, Given]:
     """Reduced inertia with the flywheel of a motion, and the latter [kg·m²]."""
     wheel = mechanics.graph.given("flywheel of a motion", Stage.VARIANT)
     return mechanics.reduced.inertia + wheel, wheel
 
 
-def sizes_of(mechanics: Mechanics, speed: Node) -> tuple[Loads, Given, Sizes]:
-    """Loads of a machine in motion at a speed, the time they depend on, and the numbers given to them."""
-    graph, (_, wheel) = mechanics.graph, _inertia_of(mechanics)
+def sizes_of(mechanics: Mechanics, speed: Node, side: str = "") -> tuple[Loads, Given, Sizes]:
+    """Loads of a machine, or of one side of it, at a speed; the time they depend on; and the numbers given to them."""
+    graph, (_, wheel) = mechanics.graph, inertia_of(mechanics)
     clock = graph.given("time of a state", Stage.STATE)
     # A step that ends at rest looks a little beyond it.
     loads = Loads(mechanics.scene, mechanics.kinematics, clock, abs(speed))
 
     def number(label: str) -> Given:
-        return graph.given(label, Stage.VARIANT)
+        return graph.given(side + label, Stage.VARIANT)
 
     sizes = {number(f"size {i}"): (load.action, load.coefficient) for i, load in enumerate(loads.terms)}
     motors = {number(f"motor {name} acts"): name for name in loads.motors}
@@ -145,14 +145,16 @@ def sizes_of(mechanics: Mechanics, speed: Node) -> tuple[Loads, Given, Sizes]:
     return loads, clock, Sizes(sizes, motors, wheel, *(number(name) for name in names))
 
 
-def moments_of(mechanics: Mechanics, loads: Loads, sizes: Sizes, speed: Node, works: bool) -> StateMoments:
-    """StateMoments at a speed, by the sort of work where works are asked."""
+def moments_of(
+    mechanics: Mechanics, loads: Loads, sizes: Sizes, speed: Node, works: bool, off: frozenset[str] = frozenset()
+) -> StateMoments:
+    """StateMoments at a speed, by the sort of work where works are asked, but for actions that never act."""
     graph = mechanics.graph
     motion = InputMotion(speed * speed, graph.zero, speed)
     by_magnitude = motion._replace(speed=abs(speed))
     by_channel: dict[str, dict[Node, list[Node]]] = {c: {} for c in (CHANNELS if works else ("all",))}
     for size, load in zip(sizes.loads, loads.terms, strict=True):
-        if load.basis is graph.zero:
+        if load.basis is graph.zero or load.action in off:
             continue
         channel = load.role if load.role in CHANNELS else "other"
         # What is off is zero at rest too, where the speed to a negative power is infinite.
@@ -166,10 +168,8 @@ def moments_of(mechanics: Mechanics, loads: Loads, sizes: Sizes, speed: Node, wo
         # What depends on the position alone is added up there.
         parts = [(sizes.way * sum(terms, graph.zero)) * at_speed for at_speed, terms in orders.items()]
         channels[channel] = sum(parts, graph.zero)
-    return StateMoments(
-        sum((_motor(mechanics, name, on, sizes.facing, speed) for on, name in sizes.motors.items()), graph.zero),
-        channels,
-    )
+    motors = [_motor(mechanics, name, on, sizes.facing, speed) for on, name in sizes.motors.items() if name not in off]
+    return StateMoments(sum(motors, graph.zero), channels)
 
 
 def _motor(mechanics: Mechanics, name: str, on: Given, facing: Node, speed: Node) -> Node:
@@ -203,7 +203,7 @@ def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tup
     """
     graph = mechanics.graph
     energy = graph.given("kinetic energy", Stage.STATE)
-    inverse = 2.0 / _inertia_of(mechanics)[0]
+    inverse = 2.0 / inertia_of(mechanics)[0]
     speed = graph.function("sqrt", energy * inverse)
     loads, clock, sizes = sizes_of(mechanics, speed)
     moments = moments_of(mechanics, loads, sizes, speed, works)
@@ -231,7 +231,7 @@ def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str], rubs: b
     """The equation of motion over time; parameters as in `along_angle`, and whether there is friction in pairs."""
     graph = mechanics.graph
     turned, speed = (graph.given(label, Stage.STATE) for label in ("angle turned", "speed of a state"))
-    (loads, clock, sizes), (inertia, _) = sizes_of(mechanics, speed), _inertia_of(mechanics)
+    (loads, clock, sizes), (inertia, _) = sizes_of(mechanics, speed), inertia_of(mechanics)
     moments, unknown = moments_of(mechanics, loads, sizes, speed, works), ()
     # Motors make a step stiff; friction doesn't, and its derivative is as long as all reactions.
     smooth = (moments.total - (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)) / inertia

@@ -633,10 +633,14 @@ def judge_steps(task: WalkTask, room: Room) -> None:
         for lane in range(LANES):
             own.missed[lane] = own.missed[lane] if abs(after[q, lane]) < math.inf else math.inf
     for lane in range(LANES if task.along_time else 0):
-        # Beyond what a step may turn its estimate is blind; and one from rest may not end at rest.
+        # Beyond what a step may turn its estimate is blind.
         far = abs(after[0, lane] - begin[0, lane]) > TOO_FAR * own.farthest[lane]
-        back = begin[1, lane] <= 0.0 and after[1, lane] <= 0.0
-        own.missed[lane] = math.inf if far or back else own.missed[lane]
+        own.missed[lane] = math.inf if far else own.missed[lane]
+    for q in range(1, task.states if task.along_time else 0, 2):
+        for lane in range(LANES):
+            # What sets off from rest may not come back to it within a step.
+            back = begin[q, lane] <= 0.0 and after[q, lane] <= 0.0 and k[q, lane] != 0.0
+            own.missed[lane] = math.inf if back else own.missed[lane]
     for lane in range(LANES):
         steep, end = abs(own.length[lane] * watched[STEEPNESS, lane]) > STEEPEST, watched[count + SLOPE, lane]
         sound = own.missed[lane] == own.missed[lane] and end == end

@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.motion.coupled.coupled_run import CoupledEnds, CoupledRuns, greatest_between
-from engine.motion.coupled.coupled_step import CRANK, CRANK_SPEED, HEAT, SHAFT, SHAFT_SPEED, SLIPPED, SQUARES, WORKS
 from engine.motion.coupled.two_sides import CoupledSides, TwoSides, coupling_numbers
+from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, SHAFT_TURNED, TURNED
 from engine.motion.moments.at_speed import greatest_moment
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.verdicts import Verdict
@@ -94,10 +94,10 @@ def run_coupled(
     runs.go_to_end()
     state, ratio = runs.state, sides.coupling.ratio
     ended, after = _energy(sides, state, runs.time, clock)
-    heat = state[HEAT]
+    heat, slipped, squares = (state[sides.two.system.names[name]] for name in ("heat", "slipped", "squares"))
     with np.errstate(all="ignore"):
-        slip = np.where(state[SHAFT] == 0.0, 0.0, state[SLIPPED] / np.abs(state[SHAFT]))
-        mean = state[SHAFT] / runs.time
+        slip = np.where(state[SHAFT_TURNED] == 0.0, 0.0, slipped / np.abs(state[SHAFT_TURNED]))
+        mean = state[SHAFT_TURNED] / runs.time
     drives = (sides.crank.variants.drive, sides.shaft.variants.drive)
     # Motors are on one of the two sides alone.
     peaks = [greatest_moment(d, low, high) for d, low, high in zip(drives, runs.lows, runs.highs, strict=True)]
@@ -106,7 +106,7 @@ def run_coupled(
         "speed_max": runs.highs[0],
         "motor_moment_peak": np.maximum(*peaks),
         "coupling_heat": heat,
-        "coupling_slip_angle": ratio * state[SLIPPED],
+        "coupling_slip_angle": ratio * slipped,
         "coupling_slip": slip,
         "coupling_moment_peak": runs.peak / ratio,
         "coupling_slip_time": runs.slip_time,
@@ -119,12 +119,12 @@ def run_coupled(
     history = None if not runs.notes else np.stack(runs.notes, axis=1)[:, :, 0]
     return CoupledOutcome(
         runs.verdict,
-        state[CRANK],
+        state[TURNED],
         state[CRANK_SPEED],
         state[SHAFT_SPEED],
         runs.time,
-        state[WORKS:],
-        state[SQUARES],
+        state[sides.two.system.names["motors"] :],
+        squares,
         most,
         ended - started,
         runs.covered,
@@ -137,7 +137,7 @@ def _energy(
     sides: CoupledSides, state: np.ndarray, time: np.ndarray, clock: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Kinetic energy of both sides together, and that of the shaft's [J]."""
-    rows, _ = sides.crank.at(state[CRANK], state[CRANK_SPEED], clock + time, np.ones_like(time))
+    rows, _ = sides.crank.at(state[TURNED], state[CRANK_SPEED], clock + time, np.ones_like(time))
     shaft = 0.5 * sides.shaft.inertia * state[SHAFT_SPEED] ** 2
     return 0.5 * rows.inertia[0] * state[CRANK_SPEED] ** 2 + shaft, shaft
 

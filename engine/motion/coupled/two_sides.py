@@ -4,6 +4,7 @@ Everything is reduced to the crank: speeds and angles of the shaft over its rati
 holds, both sides then turn alike.
 """
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -11,10 +12,12 @@ from scipy.interpolate import PPoly
 
 from engine.laws.couplings import fluid_coupling_moment, slip_of
 from engine.laws.tables import make_table
-from engine.motion.moments.at_speed import POLYNOMIAL, Moments
+from engine.motion.coupled.two_speeds import at_two_speeds
+from engine.motion.moments.at_speed import Moments
+from engine.motion.moments.breaks import JUMP
 from engine.motion.moments.dynamics import Dynamics, Reduction, Rows, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion
-from engine.motion.steppers.places import INVERSE, LOADS, Form
+from engine.motion.system import PrintedSystem
 from engine.parts.couplings import Coupling, FluidCoupling, FrictionClutch
 from engine.scene.scene import Numbers, Scene
 
@@ -53,7 +56,7 @@ class CouplingNumbers(NamedTuple):
 
     def capacity_at(self, engaged: np.ndarray) -> np.ndarray:
         """Greatest moment of a clutch [N·m] that has been engaged for some time [s]."""
-        value = self.capacity[0].copy()
+        value = np.broadcast_to(self.capacity[0], engaged.shape)
         pieces = zip(self.times, self.times[1:], self.capacity, self.capacity[1:], strict=False)
         for begin, end, low, high in pieces:
             value = np.where(
@@ -131,23 +134,15 @@ class ShaftSide(NamedTuple):
         rows = Rows(*(np.where(facing < 0.0, back, forth) for forth, back in fields))
         return self.dynamics.moments(self.variants, rows, np.atleast_2d(omega))
 
-    def place(self, form: Form, way: np.ndarray) -> np.ndarray:
-        """Rows of a place, (width, variants), with what loads the shaft moving forward or backwards."""
-        fields = zip(self.forwards, self.backwards, strict=True)
-        rows = Rows(*(np.where(way < 0.0, back, forth) for forth, back in fields))
-        loads, found = rows.loads[:, :, 0], np.zeros((form.width, way.size))
-        found[INVERSE] = 2.0 / self.inertia
-        found[LOADS : LOADS + POLYNOMIAL] = loads.sum(axis=0)
-        for law, power in enumerate(rows.powers[:, 0]):
-            found[LOADS + POLYNOMIAL + law] = power
-        if form.channels > 1:
-            found[LOADS + POLYNOMIAL + form.laws : -1] = loads.reshape(-1, way.size)
-        return found
-
     def some(self, who: np.ndarray) -> "ShaftSide":
         """Of some of the variants, by index."""
         ways = (Rows(*(part[..., who] for part in rows)) for rows in (self.forwards, self.backwards))
         return ShaftSide(self.dynamics, self.variants.some(who), self.inertia[who], *ways)
+
+
+# How the sides are joined: held together, slipping forwards (the shaft is faster) or backwards, free of each other, or
+# by a fluid.
+TOGETHER, FORWARDS, BACKWARDS, APART, FLUID = 0, 1, -1, 2, 3
 
 
 class Joined(NamedTuple):
@@ -186,12 +181,14 @@ class CoupledSides(NamedTuple):
     coupling : CouplingNumbers
     open : bool
         Whether the coupling is open, and transmits nothing.
+    two : TwoSides
     """
 
     crank: EquationOfMotion
     shaft: ShaftSide
     coupling: CouplingNumbers
     open: bool
+    two: "TwoSides"
 
     @property
     def count(self) -> int:
@@ -206,7 +203,98 @@ class CoupledSides(NamedTuple):
     def some(self, who: np.ndarray) -> "CoupledSides":
         """Of some of the variants, by index."""
         crank = EquationOfMotion(self.crank.dynamics, self.crank.variants.some(who), self.crank.start[who])
-        return CoupledSides(crank, self.shaft.some(who), self.coupling.some(who), self.open)
+        return self._replace(crank=crank, shaft=self.shaft.some(who), coupling=self.coupling.some(who))
+
+    def numbers(self, joined: Joined) -> np.ndarray:
+        """Numbers of the motion at two speeds, (numbers, variants), but for the joint's and for what ends it."""
+        faced = faced_ways(joined)
+        found = np.empty((len(self.two.system.functions.rows), self.count))
+        for way in (1.0, -1.0):
+            for other in (1.0, -1.0):
+                those = (faced[0] == way) & (faced[1] == other)
+                if those.any():
+                    found[:, those] = self._facing(way, other)[:, those]
+        return found
+
+    def _facing(self, way: float, other: float) -> np.ndarray:
+        """So of variants whose crank and shaft face one way each, +1 or −1."""
+        key, kept = ("two speeds", way, other), self.crank.variants.kept
+        if key not in kept:
+            system, variants = self.two.system, self.crank.variants
+            sizes, joint, own = system.sizes, system.sizes.joint, self.coupling
+            given = {joint.shaft_inertia: self.shaft.inertia, joint.fluid: 0.0 if self.open else own.fluid}
+            given |= dict(zip(joint.times, own.times, strict=True))
+            given |= {node: 0.0 if self.open else row for node, row in zip(joint.capacity, own.capacity, strict=True)}
+            every = (self.two.crank, sizes.crank, way), (self.two.crank, sizes.crank_back, -way)
+            every += (self.two.shaft, sizes.shaft, other), (self.two.shaft, sizes.shaft_back, -other)
+            for dynamics, side, facing in every:
+                given |= dynamics.sized(side, variants.numbers, facing * variants.direction)
+                given |= {side.facing: facing, side.way: facing * variants.direction, side.wheel: variants.flywheel}
+            way_of_crank = way * variants.direction
+            kept[key] = system.tabulation.parameters(variants.numbers, way_of_crank, variants.ends, given)
+        return kept[key]
+
+    def beside(self, turned: np.ndarray) -> np.ndarray:
+        """How far from angles turned by the crank, (…, variants), its moments are taken [rad]: beside breaks."""
+        crank, cycle = self.crank, self.crank.dynamics.cycle
+        breaks = crank.variants.direction * (crank.variants.breaks.angles - crank.start)
+        apart = np.mod(breaks.reshape(len(breaks), *(1,) * (turned.ndim - 1), self.count) - turned, cycle)
+        return np.where((np.minimum(apart, cycle - apart) <= 2.0 * JUMP).any(axis=0), JUMP, 0.0)
+
+
+def faced_ways(joined: Joined) -> tuple[np.ndarray, np.ndarray]:
+    """The way each side faces, +1 or −1; sides that stand face forward."""
+    return np.where(joined.crank_way < 0.0, -1.0, 1.0), np.where(joined.shaft_way < 0.0, -1.0, 1.0)
+
+
+class Pull(NamedTuple):
+    """What moves both sides at some instants, each (instants, variants).
+
+    Attributes
+    ----------
+    moment : ndarray
+        Of the coupling on the crank [N·m]; of sides held together what it takes.
+    crank, shaft : ndarray
+        Accelerations [rad/s²].
+    rate : ndarray
+        How fast moments pull speeds together, about [1/s].
+    """
+
+    moment: np.ndarray
+    crank: np.ndarray
+    shaft: np.ndarray
+    rate: np.ndarray
+
+
+def coupling_pull(sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> Pull:
+    """What moves both sides.
+
+    Parameters
+    ----------
+    sides : CoupledSides
+    joined : Joined
+    moving : ndarray (4, instants, variants)
+        Angle and speed of the crank, and of the shaft.
+    time : ndarray (instants, variants)
+        Since the begin of the run [s].
+    """
+    turned, w1, _, w2 = moving
+    faced = faced_ways(joined)
+    rows, of_crank = sides.crank.along(turned, w1, joined.clock + time, faced[0])
+    of_shaft, inertia, own = sides.shaft.moments(w2, faced[1]), rows.inertia, sides.shaft.inertia
+    crank, shaft = of_crank.total - 0.5 * w1 * w1 * rows.inertia_phi, of_shaft.total
+    together, holds = (crank + shaft) / (inertia + own), joined.mode == TOGETHER
+    if sides.is_fluid:
+        moment = sides.coupling.fluid_moment(w1, w2)
+    elif sides.open:
+        moment = np.zeros_like(w1)
+    else:
+        moment = joined.mode * sides.coupling.capacity_at(joined.engaged + time)
+        moment = np.where(holds, shaft - own * together, moment)
+    first = np.where(holds, together, (crank + moment) / inertia) * (joined.crank_way != 0.0)
+    second = np.where(holds, together, (shaft - moment) / own) * (joined.shaft_way != 0.0)
+    rate = np.abs(of_crank.slope - w1 * rows.inertia_phi) / inertia + np.abs(of_shaft.slope) / own
+    return Pull(moment, first, second, rate)
 
 
 class TwoSides:
@@ -236,6 +324,17 @@ class TwoSides:
         elsewhere = {load.action for load in reduction.loads.terms} | set(reduction.loads.motors)
         self.crank = Dynamics(reduction, off | on_shaft, works)
         self.shaft = Dynamics(reduction, off | (elsewhere - on_shaft), works)
+        self._on_shaft, self._elsewhere = frozenset(on_shaft), frozenset(elsewhere - on_shaft)
+
+    @cached_property
+    def system(self) -> PrintedSystem:
+        """The equation of motion of both sides, its functions printed."""
+        mechanics, coupling = self.crank.reduction.mechanics, self.coupling
+        knots = 0
+        if isinstance(coupling, FrictionClutch):
+            knots = len(coupling.over_time) if coupling.over_time is not None else 1 + (coupling.engagement is not None)
+        acting = self._on_shaft, self._elsewhere
+        return PrintedSystem(*at_two_speeds(mechanics, coupling, knots, *acting, self.crank.works), mechanics)
 
     def without_shaft(self, numbers: Numbers, count: int) -> Numbers:
         """Numbers of machines whose crank is rid of the coupled shaft's inertia."""
@@ -265,4 +364,5 @@ class TwoSides:
         driven, zero = self.shaft.driven(whole), np.zeros(count)
         form = EquationOfMotion(self.shaft, driven, zero)
         ways = (form.at(zero, zero, zero, np.full(count, way))[0] for way in (1.0, -1.0))
-        return CoupledSides(crank, ShaftSide(self.shaft, driven, inertia, *ways), coupling, self.open)
+        shaft = ShaftSide(self.shaft, driven, inertia, *ways)
+        return CoupledSides(crank, shaft, coupling, self.open, self)

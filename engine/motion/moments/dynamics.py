@@ -21,7 +21,7 @@ from engine.motion.moments.breaks import Breaks, instants_of
 from engine.motion.moments.grid import Grid, make_grid
 from engine.motion.moments.landmarks import Landmarks
 from engine.motion.moments.tabulation import Ends, Sums, Tabulation
-from engine.motion.system import CHANNELS, POLYNOMIAL_ORDERS, PrintedSystem, along_angle, along_time
+from engine.motion.system import CHANNELS, POLYNOMIAL_ORDERS, PrintedSystem, Sizes, along_angle, along_time
 from engine.parts.actions import Brake, DCMotor
 from engine.parts.motor_constants import kloss_constants, stall_moment
 from engine.scene.load_formulas import load_formulas
@@ -357,15 +357,23 @@ class Dynamics:
         key = system.system.along, brisk, facing
         if key not in variants.kept:
             numbers, way = variants.numbers, facing * variants.direction
-            sizes, unit = system.sizes, numbers.with_values({"input.speed": way})
-            given = {s: value_of(c, unit) if a not in self.off else 0.0 for s, (a, c) in sizes.loads.items()}
-            given |= {size: float(name in self.motors) for size, name in sizes.motors.items()}
-            given |= {sizes.wheel: variants.flywheel, sizes.way: way, sizes.facing: facing}
+            sizes = system.sizes
+            given = self.sized(sizes, numbers, way) | {
+                sizes.wheel: variants.flywheel,
+                sizes.way: way,
+                sizes.facing: facing,
+            }
             # Only forward does the form over the angle take over, where it is able to.
             by_angle = facing > 0.0 and not self.in_time
             given |= {sizes.brisk: brisk, sizes.stay: 0.0 if by_angle else np.inf}
             variants.kept[key] = system.tabulation.parameters(numbers, way, variants.ends, given)
         return variants.kept[key]
+
+    def sized(self, sizes: Sizes, numbers: Numbers, way: np.ndarray) -> dict[Given, np.ndarray | float]:
+        """How large the loads are that act, moving +1 or −1 in the way of the crank angle; and which motors do."""
+        unit = numbers.with_values({"input.speed": way})
+        given = {s: value_of(c, unit) if a not in self.off else 0.0 for s, (a, c) in sizes.loads.items()}
+        return given | {size: float(name in self.motors) for size, name in sizes.motors.items()}
 
     @property
     def in_time(self) -> bool:

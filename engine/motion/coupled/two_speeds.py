@@ -1,0 +1,230 @@
+"""The equation of motion of a machine at two speeds: those of the crank and of the shaft behind a coupling.
+
+I ε₁ + ½ω₁² dI/dφ = M₁ + T and J ε₂ = M₂ − T, with the coupling's moment T on the crank; a clutch that holds makes both
+sides one, (I + J) ε + ½ω² dI/dφ = M₁ + M₂. Everything is reduced to the crank. Each side has a speed that is never
+negative, and faces the way it goes: its moments count that way, T in the direction of motion.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.compiling.decorators import scalar
+from engine.graph.derivatives import derivative
+from engine.graph.nodes import Given, Node, Stage
+from engine.laws.kinematics.closure import greater
+from engine.laws.tables import in_memory, make_table, table_segment
+from engine.mechanism.mechanics import Mechanics
+from engine.motion.system import SLOPES, Guard, Sizes, StateMoments, System, inertia_of, moments_of, sizes_of
+from engine.parts.couplings import Coupling, FluidCoupling
+
+# Share of the moments by which they exceed what holds a standing side, where it sets off.
+SURELY = 1e-11
+# By this share of its capacity a clutch holds more than it transmits slipping: less than any step misses.
+GRIP = 1e-11
+# A clutch that slips against its sense by more than this share of the speeds is joined anew.
+ASTRAY = 1e-9
+# States, and what is gathered besides the works of the motors and of each channel.
+TURNED, CRANK_SPEED, SHAFT_TURNED, SHAFT_SPEED = range(4)
+GATHERED = ("heat", "slipped", "squares", "motors")
+
+
+@scalar
+def fluid_moment(memory: np.ndarray, table: float, factor: float, crank: float, shaft: float) -> float:
+    """Moment of a fluid coupling on the crank by the speeds of both sides, from the table of λ by the slip.
+
+    `factor` is the moment over λ ω² [kg·m²].
+    """
+    shaft_drives = abs(shaft) >= abs(crank)
+    fast, slow = (shaft, crank) if shaft_drives else (crank, shaft)
+    slip = 1.0 - slow / fast if fast != 0.0 else 0.0
+    begin, c3, c2, c1, c0 = table_segment(memory, table, slip)
+    t = slip - begin
+    moment = factor * (((c3 * t + c2) * t + c1) * t + c0) * fast * abs(fast)
+    return moment if shaft_drives else -moment
+
+
+@scalar
+def ramp(x: float, begin: float, end: float) -> float:
+    """Share of the way from a begin to an end that x has come; 0 before it, 1 behind it."""
+    share = (x - begin) / (end - begin)
+    return 0.0 if x <= begin else 1.0 if share >= 1.0 else share
+
+
+class Joint(NamedTuple):
+    """Numbers that tell a walk how both sides are joined.
+
+    Attributes
+    ----------
+    holds : Given
+        1 where a clutch holds, else 0.
+    sense : Given
+        +1 or −1: the way a clutch slips, forwards where the shaft is faster; 0 where it doesn't.
+    moves, shaft_moves : Given
+        1 where a side moves, 0 where it stands.
+    fluid : Given
+        Moment of a fluid coupling over λ ω² [kg·m²].
+    engaged : Given
+        When the coupling was engaged, by the clock [s].
+    times, capacity : tuple of Given
+        From then on [s], and the moment that a clutch transmits there [N·m].
+    shaft_inertia : Given
+        Reduced to the crank [kg·m²].
+    never : tuple of Given
+        Infinite for guards that don't count, in their order, else 0.
+    """
+
+    holds: Given
+    sense: Given
+    moves: Given
+    shaft_moves: Given
+    fluid: Given
+    engaged: Given
+    times: tuple[Given, ...]
+    capacity: tuple[Given, ...]
+    shaft_inertia: Given
+    never: tuple[Given, ...]
+
+
+class TwoSizes(NamedTuple):
+    """Numbers given to the system: of both sides, of both if they faced the other way, and of the joint."""
+
+    crank: Sizes
+    shaft: Sizes
+    crank_back: Sizes
+    shaft_back: Sizes
+    joint: Joint
+
+
+def _joint(mechanics: Mechanics, guards: tuple[str, ...], knots: int) -> Joint:
+    def number(label: str) -> Given:
+        return mechanics.graph.given(f"coupling: {label}", Stage.VARIANT)
+
+    def numbers(label: str, count: int) -> tuple[Given, ...]:
+        return tuple(number(f"{label} {i}") for i in range(count))
+
+    names = ("holds", "sense", "crank moves", "shaft moves", "fluid", "engaged")
+    rows = numbers("time", knots), numbers("capacity", knots)
+    never = tuple(number(f"never {name}") for name in guards)
+    return Joint(*(number(name) for name in names), *rows, number("inertia of the shaft"), never)
+
+
+# What ends a walk besides speeds, in the order of its guards.
+ENDINGS = ("crank rests", "shaft rests", "locks up", "astray", "breaks loose", "sets off")
+
+
+def at_two_speeds(
+    mechanics: Mechanics,
+    coupling: Coupling,
+    knots: int,
+    on_shaft: frozenset[str],
+    elsewhere: frozenset[str],
+    works: bool,
+) -> tuple[System, TwoSizes]:
+    """The equation of motion of both sides of a coupling.
+
+    Parameters
+    ----------
+    mechanics : Mechanics
+    coupling : Coupling
+    knots : int
+        How many instants a clutch's capacity goes by.
+    on_shaft, elsewhere : frozenset of str
+        Actions on the coupled shaft, and all others.
+    works : bool
+        Whether the works of useful and harmful loads, … are told apart.
+    """
+    graph, inertia = mechanics.graph, inertia_of(mechanics)[0]
+    labels = ("angle turned", "speed of a state", "angle turned by the shaft", "speed of the shaft")
+    states = tuple(graph.given(label, Stage.STATE) for label in labels)
+    _, speed, _, shaft_speed = states
+
+    def side(label: str, speed: Node, off: frozenset[str], works: bool) -> tuple[Sizes, StateMoments, Given]:
+        loads, clock, sizes = sizes_of(mechanics, speed, label)
+        return sizes, moments_of(mechanics, loads, sizes, speed, works, off), clock
+
+    crank, of_crank, clock = side("", speed, on_shaft, works)
+    shaft, of_shaft, _ = side("shaft: ", shaft_speed, elsewhere, works)
+    crank_back, of_crank_back, _ = side("back: ", speed, on_shaft, False)
+    shaft_back, of_shaft_back, _ = side("shaft, back: ", shaft_speed, elsewhere, False)
+    joint = _joint(mechanics, ENDINGS, knots)
+    capacity = sum(
+        (
+            (high - low) * graph.apply(ramp, clock - joint.engaged, begin, end)
+            for begin, end, low, high in zip(
+                joint.times, joint.times[1:], joint.capacity, joint.capacity[1:], strict=False
+            )
+        ),
+        joint.capacity[0] if knots else graph.zero,
+    )
+    own, other = joint.shaft_inertia, shaft.facing
+    m1 = of_crank.total - (0.5 * speed * speed) * (crank.way * mechanics.reduced.slope)
+    m2 = of_shaft.total
+    # Sides that hold face the same way.
+    together = (m1 + m2) / (inertia + own)
+    ahead, shaft_ahead = crank.facing * speed, other * shaft_speed
+    slip = shaft_ahead - ahead
+    if isinstance(coupling, FluidCoupling):
+        table = graph.store(in_memory(make_table(coupling.slip, coupling.coefficient, coupling.interpolation)))
+        apart = graph.apply(fluid_moment, graph.memory, table, joint.fluid, ahead, shaft_ahead)
+        held = moment = apart
+        rises = (m1 + crank.facing * apart) / inertia, (m2 - other * apart) / own
+    else:
+        held, apart = other * (m2 - own * together), joint.sense * capacity
+        moment = joint.holds * held + (1.0 - joint.holds) * apart
+        free = (m1 + crank.facing * apart) / inertia, (m2 - other * apart) / own
+        rises = tuple(joint.holds * together + (1.0 - joint.holds) * alone for alone in free)
+    rises = rises[0] * joint.moves, rises[1] * joint.shaft_moves
+    motors = of_crank.motors + of_shaft.motors
+    powers = {
+        name: of_crank.channels[name] * speed + of_shaft.channels[name] * shaft_speed for name in of_crank.channels
+    }
+    power = of_crank.motors * speed + of_shaft.motors * shaft_speed
+    gathered = dict(zip(GATHERED, (moment * slip, abs(slip), motors * motors, power), strict=True)) | powers
+    endings = (
+        speed,
+        shaft_speed,
+        joint.sense * slip,
+        joint.sense * slip + ASTRAY * (speed + shaft_speed),
+        capacity * (1.0 + GRIP) - abs(held),
+        _held_back(joint, capacity, apart, (m1, of_crank_back.total), (m2, of_shaft_back.total)),
+    )
+    named = zip(ENDINGS, endings, joint.never, strict=True)
+    guards = [Guard("above", crank.above - speed), Guard("below", speed - crank.below)]
+    guards += [Guard(name, value + never) for name, value, never in named]
+    slopes = [[derivative(rise, by, SLOPES) for by in (speed, shaft_speed)] for rise in rises]
+    steepness = graph.apply(greater, *(abs(a) + abs(b) for a, b in slopes))
+    rates = (ahead, rises[0], shaft_ahead, rises[1])
+    system = System(
+        "time", states, (), rates, gathered, speed, graph.zero, steepness, rises[0], (), tuple(guards), clock
+    )
+    return system, TwoSizes(crank, shaft, crank_back, shaft_back, joint)
+
+
+def _held_back(joint: Joint, capacity: Node, moment: Node, crank: tuple[Node, Node], shaft: tuple[Node, Node]) -> Node:
+    """By how much what holds standing sides exceeds the moments that would set one off, either way."""
+    (m1, m1_back), (m2, m2_back) = crank, shaft
+    graph = m1.graph
+
+    def most(*nodes: Node) -> Node:
+        first, *others = nodes
+        for node in others:
+            first = graph.apply(greater, first, node)
+        return first
+
+    # What moves doesn't set off.
+    never = graph.constant(-1e300)
+    alone = most(m1 + moment, m1_back - moment), most(m2 - moment, m2_back + moment)
+    stands = [
+        graph.apply(unless, moves, value, never)
+        for moves, value in zip((joint.moves, joint.shaft_moves), alone, strict=True)
+    ]
+    both = most(m1 + m2, m1_back + m2_back, most(m1, m1_back, m2, m2_back) - capacity)
+    held_apart = graph.apply(unless, joint.holds, most(*stands), both)
+    return SURELY * most(abs(m1), abs(m2), abs(moment)) - held_apart
+
+
+@scalar
+def unless(flag: float, value: float, otherwise: float) -> float:
+    """A value, unless a flag is set; then another one."""
+    return value if flag == 0.0 else otherwise
