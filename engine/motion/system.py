@@ -5,6 +5,7 @@ turned and the speed, with I ε + ½ω² dI/dφ = M(φ, ω, t). Moments count in
 negative: a machine that moves backwards is one whose input is meant to turn the other way.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
@@ -31,7 +32,7 @@ from engine.mechanism.reactions import Reactions
 from engine.motion.closed_cycle import TOLD, CycleBatch, CycleRoom, find_cycles, new_cycle_room
 from engine.motion.methods import EIGHT, METHODS
 from engine.motion.moments.tabulation import Tabulation
-from engine.motion.walk import FOUND, GIVEN, Room, WalkBatch, WalkTask, new_room, walk
+from engine.motion.walk import FOUND, GIVEN, RESPONSES, Room, WalkBatch, WalkTask, new_room, walk
 from engine.parts.actions import DCMotor
 from engine.parts.motor_constants import kloss_constants, stall_moment
 
@@ -76,6 +77,8 @@ class System(NamedTuple):
     speed, size, steepness, slope : Node
         Speed; magnitudes that the first rate is made of; its derivative by the first state; what has the sign of the
         speed's slope.
+    slopes : tuple of Node
+        Derivatives of the rates of the energy or the speeds by each of them, where an implicit method may be worth it.
     responses : tuple of Node
         Derivatives of what is gathered by the first state, where errors are carried along.
     guards : tuple of Guard
@@ -92,6 +95,7 @@ class System(NamedTuple):
     size: Node
     steepness: Node
     slope: Node
+    slopes: tuple[Node, ...]
     responses: tuple[Node, ...]
     guards: tuple[Guard, ...]
     clock: Given
@@ -223,7 +227,7 @@ def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tup
     responses = tuple(derivative(node, energy, SLOPES) for node in gathered.values())
     rates = (total,)
     return System(
-        "angle", (energy,), (), rates, gathered, speed, size, steepness, slope, responses, guards, clock
+        "angle", (energy,), (), rates, gathered, speed, size, steepness, slope, (steepness,), responses, guards, clock
     ), sizes
 
 
@@ -252,7 +256,9 @@ def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str], rubs: b
     steepness = derivative(smooth, speed, SLOPES)
     rates = (sizes.facing * speed, epsilon)
     states, zero = (turned, speed), graph.zero
-    return System("time", states, unknown, rates, gathered, speed, zero, steepness, epsilon, (), guards, clock), sizes
+    return System(
+        "time", states, unknown, rates, gathered, speed, zero, steepness, epsilon, (), (), guards, clock
+    ), sizes
 
 
 def _friction(mechanics: Mechanics, loads: Loads, sizes: Sizes, speed: Node, epsilon: Node) -> Node:
@@ -332,7 +338,7 @@ class PrintedSystem:
         self.rates = [*system.rates, *system.gathered.values()]
         guards = (guard.value for guard in system.guards)
         before = system.speed, system.size, system.steepness, system.slope
-        self.watched = [*before, *system.responses, *guards]
+        self.watched = [*before, *system.responses, *system.slopes, *guards]
         self.last = (*system.states, *system.unknown)
         title = f"A machine in motion, along {system.along}."
         self.functions: Functions = functions_in_motion(
@@ -351,9 +357,12 @@ class PrintedSystem:
             stages=made.stages,
             fixed=not made.fine.any(),
             implicit=made.implicit,
+            solved=math.isqrt(len(system.slopes)),
+            slopes=RESPONSES + len(system.responses),
             solves=bool(system.unknown),
             nodes=made.shares[made.place_of],
             matrix=made.matrix,
+            inverse=made.inverse,
             parts=np.ascontiguousarray(made.parts),
             states=len(system.states),
             width=len(self.rates),

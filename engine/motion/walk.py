@@ -103,10 +103,14 @@ class WalkTask(NamedTuple):
     nodes, parts : ndarray
         Of the method.
     implicit : bool
-        Whether its stages are found by Newton's method, of one state.
+        Whether its stages are found by Newton's method.
+    solved : int
+        How many states it solves for: the energy, or the speeds; 0 where it can't.
+    slopes : int
+        Row that `watch` fills with the first derivative of their rates by each of them.
     solves : bool
         Whether the last state's rate depends on itself; its row of P follows those of the states.
-    matrix : ndarray
+    matrix, inverse : ndarray
         Of an implicit method.
     states, width : int
         Rows of `rates`: those of the states, and with what is gathered.
@@ -132,9 +136,12 @@ class WalkTask(NamedTuple):
     stages: int
     fixed: bool
     implicit: bool
+    solved: int
+    slopes: int
     solves: bool
     nodes: np.ndarray
     matrix: np.ndarray
+    inverse: np.ndarray
     parts: np.ndarray
     states: int
     width: int
@@ -285,7 +292,7 @@ class Room(NamedTuple):
 
 def new_room(task: WalkTask, numbers: int, edges: int, instants: int, repeats: bool) -> Room:
     """Memory for a block of machines with so many numbers, edges in a cycle and instants; whether cycles repeat."""
-    laid = MOST_SLOTS if repeats else 1
+    laid, unknown = MOST_SLOTS if repeats else 1, task.stages * task.solved
     return Room(
         rows(numbers),
         rows(3),
@@ -299,7 +306,7 @@ def new_room(task: WalkTask, numbers: int, edges: int, instants: int, repeats: b
         rows(task.width),
         rows(task.width),
         rows(task.width),
-        rows(task.stages * (task.stages + 2) if task.implicit else 2),
+        rows(unknown * (unknown + 1) + task.stages * task.states if task.implicit else 2),
         rows(2 * (2 * task.width + 1)),
         rows(2 * (FIRST + task.guards)),
         rows(laid),
@@ -480,10 +487,12 @@ def attempt(kept: int, keeps: bool, printed: Printed, task: WalkTask, room: Room
     judged = task.width if task.carries else task.states
     step_end(task.method, judged, task.width, begin, own.length, k, after, errors)
     if task.implicit:
-        last = in_lanes(room.equations)[task.stages * (task.stages + 2) - 1]
-        for lane in range(LANES):
-            # The last stage is the end, without the rounding of a steep motor's moment.
-            after[0, lane] = last[lane]
+        count, first = task.stages * task.solved, 1 if task.along_time else 0
+        for q in range(first, task.states, 2):
+            last = in_lanes(room.equations)[count * (count + 1) + (task.stages - 1) * task.states + q]
+            for lane in range(LANES):
+                # The last stage is the end, without the rounding of a steep motor's moment.
+                after[q, lane] = last[lane]
     for q in range(task.states):
         for lane in range(LANES):
             state[q, lane] = after[q, lane]
@@ -498,71 +507,131 @@ def attempt(kept: int, keeps: bool, printed: Printed, task: WalkTask, room: Room
 
 @routine
 def find_stages(printed: Printed, task: WalkTask, room: Room) -> None:
-    """Find the stages of an implicit step of one state by Newton's method; where it doesn't, the rates are NaN."""
+    """Find the stages of an implicit step by Newton's method; where it doesn't, the rates are NaN.
+
+    Unknown is the energy in all stages, or are the speeds; angles follow from the speeds of the round before.
+    """
     own, k, begin, equations = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin), in_lanes(room.equations)
     watched, kept, worst = in_lanes(room.watched), in_lanes(room.places), in_lanes(room.errors)[0]
-    numbers, count, width = in_lanes(room.numbers), task.stages, task.width
-    found = count * (count + 1)
+    numbers, stages, width, states = in_lanes(room.numbers), task.stages, task.width, task.states
+    each, first = task.solved, 1 if task.along_time else 0
+    count = stages * each
+    found, slopes = count * (count + 1), task.watched + task.slopes
     stand(0.0, 0, -1, printed, task, room)
     look(0, printed, task, room)
     for lane in range(LANES):
         worst[lane] = math.inf
-    for s in range(count):
-        stand(task.nodes[s], s, -1, printed, task, room)
-        for lane in range(LANES):
-            equations[found + s, lane] = begin[0, lane]
-        for i in range(task.places):
+    for s in range(stages):
+        for q in range(states):
             for lane in range(LANES):
-                kept[s * task.places + i, lane] = numbers[task.first_place + i, lane]
-    for _ in range(MOST_ROUNDS):
-        for s in range(count):
+                equations[found + s * states + q, lane] = begin[q, lane]
+        if not task.along_time:
+            stand(task.nodes[s], s, -1, printed, task, room)
+            for i in range(task.places):
+                for lane in range(LANES):
+                    kept[s * task.places + i, lane] = numbers[task.first_place + i, lane]
+    for turn in range(MOST_ROUNDS):
+        if task.along_time and turn > 0:
+            turn_stages(task, room)
+        for s in range(stages):
             rate_found(s, printed, task, room)
             look(1, printed, task, room)
-            for r in range(count):
+            for r in range(stages):
+                share = task.matrix[r, s]
+                for i in range(each):
+                    for j in range(each):
+                        row, column = r * each + i, s * each + j
+                        same = 1.0 if row == column else 0.0
+                        for lane in range(LANES):
+                            slope = share * own.length[lane] * watched[slopes + i * each + j, lane]
+                            equations[row * (count + 1) + column, lane] = same - slope
+        for s in range(stages):
+            for i in range(each):
+                at, q = (s * each + i) * (count + 1) + count, first + 2 * i
                 for lane in range(LANES):
-                    slope = task.matrix[r, s] * own.length[lane] * watched[task.watched + STEEPNESS, lane]
-                    equations[r * (count + 1) + s, lane] = (1.0 if r == s else 0.0) - slope
-        for s in range(count):
-            for lane in range(LANES):
-                equations[s * (count + 1) + count, lane] = begin[0, lane] - equations[found + s, lane]
-            for r in range(count):
-                for lane in range(LANES):
-                    made = task.matrix[s, r] * own.length[lane] * k[r * width, lane]
-                    equations[s * (count + 1) + count, lane] += made
+                    equations[at, lane] = begin[q, lane] - equations[found + s * states + q, lane]
+                for r in range(stages):
+                    for lane in range(LANES):
+                        equations[at, lane] += task.matrix[s, r] * own.length[lane] * k[r * width + q, lane]
         eliminate(count, equations)
         pending = False
         for lane in range(LANES):
             # Others may need more rounds.
             own.able[lane] = 1.0 if worst[lane] > FOUND_TO else 0.0
             worst[lane] = 0.0 if worst[lane] > FOUND_TO else worst[lane]
-        for s in range(count):
-            for lane in range(LANES):
-                by, before = equations[s * (count + 1) + count, lane], equations[found + s, lane]
-                by = by if own.able[lane] > 0.0 else 0.0
-                size = abs(by) / before
-                worst[lane] = worst[lane] if worst[lane] > size else size
-                left = LEAST_LEFT * before
-                equations[found + s, lane] = before + by if before + by > left else left
+        for s in range(stages):
+            for i in range(each):
+                at, q = (s * each + i) * (count + 1) + count, found + s * states + first + 2 * i
+                for lane in range(LANES):
+                    by, before, whole = equations[at, lane], equations[q, lane], 0.0
+                    for j in range(each):
+                        whole += equations[found + s * states + first + 2 * j, lane]
+                    by = by if own.able[lane] > 0.0 else 0.0
+                    size = abs(by) / whole
+                    worst[lane] = worst[lane] if worst[lane] > size else size
+                    left = LEAST_LEFT * before
+                    equations[q, lane] = before + by if before + by > left else left
         for lane in range(LANES):
             pending |= own.length[lane] > 0.0 and worst[lane] > FOUND_TO
         if not pending:
             break
-    for s in range(count):
+    for s in range(stages):
         rate_found(s, printed, task, room)
     for lane in range(LANES):
-        k[(count - 1) * width, lane] = k[(count - 1) * width, lane] if worst[lane] <= NEARLY_FOUND else math.nan
+        end = (stages - 1) * width + first
+        k[end, lane] = k[end, lane] if worst[lane] <= NEARLY_FOUND else math.nan
+    if task.along_time:
+        rise_stages(task, room)
+
+
+@routine
+def turn_stages(task: WalkTask, room: Room) -> None:
+    """Angles in the stages of an implicit step along time, by the rates found for them."""
+    own, k, begin, equations = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin), in_lanes(room.equations)
+    count, stages = task.stages * task.solved, task.stages
+    for s in range(stages):
+        for q in range(0, task.states, 2):
+            angle = equations[count * (count + 1) + s * task.states + q]
+            for lane in range(LANES):
+                angle[lane] = begin[q, lane]
+            for r in range(stages):
+                for lane in range(LANES):
+                    angle[lane] += task.matrix[s, r] * own.length[lane] * k[r * task.width + q, lane]
+
+
+@routine
+def rise_stages(task: WalkTask, room: Room) -> None:
+    """Accelerations in the stages of an implicit step from the speeds there: of a steep coupling these are surer."""
+    own, k, begin, equations = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin), in_lanes(room.equations)
+    count, stages, sure = task.stages * task.solved, task.stages, in_lanes(room.errors)[1]
+    for q in range(1, task.states, 2):
+        for s in range(stages):
+            for lane in range(LANES):
+                sure[lane] = 0.0
+            for r in range(stages):
+                found = equations[count * (count + 1) + r * task.states + q]
+                for lane in range(LANES):
+                    sure[lane] += task.inverse[s, r] * (found[lane] - begin[q, lane])
+            rise = k[s * task.width + q]
+            for lane in range(LANES):
+                rise[lane] = sure[lane] / own.length[lane] if rise[lane] == rise[lane] else math.nan
 
 
 @inlined
 def rate_found(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
     """Rates of a stage of an implicit step in the state that was found for it."""
-    kept, numbers, found = in_lanes(room.places), in_lanes(room.numbers), task.stages * (task.stages + 1)
+    kept, numbers, count = in_lanes(room.places), in_lanes(room.numbers), task.stages * task.solved
     state, own = task.first_place + task.places, in_lanes(room.equations)
-    for i in range(task.places):
+    found = count * (count + 1) + stage * task.states
+    for q in range(task.states):
         for lane in range(LANES):
-            numbers[task.first_place + i, lane] = kept[stage * task.places + i, lane]
-    for lane in range(LANES):
-        numbers[state, lane] = own[found + stage, lane]
+            numbers[state + q, lane] = own[found + q, lane]
+    if task.along_time:
+        stand(task.nodes[stage], stage, -1, printed, task, room)
+    else:
+        for i in range(task.places):
+            for lane in range(LANES):
+                numbers[task.first_place + i, lane] = kept[stage * task.places + i, lane]
     rate(stage, printed, task, room)
 
 
@@ -596,7 +665,7 @@ def judge_steps(task: WalkTask, room: Room) -> None:
     for lane in range(LANES):
         own.missed[lane] = 0.0
     judged = task.states if task.along_time else task.states + 1
-    for lane in range(LANES if task.implicit else 0):
+    for lane in range(LANES if task.implicit and not task.along_time else 0):
         # A steep motor takes back the rest of an implicit step's error. Source: E. Hairer and G. Wanner, Solving
         # Ordinary Differential Equations II, section IV.8.
         fades = -own.length[lane] * watched[count + STEEPNESS, lane]
@@ -920,6 +989,14 @@ def is_flat(lane: int, task: WalkTask, room: Room) -> bool:
 
 
 @inlined
+def is_short(length: float, lane: int, task: WalkTask, room: Room) -> bool:
+    """Whether a step turns so little that an implicit one is worth its price."""
+    own = rows_of(room.lane)
+    turns = length * abs(in_lanes(room.begin)[1, lane]) if task.along_time else length
+    return turns < WORTH_SOLVING * own.farthest[lane]
+
+
+@inlined
 def shorten(lane: int, task: WalkTask, room: Room) -> None:
     """Choose a shorter step in a lane that misses too much; it is lost where none is short enough."""
     own, watched = rows_of(room.lane), in_lanes(room.watched)
@@ -932,7 +1009,7 @@ def shorten(lane: int, task: WalkTask, room: Room) -> None:
         share = max(SHRINK, SAFETY * STEEPEST / fades)
     own.pace[lane], own.trials[lane] = length * share, 0.0
     least = SHORTEST * (abs(own.at[lane]) + (LEAST_TIME if task.along_time else own.farthest[lane]))
-    worth_solving = fades > STEEPEST and not task.along_time and length * share < WORTH_SOLVING * own.farthest[lane]
+    worth_solving = fades > STEEPEST and task.solved > 0 and is_short(length * share, lane, task, room)
     if worth_solving or not length * share > least:
         own.why[lane] = STEEP if fades > STEEPEST else LOST
 
@@ -1039,8 +1116,8 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
             ahead = own.length[lane] * (share if share < GROW else GROW)
             own.pace[lane] = ahead if ahead > own.pace[lane] else own.pace[lane]
             fades = own.pace[lane] * abs(watched[task.watched + STEEPNESS, lane])
-            short = own.steps[lane] > MANY and own.pace[lane] < WORTH_SOLVING * own.farthest[lane]
-            if own.why[lane] == GOING and short and fades > FADES and not (task.along_time or task.implicit):
+            short = own.steps[lane] > MANY and is_short(own.pace[lane], lane, task, room)
+            if own.why[lane] == GOING and short and fades > FADES and task.solved > 0 and not task.implicit:
                 own.why[lane] = STEEP
 
 

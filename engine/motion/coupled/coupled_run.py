@@ -20,7 +20,7 @@ from engine.motion.coupled.two_sides import (
     faced_ways,
 )
 from engine.motion.coupled.two_speeds import CRANK_SPEED, GRIP, SHAFT_SPEED, SHAFT_TURNED, TURNED
-from engine.motion.methods import EIGHT
+from engine.motion.methods import EIGHT, NINE
 from engine.motion.moments.breaks import JUMP
 from engine.motion.moments.grid import edges_of
 from engine.motion.system import SHOWN, Walks
@@ -132,7 +132,7 @@ class CoupledRuns:
         self.above = np.where(ends.speed > speeds[0], ends.speed, np.inf)
         self.below = np.where(ends.speed < speeds[0], ends.speed, -np.inf)
         self.done |= ends.speed == speeds[0]
-        self.unsettled = np.ones(count, bool)
+        self.unsettled, self.steep = np.ones(count, bool), np.zeros(count, bool)
         self.marks, self.farthest_swing = np.full((4, count), np.nan), np.full(count, np.nan)
         self.notes: list[np.ndarray] | None = [] if record else None
 
@@ -145,7 +145,10 @@ class CoupledRuns:
                 live = np.flatnonzero(~self.done)
                 if not live.size:
                     return
-                self._advance(live)
+                for steep in (False, True):
+                    some = live[self.steep[live] == steep]
+                    if some.size:
+                        self._advance(some, NINE if steep else EIGHT)
         self._give_up(np.flatnonzero(~self.done))
 
     def _give_up(self, who: np.ndarray) -> None:
@@ -165,7 +168,7 @@ class CoupledRuns:
         """Decide whether the sides of some variants go together, and which way each goes."""
         if not who.size:
             return
-        self.unsettled[who] = False
+        self.unsettled[who] = self.steep[who] = False
         sides, joined, moving = self.sides.some(who), self.joined.some(who), self.state[: SHAFT_SPEED + 1, who].copy()
         # Behind a jump that lies just there.
         moving[TURNED] += np.sign(moving[CRANK_SPEED]) * sides.beside(moving[TURNED])
@@ -285,8 +288,8 @@ class CoupledRuns:
         # A hundredth of the time that a radian takes; moments that pull speeds together leave less.
         return 0.01 / np.maximum(np.maximum(speed, np.sqrt(change)), found.rate[0])
 
-    def _walk(self, who: np.ndarray, faced: np.ndarray, goal: np.ndarray, longest: np.ndarray) -> Walks:
-        """Walk, at most for a time [s] and up to an angle turned."""
+    def _walk(self, who: np.ndarray, method: int, faced: np.ndarray, goal: np.ndarray, longest: np.ndarray) -> Walks:
+        """Walk by a method, at most for a time [s] and up to an angle turned."""
         sides, joined, system = self.sides.some(who), self.joined.some(who), self.sides.two.system
         sizes, own, state, time = system.sizes, sides.crank.variants, self.state[:, who].copy(), self.time[who]
         crank_moves, shaft_moves = joined.crank_way != 0.0, joined.shaft_way != 0.0
@@ -313,15 +316,15 @@ class CoupledRuns:
         lanes |= {"farthest": self.farthest, "longest": np.where(waits, longest / WAITS, np.inf), "floor": floor}
         lanes |= {"turned": state[TURNED], "pace": np.where(waits, longest, self.pace[who])}
         state[CRANK_SPEED], state[SHAFT_SPEED] = np.abs(state[[CRANK_SPEED, SHAFT_SPEED]])
-        task, nothing = system.task(self.cycle, EIGHT), np.zeros((0, who.size))
+        task, nothing = system.task(self.cycle, method), np.zeros((0, who.size))
         return system.run(task, numbers, edges, nothing, lanes, state, recorded=RECORDED)
 
-    def _advance(self, who: np.ndarray) -> None:
-        """Walk as far as nothing changes, and see what does there."""
+    def _advance(self, who: np.ndarray, method: int) -> None:
+        """Walk by a method as far as nothing changes, and see what does there."""
         joined = self.joined.some(who)
         faced, longest = faced_ways(joined), self._longest(who)
         goal = self._goal(who, faced[0])
-        gone = self._walk(who, faced, goal, longest)
+        gone = self._walk(who, method, faced, goal, longest)
         why, before = gone.why, self.time[who]
         self._see(who, joined, before, gone)
         self.state[:, who] = gone.states
@@ -334,7 +337,8 @@ class CoupledRuns:
         self.covered[0, who] = np.fmin(self.covered[0, who], self.state[TURNED, who])
         self.covered[1, who] = np.fmax(self.covered[1, who], self.state[TURNED, who])
         self.slip_time[who] += np.where(np.abs(joined.mode) == FORWARDS, gone.at, 0.0)
-        lost = who[np.isin(why, (Why.LOST, Why.STEEP))]
+        lost = who[(why == Why.LOST) | ((why == Why.STEEP) & (method == NINE))]
+        self.steep[who] |= why == Why.STEEP
         self.verdict[lost], self.done[lost] = Verdict.NOT_FINITE, True
         self.done[who[ended]] = True
         self._after(who, why, goal)
@@ -410,7 +414,7 @@ class CoupledRuns:
         self.done[who[arrived & (goal == self.ends.turned[who])]] = True
         far = who[arrived & (np.abs(goal) == self.ends.most_turned[who])]
         self._give_up(far[~self.done[far]])
-        self.unsettled[who[(why != Why.FULL) & (why != BREAKS_LOOSE)]] = True
+        self.unsettled[who[(why != Why.FULL) & (why != BREAKS_LOOSE) & (why != Why.STEEP)]] = True
         at_mark = who[arrived]
         self._tell_endless(rest, at_mark, who)
 

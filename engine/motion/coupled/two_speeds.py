@@ -195,8 +195,9 @@ def at_two_speeds(
     slopes = [[derivative(rise, by, SLOPES) for by in (speed, shaft_speed)] for rise in rises]
     steepness = graph.apply(greater, *(abs(a) + abs(b) for a, b in slopes))
     rates = (ahead, rises[0], shaft_ahead, rises[1])
+    solved = tuple(slope for row in slopes for slope in row)
     system = System(
-        "time", states, (), rates, gathered, speed, graph.zero, steepness, rises[0], (), tuple(guards), clock
+        "time", states, (), rates, gathered, speed, graph.zero, steepness, rises[0], solved, (), tuple(guards), clock
     )
     return system, TwoSizes(crank, shaft, crank_back, shaft_back, joint)
 
