@@ -259,7 +259,7 @@ def _check_finite(expression: TextExpression, tree: Tree) -> None:
 
 
 def _wrong_in_motion(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem]:
-    """What true motion can't take: a jump at some speed; beside couplings and in drives, a speed but by its powers."""
+    """What true motion can't take: a jump at some speed; in elastic drives, a speed but by its powers."""
     regimes = {f"regimes.{n}": regime for n, regime in scene.regimes.items() if name not in regime.off}
     jump = jump_at_a_speed(formula.expression.tree, formula.velocities) if regimes else None
     if jump is not None:
@@ -269,9 +269,8 @@ def _wrong_in_motion(scene: Scene, name: str, formula: LoadFormula) -> Iterator[
         )
         yield formula.key, str(_refused(formula.expression, jump, what))
         return
-    at_work = regimes if scene.couplings else {}
     drives = {f"elements.{n}": e for n, e in scene.elements.items() if e.type == "machine_drive"}
-    at_work |= {path: drive for path, drive in drives.items() if name not in drive.off}
+    at_work = {path: drive for path, drive in drives.items() if name not in drive.off}
     runs = {f"{path}.run": drive.run for path, drive in drives.items() if drive.run is not None}
     at_work |= {path: run for path, run in runs.items() if name not in run.off}
     if not at_work:
@@ -280,7 +279,7 @@ def _wrong_in_motion(scene: Scene, name: str, formula: LoadFormula) -> Iterator[
         powers_of_speed(formula.expression.tree, formula.velocities)
     except NoPowerError as error:
         what = (
-            "depends on the speed otherwise than by fixed powers of it, which couplings and elastic drives can't take; "
+            "depends on the speed otherwise than by fixed powers of it, which elastic drives can't take; "
             f"switch {name!r} off in {', '.join(at_work)}, or write it by products, sums, powers, abs and sign"
         )
         yield formula.key, str(_refused(formula.expression, error.operation, what))

@@ -297,9 +297,10 @@ def _of_coupled(part: _CoupledPart, fields: Iterable[str]) -> Iterator[dict[str,
     """Columns of a run with a coupling; the loads on pairs aren't known there."""
     (time, angle, omega), sides, shaft = part.course, part.sides, part.shaft
     way, none = part.variants.direction[0], np.full(time.size, np.nan)
-    rows = sides.crank.dynamics.rows(sides.crank.variants, angle[:, None], time[:, None])
-    of_crank = sides.crank.dynamics.moments(sides.crank.variants, rows, omega[:, None])
-    of_shaft = sides.shaft.dynamics.moments(sides.shaft.variants, sides.shaft.forwards, shaft[0][:, None])
+    turned, speeds = way * (angle - sides.crank.start[0]), (omega[:, None], shaft[0][:, None])
+    faced = (np.where(speed < 0.0, -1.0, 1.0) for speed in speeds)
+    rows, of_crank = sides.crank.along(turned[:, None], speeds[0], time[:, None], next(faced))
+    of_shaft = sides.shaft.moments(speeds[1], next(faced))
     both = [np.concatenate((m.motors[None], m.loads))[:, :, 0] for m in (of_crank, of_shaft)]
     motors, loads = both[0][0] + both[1][0], both[0][1:] + both[1][1:]
     powers, heat = both[0] * omega + both[1] * shaft[0], shaft[1] * (omega - shaft[0])

@@ -98,7 +98,7 @@ def run_coupled(
     with np.errstate(all="ignore"):
         slip = np.where(state[SHAFT_TURNED] == 0.0, 0.0, slipped / np.abs(state[SHAFT_TURNED]))
         mean = state[SHAFT_TURNED] / runs.time
-    drives = (sides.crank.variants.drive, sides.shaft.variants.drive)
+    drives = (form.variants.drive for form in (sides.crank, sides.shaft.form))
     # Motors are on one of the two sides alone.
     peaks = [greatest_moment(d, low, high) for d, low, high in zip(drives, runs.lows, runs.highs, strict=True)]
     values = {
@@ -161,9 +161,9 @@ def held_moment(
     rows, shaft = dynamics.rows(variants, places), two.of(variants, np.zeros(variants.count)).shaft
     coupling = coupling_numbers(two.scene, variants.numbers, variants.count)
     omega = np.sqrt(2.0 * energy / rows.inertia)
-    total = dynamics.moments(variants, rows, omega).total
+    total = dynamics.moments(variants, dynamics.rows(variants, places, omega=omega), omega).total
     change = (total - 0.5 * omega**2 * rows.inertia_phi) / rows.inertia
-    own = shaft.dynamics.moments(shaft.variants, shaft.forwards, omega).total
+    own = shaft.moments(omega, np.ones(variants.count)).total
     steps = np.diff(places, axis=0)
     even = np.isclose(steps[1:], steps[:-1], rtol=EVEN, atol=0.0)
     peak = greatest_between(np.abs(own - shaft.inertia * change), even)

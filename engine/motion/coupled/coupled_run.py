@@ -29,7 +29,7 @@ from engine.verdicts import Verdict
 
 TOLERANCE, FARTHEST_TURN = 1e-10, 0.25 * np.pi
 # Shares of a step at which speeds and moments are looked at, and what makes them of those that are recorded.
-LOOKS = np.arange(9) / 8
+LOOKS = np.arange(17) / 16
 AT_LOOKS = np.array([np.polynomial.Polynomial.fit(SHOWN, row, SHOWN.size - 1)(LOOKS) for row in np.eye(SHOWN.size)]).T
 # Steps that are recorded at a time, and times that a run is carried on.
 RECORDED, MOST_WALKS = 64, 100_000
@@ -224,7 +224,7 @@ class CoupledRuns:
             turned, w1, _, w2 = moving
             rows, of_crank = sides.crank.at(turned, w1, joined.clock + time, way)
             crank = of_crank.total[0] - 0.5 * w1 * w1 * rows.inertia_phi[0]
-            found.append((crank, sides.shaft.moments(w2, way).total[0]))
+            found.append((crank, sides.shaft.moments(w2[None], way).total[0]))
         (a, b), (c, d) = found
         return a + b, c + d, a, b, c, d
 

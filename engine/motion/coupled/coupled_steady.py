@@ -128,16 +128,17 @@ def _newton(slopes: np.ndarray, off: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 def _in_balance(sides: CoupledSides) -> tuple[np.ndarray, np.ndarray]:
     """Verdicts, and the greatest speeds of both sides, (2, variants), at which mean moments are in balance."""
-    crank, shaft, count = sides.crank, sides.shaft, sides.count
+    crank, shaft, count = sides.crank, sides.shaft.form, sides.count
     (own, on_crank), (_, on_shaft) = tops = [no_load_speed(side.variants) for side in (crank, shaft)]
     top = HIGHEST * np.where(on_crank | on_shaft, np.fmax(*(top * driven for top, driven in tops)), own)
     speeds = top * np.linspace(1.0, 1.0 / SPEEDS, SPEEDS)[:, None]
     turned = np.broadcast_to(np.linspace(0.0, crank.dynamics.cycle, PLACES, endpoint=False)[:, None], (PLACES, count))
-    rows = crank.dynamics.rows(crank.variants, crank.variants.direction * turned)
-    of_shaft = np.array([shaft.moments(speed, np.ones(count)).total[0] for speed in speeds])
+    zero = np.zeros_like(turned)
+    of_shaft = sides.shaft.moments(speeds, np.ones(count)).total
     left, others = np.empty((SPEEDS, count)), np.empty((SPEEDS, count))
     for k, speed in enumerate(speeds):
-        mean = mean_of_rows(crank.dynamics.moments(crank.variants, rows, np.broadcast_to(speed, turned.shape)).total)
+        of_crank = crank.along(turned, np.broadcast_to(speed, turned.shape), zero, np.ones(count))[1]
+        mean = mean_of_rows(of_crank.total)
         passed = sides.coupling.fluid_moment(np.broadcast_to(speed, speeds.shape), speeds)
         others[k] = _highest_balance(speeds, of_shaft - passed)
         left[k] = mean + sides.coupling.fluid_moment(speed, others[k])

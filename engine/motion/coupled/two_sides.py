@@ -15,7 +15,7 @@ from engine.laws.tables import make_table
 from engine.motion.coupled.two_speeds import at_two_speeds
 from engine.motion.moments.at_speed import Moments
 from engine.motion.moments.breaks import JUMP
-from engine.motion.moments.dynamics import Dynamics, Reduction, Rows, Variants
+from engine.motion.moments.dynamics import Dynamics, Reduction, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.system import PrintedSystem
 from engine.parts.couplings import Coupling, FluidCoupling, FrictionClutch
@@ -113,31 +113,19 @@ class ShaftSide(NamedTuple):
 
     Attributes
     ----------
-    dynamics : Dynamics
-        With what acts on the shaft.
-    variants : Variants
+    form : EquationOfMotion
+        Of what acts on the shaft, its speed reduced to the crank.
     inertia : ndarray (variants,)
         Reduced to the crank [kg·m²].
-    forwards, backwards : Rows
-        Loads that resist its motion in the direction of the scene, and against it.
     """
 
-    dynamics: Dynamics
-    variants: Variants
+    form: EquationOfMotion
     inertia: np.ndarray
-    forwards: Rows
-    backwards: Rows
 
     def moments(self, omega: np.ndarray, facing: np.ndarray) -> Moments:
-        """Moments at speeds (variants,) or (instants, variants); `facing` ±1 is the way that resistances resist."""
-        fields = zip(self.forwards, self.backwards, strict=True)
-        rows = Rows(*(np.where(facing < 0.0, back, forth) for forth, back in fields))
-        return self.dynamics.moments(self.variants, rows, np.atleast_2d(omega))
-
-    def some(self, who: np.ndarray) -> "ShaftSide":
-        """Of some of the variants, by index."""
-        ways = (Rows(*(part[..., who] for part in rows)) for rows in (self.forwards, self.backwards))
-        return ShaftSide(self.dynamics, self.variants.some(who), self.inertia[who], *ways)
+        """Moments at speeds (instants, variants); `facing` ±1 is the way that resistances resist."""
+        still = np.zeros_like(omega)
+        return self.form.along(still, omega, still, facing)[1]
 
 
 # How the sides are joined: held together, slipping forwards (the shaft is faster) or backwards, free of each other, or
@@ -202,8 +190,8 @@ class CoupledSides(NamedTuple):
 
     def some(self, who: np.ndarray) -> "CoupledSides":
         """Of some of the variants, by index."""
-        crank = EquationOfMotion(self.crank.dynamics, self.crank.variants.some(who), self.crank.start[who])
-        return self._replace(crank=crank, shaft=self.shaft.some(who), coupling=self.coupling.some(who))
+        shaft = ShaftSide(self.shaft.form.some(who), self.shaft.inertia[who])
+        return self._replace(crank=self.crank.some(who), shaft=shaft, coupling=self.coupling.some(who))
 
     def numbers(self, joined: Joined) -> np.ndarray:
         """Numbers of the motion at two speeds, (numbers, variants), but for the joint's and for what ends it."""
@@ -361,8 +349,5 @@ class TwoSides:
         crank = EquationOfMotion(self.crank, self.crank.driven(of_crank), start)
         coupling = coupling_numbers(self.scene, n, count)
         inertia = coupling.ratio**2 * _of_all(n[f"shafts.{self.coupling.shaft}.inertia"], count)
-        driven, zero = self.shaft.driven(whole), np.zeros(count)
-        form = EquationOfMotion(self.shaft, driven, zero)
-        ways = (form.at(zero, zero, zero, np.full(count, way))[0] for way in (1.0, -1.0))
-        shaft = ShaftSide(self.shaft, driven, inertia, *ways)
+        shaft = ShaftSide(EquationOfMotion(self.shaft, self.shaft.driven(whole), np.zeros(count)), inertia)
         return CoupledSides(crank, shaft, coupling, self.open, self)

@@ -33,6 +33,10 @@ class EquationOfMotion:
         self.dynamics, self.variants, self.start = dynamics, variants, start
         self._mirrored: Variants | None = None
 
+    def some(self, who: np.ndarray) -> "EquationOfMotion":
+        """Of some of the variants, by index."""
+        return EquationOfMotion(self.dynamics, self.variants.some(who), self.start[who])
+
     def at(self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray) -> tuple[Rows, Moments]:
         """Rows and moments at an instant, (1, variants), as `along` gives them."""
         return self.along(turned[None], omega[None], time[None], facing)
@@ -70,12 +74,6 @@ class EquationOfMotion:
             parameters = self.dynamics.reduction.tabulation.parameters(own.numbers, -own.direction, own.ends)
             self._mirrored = own._replace(direction=-own.direction, parameters=parameters)
         return self._mirrored
-
-    def parameters_facing(self, facing: np.ndarray) -> np.ndarray:
-        """Numbers of the rows, (numbers, variants), for machines that move forward or backwards."""
-        if not (facing < 0.0).any():
-            return self.variants.parameters
-        return np.where(facing > 0.0, self.variants.parameters, self._mirror().parameters)
 
     def _friction(
         self,
