@@ -1,4 +1,4 @@
-"""The command report."""
+"""The report command."""
 
 from pathlib import Path
 
@@ -13,9 +13,9 @@ from sweeps.cli.waiting import doing
 @click.option("--out", type=click.Path(path_type=Path), help="Page to write; FILE with .html unless given.")
 @errors_as_messages
 def report(file: str, out: Path | None) -> None:
-    """Write what a result file, or a scene, says as one page for a browser, with figures to select variants in.
+    """Write a report on a result file or scene: one HTML page with figures in which variants can be selected.
 
-    The page needs no other file and no network. Needs pip install 'machine-sweeps[report]'.
+    The page is self-contained. Requires pip install 'machine-sweeps[report]'.
     """
     from sweeps.cli.named_machine import is_result
     from sweeps.page.page import write_page

@@ -1,4 +1,4 @@
-"""Commands to start with: list, new, modes, guide."""
+"""Commands to get started: list, new, modes, guide."""
 
 from pathlib import Path
 
@@ -42,12 +42,12 @@ def new(template: str, out: Path | None) -> None:
 @click.option(
     "--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf); SCENE_modes.png unless given."
 )
-@click.option("--no-plots", is_flag=True, help="Only tell them.")
+@click.option("--no-plots", is_flag=True, help="Only list them.")
 @errors_as_messages
 def modes(scene: str, out: Path | None, no_plots: bool) -> None:
     """List the real assembly modes of free links at the first position, with a picture of each.
 
-    Which of them is meant a scene tells by about where one of their points lies: near.B = { x = "80 mm", y = "20 mm" }.
+    A scene selects a mode by the approximate position of a point: near.B = { x = "80 mm", y = "20 mm" }.
     """
     from engine import assembly_modes
     from sweeps.cli.named_machine import machine_of
@@ -60,7 +60,7 @@ def modes(scene: str, out: Path | None, no_plots: bool) -> None:
     if found and not no_plots:
         made = mode_pictures(machine, found, out or Path(f"{name}_modes.png"))
         for path, refusal in made.items():
-            tell(f"Wrote {path}" if refusal is None else f"Not drawn: {path}, as {refusal}")
+            tell(f"Wrote {path}" if refusal is None else f"Not drawn: {path}: {refusal}")
 
 
 @click.command("guide")

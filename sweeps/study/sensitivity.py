@@ -95,7 +95,7 @@ class Sensitivity:
 
     @cached_property
     def quantities(self) -> tuple[Quantity, ...]:
-        """What is found for each variant, each with an error figure."""
+        """What is found for each variant, each with an error estimate."""
         available = self.machine.available_summaries if self.evaluations else {}
         found = []
         for asked in self.study.derivatives:
@@ -113,7 +113,7 @@ class Sensitivity:
         """Columns that `of_variants` fills."""
         found = []
         for name, words, units, _ in self.quantities:
-            found += [Column(name, words, units), Column(f"{name}_error", f"error figure of: {words}", units)]
+            found += [Column(name, words, units), Column(f"{name}_error", f"error estimate of: {words}", units)]
         words = "verdict on the neighbours of the variant by"
         return found + [Column(f"status_by.{by}", f"{words} {by}", "1", dtype=np.uint8) for by in self._derived_by]
 
@@ -125,7 +125,7 @@ class Sensitivity:
         values : mapping of str to ndarray (variants,)
             Their parameters (SI), derived ones among them.
         status : ndarray (variants,) of uint8
-            Their verdicts; only those without complaint are looked at.
+            Their verdicts; only those successfully are looked at.
         """
         names = [quantity.name for quantity in self.quantities]
         found = {name: np.full(status.size, np.nan) for name in (*names, *(f"{name}_error" for name in names))}

@@ -102,7 +102,7 @@ class Study(StudyContent):
         return Sensitivity(self)
 
     def machine(self) -> Machine | ElementsAlone:
-        """The machine, or the machine elements alone, that answer the study; made once.
+        """The machine, or the machine elements only, that answer the study; made once.
 
         Raises
         ------

@@ -82,7 +82,7 @@ def quick_slider_crank(stroke: float, ratio: float, rod: float | None = None) ->
     ratio : float
         Time of the slow stroke over that of the fast one.
     rod : float, optional
-        [m]; that of the best transmission angle unless given.
+        [m] (default: that of the best transmission angle).
 
     Raises
     ------
@@ -120,7 +120,7 @@ def quick_crank_rocker(rocker: float, swing: float, ratio: float, coupler: float
     ratio : float
         Time of the slow swing over that of the fast one.
     coupler : float, optional
-        [m]; that of the best transmission angle unless given.
+        [m] (default: that of the best transmission angle).
 
     Raises
     ------

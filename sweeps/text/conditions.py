@@ -301,5 +301,5 @@ def _margin(tree: TextOperation, values: Values, errors: Values, sign: float) ->
 
 
 def _share(part: np.ndarray, whole: np.ndarray) -> np.ndarray:
-    """A part over a whole that is zero only if the part is; an error figure beside nothing is all of it."""
+    """A part over a whole that is zero only if the part is; an error estimate beside nothing is all of it."""
     return np.where(whole != 0, part / np.where(whole != 0, whole, 1.0), np.where(part == 0, 0.0, WORST))

@@ -152,7 +152,7 @@ def unit_label(units: str) -> str:
 
 
 def quantity_text(value: float, units: str, error: float | None = None) -> str:
-    """A value with its error figure, in the unit an engineer would use."""
+    """A value with its error estimate, in the unit an engineer would use."""
     if not math.isfinite(value):
         return "–"
     factor, label = engineer_unit(units, np.array([value]))
@@ -161,7 +161,7 @@ def quantity_text(value: float, units: str, error: float | None = None) -> str:
 
 
 def figure_text(value: float, error: float | None, digits: int) -> str:
-    """A value with its error figure, without digits that the error makes meaningless.
+    """A value with its error estimate, without digits that the error makes meaningless.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ def figure_text(value: float, error: float | None, digits: int) -> str:
     error : float or None
         Shown with one digit.
     digits : int
-        Significant digits of a value whose error figure is smaller still, or that has none.
+        Significant digits of a value whose error estimate is smaller still, or that has none.
     """
     plain = f"{value:.{digits}g}"
     if error is None or not math.isfinite(error):

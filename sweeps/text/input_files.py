@@ -32,7 +32,7 @@ def check_file(path: Path, largest: int | None = None) -> None:
     ----------
     path : Path
     largest : int, optional
-        Bytes that it may have; any number unless given.
+        Bytes that it may have (default: any number).
 
     Raises
     ------

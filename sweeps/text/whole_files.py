@@ -59,7 +59,7 @@ def scratch_folder(within: Path | str | None = None) -> Iterator[Path]:
     Parameters
     ----------
     within : Path or str, optional
-        The folder in which it is made; the system's one for such folders unless given.
+        The folder in which it is made (default: the system's one for such folders).
     """
     with tempfile.TemporaryDirectory(prefix=".sweeps-", dir=within, ignore_cleanup_errors=True) as folder:
         half_written.add(folder)
