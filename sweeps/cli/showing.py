@@ -75,7 +75,8 @@ def show(
     unknown = [n for n in names if n not in result.columns]
     if unknown:
         raise InputError(
-            str(file), [(None, "columns", f"{unknown[0]!r} is not in the result; available: {', '.join(result.columns)}")]
+            str(file),
+            [(None, "columns", f"{unknown[0]!r} is not in the result; available: {', '.join(result.columns)}")],
         )
     goal, usual = result.goal, "front > 0" if is_front(result) else None
     if sort is None and goal is not None:
@@ -118,9 +119,7 @@ def _show_at(
 
 @click.command()
 @click.argument("file")
-@click.option(
-    "--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf); default: next to FILE."
-)
+@click.option("--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf); default: next to FILE.")
 @click.option("--variant", type=int, help="Variant of a result file to use.")
 @click.option(
     "--at", default="", help="Crank angles of the drawing [deg], or displacements such as '20 mm', comma-separated."
@@ -135,7 +134,9 @@ def _show_at(
     help="Also velocity, acceleration and force polygons at the first --at, reactions over the cycle, and loads of the "
     "eight most heavily loaded bearings.",
 )
-@click.option("--bearings", default="", help="Also the loads of these bearings: input, GROUP.first and so on, comma-separated.")
+@click.option(
+    "--bearings", default="", help="Also the loads of these bearings: input, GROUP.first and so on, comma-separated."
+)
 @click.option("--hodograph", is_flag=True, help="Also the hodograph of the shaking force, and its orders.")
 @click.option("--beside", help="With --hodograph: scene, study or result to compare with.")
 @click.option("-x", help="x axis: a column (results), or a field instead of the crank angle.")
@@ -210,9 +211,7 @@ def plot(
 
 @click.command()
 @click.argument("file", required=False)
-@click.option(
-    "--out", type=click.Path(path_type=Path), help="Also draw the orders to this file (.png, .svg, .pdf)."
-)
+@click.option("--out", type=click.Path(path_type=Path), help="Also draw the orders to this file (.png, .svg, .pdf).")
 @click.option("--variant", type=int, help="Variant of a result file to use.")
 @errors_as_messages
 def orders(file: str | None, out: Path | None, variant: int | None) -> None:

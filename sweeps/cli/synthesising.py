@@ -9,7 +9,12 @@ import click
 from sweeps.cli.shared import Command, errors_as_messages, tell, write_text
 from sweeps.cli.waiting import doing
 
-_RATIO = click.option("--ratio", required=True, type=float, help="Quick-return ratio K: time of the slow stroke over that of the fast one.")
+_RATIO = click.option(
+    "--ratio",
+    required=True,
+    type=float,
+    help="Quick-return ratio K: time of the slow stroke over that of the fast one.",
+)
 
 
 def _common(command: Command) -> Command:
@@ -85,7 +90,9 @@ def shaper_command(stroke: str, ratio: float, frame: str, speed: str, out: Path 
 @click.option(
     "--joint", "joints", multiple=True, metavar="'X, Y'", help="Joint on the moving plane, in its first position."
 )
-@click.option("--turn", "turns", multiple=True, metavar="'ANGLE, 1'", help="Rotation of a link to the second of four positions.")
+@click.option(
+    "--turn", "turns", multiple=True, metavar="'ANGLE, 1'", help="Rotation of a link to the second of four positions."
+)
 @_common
 @errors_as_messages
 def positions_command(
@@ -119,7 +126,9 @@ def positions_command(
 
 @synthesise.command("path")
 @click.argument("table", type=click.Path(path_type=Path))
-@click.option("--seed", default=0, show_default=True, help="Random seed of the search; other seeds may find other linkages.")
+@click.option(
+    "--seed", default=0, show_default=True, help="Random seed of the search; other seeds may find other linkages."
+)
 @_common
 @errors_as_messages
 def path_command(table: Path, seed: int, speed: str, out: Path | None) -> None:

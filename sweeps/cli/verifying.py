@@ -27,9 +27,7 @@ def verify(file: Path) -> None:
     for name in found.edited:
         tell_aside(f"{file}: {name.removeprefix('progress/')} was modified")
     if damaged:
-        tell_aside(
-            f"{file}: variants {damage_text(found, damaged)} are damaged; run the study again to repair them"
-        )
+        tell_aside(f"{file}: variants {damage_text(found, damaged)} are damaged; run the study again to repair them")
     if damaged or found.edited:
         sys.exit(DAMAGED)
     left = f", {found.variants - variants} not computed yet" if variants < found.variants else ""

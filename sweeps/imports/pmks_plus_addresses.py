@@ -62,7 +62,9 @@ class _Address:
         self.source = source
         whole = _ADDRESS.fullmatch(unquote(text.strip()))[1]
         if _DIGITS[(len(whole) - 1) % _IN_CHECK] != whole[-1]:
-            raise self._refused("the address is incomplete: its check character doesn't match its length; copy it again")
+            raise self._refused(
+                "the address is incomplete: its check character doesn't match its length; copy it again"
+            )
         self.switches, _, self.integers, self.choices, *sections = whole[:-1].split(".")
         if "" not in sections:
             raise self._refused("the address ends within its joints; copy it again")

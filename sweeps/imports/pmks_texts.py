@@ -68,7 +68,7 @@ def pmks_chain(text: str, source: str, unit: float, speed: str) -> Chain:
             links.setdefault(moving[0], [])
         else:
             raise refused(
-                f"row {number}: {letter} of {' and '.join(names)} is not supported; supported: R, and P of a link and ground"
+                f"row {number}: {letter} of {' and '.join(names)} is not supported; use R, or P of a link and ground"
             )
         if any(_FLAGS.fullmatch(part) and part[3] in "tT" for part in parts[kind + 1 :]):
             if letter != "R" or len(moving) == len(names) or not moving:

@@ -56,7 +56,7 @@ def _grid(result: SweepResult) -> dict[str, int]:
     together = next((axis["names"] for axis in axes if len(axis["names"]) > 1), None)
     if together:
         raise StoreError(
-            f"the variants of {result.path} form no grid: {' and '.join(together)} vary together (sampled or from a table)"
+            f"the variants of {result.path} form no grid: {' and '.join(together)} vary together"
             f"; read it without grid, then set_index(variant={together!r}) finds variants by them"
         )
     return {axis["names"][0]: axis["size"] for axis in axes}

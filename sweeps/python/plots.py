@@ -119,8 +119,8 @@ def plot_sweep(
 ) -> Figure:
     """Draw a sweep in the form that suits its design.
 
-    A field as `y` gives a band, a multi-objective search its front, a grid of one axis curves, of two axes a map; else a
-    scatter if `x` or `y` is given, or parallel coordinates.
+    A field as `y` gives a band, a multi-objective search its front, a grid of one axis curves, of two axes a map;
+    else a scatter if `x` or `y` is given, or parallel coordinates.
 
     Parameters
     ----------

@@ -87,9 +87,7 @@ def _of_records(one: SweepResult, other: SweepResult) -> Iterator[str]:
     for path in dict.fromkeys((*scenes[0], *scenes[1])):
         numbers = [scene.get(path) for scene in scenes]
         if numbers[0] != numbers[1]:
-            shown = [
-                quantity_text(n.value, described_dimension(n.dimension).unit) if n else "missing" for n in numbers
-            ]
+            shown = [quantity_text(n.value, described_dimension(n.dimension).unit) if n else "missing" for n in numbers]
             yield f"  {path}: {shown[0]} and {shown[1]}"
     texts = [dict(_leaves(result.record, "")) | dict(_texts(result.scene)) for result in (one, other)]
     for key in dict.fromkeys((*texts[0], *texts[1])):

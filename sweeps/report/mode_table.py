@@ -19,9 +19,7 @@ def mode_table(scene: Scene, modes: dict[str, tuple[AssemblyMode, ...] | None]) 
     parts = []
     for group, found in modes.items():
         if found is None:
-            parts.append(
-                f"{group}: depends on a group without a mode; set that mode first"
-            )
+            parts.append(f"{group}: depends on a group without a mode; set that mode first")
             continue
         count = f"{len(found)} real assembly mode{'' if len(found) == 1 else 's'}"
         parts.append(f"{group}: {count if found else 'no assembly'} at the first position")

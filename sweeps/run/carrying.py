@@ -1,7 +1,7 @@
 """Reuse of earlier result files: same variants of the same machine are not computed twice.
 
-Variants are matched by the bits of their parameters. Other outputs can change the last digits of a summary, because they
-change the cuts of the cycle; reused numbers keep their error estimates.
+Variants are matched by the bits of their parameters. Other outputs can change the last digits of a summary, because
+they change the cuts of the cycle; reused numbers keep their error estimates.
 """
 
 import json

@@ -95,8 +95,9 @@ def run_study(
 ) -> Path:
     """Run or resume a study into a result file.
 
-    Results in an earlier file of that name are reused: of an interrupted run, or of a study that since got more variants,
-    summaries or fields, or another question, [best] or texts. A file with further results is kept under a numbered name.
+    Results in an earlier file of that name are reused: of an interrupted run, or of a study that since got more
+    variants, summaries or fields, or another question, [best] or texts. A file with further results is kept under a
+    numbered name.
 
     Parameters
     ----------

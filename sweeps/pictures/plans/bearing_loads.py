@@ -83,7 +83,9 @@ def bearing_load(cycle: MachineCycle, pair: str, axes: str = FRAME) -> BearingLo
     found = known[pair]
     allowed = (FRAME, found.link, found.other)
     if axes not in allowed:
-        raise PictureError(f"bearing load of {pair}: axes {axes!r} belong to neither link; {did_you_mean(axes, allowed)}")
+        raise PictureError(
+            f"bearing load of {pair}: axes {axes!r} belong to neither link; {did_you_mean(axes, allowed)}"
+        )
     force = cycle.force(f"{pair}.reaction")
     if not np.nanmax(np.abs(force)) > 0:
         raise PictureError(f"bearing load: {pair} is unloaded; give the machine masses, forces or gravity")

@@ -55,7 +55,8 @@ class Touching(NamedTuple):
     normal : complex
         Unit vector from the cam to the follower.
     curvature : float or None
-        Curvature of the follower point's path on the cam [1/m]; None for a flat face, along which the cam's point moves.
+        Curvature of the follower point's path on the cam [1/m]; None for a flat face, along which the cam's point
+        moves.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Files of plans: velocity, acceleration and force polygons at a position, reactions and bearing loads over the cycle."""
+"""Files of plans at a position, and of reactions and bearing loads over the cycle."""
 
 from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
@@ -23,8 +23,8 @@ def plan_pictures(
 ) -> list[Path]:
     """Draw all plans of a machine at one position, and its reactions over the cycle.
 
-    Velocity and acceleration plans; for a loaded machine also force sheets for each group, the input link and other loaded
-    links, the reactions of all pairs, and the loads of the (eight most heavily loaded) bearings.
+    Velocity and acceleration plans; for a loaded machine also force sheets for each group, the input link and other
+    loaded links, the reactions of all pairs, and the loads of the (eight most heavily loaded) bearings.
 
     Parameters
     ----------

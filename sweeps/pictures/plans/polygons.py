@@ -1,11 +1,11 @@
 """Velocity and acceleration plans as numbers: images of points from a pole, and the vectors between them.
 
-Each dyad fixes a point's image by two vector chains: RRR along both bars; RRP along rod and guide; RPR along the slotted
-link and its slot; PRP along both guides; RPP along guide and slot. Acceleration chains have two steps: normal and
-tangential on a bar, Coriolis and relative along a rotating guide. Points at rest have their image in the pole. Second
-inputs give vectors like the first. Wheels and racks share one velocity at their pitch point, where accelerations differ
-along the common normal; a follower slides on its cam along the tangent. A group of class III starts from a special point
-of Assur; for other groups of free links all bars and slides are drawn.
+Each dyad fixes a point's image by two vector chains: RRR along both bars; RRP along rod and guide; RPR along the
+slotted link and its slot; PRP along both guides; RPP along guide and slot. Acceleration chains have two steps: normal
+and tangential on a bar, Coriolis and relative along a rotating guide. Points at rest have their image in the pole.
+Second inputs give vectors like the first. Wheels and racks share one velocity at their pitch point, where
+accelerations differ along the common normal; a follower slides on its cam along the tangent. A group of class III
+starts from a special point of Assur; for other groups of free links all bars and slides are drawn.
 
 Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapter on velocity and acceleration plans.
 """

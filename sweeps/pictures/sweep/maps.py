@@ -347,8 +347,8 @@ def sweep_figure(
 ) -> Figure:
     """Draw a sweep in the form that suits its design.
 
-    A field as `y` gives a band, a grid of one axis curves, of two axes a map; otherwise a scatter if `x` or `y` is given,
-    else parallel coordinates.
+    A field as `y` gives a band, a grid of one axis curves, of two axes a map; otherwise a scatter if `x` or `y` is
+    given, else parallel coordinates.
 
     Parameters
     ----------

@@ -37,7 +37,11 @@ def quantities_text(scene: Scene, source: str, words: Sequence[str] = ()) -> str
     parts = ["Summaries (one number per variant):", _listed(numbers)] if numbers else []
     if curves:
         ways = ", ".join(f"{way} ({meaning.removesuffix(' of')})" for way, meaning in STATISTICS.items())
-        parts += ["Fields (curves over the cycle):", _listed(curves), f"Every field also gives summaries NAME.STATISTIC: {ways}."]
+        parts += [
+            "Fields (curves over the cycle):",
+            _listed(curves),
+            f"Every field also gives summaries NAME.STATISTIC: {ways}.",
+        ]
     return "\n".join(parts)
 
 

@@ -58,7 +58,9 @@ def _engine_text(name: str, element: EngineElement, given: tuple[float, float] |
     lines = [f"{name} at {quantity_text(element.speed, 'rad s-1')}, with its counterweights on the crank:"]
     lines.append(table(_shaking_rows(found, element), "  "))
     if not shafts:
-        return "\n".join([*lines, "No balance shafts needed: the primary and secondary forces and couples are balanced."])
+        return "\n".join(
+            [*lines, "No balance shafts needed: the primary and secondary forces and couples are balanced."]
+        )
     used = planes if planes[0] != planes[1] else planes[:1]
     rows = [("shaft", "speed", "turns", *(f"at {quantity_text(plane, 'm')}" for plane in used))]
     for shaft in shafts:
@@ -70,7 +72,9 @@ def _engine_text(name: str, element: EngineElement, given: tuple[float, float] |
     kinds = "force and no couple" if len(used) > 1 else "force"
     lines.append(f"Unbalances that cancel the primary and secondary {kinds}:")
     lines.append(table(rows, "  "))
-    lines.append("Angles from the engine's axis in the direction of rotation, with the throw of cylinder 1 on that axis.")
+    lines.append(
+        "Angles from the engine's axis in the direction of rotation, with the throw of cylinder 1 on that axis."
+    )
     if element.spacing is None:
         lines.append("Couples omitted: they need the cylinder spacing.")
     return "\n".join(lines)

@@ -22,8 +22,8 @@ def flywheel_from_csv(
     Parameters
     ----------
     path : Path
-        CSV with the columns `phi [deg]` and `moment [N m]` (or other units); with `area_energy`, with the column `area`:
-        areas between diagram and mean line in order, positive above it.
+        CSV with the columns `phi [deg]` and `moment [N m]` (or other units); with `area_energy`, with the column
+        `area`: areas between diagram and mean line in order, positive above it.
     speed, fluctuation : str
         Mean speed, such as "250 rpm", and required δ, such as "1/50".
     interpolation : {"linear", "pchip", "spline"}

@@ -179,9 +179,7 @@ def trial_runs_text(path: Path, noise: str | None = None, holes: int | None = No
         whole = abs(first)
         rest = f"{left:.2g} {runs.unit}" if left > 1e-9 * whole else f"0 {runs.unit}"
         effects.append((name, f"{whole:.4g} {runs.unit}", *shown, rest))
-    notes = [
-        "Use the radius and angle convention of the trial weights, and remove the trial weights."
-    ]
+    notes = ["Use the radius and angle convention of the trial weights, and remove the trial weights."]
     if holes is not None:
         notes.append("Hole 1 is at the mark; holes are numbered in the direction of the angles.")
     if found.radii is not None:

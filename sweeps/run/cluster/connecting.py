@@ -59,8 +59,8 @@ def connected(address: str) -> Iterator["Client"]:
         others = filter(None, [os.environ.get("PYTHONWARNINGS")])
         os.environ["PYTHONWARNINGS"] = ",".join([*others, "ignore:resource_tracker:UserWarning"])
         with (
-            # Python looks for modules in Dask's folder first, and the usual one, /tmp/dask-scratch-space, may have been
-            # made by anybody.
+            # Python imports from Dask's scratch folder first, and anybody may have made the default,
+            # /tmp/dask-scratch-space.
             scratch_folder(dask.config.get("temporary-directory", None)) as folder,
             dask.config.set(
                 WITH_MEMORY_KEPT | WITHOUT_PAGES | _new_certificate() | {"temporary-directory": str(folder)}
