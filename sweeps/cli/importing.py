@@ -11,7 +11,7 @@ from sweeps.cli.shared import errors_as_messages, tell, write_text
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--unit", help="Length unit of FILE (default: 1 mm, or the unit in a PMKS+ address).")
 @click.option("--speed", help="Crank speed (default: 60 rpm, or the speed in a PMKS+ address).")
-@click.option("--out", type=click.Path(path_type=Path), help="Scene to write; FILE with .toml unless given.")
+@click.option("--out", type=click.Path(path_type=Path), help="Scene to write; default: FILE with .toml.")
 @errors_as_messages
 def import_command(file: Path, unit: str | None, speed: str | None, out: Path | None) -> None:
     """Convert a linkage from pylinkage (JSON), PMKS (rows of joints, or an address with mech=) or PMKS+ to a scene.

@@ -10,7 +10,7 @@ from sweeps.cli.waiting import doing
 
 @click.command()
 @click.argument("file")
-@click.option("--out", type=click.Path(path_type=Path), help="Page to write; FILE with .html unless given.")
+@click.option("--out", type=click.Path(path_type=Path), help="Page to write; default: FILE with .html.")
 @errors_as_messages
 def report(file: str, out: Path | None) -> None:
     """Write a report on a result file or scene: one HTML page with figures in which variants can be selected.

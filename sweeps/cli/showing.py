@@ -236,7 +236,7 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
 
 @click.command()
 @click.argument("file")
-@click.option("--out", type=click.Path(path_type=Path), help="GIF file; NAME.gif unless given.")
+@click.option("--out", type=click.Path(path_type=Path), help="GIF file; default: NAME.gif.")
 @click.option("--variant", type=int, help="Variant of a result file to use.")
 @click.option("--paths", default="", help="Points whose paths are drawn, comma-separated.")
 @click.option("--frames", type=click.IntRange(4, 1000), default=60, show_default=True)

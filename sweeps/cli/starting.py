@@ -25,7 +25,7 @@ def list_command() -> None:
 
 @click.command()
 @click.argument("template")
-@click.option("--out", type=click.Path(path_type=Path), help="File to write; TEMPLATE.toml unless given.")
+@click.option("--out", type=click.Path(path_type=Path), help="File to write; default: TEMPLATE.toml.")
 @errors_as_messages
 def new(template: str, out: Path | None) -> None:
     """Write a commented scene to start from."""
@@ -40,7 +40,7 @@ def new(template: str, out: Path | None) -> None:
 @click.command()
 @click.argument("scene")
 @click.option(
-    "--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf); SCENE_modes.png unless given."
+    "--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf); default: SCENE_modes.png."
 )
 @click.option("--no-plots", is_flag=True, help="Only list them.")
 @errors_as_messages

@@ -21,7 +21,7 @@ def _common(command: Command) -> Command:
     """Options of all mechanism types."""
     options = (
         click.option("--speed", default="60 rpm", show_default=True, help="Crank speed."),
-        click.option("--out", type=click.Path(path_type=Path), help="Scene to write; KIND.toml unless given."),
+        click.option("--out", type=click.Path(path_type=Path), help="Scene to write; default: KIND.toml."),
     )
     return reduce(lambda made, option: option(made), reversed(options), command)
 

@@ -15,7 +15,7 @@ _COMPILING = "Compiling this type of machine (once only)"
 class Waiting:
     """Print on standard error, if that is a terminal, that something is compiled or done, and for how long.
 
-    Nothing is said of what takes less than `PATIENCE`.
+    Tasks shorter than `PATIENCE` show nothing.
     """
 
     def __init__(self) -> None:

@@ -60,7 +60,7 @@ def value_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
 
 
 def limit_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
-    """Tables of what limits the best variant, each with a caption."""
+    """Tables of the best variant's limits, each with a caption."""
     aim = digest.aim
     if aim is None:
         return

@@ -98,7 +98,7 @@ class Linear(_Steps):
     Raises
     ------
     SamplingError
-        If count < 1, if one value should serve for two different ends, or if an end isn't finite.
+        If count < 1, if count is 1 for two different ends, or if an end is infinite or NaN.
     """
 
     def values(self, indices: np.ndarray) -> dict[str, np.ndarray]:
@@ -188,7 +188,7 @@ class Sampled:
     Raises
     ------
     SamplingError
-        If count < 1, low > high, a logarithmic range touches zero, a limit isn't finite, the lengths
+        If count < 1, low > high, a logarithmic range touches zero, a limit is infinite or NaN, the lengths
         differ, the method is unknown, the seed is outside 0..2**64-1, or Sobol' is asked for more than
         2**30 points.
     """

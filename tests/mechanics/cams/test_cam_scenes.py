@@ -109,7 +109,7 @@ def test_cam_is_drawn(name, tmp_path):
 
 
 def test_cam_that_cannot_be_placed__is_not_drawn(tmp_path):
-    with pytest.raises(PictureError, match="no results that could be drawn"):
+    with pytest.raises(PictureError, match="no results to draw"):
         element_sheet(cam_of(ROLLER, follower__offset="39 mm"), tmp_path / "cam.png")
 
 

@@ -48,4 +48,4 @@ def test_group_without_points__has_its_modes_listed():
     scene = Scene.model_validate(data)
     told = mode_table(scene, assembly_modes(scene))
     assert "group_of_lever: 2 real assembly modes" in told
-    assert "by a point of one of the group's links" in told
+    assert "with a point of one of the group's links" in told

@@ -174,7 +174,7 @@ def test_load_over_time__is_refused_in_a_cycle_and_taken_in_a_run(load):
     run = {"go": {"type": "run", "time": 0.2, "from_speed": "100 rpm"}}
     scene = Scene.model_validate(WEIGHT | {"moments": {"push": load}, "regimes": run})
     for name in ("required_power", "reduced_moment.max"):
-        with pytest.raises(AskError, match=r"a load depends on time .*no motion repeats itself"):
+        with pytest.raises(AskError, match=r"a load depends on time .*no motion is periodic"):
             Machine(scene, [name])
     with pytest.raises(AskError, match="depends on time"):
         Machine(scene, fields=["reduced_moment"])

@@ -114,7 +114,7 @@ def test_lever__swings_between_tangents_of_the_crank_circle(stroke, ratio, frame
         (lambda: quick_slider_crank(0.3, 1.0), "give the rod"),
         (lambda: quick_slider_crank(0.3, 3.5), "less than 3"),
         (lambda: quick_slider_crank(0.3, 1.4, 5.0), r"about 0\.15\d* to 0\.5\d* m"),
-        (lambda: quick_crank_rocker(0.1, 1.0, 6.0), "swinging lever"),
+        (lambda: quick_crank_rocker(0.1, 1.0, 6.0), "slotted lever"),
         (lambda: quick_crank_rocker(0.1, 4.0, 1.2), "between 0 and 180°"),
         (lambda: quick_crank_rocker(0.1, 1.0, 1.2, 50.0), "it may be about"),
         (lambda: quick_lever(0.3, 1.0, 0.2), "greater than 1"),

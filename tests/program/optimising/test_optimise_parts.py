@@ -229,7 +229,7 @@ ASKED = f'minimise = "{NEAREST}"\nsubject_to = "ram.stroke <= \'90 mm\'"\npopula
 def test_command__tells_the_best_what_holds_it_and_its_files(folder):
     study_of(folder, ASKED)
     answer = done("optimise", "study.toml", "--no-plots", "--quiet")
-    assert "Answer: the minimum objective_1 where ram.stroke <= '90 mm' is " in answer
+    assert "Answer: minimum objective_1 where ram.stroke <= '90 mm': " in answer
     assert "on the limit of: ram.stroke <= '90 mm'" in answer
     assert "differential evolution, seed 0: " in answer
     assert "results/study_optimised.h5" in answer

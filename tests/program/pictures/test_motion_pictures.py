@@ -149,8 +149,8 @@ def test_regime_that_the_history_has_not__is_no_failure_of_those_it_has():
 
 def test_verdict_that_the_history_does_not_share__keeps_its_own_reason():
     told = failure_text(SCENE, Verdict.STALLS)
-    assert told.startswith("the machine comes to a stop")
-    assert told.endswith("(over 240 positions, with the flywheel of the scene, it runs)")
+    assert told.startswith("the machine stalls")
+    assert told.endswith("(with 240 positions and the scene's flywheel it runs)")
 
 
 def test_machine_that_runs_away__shows_its_start_and_says_where_it_fails(tmp_path):

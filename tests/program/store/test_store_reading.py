@@ -161,7 +161,7 @@ def test_changed_bit__found_named_and_pending_again(path: Path, name: str, eleme
     with Store.open(path, layout()) as store:
         assert not store.finished
         (note,) = store.notes
-    assert f"variants {4 * block} … {last} are computed again" in note
+    assert f"variants {4 * block} … {last} are recomputed" in note
 
 
 def test_changed_bit_in_a_part_file__block_pending_and_not_computed_for_readers(path: Path, part: Path) -> None:

@@ -256,7 +256,7 @@ REFUSED = {
     "LShift": [("a << 2", 2)],
     "In": [("a < b in c", 6)],
     "Is": [("a is b", 2)],
-    "no real number": [("1j", 0), ("True", 0), ("None", 0), ("...", 0), ("b'x'", 0)],
+    "not a real number": [("1j", 0), ("True", 0), ("None", 0), ("...", 0), ("b'x'", 0)],
     "not finite": [("1e999", 0), ("1" + "0" * 400, 0)],
     "a quantity can't be used": [("x < '3 mm'", 4), ("x < 3 mm", 4)],
     "'y' is no unit": [("x * 3 y", 6), ("x * '3 mm' y", 11)],

@@ -111,13 +111,13 @@ def test_check_of_a_study_of_motion__estimates_what_it_takes(folder):
     Path("study.toml").write_text(STUDY.replace("[outputs]", vary))
     study = read_study("study.toml")
     found = cost.probe(study, study.machine())
-    # Numbers of a block on their own: values and error figures of two summaries.
+    # Numbers of a block on their own: values and error estimates of two summaries.
     assert found.motion_bytes > study.design.size * 4 * 8
     assert 0 < found.seconds < 1
     text = said("check", "study.toml").stdout
     # How many depends on how fast the machine is just now.
     assert re.search(r"saved after (each variant|every \d+ variants)\n", text)
-    assert "the first time up to a minute more, to compile" in text
+    assert "up to a minute of compilation the first time" in text
 
 
 def test_variants_computed_together__are_fewer_where_motion_is_asked(folder):
@@ -193,7 +193,7 @@ def test_run_of_a_study__counts_what_stalls_and_says_where_to_look(folder):
     text = said("run", "study.toml", "--no-plots").stdout
     assert any(line.split()[:2] == ["2", "ok"] for line in text.splitlines())
     assert any(line.split()[:2] == ["1", "stalls"] for line in text.splitlines())
-    shown = next(line for line in text.splitlines() if "the motion of the first of them" in line)
+    shown = next(line for line in text.splitlines() if "motion of the first one" in line)
     command = shown.split(": sweeps ")[1].split()
     assert command == ["plot", "results/study.h5", "--variant", "1"]
     made = said(*command).stdout

@@ -82,7 +82,7 @@ def test_show_at__in_json_has_several_angles_and_numbers_set_anew(press_folder):
         (["--at", "10", "--set", "input.length=3 kg"], "expected a length"),
         (["--at", "10", "--set", "input.length"], "PATH=VALUE"),
         (["--at", "10", "--set", "input.length=-3 mm"], "input.length"),
-        (["--set", "input.length=3 mm"], "go with --at"),
+        (["--set", "input.length=3 mm"], "require --at"),
     ],
 )
 def test_show_at__refuses_in_one_sentence(arguments, words, press_folder):

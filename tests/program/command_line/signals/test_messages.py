@@ -98,7 +98,7 @@ def test_friction_beyond_all_experience__is_asked_about(press_folder):
         PRESS + '\n[friction]\np = {pair = "slide.inner", coefficient = 8, diameter = "3 mm"}\n'
     )
     assert (
-        "friction.p.coefficient = 8: coefficients of friction hardly exceed 1.5" in said("check", "press.toml").stdout
+        "friction.p.coefficient = 8: coefficients of friction rarely exceed 1.5" in said("check", "press.toml").stdout
     )
 
 
@@ -155,7 +155,7 @@ def test_device_as_a_table__is_refused(press_folder):
 @pytest.mark.parametrize("command", ["check", "run", "plot", "show", "quantities"])
 def test_name_that_no_file_may_have__is_refused_and_not_repeated(command, press_folder):
     text = refused(command, "(" * 3000)
-    assert "is too long a name for a file" in text
+    assert "is too long for a file name" in text
     assert len(text) < 200
 
 
