@@ -66,7 +66,7 @@ def quick_return_angle(ratio: float) -> float:
         It is less than 1, or not finite.
     """
     if not 1.0 <= ratio < math.inf:
-        raise SynthesisError(f"invalid quick-return ratio {ratio:g}: slow to fast stroke must be at least 1")
+        raise SynthesisError(f"invalid quick-return ratio {ratio:g}: it must be at least 1")
     return math.pi * (ratio - 1.0) / (ratio + 1.0)
 
 
@@ -167,7 +167,7 @@ def quick_lever(stroke: float, ratio: float, frame: float) -> QuickLever:
     """
     theta = _checked(stroke, "stroke", ratio)
     if not 0.0 < frame < math.inf:
-        raise SynthesisError(f"invalid distance of the pivots {frame:g} m: it must be greater than 0")
+        raise SynthesisError(f"invalid distance of the pivots {frame:g} m: it must be positive and finite")
     if theta == 0.0:
         raise SynthesisError("a slotted lever always returns faster: give a quick-return ratio greater than 1")
     half = math.sin(0.5 * theta)

@@ -68,10 +68,10 @@ SETTLED = 20.0 / (20.0 / 100.0 + 0.05)
 @pytest.mark.parametrize(
     ("only", "end", "words"),
     [
-        ("dc oil", {"speed": 1.05 * SETTLED}, "isn't reached: it goes at"),
-        ("dc oil nothing", {"speed": 1.05 * SETTLED}, "isn't reached: it goes at"),
-        ("dc oil", {"from_speed": 1.5 * SETTLED, "speed": 0.95 * SETTLED}, "isn't reached: it goes at"),
-        ("dc oil", {"from_speed": 0.5 * SETTLED, "rest": True}, "doesn't come to rest: it goes at"),
+        ("dc oil", {"speed": 1.05 * SETTLED}, "is not reached: it runs at"),
+        ("dc oil nothing", {"speed": 1.05 * SETTLED}, "is not reached: it runs at"),
+        ("dc oil", {"from_speed": 1.5 * SETTLED, "speed": 0.95 * SETTLED}, "is not reached: it runs at"),
+        ("dc oil", {"from_speed": 0.5 * SETTLED, "rest": True}, "does not come to rest: it runs at"),
     ],
     ids=["from below", "in time", "from above", "rest"],
 )

@@ -26,10 +26,10 @@ group slide: RRP of rod and ram
 W = 3n − 2p₁ = 3·3 − 2·4 = 1
 assembles over the whole cycle
 8 = input.length [4] × bodies.ram.mass [2]
-Computed at as many positions as its curves need
+Computed at adaptive positions
 Skipped (not needed for the outputs)
 acceleration
-MB beside the program's own
+MB plus the program itself
 free"""
     for words in told.splitlines():
         assert words in answer.stdout
@@ -69,7 +69,7 @@ def test_check_of_a_machine_that_nowhere_assembles__says_so(press_folder):
     text = PRESS.replace('guide = "way"}', 'guide = "way", offset = "2 m"}')
     Path("press.toml").write_text(text)
     answer = done("check", "press.toml")
-    assert "can't be assembled at any position" in answer
+    assert "can't be assembled at any input position" in answer
 
 
 def test_check_source__is_python_to_read(press_folder):

@@ -19,7 +19,7 @@ DAMAGED = b"\x89HDF\r\n\x1a\n" + bytes(100)
 WRONG = {"empty": b"", "text.toml": b"title = 'x'", "random": bytes(range(256)), "damaged.h5": DAMAGED}
 KINDS = [
     ("run check plot animate", "empty", "is empty; `sweeps new slider_crank` writes a scene"),
-    ("show", "empty", "it is empty, so no result of a sweep"),
+    ("show", "empty", "it is empty, so not a sweep result"),
     ("run check plot animate", "text.toml", "scene: is missing"),
     ("show", "text.toml", "it is not an HDF5 file, so not a sweep result. For scenes and studies use"),
     ("run check plot animate", "random", "is not UTF-8 text"),

@@ -167,7 +167,7 @@ def test_interrupt_of_a_finished_study__tells_that_all_is_done(press_folder):
     again = "resume with: sweeps run study.toml --quiet"
     for _ in range(2):
         first, last = told_on_the_way("run", "study.toml", "--quiet")
-        assert first == f"Interrupted: what was done is kept; {again}"
+        assert first == f"Interrupted: finished work is kept; {again}"
         assert last == f"Interrupted: 8 of 8 variants are done and kept; {again}"
 
 
@@ -191,7 +191,7 @@ def test_time_left__is_that_of_what_follows_the_first_part(before, monkeypatch, 
     clock.now += 40
     bar.update(before + 410, before)
     left = (10_000 - before - 410) / 10
-    assert f"10 a second, {left:.0f} s left" in capsys.readouterr().err
+    assert f"10 per second, {left:.0f} s left" in capsys.readouterr().err
 
 
 def test_bar__shows_no_time_left_before_the_second_part(monkeypatch, capsys):

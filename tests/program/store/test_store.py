@@ -314,7 +314,7 @@ def test_bytes__at_least_the_size_of_the_file(path, part, variants, block, posit
         ({"columns": (Column("status", "", "1", dtype=np.int8),)}, "cannot hold 255"),
         ({"coordinates": ("torque",)}, "coordinates torque"),
         ({"position": None}, "fields need"),
-        ({"status_codes": {255: "odd"}}, "255 is kept"),
+        ({"status_codes": {255: "odd"}}, "255 is reserved"),
     ],
 )
 def test_contradictory_layout__value_error(changes: dict, words: str) -> None:

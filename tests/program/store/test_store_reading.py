@@ -225,5 +225,5 @@ def test_edited_texts__named_and_decisive_ones_refused(path: Path) -> None:
     read_columns(path)
     with h5py.File(path, "r+") as file:
         file.attrs["study_json"] = "{ }"
-    with pytest.raises(DamagedError, match="its study_json"):
+    with pytest.raises(DamagedError, match="study_json"):
         read_columns(path)

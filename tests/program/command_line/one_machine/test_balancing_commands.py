@@ -83,7 +83,7 @@ def test_plot_of_a_variant__draws_the_elements_with_its_numbers(folder):
     result = swept("peaks", "engine", axis, 'summaries = ["engine.mean_torque"]')
     for variant, torque in enumerate(result.columns["engine.mean_torque"]):
         answer = done("plot", "results/peaks.h5", "--variant", str(variant))
-        assert f"mean {torque:.4g} N·m" in answer
+        assert f"mean torque {torque:.4g} N·m" in answer
         assert wrote(answer) == [f"peaks_{variant}_engine_orders.png"]
     first, second = (Path(f"peaks_{variant}_engine_orders.png").read_bytes() for variant in range(2))
     assert first != second
@@ -197,7 +197,7 @@ def test_hodograph__of_a_scene_and_beside_another(drawn):
     assert wrote(done("plot", "slider_crank.toml", "--hodograph"))[-1] == "slider_crank_hodograph.png"
     done("plot", "slider_crank.toml", "--beside", "compressor")
     done("plot", "slider_crank.toml", "--beside", "slider_crank.toml")
-    others = ["slider_crank"], ["compressor", "slider_crank"], ["slider_crank (beside)", "slider_crank"]
+    others = ["slider_crank"], ["compressor", "slider_crank"], ["slider_crank (other)", "slider_crank"]
     assert [list(scenes) for scenes in drawn] == [*others]
 
 

@@ -32,8 +32,8 @@ interpolation = "linear"
 
 # Name | what stands in the press | what stands there instead | words of the message.
 SLIPS = cases(r"""
-no quotes | "50 mm" | 50 mm | line 13 | 50 mm has a unit | in quotes: "50 mm"
-no quotes in a table | length = "200 mm" | length = 200 mm | in quotes: "200 mm"
+no quotes | "50 mm" | 50 mm | line 13 | 50 mm has a unit | needs quotes: "50 mm"
+no quotes in a table | length = "200 mm" | length = 200 mm | needs quotes: "200 mm"
 decimal comma | "50 mm" | 50,5 mm | a decimal comma | "50.5 mm"
 text without quotes | type = "crank" | type = crank | crank is a text
 nothing after = | pivot = "O" | pivot = | no value
@@ -162,7 +162,7 @@ def test_name_that_no_file_may_have__is_refused_and_not_repeated(command, press_
 def test_huge_file__is_refused_at_once(press_folder):
     with Path("huge.toml").open("wb") as file:
         file.truncate(10**11)
-    assert "100000 MB, more than the 16 MB" in refused("check", "huge.toml")
+    assert "100000 MB, more than the allowed 16 MB" in refused("check", "huge.toml")
 
 
 def test_contents_of_other_files__are_not_quoted(press_folder):

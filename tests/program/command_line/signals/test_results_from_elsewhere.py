@@ -111,8 +111,8 @@ def test_verify__tells_sound_damaged_and_unfinished_files_apart(press_result):
         file["ram.stroke"][1] += 1e-3
     answer = said("verify", "copy.h5")
     assert answer.exit_code == 1
-    assert "copy.h5: numbers of variants 0 … 7 changed" in answer.stderr
-    assert "copy.h5 is damaged: numbers of variants 0 … 7 changed" in refused("show", "copy.h5")
+    assert "copy.h5: variants 0 … 7 are damaged" in answer.stderr
+    assert "copy.h5: variants 0 … 7 are damaged" in refused("show", "copy.h5")
     shutil.copy(press_result, "text.h5")
     with h5py.File("text.h5", "r+") as file:
         file.attrs["question"] = "What?"
