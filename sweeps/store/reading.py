@@ -233,7 +233,7 @@ class MappedResult:
             raise DamagedError(f"{self.path} is damaged: {edited[0]} was modified. {_AGAIN}")
         if damaged := self.damaged(kinds):
             words = damage_text(self, damaged)
-            raise DamagedError(f"{self.path}: variants {words} are damaged. {_AGAIN}")
+            raise DamagedError(f"{self.path} is damaged (variants {words}). {_AGAIN}")
 
     def known_status(self) -> np.ndarray:
         """The column `status`; for an unfinished file a copy with pending blocks as not computed.

@@ -150,7 +150,7 @@ def test_changed_bit__found_named_and_pending_again(path: Path, name: str, eleme
     mapped = MappedResult(path)
     assert mapped.damaged() == [block]
     last = min(4 * block + 3, 21)
-    words = rf"out\.h5 is damaged: numbers of variants {4 * block} … {last} changed"
+    words = rf"out\.h5 is damaged \(variants {4 * block} … {last}\)"
     with pytest.raises(DamagedError, match=words):
         read_columns(path, ["torque"])
     if name == "torque":

@@ -112,7 +112,7 @@ def test_verify__tells_sound_damaged_and_unfinished_files_apart(press_result):
     answer = said("verify", "copy.h5")
     assert answer.exit_code == 1
     assert "copy.h5: variants 0 … 7 are damaged" in answer.stderr
-    assert "copy.h5: variants 0 … 7 are damaged" in refused("show", "copy.h5")
+    assert "copy.h5 is damaged (variants 0 … 7)" in refused("show", "copy.h5")
     shutil.copy(press_result, "text.h5")
     with h5py.File("text.h5", "r+") as file:
         file.attrs["question"] = "What?"
@@ -120,7 +120,7 @@ def test_verify__tells_sound_damaged_and_unfinished_files_apart(press_result):
     assert answer.exit_code == 1
     assert "question was modified" in answer.stderr
     Path("notes.h5").write_text("my notes")
-    assert "no HDF5 file" in refused("verify", "notes.h5")
+    assert "not an HDF5 file" in refused("verify", "notes.h5")
 
 
 def test_flipped_bytes_anywhere__never_a_traceback(press_result):

@@ -23,7 +23,7 @@ SCHEMA = {
     "phi": ("<f8", ("phi",), "rad", "crank angle"),
     "input.length": ("<f8", ("variant",), "m", "input.length"),
     "bodies.ram.mass": ("<f8", ("variant",), "kg", "bodies.ram.mass"),
-    "status": ("|u1", ("variant",), "1", "verdict on the variant"),
+    "status": ("|u1", ("variant",), "1", "verdict"),
     "status_group": ("<i2", ("variant",), "1", "number of the failing structural group, -1 if none"),
     "status_at": ("<f8", ("variant",), "rad", "input position at which the variant fails"),
     "ram.stroke": ("<f8", ("variant",), "m", "stroke of slider ram"),
