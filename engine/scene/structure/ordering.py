@@ -296,7 +296,7 @@ def order(scene: Scene) -> Structure:
         them.
     """
     if scene.input is None:
-        raise SceneError([("input", "is missing: a mechanism begins at it, and this scene has machine elements alone")])
+        raise SceneError([("input", "is missing: a mechanism begins at it, and this scene has only machine elements")])
     points, guides, links = definitions(scene)
     kinds = {"point": points, "guide": guides, "link": links, "action": acting(scene)}
     problems = [

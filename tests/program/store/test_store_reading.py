@@ -186,7 +186,7 @@ def test_finished_file_with_a_block_not_flagged__damaged(path: Path) -> None:
         file["progress/block_done"][1] = 0
         file["status"][5] = 83
     assert MappedResult(path).damaged() == [1]
-    with pytest.raises(DamagedError, match=r"variants 4 … 7 changed"):
+    with pytest.raises(DamagedError, match=r"is damaged \(variants 4 … 7\)"):
         mapped_columns(path)
 
 
