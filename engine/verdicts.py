@@ -44,7 +44,7 @@ class Verdict(IntEnum):
     )
     STALLS = (
         *(6, "stalls"),
-        "the machine comes to a stop: its motors can't carry the loads through the cycle, or can't start them; fit a "
+        "the machine stalls: its motors can't carry the loads through the cycle, or can't start them; fit a "
         "stronger motor or a heavier flywheel, or lower the load",
     )
     RUNS_AWAY = (

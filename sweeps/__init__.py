@@ -1,6 +1,6 @@
-"""Studies over machines: sampling, execution, HDF5 results, pictures, command line; mechanisms from what is wanted.
+"""Parameter studies of machines: sampling, execution, HDF5 results, plots, command line, mechanism synthesis.
 
-The names in `__init__.pyi` are loaded when they are first used, so that the command line starts quickly.
+The names in `__init__.pyi` are loaded on first use, so that the command line starts quickly.
 """
 
 import sys
@@ -11,5 +11,5 @@ from engine import door
 __all__, __getattr__ = door(__file__, globals())
 
 if "IPython" in sys.modules:
-    # A notebook is at work: what is loaded here is slow beside a command, and nothing beside a notebook.
+    # In a notebook the load time doesn't matter.
     import_module("sweeps.python.display").register()

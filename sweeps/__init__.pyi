@@ -1,4 +1,4 @@
-"""What sweeps offers: the one list of its names, for type checkers, editors and the door itself."""
+"""Public names of sweeps: the one list, for type checkers, editors and the lazy loader."""
 
 from sweeps.imports.foreign_scene import import_scene
 from sweeps.python.datasets import read, to_dataframe, to_xarray

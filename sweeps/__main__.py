@@ -7,7 +7,7 @@ from sweeps.text.interruption import finish, listen
 
 
 def start() -> None:
-    """Run the command line; signals are heard before anything that takes long is loaded."""
+    """Run the command line; signal handlers are set before the slow imports."""
     listen()
     from sweeps.cli import main
 
@@ -15,22 +15,22 @@ def start() -> None:
         try:
             main(prog_name="sweeps")
         finally:
-            # Otherwise a full disk under standard output shows when Python has ended, as a traceback.
+            # Otherwise a full disk under standard output gives a traceback at exit.
             sys.stdout.flush()
     except BrokenPipeError:
-        # Whoever read has seen enough.
+        # The reader closed the pipe.
         _leave("", 1)
     except OSError as error:
         from sweeps.cli.shared import shown_message
 
-        where = shown_message(str(error.filename or "what is shown, or a file that nothing names,"))
+        where = shown_message(str(error.filename or "standard output, or an unnamed file,"))
         _leave(f"Error: {where} can't be written or read: {error.strerror}\n", 2)
     finally:
         finish()
 
 
 def _leave(message: str, code: int) -> None:
-    """End without another attempt to write what standard output didn't take."""
+    """Exit without flushing standard output again."""
     os.write(2, message.encode(errors="replace"))
     os._exit(code)
 

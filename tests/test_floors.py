@@ -171,47 +171,6 @@ def test_door__offers_nothing_under_two_names(package):
     assert len(set(offered)) == len(offered) == len(package.__all__)
 
 
-# Words
-
-# Rooms whose prose follows the glossary; every room cleaned is added.
-CLEANED = ("engine.graph", "engine.quantities", "sweeps.imports", "sweeps.python", "sweeps.synthesis", "sweeps.text")
-CLEANED += ("sweeps.optimising", "sweeps.report", "engine.verdicts", "engine.compiling")
-# Patterns of what nobody says at a drawing board, and what to say.
-BANNED = {
-    r"\bas of\b": "as in, as for, as at",
-    r"isn't a number|no number\b": "NaN, undefined",
-    r"[Ww]hat isn't|what is (told|looked)": "name the thing",
-    r"that is told|is told\b|are told\b": "is reported, is given",
-    r"answers for\b": "covers",
-    r"by this alone": "by this only",
-    r"[Nn]or .{1,30} once more": "without repeated",
-    r"[Ww]hatever is made of it": "later calculations",
-    r"\bbesides\b": "also, without",
-    r"repeats itself": "steady, periodic",
-    r"keeps the speed uniform": "drive torque for constant speed",
-    r"closes the cycle": "mean drive torque",
-    r"greatest magnitude": "peak",
-    r"(least|greatest) value of": "minimum of, maximum of",
-    r"root of the mean square": "rms",
-    r"comes to no end": "never ends",
-}
-
-
-@pytest.mark.parametrize("room", CLEANED)
-def test_prose__is_said_as_at_a_drawing_board(room):
-    found = []
-    for module in FILES:
-        if f"{module}.".startswith(f"{room}."):
-            lines = FILES[module].read_text(encoding="utf8").splitlines()
-            found += [
-                f"{module}, line {i}: {match[0]!r}: say {instead}"
-                for i, line in enumerate(lines, 1)
-                for banned, instead in BANNED.items()
-                if (match := re.search(banned, line))
-            ]
-    assert found == []
-
-
 # Rooms
 
 # Each may use those before it in its package.

@@ -68,7 +68,7 @@ def cache_folder() -> Path | None:
         _say_once(f"no cache of machine code can be made ({error})")
         return None
     if not stat.S_ISDIR(found.st_mode):
-        _say_once(f"the cache of machine code, {folder}, is no folder")
+        _say_once(f"the cache of machine code, {folder}, is not a folder")
         return None
     if not _is_own(found):
         _say_once(f"the cache of machine code, {folder}, isn't used, as others may write to it")

@@ -320,7 +320,7 @@ def _closed(x: np.ndarray, y: np.ndarray, period: float, names: tuple[str, str])
         raise TableError(
             f"row {x.size}: {names[1]} = {y[-1]:g} one period after the first row, whose {names[1]} = {y[0]:g}; make"
             f' them equal: repeat row 1 there (for a step: interpolation "linear", row {x.size} as it is, and row 1'
-            f" after it once more, with the {names[0]} of row {x.size})"
+            f" after it again, with the {names[0]} of row {x.size})"
         )
     return x, np.append(y[:-1], y[0])
 

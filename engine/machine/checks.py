@@ -100,7 +100,5 @@ def _row(path: str, values: object) -> np.ndarray:
         shape = " × ".join(map(str, row.shape))
         raise AskError(f"{path!r} has {shape} values: give one row of numbers, one for every variant")
     if row.dtype.kind not in "biuf":
-        raise AskError(
-            f"{path!r} has values that are no numbers, such as {row.tolist()[0]!r}: give numbers in SI units"
-        )
+        raise AskError(f"{path!r} has non-numeric values, such as {row.tolist()[0]!r}: give numbers in SI units")
     return row.astype(np.float64)

@@ -52,7 +52,9 @@ GOVERNED_AT_ONCE = 1024
 _RELATIVE_ALREADY = ("_difference", "_residual", "_disagreement")
 
 POSITIONS_USED = Quantity("positions_used", "input positions at which it was evaluated", "1")
-ACCURACY_REACHED = Quantity("accuracy_reached", "1 where every error figure is within the asked accuracy, else 0", "1")
+ACCURACY_REACHED = Quantity(
+    "accuracy_reached", "1 where every error estimate is within the requested accuracy, else 0", "1"
+)
 OF_ACCURACY = (POSITIONS_USED.name, ACCURACY_REACHED.name)
 
 
@@ -128,7 +130,7 @@ class Machine:
             raise AskError("input.start and input.stop of a crank are the same for all variants; vary another number")
         told = [path for path in self.varied if path.startswith("near.")]
         if told:
-            raise AskError(f"{told[0]} tells the scene's assembly mode, which all variants keep; vary another number")
+            raise AskError(f"{told[0]} selects the scene's assembly mode for all variants; vary another number")
         turning = {f"shafts.{cam.on}.ratio": name for name, cam in scene.cams.items()}
         told = [path for path in self.varied if path in turning]
         if told:

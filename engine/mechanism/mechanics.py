@@ -30,9 +30,9 @@ _WHOLE = (
     "with what lies on it"
 )
 _NONE_ALLOWED = {
-    "racks": "the pinion of {name!r} goes on turning, by {turns:.12g} turns in a cycle, and the rack would run away: "
+    "racks": "the pinion of {name!r} keeps turning, by {turns:.12g} turns in a cycle, and the rack would run away: "
     "give input.start and input.stop, or drive it by a pinion that comes back",
-    "moments": "the link goes on turning, by {turns:.12g} turns in a cycle, and would wind up spring {name!r}: name "
+    "moments": "the link keeps turning, by {turns:.12g} turns in a cycle, and would wind up spring {name!r}: name "
     "a link that swings, or give input.start and input.stop",
 }
 

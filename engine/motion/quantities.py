@@ -21,10 +21,10 @@ WORKS = ("motor_work", "driving_work", "useful_work", "harmful_work", "brake_hea
 
 # Of every regime; `{name}` is the regime's.
 COMMON = {
-    "speed_min": ("least angular speed of the input link in {name}", "rad s-1"),
-    "speed_max": ("greatest angular speed of the input link in {name}", "rad s-1"),
-    "motor_moment_peak": ("greatest moment of the motors in {name}, reduced to the input, by magnitude", "N m"),
-    "motor_moment_rms": ("root mean square over time of the motors' moment in {name}, reduced to the input", "N m"),
+    "speed_min": ("minimum angular speed of the input link in {name}", "rad s-1"),
+    "speed_max": ("maximum angular speed of the input link in {name}", "rad s-1"),
+    "motor_moment_peak": ("peak motor torque in {name}, reduced to the input", "N m"),
+    "motor_moment_rms": ("rms motor torque over time in {name}, reduced to the input", "N m"),
     "motor_power": ("mean power of the motors in {name}", "W"),
     "motor_work": ("work of the motors in {name}", "J"),
     "driving_work": ("work of the other driving actions in {name}", "J"),
@@ -33,8 +33,11 @@ COMMON = {
     "brake_heat": ("heat in the brakes in {name}", "J"),
     "other_work": ("work of gravity, springs and all else in {name}", "J"),
     "energy_change": ("change of kinetic energy in {name}", "J"),
-    "work_residual": ("sum of all works less the change of kinetic energy in {name}, over what was turned over", "1"),
-    "efficiency": ("useful work over the work of what drives in {name}", "1"),
+    "work_residual": (
+        "sum of all works less the change of kinetic energy in {name}, relative to the energy converted",
+        "1",
+    ),
+    "efficiency": ("useful work over driving work in {name}", "1"),
 }
 STEADY = {
     "period": ("time of a cycle in {name}", "s"),
@@ -56,18 +59,18 @@ WITHIN_RANGE = {
 }
 # Of a sliding input: names, words and units that are others than a crank's.
 SLIDING = {"angle": "displacement"}
-SLIDING_WORDS = (("angular ", ""), ("angle turned", "displacement"), ("moment", "force"))
+SLIDING_WORDS = (("angular ", ""), ("angle turned", "displacement"), ("torque", "force"), ("moment", "force"))
 SLIDING_UNITS = {"rad": "m", "rad s-1": "m s-1", "rad s-2": "m s-2", "N m": "N"}
 # Of a run with a coupling that isn't open; `{coupling}` is its name, `{shaft}` that of its shaft.
 COUPLED = {
     "{coupling}_heat": ("heat of {coupling} in {name}", "J"),
     "{coupling}_slip_angle": ("angle by which shaft {shaft} slipped in {name}", "rad"),
-    "{coupling}_moment_peak": ("greatest moment that {coupling} transmits in {name}, of its shaft", "N m"),
+    "{coupling}_moment_peak": ("peak torque of {coupling} in {name}, at its shaft", "N m"),
 }
 CLUTCHED = {
-    "{coupling}_slip_time": ("for how long {coupling} slipped in {name}", "s"),
-    "{coupling}_lock_up_time": ("when {coupling} came to hold both sides together last, since {name} began", "s"),
-    "{coupling}_lock_up_speed": ("angular speed of the input link when {coupling} came to hold in {name}", "rad s-1"),
+    "{coupling}_slip_time": ("slip time of {coupling} in {name}", "s"),
+    "{coupling}_lock_up_time": ("time of the last lock-up of {coupling} after the start of {name}", "s"),
+    "{coupling}_lock_up_speed": ("angular speed of the input link at lock-up of {coupling} in {name}", "rad s-1"),
 }
 FLUID = {"{coupling}_slip": ("angle slipped by the angle of shaft {shaft} in {name}", "1")}
 # Of a steady regime, in which a clutch holds.
@@ -81,23 +84,23 @@ MAY_BE_UNDEFINED = (".efficiency", "_lock_up_time", "_lock_up_speed")
 FIELDS = {
     "speed": ("angular speed of the input link in {name}", "rad s-1"),
     "acceleration": ("angular acceleration of the input link in {name}", "rad s-2"),
-    "motor_moment": ("moment of the motors in {name}, reduced to the input", "N m"),
-    "load_moment": ("moment of everything else in {name}, reduced to the input", "N m"),
-    "input_moment": ("moment that motors and flywheel give the input link in {name}, at its true motion", "N m"),
+    "motor_moment": ("motor torque in {name}, reduced to the input", "N m"),
+    "load_moment": ("torque of all loads in {name}, reduced to the input", "N m"),
+    "input_moment": ("torque of motors and flywheel on the input link in {name}, at its true motion", "N m"),
     "kinetic_energy": ("kinetic energy of the whole machine in {name}", "J"),
-    "motors_power": ("power of the motors in {name}, instant by instant", "W"),
-    "driving_power": ("power of the other driving actions in {name}, instant by instant", "W"),
-    "useful_power": ("power against useful resistances in {name}, instant by instant", "W"),
-    "harmful_power": ("power against harmful resistances in {name}, instant by instant", "W"),
-    "braking_power": ("power in the brakes in {name}, instant by instant", "W"),
-    "other_power": ("power of gravity, springs and all else in {name}, instant by instant", "W"),
-    EFFICIENCY_NOW: ("instantaneous efficiency in {name}: 1 less the share that is lost of what is put in", "1"),
+    "motors_power": ("power of the motors in {name}, over time", "W"),
+    "driving_power": ("power of the other driving actions in {name}, over time", "W"),
+    "useful_power": ("power against useful resistances in {name}, over time", "W"),
+    "harmful_power": ("power against harmful resistances in {name}, over time", "W"),
+    "braking_power": ("power in the brakes in {name}, over time", "W"),
+    "other_power": ("power of gravity, springs and all else in {name}, over time", "W"),
+    EFFICIENCY_NOW: ("instantaneous efficiency in {name}: 1 less the lost share of the power supplied", "1"),
 }
 # Of the place and the instant that fields are kept at, the one that the other follows from.
 INSTANT, TURNED = "instant", "turned"
 AXES = {
-    INSTANT: ("time since {name} began", "s"),
-    TURNED: ("angle turned since {name} began", "rad"),
+    INSTANT: ("time after the start of {name}", "s"),
+    TURNED: ("angle turned after the start of {name}", "rad"),
 }
 AT_UNIFORM_SPEED = " at constant speed of the input"
 LOADS = (
@@ -107,8 +110,8 @@ LOADS = (
 
 # Of fields of runs: extremes, with their places and instants.
 EXTREMES = {key: words for key, words in STATISTICS.items() if key not in ("mean", "rms")} | {
-    "min_time": "time since its begin of the minimum of",
-    "max_time": "time since its begin of the maximum of",
+    "min_time": "time (after the start) of the minimum of",
+    "max_time": "time (after the start) of the maximum of",
 }
 
 
@@ -259,7 +262,7 @@ def why_no_load(mechanics: Mechanics, name: str) -> str | None:
     coupling = next(iter(scene.couplings))
     return (
         f"{name!r}: at the two speeds of couplings.{coupling} loads on pairs aren't known; ask for "
-        f"{asked.field!r} at uniform speed, or leave the coupling out"
+        f"{asked.field!r} at constant speed, or leave the coupling out"
     )
 
 

@@ -204,7 +204,7 @@ class Schedule:
             self._run_tolerance = tuple(max(share * accuracy, LEAST_TOLERANCE) for share in SURER_IN_RUNS)
         scene = mechanics.scene
         if has_friction(scene) and scene.couplings:
-            message = "regimes don't know it beside [couplings], where a machine has two speeds; leave one of them out"
+            message = "not available in regimes with [couplings], where a machine has two speeds; remove one of them"
             raise SceneError([("friction", message)])
         self.regimes = dict(scene.regimes)
         self.steady = {name for name, regime in self.regimes.items() if not isinstance(regime, RunRegime)}

@@ -73,7 +73,7 @@ class MotionTable(Part):
     @model_validator(mode="after")
     def _makes_a_table(self) -> "MotionTable":
         if (self.lift is None) == (self.swing is None):
-            raise ValueError("give lift of what slides, or swing of what turns, one of the two")
+            raise ValueError("give lift for a slider or swing for a rotating link, not both")
         key = "lift" if self.swing is None else "swing"
         try:
             make_table(self.over_angle, self.rows, self.interpolation, 2 * math.pi, names=("over_angle", key))

@@ -103,7 +103,7 @@ class SecondCrank(MovedByLaw):
         if self.advance < 0.0:
             raise ValueError(
                 f"sections: they go {math.degrees(-self.advance):g} deg further back than out; make a return shorter, "
-                "or leave its swing out, and it goes all the way"
+                "or leave its swing out, and it returns fully"
             )
         self._check_no_jumps()
         return self

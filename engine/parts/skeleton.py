@@ -665,7 +665,7 @@ class WheelForm(Part):
         if self.type == "arms" and missing:
             raise ValueError(f"a wheel with arms needs {', '.join(missing)}")
         if self.density is not None and self.rim_speed_limit is not None and self.gives("material"):
-            raise ValueError("material: nothing follows from it beside density and rim_speed_limit; leave it out")
+            raise ValueError("material: it has no effect with density and rim_speed_limit; remove it")
         for keys, types in _OF_WHEELS.items():
             lost = self.gives(*keys)
             if lost and self.type not in types:

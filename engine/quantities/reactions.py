@@ -106,8 +106,8 @@ def tooth_force_fields(scene: Scene) -> list[Quantity]:
 
     for name, shaft in scene.shafts.items():
         if shaft.pressure_angle is not None:
-            where = f"between the teeth of {name} and of what it is geared to"
-            along = f"tangential force {where}: the moment of what acts on {name} over its pitch radius"
+            where = f"between the teeth of {name} and its driver"
+            along = f"tangential force {where}: the moment of the loads on {name} over its pitch radius"
             add(name, where, along, f"force {where} that pushes them apart")
     for name, wheel in scene.noncircular_wheels.items():
         if wheel.pressure_angle is not None:

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
 TIME = "t"
 # Why nothing settles, and no cycle closes, under a load that depends on time.
-NOTHING_REPEATS = "no motion repeats itself"
+NOTHING_REPEATS = "no motion is periodic"
 # Velocities: they grow with the input's speed.
 _RATES = {"v", "omega", "vx", "vy", "velocity", "angular_velocity"}
 _OF_POINT = {"x": "m", "y": "m", "vx": "m s-1", "vy": "m s-1"}
@@ -255,7 +255,7 @@ def _check_finite(expression: TextExpression, tree: Tree) -> None:
             value = evaluate_tree(tree, values)
         if not np.isfinite(value).any():
             ever = ", whatever its names mean" if names else ""
-            raise _refused(expression, tree, f"this is no finite number{ever}")
+            raise _refused(expression, tree, f"not a finite number{ever}")
 
 
 def _wrong_in_motion(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem]:

@@ -250,7 +250,7 @@ def _wrong_argument(scene: Scene, name: str) -> list[Problem]:
         message = "is of a first input that slides, and this one turns: leave it out, for a law of the crank's angle"
         return [(f"{at}.travel", message)]
     if slides and second.drive == "crank":
-        return [(f"{at}.drive", "the first input slides, there is no crank: give this link a drive of its own")]
+        return [(f"{at}.drive", "the first input slides, there is no crank: use drive = 'own'")]
     evenly = second.type == "crank" and second.ratio != 0.0
     if slides and (second.repeats or evenly) and second.travel is None and second.period is None:
         message = "the first input slides and has no angle that this law could be of: give travel, the length that it "
@@ -270,7 +270,7 @@ def _open_laws(scene: Scene) -> list[Problem]:
     for name, second in scene.inputs.items():
         periods, turns = (rate * drive.revolutions for rate in rates[name])
         if second.repeats and not is_whole(periods):
-            message = f"the law of {name!r} repeats itself {abs(periods):.9g} times {cycle}, and doesn't close: {mend}"
+            message = f"the law of {name!r} has {abs(periods):.9g} periods {cycle}, and doesn't close: {mend}"
             problems.append((f"inputs.{name}.period", message))
         elif not is_whole(turns):
             key = "period" if second.period is not None else "sections" if second.advance else "ratio"
@@ -507,7 +507,7 @@ def _wrong_drives(scene: Scene) -> list[Problem]:
             problems.append((f"{at}.off", "every motor is off; leave one on"))
         geared = _geared_to_input(scene)
         if element.driver is not None and element.driver not in geared:
-            message = f"{element.driver!r} is no shaft geared to the crank; " + did_you_mean(element.driver, geared)
+            message = f"{element.driver!r} is not a shaft geared to the crank; " + did_you_mean(element.driver, geared)
             problems.append((f"{at}.driver", message))
         elif element.driver is not None and scene.shafts[element.driver].inertia == 0.0:
             problems.append((f"{at}.driver", f"shafts.{element.driver}.inertia = 0: the motors' end needs inertia"))

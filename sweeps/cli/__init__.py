@@ -42,7 +42,7 @@ COMMANDS = (
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
 @click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=tell_version, help="Version.")
 def main() -> None:
-    """Planar machines evaluated over many design variants: kinematics, reduced inertia and moments, flywheels.
+    """Evaluate planar machines over many design variants: kinematics, reduced inertia and torque, flywheels.
 
     Start with `sweeps list`, then `sweeps run crank_press`; `sweeps new slider_crank` writes a scene of your own.
     """

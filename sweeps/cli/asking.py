@@ -1,4 +1,4 @@
-"""Commands that tell what there is to ask and to write: quantities, help, compare."""
+"""Reference commands: quantities, help, compare."""
 
 import sys
 from pathlib import Path
@@ -13,7 +13,7 @@ from sweeps.cli.shared import DIFFERENT, errors_as_messages, tell
 @click.argument("words", nargs=-1)
 @errors_as_messages
 def quantities(file: str, words: tuple[str, ...]) -> None:
-    """List what may be asked of a scene, study or result: name, symbol, unit, meaning; only what has all WORDS."""
+    """List the quantities of a scene, study or result: name, symbol, unit, meaning. WORDS filter the list."""
     from sweeps.cli.named_machine import machine_of
     from sweeps.report.help.quantity_list import quantities_text
 
@@ -35,9 +35,9 @@ def help_command(key: str | None) -> None:
 @click.argument("other", type=click.Path(path_type=Path))
 @errors_as_messages
 def compare_command(one: Path, other: Path) -> None:
-    """Compare two result files: what differs in scene and study, which values agree within their error figures.
+    """Compare two result files: differences in scene and study, values that agree within their error estimates.
 
-    The exit code is 1 where values or verdicts differ.
+    The exit code is 1 if values or verdicts differ.
     """
     from sweeps.report.comparison import comparison
     from sweeps.report.sweep_result import SweepResult

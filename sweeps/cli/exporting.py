@@ -1,4 +1,4 @@
-"""The command that writes files for other programs: export."""
+"""The export command: files for other programs."""
 
 from pathlib import Path
 
@@ -22,16 +22,16 @@ TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
 @click.option(
     "--at", default="", help="Crank angles [deg], displacements such as '20 mm', or instants such as '0.2 s'."
 )
-@click.option("--where", help="Only variants that meet a condition (tables of a result).")
-@click.option("--history", is_flag=True, help="The motion through the regimes, instant by instant (tables).")
-@click.option("--element", help="A cam among the machine elements: its courses (CSV), its outlines (SVG, DXF).")
+@click.option("--where", help="Only variants that meet this condition (tables of a result).")
+@click.option("--history", is_flag=True, help="Time history through the regimes (tables).")
+@click.option("--element", help="A cam element: its motion curves (CSV) or outlines (SVG, DXF).")
 @click.option(
     "--columns",
     default="",
-    help="With commas: columns of a result (its fields too), fields of a machine, loads for --history.",
+    help="Comma-separated: columns or fields of a result, fields of a machine, loads for --history.",
 )
-@click.option("--as-written", is_flag=True, help="Tables in the units that the scene is written in, not in SI.")
-@click.option("--overwrite", is_flag=True, help="Write over a scene that is there already.")
+@click.option("--as-written", is_flag=True, help="Tables in the scene's own units instead of SI.")
+@click.option("--overwrite", is_flag=True, help="Overwrite an existing scene.")
 @POSITIONS
 @SET
 @errors_as_messages
@@ -49,11 +49,10 @@ def export(
     positions: int | None,
     settings: tuple[str, ...],
 ) -> None:
-    """Write results, positions or a history as a table, the drawing as SVG or DXF, one variant as a scene (TOML).
+    """Write results, positions or a history as a table, a drawing as SVG or DXF, or one variant as a scene (TOML).
 
-    Of a scene with one cam and no mechanism that is the cam. A scene is written as its author wrote it, comments and
-    units kept, with the numbers of the variant in it. Fields of a result, named by --columns, have a row for each
-    variant and position.
+    The drawing shows the mechanism, or the cam of a scene that has only a cam. A scene keeps its author's comments and
+    units; only the variant's numbers change. Fields of a result (--columns) get one row per variant and position.
     """
     from sweeps.cli.named_machine import is_result, machine_of, numbers_replaced, positions_of, read_at, scene_text_of
     from sweeps.pictures import picture_files
@@ -69,7 +68,7 @@ def export(
         allowed = ", ".join((*TABLES, *DRAWINGS, ".toml"))
         raise InputError(str(to), [(None, "--to", f"ending {to.suffix!r}: allowed are {allowed}")])
     if as_written and to.suffix not in TABLES:
-        message = f"is for tables, {', '.join(TABLES)}, not {to.suffix!r}"
+        message = f"applies to tables ({', '.join(TABLES)}), not {to.suffix!r}"
         raise InputError(str(to), [(None, "--as-written", message)])
     if history and to.suffix not in TABLES:
         message = f"writes a table, {', '.join(TABLES)}, not {to.suffix!r}"

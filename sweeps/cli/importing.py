@@ -1,4 +1,4 @@
-"""The command that reads linkages of other programs: import."""
+"""The import command: linkages from other programs."""
 
 from pathlib import Path
 
@@ -9,14 +9,14 @@ from sweeps.cli.shared import errors_as_messages, tell, write_text
 
 @click.command("import")
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--unit", help="What a unit of length of FILE is; 1 mm unless given or told by an address of PMKS+.")
-@click.option("--speed", help="Speed of the crank; 60 rpm unless given or told by an address of PMKS+.")
-@click.option("--out", type=click.Path(path_type=Path), help="Scene to write; FILE with .toml unless given.")
+@click.option("--unit", help="Length unit of FILE (default: 1 mm, or the unit in a PMKS+ address).")
+@click.option("--speed", help="Crank speed (default: 60 rpm, or the speed in a PMKS+ address).")
+@click.option("--out", type=click.Path(path_type=Path), help="Scene to write; default: FILE with .toml.")
 @errors_as_messages
 def import_command(file: Path, unit: str | None, speed: str | None, out: Path | None) -> None:
-    """Write the scene of a linkage saved by pylinkage (JSON), PMKS (rows of joints, or an address with mech=) or PMKS+.
+    """Convert a linkage from pylinkage (JSON), PMKS (rows of joints, or an address with mech=) or PMKS+ to a scene.
 
-    Of PMKS+ FILE holds the address that it shares, https://app.pmksplus.com/?…
+    For PMKS+, FILE contains the shared address, https://app.pmksplus.com/?…
     """
     from sweeps.imports.foreign_scene import import_scene
     from sweeps.text.numbers_in_row import numbers_in_row

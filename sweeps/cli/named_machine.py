@@ -1,4 +1,4 @@
-"""The machine that a file names, of a scene or a study, or a variant of a result; and positions of its input."""
+"""The machine described by a file (scene, study or result variant), and input positions."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 
 def is_result(file: str) -> bool:
-    """Whether a file is a result of a sweep: by its ending, or else by its content."""
+    """Whether a file is a sweep result, judged by extension or content."""
     return file.endswith(".h5") or is_hdf5(Path(file))
 
 
 def _result(file: str) -> "SweepResult":
-    # Reading results loads much that a scene does without.
+    # Slow imports that a scene doesn't need.
     from sweeps.report.sweep_result import SweepResult
 
     return SweepResult(Path(file))
@@ -37,7 +37,7 @@ def _study(file: str) -> "Study":
 
 
 def _scene_alone(file: str) -> Scene | None:
-    """The scene in a file that holds one; None of a study, whose reading loads much that a scene does without."""
+    """The scene in a file; None for a study, whose reader is slow to import."""
     path = find_study(file)
     text = read_text(path)
     data = parse_toml(text, path.name)
@@ -53,16 +53,16 @@ def _scene_alone(file: str) -> Scene | None:
 
 
 def machine_of(file: str, variant: int | None, settings: Sequence[str] = ()) -> tuple[Scene, Mapping[str, float], str]:
-    """Scene, replaced values and name of what a file describes: a result, a study or a scene.
+    """Scene, replaced values and name from a result, study or scene file.
 
     Parameters
     ----------
     file : str
     variant : int, optional
-        Unless given, of a result the best variant, of a Pareto front its last choice, the knee where it has one; of a
-        study the scene as it is.
+        Default: the best variant of a result, the last choice of a Pareto front (the knee if there is one), the
+        unchanged scene of a study.
     settings : sequence of str
-        Numbers of the scene set anew, as for `given_values`.
+        Changed numbers, as for `given_values`.
 
     Raises
     ------
@@ -93,33 +93,33 @@ def machine_of(file: str, variant: int | None, settings: Sequence[str] = ()) -> 
 
 
 def _set_anew(scene: Scene, values: Mapping[str, float], settings: Sequence[str]) -> tuple[Scene, Mapping[str, float]]:
-    """A scene and the numbers replaced in it, with numbers set anew."""
+    """A scene and its replaced numbers, with the settings applied."""
     anew = given_values(scene, settings)
     return changed_scene(scene, settings), {path: value for path, value in values.items() if path not in anew}
 
 
 def scene_text_of(file: str) -> str:
-    """What the scene of a result, a study or a scene was read from, as TOML; "" where that isn't known."""
+    """TOML source of the scene in a file; "" if unknown."""
     if is_result(file):
         return _result(file).description.attributes.get("scene_text", "")
     return _study(file).scene_text
 
 
 def numbers_replaced(file: str, values: Mapping[str, float], settings: Sequence[str]) -> tuple[Scene, dict[str, float]]:
-    """The scene of a file as it was given, and all numbers that are replaced in it: of a variant, and set anew.
+    """The scene of a file and all replaced numbers: the variant's and the settings.
 
     Parameters
     ----------
     file : str
     values : mapping of str to float
-        Of the variant (SI), by path.
+        The variant's numbers (SI) by path.
     settings : sequence of str
         As for `given_values`.
 
     Raises
     ------
     SceneError
-        The scene's assembly mode isn't reached in the variant.
+        The variant can't be assembled in the scene's assembly mode.
     """
     scene = _result(file).scene if is_result(file) else _study(file).scene
     own, rest = _set_anew(scene, values, settings)
@@ -128,13 +128,13 @@ def numbers_replaced(file: str, values: Mapping[str, float], settings: Sequence[
 
 
 def positions_of(scene: Scene, text: str) -> tuple[float, ...]:
-    """Positions of a scene's input from a text with commas.
+    """Input positions from a comma-separated text.
 
     Parameters
     ----------
     scene : Scene
     text : str
-        Crank angles, in degrees where no unit is named, or displacements of a sliding input.
+        Crank angles (default unit: degrees), or displacements of a sliding input.
 
     Returns
     -------
@@ -144,7 +144,7 @@ def positions_of(scene: Scene, text: str) -> tuple[float, ...]:
     Raises
     ------
     InputError
-        A part is no such position.
+        An entry isn't a position.
     """
     turns = scene.input is None or isinstance(scene.input, CrankInput)
     dimension, mend = ("angle", "0,60,120") if turns else ("length", "'0 mm, 20 mm'")
@@ -152,36 +152,36 @@ def positions_of(scene: Scene, text: str) -> tuple[float, ...]:
     try:
         return tuple(in_text(f"{part} deg" if turns and part[-1].isdigit() else part, dimension) for part in parts)
     except UnitError as error:
-        raise InputError("--at", [(None, "", f"{error}; give it such as --at {mend}")]) from None
+        raise InputError("--at", [(None, "", f"{error}; for example --at {mend}")]) from None
 
 
 def read_at(scene: Scene, text: str, names: Sequence[str] = ()) -> Readings:
-    """Fields of a machine at positions of its input, or its motion at instants, from a text with commas.
+    """Fields at input positions, or the motion at given times, from a comma-separated text.
 
     Parameters
     ----------
     scene : Scene
     text : str
-        Positions as for `positions_of`, or times such as "0.2 s".
+        Positions as for `positions_of`, or times ("0.2 s").
     names : sequence of str
-        Fields; all unless given.
+        Fields (default: all).
 
     Raises
     ------
     InputError
-        A part is neither, or times and positions are mixed.
+        An entry is neither, or times and positions are mixed.
     AskError
         There is no such field.
     """
     times = [_time(part) for part in text.split(",") if part.strip()]
     if None not in times and times:
-        # Regimes take compiled code, which positions do without.
+        # Only regimes need compiled code.
         from sweeps.report.readings_in_time import readings_in_time
 
         found = readings_in_time(scene, [time for time in times if time is not None])
         unknown = [name for name in names if name not in found.values]
         if unknown:
-            message = f"{unknown[0]!r} is not told of an instant; there are: {', '.join(found.values)}"
+            message = f"{unknown[0]!r} is not available at an instant; available: {', '.join(found.values)}"
             raise InputError("--at", [(None, "", message)])
         kept = names or found.values
         return found._replace(values={name: found.values[name] for name in kept})

@@ -1,4 +1,4 @@
-"""The command report."""
+"""The report command."""
 
 from pathlib import Path
 
@@ -10,12 +10,12 @@ from sweeps.cli.waiting import doing
 
 @click.command()
 @click.argument("file")
-@click.option("--out", type=click.Path(path_type=Path), help="Page to write; FILE with .html unless given.")
+@click.option("--out", type=click.Path(path_type=Path), help="Page to write; default: FILE with .html.")
 @errors_as_messages
 def report(file: str, out: Path | None) -> None:
-    """Write what a result file, or a scene, says as one page for a browser, with figures to select variants in.
+    """Write a report on a result file or scene: one HTML page with figures in which variants can be selected.
 
-    The page needs no other file and no network. Needs pip install 'machine-sweeps[report]'.
+    The page is self-contained. Requires pip install 'machine-sweeps[report]'.
     """
     from sweeps.cli.named_machine import is_result
     from sweeps.page.page import write_page

@@ -27,7 +27,7 @@ from sweeps.text.interruption import keeping
 
 @click.command()
 @click.argument("study")
-@click.option("--out", type=click.Path(path_type=Path), default=Path("results"), help="Where the result would go.")
+@click.option("--out", type=click.Path(path_type=Path), default=Path("results"), help="Result file to plan for.")
 @click.option("--source", is_flag=True, help="Print the generated kernel instead.")
 @CLUSTER
 @study_options
@@ -41,7 +41,7 @@ def check(
     positions: int | None,
     accuracy: str | None,
 ) -> None:
-    """Say what a study or scene will compute, what not and why, and its time, memory and file size."""
+    """Show what a study or scene will compute, what is skipped and why, and the time, memory and file size."""
     from sweeps.report.check_report import check_text
     from sweeps.study.bundled import find_study
     from sweeps.study.settings import changed_study
@@ -75,12 +75,12 @@ def run(
     accuracy: str | None,
     as_json: bool,
 ) -> None:
-    """Run a study (a file, or the name of a bundled one) into an HDF5 file; go on where it was interrupted.
+    """Run a study (a file, or the name of a bundled one) into an HDF5 file, resuming an interrupted run.
 
-    What the file there holds of the study already isn't computed again: variants, summaries and fields may be added. If
-    it holds more than the study by now, or other numbers, it is kept beside, as NAME.1.h5.
+    Existing results are reused, so variants, summaries and fields can be added. A file with other or further results is
+    kept as NAME.1.h5.
 
-    The exit code is 1 where no variant has a result.
+    The exit code is 1 if no variant has a result.
     """
     from sweeps.report.check_report import between_positions_text
     from sweeps.report.files.result_data import result_data
@@ -141,7 +141,7 @@ def optimise(
     no_plots: bool,
     quiet: bool,
 ) -> None:
-    """Search a study for the best within what varies, by its [optimise] or [best]; go on where it was interrupted."""
+    """Optimise a study over its variables by its [optimise] or [best], resuming an interrupted search."""
     from sweeps.optimising.optimum import optimum_text
     from sweeps.optimising.runner import optimise_study
     from sweeps.report.result_report import counts_text

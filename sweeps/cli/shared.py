@@ -1,4 +1,4 @@
-"""What the commands have in common: options, messages, files and threads."""
+"""Shared by the commands: options, messages, files and threads."""
 
 import json
 import re
@@ -29,30 +29,30 @@ Command = Callable[..., None]
 
 
 def tell(text: str, err: bool = False) -> None:
-    """Write a text to the terminal as `visible` shows it."""
+    """Print a text with `visible` control characters."""
     clear_the_line()
     click.echo(visible(text), err=err)
 
 
 def shown_message(message: str) -> str:
-    """What a terminal is shown of a message: control characters are spelt out, a long one ends early."""
+    """A message for the terminal: control characters spelled out, long messages cut."""
     message = visible(message)
     if len(message) <= LONGEST_MESSAGE:
         return message
     begin, _, cut_word = message[:LONGEST_MESSAGE].rpartition(" ")
-    # Of a word as long as a message, its beginning is told too.
+    # A single word of this length is cut, not dropped.
     begin = begin if len(cut_word) <= LONGEST_WORD else f"{begin} {cut_word[:LONGEST_WORD]}"
     return f"{begin.strip()} … (cut: {len(message)} characters)"
 
 
 def fail(message: str, code: int = WRONG_INPUT) -> None:
-    """Say what is wrong on standard error and stop."""
+    """Print an error and exit."""
     tell(f"Error: {shown_message(message)}", err=True)
     sys.exit(code)
 
 
 def errors_as_messages(command: Callable) -> Callable:
-    """Turn what a user can cause into a message."""
+    """Turn user errors into messages."""
 
     @wraps(command)
     def guarded(*args: object, **kwargs: object) -> None:
@@ -74,7 +74,7 @@ def _code_of(error: Exception) -> int:
 
 
 def _foreseen() -> tuple[type[Exception], ...]:
-    """Errors whose text is meant for whoever gave the command; imported only when one occurs, as that is slow."""
+    """Errors meant for the user; imported only when one occurs, as that is slow."""
     from engine import AskError, BalanceError, SceneError, TableError, UnitError
     from sweeps.pictures.picture_error import PictureError
     from sweeps.run.cluster.cluster_errors import ClusterError
@@ -90,21 +90,21 @@ CLUSTER = click.option(
     "--cluster",
     metavar="ADDRESS",
     help="Compute on the Dask cluster of this scheduler, tls://node1:8786 or tcp://node1:8786; local:8 starts eight "
-    "processes here. Whoever reaches a scheduler at tcp:// can run programs on its workers, and its workers can run "
-    "programs as you: name only those that you trust.",
+    "processes here. Anyone who can reach a tcp:// scheduler can run programs on its workers, and they can run "
+    "programs as you: use only clusters you trust.",
 )
 
 
 def run_options(out: str) -> Callable:
-    """Options of what makes a result file."""
+    """Options of commands that make a result file."""
     options = (
-        click.option("--out", type=click.Path(path_type=Path), help=f"Result file; {out} unless given."),
-        click.option("--restart", is_flag=True, help="Compute everything, and throw away an earlier result."),
-        click.option("--replace", is_flag=True, help="Keep no former result of an edited study beside the new one."),
-        click.option("--jobs", type=click.IntRange(min=1), help="Threads to use; all cores unless given."),
+        click.option("--out", type=click.Path(path_type=Path), help=f"Result file (default: {out})."),
+        click.option("--restart", is_flag=True, help="Discard earlier results and compute everything."),
+        click.option("--replace", is_flag=True, help="Replace the former result of an edited study."),
+        click.option("--jobs", type=click.IntRange(min=1), help="Threads to use (default: all cores)."),
         CLUSTER,
-        click.option("--no-plots", is_flag=True, help="Make no pictures."),
-        click.option("--quiet", is_flag=True, help="No progress on standard error."),
+        click.option("--no-plots", is_flag=True, help="Skip the plots."),
+        click.option("--quiet", is_flag=True, help="Hide progress."),
     )
     return lambda command: reduce(lambda made, option: option(made), reversed(options), command)
 
@@ -114,33 +114,33 @@ SET = click.option(
     "settings",
     multiple=True,
     metavar="PATH=VALUE",
-    help="A number of the scene, input.length='55 mm'; may be repeated.",
+    help="Set a number of the scene, input.length='55 mm'; repeatable.",
 )
-POSITIONS = click.option("--positions", type=int, help="Positions of fields over the cycle, an even number.")
-ACCURACY = click.option("--accuracy", help="Allowed error of every summary, such as '0.1 %'.")
-JSON = click.option("--json", "as_json", is_flag=True, help="Answer with JSON, in SI units.")
+POSITIONS = click.option("--positions", type=int, help="Number of field positions per cycle, even.")
+ACCURACY = click.option("--accuracy", help="Tolerance of every summary, such as '0.1 %'.")
+JSON = click.option("--json", "as_json", is_flag=True, help="JSON output in SI units.")
 
 
 def study_options(command: Command) -> Command:
-    """Options of what reads a study: numbers of its scene, its positions, its accuracy."""
+    """Options of commands that read a study: scene numbers, positions, accuracy."""
     return SET(POSITIONS(ACCURACY(command)))
 
 
 def tell_data(data: object) -> None:
-    """Answer with JSON."""
+    """Print JSON."""
     text = json.dumps(data, ensure_ascii=False, indent=2)
-    # In JSON these have no short names.
+    # Their str() would be ambiguous in JSON.
     tell(re.sub("[\x7f-\x9f]", lambda found: f"\\u{ord(found[0]):04x}", text))
 
 
 def stop_if_all_failed(status: Iterable[int]) -> None:
-    """End with an exit code of its own where no variant has a result."""
+    """Exit with a special code if no variant has a result."""
     if all(status):
         sys.exit(ALL_FAILED)
 
 
 def tell_version(context: click.Context, _: click.Parameter, asked: bool) -> None:
-    """Say which version this is, and stop."""
+    """Print the version and exit."""
     if asked:
         from sweeps.text.versions import own_version
 
@@ -149,12 +149,12 @@ def tell_version(context: click.Context, _: click.Parameter, asked: bool) -> Non
 
 
 def tell_aside(sentence: str) -> None:
-    """Say something on standard error that isn't what was asked for."""
+    """Print a remark on standard error."""
     tell(sentence, err=True)
 
 
 def tell_altered(file: Path | str) -> None:
-    """Warn of texts of a result file that aren't as they were written."""
+    """Warn of modified texts in a result file."""
     from sweeps.report.sweep_result import SweepResult
 
     for sentence in SweepResult(Path(file)).altered:
@@ -162,13 +162,13 @@ def tell_altered(file: Path | str) -> None:
 
 
 def tell_files(made: list[Path], started: float) -> None:
-    """Name the files made since an instant of `time.perf_counter`."""
+    """List the files written since `started` (`time.perf_counter`)."""
     tell(f"Files ({time.perf_counter() - started:.1f} s):")
     tell("\n".join(f"  {path}" for path in made))
 
 
 def plots_of(result: object) -> list[Path]:
-    """Make the pictures of a result; what can't be drawn is said on standard error."""
+    """Plot a result; report what can't be drawn on standard error."""
     from sweeps.pictures.picture_error import PictureError
     from sweeps.pictures.sweep import result_pictures
 
@@ -176,7 +176,7 @@ def plots_of(result: object) -> list[Path]:
         with doing("Drawing the pictures"):
             return result_pictures.result_pictures(result)
     except PictureError as error:
-        tell(f"No picture: {error}", err=True)
+        tell(f"No plot: {error}", err=True)
         return []
 
 
@@ -186,7 +186,7 @@ def names_in(text: str) -> tuple[str, ...]:
 
 
 def use_threads(jobs: int | None) -> None:
-    """Let kernels use so many threads; all cores unless given."""
+    """Set the number of threads (default: all cores)."""
     if jobs is not None:
         from engine import set_threads
 
@@ -195,12 +195,12 @@ def use_threads(jobs: int | None) -> None:
 
 @contextmanager
 def cluster_client(address: str | None, jobs: int | None = None) -> Iterator["Client | None"]:
-    """A client of the cluster that a command is to compute on; None without one.
+    """Client of the command's cluster, or None.
 
     Raises
     ------
     ClusterError
-        There is no such cluster, or it isn't for this command to say how many threads it uses.
+        There is no such cluster, or --jobs was given with it.
     """
     if address is None:
         yield None
@@ -215,24 +215,24 @@ def cluster_client(address: str | None, jobs: int | None = None) -> Iterator["Cl
 
 
 def workers_text(client: "Client | None") -> str:
-    """How many workers of a cluster compute for this program; nothing without one, or where that can't be had."""
+    """Number of workers, as a text; "" if unknown or without a cluster."""
     if client is None:
         return ""
     try:
         count = sum(any(key in client.futures for key in keys) for keys in client.processing().values())
     except OSError:
-        # That the scheduler is lost is told where something is asked of it.
+        # A lost scheduler is reported where it is used.
         return ""
     return f"{count} worker{'' if count == 1 else 's'}"
 
 
 def make_folder(path: Path) -> None:
-    """Make the folder that a file goes to.
+    """Create the folder of a file.
 
     Raises
     ------
     InputError
-        It can't be made.
+        It can't be created.
     """
     from sweeps.text.input_files import InputError
 
@@ -243,12 +243,12 @@ def make_folder(path: Path) -> None:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file, but not over one that is there, which a person may have written.
+    """Write a text file without overwriting an existing one, which a person may have written.
 
     Raises
     ------
     InputError
-        There is one, or it can't be written.
+        The file exists or can't be written.
     """
     from sweeps.text.input_files import InputError
     from sweeps.text.whole_files import whole_file

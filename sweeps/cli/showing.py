@@ -1,4 +1,4 @@
-"""Commands that show what there is: show, plot, orders, animate."""
+"""Commands that display: show, plot, orders, animate."""
 
 import gc
 from pathlib import Path
@@ -21,13 +21,13 @@ from sweeps.cli.waiting import doing
 
 @click.command()
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--where", help="Only variants that meet a condition, such as \"wheel_mass < '900 kg'\".")
+@click.option("--where", help="Only variants that meet this condition, such as \"wheel_mass < '900 kg'\".")
 @click.option("--sort", help="Column to sort by.")
-@click.option("--descending", is_flag=True, help="Greatest first.")
-@click.option("--limit", type=click.IntRange(min=1), default=10, show_default=True, help="How many variants to list.")
-@click.option("--columns", help="Summaries to show, or with --at fields, separated by commas; all unless given.")
+@click.option("--descending", is_flag=True, help="Descending order.")
+@click.option("--limit", type=click.IntRange(min=1), default=10, show_default=True, help="Number of variants to list.")
+@click.option("--columns", help="Summaries to show, or fields with --at, comma-separated (default: all).")
 @click.option(
-    "--at", help="Fields of one machine at crank angles '37 deg', at displacements, or its motion at '0.2 s'."
+    "--at", help="Fields of one machine at crank angles ('37 deg') or displacements, or its motion at '0.2 s'."
 )
 @click.option("--variant", type=int, help="With --at: one variant of a result file.")
 @SET
@@ -45,9 +45,9 @@ def show(
     settings: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Show a result file: what it holds, its verdicts, its best variants; or with --at one machine at one position.
+    """Show a result file: contents, verdicts, best variants. With --at, show one machine at given positions.
 
-    With --at, FILE may be a scene or study too.
+    With --at, FILE can also be a scene or study.
     """
     if at is not None:
         _show_at(str(file), variant, at, names_in(columns or ""), settings, as_json)
@@ -67,7 +67,7 @@ def show(
     from sweeps.text.input_files import InputError
 
     if settings or variant is not None:
-        raise InputError(str(file), [(None, "", "--set and --variant go with --at, which shows one machine")])
+        raise InputError(str(file), [(None, "", "--set and --variant require --at, which shows one machine")])
     result = SweepResult(file)
     result.show_own_units()
     tell_altered(file)
@@ -75,7 +75,8 @@ def show(
     unknown = [n for n in names if n not in result.columns]
     if unknown:
         raise InputError(
-            str(file), [(None, "columns", f"{unknown[0]!r} is not there; there are: {', '.join(result.columns)}")]
+            str(file),
+            [(None, "columns", f"{unknown[0]!r} is not in the result; available: {', '.join(result.columns)}")],
         )
     goal, usual = result.goal, "front > 0" if is_front(result) else None
     if sort is None and goal is not None:
@@ -100,7 +101,7 @@ def show(
 def _show_at(
     file: str, variant: int | None, at: str, names: tuple[str, ...], settings: tuple[str, ...], as_json: bool
 ) -> None:
-    """Show fields of one machine at some positions or instants."""
+    """Show fields of one machine at given positions or times."""
     from sweeps.cli.named_machine import machine_of, read_at
     from sweeps.report.readings import readings_text
     from sweeps.text.scene_text import with_values
@@ -118,28 +119,28 @@ def _show_at(
 
 @click.command()
 @click.argument("file")
+@click.option("--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf); default: next to FILE.")
+@click.option("--variant", type=int, help="Variant of a result file to use.")
 @click.option(
-    "--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf); beside the file unless given."
+    "--at", default="", help="Crank angles of the drawing [deg], or displacements such as '20 mm', comma-separated."
 )
-@click.option("--variant", type=int, help="Machine of one variant of a result file.")
+@click.option("--paths", default="", help="Points whose paths are drawn, comma-separated.")
 @click.option(
-    "--at", default="", help="Crank angles of the drawing [deg], or displacements such as '20 mm'; with commas."
-)
-@click.option("--paths", default="", help="Points whose paths are drawn, separated by commas.")
-@click.option(
-    "--with", "shown", default="", help="What else the drawing shows, with commas: masses, forces, links, scale."
+    "--with", "shown", default="", help="Extra items in the drawing, comma-separated: masses, forces, links, scale."
 )
 @click.option(
     "--plans",
     is_flag=True,
-    help="Also velocity, acceleration and force plans at the first of --at, reactions over the cycle, and loads of the "
+    help="Also velocity, acceleration and force polygons at the first --at, reactions over the cycle, and loads of the "
     "eight most heavily loaded bearings.",
 )
-@click.option("--bearings", default="", help="Also loads of these bearings: input, GROUP.first and so on, with commas.")
+@click.option(
+    "--bearings", default="", help="Also the loads of these bearings: input, GROUP.first and so on, comma-separated."
+)
 @click.option("--hodograph", is_flag=True, help="Also the hodograph of the shaking force, and its orders.")
-@click.option("--beside", help="Scene, study or result whose shaking force is drawn beside; with --hodograph.")
-@click.option("-x", help="Column along x (results); a field along x instead of the crank angle.")
-@click.option("-y", help="Column along y, or shown (results); fields of one machine, such as B.vx, with commas.")
+@click.option("--beside", help="With --hodograph: scene, study or result to compare with.")
+@click.option("-x", help="x axis: a column (results), or a field instead of the crank angle.")
+@click.option("-y", help="y axis: a column (results), or fields of one machine such as B.vx, comma-separated.")
 @click.option("--colour", help="Column shown as colour (results).")
 @POSITIONS
 @SET
@@ -162,18 +163,17 @@ def plot(
     positions: int | None,
     settings: tuple[str, ...],
 ) -> None:
-    """Draw: of a scene its machine and diagrams; of a result file the sweep, or the machine of one variant.
+    """Plot a scene (machine and diagrams), a sweep, or the machine of one variant.
 
-    Of a mechanism that is a drawing and diagrams over its cycle; of rotors and engines among the machine elements plans
-    of their unbalances and sheets of the orders that shake them, told in a table too; of governors what holds their
-    balls; of torsional trains their modes, Campbell diagram and moments over speed, of gear trains pictures of their
-    velocities, told in tables too.
+    Mechanisms: drawing and diagrams over the cycle. Rotors and engines: unbalance plans and order sheets with a table.
+    Governors: controlling force. Torsional trains: modes, Campbell diagram, torques over speed, Holzer tables. Gear
+    trains: velocity diagrams with a table.
     """
     from sweeps.cli.named_machine import is_result, machine_of, positions_of
     from sweeps.pictures import picture_files
     from sweeps.text.scene_text import with_values
 
-    # What is loaded by now stays to the end: the collector of garbage need not go through it at every sheet.
+    # Loaded modules live to the end: spare the garbage collector.
     gc.freeze()
     tables = ""
     if is_result(file):
@@ -211,13 +211,11 @@ def plot(
 
 @click.command()
 @click.argument("file", required=False)
-@click.option(
-    "--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf) in which to draw them as well."
-)
-@click.option("--variant", type=int, help="Engines of one variant of a result file.")
+@click.option("--out", type=click.Path(path_type=Path), help="Also draw the orders to this file (.png, .svg, .pdf).")
+@click.option("--variant", type=int, help="Variant of a result file to use.")
 @errors_as_messages
 def orders(file: str | None, out: Path | None, variant: int | None) -> None:
-    """Show which orders of force, couple and torque remain: of well-known engines, or of those in a scene or result."""
+    """Show the unbalanced orders of force, couple and torque of common engines, or of those in a scene or result."""
     from sweeps.cli.named_machine import machine_of
     from sweeps.pictures.elements.order_picture import order_picture
     from sweeps.report.order_table import engine_rows, order_table, well_known_engines
@@ -229,7 +227,7 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
         scene, values, _ = machine_of(file, variant)
         rows = engine_rows(with_values(scene, values))
         if not rows:
-            raise InputError(file, [(None, "elements", 'none is an engine; add [elements.NAME] with type = "engine"')])
+            raise InputError(file, [(None, "elements", 'has no engine; add [elements.NAME] with type = "engine"')])
     tell(order_table(rows, markdown=False).removesuffix("\n"))
     if out is not None:
         order_picture(out, rows)
@@ -238,9 +236,9 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
 
 @click.command()
 @click.argument("file")
-@click.option("--out", type=click.Path(path_type=Path), help="GIF file; NAME.gif unless given.")
-@click.option("--variant", type=int, help="Machine of one variant of a result file.")
-@click.option("--paths", default="", help="Points whose paths are drawn, separated by commas.")
+@click.option("--out", type=click.Path(path_type=Path), help="GIF file; default: NAME.gif.")
+@click.option("--variant", type=int, help="Variant of a result file to use.")
+@click.option("--paths", default="", help="Points whose paths are drawn, comma-separated.")
 @click.option("--frames", type=click.IntRange(4, 1000), default=60, show_default=True)
 @SET
 @errors_as_messages
@@ -248,7 +246,7 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
 def animate(
     file: str, out: Path | None, variant: int | None, paths: str, frames: int, settings: tuple[str, ...]
 ) -> None:
-    """Animate the mechanism of a scene, study or variant as a GIF."""
+    """Write an animated GIF of a scene, study or variant."""
     from sweeps.cli.named_machine import machine_of
     from sweeps.pictures.machine.animation import save_animation
 

@@ -9,15 +9,15 @@ from sweeps.cli.shared import errors_as_messages, names_in, tell, write_text
 
 @click.command()
 @click.argument("table", type=click.Path(path_type=Path))
-@click.option("--speed", required=True, help="Mean of the greatest and the least speed, such as '250 rpm'.")
+@click.option("--speed", required=True, help="Mean of maximum and minimum speed, such as '250 rpm'.")
 @click.option(
     "--fluctuation",
     required=True,
-    help="Coefficient of speed fluctuation asked for, (greatest - least) / mean speed, such as 1/50 or 2 %.",
+    help="Required coefficient of speed fluctuation, (max - min) / mean speed, such as 1/50 or 2 %.",
 )
 @click.option("--interpolation", type=click.Choice(["linear", "pchip", "spline"]), default="linear", show_default=True)
-@click.option("--inertia", default="0", help="Inertia that the machine has already, such as '0.4 kg m2'.")
-@click.option("--area-energy", help="Energy that a unit of area stands for, '4.5 J': TABLE has areas then.")
+@click.option("--inertia", default="0", help="Existing inertia of the machine, such as '0.4 kg m2'.")
+@click.option("--area-energy", help="Energy per unit of area, '4.5 J'; TABLE then lists areas.")
 @errors_as_messages
 def flywheel(
     table: Path, speed: str, fluctuation: str, interpolation: str, inertia: str, area_energy: str | None
@@ -25,7 +25,7 @@ def flywheel(
     """Size a flywheel from a turning-moment diagram.
 
     TABLE is a CSV with the columns `phi [deg]` and `moment [N m]`. With --area-energy it has one column, `area [mm2]`:
-    the areas between the diagram and its mean line in order, positive above the line.
+    the areas between diagram and mean line in order, positive above the line.
     """
     from sweeps.report.sizing.flywheel_table import flywheel_text
 
@@ -34,17 +34,17 @@ def flywheel(
 
 @click.command("balance")
 @click.argument("file", required=False)
-@click.option("--links", default="", help="Links that turn about fixed axes, with commas; the crank unless given.")
-@click.option("--place", "places", multiple=True, help="Place on any link, 'rod: -60 mm, 0 mm'; may be repeated.")
+@click.option("--links", default="", help="Links on fixed axes, comma-separated (default: the crank).")
+@click.option("--place", "places", multiple=True, help="Place on any link, 'rod: -60 mm, 0 mm'; repeatable.")
 @click.option("--criterion", type=click.Choice(["rms", "peak", "full"]), default="rms", show_default=True)
-@click.option("--radius", help="Where counterweights of links sit, '60 mm'; at the crank's length unless given.")
-@click.option("--most", help="Greatest mass of each counterweight, '8 kg'.")
+@click.option("--radius", help="Radius of the counterweights, '60 mm' (default: the crank's length).")
+@click.option("--most", help="Maximum mass of each counterweight, '8 kg'.")
 @click.option("--variant", type=int, help="Machine of one variant of a result file.")
-@click.option("--out", type=click.Path(path_type=Path), help="Scene to write, the counterweights in it (TOML).")
+@click.option("--out", type=click.Path(path_type=Path), help="Scene to write, with the counterweights (TOML).")
 @click.option("--trial-runs", type=click.Path(path_type=Path), help="CSV of a rotor's trial runs, instead of FILE.")
 @click.option("--noise", help="Standard deviation of its readings, '0.1 mm/s'.")
-@click.option("--holes", type=int, help="Number of equally spaced holes for its weights, the first at the mark.")
-@click.option("--planes", help="Where an engine's balance shafts have their unbalances, '-80 mm, 80 mm'.")
+@click.option("--holes", type=int, help="Number of equally spaced holes for the weights, the first at the mark.")
+@click.option("--planes", help="Planes of an engine's balance shafts, '-80 mm, 80 mm'.")
 @errors_as_messages
 def balance_command(
     file: str | None,
@@ -60,18 +60,18 @@ def balance_command(
     holes: int | None,
     planes: str | None,
 ) -> None:
-    """Find the counterweights of a mechanism, the balance shafts of an engine, or what to add to a rotor.
+    """Find the counterweights of a mechanism, the balance shafts of an engine, or the correction weights of a rotor.
 
-    FILE is a scene, study or result. Counterweights are the best for the shaking force at the crank's uniform speed:
-    least root mean square, least peak, or none of it left. Of a scene with an engine as its element, balance shafts
-    that leave no primary and secondary force and couple are found. What to add to a rotor follows from trial runs: the
-    table of --trial-runs has a row for each run, the first without a trial weight, and a header such as
+    FILE is a scene, study or result. Counterweights minimise the shaking force at constant crank speed: its rms, its
+    peak, or all of it. Balance shafts cancel the primary and secondary force and couple of an engine element. Rotor
+    corrections follow from trial runs: --trial-runs is a table with a row per run, the first without a trial weight,
+    and a header such as
     `plane, weight [g], weight_angle [deg], left [mm/s], left_phase [deg]`.
     """
     from sweeps.text.input_files import InputError
 
     if (file is None) == (trial_runs is None):
-        message = "give a scene, study or result to balance, or --trial-runs with a table of readings: one of them"
+        message = "give either a scene, study or result to balance, or --trial-runs with a table of readings"
         raise InputError("balance", [(None, "", message)])
     if trial_runs is not None:
         from sweeps.report.sizing.trial_runs import trial_runs_text

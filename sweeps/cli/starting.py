@@ -1,4 +1,4 @@
-"""Commands to start with: list, new, modes, guide."""
+"""Commands to get started: list, new, modes, guide."""
 
 from pathlib import Path
 
@@ -25,7 +25,7 @@ def list_command() -> None:
 
 @click.command()
 @click.argument("template")
-@click.option("--out", type=click.Path(path_type=Path), help="File to write; TEMPLATE.toml unless given.")
+@click.option("--out", type=click.Path(path_type=Path), help="File to write; default: TEMPLATE.toml.")
 @errors_as_messages
 def new(template: str, out: Path | None) -> None:
     """Write a commented scene to start from."""
@@ -40,14 +40,14 @@ def new(template: str, out: Path | None) -> None:
 @click.command()
 @click.argument("scene")
 @click.option(
-    "--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf); SCENE_modes.png unless given."
+    "--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf); default: SCENE_modes.png."
 )
-@click.option("--no-plots", is_flag=True, help="Only tell them.")
+@click.option("--no-plots", is_flag=True, help="Only list them.")
 @errors_as_messages
 def modes(scene: str, out: Path | None, no_plots: bool) -> None:
     """List the real assembly modes of free links at the first position, with a picture of each.
 
-    Which of them is meant a scene tells by about where one of their points lies: near.B = { x = "80 mm", y = "20 mm" }.
+    A scene selects a mode by the approximate position of a point: near.B = { x = "80 mm", y = "20 mm" }.
     """
     from engine import assembly_modes
     from sweeps.cli.named_machine import machine_of
@@ -60,7 +60,7 @@ def modes(scene: str, out: Path | None, no_plots: bool) -> None:
     if found and not no_plots:
         made = mode_pictures(machine, found, out or Path(f"{name}_modes.png"))
         for path, refusal in made.items():
-            tell(f"Wrote {path}" if refusal is None else f"Not drawn: {path}, as {refusal}")
+            tell(f"Wrote {path}" if refusal is None else f"Not drawn: {path}: {refusal}")
 
 
 @click.command("guide")

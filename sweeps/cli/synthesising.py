@@ -1,4 +1,4 @@
-"""The command that finds mechanisms from what is wanted of them: synthesise."""
+"""The synthesise command: mechanisms from their requirements."""
 
 from collections.abc import Callable
 from functools import reduce
@@ -9,31 +9,36 @@ import click
 from sweeps.cli.shared import Command, errors_as_messages, tell, write_text
 from sweeps.cli.waiting import doing
 
-_RATIO = click.option("--ratio", required=True, type=float, help="Time of the slow stroke over that of the fast one.")
+_RATIO = click.option(
+    "--ratio",
+    required=True,
+    type=float,
+    help="Quick-return ratio K: time of the slow stroke over that of the fast one.",
+)
 
 
 def _common(command: Command) -> Command:
-    """Options of every kind of mechanism."""
+    """Options of all mechanism types."""
     options = (
-        click.option("--speed", default="60 rpm", show_default=True, help="Speed of the crank."),
-        click.option("--out", type=click.Path(path_type=Path), help="Scene to write; KIND.toml unless given."),
+        click.option("--speed", default="60 rpm", show_default=True, help="Crank speed."),
+        click.option("--out", type=click.Path(path_type=Path), help="Scene to write; default: KIND.toml."),
     )
     return reduce(lambda made, option: option(made), reversed(options), command)
 
 
 @click.group()
 def synthesise() -> None:
-    """Find a mechanism from what is wanted of it, and write its scene."""
+    """Synthesise a mechanism from its requirements and write its scene."""
 
 
 @synthesise.command("slider-crank")
-@click.option("--stroke", required=True, help="Of the slider, '300 mm'.")
+@click.option("--stroke", required=True, help="Stroke of the slider, '300 mm'.")
 @_RATIO
-@click.option("--rod", help="Its length, '400 mm'; that of the best transmission angle unless given.")
+@click.option("--rod", help="Rod length, '400 mm' (default: for the best transmission angle).")
 @_common
 @errors_as_messages
 def slider_crank_command(stroke: str, ratio: float, rod: str | None, speed: str, out: Path | None) -> None:
-    """Offset slider-crank of a stroke and a time ratio."""
+    """Offset slider-crank with a given stroke and quick-return ratio."""
     from sweeps.synthesis.quick_return import quick_slider_crank
     from sweeps.synthesis.synthesised_scenes import slider_crank_text
 
@@ -43,16 +48,16 @@ def slider_crank_command(stroke: str, ratio: float, rod: str | None, speed: str,
 
 
 @synthesise.command("crank-rocker")
-@click.option("--swing", required=True, help="Of the rocker, '60 deg'.")
-@click.option("--rocker", required=True, help="Its length, '140 mm'.")
+@click.option("--swing", required=True, help="Swing of the rocker, '60 deg'.")
+@click.option("--rocker", required=True, help="Rocker length, '140 mm'.")
 @_RATIO
-@click.option("--coupler", help="Its length, '200 mm'; that of the best transmission angle unless given.")
+@click.option("--coupler", help="Coupler length, '200 mm' (default: for the best transmission angle).")
 @_common
 @errors_as_messages
 def crank_rocker_command(
     swing: str, rocker: str, ratio: float, coupler: str | None, speed: str, out: Path | None
 ) -> None:
-    """Crank-rocker of a swing and a time ratio."""
+    """Crank-rocker with a given swing and quick-return ratio."""
     from sweeps.synthesis.quick_return import quick_crank_rocker
     from sweeps.synthesis.synthesised_scenes import crank_rocker_text
 
@@ -62,13 +67,13 @@ def crank_rocker_command(
 
 
 @synthesise.command("shaper")
-@click.option("--stroke", required=True, help="Of the ram, '300 mm'.")
+@click.option("--stroke", required=True, help="Stroke of the ram, '300 mm'.")
 @_RATIO
-@click.option("--frame", required=True, help="Distance of the bearings of crank and lever, '240 mm'.")
+@click.option("--frame", required=True, help="Distance between the crank and lever bearings, '240 mm'.")
 @_common
 @errors_as_messages
 def shaper_command(stroke: str, ratio: float, frame: str, speed: str, out: Path | None) -> None:
-    """Crank-shaper, a swinging lever and a ram, of a stroke and a time ratio."""
+    """Crank-shaper (slotted lever and ram) with a given stroke and quick-return ratio."""
     from sweeps.synthesis.quick_return import quick_lever
     from sweeps.synthesis.synthesised_scenes import lever_text
 
@@ -81,11 +86,13 @@ def shaper_command(stroke: str, ratio: float, frame: str, speed: str, out: Path 
 @click.option(
     "--at", "places", multiple=True, metavar="'X, Y, ANGLE'", help="A position, '40 mm, 25 mm, 20 deg'; 3 or 4."
 )
-@click.option("--pivot", "pivots", multiple=True, metavar="'X, Y'", help="A bearing on the frame, of three positions.")
+@click.option("--pivot", "pivots", multiple=True, metavar="'X, Y'", help="Frame pivot, for three positions.")
 @click.option(
-    "--joint", "joints", multiple=True, metavar="'X, Y'", help="A joint on the plane as it lies in the first position."
+    "--joint", "joints", multiple=True, metavar="'X, Y'", help="Joint on the moving plane, in its first position."
 )
-@click.option("--turn", "turns", multiple=True, metavar="'ANGLE, 1'", help="Of a link to the second of four positions.")
+@click.option(
+    "--turn", "turns", multiple=True, metavar="'ANGLE, 1'", help="Rotation of a link to the second of four positions."
+)
 @_common
 @errors_as_messages
 def positions_command(
@@ -96,11 +103,11 @@ def positions_command(
     speed: str,
     out: Path | None,
 ) -> None:
-    """Four-bar linkage whose coupler passes through positions of a plane, in their order.
+    """Four-bar linkage whose coupler passes through given positions in order.
 
-    Three positions: two links, each by its --pivot or its --joint; the first is the crank. Four: two links by points of
-    Burmester's curves, each by its --turn from the first position to the second and which solution is meant, 1 or 2;
-    without them the linkage of the best transmission angle on a grid of the curves.
+    Three positions: give two links by --pivot or --joint; the first is the crank. Four positions: give two links on the
+    Burmester curves by --turn, the rotation from the first position to the second, with the solution number 1 or 2.
+    Without --turn, the linkage with the best transmission angle on a grid is chosen.
     """
     from sweeps.synthesis.dyads import PlanePosition
     from sweeps.synthesis.position_links import chosen_links
@@ -119,13 +126,15 @@ def positions_command(
 
 @synthesise.command("path")
 @click.argument("table", type=click.Path(path_type=Path))
-@click.option("--seed", default=0, show_default=True, help="Of the search; another one may find another linkage.")
+@click.option(
+    "--seed", default=0, show_default=True, help="Random seed of the search; other seeds may find other linkages."
+)
 @_common
 @errors_as_messages
 def path_command(table: Path, seed: int, speed: str, out: Path | None) -> None:
-    """Crank-rocker whose coupler point follows a closed path, as near as a search comes.
+    """Crank-rocker whose coupler point follows a closed path as closely as possible.
 
-    TABLE is a CSV with the columns `x [mm]` and `y [mm]`: places on the path in order.
+    TABLE is a CSV with the columns `x [mm]` and `y [mm]`: points on the path in order.
     """
     from sweeps.synthesis.path_table import path_places
     from sweeps.synthesis.paths import four_bar_along
@@ -148,7 +157,7 @@ def _number(option: str, text: str, dimension: str) -> float:
 
 
 def _speed(text: str) -> str:
-    """The speed as it was given, once it is seen to be one."""
+    """Check that the text is a speed."""
     _number("--speed", text, "angular_speed")
     return text
 

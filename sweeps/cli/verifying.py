@@ -1,4 +1,4 @@
-"""The command that verifies: whether a result file is as it was written."""
+"""The verify command."""
 
 import sys
 from pathlib import Path
@@ -14,23 +14,21 @@ DAMAGED = 1
 @click.argument("file", type=click.Path(path_type=Path))
 @errors_as_messages
 def verify(file: Path) -> None:
-    """Compare a result file with its checksums; exit code 1 if it isn't as it was written."""
+    """Check a result file against its checksums; exit code 1 if it was modified."""
     from sweeps.store import MappedResult, damage_text
 
     found = MappedResult(file)
     if not found.has_checksums:
-        tell_aside(f"{file} was made by a version that wrote no checksums: nothing to compare with.")
+        tell_aside(f"{file} has no checksums (written by an older version).")
         sys.exit(DAMAGED)
     blocks = [int(i) for i in found.done.nonzero()[0]]
     variants = sum(found.rows(i).stop - found.rows(i).start for i in blocks)
     damaged = found.damaged()
     for name in found.edited:
-        tell_aside(f"{file}: its {name.removeprefix('progress/')} isn't as it was written")
+        tell_aside(f"{file}: {name.removeprefix('progress/')} was modified")
     if damaged:
-        tell_aside(
-            f"{file}: numbers of variants {damage_text(found, damaged)} changed; its study, run again, mends that"
-        )
+        tell_aside(f"{file}: variants {damage_text(found, damaged)} are damaged; run the study again to repair them")
     if damaged or found.edited:
         sys.exit(DAMAGED)
-    left = f", {found.variants - variants} aren't computed yet" if variants < found.variants else ""
-    tell(f"{file}: {variants} variants as they were written{left}")
+    left = f", {found.variants - variants} not computed yet" if variants < found.variants else ""
+    tell(f"{file}: {variants} variants intact{left}")

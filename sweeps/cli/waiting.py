@@ -1,4 +1,4 @@
-"""What the screen says while machine code is made, or something else takes longer than a second."""
+"""Status line while code compiles or something else takes longer than a second."""
 
 import sys
 import threading
@@ -6,16 +6,16 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-# Seconds after which something is said, and between one look and the next.
+# Delay before the status line appears, and polling interval [s].
 PATIENCE, LOOK = 1.0, 0.2
 _CLEARED = "\r\x1b[K"
-_COMPILING = "Compiling this kind of machine, once for all times"
+_COMPILING = "Compiling this type of machine (once only)"
 
 
 class Waiting:
-    """Says on standard error, if that is a terminal, that something is compiled or done, and for how long.
+    """Print on standard error, if that is a terminal, that something is compiled or done, and for how long.
 
-    Nothing is said of what takes less than `PATIENCE`.
+    Tasks shorter than `PATIENCE` show nothing.
     """
 
     def __init__(self) -> None:
@@ -25,17 +25,17 @@ class Waiting:
         self._shown = self._task = self._words = ""
 
     def watch(self) -> None:
-        """Look every now and then until `end`; for a thread of its own."""
+        """Poll until `end`, in a separate thread."""
         while not self._ended.wait(LOOK):
             self.look(_is_compiling(), time.monotonic())
 
     def look(self, compiling: bool, now: float) -> None:
-        """Say what is to be said at an instant, or take it back.
+        """Update or clear the status line.
 
         Parameters
         ----------
         compiling : bool
-            Whether something is compiled just now; that is said rather than what it is for.
+            Whether code is compiling, which takes precedence.
         now : float
             [s]
         """
@@ -44,20 +44,20 @@ class Waiting:
             if words != self._words:
                 self._words, self._begun = words, now
                 self._take_back()
-            # A look may have begun before the end and come to write after it.
+            # A poll may finish after the end.
             if words and now - self._begun >= PATIENCE and not self._ended.is_set():
                 self._shown = words
                 sys.stderr.write(f"{_CLEARED}{words}: {now - self._begun:.0f} s")
                 sys.stderr.flush()
 
     def name(self, task: str) -> None:
-        """Name what is being done, "" where nothing need be said of it."""
+        """Set the current task; "" for none."""
         with self._writing:
             self._task = task
             self._take_back()
 
     def clear(self) -> None:
-        """Take back what was said, so that something else may be written."""
+        """Clear the status line."""
         with self._writing:
             self._take_back()
 
@@ -68,13 +68,13 @@ class Waiting:
         self._shown = ""
 
     def end(self) -> None:
-        """Say nothing any more."""
+        """Stop."""
         self._ended.set()
         self.clear()
 
 
 def _is_compiling() -> bool:
-    # Not loaded here: what takes no machine code starts quickly.
+    # Not imported here: commands without compiled code start quickly.
     if "engine.compiling.kept_code" not in sys.modules:
         return False
     from engine import is_compiling
@@ -87,7 +87,7 @@ _now: list[Waiting] = []
 
 @contextmanager
 def waiting_told() -> Iterator[None]:
-    """Tell of compiling while a command runs on a terminal."""
+    """Show compilation while a command runs on a terminal."""
     if not sys.stderr.isatty():
         yield
         return
@@ -103,7 +103,7 @@ def waiting_told() -> Iterator[None]:
 
 @contextmanager
 def doing(task: str) -> Iterator[None]:
-    """Tell what a command does that shows no progress of its own, once that takes longer than `PATIENCE`."""
+    """Show a task without its own progress bar once it takes longer than `PATIENCE`."""
     for waiting in _now:
         waiting.name(task)
     try:
@@ -114,6 +114,6 @@ def doing(task: str) -> Iterator[None]:
 
 
 def clear_the_line() -> None:
-    """Take back what was said of waiting, before something else is written."""
+    """Clear the status line before other output."""
     for waiting in _now:
         waiting.clear()

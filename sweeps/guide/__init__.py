@@ -1,1 +1,1 @@
-"""The guide: what the README has no room for, a chapter a file."""
+"""The guide, one chapter per file."""

@@ -1,4 +1,4 @@
-"""The chapters of the guide, told in the terminal."""
+"""The chapters of the guide, shown in the terminal."""
 
 from importlib.resources import files
 from pathlib import Path
@@ -9,7 +9,7 @@ from sweeps.text.tables import table
 
 
 def chapters() -> dict[str, str]:
-    """The chapters' texts in Markdown, by name."""
+    """Markdown text of each chapter, by name."""
     pages = Path(str(files("sweeps") / "guide")).rglob("*.md")
     return {page.stem: page.read_text("utf8") for page in sorted(pages, key=lambda page: page.stem)}
 
@@ -26,7 +26,7 @@ def chapter_text(name: str) -> str:
     Raises
     ------
     InputError
-        There is none of that name; the message says which there are.
+        There is no such chapter; the message lists them.
     """
     known = chapters()
     if name not in known:

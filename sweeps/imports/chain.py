@@ -1,4 +1,4 @@
-"""A linkage as other programs keep it, links with their joints in one position, and the scene that it makes."""
+"""A linkage as other programs store it (links and joints in one position), and its scene."""
 
 import cmath
 import re
@@ -10,12 +10,12 @@ from pydantic import ValidationError
 from engine import Scene
 from sweeps.text.input_files import InputError
 
-# A name that a scene may use.
+# Valid scene names.
 _UNALLOWED = re.compile("[^A-Za-z0-9]+")
 
 
 class GuidedOnFrame(NamedTuple):
-    """A straight guide on the frame: a point of it, x + iy [m], and its direction [rad]."""
+    """A straight guide on the frame: a point on it, x + iy [m], and its direction [rad]."""
 
     point: complex
     angle: float
@@ -30,7 +30,7 @@ class Chain(NamedTuple):
         Name of the file, for messages.
     title : str
     joints : dict of str to complex
-        Where the joints and points are, x + iy [m].
+        Positions of joints and points, x + iy [m].
     links : dict of str to list of str
         Joints and points of each moving link.
     frame : list of str
@@ -38,11 +38,11 @@ class Chain(NamedTuple):
     slides : dict of str to GuidedOnFrame
         Links that slide on a guide of the frame.
     crank : str
-        Link of the input.
+        Input link.
     pivot : str
         Its joint on the frame.
     speed : str
-        Of the crank, with its unit.
+        Crank speed with unit.
     """
 
     source: str
@@ -56,12 +56,12 @@ class Chain(NamedTuple):
     speed: str
 
     def refused(self, message: str) -> InputError:
-        """An error about this linkage."""
+        """An error in this linkage."""
         return InputError(self.source, [(None, "", message)])
 
 
 def chain_scene(chain: Chain) -> Scene:
-    """Scene of a linkage: its links become dyads, one after another from frame and crank on.
+    """Scene of a linkage: its links become dyads, in order from frame and crank.
 
     Parameters
     ----------
@@ -70,8 +70,7 @@ def chain_scene(chain: Chain) -> Scene:
     Raises
     ------
     InputError
-        The links can't be ordered into dyads of two hinged links, or a hinged link and a slider; or the scene isn't
-        sound.
+        The links can't be ordered into dyads (RRR or RRP), or the scene is invalid.
     """
     return _Builder(chain).scene()
 
@@ -110,7 +109,7 @@ class _Builder:
             if found is None:
                 words = ", ".join(left)
                 raise chain.refused(
-                    f"the links {words} form no dyads one after another; describe them under [links] of a scene "
+                    f"the links {words} can't be split into dyads; describe them under [links] of a scene "
                     "(`sweeps guide links`)"
                 )
             inner, first, second = found
@@ -122,7 +121,7 @@ class _Builder:
             raise chain.refused(error.errors()[0]["msg"]) from None
 
     def _pin(self) -> str:
-        """Joint of the crank that moves others."""
+        """Crank joint that drives other links."""
         chain = self.chain
         others = [j for name, members in chain.links.items() if name != chain.crank for j in members]
         pins = [j for j in chain.links[chain.crank] if j in others and j != chain.pivot]
@@ -131,7 +130,7 @@ class _Builder:
         return pins[0]
 
     def _dyads(self, left: dict[str, list[str]]) -> Iterable[tuple[str, str, str]]:
-        """Inner joint, hinged link and other link of every dyad that can be added now."""
+        """Inner joint, hinged link and other link of every dyad that can be added next."""
         for inner in self.chain.joints:
             if inner in self.known:
                 continue
@@ -160,7 +159,7 @@ class _Builder:
             guide = _allowed(f"guide_{second}", "guide", self.taken)
             self.data["guides"][guide] = {"x": slide.point.real, "y": slide.point.imag, "angle": slide.angle}
             offset = ((b - slide.point) / along).imag
-            # Through the joint, as nearly all are drawn: rounding isn't an offset.
+            # Most guides pass through the joint: rounding isn't an offset.
             offset = 0.0 if abs(offset) <= 1e-9 * max(abs(b - a), abs(b - slide.point)) else offset
             group |= {"type": "RRP", "second": {"link": self.links[second], "guide": guide, "offset": offset}}
             group["mode"] = 1 if ((b - a) / along).real > 0 else -1
@@ -178,10 +177,10 @@ class _Builder:
             del left[link]
 
     def _settle(self, link: str, origin: complex, along: complex, own: tuple[str, ...]) -> None:
-        """Joints of a link that is placed now are known, those that make up its axes by their own names."""
+        """Mark the joints of a newly placed link as known; those that define its axes keep their names."""
         for name in self.chain.links[link]:
             if name in self.known and name not in own:
-                raise self.chain.refused(f"the link {link} is held at {own[0]} and at {name}: it can't move")
+                raise self.chain.refused(f"the link {link} is fixed at {own[0]} and at {name}: it can't move")
             if name not in own:
                 self._point(name, link, origin, along / abs(along))
         self.known |= {*self.chain.links[link], *own}
@@ -193,7 +192,7 @@ class _Builder:
 
 
 def _allowed(name: str, kind: str, taken: set[str]) -> str:
-    """A name that a scene may use, near the one given; each only once."""
+    """A unique valid scene name close to the given one."""
     plain = _UNALLOWED.sub("_", name).strip("_") or kind
     plain = plain if plain[0].isalpha() else f"{kind}_{plain}"
     chosen, number = plain, 1

@@ -1,4 +1,4 @@
-"""A scene from a file of another program, recognised by its content."""
+"""A scene from another program's file, recognised by its content."""
 
 import json
 from pathlib import Path
@@ -18,15 +18,14 @@ def import_scene(path: Path | str, unit: float | None = None, speed: str | None 
     ----------
     path : Path or str
     unit : float, optional
-        What a unit of length of the file is [m]; unless given what addresses of PMKS+ say, 1 mm in other files.
+        Length unit of the file [m]; default: as in the PMKS+ address, else 1 mm.
     speed : str, optional
-        Of the crank, with its unit; clockwise where pylinkage's crank turns so. Unless given what addresses of PMKS+
-        say, 60 rpm in other files.
+        Crank speed with unit, clockwise if pylinkage's crank turns so; default: as in the PMKS+ address, else 60 rpm.
 
     Raises
     ------
     InputError
-        The file can't be read, or its linkage doesn't become a scene.
+        The file can't be read, or its linkage can't be converted to a scene.
     """
     text = read_text(Path(path))
     if is_pmks_plus_address(text):
@@ -37,8 +36,8 @@ def import_scene(path: Path | str, unit: float | None = None, speed: str | None 
     try:
         data = json.loads(text)
     except (ValueError, RecursionError) as error:
-        why = "it is nested too deep" if isinstance(error, RecursionError) else error
-        raise InputError(str(path), [(None, "", f"is no JSON: {why}")]) from None
+        why = "nested too deep" if isinstance(error, RecursionError) else error
+        raise InputError(str(path), [(None, "", f"is not JSON: {why}")]) from None
     if not isinstance(data, dict) or "joints" not in data:
-        raise InputError(str(path), [(None, "", "has no list of joints, as files of pylinkage have")])
+        raise InputError(str(path), [(None, "", "has no list of joints; pylinkage files have one")])
     return chain_scene(pylinkage_chain(data, str(path), unit, speed))

@@ -1,4 +1,4 @@
-"""Linkages of PMKS, the Planar Mechanism Kinematic Simulator: a row for each joint, in a file or an address."""
+"""Linkages of PMKS, the Planar Mechanism Kinematic Simulator: one row per joint, in a file or an address."""
 
 import math
 import re
@@ -17,18 +17,18 @@ def pmks_chain(text: str, source: str, unit: float, speed: str) -> Chain:
     Parameters
     ----------
     text : str
-        A file, or an address with `mech=`, whose rows end at |.
+        A file, or an address with `mech=` whose rows end at |.
     source : str
         Name of the file, for messages.
     unit : float
-        What its unit of length is [m].
+        Length unit [m].
     speed : str
-        Of the crank, with its unit.
+        Crank speed with unit.
 
     Raises
     ------
     InputError
-        It isn't such a text, or its linkage isn't one that becomes a scene.
+        The text isn't PMKS, or its linkage can't be converted to a scene.
     """
 
     def refused(message: str) -> InputError:
@@ -47,7 +47,7 @@ def pmks_chain(text: str, source: str, unit: float, speed: str) -> Chain:
         parts = [part for part in re.split(r"[,\s]+", row.strip()) if part]
         kind = next((i for i, part in enumerate(parts) if part.upper() in _TYPES and i > 0), None)
         if kind is None or len(parts) < kind + 3:
-            raise refused(f"row {number}, {row.strip()!r}: links, a type ({', '.join(_TYPES)}), x and y are needed")
+            raise refused(f"row {number}, {row.strip()!r}: needs links, a type ({', '.join(_TYPES)}), x and y")
         names, letter = parts[:kind], parts[kind].upper()
         try:
             x, y, *angle = (float(part) for part in parts[kind + 1 :] if not _FLAGS.fullmatch(part))
@@ -68,15 +68,15 @@ def pmks_chain(text: str, source: str, unit: float, speed: str) -> Chain:
             links.setdefault(moving[0], [])
         else:
             raise refused(
-                f"row {number}: {letter} of {' and '.join(names)} isn't read; R is, and P of a link and ground"
+                f"row {number}: {letter} of {' and '.join(names)} is not supported; use R, or P of a link and ground"
             )
         if any(_FLAGS.fullmatch(part) and part[3] in "tT" for part in parts[kind + 1 :]):
             if letter != "R" or len(moving) == len(names) or not moving:
-                raise refused(f"row {number}: it drives, but isn't R of a link and ground; a crank must be the input")
+                raise refused(f"row {number}: the driver must be R of a link and ground (a crank)")
             drivers.append((moving[0], f"J{number}"))
     if len(drivers) > 1:
         raise refused(f"it has {len(drivers)} drivers; a scene has one input")
     driver = drivers[0] if drivers else first
     if driver is None:
-        raise refused("no joint R of a link and ground drives it")
+        raise refused("no driver: mark a joint R of a link and ground")
     return Chain(source, "Linkage", joints, links, frame, slides, *driver, speed)

@@ -1,4 +1,4 @@
-"""Linkages saved by pylinkage as JSON: lists of joints with what holds them, or of joints and links."""
+"""Linkages saved by pylinkage as JSON: joints with their parents, or joints and links."""
 
 import cmath
 import math
@@ -14,7 +14,7 @@ _KINDS = ("Static", "Crank", "Revolute", "Pivot", "Fixed", "Prismatic", "Linear"
 def pylinkage_chain(data: Mapping[str, Any], source: str, unit: float, speed: str) -> Chain:
     """Linkage of a file of pylinkage.
 
-    Lengths and angles count, as there; coordinates of joints say only which of two ways they are put together.
+    As in pylinkage, lengths and angles count; coordinates only select the assembly mode.
 
     Parameters
     ----------
@@ -23,14 +23,14 @@ def pylinkage_chain(data: Mapping[str, Any], source: str, unit: float, speed: st
     source : str
         Its name, for messages.
     unit : float
-        What its unit of length is [m].
+        Length unit [m].
     speed : str
-        Of the crank, with its unit; the file has angles of a step.
+        Crank speed with unit; the file only gives angle steps.
 
     Raises
     ------
     InputError
-        It isn't such a file, or its linkage isn't one that becomes a scene.
+        The file isn't pylinkage's, or its linkage can't be converted to a scene.
     """
     try:
         reader = _Links(source, unit) if "links" in data else _Joints(source, unit)
@@ -38,12 +38,12 @@ def pylinkage_chain(data: Mapping[str, Any], source: str, unit: float, speed: st
     except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
         if isinstance(error, InputError):
             raise
-        words = f"isn't complete: {type(error).__name__} {error}"
+        words = f"is incomplete: {type(error).__name__} {error}"
         raise InputError(source, [(None, "", f"looks like a linkage of pylinkage, but {words}")]) from None
 
 
 class _Joints:
-    """A list of joints: each is held by others at given distances."""
+    """A list of joints, each defined by distances to others."""
 
     def __init__(self, source: str, unit: float) -> None:
         self.source, self.unit = source, unit
@@ -58,7 +58,7 @@ class _Joints:
         while left:
             ready = [name for name, joint in left.items() if all(p in self.places for p in self._parents(joint))]
             if not ready:
-                raise self._refused(f"the joints {', '.join(left)} hold each other in a circle, or one is missing")
+                raise self._refused(f"the joints {', '.join(left)} refer to each other in a circle, or one is missing")
             for name in ready:
                 self._add(name, left.pop(name))
         if len(self.cranks) != 1:
@@ -72,7 +72,7 @@ class _Joints:
         return InputError(self.source, [(None, "", message)])
 
     def _parents(self, joint: Mapping[str, Any]) -> list[str]:
-        """Names of the joints that hold one; those given in place become joints of the frame."""
+        """Parents of a joint; fixed ones become frame joints."""
         found = []
         for key in ("joint0", "joint1", "joint2"):
             parent = joint.get(key)
@@ -97,12 +97,12 @@ class _Joints:
     def _add(self, name: str, joint: Mapping[str, Any]) -> None:
         kind, parents = joint["type"], self._parents(joint)
         if kind not in _KINDS:
-            raise self._refused(f"joint {name}: {kind!r} is none of {', '.join(_KINDS)}")
+            raise self._refused(f"joint {name}: {kind!r} is not one of {', '.join(_KINDS)}")
         if kind == "Static":
             self._fix(name, self._at(joint))
             return
         if len(parents) != {"Crank": 1, "Prismatic": 3, "Linear": 3}.get(kind, 2):
-            raise self._refused(f"joint {name} is held by {len(parents)} joints, too few or too many for {kind}")
+            raise self._refused(f"joint {name} has {len(parents)} parents, too few or too many for {kind}")
         if kind == "Crank":
             towards = self._at(joint) - self.places[parents[0]]
             self.places[name] = self.places[parents[0]] + cmath.rect(
@@ -128,7 +128,7 @@ class _Joints:
     def _slider(self, name: str, joint: Mapping[str, Any], parents: list[str]) -> None:
         hinge, *line = parents
         if any(p not in self.frame for p in line):
-            raise self._refused(f"joint {name} slides along a line that moves; only guides of the frame are read")
+            raise self._refused(f"joint {name} slides along a moving line; only guides on the frame are supported")
         origin, along = self.places[line[0]], self.places[line[1]] - self.places[line[0]]
         along /= abs(along)
         foot = (self.places[hinge] - origin) / along
@@ -146,14 +146,14 @@ class _Joints:
     def _length(self, joint: Mapping[str, Any], key: str) -> float:
         length = self.unit * float(joint[key])
         if not 0.0 < length < math.inf:
-            raise self._refused(f"joint {joint['name']}: {key} = {joint[key]!r} is no length")
+            raise self._refused(f"joint {joint['name']}: {key} = {joint[key]!r} is not a length")
         return length
 
     def _meeting(self, name: str, a: complex, b: complex, r1: float, r2: float, near: complex) -> complex:
-        """Where two circles meet, as near as may be to a point."""
+        """Intersection of two circles nearest to a point."""
         apart = abs(b - a)
         if not abs(r1 - r2) <= apart <= r1 + r2 or apart == 0.0:
-            raise self._refused(f"joint {name} can't be put together as it is: its distances don't meet")
+            raise self._refused(f"joint {name} can't be assembled: its distances don't meet")
         before = (apart * apart + r1 * r1 - r2 * r2) / (2 * apart)
         height = math.sqrt(max(0.0, r1 * r1 - before * before))
         ways = [a + (b - a) / apart * complex(before, sign * height) for sign in (1, -1)]
@@ -172,7 +172,7 @@ class _Joints:
     def _onto(self, name: str, parents: list[str]) -> None:
         members = self._common(parents)
         if members is None:
-            raise self._refused(f"joint {name} is fixed to {' and '.join(parents)}, which are on no link together")
+            raise self._refused(f"joint {name} is fixed to {' and '.join(parents)}, which don't share a link")
         members.append(name)
 
 
@@ -187,7 +187,7 @@ class _Links(_Joints):
                 followed.append(joint)
                 continue
             if kind not in ("ground", "revolute"):
-                raise self._refused(f"joint {name}: {kind!r} isn't read; ground, revolute and tracker are")
+                raise self._refused(f"joint {name}: {kind!r} is not supported; supported: ground, revolute, tracker")
             x, y = joint["position"]
             self.places[name] = self.unit * complex(float(x), float(y))
             if kind == "ground":

@@ -1,4 +1,4 @@
-"""NSGA-II by the library pymoo, whole generations at a time."""
+"""NSGA-II from pymoo, evaluated by generations."""
 
 import numpy as np
 from pymoo.algorithms.moo.nsga2 import NSGA2
@@ -12,7 +12,7 @@ from sweeps.study.search_task import SearchTask
 
 
 class _Candidates(Problem):
-    """A search as pymoo wants it: costs, and by how much conditions are missed."""
+    """A search in pymoo's form: costs and constraint violations."""
 
     def __init__(self, task: SearchTask, evaluate: Evaluate) -> None:
         super().__init__(n_var=task.variables.size, n_obj=len(task.objectives), n_ieq_constr=1, xl=0.0, xu=1.0)
@@ -25,7 +25,7 @@ class _Candidates(Problem):
 
 
 class _Twins(DuplicateElimination):
-    """Candidates equal in all that varies, whatever their coordinates: of a list many mean the same entry."""
+    """Compares candidates by their parameters: many coordinates select the same list entry."""
 
     def __init__(self, task: SearchTask) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-"""What the result of a search says: its best candidate or chosen ones of its front, and what holds them there."""
+"""The answer of a search: its best candidate, or chosen ones of its front, and the active limits."""
 
 from typing import NamedTuple
 
@@ -10,42 +10,42 @@ from sweeps.text.conditions import Condition
 from sweeps.text.engineer_units import engineer_unit, quantity_text
 from sweeps.text.tables import table
 
-# A number this close to an end of its range, as a share of the range, lies on it; so do conditions on their limit.
+# Closer to a bound or limit than this share of the range counts as on it.
 ON_LIMIT = 1e-6
 
 
 class Choice(NamedTuple):
-    """A candidate of a front that is worth a look, and why."""
+    """A notable candidate of a front, and why."""
 
     variant: int
     why: str
 
 
 def is_front(result: SweepResult) -> bool:
-    """Whether a result file is that of a search with several objectives that is finished."""
+    """Whether a result file is a finished search with several objectives."""
     return is_search(result) and len(objectives(result)) > 1
 
 
 def is_search(result: SweepResult) -> bool:
-    """Whether a result file is that of a search that is finished."""
+    """Whether a result file is a finished search."""
     return "search" in result.record and "front" in result.columns
 
 
 def objectives(result: SweepResult) -> list[tuple[str, float]]:
-    """Columns that were sought to be small (sign +1) or great (−1)."""
+    """Columns that were minimised (sign +1) or maximised (−1)."""
     goals = result.record["search"]["objectives"]
     return [(goal["name"], 1.0 if goal["way"] == "minimise" else -1.0) for goal in goals]
 
 
 def front(result: SweepResult) -> np.ndarray:
-    """Variants on the Pareto front, in the order of their places."""
+    """Variants on the Pareto front, in order."""
     places = result.columns["front"]
     there = np.flatnonzero(places)
     return there[np.argsort(places[there])]
 
 
 def met(result: SweepResult) -> np.ndarray:
-    """Which candidates were computed and meet all conditions (candidates,)."""
+    """Feasible candidates (candidates,)."""
     there, known = result.columns["status"] == Verdict.OK, result.requirements.known(result.columns)
     for condition in _conditions(result):
         there = there & condition.judged(*known, there.size).met
@@ -53,22 +53,22 @@ def met(result: SweepResult) -> np.ndarray:
 
 
 def _conditions(result: SweepResult) -> list[Condition]:
-    """Conditions on results, without those on parameters."""
+    """Conditions on results, not on parameters."""
     return [Condition(parse_expression(text, any_quantity)) for text in result.record["search"]["subject_to"]]
 
 
 def choices(result: SweepResult) -> list[Choice]:
-    """The best of each objective, and the knee between them: no other gives up less of all of them together.
+    """The best of each objective, and the knee of the front.
 
-    Each objective counts by its range over the front; of two, the knee is the point farthest from the line through
-    the ends of the front (Das, "On characterizing the knee of the Pareto curve", Struct. Optim. 18, 1999).
+    Objectives are scaled by their range over the front. For two objectives the knee is the point farthest from the line
+    through the ends of the front (Das, "On characterizing the knee of the Pareto curve", Struct. Optim. 18, 1999).
     """
     there, goals = front(result), objectives(result)
     if not there.size:
         return []
     costs = np.column_stack([sign * result.columns[name][there] for name, sign in goals])
     words = [f"{'minimum' if sign > 0 else 'maximum'} {name}" for name, sign in goals]
-    # Of equal ends the one that is better in the rest.
+    # Ties go to the better one in the other objectives.
     ends = [int(np.lexsort((costs.sum(axis=1), column))[0]) for column in costs.T]
     found = [Choice(int(there[k]), why) for k, why in zip(ends, words, strict=True)]
     ranges = np.ptp(costs, axis=0)
@@ -80,7 +80,7 @@ def choices(result: SweepResult) -> list[Choice]:
 
 
 def optimum_text(result: SweepResult) -> str:
-    """The answer of a search: the best candidate with what holds it there, or chosen candidates of the front."""
+    """The answer of a search: the best candidate with its active limits, or chosen candidates of the front."""
     search, there = result.record["search"], front(result)
     head = [result.question] if result.question else []
     found = f"{search['method']}, seed {search['seed']}: {result.description.attributes.get('outcome', '')}"
@@ -104,7 +104,7 @@ def _best_text(result: SweepResult, best: int) -> str:
     (name, sign), *_ = objectives(result)
     condition = f" where {result.goal.where}" if result.goal and result.goal.where else ""
     word = "minimum" if sign > 0 else "maximum"
-    lines = [f"Answer: the {word} {name}{condition} is {_value(result, name, best)}, with variant {best}:"]
+    lines = [f"Answer: {word} {name}{condition}: {_value(result, name, best)}, variant {best}:"]
     ends = _ends(result, best)
     rows = [(n, "=", _value(result, n, best), ends.get(n, "")) for n in result.parameters]
     rows += [(n, "→", _value(result, n, best), "") for n in result.summaries if n != name]
@@ -117,32 +117,32 @@ def _best_text(result: SweepResult, best: int) -> str:
 
 
 def _value(result: SweepResult, name: str, variant: int) -> str:
-    """A column's value with its error figure, and the spread that tolerances cause."""
+    """A value with its error estimate and its standard deviation from tolerances."""
     column, units = result.columns, result.units[name]
     error = float(column[f"{name}_error"][variant]) if f"{name}_error" in column else None
     value = float(column[name][variant])
     text = quantity_text(value, units, error)
     if f"{name}.tolerance" not in column:
         return text
-    # In the unit of the value, so that the two can be compared.
+    # In the value's unit, for comparison.
     factor, label = engineer_unit(units, np.array([value]))
     return f"{text}, σ {factor * column[f'{name}.tolerance'][variant]:.2g}{'' if label == '1' else f' {label}'}"
 
 
 def _ends(result: SweepResult, variant: int) -> dict[str, str]:
-    """Parameters of a candidate that lie on an end of their range, and on which."""
+    """Parameters of a candidate at a bound of their range, and which bound."""
     found = {}
     for span in result.record["search"]["ranges"]:
         name, low, high = span["name"], span["low"], span["high"]
         value = result.columns[name][variant]
         near = ON_LIMIT * (high - low)
         if low < high and (value - low <= near or high - value <= near):
-            found[name] = "lower end of its range" if value - low <= near else "upper end of its range"
+            found[name] = "lower bound" if value - low <= near else "upper bound"
     return found
 
 
 def _limits(result: SweepResult, variant: int) -> list[str]:
-    """Conditions on whose limit a candidate lies, each by itself; an equality always is."""
+    """Active conditions of a candidate, split at `and`; equalities are always active."""
     known = result.requirements.known({name: row[variant : variant + 1] for name, row in result.columns.items()})
     found = []
     for part in (part for one in (*result.requirements.conditions, *_conditions(result)) for part in one.parts):

@@ -1,4 +1,4 @@
-"""The Pareto front: the variants that no other surpasses in all objectives."""
+"""The Pareto front: the non-dominated variants."""
 
 from collections.abc import Sequence
 
@@ -6,16 +6,16 @@ import numpy as np
 
 
 def pareto_front(values: np.ndarray, minimise: Sequence[bool]) -> np.ndarray:
-    """Which points no other point surpasses: none is as good in everything and better in something.
+    """Which points are non-dominated: no other is as good in everything and better in something.
 
-    Exact; equal points are all kept, points with NaN never. With two objectives by sorting, O(n log n); with more
-    by comparison with the points kept so far, which is quick while the front is small.
+    Exact; keeps all equal points and no NaN. Two objectives: by sorting, O(n log n); more: by comparison with the
+    points kept so far, fast while the front is small.
 
     Parameters
     ----------
     values : ndarray (points, objectives)
     minimise : sequence of bool
-        Which objectives should be small; the others should be great.
+        Which objectives are minimised; the others are maximised.
 
     Returns
     -------
@@ -26,7 +26,7 @@ def pareto_front(values: np.ndarray, minimise: Sequence[bool]) -> np.ndarray:
     sound = np.flatnonzero(~np.isnan(costs).any(axis=1))
     if sound.size == 0:
         return kept
-    # Equal points stand or fall together, so only distinct ones are compared, in lexicographic order.
+    # Only distinct points are compared, in lexicographic order.
     order = sound[np.lexsort(costs[sound].T[::-1])]
     is_new = np.append(True, (costs[order[1:]] != costs[order[:-1]]).any(axis=1))
     distinct = costs[order[is_new]]
@@ -41,7 +41,7 @@ def _front_of_two(costs: np.ndarray) -> np.ndarray:
 
 
 def _front_of_many(costs: np.ndarray) -> np.ndarray:
-    # In lexicographic order a point can only be surpassed by an earlier one; the earliest left is on the front.
+    # In lexicographic order only an earlier point can dominate; the earliest left is on the front.
     front, left = np.zeros(costs.shape[0], dtype=bool), np.arange(costs.shape[0])
     while left.size:
         first, rest = left[0], left[1:]

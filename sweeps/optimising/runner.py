@@ -1,7 +1,7 @@
-"""Searching a study into a result file, which tools read as that of a sweep; resumable at any moment.
+"""Run a search into a result file in the format of a sweep; resumable at any time.
 
-While the search runs, every generation is a block of a file of its own. A resumed search starts from its first
-generation, with the candidates that the file holds instead of evaluating them: its path is the same, bit for bit.
+During the search every generation is a block of a separate file. A resumed search starts from the first generation and
+reads stored candidates instead of evaluating them, so its path is identical bit for bit.
 """
 
 import json
@@ -41,7 +41,7 @@ from sweeps.text.engineer_units import quantity_text
 if TYPE_CHECKING:
     from distributed import Client
 
-# Called with the generations done, those of them done before this run, and what has been found, in words.
+# Arguments: generations done, those done before this run, and the best result so far as text.
 OnGeneration = Callable[[int, int, str], None]
 
 
@@ -54,28 +54,27 @@ def optimise_study(
     tell: Callable[[str], None] | None = None,
     client: "Client | None" = None,
 ) -> Path:
-    """Search a study for its best variants, or go on with it, into a result file.
+    """Optimise a study into a result file, resuming an interrupted search.
 
-    The file holds every candidate as a variant, with two columns more than a sweep's: `generation` (the candidates
-    passed while going downhill at the end count as one more), and `front`, the place on the Pareto front by the
-    first objective, 0 off it; of one objective the best candidate is the front.
+    The file holds every candidate as a variant, with two extra columns: `generation` (the final local search counts as
+    one more), and `front`, the position on the Pareto front by the first objective, 0 off it. With one objective the
+    best candidate is the front.
 
     Parameters
     ----------
     study : Study
     path : Path or str
-        The file to make; while the search runs its candidates are kept in NAME.candidates.part.h5.
+        Result file; during the search the candidates are kept in NAME.candidates.part.h5.
     restart : bool
-        Throw away an earlier result under that name.
+        Discard an earlier result of that name.
     progress : callable, optional
-        Called before the first generation and after every one with those done, those of them done before this run, and
-        words on the best.
+        Called before the first generation and after each one.
     replace_former : bool
-        Let the file take the place of a former one of another search; otherwise that is kept, under a numbered name.
+        Replace the file of another search instead of keeping it under a numbered name.
     tell : callable, optional
-        Called with sentences on what was found and what became of it.
+        Receives messages about earlier files.
     client : Client, optional
-        Of a Dask cluster whose workers compute the candidates.
+        Client of the Dask cluster that computes the candidates.
 
     Returns
     -------
@@ -85,13 +84,13 @@ def optimise_study(
     Raises
     ------
     InputError
-        The study asks for nothing that can be searched for.
+        The study has nothing to optimise.
     StoreError
-        The file can't be made or written, or what is there is no result of a sweep.
+        The file can't be written, or the existing file isn't a sweep result.
     ClusterError
-        None of the cluster's workers can take part.
+        No worker is usable.
     UnfinishedError
-        Some candidates couldn't be computed, or the scheduler is lost; all earlier generations are kept.
+        Some candidates failed to compute, or the scheduler is lost; earlier generations are kept.
     """
     path, task, tell = Path(path), task_of(study), tell or (lambda sentence: None)
     layout = layout_of(task.study, task.study.machine())
@@ -115,7 +114,7 @@ def _search(
     path.parent.mkdir(parents=True, exist_ok=True)
     keep = not restart and not replace_former
     if task.method == LOCAL:
-        _finish(task, trials, path, _downhill(task, trials, task.start, task.generations), "going downhill", keep, tell)
+        _finish(task, trials, path, _downhill(task, trials, task.start, task.generations), "local search", keep, tell)
         return path
     search = way_of(task)
     with Store.open(work, _layout(task, trials, task.population * task.generations, task.population), restart) as store:
@@ -128,14 +127,14 @@ def _search(
     if task.method != GENETIC and best is not None and task.variables.free.any():
         start = task.variables.coordinates({name: found[name][best] for name in task.variables.names})
         found = joined([found, _downhill(task, trials, start, STEPS, last)])
-        words += ", then going downhill"
+        words += ", then local search"
     _finish(task, trials, path, found, words, keep, tell)
     remove_unlocked(part_path(work))
     return path
 
 
 def _is_finished(path: Path, task: SearchTask, trials: Trials, tell: Callable[[str], None]) -> bool:
-    """Whether a file is this search's result, undamaged; its words are brought up to date."""
+    """Whether a file is this search's undamaged result; updates its texts."""
     try:
         described, mapped = describe_result(path), MappedResult(path)
     except DamagedError as error:
@@ -154,7 +153,7 @@ def _is_finished(path: Path, task: SearchTask, trials: Trials, tell: Callable[[s
 def _downhill(
     task: SearchTask, trials: Trials, start: np.ndarray, steps: int, generation: int = 0
 ) -> dict[str, np.ndarray]:
-    """Columns of the candidates passed on the way down that meet all conditions; of the start if there are none."""
+    """Columns of the feasible candidates of the local search, or of its start if there are none."""
     passed = descend(task, trials, start, steps)
     if not passed:
         passed = [trials.columns(task.variables.values(start[None]), 1, drop=True)]
@@ -166,7 +165,7 @@ def _work_path(path: Path) -> Path:
 
 
 class _History:
-    """The generations of a search: those in the file are read, the others evaluated and written.
+    """The generations of a search: stored ones are read, the others evaluated and written.
 
     Parameters
     ----------
@@ -203,7 +202,7 @@ class _History:
         found = {name: values[:count] for name, values in self.store.read(self.done).items()}
         if not all(np.array_equal(found[name], values) for name, values in varied.items()):
             raise StoreError(
-                f"{self.store.part} can't be continued: generation {self.done} would differ now, as other "
+                f"{self.store.part} can't be resumed: generation {self.done} would differ, because other "
                 f"versions of SciPy or pymoo ({_versions()}) search differently. Start over with --restart."
             )
         return found
@@ -211,7 +210,7 @@ class _History:
     def _words(self, batch: Batch) -> str:
         objective = self.task.objectives[0]
         if len(self.task.objectives) > 1:
-            return f"{int(batch.met.sum())} of {batch.met.size} meet the conditions"
+            return f"{int(batch.met.sum())} of {batch.met.size} feasible"
         least = batch.costs[batch.met, 0].min(initial=np.inf)
         self.best = least if self.best is None else min(least, self.best)
         return f"{objective.name} {quantity_text(objective.sign * self.best, objective.units)}"
@@ -222,7 +221,7 @@ def _numbered(found: dict[str, np.ndarray], generation: int) -> dict[str, np.nda
 
 
 def _filled(found: dict[str, np.ndarray], count: int) -> dict[str, np.ndarray]:
-    """Columns of a generation, padded to a full block by entries that count as not computed."""
+    """Columns of a generation, padded to a full block with entries marked as not computed."""
     missing = count - found["status"].size
     filled = {name: np.append(values, np.repeat(values[-1:], missing)) for name, values in found.items()}
     filled["status"][count - missing :] = Verdict.NOT_COMPUTED
@@ -230,13 +229,13 @@ def _filled(found: dict[str, np.ndarray], count: int) -> dict[str, np.ndarray]:
 
 
 def _best(batch: Batch) -> int | None:
-    """The candidate of minimum cost that meets all conditions."""
+    """The feasible candidate of minimum cost."""
     costs = np.where(batch.met, batch.costs[:, 0], np.inf)
     return int(np.argmin(costs)) if batch.met.any() else None
 
 
 def _places(batch: Batch) -> np.ndarray:
-    """Places on the Pareto front from the smallest first cost on, 0 off it; of equal candidates the first has it."""
+    """Positions on the Pareto front by ascending first cost, 0 off it; ties go to the first candidate."""
     places = np.zeros(batch.met.size, np.int32)
     met = np.flatnonzero(batch.met)
     costs = batch.costs[met]
@@ -258,7 +257,7 @@ def _finish(
     keep: bool,
     tell: Callable[[str], None],
 ) -> None:
-    """Write the result: all candidates, their places on the front, and what tolerances do to those on it."""
+    """Write the result: all candidates, their positions on the front, and the spread from tolerances on it."""
     places = _places(trials.judged(found))
     found = found | {"front": places} | spreads(task, found, np.flatnonzero(places))
     count = places.size
@@ -275,19 +274,19 @@ def _finish(
 
 def _final_layout(task: SearchTask, trials: Trials, count: int) -> FileLayout:
     layout = _layout(task, trials, count, min(count, LARGEST_BLOCK))
-    front = Column("front", "place on the Pareto front, 0 off it", "1", dtype=np.int32)
+    front = Column("front", "position on the Pareto front, 0 off it", "1", dtype=np.int32)
     return replace(layout, columns=(*layout.columns, front, *spread_columns(task, trials.machine)))
 
 
 def _layout(task: SearchTask, trials: Trials, count: int, block: int) -> FileLayout:
-    """A sweep's layout with the objectives and each candidate's generation."""
+    """A sweep's layout plus the objectives and each candidate's generation."""
     base = layout_of(task.study, trials.machine)
     extra = [Column("generation", "generation of the search", "1", dtype=np.int32)]
     for objective in task.objectives:
         if not objective.is_column:
             words = " ".join(objective.expression.text.split())
             extra.append(Column(objective.name, words, objective.units or "1"))
-            extra.append(Column(f"{objective.name}_error", f"error figure of: {words}", objective.units or "1"))
+            extra.append(Column(f"{objective.name}_error", f"error estimate of: {words}", objective.units or "1"))
     record = json.loads(base.attributes["study_json"]) | {"best": _goal(task), "search": search_record(task)}
     attributes = {"study_json": json.dumps(record), "study_hash": task.digest, "searched_with": _versions()}
     columns = (*base.columns, *extra)
@@ -295,7 +294,7 @@ def _layout(task: SearchTask, trials: Trials, count: int, block: int) -> FileLay
 
 
 def _goal(task: SearchTask) -> dict[str, Any] | None:
-    """What decides among the candidates, as in a study's [best]; of several objectives nothing does."""
+    """The objective in the form of [best]; None for several objectives."""
     if len(task.objectives) > 1:
         return None
     (objective,) = task.objectives

@@ -1,4 +1,4 @@
-"""The ways to search: differential evolution and NSGA-II by generations, and going downhill from a candidate."""
+"""Search methods: differential evolution, NSGA-II, and a local search from a candidate."""
 
 import warnings
 from collections.abc import Callable
@@ -12,38 +12,36 @@ from sweeps.study.search_task import GENETIC, SearchTask
 from sweeps.study.unit_points import latin_points
 from sweeps.text.input_files import InputError
 
-# Evolution ends where the costs of a generation lie so close together; what is left, going downhill does better.
+# Relative spread of a generation's costs at which evolution stops; the local search is better at the rest.
 ALIKE = 1e-3
 
-# Share of a range by which a coordinate is moved to find slopes: the error of central differences, its square times
-# a third derivative, and that of the summaries' rounding, 1e-14 over it, are then both about 1e-9.
+# Step of central differences as a share of the range: truncation and rounding (1e-14 over it) are both about 1e-9.
 STEP = 1e-4
-# Kept clear of the limits of conditions, so that rounding doesn't carry the end across one.
+# Distance kept from the limits of conditions, so that rounding doesn't cross one.
 CLEARANCE = 1e-9
 STEPS, ROUNDS = 100, 5
 STILL = 1e-9
 
 
 def first_generation(task: SearchTask) -> np.ndarray:
-    """Coordinates (population, variables) of the start and of a Latin hypercube."""
+    """Coordinates (population, variables) of the start and a Latin hypercube."""
     points = latin_points(task.seed, task.population, task.variables.size, np.arange(task.population))
     points[0] = task.start
     return points
 
 
 def way_of(task: SearchTask) -> Callable[[Evaluate], None]:
-    """The search by generations that a task asks for.
+    """The search method of a task.
 
     Returns
     -------
     callable
-        To be called with a function that is then called once for each generation, with coordinates (candidates,
-        variables); what is found is what that function was given.
+        Takes a function that is called once per generation with coordinates (candidates, variables).
 
     Raises
     ------
     InputError
-        NSGA-II is asked for and pymoo isn't installed.
+        NSGA-II is requested and pymoo isn't installed.
     """
     if task.method != GENETIC:
         return partial(_evolve, task)
@@ -56,10 +54,10 @@ def way_of(task: SearchTask) -> Callable[[Evaluate], None]:
 
 
 def _evolve(task: SearchTask, evaluate: Evaluate) -> None:
-    """Differential evolution of one objective, candidates compared by Deb's rules.
+    """Differential evolution of one objective with Deb's rules.
 
-    Of two candidates that meet all conditions the one of less cost wins, else the one that misses by less (Deb, "An
-    efficient constraint handling method for genetic algorithms", Comput. Methods Appl. Mech. Eng. 186, 2000).
+    Of two feasible candidates the cheaper one wins, else the one with the smaller violation (Deb, "An efficient
+    constraint handling method for genetic algorithms", Comput. Methods Appl. Mech. Eng. 186, 2000).
     """
 
     def costs(coordinates: np.ndarray) -> np.ndarray:
@@ -84,23 +82,23 @@ def _evolve(task: SearchTask, evaluate: Evaluate) -> None:
 
 
 def descend(task: SearchTask, trials: Trials, start: np.ndarray, steps: int = STEPS) -> list[dict[str, np.ndarray]]:
-    """Go downhill from a candidate, along its ranges, by sequential quadratic programming (SciPy's SLSQP).
+    """Local search from a candidate along its ranges, by sequential quadratic programming (SciPy's SLSQP).
 
     Parameters
     ----------
     task : SearchTask
-        Of one objective.
+        With one objective.
     trials : Trials
     start : ndarray (variables,)
-        Coordinates; those of lists stay as they are.
+        Coordinates; those of lists stay fixed.
     steps : int
-        How many steps to take at most in each of a few rounds: where the objective has an edge, as a peak over the
-        cycle has where another position takes over, a fresh round gets on when the one before is stuck.
+        Maximum steps per restart. Restarts help where the objective has a kink, as a peak over the cycle has where
+        another position takes over.
 
     Returns
     -------
     list of dict
-        Columns of the candidates passed that meet all conditions, one in each.
+        Columns of each feasible candidate.
     """
     here, least, passed = start, np.inf, []
     for _ in range(ROUNDS):
@@ -114,14 +112,14 @@ def descend(task: SearchTask, trials: Trials, start: np.ndarray, steps: int = ST
 
 
 class _Slope:
-    """Cost, conditions and their slopes along the free coordinates, from one batch for each place.
+    """Cost, conditions and their gradients along the free coordinates, one batch per point.
 
     Attributes
     ----------
     passed : list of dict
-        Columns of the places asked for that meet all conditions.
+        Columns of the feasible points.
     best : (float, ndarray) or None
-        Least cost of a place that meets all conditions, and its coordinates.
+        Minimum cost of a feasible point, and its coordinates.
     """
 
     def __init__(self, task: SearchTask, trials: Trials, start: np.ndarray) -> None:
@@ -131,18 +129,18 @@ class _Slope:
         self._known: dict[bytes, tuple] = {}
         cost, _, parts, slopes = self._at(start[self.free])
         self.size = abs(cost) or 1.0
-        # What nothing here can influence can't be improved from here either.
+        # Drop conditions that no free coordinate influences.
         self.parts = np.flatnonzero((slopes != 0).any(axis=1) & np.isfinite(parts))
 
     def go(self, steps: int) -> None:
-        """Take at most so many steps."""
+        """Run at most `steps` steps."""
         conditions = {
             "type": "ineq",
             "fun": lambda x: -self._at(x)[2][self.parts] - CLEARANCE,
             "jac": lambda x: -self._at(x)[3][self.parts],
         }
         with warnings.catch_warnings():
-            # SciPy warns of steps that leave the ranges by a rounding, and clips them.
+            # SciPy warns of steps that leave the bounds by rounding, and clips them.
             warnings.simplefilter("ignore", RuntimeWarning)
             minimize(
                 lambda x: self._at(x)[0] / self.size,
@@ -155,7 +153,7 @@ class _Slope:
             )
 
     def _at(self, x: np.ndarray) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
-        """Cost, its slopes, margins and their slopes (parts, free coordinates)."""
+        """Cost, its gradient, margins and their gradients (parts, free coordinates)."""
         x = np.clip(x, 0.0, 1.0)
         if x.tobytes() not in self._known:
             self._known[x.tobytes()] = self._found(x)
@@ -180,7 +178,7 @@ class _Slope:
 
 
 def _slopes(values: np.ndarray, x: np.ndarray, above: np.ndarray, below: np.ndarray) -> np.ndarray:
-    """Difference quotients of values at a place, the places above and those below it; one-sided at an edge."""
+    """Difference quotients from values at a point, above and below it; one-sided at a bound."""
     count = x.size
     here, up, down = values[0], values[1 : count + 1], values[count + 1 :]
     above, up = np.where(np.isfinite(up), (above, up), (x, np.full(count, here)))

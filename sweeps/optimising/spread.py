@@ -1,4 +1,4 @@
-"""What tolerances of the machine as built make of its results: Monte Carlo, and to first order."""
+"""Spread of results from tolerances: Monte Carlo, and to first order."""
 
 from collections.abc import Mapping
 
@@ -11,33 +11,32 @@ from sweeps.study.search_task import SearchTask
 from sweeps.study.tolerances import Tolerance
 from sweeps.study.unit_points import sobol_points
 
-# Machines drawn for each candidate: the spread is then good to about 3 %.
+# Samples per candidate: the spread is accurate to about 3 %.
 DRAWN = 512
-# Share of a tolerance by which a number is moved to find slopes.
+# Step for slopes, as a share of the tolerance.
 STEP = 1e-2
-# Candidates whose machines are computed together, so that memory stays bounded.
+# Candidates evaluated together, to bound memory.
 TOGETHER = 64
 
 
 def spread_columns(task: SearchTask, machine: Machine | ElementsAlone) -> list[Column]:
-    """Columns that `spreads` fills; none without tolerances."""
+    """Columns filled by `spreads`; none without tolerances."""
     if not task.tolerances:
         return []
-    found = [Column("tolerance_misses", "share of machines within tolerances that fail or miss a condition", "1")]
+    found = [Column("tolerance_misses", "fraction of toleranced machines that fail or miss a condition", "1")]
     for name in task.study.summaries:
         quantity = machine.available_summaries[name]
-        words = f"standard deviation by tolerances of: {quantity.long_name}"
+        words = f"standard deviation from tolerances: {quantity.long_name}"
         found.append(Column(f"{name}.tolerance", words, quantity.units))
         found.append(Column(f"{name}.tolerance_first_order", f"{words}, to first order", quantity.units))
     return found
 
 
 def spreads(task: SearchTask, columns: Mapping[str, np.ndarray], chosen: np.ndarray) -> dict[str, np.ndarray]:
-    """Standard deviations of all summaries that tolerances cause, for some candidates.
+    """Standard deviations of all summaries from tolerances, for some candidates.
 
-    Numbers that are derived from one with a tolerance don't follow it: they were made by the same drawing, but each
-    by itself. Monte Carlo draws scrambled Sobol' points; to first order the variances (∂f/∂p σ)² of all tolerances
-    add up, with slopes by central differences.
+    Derived numbers don't follow a toleranced one: each part is made separately. Monte Carlo draws scrambled Sobol'
+    points; to first order the variances (∂f/∂p σ)² add up, with slopes by central differences.
 
     Parameters
     ----------
@@ -49,7 +48,7 @@ def spreads(task: SearchTask, columns: Mapping[str, np.ndarray], chosen: np.ndar
     Returns
     -------
     dict of str to ndarray (candidates,)
-        As for `spread_columns`; NaN for all other candidates.
+        As for `spread_columns`; NaN for other candidates.
     """
     if not task.tolerances:
         return {}
@@ -74,7 +73,7 @@ def _spread(
     made: Mapping[str, np.ndarray],
     count: int,
 ) -> dict[str, np.ndarray]:
-    """Columns of `spreads` for a few candidates."""
+    """Columns of `spreads` for one batch."""
     off = np.vstack([_drawn(task.tolerances, task.seed), _moved(task.tolerances)])
     fixed = task.study.fixed
     nominal = {path: np.broadcast_to(made.get(path, fixed[path]), (count,)) for path in paths}
@@ -105,10 +104,10 @@ def _misses(task: SearchTask, columns: Mapping[str, np.ndarray]) -> np.ndarray:
 
 
 def _deviation(drawn: np.ndarray) -> np.ndarray:
-    """Standard deviation of the defined values of each row."""
+    """Standard deviation of the defined values in each row."""
     there = np.isfinite(drawn)
     count = np.maximum(there.sum(axis=1), 1)
-    # From the first defined one on, so that what doesn't change has no spread by rounding.
+    # Relative to the first defined value, so that constants have no spread from rounding.
     first = drawn[np.arange(len(drawn)), there.argmax(axis=1)]
     apart = np.where(there, drawn - first[:, None], 0.0)
     square = np.where(there, apart - (apart.sum(axis=1) / count)[:, None], 0.0) ** 2
@@ -116,8 +115,8 @@ def _deviation(drawn: np.ndarray) -> np.ndarray:
 
 
 def _drawn(tolerances: tuple[Tolerance, ...], seed: int) -> np.ndarray:
-    """Deviations of drawn machines (DRAWN, tolerances)."""
-    # Half of a point's last digit keeps normal deviations finite.
+    """Deviations of the sampled machines (DRAWN, tolerances)."""
+    # Half a unit in the last place keeps normal deviations finite.
     unit = sobol_points(seed, DRAWN, len(tolerances), np.arange(DRAWN)) + 2.0**-31
     return np.column_stack(
         [
@@ -128,6 +127,6 @@ def _drawn(tolerances: tuple[Tolerance, ...], seed: int) -> np.ndarray:
 
 
 def _moved(tolerances: tuple[Tolerance, ...]) -> np.ndarray:
-    """Deviations of machines in which one number is moved, up and down (2 tolerances, tolerances)."""
+    """Deviations with one number moved up or down (2 tolerances, tolerances)."""
     steps = STEP * np.diag([t.half_width for t in tolerances])
     return np.stack([steps, -steps], axis=1).reshape(-1, len(tolerances))

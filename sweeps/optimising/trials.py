@@ -1,4 +1,4 @@
-"""Candidates evaluated together: their columns, costs, and how far each is from meeting the conditions."""
+"""Batches of candidates: columns, costs and constraint violations."""
 
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, NamedTuple
@@ -13,23 +13,23 @@ from sweeps.text.conditions import errors_in, value_with_error
 if TYPE_CHECKING:
     from sweeps.run.cluster.crew import Crew
 
-# An undefined cost, or a strict inequality on its limit, misses by no measure; yet it mustn't pass.
+# Violation of an undefined cost, or of a strict inequality on its limit.
 LEAST_VIOLATION = 1e-12
 
 
 class Batch(NamedTuple):
-    """Candidates judged.
+    """Evaluated candidates.
 
     Attributes
     ----------
     columns : dict of str to ndarray (candidates,)
-        Parameters, verdicts, summaries, error figures and objectives, SI.
+        Parameters, verdicts, summaries, error estimates and objectives, SI.
     costs : ndarray (candidates, objectives)
-        Objective to minimise.
+        To be minimised.
     margins : ndarray (parts, candidates)
-        Of the conditions, above 0 by how much one is missed (see `Condition.margins`).
+        Positive where a condition is missed (see `Condition.margins`).
     violation : ndarray (candidates,)
-        How far a candidate is from meeting all conditions; 0 exactly where it does.
+        Total violation of the conditions; exactly 0 if feasible.
     """
 
     columns: dict[str, np.ndarray]
@@ -39,24 +39,24 @@ class Batch(NamedTuple):
 
     @property
     def met(self) -> np.ndarray:
-        """Which candidates were computed and meet all conditions."""
+        """Feasible candidates."""
         return self.violation == 0
 
 
 Evaluate = Callable[[np.ndarray], Batch]
 
-# Costs of candidates that miss a condition: above all others, growing with the violation.
+# Costs of infeasible candidates: above all others, growing with the violation.
 BEYOND = 1e100
 
 
 class Trials:
-    """Evaluates candidates of a search, all of a batch at once.
+    """Evaluates candidates of a search in batches.
 
     Parameters
     ----------
     task : SearchTask
     crew : Crew, optional
-        Workers of a cluster that share the candidates among them.
+        Cluster workers that share the candidates.
     """
 
     def __init__(self, task: SearchTask, crew: "Crew | None" = None) -> None:
@@ -66,20 +66,20 @@ class Trials:
     def evaluate(self, coordinates: np.ndarray) -> Batch:
         """Evaluate the candidates at coordinates (candidates, variables), each from 0 to 1.
 
-        Those that miss what the study requires too, so that slopes can be found at its limits.
+        Includes candidates that fail `require`, so that gradients exist at its limits.
         """
         varied = self.task.variables.values(coordinates)
         return self.judged(self.columns(varied, coordinates.shape[0], drop=False))
 
     def columns(self, varied: Mapping[str, np.ndarray], count: int, drop: bool) -> dict[str, np.ndarray]:
-        """All columns of `count` candidates from what varies in them; memory is bounded as a sweep's is.
+        """All columns of `count` candidates, in memory bounded as for a sweep.
 
         Parameters
         ----------
         varied : mapping of str to ndarray (count,)
         count : int
         drop : bool
-            Whether to leave out those that miss what the study requires.
+            Skip candidates that fail `require`.
         """
         if count > self._most:
             starts = range(0, count, self._most)
@@ -104,7 +104,7 @@ class Trials:
         return share_out(self.crew, values, dropped, count)
 
     def judged(self, columns: dict[str, np.ndarray]) -> Batch:
-        """What columns of candidates mean for the search."""
+        """Costs, margins and violations from the candidates' columns."""
         task, status = self.task, columns["status"]
         costs = np.column_stack([o.sign * columns[o.name] for o in task.objectives])
         conditions, known = (*task.study.require, *task.conditions), task.study.requirements.known(columns)
@@ -120,12 +120,12 @@ class Trials:
 
 
 def joined(parts: list[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
-    """Columns of several sets of candidates, one after the other."""
+    """Concatenated columns of several sets of candidates."""
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
 def _with_error(objective: Objective, columns: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """An objective and its error figure."""
+    """An objective and its error estimate."""
     with np.errstate(all="ignore"):
         found = value_with_error(objective.expression.tree, columns, errors_in(columns))
     value, error = (np.broadcast_to(part, columns["status"].shape).astype(float) for part in found)

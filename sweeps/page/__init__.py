@@ -1,1 +1,1 @@
-"""A result as one page for a browser: what it says, drawn, told and looked up, in a file that needs no other."""
+"""HTML report of a result in a single file."""

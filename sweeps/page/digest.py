@@ -1,4 +1,4 @@
-"""What a page tells of a result file, whatever the number of its rows: the best variants, and a sample of all."""
+"""Digest of a result file of any size for the report: the best variants and a sample of all."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -14,21 +14,20 @@ from sweeps.study.study_text import Best
 from sweeps.text.conditions import Condition
 
 MOST_BEST, MOST_SAMPLED = 500, 2000
-# Axes of a design along which a neighbour is a step away; samples and tables have no order.
+# Ordered axes, whose variants have neighbours; samples and tables have no order.
 ORDERED_AXES = ("Listed", "Linear", "Logarithmic")
 
 
 class Price(NamedTuple):
-    """A part of the condition, and what it costs.
+    """A part of the condition, and its price.
 
     Attributes
     ----------
     text : str
     margin : float
-        Room left at the best variant as a share of the magnitudes compared, 0 on the limit, negative where missed; NaN
-        without a best variant.
+        Relative distance from the limit at the best variant, negative if missed; NaN without a best variant.
     without : int or None
-        The best variant if this part were not asked.
+        The best variant without this part.
     """
 
     text: str
@@ -37,7 +36,7 @@ class Price(NamedTuple):
 
 
 class Neighbour(NamedTuple):
-    """The variants a step below and above the best one along an axis of the grid; None beyond its ends."""
+    """The best variant's neighbours along a grid axis; None beyond the ends."""
 
     names: tuple[str, ...]
     below: int | None
@@ -45,7 +44,7 @@ class Neighbour(NamedTuple):
 
 
 class Digest:
-    """What a page tells of a result file; columns are gone through piece by piece, and few of their rows kept.
+    """The content of a report; columns are read in parts and few rows are kept.
 
     Parameters
     ----------
@@ -54,14 +53,14 @@ class Digest:
     Attributes
     ----------
     result : SweepResult
-        Its description and record; the columns it would read whole are not asked for.
+        Description and record; its columns are never read whole.
     aim : Best or None
-        What decides among the variants; of a search its first objective and conditions.
+        The objective and condition; for a search its first objective and conditions.
 
     Raises
     ------
     StoreError
-        By its properties: the file can't be read, or is no result of a sweep.
+        From the properties: the file can't be read, or isn't a sweep result.
     """
 
     def __init__(self, path: Path) -> None:
@@ -74,40 +73,40 @@ class Digest:
 
     @property
     def condition(self) -> Condition | None:
-        """The condition of the aim, if it has one."""
+        """The condition of the aim, if any."""
         return Condition(parse_expression(self._where, any_quantity)) if self._where else None
 
     # Over all variants
 
     @cached_property
     def counts(self) -> Counter:
-        """How many variants got each verdict."""
+        """Number of variants per verdict."""
         return Counter(self.result.verdict_counts())
 
     @cached_property
     def missed(self) -> dict[str, tuple[int, int]]:
-        """For each condition of `require` how many variants fail it, and how many of them no other."""
+        """For each condition of `require`: variants that fail it, and those that fail only it."""
         texts = self.result.record["require"]
         counts, alone, _ = drop_counts(len(texts), self.result.missed())
         return {text: pair for text, *pair in zip(texts, counts.tolist(), alone.tolist(), strict=True)}
 
     @cached_property
     def meeting(self) -> int:
-        """How many variants meet the condition."""
+        """Number of variants that meet the condition."""
         return self.result.count_meeting(self._where)
 
     @cached_property
     def undecided(self) -> int:
-        """For how many variants the condition is undecided."""
+        """Number of variants for which the condition is undecided."""
         return self.result.undecided(self._where) if self._where else 0
 
     @cached_property
     def rivals(self) -> int:
-        """How many other variants are as good as the best within the error figures."""
+        """Number of variants that tie with the best within the error estimates."""
         return 0 if self.best is None else self.result.rivals(self.best, self.aim)
 
     def _first(self, where: str | None, most: int) -> np.ndarray:
-        """The best variants under a condition, the best first."""
+        """The best variants under a condition, best first."""
         if self.aim is None:
             return np.zeros(0, int)
         found = self.result.select(where, self.aim.goal, self.aim.sign < 0, most)
@@ -115,7 +114,7 @@ class Digest:
 
     @cached_property
     def leaders(self) -> np.ndarray:
-        """The best variants that meet the condition, the best first."""
+        """The best variants that meet the condition, best first."""
         return self._first(self._where, MOST_BEST)
 
     @property
@@ -125,7 +124,7 @@ class Digest:
 
     @cached_property
     def prices(self) -> tuple[Price, ...]:
-        """What each part of the condition costs."""
+        """The price of each part of the condition."""
         return tuple(self._prices(self.condition.parts)) if self.condition else ()
 
     def _prices(self, parts: tuple[Condition, ...]) -> Iterator[Price]:
@@ -140,7 +139,7 @@ class Digest:
 
     @cached_property
     def ranges(self) -> dict[str, tuple[float, float]]:
-        """Least and greatest value of what varies, over all variants."""
+        """Range of each variable over all variants."""
         found = dict.fromkeys(self.result.varied, (np.inf, -np.inf))
         for part in self.result.parts():
             for name, (low, high) in found.items():
@@ -150,7 +149,7 @@ class Digest:
 
     @cached_property
     def worst_errors(self) -> dict[str, float]:
-        """Greatest error figure of each summary among the variants that work, as a share of the value."""
+        """Maximum relative error estimate of each summary among the feasible variants."""
         found, columns = dict.fromkeys(self.result.summaries, 0.0), self.result.columns
         for part in self.result.parts():
             ok = columns["status"][part] == Verdict.OK
@@ -164,8 +163,8 @@ class Digest:
 
     @cached_property
     def shown(self) -> np.ndarray:
-        """Variants of the figures, ascending: the leaders and a random sample of all that work."""
-        # Those with the least of random numbers are a sample without replacement.
+        """Variants in the figures, ascending: the leaders and a random sample of all that work."""
+        # The smallest of random numbers select a sample without replacement.
         random, chances, numbers = np.random.default_rng(0), np.zeros(0), np.zeros(0, int)
         for part in self.result.parts():
             ok = self.result.columns["status"][part] == Verdict.OK
@@ -177,7 +176,7 @@ class Digest:
 
     @cached_property
     def neighbours(self) -> tuple[Neighbour, ...]:
-        """The variants a step of the grid away from the best one."""
+        """The grid neighbours of the best variant."""
         return _neighbours(self.result, self.best)
 
     @cached_property
@@ -189,32 +188,32 @@ class Digest:
 
     @cached_property
     def rows(self) -> Mapping[str, np.ndarray]:
-        """All columns over variants, of the variants `numbers`."""
+        """All columns of the variants `numbers`."""
         return self.result.taken(self.numbers)
 
     def value(self, name: str, variant: int) -> float:
-        """A column's value of a variant that is kept; NaN where there is no such column."""
+        """A column's value for a kept variant; NaN if there is no such column."""
         if name not in self.rows:
             return np.nan
         return float(self.rows[name][self.place(variant)])
 
     def place(self, variant: int) -> int:
-        """Row of a variant that is kept."""
+        """Row of a kept variant."""
         return int(np.searchsorted(self.numbers, variant))
 
     def values(self, variant: int) -> dict[str, float]:
-        """Numbers of the scene (SI) that a variant that is kept has in place of the scene's own."""
+        """Numbers (SI) of a kept variant that replace the scene's."""
         known = scene_numbers(self.result.scene)
         return {name: self.value(name, variant) for name in self.result.parameters if name in known}
 
     @property
     def shown_places(self) -> np.ndarray:
-        """Rows of the variants that figures show."""
+        """Rows of the variants in the figures."""
         return np.searchsorted(self.numbers, self.shown)
 
     @cached_property
     def meets(self) -> np.ndarray:
-        """Which of the rows kept work and meet the condition."""
+        """Which kept rows work and meet the condition."""
         ok = self.rows["status"] == Verdict.OK
         if not self.condition:
             return ok
@@ -222,12 +221,12 @@ class Digest:
 
     @property
     def is_one(self) -> bool:
-        """Whether there is one variant alone."""
+        """Whether there is only one variant."""
         return self.result.description.variants == 1
 
     @cached_property
     def drawn(self) -> int | None:
-        """The variant whose machine is drawn: the only one, the best, or without an aim the first that works."""
+        """The variant to draw: the only one, the best, or without an aim the first that works."""
         if self.is_one:
             return 0
         if self.best is not None or self.aim is not None:
@@ -236,7 +235,7 @@ class Digest:
 
 
 def _aim_of(result: SweepResult) -> Best | None:
-    """What decides among the variants of a result."""
+    """The objective and condition of a result."""
     if "search" not in result.record:
         return result.goal
     search = result.record["search"]

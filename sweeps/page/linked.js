@@ -1,6 +1,6 @@
-// Parallel coordinates and a scatter of the same variants; what is selected in one is selected in the other.
+// Parallel coordinates and a scatter of the same variants, with linked selections.
 (() => {
-  // Parallel coordinates are drawn by WebGL; without it the still picture stays.
+  // Parallel coordinates need WebGL; without it the static figure stays.
   if (!document.createElement("canvas").getContext("webgl")) return;
   document.body.classList.add("linked");
   const data = JSON.parse(document.getElementById("variants").textContent);
@@ -8,7 +8,7 @@
   const told = document.getElementById("selected"), chosen = document.getElementById("chosen");
   const [alongX, alongY] = ["along-x", "along-y"].map((id) => document.getElementById(id));
   const grey = "#c9cdd1", everyone = data.shades.map((_, i) => i);
-  // Below 0 a line is grey: variants that miss the condition, or aren't selected.
+  // Below 0 a line is grey: the variant misses the condition or isn't selected.
   const scale = [[0, grey], [1 / 3, grey], ...data.colours.map((c, i, all) => [(1 + 2 * i / (all.length - 1)) / 3, c])];
   const look = { cmin: -0.5, cmax: 1, colorscale: scale, showscale: false };
   const font = { family: "system-ui, sans-serif", size: 12 };

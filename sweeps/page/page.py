@@ -1,4 +1,4 @@
-"""The page: what is told, in which order, and the file that it is written to."""
+"""The report page: its parts, their order, and the file."""
 
 from importlib.resources import files
 from pathlib import Path
@@ -26,14 +26,14 @@ from sweeps.text.whole_files import whole_file
 
 
 def write_page(path: Path, out: Path) -> None:
-    """Write what a result says as one page of HTML that needs no other file and no network.
+    """Write the report of a result as one self-contained HTML page.
 
-    It is written beside and takes the place of an earlier one when it is whole.
+    It replaces an earlier page only when complete.
 
     Parameters
     ----------
     path : Path
-        Result file; it is read in pieces, so that any number of variants fits in memory.
+        Result file, read in parts to bound memory.
     out : Path
 
     Raises
@@ -65,12 +65,12 @@ def write_page(path: Path, out: Path) -> None:
 
 
 def _shown(part: object) -> object:
-    """A part of the page; markup has been made of visible texts."""
+    """A part of the page; its markup is escaped."""
     return visible(part) if type(part) is str else part
 
 
 def _parts(digest: Digest) -> dict[str, Any]:
-    """What the template puts together."""
+    """Data for the template."""
     result, pictures = digest.result, drawn_pictures(digest)
     attributes = result.description.attributes
     return {
@@ -96,7 +96,7 @@ def _parts(digest: Digest) -> dict[str, Any]:
     }
 
 
-# What is answered
+# The answer
 
 
 def _answer(digest: Digest) -> str:
@@ -105,20 +105,20 @@ def _answer(digest: Digest) -> str:
         verdict = next(iter(digest.counts))
         if verdict in MOTION_VERDICTS:
             return failure_text(with_values(result.scene, digest.values(0)), verdict)
-        return "One machine; its numbers are below." if verdict == Verdict.OK else f"No result: {verdict.sentence}"
+        return "A single machine; its numbers are below." if verdict == Verdict.OK else f"No result: {verdict.sentence}"
     if aim is None:
-        return "The study has no [best]: nothing decides among the variants."
+        return "The study has no [best], so there is no best variant."
     condition = f" where {aim.where}" if aim.where else ""
     if digest.best is None:
         return "No variant meets all conditions."
     value = value_text(digest, aim.goal, digest.best)
-    return f"The {aim.word} {aim.goal}{condition} is {value}, with variant {digest.best}."
+    return f"{aim.word.capitalize()} {aim.goal}{condition}: {value}, variant {digest.best}."
 
 
 def _remark(digest: Digest) -> str:
     if digest.is_one:
         return ""
-    text = f"{digest.result.description.variants} variants, {digest.counts[Verdict.OK]} of them work."
+    text = f"{digest.counts[Verdict.OK]} of {digest.result.description.variants} variants work."
     return f"{text} {digest.meeting} meet the condition." if digest.aim and digest.aim.where else text
 
 
@@ -127,20 +127,20 @@ def _sample_words(digest: Digest) -> str:
     if shown == works:
         return f"All {works} variants that work."
     leaders = digest.leaders.size
-    return f"{shown} of {works} variants that work: the best {leaders} that meet the condition, and a random sample."
+    return f"{shown} of {works} variants that work: the best {leaders} that meet the condition, plus a random sample."
 
 
 def _warnings(digest: Digest) -> list[str]:
     result = digest.result
     found = list(result.altered)
     if waiting := digest.counts[Verdict.NOT_COMPUTED]:
-        found.append(f"{waiting} variants are not computed yet: the same run goes on where it stopped.")
+        found.append(f"{waiting} variants are not computed yet: run the study again to resume.")
     if digest.undecided:
-        found.append(f"The condition is undecided within error estimates for {digest.undecided} variants.")
+        found.append(f"For {digest.undecided} variants the condition is undecided within error estimates.")
     if digest.rivals:
         found.append(
-            f"{digest.rivals} other variants are as good as the best within the error figures: "
-            "choose among them by other needs."
+            f"{digest.rivals} other variants tie with the best within the error estimates: "
+            "choose between them on other grounds."
         )
     works = digest.counts[Verdict.OK]
     failed = result.description.variants - works - digest.counts[Verdict.DROPPED] - digest.counts[Verdict.NOT_COMPUTED]
@@ -148,6 +148,6 @@ def _warnings(digest: Digest) -> list[str]:
         found.append(f"{failed} variants fail; see the verdicts.")
     coarse = [name for name, share in digest.worst_errors.items() if share > (result.accuracy or 0.01)]
     if coarse:
-        share = "the accuracy asked" if result.accuracy else "1 %"
-        found.append(f"Error figures above {share} of the value occur in: {', '.join(coarse)}.")
+        share = "the requested accuracy" if result.accuracy else "1 %"
+        found.append(f"Error estimates exceed {share} of the value in: {', '.join(coarse)}.")
     return found

@@ -1,4 +1,4 @@
-"""The pictures of a page: the machine and all variants as SVG, and the variants as data for the linked figures."""
+"""Figures of the report: machine and variants as SVG, and data for the linked figures."""
 
 import html
 import re
@@ -26,23 +26,23 @@ from sweeps.text.whole_files import scratch_folder
 if TYPE_CHECKING:
     from markupsafe import Markup
 
-# Sweeps up to this size are drawn whole, as curves or a map where they form one.
+# Sweeps up to this size are drawn completely, as curves or a map.
 DRAWN_WHOLE = 20_000
-# Shade of the variants that miss the condition.
+# Shade of variants that miss the condition.
 MISSED = -0.5
 
 
 class Drawn(NamedTuple):
-    """Pictures of a page, as parts of it.
+    """Figures of the report.
 
     Attributes
     ----------
     machine : list of Markup
         Drawing and diagrams.
     variants : Markup or None
-        All variants in one still picture.
+        All variants in one static figure.
     complaints : list of str
-        What can't be drawn, and why.
+        Figures that can't be drawn, and why.
     """
 
     machine: list["Markup"]
@@ -67,7 +67,7 @@ def drawn_pictures(digest: Digest) -> Drawn:
                 _draw_variants(digest, path)
                 variants = inline_svg(path, "v")
             except PictureError as error:
-                complaints.append(f"No picture of the variants: {error}")
+                complaints.append(f"No plot of the variants: {error}")
     return Drawn(machine, variants, complaints)
 
 
@@ -85,7 +85,7 @@ def _draw_variants(digest: Digest, path: Path) -> None:
 
 
 def _data_of(digest: Digest) -> SweepData:
-    """The variants that figures show, as what a picture is made of."""
+    """Plot data of the variants in the figures."""
     result, places, aim = digest.result, digest.shown_places, digest.aim
     alone = (name for name in result.summaries if not name.endswith((WORST_CASE, RSS)))
     return SweepData(
@@ -102,14 +102,14 @@ def _data_of(digest: Digest) -> SweepData:
 
 
 def inline_svg(path: Path, prefix: str) -> "Markup":
-    """A picture as a part of a page: without its head, its names made its own, so that none stands twice in the page.
+    """An SVG for embedding: without its header, its ids made unique.
 
     Parameters
     ----------
     path : Path
-        A file in SVG.
+        SVG file.
     prefix : str
-        What its names begin with.
+        Prefix of its ids.
     """
     from markupsafe import Markup
 
@@ -120,7 +120,7 @@ def inline_svg(path: Path, prefix: str) -> "Markup":
 
 
 def linked_data(digest: Digest) -> dict[str, Any] | None:
-    """The variants shown as the script of the page takes them; None where nothing varies among them.
+    """The variants as data for the page's script; None if nothing varies.
 
     Parameters
     ----------
@@ -129,9 +129,9 @@ def linked_data(digest: Digest) -> dict[str, Any] | None:
     Returns
     -------
     dict
-        `columns` (label, the same broken into lines and as markup, values in an engineer's unit), `numbers` of the
-        variants, `shades` (from 0 to 1; −0.5 for those that miss the condition), `colours` of these from 0 on, `axes`
-        (columns along x and y), `best` (its place, or None).
+        `columns` (label, wrapped label as markup, values in an engineer's unit), `numbers` of the variants, `shades`
+        (0 to 1; −0.5 if the condition is missed), `colours` of these from 0, `axes` (x and y columns), `best` (index
+        or None).
     """
     data = _data_of(digest)
     shade = digest.aim.goal if digest.aim else next(iter(data.summaries), None)
@@ -142,11 +142,11 @@ def linked_data(digest: Digest) -> dict[str, Any] | None:
         return None
     shown = {name: data.shown(name) for name in names}
     finite = np.flatnonzero(np.isfinite([values for values, _, _ in shown.values()]).all(axis=0))
-    # Those that miss the condition come first, so that they hide none of the others.
+    # Variants that miss the condition come first, so that they hide none of the others.
     finite = finite[np.argsort(data.candidates[finite], kind="stable")]
     columns = []
     for values, label, _ in shown.values():
-        # Symbols are in TeX, which a browser doesn't set.
+        # Browsers don't typeset TeX symbols.
         label = visible(re.sub(r" *\$[^$]*\$", "", label)).replace(".\n", ".").replace("\n", " ")
         lines = "<br>".join(html.escape(line) for line in wrapped(label, 16))
         rounded = [float(f"{value:.6g}") for value in values[finite]]

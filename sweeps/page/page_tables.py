@@ -1,4 +1,4 @@
-"""The tables of a page: the best machine's numbers, what limits it, what it depends on, the best variants."""
+"""Tables of the report: the best machine, its active conditions, its sensitivities, the best variants."""
 
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
@@ -13,12 +13,12 @@ from sweeps.study.sensitivity import RSS, WORST_CASE
 from sweeps.text.engineer_units import engineer_unit, figure_text, quantity_text
 
 MOST_ROWS = 20
-# Room to a limit, as a share of the limit, below which a variant counts as on it.
+# Relative distance from a limit below which a variant counts as on it.
 NEAR = 1e-6
 
 
 class PageTable(NamedTuple):
-    """A table of the page.
+    """A table of the report.
 
     Attributes
     ----------
@@ -26,7 +26,7 @@ class PageTable(NamedTuple):
         Headings, or nothing.
     rows : sequence of sequence of str
     numbers : sequence of int
-        Columns that hold numbers, set flush right.
+        Columns of numbers, right-aligned.
     """
 
     head: Sequence[str]
@@ -35,14 +35,14 @@ class PageTable(NamedTuple):
 
 
 def value_text(digest: Digest, name: str, variant: int) -> str:
-    """A column's value of a variant, with its error figure."""
+    """A variant's value with its error estimate."""
     units = digest.result.units
     error = digest.value(f"{name}_error", variant) if f"{name}_error" in units else None
     return quantity_text(digest.value(name, variant), units[name], error)
 
 
 def value_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
-    """Tables of the best machine, or of the only one."""
+    """Tables of the best or only machine."""
     result, variant = digest.result, digest.drawn
     if variant is None:
         return
@@ -53,14 +53,14 @@ def value_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
     for regime, chosen in by_regime(result.scene, result.summaries).items():
         rows = [(name, value_text(digest, name, variant), names[name]) for name in chosen]
         heading = f"{regime}: {regime_words(result.scene, regime)}" if regime else "Results"
-        yield heading, PageTable(("result", "value ± error figure", "meaning"), rows, (1,))
+        yield heading, PageTable(("result", "value ± error estimate", "meaning"), rows, (1,))
 
 
-# What limits it, and what it depends on
+# Limits and sensitivities
 
 
 def limit_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
-    """Tables of what keeps the best variant from being better, each with its words."""
+    """Tables of the best variant's limits, each with a caption."""
     aim = digest.aim
     if aim is None:
         return
@@ -78,12 +78,12 @@ def limit_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
         )
     if digest.missed:
         rows = [(text, str(count), str(alone)) for text, (count, alone) in digest.missed.items()]
-        head = ("required", "variants dropped", "by this only")
-        yield "Variants dropped before they were computed:", PageTable(head, rows, (1, 2))
+        head = ("required", "variants dropped", "only by this")
+        yield "Variants dropped before computation:", PageTable(head, rows, (1, 2))
     if digest.best is not None:
         rows = list(_ends(digest, digest.best))
         if rows:
-            words = "These numbers lie on an end of what was tried; beyond it the answer may be better still:"
+            words = "These numbers lie at the end of their range; a wider range may give a better answer:"
             yield words, PageTable(("number", "value", "", "tried"), rows, (1,))
 
 
@@ -105,7 +105,7 @@ def _ends(digest: Digest, best: int) -> Iterator[tuple[str, str, str, str]]:
 
 
 def sensitivity_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
-    """Tables of what the best variant depends on, each with its words."""
+    """Tables of the best variant's sensitivities, each with a caption."""
     result, best = digest.result, digest.drawn
     variant = 0 if digest.is_one else best
     if variant is None:
@@ -113,7 +113,7 @@ def sensitivity_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
     asked = [name for name in result.summaries if ".by." in name]
     if asked:
         rows = [(*name.split(".by.", 1), value_text(digest, name, variant)) for name in asked]
-        yield f"Derivatives at variant {variant}:", PageTable(("of", "by", "derivative ± error figure"), rows, (2,))
+        yield f"Derivatives at variant {variant}:", PageTable(("of", "by", "derivative ± error estimate"), rows, (2,))
     banded = [name for name in result.summaries if f"{name}.{RSS}" in result.units]
     if banded:
         rows = [
@@ -121,27 +121,27 @@ def sensitivity_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
             for name in banded
         ]
         head = ("result", "worst case", "root of the sum of squares")
-        yield "What tolerances do to it, to first order:", PageTable(head, rows, (1, 2))
+        yield "Effect of tolerances, to first order:", PageTable(head, rows, (1, 2))
     if digest.aim is None or digest.best is None:
         return
     best = value_text(digest, digest.aim.goal, digest.best)
     rows = [(", ".join(n.names), _step(digest, n.below), best, _step(digest, n.above)) for n in digest.neighbours]
     if rows:
         head = ("number", "one step below", "best", "one step above")
-        words = f"{digest.aim.goal} one step of the grid away; in brackets where that misses the condition:"
+        words = f"{digest.aim.goal} one grid step away (in brackets: misses the condition):"
         yield words, PageTable(head, rows, (1, 2, 3))
     rows = _ranks(digest)
     if rows:
         words = (
-            f"How {digest.aim.goal} goes with each number over the variants shown that work (Spearman's rank "
-            "correlation: 1 always up, −1 always down, 0 neither):"
+            f"Correlation of {digest.aim.goal} with each variable over the variants shown (Spearman's rank "
+            "correlation: 1 always rising, −1 always falling):"
         )
         yield words, PageTable(("number", "rank correlation"), rows, (1,))
 
 
 def _step(digest: Digest, variant: int | None) -> str:
     if variant is None:
-        return "end of what was tried"
+        return "end of its range"
     verdict = Verdict(int(digest.value("status", variant)))
     if verdict != Verdict.OK:
         return verdict.name.lower().replace("_", " ")
@@ -166,16 +166,16 @@ def _ranks(digest: Digest) -> list[tuple[str, str]]:
     ]
 
 
-# Tables of all
+# Tables of all variants
 
 
 def leaders_table(digest: Digest) -> PageTable:
-    """The best variants, one a row."""
+    """The best variants, one per row."""
     result, shown = digest.result, digest.leaders[:MOST_ROWS]
     condition = digest.condition
     decisive = [digest.aim.goal] if digest.aim else []
     asked = [name for name in (condition.names if condition else ()) if name in result.summaries]
-    # Paper has room for the first of them only.
+    # A printed page has room for the first ones only.
     names = list(dict.fromkeys([*decisive, *result.varied, *asked, *result.parameters, *result.summaries]))
     places = [digest.place(variant) for variant in shown]
     scales = {name: engineer_unit(result.units[name], digest.rows[name][places]) for name in names}
@@ -191,19 +191,19 @@ def leaders_table(digest: Digest) -> PageTable:
 
 
 def errors_table(digest: Digest) -> PageTable:
-    """Error figures of the results, of the variant shown and at worst."""
+    """Error estimates of the shown variant, and the largest ones."""
     result = digest.result
     variant = digest.drawn
     rows = []
     for name, share in digest.worst_errors.items():
         here = "–" if variant is None else quantity_text(digest.value(f"{name}_error", variant), result.units[name])
         rows.append((name, here, f"{share:.1g}" if share else "0"))
-    where = "error figure" if variant is None else f"error figure of variant {variant}"
-    return PageTable(("result", where, "greatest, over the value"), rows, (1, 2))
+    where = "error estimate" if variant is None else f"error estimate of variant {variant}"
+    return PageTable(("result", where, "maximum, relative"), rows, (1, 2))
 
 
 def verdicts_table(digest: Digest) -> PageTable:
-    """How many variants got which verdict."""
+    """Number of variants per verdict."""
     rows = [
         (verdict.name.lower().replace("_", " "), str(count), "" if verdict == Verdict.OK else verdict.sentence)
         for verdict, count in sorted(digest.counts.items())
@@ -212,7 +212,7 @@ def verdicts_table(digest: Digest) -> PageTable:
 
 
 def provenance_table(digest: Digest) -> PageTable:
-    """Where a result comes from."""
+    """Origin of a result."""
     result = digest.result
     attributes = result.description.attributes
     rows = [
@@ -222,9 +222,9 @@ def provenance_table(digest: Digest) -> PageTable:
         ("on", attributes.get("machine", "")),
     ]
     if result.accuracy:
-        rows.append(("accuracy asked", f"{result.accuracy:g}"))
+        rows.append(("requested accuracy", f"{result.accuracy:g}"))
     if "source" in result.record["scene"] and result.record["scene"]["source"]:
-        rows.append(("scene after", str(result.record["scene"]["source"])))
+        rows.append(("scene from", str(result.record["scene"]["source"])))
     if "search" in result.record:
         search = result.record["search"]
         rows.append(("searched by", f"{search['method']}, seed {search['seed']}"))

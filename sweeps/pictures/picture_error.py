@@ -1,5 +1,5 @@
-"""What can go wrong with a picture, apart from the libraries that draw it."""
+"""Error of plots, importable without the plotting libraries."""
 
 
 class PictureError(ValueError):
-    """A picture that can't be made as asked."""
+    """A plot can't be drawn."""

@@ -1,4 +1,4 @@
-"""The pictures of a machine that a command makes: its drawing and diagrams, fields, shaking force."""
+"""Plot files of a machine: drawing, diagrams, fields, shaking force."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -24,28 +24,28 @@ def machine_pictures(
     shown: Sequence[str] = (),
     known: Mechanics | None = None,
 ) -> list[Path]:
-    """Drawing of a machine and its diagrams in two files; its regimes and machine elements in others.
+    """Draw a machine and its diagrams, regimes and elements to separate files.
 
     Parameters
     ----------
     scene : Scene
     values : mapping of path to float
-        Numbers of the scene (SI) to be replaced.
+        Numbers (SI) that replace the scene's.
     path : Path
-        File of the drawing; the diagrams' name has `_diagrams` added.
+        File of the drawing; diagrams get `_diagrams` appended.
     at : sequence of float
-        Positions of the input to draw; one that shows the machine well if none is given.
+        Input positions to draw; default: a suitable one.
     paths : sequence of str
         Points whose paths are drawn.
     shown : sequence of str
-        What else the drawing shows: some of `ANNOTATIONS`, and `SCALE`.
+        Optional items: from `ANNOTATIONS`, and `SCALE`.
     known : Mechanics, optional
         As for `MovingMachine`.
 
     Returns
     -------
     list of Path
-        The files made.
+        Files written.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def machine_pictures(
         motion = DrawnMotion(scene, values, known)
         picture(motion, path, at, paths, shown)
         diagrams(motion.machine, made[1])
-    # What few machines have is loaded for these alone.
+    # Rarely needed modules are imported on demand.
     if scene.regimes:
         from sweeps.pictures.machine.motion_diagrams import motion_pictures
 
@@ -87,7 +87,7 @@ def field_picture(
     Returns
     -------
     Path
-        The file made.
+        File written.
 
     Raises
     ------
@@ -99,21 +99,21 @@ def field_picture(
 
 
 def hodograph_picture(machine: Named, beside: Named | None, path: Path) -> Path:
-    """Draw the shaking force of a machine over its cycle, with another one's or with the scene's as it was given.
+    """Draw the shaking force of a machine, compared with another machine or the unmodified scene.
 
     Parameters
     ----------
     machine : (Scene, mapping of path to float, str)
-        With numbers (SI) to be replaced, and its name.
+        Scene, replaced numbers (SI) and name.
     beside : (Scene, mapping of path to float, str), optional
-        Another machine; unless given, and where numbers are replaced, the scene without that.
+        Another machine; default: the unmodified scene if numbers are replaced.
     path : Path
-        The name of the picture is this one's with `_hodograph` added.
+        Base name; `_hodograph` is appended.
 
     Returns
     -------
     Path
-        The file made.
+        File written.
 
     Raises
     ------
@@ -126,23 +126,23 @@ def hodograph_picture(machine: Named, beside: Named | None, path: Path) -> Path:
         shown[beside[2]] = with_values(*beside[:2])
     elif values:
         shown["scene"] = scene
-    # Where both have the same name, the first is marked as the one beside.
-    shown = {f"{other} (beside)" if other == name else other: s for other, s in shown.items()}
+    # Distinguish equal names.
+    shown = {f"{other} (other)" if other == name else other: s for other, s in shown.items()}
     target = path.with_name(f"{path.stem}_hodograph{path.suffix}")
     hodographs({**shown, name: with_values(scene, values)}, target)
     return target
 
 
 def drawing_file(scene: Scene, values: Mapping[str, float], out: Path, position: float | None = None) -> None:
-    """Drawing of the mechanism at one position, SVG or DXF by the file's ending; where it shows it well, if not said.
+    """Draw the mechanism at one position (default: a suitable one) as SVG or DXF, by file extension.
 
     Raises
     ------
     PictureError
-        The scene has machine elements alone, or can't be drawn so.
+        The scene has only machine elements, or can't be drawn.
     """
     if scene.input is None:
-        raise PictureError("the scene has machine elements alone: there is no mechanism to draw")
+        raise PictureError("the scene has only machine elements: there is no mechanism to draw")
     motion = DrawnMotion(scene, values)
     if out.suffix == ".dxf":
         from sweeps.pictures.drawing.dxf import write_dxf

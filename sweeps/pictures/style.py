@@ -1,4 +1,4 @@
-"""The look of all pictures, their sizes on paper and their files."""
+"""Style, paper size and files of all plots."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -17,9 +17,9 @@ from sweeps.text.visible import visible
 from sweeps.text.whole_files import whole_file
 
 MM_PER_INCH = 25.4
-# Of a screen, to an inch of a figure.
+# Screen resolution.
 _PIXELS = 96
-# Colours that stay apart for the colour-blind (Okabe and Ito).
+# Colours for the colour-blind (Okabe and Ito).
 BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY = PALETTE = (
     "#0072b2",
     "#e69f00",
@@ -31,7 +31,7 @@ BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY = PALETTE = (
 GREY = "#8a8f94"
 # Variants that were computed but miss the condition.
 PALE = "#c9cdd1"
-# Map of colours for numbers.
+# Colour map.
 COLOURS = "cividis"
 FORMATS = (".svg", ".pdf", ".png")
 _STYLE = {
@@ -59,9 +59,9 @@ _STYLE = {
     "ytick.direction": "in",
     "hatch.linewidth": 0.5,
     "pdf.fonttype": 42,
-    # Text that can be searched, and changed in a drawing program.
+    # Searchable and editable text.
     "svg.fonttype": "none",
-    # The same picture gives the same file.
+    # Reproducible files.
     "svg.hashsalt": "machine-sweeps",
     "savefig.dpi": 200,
 }
@@ -69,15 +69,15 @@ _STYLE = {
 
 @contextmanager
 def house_style() -> Iterator[None]:
-    """Fonts, lines and colours of all pictures, for what is made and saved inside."""
+    """Context with the fonts, lines and colours of all plots."""
     with rc_context(_STYLE):
         yield
 
 
 class PlainNumbers(ScalarFormatter):
-    """Numbers along an axis as plain text; the power of ten at its end stays a formula.
+    """Axis numbers as plain text; only the power of ten stays a formula.
 
-    Matplotlib makes formulas of both, and lays out each formula several times as slowly as a plain text.
+    Matplotlib makes both formulas, whose layout is several times slower.
     """
 
     def __call__(self, x: float, pos: int | None = None) -> str:
@@ -86,7 +86,7 @@ class PlainNumbers(ScalarFormatter):
 
 
 class Sheet(Figure):
-    """A figure that a notebook shows as it is saved, without pyplot, which keeps figures until they are closed."""
+    """A figure for notebooks without pyplot, which keeps figures until they are closed."""
 
     def _repr_png_(self) -> tuple[bytes, dict[str, int]]:
         made = BytesIO()
@@ -98,12 +98,12 @@ class Sheet(Figure):
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """Figure of a size on paper [mm]; 180 mm fill the width of A4 between its margins."""
+    """Figure of a size on paper [mm]; 180 mm is the text width of A4."""
     return Sheet(figsize=(width / MM_PER_INCH, height / MM_PER_INCH), layout="constrained")
 
 
 def _lettered(figure: Figure) -> None:
-    """A title is the user's own, and a $ in it begins no formula; numbers along axes are plain, all texts legible."""
+    """Set a title literally ($ starts no formula), plain axis numbers and legible texts."""
     for text in figure.findobj(Text):
         if (shown := _legible(text.get_text())) != text.get_text():
             text.set_text(shown)
@@ -117,7 +117,7 @@ def _lettered(figure: Figure) -> None:
                 with house_style():
                     axis.set_major_formatter(PlainNumbers())
             elif isinstance(formatter, FuncFormatter):
-                # Texts at ticks are taken from it anew when they are drawn.
+                # Tick texts are recreated on drawing.
                 axis.set_major_formatter(FuncFormatter(_legible_texts_of(formatter)))
 
 
@@ -126,7 +126,7 @@ def _legible_texts_of(formatter: FuncFormatter) -> Callable[[float, int | None],
 
 
 def _legible(text: str) -> str:
-    """A text as `visible` shows it, in which no $ begins a formula that can't be read, as in a foreign result."""
+    """A `visible` text without invalid formulas."""
     text = visible(text)
     if is_math_text(text):
         try:
@@ -142,19 +142,19 @@ def save(figure: Figure, path: Path | str) -> None:
     Raises
     ------
     PictureError
-        The ending is another one, or the file can't be written.
+        Unknown extension, or the file can't be written.
     """
     ending = Path(path).suffix.lower()
     if ending not in FORMATS:
-        raise PictureError(f"{path}: ending {ending!r} isn't a picture's; allowed are {', '.join(FORMATS)}")
+        raise PictureError(f"{path}: unknown picture format {ending!r}; allowed: {', '.join(FORMATS)}")
     undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {}}[ending]
     try:
         Path(path).parent.mkdir(parents=True, exist_ok=True)
         _lettered(figure)
         with house_style(), whole_file(path) as draft:
-            # Half the time of the usual level 6, files that are 1 % larger.
+            # Half the time of level 6, 1 % larger files.
             packed = {"pil_kwargs": {"compress_level": 4}} if ending == ".png" else {}
-            # Made in memory: on a full disk, a file of Matplotlib's own ends in another error than the disk's.
+            # Written via memory: on a full disk Matplotlib would hide the disk's error.
             made = BytesIO()
             figure.savefig(made, format=ending[1:], metadata=undated, **packed)
             draft.write_bytes(made.getbuffer())
@@ -164,12 +164,12 @@ def save(figure: Figure, path: Path | str) -> None:
 
 @contextmanager
 def sheet(target: Path | str | Figure, width: float, height: float, title: str = "") -> Iterator[Figure]:
-    """A figure of a size on paper [mm] to draw on, in the house's style, then titled and saved.
+    """A styled figure of a size on paper [mm] to draw on; titled and saved on exit.
 
     Parameters
     ----------
     target : path or Figure
-        File to write (.svg, .pdf, .png), or an empty figure that is drawn on instead, and not saved.
+        File to write (.svg, .pdf, .png), or an empty figure to draw on without saving.
     width, height : float
     title : str
 

@@ -1,1 +1,1 @@
-"""What Python and its notebooks get beside the engine: datasets, figures, and how things show themselves."""
+"""Datasets, figures and notebook display for Python."""

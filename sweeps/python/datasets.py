@@ -1,4 +1,4 @@
-"""Results as datasets and tables of Python: xarray and pandas, with units, error figures and verdicts."""
+"""Results as xarray datasets and pandas tables, with units, error estimates and verdicts."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -18,16 +18,16 @@ if TYPE_CHECKING:
 
 
 def read(path: Path | str, grid: bool = False, check: bool = True) -> "xarray.Dataset":
-    """Open a result file as a dataset, in SI units, which stand in the attributes of its variables.
+    """Open a result file as a dataset in SI units, given in the variables' attributes.
 
     Parameters
     ----------
     path : Path or str
     grid : bool
-        Give what varies a dimension each, named by its path, instead of one dimension of variants. The data are then
-        read at once; else they are read when they are used.
+        Use one dimension per variable, named by its path, instead of one dimension of variants. Reads all data at once
+        instead of lazily.
     check : bool
-        Compare the file with its checksums first, which reads all of it once; without, damage goes unnoticed.
+        Verify the checksums first, which reads the whole file.
 
     Returns
     -------
@@ -36,7 +36,7 @@ def read(path: Path | str, grid: bool = False, check: bool = True) -> "xarray.Da
     Raises
     ------
     StoreError
-        xarray isn't installed, the file can't be read or is damaged, or its variants form no grid.
+        xarray isn't installed, the file is unreadable or damaged, or its variants form no grid.
     """
     path = Path(path)
     data = open_dataset(path, check)
@@ -47,16 +47,16 @@ def read(path: Path | str, grid: bool = False, check: bool = True) -> "xarray.Da
 
 
 def _grid(result: SweepResult) -> dict[str, int]:
-    """Sizes of the axes of a result's grid, by what varies along them."""
+    """Sizes of a result's grid axes by variable."""
     axes = result.record["vary"]
     if "search" in result.record:
-        raise StoreError(f"{result.path} holds the candidates of a search, which form no grid; read it without grid")
+        raise StoreError(f"{result.path} is a search, whose candidates form no grid; read it without grid")
     if not axes:
-        raise StoreError(f"{result.path} holds one machine, of which nothing varies: read it without grid")
+        raise StoreError(f"{result.path} is a single machine: read it without grid")
     together = next((axis["names"] for axis in axes if len(axis["names"]) > 1), None)
     if together:
         raise StoreError(
-            f"the variants of {result.path} form no grid: {' and '.join(together)} vary together, sampled or by a table"
+            f"the variants of {result.path} form no grid: {' and '.join(together)} vary together"
             f"; read it without grid, then set_index(variant={together!r}) finds variants by them"
         )
     return {axis["names"][0]: axis["size"] for axis in axes}
@@ -82,21 +82,21 @@ def _on_grid(data: "xarray.Dataset", sizes: Mapping[str, int]) -> "xarray.Datase
 
 
 def to_xarray(outcome: Outcome, machine: Machine | ElementsAlone, varied: Mapping[str, np.ndarray]) -> "xarray.Dataset":
-    """An outcome as a dataset laid out as that of a result file is, see `read`.
+    """An outcome as a dataset in the layout of `read`.
 
     Parameters
     ----------
     outcome : Outcome
     machine : Machine or ElementsAlone
-        That evaluated it.
+        The machine that evaluated it.
     varied : mapping of path to ndarray (variants,)
-        What it was given.
+        Its input.
 
     Returns
     -------
     xarray.Dataset
-        Summaries NAME with their error figures NAME_error, fields over the positions of the input, the verdicts
-        `status` as codes whose meanings stand in its attributes; what varied as coordinates.
+        Summaries NAME with error estimates NAME_error, fields over the input position, verdict codes `status` with
+        meanings in their attributes; variables as coordinates.
 
     Raises
     ------
@@ -131,21 +131,21 @@ def to_xarray(outcome: Outcome, machine: Machine | ElementsAlone, varied: Mappin
 def to_dataframe(
     outcome: Outcome, machine: Machine | ElementsAlone, varied: Mapping[str, np.ndarray]
 ) -> "pandas.DataFrame":
-    """An outcome as a table with a row for each variant: what varied, verdict, summaries and their error figures.
+    """An outcome as a table with a row per variant: variables, verdict, summaries and error estimates.
 
     Parameters
     ----------
     outcome : Outcome
     machine : Machine or ElementsAlone
-        That evaluated it.
+        The machine that evaluated it.
     varied : mapping of path to ndarray (variants,)
-        What it was given.
+        Its input.
 
     Returns
     -------
     pandas.DataFrame
-        Units stand in the names of the columns, "input.length [m]"; `verdict` holds names such as "ok". Fields are
-        left out: `to_xarray` has them.
+        Column names include units, "input.length [m]"; `verdict` holds names such as "ok". Without fields; see
+        `to_xarray`.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""How scenes, machines, outcomes and studies show themselves in a notebook: a drawing and a table, as HTML."""
+"""Notebook display of scenes, machines, outcomes and studies: a drawing and a table, as HTML."""
 
 import sys
 from collections.abc import Iterable, Sequence
@@ -16,9 +16,9 @@ from sweeps.study.study import Study
 from sweeps.text.engineer_units import figure_text, quantity_text
 from sweeps.text.visible import visible
 
-# Rows of a table that are seen at once; more are folded.
+# Longer tables are folded.
 SHOWN = 12
-# Module and name of what is shown so, for IPython, which finds the type when it first meets one.
+# Module and name of the displayed types, which IPython resolves lazily.
 _TYPES = (
     ("engine.scene.scene", "Scene"),
     ("engine.machine.machine", "Machine"),
@@ -29,7 +29,7 @@ _TYPES = (
 
 
 def register() -> None:
-    """Let IPython, where it is running, show scenes, machines, outcomes and studies as HTML."""
+    """Register HTML display with a running IPython."""
     ipython = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
     if ipython is not None:
         for module, name in _TYPES:
@@ -38,9 +38,9 @@ def register() -> None:
 
 @singledispatch
 def to_html(thing: object) -> str:
-    """A scene, machine, outcome or study as a piece of HTML, its mechanism drawn as inline SVG.
+    """A scene, machine, outcome or study as HTML, its mechanism as inline SVG.
 
-    Notebooks of IPython and Jupyter show it by themselves.
+    IPython and Jupyter notebooks use it automatically.
 
     Parameters
     ----------
@@ -49,9 +49,9 @@ def to_html(thing: object) -> str:
     Raises
     ------
     TypeError
-        It is something else.
+        Another type.
     """
-    raise TypeError(f"{type(thing).__name__} has no HTML of ours: give a scene, a machine, an outcome or a study")
+    raise TypeError(f"{type(thing).__name__} can't be displayed: give a scene, machine, outcome or study")
 
 
 @to_html.register
@@ -70,7 +70,7 @@ def _(thing: Machine | ElementsAlone) -> str:
     known = {"summary": thing.available_summaries, "field": thing.available_fields}
     asked += [("summary", name, known["summary"][name].long_name) for name in thing.asked_summaries]
     asked += [("field", name, known["field"][name].long_name) for name in thing.asked_fields]
-    rest = f"{len(known['summary'])} summaries and {len(known['field'])} fields may be asked"
+    rest = f"{len(known['summary'])} summaries and {len(known['field'])} fields available"
     return _page(thing.scene.title or "Machine", _drawing(thing.scene), _table(asked), f"<p>{rest}</p>")
 
 
@@ -111,7 +111,7 @@ def _cell(outcome: Outcome, name: str, variant: int) -> str:
 
 
 def _drawing(scene: Scene) -> str:
-    """The mechanism as inline SVG; why there is none, where it can't be drawn."""
+    """The mechanism as inline SVG, or the reason why it can't be drawn."""
     if scene.input is None:
         return f"<p>machine elements: {escape(', '.join(scene.elements))}</p>"
     made = StringIO()
@@ -123,7 +123,7 @@ def _drawing(scene: Scene) -> str:
         ax.set_title("", loc="left")
     with house_style():
         figure.savefig(made, format="svg", metadata={"Date": None})
-    # An XML declaration and a document type have no place inside HTML.
+    # Without XML declaration and document type.
     svg = made.getvalue()
     return f'<div style="max-width:32em">{svg[svg.index("<svg") :]}</div>'
 
@@ -139,6 +139,6 @@ def _table(rows: Iterable[Sequence[str]], heads: Sequence[str] = ()) -> str:
 
 
 def _folded(words: str, rows: Sequence[Sequence[str]]) -> str:
-    """A table that is open while it is short."""
+    """A table, folded if long."""
     is_open = ' open=""' if len(rows) <= SHOWN else ""
     return f"<details{is_open}><summary>{escape(words)}</summary>{_table(rows)}</details>"

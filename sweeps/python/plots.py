@@ -1,4 +1,4 @@
-"""Pictures as figures of Matplotlib, for Python: no file is written, and pyplot isn't used."""
+"""Plots as Matplotlib figures, without files or pyplot."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -39,14 +39,14 @@ def plot_mechanism(
     ----------
     scene : Scene
     at : sequence of float
-        Crank angles [rad] or displacements of a sliding input [m]: the first is drawn in black, the others lightly.
-        Without any, the crank stands at 60°, a sliding input in mid-range.
+        Crank angles [rad] or displacements of a sliding input [m]: the first in black, the others lightly. Default: the
+        crank at 60°, a sliding input in mid-range.
     paths : sequence of str
         Points whose paths over the cycle are drawn dashed.
     values : mapping of path to float, optional
-        Numbers (SI) in place of the scene's.
+        Numbers (SI) that replace the scene's.
     shown : sequence of {"masses", "forces", "links", "scale"}
-        What else is shown.
+        Optional items.
 
     Raises
     ------
@@ -58,13 +58,13 @@ def plot_mechanism(
 
 
 def plot_diagrams(scene: Scene, values: Mapping[str, float] | None = None) -> Figure:
-    """Diagrams of a machine over its cycle: reduced inertia and moment, work, the energy loop, speed.
+    """Diagrams of a machine over its cycle: reduced inertia and torque, work, energy loop, speed.
 
     Parameters
     ----------
     scene : Scene
     values : mapping of path to float, optional
-        Numbers (SI) in place of the scene's.
+        Numbers (SI) that replace the scene's.
 
     Raises
     ------
@@ -76,27 +76,27 @@ def plot_diagrams(scene: Scene, values: Mapping[str, float] | None = None) -> Fi
 
 
 def plot_fields(scene: Scene, names: Sequence[str], x: str | None = None, positions: int = POSITIONS) -> Figure:
-    """Fields of a machine in panels above each other, over its cycle or over another field; arguments as there.
+    """Fields of a machine in stacked panels, over its cycle or against another field.
 
     Parameters
     ----------
     scene : Scene
     names : sequence of str
-        From one to eight fields, such as "B.vx".
+        One to eight fields, such as "B.vx".
     x : str, optional
-        A field along x instead of the input's position: "B.x" with "B.y" gives the path of B.
+        Field on the x axis instead of the input position: "B.x" with "B.y" gives the path of B.
     positions : int
 
     Raises
     ------
     PictureError, AskError
-        The scene has no mechanism or no such field, or nothing of one is finite.
+        The scene has no mechanism or no such field, or a field has no finite values.
     """
     return field_figure(scene, names, x, positions)
 
 
 def plot_history(scene: Scene) -> Figure:
-    """Speed, moments, power and works of a machine through its regimes, and its reactions, against time.
+    """Speed, torques, power, work and reactions of a machine through its regimes, against time.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def plot_history(scene: Scene) -> Figure:
     Raises
     ------
     PictureError
-        The scene has none.
+        The scene has no regimes.
     """
     if not scene.regimes:
         raise PictureError('the scene has no regimes: add [regimes.NAME] with type = "run" or "steady"')
@@ -117,22 +117,22 @@ def plot_history(scene: Scene) -> Figure:
 def plot_sweep(
     result: "Path | str | xarray.Dataset", x: str | None = None, y: str | None = None, colour: str | None = None
 ) -> Figure:
-    """Draw a sweep in the way that suits what varies.
+    """Draw a sweep in the form that suits its design.
 
-    A grid of one axis gives curves, of two axes a map; else a scatter where `x` or `y` is given, and parallel
-    coordinates where not. A field as `y` is drawn as a band, the front of a search as such.
+    A field as `y` gives a band, a multi-objective search its front, a grid of one axis curves, of two axes a map;
+    else a scatter if `x` or `y` is given, or parallel coordinates.
 
     Parameters
     ----------
     result : Path, str or xarray.Dataset
-        A result file, or a dataset over variants as `to_xarray` makes it.
+        A result file, or a dataset over variants from `to_xarray`.
     x, y, colour : str, optional
-        Columns to be shown instead of the first that suit.
+        Columns to show instead of the defaults.
 
     Raises
     ------
     PictureError
-        There is no such column, or nothing can be shown.
+        No such column, or nothing to show.
     StoreError
         The file can't be read.
     """
@@ -147,9 +147,9 @@ def plot_sweep(
 
 
 def _data_of(data: "xarray.Dataset") -> SweepData:
-    """What is drawn of a dataset."""
+    """Plot data of a dataset."""
     if "variant" not in data.dims or "status" not in data:
-        raise PictureError("this dataset has no variants with a status: give one that to_xarray or read made")
+        raise PictureError("this dataset has no variants with a status: use one from to_xarray or read")
     arrays = {str(name): np.asarray(v) for name, v in data.variables.items() if "variant" in v.dims}
     bookkeeping = ("variant", "status", "status_at", "status_group")
     flat = [name for name, values in arrays.items() if values.ndim == 1 and name not in bookkeeping]
@@ -174,4 +174,4 @@ def _data_of(data: "xarray.Dataset") -> SweepData:
 
 def _need_mechanism(scene: Scene) -> None:
     if scene.input is None:
-        raise PictureError("the scene has machine elements alone: there is no mechanism to draw")
+        raise PictureError("the scene has only machine elements: there is no mechanism to draw")

@@ -1,1 +1,1 @@
-"""What a study will do and what its results say, in words, tables and the formats of other programs."""
+"""Text reports, tables and exports of studies and results."""

@@ -1,4 +1,4 @@
-"""What a study will compute, what not and why, and what it will cost, in words and tables."""
+"""Report on what a study will compute, what is skipped, and the cost."""
 
 import shutil
 from collections.abc import Callable, Sequence
@@ -36,20 +36,20 @@ from sweeps.text.tables import table
 if TYPE_CHECKING:
     from distributed import Client
 
-# Up to this many variants `check` counts exactly what each condition drops.
+# Up to this many variants `check` counts dropped variants exactly.
 MOST_COUNTED = 16 * LARGEST_BLOCK
-# A field whose peak exceeds that at its kept positions by this share hides something between them.
+# Warn if a field's peak exceeds its peak at the kept positions by this share.
 MISSED = 0.02
-# Lines of printed functions that are compiled within half a minute; those of longer ones aren't for a check.
+# Generated lines that compile within half a minute; `check` doesn't compile longer functions.
 MOST_COMPILED = 1500
-# Classes of structural groups as textbooks write them.
+# Group classes in Roman numerals.
 ROMAN = ("", "I", "II", "III", "IV", "V", "VI", "VII", "VIII", "IX", "X")
 
 
 def structure_text(scene: Scene) -> str:
-    """The mechanism in the mechanic's words: input, groups in order, mobility."""
+    """The structure of the mechanism: input, groups in order, mobility."""
     if scene.input is None:
-        return "none; machine elements alone"
+        return "none (only machine elements)"
     free = order_groups(scene).free_groups.values()
     planets = [(name, shaft) for name, shaft in scene.shafts.items() if shaft.carrier is not None]
     touching = len(scene.cams) + len(planets) + len(scene.racks) + len(scene.pinions)
@@ -83,14 +83,14 @@ def structure_text(scene: Scene) -> str:
 
 
 def _second_input_text(scene: Scene, name: str) -> str:
-    """How a second input moves, and what drives it."""
+    """Type and driver of a second input."""
     second = scene.inputs[name]
     held = f"on guide {second.guide}" if second.type == "slider" else f"about {second.pivot}"
     return f"second input {name} {held}" + (f", driven from {scene.input.link}" if second.drive == "crank" else "")
 
 
 def assembly_text(scene: Scene) -> str:
-    """Whether the machine as it is assembles all through its cycle."""
+    """Whether the unmodified machine assembles over its whole cycle."""
     ranges = assembly_ranges(scene)
     units = InputUnits.of(scene).q
     machine = Machine(scene)
@@ -99,13 +99,13 @@ def assembly_text(scene: Scene) -> str:
     if len(ranges) == 1 and ranges[0].stop - ranges[0].start >= nodes[-1] - nodes[0] - 1e-9 * step:
         return "assembles over the whole cycle" if machine.has_cycle else "assembles over the whole range of its input"
     if not ranges:
-        return "can't be assembled at any position of the input: a length or a mode is wrong"
+        return "can't be assembled at any input position: check lengths and modes"
     shown = ", ".join(f"{quantity_text(r.start, units)} … {quantity_text(r.stop, units)}" for r in ranges)
-    return f"assembles only for the input at {shown}: give input.start and input.stop, or change the lengths"
+    return f"assembles only for input {shown}: give input.start and input.stop, or change the lengths"
 
 
 def nominal_text(study: Study) -> str:
-    """Characteristic numbers of the scene as it is."""
+    """Characteristic numbers of the unmodified scene."""
     if study.scene.input is None:
         return _elements_text(study.scene)
     available = Machine(study.scene).available_summaries
@@ -114,7 +114,7 @@ def nominal_text(study: Study) -> str:
     outcome = machine.evaluate({})
     rows = _asked_rows(machine, outcome, [n for n in wanted if np.isfinite(outcome.summaries[n][0])])
     verdict = Verdict(outcome.status[0])
-    # In which mode a position is found depends there on the way to it, and ranges would mean nothing.
+    # The mode depends on the path to a position, so ranges would be meaningless.
     lines = [] if verdict == Verdict.OTHER_MODE else [assembly_text(study.scene)]
     if verdict not in (Verdict.OK, Verdict.CANNOT_ASSEMBLE):
         lines.append(verdict.sentence)
@@ -122,7 +122,7 @@ def nominal_text(study: Study) -> str:
 
 
 def between_positions_text(study: Study) -> str:
-    """Which of the kept fields, of the scene as it is, reach far beyond their values at the kept positions."""
+    """Kept fields of the unmodified scene with much higher peaks between the kept positions."""
     if not study.fields or study.scene.input is None:
         return ""
     of_cycle = [name for name in study.fields if name.partition(".")[0] not in study.scene.regimes]
@@ -137,12 +137,12 @@ def between_positions_text(study: Study) -> str:
         if true > (1.0 + MISSED) * kept:
             shown = [quantity_text(value, units[name].units) for value in (true, kept)]
             lines.append(f"{name}: peak {shown[0]}, at the {study.positions} kept positions {shown[1]}")
-    hint = "these fields have higher peaks between the kept positions, as summaries show; ask for more positions:"
+    hint = "these fields peak between the kept positions; use summaries or more positions:"
     return "\n".join([hint, *lines]) if lines else ""
 
 
 def _elements_text(scene: Scene) -> str:
-    """Results of machine elements alone as they are."""
+    """Results of the unmodified machine elements."""
     machine = made_ready(scene, made_ready(scene).available_summaries)
     outcome = machine.evaluate({})
     rows = _asked_rows(machine, outcome, machine.asked_summaries)
@@ -151,7 +151,7 @@ def _elements_text(scene: Scene) -> str:
 
 
 def regimes_text(scene: Scene, positions: int) -> str:
-    """What each regime is, by which method it is computed, and what the machine as it is does in it."""
+    """Each regime: description, method, and the outcome for the unmodified machine."""
     machine = Machine(scene, telling_summaries(scene), positions=positions)
     outcome = machine.evaluate({})
     asked = by_regime(scene, machine.asked_summaries)
@@ -167,7 +167,7 @@ def regimes_text(scene: Scene, positions: int) -> str:
 
 
 def _asked_rows(machine: Machine | ElementsAlone, outcome: Outcome, names: Sequence[str]) -> list[tuple[str, str]]:
-    """Summaries of the first variant with their error figures."""
+    """Summaries of the first variant with their error estimates."""
     units = machine.available_summaries
     return [
         (n, quantity_text(float(outcome.summaries[n][0]), units[n].units, float(outcome.errors[n][0]))) for n in names
@@ -175,7 +175,7 @@ def _asked_rows(machine: Machine | ElementsAlone, outcome: Outcome, names: Seque
 
 
 def plan_text(machine: Machine) -> tuple[str, str]:
-    """What is computed per position, and what is left out because nothing asked needs it."""
+    """What is computed per position, and what is skipped."""
     computed = [f"{subject}: {', '.join(levels)}" for subject, levels in machine.computed.items()]
     left = [f"{subject}: {', '.join(levels)}" for subject, levels in machine.left_out.items()]
     return "\n".join(computed) or "nothing", "\n".join(left) or "nothing"
@@ -187,17 +187,17 @@ def check_text(
     client: "Client | None" = None,
     tell: Callable[[str], None] = lambda sentence: None,
 ) -> str:
-    """Everything `sweeps check` says about a study, and about the cluster to run it on.
+    """The report of `sweeps check` on a study and its cluster.
 
     Parameters
     ----------
     study : Study
     out : Path
-        The file that its result would go to.
+        Planned result file.
     client : Client, optional
-        Of the cluster.
+        Client of the cluster.
     tell : callable
-        Called with sentences on what is waited for meanwhile.
+        Receives progress messages.
     """
     machine = study.machine()
     uncompiled = _uncompiled_text(machine)
@@ -208,7 +208,7 @@ def check_text(
     sections = [
         ("Study", "\n".join(t for t in (study.title or study.name, study.question) if t)),
         ("Mechanism", structure_text(study.scene)),
-        ("Machine as it is", uncompiled or nominal_text(study)),
+        ("Unmodified machine", uncompiled or nominal_text(study)),
         *([("Regimes", regimes_text(study.scene, study.positions))] if study.scene.regimes and not uncompiled else []),
         *([("Warning", warned)] if warned else []),
         ("Variants", f"{study.design.size} = {_design_text(study)}"),
@@ -226,26 +226,26 @@ def _plan_sections(machine: Machine | ElementsAlone) -> list[tuple[str, str]]:
     computed, left = plan_text(machine)
     return [
         (f"Computed at {_positions_text(machine)}", computed),
-        ("Left out, as nothing asked needs it", left),
+        ("Skipped (not needed for the outputs)", left),
     ]
 
 
 def _positions_text(machine: Machine) -> str:
     if machine.accuracy is not None:
-        return f"as many positions as an accuracy of {accuracy_words.share_text(machine.accuracy)} takes"
+        return f"positions as needed for an accuracy of {accuracy_words.share_text(machine.accuracy)}"
     if not machine.asked_fields:
-        return "as many positions as its curves need"
-    return f"as many positions as its curves need, fields at {machine.nodes.size}"
+        return "adaptive positions"
+    return f"adaptive positions, fields at {machine.nodes.size}"
 
 
 def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path, on_shafts: str) -> list[tuple[str, str]]:
-    """How a study is evaluated, and its time, memory and file; runs on elastic shafts say theirs."""
+    """Evaluation, time, memory and file size of a study; runs on elastic shafts report their own."""
     cost = probe(study, machine)
-    way = "each variant from its own numbers"
+    way = "no sharing between variants"
     seconds = f"about {cost.seconds * study.design.size:.3g} s, {cost.seconds * 1e6:.3g} µs a variant"
     seconds = on_shafts or seconds
     if machine.schedule is not None:
-        seconds += "; the first time up to a minute more, to compile"
+        seconds += "; plus up to a minute of compilation the first time"
     numbers = 8 * (machine.numbers_kept + 4 * len(study.summaries))
     block = block_size(study, machine, cost.seconds)
     memory = block * (numbers + bytes_of_fields(study, machine))
@@ -255,35 +255,35 @@ def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path, on
         *reached,
         ("Evaluation", f"{way}; fields in {study.field_precision}; {saved}"),
         ("Time", seconds),
-        ("Memory", f"about {(memory + cost.motion_bytes) / 1e6:.3g} MB beside the program's own"),
+        ("Memory", f"about {(memory + cost.motion_bytes) / 1e6:.3g} MB plus the program itself"),
         *_file_sections(study, machine, out),
     ]
 
 
 def _uncompiled_text(machine: Machine | ElementsAlone) -> str:
-    """Why a machine isn't evaluated for a check; "" where it is."""
+    """Why `check` doesn't evaluate a machine, or ""."""
     lines = 0 if isinstance(machine, ElementsAlone) else len(machine.source().splitlines())
     if lines <= MOST_COMPILED:
         return ""
     return (
-        "not evaluated here, so that whether it assembles and how long a variant takes isn't known:\n"
-        f"its functions have {lines} lines, which take minutes to compile; `sweeps run` does it once and keeps them"
+        "not evaluated, so assembly and time per variant are unknown:\n"
+        f"its {lines} generated lines take minutes to compile; `sweeps run` compiles them once and caches them"
     )
 
 
 def _file_sections(study: Study, machine: Machine | ElementsAlone, out: Path) -> list[tuple[str, str]]:
-    """What is known of a study's cost without evaluating anything."""
+    """Cost of a study that is known without evaluation."""
     free = shutil.disk_usage(_existing_folder(out)).free
     return [("File", f"{layout_of(study, machine).bytes() / 1e6:.3g} MB; {free / 1e9:.3g} GB free")]
 
 
 def _existing_folder(out: Path) -> Path:
-    """The folder that a result goes to, or the one in which that would be made."""
+    """The result folder, or its nearest existing parent."""
     return next(p for p in (out.parent, *out.absolute().parents) if p.exists())
 
 
 def _cluster_text(study: Study, client: "Client", out: Path, tell: Callable[[str], None]) -> str:
-    """Who would compute a study on a cluster, how fast, and what is the limit."""
+    """Workers, speed and bottleneck of a study on a cluster."""
     from sweeps.run.cluster.limits import measure_limits
 
     with crew_of(client, study, layout_of(study, study.machine()), tell) as crew:
@@ -295,18 +295,18 @@ def _cluster_text(study: Study, client: "Client", out: Path, tell: Callable[[str
         f"disk: {limits.disk:.3g} variants a second",
     ]
     seconds = study.design.size * limits.seconds
-    return "\n".join([words, *rates, f"limit: {limits.least}; about {seconds:.3g} s"])
+    return "\n".join([words, *rates, f"bottleneck: {limits.least}; about {seconds:.3g} s"])
 
 
 def _design_text(study: Study) -> str:
     axes = " × ".join(f"{' + '.join(axis.names)} [{axis.size}]" for axis in study.design.axes)
     notes = [axis.note for axis in study.design.axes if getattr(axis, "note", "")]
     derived = [f"{path} = {e.text}" for path, e in study.derived.items()]
-    return "\n".join([axes or "the scene as it is", *derived, *_required_text(study), *notes])
+    return "\n".join([axes or "the unmodified scene", *derived, *_required_text(study), *notes])
 
 
 def _required_text(study: Study) -> list[str]:
-    """How many variants each condition drops; of many variants, by a sample of them."""
+    """Number of variants dropped by each condition, from a sample if there are many."""
     if not study.require:
         return []
     size, block = study.design.size, LARGEST_BLOCK

@@ -1,4 +1,4 @@
-"""Two results beside each other: what differs in scene and study, and which values agree within their figures."""
+"""Comparison of two results: differences in scene and study, and values that agree within their error estimates."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -13,24 +13,24 @@ from sweeps.text.engineer_units import quantity_text
 from sweeps.text.input_files import InputError
 from sweeps.text.tables import table
 
-# What is rounding whatever the figures say, as a share of a value.
+# Relative differences below this are rounding, whatever the estimates.
 ROUNDING = 4 * np.finfo(float).eps
-# Bytes that variants are looked for in at a time where they stand elsewhere.
+# Memory for matching reordered variants [bytes].
 SOUGHT_IN = 200e6
-# Differences that are listed of a scene and study.
+# Maximum number of listed differences.
 MOST_LISTED = 40
-# Parts of a record that appear elsewhere or mean nothing to a reader.
+# Parts of a record that appear elsewhere or are internal.
 _NOT_COMPARED = ("scene", "groups", "parameters", "units")
 
 
 class Comparison(NamedTuple):
-    """How two results differ.
+    """Differences of two results.
 
     Attributes
     ----------
     text : str
     agrees : bool
-        Whether all common values of all common variants agree within their figures.
+        Whether all common values of all common variants agree within their error estimates.
     """
 
     text: str
@@ -47,7 +47,7 @@ def comparison(one: SweepResult, other: SweepResult) -> Comparison:
     Raises
     ------
     InputError
-        They have no variant in common.
+        No common variants.
     """
     differing = [*_of_records(one, other)]
     parts = ["Scene and study:", *(differing[:MOST_LISTED] or ["  the same"])]
@@ -74,7 +74,7 @@ def comparison(one: SweepResult, other: SweepResult) -> Comparison:
         pair = [Verdict(int(r.columns["status"][v])).name.lower() for r, v in zip((one, other), first, strict=True)]
         parts.append(f"  {apart} with another status, first variant {first[0]}: {' and '.join(pair)}")
     rows = [("", "within", "outside", "the farthest apart"), *(gap.row(common) for gap in shared.values())]
-    parts += ["Summaries, as many variants within and outside the sum of both error figures:", table(rows, "  ")]
+    parts += ["Summaries, number of variants within and outside the sum of both error estimates:", table(rows, "  ")]
     for result, names in ((one, set(one.summaries) - shared.keys()), (other, set(other.summaries) - shared.keys())):
         if names:
             parts.append(f"Only in {result.path}: {', '.join(sorted(names))}")
@@ -82,24 +82,22 @@ def comparison(one: SweepResult, other: SweepResult) -> Comparison:
 
 
 def _of_records(one: SweepResult, other: SweepResult) -> Iterator[str]:
-    """Lines on what differs in scenes and studies."""
+    """Lines on differences in scenes and studies."""
     scenes = [scene_numbers(result.scene) for result in (one, other)]
     for path in dict.fromkeys((*scenes[0], *scenes[1])):
         numbers = [scene.get(path) for scene in scenes]
         if numbers[0] != numbers[1]:
-            shown = [
-                quantity_text(n.value, described_dimension(n.dimension).unit) if n else "not there" for n in numbers
-            ]
+            shown = [quantity_text(n.value, described_dimension(n.dimension).unit) if n else "missing" for n in numbers]
             yield f"  {path}: {shown[0]} and {shown[1]}"
     texts = [dict(_leaves(result.record, "")) | dict(_texts(result.scene)) for result in (one, other)]
     for key in dict.fromkeys((*texts[0], *texts[1])):
-        pair = [_shown(text[key]) if key in text else "not there" for text in texts]
+        pair = [_shown(text[key]) if key in text else "missing" for text in texts]
         if pair[0] != pair[1]:
             yield f"  {key}: {pair[0]} and {pair[1]}"
 
 
 def _leaves(data: Any, path: str) -> Iterator[tuple[str, Any]]:
-    """What a record says, by path; lists whole."""
+    """A record by path, lists unsplit."""
     if isinstance(data, dict):
         for key, value in data.items():
             if path or key not in _NOT_COMPARED:
@@ -109,7 +107,7 @@ def _leaves(data: Any, path: str) -> Iterator[tuple[str, Any]]:
 
 
 def _texts(scene: Scene) -> Iterator[tuple[str, Any]]:
-    """Everything of a scene but its numbers."""
+    """A scene without its numbers."""
     known = scene_numbers(scene)
     return ((path, value) for path, value in _leaves(scene.model_dump(mode="json"), "scene") if path[6:] not in known)
 
@@ -120,7 +118,7 @@ def _shown(value: object) -> str:
 
 
 class _Pairs(NamedTuple):
-    """Variants with the same parameters: their numbers in two results, the first ascending, and what the other has."""
+    """Variants with equal parameters: indices in both results, ascending in the first, and the other's columns."""
 
     here: np.ndarray
     there: np.ndarray
@@ -128,11 +126,11 @@ class _Pairs(NamedTuple):
 
 
 def _common(one: SweepResult, other: SweepResult, columns: Sequence[str]) -> Iterator[_Pairs]:
-    """All variants with the same parameters, some at a time, as those of 1e8 would fill memory."""
+    """All variants with equal parameters, in parts to bound memory."""
     names = [name for name in one.parameters if name in other.parameters]
     of_same_numbers = set(one.parameters) ^ set(other.parameters) or not names
     if of_same_numbers and one.description.variants != other.description.variants:
-        message = f"{other.path} varies other parameters, and has another number of variants: nothing to compare"
+        message = f"{other.path} has different variables and another number of variants: nothing to compare"
         raise InputError(str(one.path), [(None, "", message)])
     elsewhere = []
     for part in one.parts():
@@ -141,7 +139,7 @@ def _common(one: SweepResult, other: SweepResult, columns: Sequence[str]) -> Ite
             yield _Pairs(here, here, {name: other.columns[name][part] for name in columns})
         else:
             elsewhere.append(part)
-    # Other studies, or other ranges, have the same variants elsewhere.
+    # Other studies have the same variants in other rows.
     if elsewhere:
         yield from _elsewhere(one, other, names, columns, elsewhere)
 
@@ -149,12 +147,11 @@ def _common(one: SweepResult, other: SweepResult, columns: Sequence[str]) -> Ite
 def _elsewhere(
     one: SweepResult, other: SweepResult, names: Sequence[str], columns: Sequence[str], parts: Sequence[slice]
 ) -> Iterator[_Pairs]:
-    """Variants of some parts of a result that another one has anywhere.
+    """Variants of parts of a result that occur anywhere in another.
 
-    Those of both whose keys leave one remainder are looked at together: so both files are read from end to end, once
-    for each remainder, and neither here and there nor all at once.
+    Variants are matched by key remainders: both files are read sequentially, once per remainder, in bounded memory.
     """
-    # Plus its key, its row and its position in their order.
+    # Plus key, row and sort position.
     bytes_each = 8 * (len(names) + len(columns) + 3)
     shares = max(math.ceil(other.description.variants * bytes_each / SOUGHT_IN), 1)
     for share in range(shares):
@@ -162,7 +159,7 @@ def _elsewhere(
 
 
 class _Places:
-    """Where in a result the variants of a share of all keys stand, and what it has of them."""
+    """Rows and columns of a result's variants with keys of one remainder."""
 
     def __init__(
         self, result: SweepResult, names: Sequence[str], columns: Sequence[str], share: tuple[int, int]
@@ -180,14 +177,14 @@ class _Places:
                 self.kept[name][some] = column[self.rows[some]]
 
     def _shared(self, result: SweepResult, part: slice) -> tuple[np.ndarray, np.ndarray]:
-        """Rows of a part of a result whose keys are of the share, and these keys."""
+        """Rows of a part of a result with keys of one remainder, and these keys."""
         remainder, shares = self.share
         keys = variant_keys(result.columns, self.names, part)
         mine = np.flatnonzero(keys % np.uint64(shares) == remainder)
         return part.start + mine, keys[mine]
 
     def pairs(self, other: SweepResult, parts: Sequence[slice]) -> Iterator[_Pairs]:
-        """Those of some parts of another result that are here too."""
+        """Variants of another result's parts that occur here."""
         return (self._pairs(other, part) for part in parts)
 
     def _pairs(self, other: SweepResult, part: slice) -> _Pairs:
@@ -203,14 +200,14 @@ class _Places:
 
 
 class _Gap:
-    """How far apart the values of a summary are that two results have of the same variants."""
+    """Differences of a summary between two results for the same variants."""
 
     def __init__(self, name: str, one: SweepResult, other: SweepResult) -> None:
         self.name, self.results = name, (one, other)
         self.outside, self.widest, self.farthest = 0, -1.0, (0, 0)
 
     def take(self, pairs: _Pairs) -> None:
-        """Look at some variants more."""
+        """Add some variants."""
         one, here, there = self.results[0], pairs.here, pairs.there
         a, b = one.columns[self.name][here], pairs.values[self.name]
         figures = one.columns[f"{self.name}_error"][here] + pairs.values[f"{self.name}_error"]
@@ -227,7 +224,7 @@ class _Gap:
             self.widest, self.farthest = float(gap[k]), (int(here[k]), int(there[k]))
 
     def row(self, common: int) -> tuple[str, ...]:
-        """Row of the table: how many of the common variants agree."""
+        """Row of the table: how many common variants agree."""
         if not self.outside:
             return self.name, str(common), "0", ""
         pairs = zip(self.results, self.farthest, strict=True)

@@ -1,4 +1,4 @@
-"""The assembly modes of groups of free links in words."""
+"""Table of the assembly modes of groups of free links."""
 
 from engine import AssemblyMode, Scene
 from sweeps.text.engineer_units import quantity_text
@@ -6,22 +6,20 @@ from sweeps.text.tables import table
 
 
 def mode_table(scene: Scene, modes: dict[str, tuple[AssemblyMode, ...] | None]) -> str:
-    """All real modes at the first position: where points lie, the transmission, which one the scene means.
+    """All real modes at the first position: point positions, transmission, and the scene's choice.
 
     Parameters
     ----------
     scene : Scene
     modes : dict of str to tuple of AssemblyMode
-        Of each group of free links; None for one that depends on a group whose mode isn't given.
+        By group of free links; None for one that depends on a group whose mode isn't given.
     """
     if not modes:
-        return "no group of free links ([links]) that needs an assembly mode: dyads have mode = 1 and mode = -1"
+        return "no free links ([links]) that need an assembly mode; dyads use mode = 1 or mode = -1"
     parts = []
     for group, found in modes.items():
         if found is None:
-            parts.append(
-                f"{group}: depends on a group whose mode the scene doesn't give; give that one to list its own"
-            )
+            parts.append(f"{group}: depends on a group without a mode; set that mode first")
             continue
         count = f"{len(found)} real assembly mode{'' if len(found) == 1 else 's'}"
         parts.append(f"{group}: {count if found else 'no assembly'} at the first position")
@@ -35,8 +33,8 @@ def mode_table(scene: Scene, modes: dict[str, tuple[AssemblyMode, ...] | None]) 
         parts.append(table(rows, "  "))
         if not any(mode.chosen for mode in found) and not points:
             parts.append(
-                "  the scene gives none of them: set near, by a point of one of the group's links, away from joints"
+                "  the scene selects none: set near, with a point of one of the group's links, away from joints"
             )
         elif not any(mode.chosen for mode in found):
-            parts.append(f'  the scene gives none of them: set near.{points[0]} = {{ x = "…", y = "…" }}')
+            parts.append(f'  the scene selects none: set near.{points[0]} = {{ x = "…", y = "…" }}')
     return "\n".join(parts)

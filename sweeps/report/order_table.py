@@ -1,4 +1,4 @@
-"""Order tables of engines: which forces, couples and torques remain, as a textbook lists them, and pictures of them."""
+"""Order tables of engines: unbalanced forces, couples and torques."""
 
 import math
 from collections.abc import Sequence
@@ -30,9 +30,9 @@ from engine import (
 )
 from sweeps.text.tables import table
 
-# Ratio of the rows; without master rods the multiples are the same for any other.
+# Crank-rod ratio of the table; without master rods the multiples don't depend on it.
 RATIO = 0.3
-# Amplitudes relative to one cylinder's; up to this they are rounding.
+# Amplitudes below this, relative to one cylinder's, are rounding.
 BALANCED = 1e-12
 HIGHEST_TORQUE_ORDER = 6
 ORDER_HEADS = (
@@ -56,13 +56,13 @@ class EngineRow(NamedTuple):
     layout : EngineLayout
         With a spacing of 1.
     firing_order : tuple of int, optional
-        Where not given, an even one is sought.
+        Default: an evenly spaced one, if possible.
     master : MasterRod, optional
-        Its lengths as multiples of the crank's, the rod being 1/λ of it.
+        Lengths as multiples of the crank length; the rod is 1/λ.
     ratio : float
         λ, crank over rod.
     offset : float
-        Of the gudgeon pins' lines of motion, as a multiple of the crank's length.
+        Offset of the wrist pins' lines, as a multiple of the crank length.
     """
 
     name: str
@@ -74,13 +74,13 @@ class EngineRow(NamedTuple):
 
 
 class Remaining(NamedTuple):
-    """What remains of an engine, as multiples of m r ω² A_n and of m r ω² A_n a.
+    """Unbalance of an engine, as multiples of m r ω² A_n and of m r ω² A_n a.
 
     Attributes
     ----------
     forces, couples : Hodograph
     torque_orders : tuple of float
-        Those in which the torques of all cylinders add up; None where no firing order is known.
+        Orders in which the torques of all cylinders add up; None without a firing order.
     intervals : ndarray or None
         Between firings [rad].
     """
@@ -92,7 +92,7 @@ class Remaining(NamedTuple):
 
 
 def well_known_engines() -> list[EngineRow]:
-    """Engines that textbooks list."""
+    """Common engines."""
     right, narrow = math.pi / 2, math.pi / 3
     rows = [
         EngineRow("single cylinder", in_line_engine(1).layout(), (1,)),
@@ -118,7 +118,7 @@ def well_known_engines() -> list[EngineRow]:
 
 
 def engine_rows(scene: Scene) -> list[EngineRow]:
-    """The engines of a scene; couples are multiples of their spacing, or of the rods' distance on one throw.
+    """The engines of a scene; couples are multiples of the cylinder spacing, or of the rod distance on one throw.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def engine_rows(scene: Scene) -> list[EngineRow]:
 def _row(name: str, engine: EngineElement) -> EngineRow:
     unit = engine.spacing or abs(engine.rod_distance) or 1.0
     bank, pins = engine.bank_angle or 0.0, engine.pin_offset or 0.0
-    # Without a spacing couples aren't asked for; with one of 1 they are those of the layout.
+    # Without a spacing couples are omitted; a spacing of 1 gives the layout's multiples.
     spacing = 1.0 if engine.spacing is None else engine.spacing / unit
     layout = engine.pattern().layout(bank, pins, spacing, engine.rod_distance / unit)
     radius = float(crank_radius(engine.stroke, engine.rod, engine.gudgeon_offset or 0.0))
@@ -164,14 +164,14 @@ def remaining_orders(row: EngineRow) -> Remaining:
 
 
 def order_table(rows: Sequence[EngineRow] | None = None, markdown: bool = True) -> str:
-    """Table of the orders that remain, with a line below it that says what its numbers are.
+    """Table of the unbalanced orders, with a legend.
 
     Parameters
     ----------
     rows : sequence of EngineRow, optional
-        `well_known_engines` where not given.
+        Default: `well_known_engines`.
     markdown : bool
-        Or columns of plain text.
+        Markdown instead of plain text.
     """
     rows = well_known_engines() if rows is None else rows
     cells = [_cells(row) for row in rows]
@@ -193,10 +193,10 @@ def _harmonics_text(ratio: float, offset: float) -> str:
 
 
 _LEGEND = (
-    "Forces as multiples of m r ω² Aₙ, couples of m r ω² Aₙ a (a: spacing of the throws), rotating masses balanced; "
-    "an ellipse by its half axes. ↺ turns with the crank, ↻ against it; counterweights balance a primary ↺ circle. "
-    "Four strokes; torque orders per turn of the crank, link rods' dead centres taken as even. "
-    "Only with a master rod do the multiples depend on λ."
+    "Forces in m r ω² Aₙ, couples in m r ω² Aₙ a (a: spacing of the throws), rotating masses balanced; "
+    "ellipses by their half axes. ↺ turns with the crank, ↻ against it; counterweights balance a primary ↺ circle. "
+    "Four-stroke; torque orders per crank turn, assuming evenly spaced dead centres of link rods. "
+    "The multiples depend on λ only with a master rod."
 )
 
 
@@ -223,7 +223,7 @@ def _cells(row: EngineRow) -> tuple[str, ...]:
 
 
 def ellipse_text(vector: Hodograph, order: int) -> str:
-    """The vector of one order: 0, a line's or circle's size, or an ellipse's half axes."""
+    """The vector of one order: 0, size of a line or circle, or half axes of an ellipse."""
     i = vector.orders.index(order)
     major, minor = vector.major[i], vector.minor[i]
     if major == 0:

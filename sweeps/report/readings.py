@@ -1,4 +1,4 @@
-"""Quantities of one machine at single positions of its input."""
+"""Quantities of one machine at given input positions."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -17,25 +17,25 @@ from sweeps.text.engineer_units import quantity_text
 from sweeps.text.input_files import InputError
 from sweeps.text.tables import table
 
-# How far a place may be off by rounding, as a share of the range.
+# Rounding tolerance of a position, as a share of the range.
 _ROUNDING = 1e-13
 
 
 class Readings(NamedTuple):
-    """What quantities are at some places.
+    """Values of quantities at some positions or times.
 
     Attributes
     ----------
     place : str
         Name of the coordinate: "phi", "q" or "time".
     at : ndarray (places,)
-        The places [rad, m or s].
+        Positions or times [rad, m or s].
     values : dict of str to ndarray (places,)
         SI.
     units, long_names : dict of str to str
-        Of the places too.
+        Including the coordinate.
     remark : str
-        What is wrong with the machine as a whole, "" where nothing is.
+        What is wrong with the machine as a whole, or "".
     """
 
     place: str
@@ -47,7 +47,7 @@ class Readings(NamedTuple):
 
 
 def readings_at(scene: Scene, at: Sequence[float], names: Sequence[str] = ()) -> Readings:
-    """Fields of one machine at positions of its input.
+    """Fields of one machine at input positions.
 
     Parameters
     ----------
@@ -56,17 +56,17 @@ def readings_at(scene: Scene, at: Sequence[float], names: Sequence[str] = ()) ->
     at : sequence of float
         Crank angles [rad], or displacements of a sliding input [m].
     names : sequence of str
-        Fields; all at uniform speed of the input unless given.
+        Fields (default: all at constant input speed).
 
     Raises
     ------
     InputError
-        The scene has no mechanism, or a position lies outside the range of its input.
+        The scene has no mechanism, or a position is outside the input's range.
     AskError
         There is no such field.
     """
     if scene.input is None:
-        raise InputError("--at", [(None, "", "the scene has machine elements alone, which have no positions")])
+        raise InputError("--at", [(None, "", "the scene has only machine elements, which have no positions")])
     at, unit = np.asarray(at, float), InputUnits.of(scene).q
     machine = MovingMachine(scene, positions=_in_range(scene, at))
     known, place = machine.register.fields, "phi" if unit == "rad" else "q"
@@ -77,13 +77,13 @@ def readings_at(scene: Scene, at: Sequence[float], names: Sequence[str] = ()) ->
         at,
         machine.fields(fields),
         {name: known[name].units for name in fields} | {place: unit},
-        {name: known[name].long_name for name in fields} | {"phi": "crank angle", "q": "displacement of the input"},
+        {name: known[name].long_name for name in fields} | {"phi": "crank angle", "q": "input displacement"},
         "" if verdict in (Verdict.OK, Verdict.NOT_FINITE) else verdict.sentence,
     )
 
 
 def _in_range(scene: Scene, at: np.ndarray) -> np.ndarray:
-    """Positions within the cycle, or within the range of the input."""
+    """Positions within the cycle or the input's range."""
     drive = scene.input
     if has_cycle(scene):
         return np.mod(at, 2 * np.pi * drive.revolutions)
@@ -91,12 +91,12 @@ def _in_range(scene: Scene, at: np.ndarray) -> np.ndarray:
     if ((shares < -_ROUNDING) | (shares > 1 + _ROUNDING)).any():
         kind = "crank angle" if isinstance(drive, CrankInput) else "displacement"
         ends = f"input.start = {drive.start:g} and input.stop = {drive.stop:g} (SI)"
-        raise InputError("--at", [(None, "", f"a {kind} lies outside the range of the input, between {ends}")])
+        raise InputError("--at", [(None, "", f"a {kind} is outside the input range, {ends}")])
     return np.clip(at, *sorted((drive.start, drive.stop)))
 
 
 def readings_text(readings: Readings) -> str:
-    """Readings in words and a table: a row for each quantity, a column for each place."""
+    """Readings as a table: a row per quantity, a column per position."""
     heads = [quantity_text(float(at), readings.units[readings.place]) for at in readings.at]
     rows = [["", *heads, ""]]
     for name, row in readings.values.items():

@@ -1,4 +1,4 @@
-"""The motion of one machine at single instants of its regimes."""
+"""The motion of one machine at given times."""
 
 from collections.abc import Sequence
 
@@ -10,31 +10,31 @@ from sweeps.report.regime_words import failure_text
 from sweeps.text.input_files import InputError
 
 _OF_HISTORY = {
-    "time": ("s", "time since the first regime began"),
-    "angle": ("rad", "crank angle, going on beyond a turn"),
+    "time": ("s", "time after the start"),
+    "angle": ("rad", "crank angle, cumulative"),
     "speed": ("rad s-1", "angular speed of the input link"),
     "acceleration": ("rad s-2", "angular acceleration of the input link"),
-    "motor_moment": ("N m", "moment of the motors, reduced to the input"),
+    "motor_moment": ("N m", "motor torque, reduced to the input"),
     "energy": ("J", "kinetic energy"),
 }
 
 
 def readings_in_time(scene: Scene, at: Sequence[float]) -> Readings:
-    """The motion through the regimes at some instants.
+    """The motion through the regimes at given times.
 
     Parameters
     ----------
     scene : Scene
     at : sequence of float
-        Times since the first regime began [s]; a steady regime lasts one cycle.
+        Times after the start [s]; steady running lasts one cycle.
 
     Raises
     ------
     InputError
-        The scene has no regimes, or they end before.
+        The scene has no regimes, or they end earlier.
     """
     if not scene.regimes:
-        message = 'a time is of regimes, and the scene has none; give an angle, or add [regimes.NAME] with type = "run"'
+        message = 'a time needs regimes; give an angle, or add [regimes.NAME] with type = "run"'
         raise InputError("--at", [(None, "", message)])
     seen, times = history(scene), np.asarray(at, float)
     failed = "" if seen.verdict == Verdict.OK else failure_text(scene, seen.verdict, seen)
@@ -49,17 +49,17 @@ def readings_in_time(scene: Scene, at: Sequence[float]) -> Readings:
     }
     if not isinstance(scene.input, CrankInput):
         about = {name: sliding_quantity(words, unit)[::-1] for name, (unit, words) in about.items()}
-        about["angle"] = ("m", "displacement of the input")
+        about["angle"] = ("m", "input displacement")
     units, long_names = ({name: pair[i] for name, pair in about.items()} for i in (0, 1))
     return Readings("time", times, values, units, long_names, failed)
 
 
 def _between(seen: History, times: np.ndarray) -> dict[str, np.ndarray]:
-    """Columns of a history at instants between its own: angle and speed by cubics with the slopes known."""
+    """Interpolate a history: angle and speed by cubic Hermite polynomials."""
     after = np.clip(np.searchsorted(seen.time, times, "right"), 1, seen.time.size - 1)
     before = after - 1
     step = seen.time[after] - seen.time[before]
-    # Where one regime ends and the next begins two instants are the same.
+    # Adjacent regimes share an instant.
     share = np.where(step > 0, (times - seen.time[before]) / np.where(step > 0, step, 1.0), 1.0)
 
     def cubic(values: np.ndarray, slopes: np.ndarray) -> np.ndarray:

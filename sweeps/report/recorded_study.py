@@ -1,4 +1,4 @@
-"""The study recorded in a result file, validated: files come from anywhere."""
+"""The study recorded in a result file, validated, as files are untrusted."""
 
 import json
 import math
@@ -37,7 +37,7 @@ class _Search(BaseModel):
 
 
 class _Record(BaseModel):
-    """What is read of a study's record, see `study_record`; there may be more."""
+    """The validated part of a study's record, see `study_record`."""
 
     scene: dict[str, Any]
     parameters: dict[str, str]
@@ -50,17 +50,17 @@ class _Record(BaseModel):
 
 
 def recorded_study(described: Description) -> dict[str, Any]:
-    """The study of a result file as data, see `study_record`; for a search also its task, see `search_record`.
+    """The study of a result file, see `study_record`; for a search with its task, see `search_record`.
 
     Parameters
     ----------
     described : Description
-        Of the file.
+        Description of the file.
 
     Raises
     ------
     DamagedError
-        It is missing or contradicts the file; the message says where.
+        It is missing or contradicts the file.
     """
     text = described.attributes.get("study_json")
     if text is None:
@@ -71,7 +71,7 @@ def recorded_study(described: Description) -> dict[str, Any]:
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(map(str, first["loc"])) or "it"
-        raise _wrong(described, f"has no such {place} as results have ({first['msg']})") from None
+        raise _wrong(described, f"has an invalid {place} ({first['msg']})") from None
     except (ValueError, TypeError, RecursionError):
         raise _wrong(described, "can't be read") from None
     if wrong := _mismatch(record, described):
@@ -85,43 +85,43 @@ def recorded_scene(record: dict[str, Any], described: Description) -> Scene:
     Parameters
     ----------
     record : dict
-        As `recorded_study` returns it.
+        From `recorded_study`.
     described : Description
-        Of the file.
+        Description of the file.
 
     Raises
     ------
     DamagedError
-        It is none.
+        It is invalid.
     """
     try:
         return Scene.model_validate(record["scene"])
     except (ValueError, TypeError, KeyError) as error:
         words = error.errors()[0]["msg"] if isinstance(error, ValidationError) else str(error).splitlines()[0]
-        raise _wrong(described, f"holds a scene that is none ({words})") from None
+        raise _wrong(described, f"has an invalid scene ({words})") from None
 
 
 def _mismatch(record: _Record, described: Description) -> str:
-    """What of a record doesn't fit its file; "" if all does."""
+    """A contradiction between record and file, or ""."""
     columns = {column.name for column in described.columns}
     goals = [record.best.goal] if record.best else []
     goals += [objective.name for objective in record.search.objectives] if record.search else []
     for name in ("status", "status_group", "status_at", *record.parameters, *goals):
         if name not in columns:
-            return f"names {name}, of which there is no column"
+            return f"names {name}, which has no column"
     if record.vary and not record.search and math.prod(axis.size for axis in record.vary) != described.variants:
-        return f"makes up another number of variants than the {described.variants} there are"
+        return f"has a number of variants other than the file's {described.variants}"
     texts = [*record.require, *(record.search.subject_to if record.search else [])]
     for condition in [*texts, *([record.best.where] if record.best and record.best.where else [])]:
         try:
             parse_expression(condition, any_quantity)
         except ExpressionError:
-            return f"holds the condition {condition!r}, which can't be read"
+            return f"has the invalid condition {condition!r}"
     return ""
 
 
 def _wrong(described: Description, what: str) -> DamagedError:
     origin = origin_text(str(described.attributes.get("versions", "")))
     return DamagedError(
-        f"{described.path}: its attribute study_json {what}: {origin}. Run its study again to have it whole."
+        f"{described.path}: its attribute study_json {what}: {origin}. Run its study again to repair it."
     )

@@ -1,4 +1,4 @@
-"""The regimes of a scene in words: what each does, what is worth asking of it, and where one goes wrong."""
+"""Text on the regimes of a scene: descriptions and failures."""
 
 import math
 from collections.abc import Sequence
@@ -8,24 +8,24 @@ import numpy as np
 from engine import History, InputUnits, RunRegime, Scene, Verdict, has_cycle, history, run_keys
 from sweeps.text.engineer_units import quantity_text
 
-# Verdicts that only a motion gets.
+# Verdicts of motion.
 MOTION_VERDICTS = (
     *(Verdict.STALLS, Verdict.RUNS_AWAY, Verdict.NO_END, Verdict.ANY_SPEED, Verdict.LOCKS, Verdict.NO_INERTIA),
     Verdict.SLIPS,
     Verdict.TOO_COARSE,
 )
-# Positions in a cycle of a history that is made to see where a motion fails.
+# Positions per cycle of a history that locates a failure.
 STEPS = 240
-# A run abandoned after at least this many cycles was still moving; the history of a longer one may be cut.
+# A run abandoned after at least this many cycles was still moving.
 MANY_CYCLES = 1000
-# So near to an end of its range, as a share of it, an input is there.
+# Tolerance for the end of the input's range, as a share of it.
 _AT_END = 1e-9
-# Below this share of its peak speed a machine only fades away.
+# Below this share of its peak speed a machine is dying out.
 _NEXT_TO_NOTHING = 1e-6
 
 
 def regime_words(scene: Scene, name: str) -> str:
-    """What a regime does, such as "run from rest until 38 rpm; off: punching".
+    """Description of a regime, such as "run from rest until 38 rpm; off: punching".
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def _units(scene: Scene) -> InputUnits:
 
 
 def _symbol(scene: Scene) -> str:
-    """Of the input's position."""
+    """Symbol of the input position."""
     return "φ" if _units(scene).q == "rad" else "q"
 
 
@@ -64,40 +64,40 @@ def _end(scene: Scene, regime: RunRegime) -> str:
     if regime.cycles is not None:
         return f"for {regime.cycles:g} cycle{'' if regime.cycles == 1 else 's'}"
     if regime.lock_up:
-        return "until the clutch holds"
+        return "until the clutch locks"
     if regime.time is not None:
         return f"for {quantity_text(regime.time, 's')}"
     if regime.end_of_range:
-        return "to an end of its range"
+        return "to the end of its range"
     if regime.reversal:
-        return "until it first stands still"
+        return "until it first stops"
     return "to rest" if regime.rest else f"until {quantity_text(_asked_speed(scene, regime), _units(scene).speed)}"
 
 
 def _asked_speed(scene: Scene, regime: RunRegime) -> float | None:
-    """Speed at which a run ends."""
+    """Final speed of a run."""
     return getattr(regime, run_keys(scene.input).speed)
 
 
-# Where a motion fails
+# Failures
 
 
 def failure_text(scene: Scene, verdict: Verdict, seen: History | None = None) -> str:
-    """Which regime of a machine fails, where and how, and what to change.
+    """Which regime fails, where and how, with a remedy.
 
     Parameters
     ----------
     scene : Scene
-        Of the machine, its numbers in place.
+        The scene with the machine's numbers.
     verdict : Verdict
-        On the machine.
+        Verdict on the machine.
     seen : History, optional
-        Its history, if it is known already.
+        Its history, if known.
     """
     seen = history(scene, STEPS) if seen is None else seen
     if seen.verdict == Verdict.OK:
-        # Near a limit the number of steps decides, and a flywheel may have been sized that the scene doesn't have.
-        return f"{verdict.sentence} (over {STEPS} positions, with the flywheel of the scene, it runs)"
+        # Near a limit the step count matters, and the variant may have a sized flywheel that the scene lacks.
+        return f"{verdict.sentence} (with {STEPS} positions and the scene's flywheel it runs)"
     name = str(seen.regime[-1])
     if seen.verdict == Verdict.NO_END:
         return f"regime {name}: {_no_end(scene, name, seen)}"
@@ -111,7 +111,7 @@ def failure_text(scene: Scene, verdict: Verdict, seen: History | None = None) ->
 
 
 def _stands(scene: Scene, seen: History) -> str:
-    """Where a machine stands still, and which moments leave it there."""
+    """Where a machine stalls, and the torques there."""
     way = math.copysign(1.0, scene.input.speed)
     drive = way * float(seen.motor_moment[-1] + seen.load_moments["driving"][-1])
     loads = -way * float(sum(row[-1] for channel, row in seen.load_moments.items() if channel != "driving"))
@@ -119,13 +119,13 @@ def _stands(scene: Scene, seen: History) -> str:
     place = f"{_symbol(scene)} = {quantity_text(at % (2 * math.pi) if has_cycle(scene) else at, units.q)}"
     after = f"comes to rest at {place} after {quantity_text(float(seen.time[-1]), 's')}" if seen.time[-1] > 0 else ""
     pair, keys = (quantity_text(moment, units.moment) for moment in (drive, loads)), run_keys(scene.input)
-    moments = "{} drive it there, {} hold it (on the {})".format(*pair, "crank" if units.q == "rad" else "input")
-    mend = f"a stronger motor, a lower load, or another begin ({keys.from_place}, {keys.from_speed}) helps"
+    moments = "{} drives it there, {} holds it (at the {})".format(*pair, "crank" if units.q == "rad" else "input")
+    mend = f"use a stronger motor, a lower load, or another start ({keys.from_place}, {keys.from_speed})"
     return f"the machine {after or f'does not start at {place}'}: {moments}; {mend}"
 
 
 def _no_end(scene: Scene, name: str, seen: History) -> str:
-    """What a run does instead of ending."""
+    """How a run fails to end."""
     regime, key, chosen = scene.regimes[name], f"regimes.{name}", seen.regime == name
     if not has_cycle(scene):
         return _no_end_in_range(scene, regime, seen)
@@ -133,37 +133,37 @@ def _no_end(scene: Scene, name: str, seen: History) -> str:
     angle, speed = np.abs(seen.angle[chosen] - seen.angle[chosen][0]), np.abs(seen.speed[chosen])
     last = speed[angle >= angle[-1] - turn]
     least, most = (quantity_text(float(v), "rad s-1") for v in (last.min(), last.max()))
-    goes = f"it goes at {least if least == most else f'{least} … {most}'}"
+    goes = f"it runs at {least if least == most else f'{least} … {most}'}"
     along = math.copysign(1.0, scene.input.speed) * seen.speed[chosen]
     if along.min() < 0.0:
         span = " … ".join(quantity_text(float(a), "rad") for a in (seen.angle[chosen].min(), seen.angle[chosen].max()))
         swings = (along[(along < 0.0).argmax() :] > 0.0).any()
         if regime.rest and swings:
-            return f"it doesn't come to rest: it swings back and forth between φ = {span}; brake it"
-        doing = f"swings back and forth between φ = {span}" if swings else "turns backwards, ever faster"
-        return f"the machine {doing}: what drives it doesn't carry its loads; a stronger motor or a lower load helps"
+            return f"it does not come to rest: it swings between φ = {span}; add a brake"
+        doing = f"swings between φ = {span}" if swings else "accelerates backwards"
+        return f"the machine {doing}: the drive is too weak for the loads; use a stronger motor or a lower load"
     if (regime.rest or regime.reversal) and (angle[-1] < turn or speed[-1] < _NEXT_TO_NOTHING * speed.max()):
-        return "it doesn't come to rest: all that slows it vanishes with the speed; brake it"
+        return "it does not come to rest: all resistance vanishes with the speed; add a brake"
     if angle[-1] < turn * (1.0 - _NEXT_TO_NOTHING):
         after = quantity_text(float(np.ptp(seen.time[chosen])), "s")
-        return f"it neither ends nor gets going: after {after} {goes}; change its end, or what drives and loads it"
+        return f"it neither ends nor starts: after {after} {goes}; change its end condition, drive or loads"
     early = angle[-1] / turn < 0.5 * min(regime.at_most, MANY_CYCLES)
     goes += f" after {angle[-1] / turn:.3g} cycles" if early else f" after {regime.at_most:g} cycles"
     raising = "" if early else f", or raise {key}.at_most"
     if regime.speed is not None:
         asked, slow = quantity_text(regime.speed, "rad s-1"), last.max() < regime.speed
-        nearer = f"and a machine nearer to it gets {'slower' if slow else 'faster'}"
+        nearer = f"and closer to that speed it {'slows down' if slow else 'speeds up'}"
         goes += f", {'as in the cycle before' if scene.couplings else nearer}" if early else ""
-        mend = "ask for a speed that its motors reach with these loads" if slow else "brake it"
-        return f"the speed of {asked} isn't reached: {goes}; {mend}{raising}"
+        mend = "choose a speed that the motors reach under these loads" if slow else "add a brake"
+        return f"{asked} is not reached: {goes}; {mend}{raising}"
     if regime.rest or regime.reversal:
-        goes += ", and a slower machine gets faster" if early else ""
-        return f"it doesn't come to rest: {goes}; switch off what drives it or brake it{raising}"
-    return f"{key}.at_most comes before its end: {goes}; raise it"
+        goes += ", and a slower machine accelerates" if early else ""
+        return f"it does not come to rest: {goes}; switch off the drive or add a brake{raising}"
+    return f"{key}.at_most ends it early: {goes}; raise it"
 
 
 def _no_end_in_range(scene: Scene, regime: RunRegime, seen: History) -> str:
-    """What a run of an input that doesn't turn fully does instead of ending."""
+    """How a run fails to end if the input doesn't turn fully."""
     units, drive = _units(scene), scene.input
     angle, at, speed = seen.angle[seen.regime == seen.regime[-1]], float(seen.angle[-1]), float(seen.speed[-1])
     place, pace = f"{_symbol(scene)} = {quantity_text(at, units.q)}", quantity_text(abs(speed), units.speed)
@@ -171,17 +171,17 @@ def _no_end_in_range(scene: Scene, regime: RunRegime, seen: History) -> str:
     reach = abs(drive.stop - drive.start)
     if asked is not None and min(abs(at - drive.start), abs(at - drive.stop)) <= _AT_END * reach:
         wanted = quantity_text(asked, units.speed)
-        return f"it arrives at an end of its range, {place}, with {pace}, before the speed of {wanted} is reached"
+        return f"it reaches the end of its range, {place}, at {pace}, before {wanted}"
     span = " … ".join(quantity_text(float(a), units.q) for a in (angle.min(), angle.max()))
-    mend = "end it after a time, or change what drives and loads it"
+    mend = "end it after a time, or change its drive or loads"
     return f"it moves between {_symbol(scene)} = {span} and never reaches its end (last at {pace}); {mend}"
 
 
-# Names by regime
+# Grouping by regime
 
 
 def by_regime(scene: Scene, names: Sequence[str]) -> dict[str, list[str]]:
-    """Names of summaries by the regime they belong to, "" for those of none, in the order of the scene.
+    """Summary names by regime ("" for none), in the scene's order.
 
     Parameters
     ----------

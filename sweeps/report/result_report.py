@@ -1,4 +1,4 @@
-"""What the results of a sweep say, in words and tables."""
+"""Text report on sweep results."""
 
 from collections.abc import Iterable, Sequence
 
@@ -20,21 +20,21 @@ from sweeps.text.tables import table
 
 
 def variants_done_text(result: SweepResult) -> str:
-    """How many variants there are, and how many of them are done if not all."""
+    """Number of variants, and of those done."""
     count, done = result.description.variants, result.done
     words = f"{count} variant{'' if count == 1 else 's'}"
-    return f"{words}, all done" if done == count else f"{done} of {words} done; run the study again to go on"
+    return f"{words}, all done" if done == count else f"{done} of {words} done; run the study again to resume"
 
 
 def varied_text(result: SweepResult) -> str:
-    """What varies, axis by axis, with how many values each has."""
+    """The axes and their sizes."""
     if "search" in result.record:
         return f"{'+'.join(result.varied)}[{result.description.variants}]"
     return " x ".join(f"{'+'.join(axis['names'])}[{axis['size']}]" for axis in result.record["vary"])
 
 
 def fields_text(result: SweepResult) -> list[str]:
-    """Which fields are kept, a line for each axis that they run along."""
+    """The kept fields, a line per axis."""
     found: dict[str, list[str]] = {}
     for name in result.fields:
         axis = result.along(name)
@@ -44,19 +44,19 @@ def fields_text(result: SweepResult) -> list[str]:
 
 
 def undecided_text(result: SweepResult, where: str | None) -> str:
-    """For how many variants a condition is undecided within error estimates, as the end of a sentence; "" if none."""
+    """Number of variants undecided within error estimates, as a clause; "" if none."""
     count = result.undecided(where) if where else 0
     return f"; {count} {'is' if count == 1 else 'are'} undecided within error estimates" if count else ""
 
 
 def meeting_text(result: SweepResult, where: str | None) -> str:
-    """How many variants meet a condition, and for how many it is undecided."""
+    """Number of variants that meet a condition, and of undecided ones."""
     count = result.count_meeting(where)
     return f"{count} {'variant meets' if count == 1 else 'variants meet'} the condition{undecided_text(result, where)}"
 
 
 def counts_text(result: SweepResult) -> str:
-    """How many variants got which verdict, and of those that fail which group is to blame and at what angle."""
+    """Variants per verdict, with the failing groups and angles."""
     rows = []
     for verdict, count in result.verdict_counts().items():
         sentence = "" if verdict == Verdict.OK else verdict.sentence
@@ -65,32 +65,32 @@ def counts_text(result: SweepResult) -> str:
         lines = drop_lines(result.record["require"], result.missed()) if dropped else _blame(result, verdict)
         if verdict in MOTION_VERDICTS and result.description.variants > 1:
             shown = f"sweeps plot {result.path} --variant {result.first_with(verdict)}"
-            lines = [f"the motion of the first of them, as far as it goes: {shown}"]
+            lines = [f"motion of the first one up to its failure: {shown}"]
         rows += [("", "", line) for line in lines]
     return "\n".join([table(rows), *accuracy_words.of_result(result)])
 
 
 def drop_lines(conditions: Sequence[str], missed: Iterable[np.ndarray], variants: int | None = None) -> list[str]:
-    """For each condition how many variants fail it, and how many of them fail no other.
+    """Variants that fail each condition, and those that fail only it.
 
     Parameters
     ----------
     conditions : sequence of str
     missed : iterable of ndarray of bool (conditions, variants)
-        Which conditions some variants fail, and others, and others.
+        Failed conditions, by parts of the variants.
     variants : int, optional
-        Number of all variants, where those looked at are a sample.
+        Total number of variants, if only a sample is given.
     """
     counts, alone, seen = drop_counts(len(conditions), missed)
     lines = []
     for text, *found in zip(conditions, counts.tolist(), alone.tolist(), strict=True):
         first, only = (f"{c}" if variants is None else f"about {c * variants // seen}" for c in found)
-        lines.append(f"{text}: {first}" + (f", {only} by this condition only" if len(conditions) > 1 else ""))
+        lines.append(f"{text}: {first}" + (f", {only} only by this condition" if len(conditions) > 1 else ""))
     return lines
 
 
 def _blame(result: SweepResult, verdict: Verdict) -> list[str]:
-    """For each group that fails with a verdict: how often, and between which input positions it does so first."""
+    """For each failing group: count, and range of its first failing positions."""
     groups = result.record["groups"]
     if verdict == Verdict.OK or not groups:
         return []
@@ -111,7 +111,7 @@ def _blame(result: SweepResult, verdict: Verdict) -> list[str]:
 
 
 def variants_text(result: SweepResult, variants: Iterable[int], names: Sequence[str] = ()) -> str:
-    """Table of some variants: their parameters and summaries with error figures."""
+    """Table of some variants: parameters and summaries with error estimates."""
     shown, variants = [*result.parameters, *(names or result.summaries)], list(variants)
     units = {name: engineer_unit(result.units[name], result.columns[name][variants]) for name in shown}
     rows = [["variant", *shown], ["", *(label if label != "1" else "" for _, label in units.values())]]
@@ -127,12 +127,12 @@ def variants_text(result: SweepResult, variants: Iterable[int], names: Sequence[
 
 
 def answer_text(result: SweepResult) -> str:
-    """The answer to the study's question: its best variant, by name, parameters and results."""
+    """The answer to the study's question: the best variant's parameters and results."""
     goal = result.goal
     if result.description.variants == 1:
         return "\n".join([*([result.question] if result.question else []), _only_text(result)])
     if goal is None:
-        return "No [best] in the study: nothing to choose by. Look with `sweeps show`."
+        return "The study has no [best]; see `sweeps show`."
     best = result.best()
     if best is None:
         left_open = undecided_text(result, goal.where)
@@ -141,7 +141,7 @@ def answer_text(result: SweepResult) -> str:
     value = quantity_text(result.columns[goal.goal][best], result.units[goal.goal], _error(result, goal.goal, best))
     condition = f" where {goal.where}" if goal.where else ""
     rivals = result.rivals(best)
-    lines.append(f"Answer: the {goal.word} {goal.goal}{condition} is {value}, with variant {best}:")
+    lines.append(f"Answer: {goal.word} {goal.goal}{condition}: {value}, variant {best}:")
     rows = [(name, "=", quantity_text(result.columns[name][best], result.units[name])) for name in result.parameters]
     rows += [row for row in _summary_rows(result, best) if row[0] != goal.goal]
     lines.append(table(rows, "  "))
@@ -149,12 +149,12 @@ def answer_text(result: SweepResult) -> str:
         lines.append(f"{meeting_text(result, goal.where)}.")
     if rivals:
         others = f"{rivals} other variants tie" if rivals > 1 else "Another variant ties"
-        lines.append(f"{others} with it within the error figures; choose between them on other grounds.")
+        lines.append(f"{others} with it within the error estimates; choose between them on other grounds.")
     return "\n".join(lines)
 
 
 def _only_text(result: SweepResult) -> str:
-    """Summaries of a single machine, those of each regime together, or why its motion fails."""
+    """Summaries of a single machine, grouped by regime, or why its motion fails."""
     scene, verdict = result.scene, Verdict(int(result.columns["status"][0]))
     if not result.summaries:
         return f"Kept: {', '.join(result.fields)}; `sweeps plot {result.path}` draws the machine with its diagrams."
@@ -174,13 +174,13 @@ def _only_text(result: SweepResult) -> str:
 def _cycle_words(scene: Scene) -> str:
     speed = quantity_text(abs(scene.input.speed), InputUnits.of(scene).speed)
     if not has_cycle(scene):
-        return f"over its range, uniformly at {speed}"
+        return f"over its range at constant {speed}"
     braked = any(isinstance(moment, Brake) for moment in scene.moments.values())
-    return f"cycle at {speed}, driven by a constant moment, everything acting{' but brakes' if braked else ''}"
+    return f"cycle at {speed}, constant drive torque, all loads{' except brakes' if braked else ''}"
 
 
 def _summary_rows(result: SweepResult, variant: int, names: Iterable[str] | None = None) -> list[tuple[str, str, str]]:
-    """Summaries of a variant with their error figures."""
+    """Summaries of a variant with their error estimates."""
     return [
         (name, "→", quantity_text(result.columns[name][variant], result.units[name], _error(result, name, variant)))
         for name in (result.summaries if names is None else names)

@@ -1,4 +1,4 @@
-"""A result file as a whole: its parameters, summaries, verdicts, and the choosing among its variants."""
+"""A result file: parameters, summaries, verdicts, and selection of variants."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
@@ -27,21 +27,21 @@ from sweeps.text.conditions import Condition, Judgement
 from sweeps.text.engineer_units import show_units
 from sweeps.text.input_files import InputError, check_file
 
-# What is worked out of all variants is worked out of so many at a time.
+# Variants per part in sequential passes.
 VARIANTS_AT_A_TIME = 1 << 19
-# So many where they lie anywhere in the file.
+# Variants per part in random access.
 CHOSEN_AT_A_TIME = 1 << 14
 
 
 @dataclass(frozen=True, eq=False)
 class SweepResult:
-    """What a result file holds, without its fields.
+    """The content of a result file, without its fields.
 
     Attributes
     ----------
     path : Path
     study : Study, optional
-        The study that the file is the result of, where it is known.
+        The study of the file, if known.
     """
 
     path: Path
@@ -59,8 +59,8 @@ class SweepResult:
 
     @property
     def altered(self) -> list[str]:
-        """Sentences on texts of the file that aren't as they were written, although numbers don't depend on them."""
-        return [f"{self.path}: its {name} isn't as it was written" for name in self._mapped.edited]
+        """Warnings on modified texts that numbers don't depend on."""
+        return [f"{self.path}: {name} was modified" for name in self._mapped.edited]
 
     @cached_property
     def _mapped_fields(self) -> MappedResult:
@@ -70,17 +70,17 @@ class SweepResult:
 
     @property
     def columns(self) -> dict[str, np.ndarray]:
-        """All columns over variants, in the file: of many variants, go through `parts`."""
+        """All columns, mapped from the file; use `parts` for many variants."""
         return self._mapped.columns
 
     def parts(self) -> Iterator[slice]:
-        """One run of variants after another; the memory of each is given back after it."""
+        """Consecutive slices of variants; the memory of each is released after use."""
         for start in range(0, self.description.variants, VARIANTS_AT_A_TIME):
             yield slice(start, min(start + VARIANTS_AT_A_TIME, self.description.variants))
             self._mapped.release()
 
     def release(self) -> None:
-        """Give back the memory of what was read, as `parts` does of itself."""
+        """Release memory, as `parts` does."""
         self._mapped.release()
 
     @cached_property
@@ -100,18 +100,18 @@ class SweepResult:
         Raises
         ------
         DamagedError
-            The file holds none that fits it.
+            The file has no matching study.
         """
         return recorded_study(self.description)
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names of what varies."""
+        """Names of the variables."""
         return tuple(self.record["parameters"])
 
     @property
     def varied(self) -> tuple[str, ...]:
-        """Parameters that vary by themselves; the others are derived from them."""
+        """Independent variables; the others are derived."""
         return tuple(name for axis in self.record["vary"] for name in axis["names"])
 
     @property
@@ -126,35 +126,35 @@ class SweepResult:
         return tuple(c.name for c in self.description.columns if len(c.dims) > 1)
 
     def along(self, field: str) -> FieldAxis:
-        """What runs along a field: positions of the input, or instants of a run."""
+        """Axis of a field: input positions, or times of a run."""
         d = self.description
         last = next(c.dims[-1] for c in d.columns if c.name == field)
         if last == "position":
-            name, words, units = d.position_name, "position of the input", d.position_units
+            name, words, units = d.position_name, "input position", d.position_units
         else:
             name, words, units = last, d.axes[last]["long_name"], d.axes[last]["units"]
         return FieldAxis(name, words, units, read_columns(self.path, [name])[name])
 
     @property
     def accuracy(self) -> float | None:
-        """Allowed error of every summary as a share of its magnitude, if one was asked."""
+        """Requested relative accuracy of every summary, if any."""
         return self.record["accuracy"]
 
     @property
     def done(self) -> int:
-        """How many variants have been computed or dropped so far."""
+        """Number of variants computed or dropped so far."""
         status = self.columns["status"]
         return sum(int(np.count_nonzero(status[part] != Verdict.NOT_COMPUTED)) for part in self.parts())
 
     def verdict_counts(self) -> dict[Verdict, int]:
-        """How many variants got each verdict, of those that any got."""
+        """Number of variants per verdict that occurs."""
         status = self.columns["status"]
-        # Counting makes whole numbers of eight bytes of the verdicts.
+        # bincount converts to eight-byte integers.
         there = sum(np.bincount(status[part], minlength=256) for part in self.parts())
         return {verdict: int(there[verdict]) for verdict in Verdict if there[verdict]}
 
     def first_with(self, verdict: Verdict) -> int | None:
-        """Number of the first variant with a verdict; None where none has it."""
+        """Index of the first variant with a verdict, or None."""
         status = self.columns["status"]
         for part in self.parts():
             if (found := status[part] == verdict).any():
@@ -163,7 +163,7 @@ class SweepResult:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Sizes of the axes of the design, the last fastest; the candidates of a search form none."""
+        """Sizes of the design's axes, the last fastest; searches have none."""
         if "search" in self.record:
             return (self.description.variants,)
         return tuple(axis["size"] for axis in self.record["vary"]) or (self.description.variants,)
@@ -175,20 +175,20 @@ class SweepResult:
 
     @cached_property
     def scene(self) -> Scene:
-        """The scene as the study gives it, tables and all."""
+        """The study's scene, including tables."""
         return recorded_scene(self.record, self.description) if self.study is None else self.study.scene
 
     @property
     def mechanics(self) -> Mechanics | None:
-        """Those of the machine that answered the study, where it is known."""
+        """Mechanics of the study's machine, if known."""
         return None if self.study is None or self.scene.input is None else self.study.machine().mechanics
 
     def show_own_units(self) -> None:
-        """Show numbers in the units of other systems that the scene was written in, as for `show_units`."""
+        """Display the scene's non-SI units, as for `show_units`."""
         show_units(self.record.get("units", {}), self.record.get("units_written", {}))
 
     def variant_values(self, variant: int) -> dict[str, float]:
-        """Numbers of the scene (SI) that a variant has in place of the scene's own.
+        """Numbers (SI) of a variant that replace the scene's.
 
         Raises
         ------
@@ -203,7 +203,7 @@ class SweepResult:
 
     @property
     def goal(self) -> Best | None:
-        """What decides among the variants."""
+        """The objective and condition."""
         return Best.model_validate(self.record["best"]) if self.record["best"] else None
 
     def select(
@@ -216,10 +216,10 @@ class SweepResult:
         where : str, optional
             A condition over parameters and summaries, such as "speed_fluctuation < 0.02 and wheel_mass < '900 kg'".
         sort : str, optional
-            Column to sort by; what is undefined comes last.
+            Column to sort by; undefined values come last.
         descending : bool
         most : int, optional
-            No more than so many, the first ones.
+            Maximum number.
 
         Raises
         ------
@@ -238,19 +238,19 @@ class SweepResult:
         return _first(found, most)[0]
 
     def meeting(self, where: str | None) -> np.ndarray:
-        """Which variants were computed and meet a condition (variants,); the condition as for `select`."""
+        """Which computed variants meet a condition (variants,), as for `select`."""
         met, found = self.meets(where), np.zeros(self.description.variants, bool)
         for part in self.parts():
             found[part] = met(part)
         return found
 
     def count_meeting(self, where: str | None) -> int:
-        """How many variants were computed and meet a condition; the condition as for `select`."""
+        """Number of computed variants that meet a condition, as for `select`."""
         met = self.meets(where)
         return sum(int(np.count_nonzero(met(part))) for part in self.parts())
 
     def undecided(self, where: str) -> int:
-        """Of how many computed variants the error figures leave open whether they meet a condition.
+        """Number of computed variants for which a condition is undecided within the error estimates.
 
         Parameters
         ----------
@@ -267,7 +267,7 @@ class SweepResult:
         return sum(int(np.count_nonzero(part)) for part in parts)
 
     def meets(self, where: str | None) -> Callable[[slice | np.ndarray], np.ndarray]:
-        """Function that marks variants that were computed and meet a condition, given as for `select`.
+        """Function that marks computed variants that meet a condition, as for `select`.
 
         Raises
         ------
@@ -281,7 +281,7 @@ class SweepResult:
         return lambda part: (status[part] == Verdict.OK) & judged(part).met
 
     def _judged(self, where: str) -> Callable[[slice | np.ndarray], Judgement]:
-        """What a condition says of some variants; worked out each time, as that of 1e8 would fill memory."""
+        """A condition's judgement of some variants; recomputed, as 1e8 of them would fill memory."""
         try:
             condition = Condition.read(where, dimensions_by_unit(self.units))
         except ExpressionError as error:
@@ -297,12 +297,12 @@ class SweepResult:
         return judged
 
     def chosen_parts(self, met: Callable[[slice | np.ndarray], np.ndarray] | None, most: int) -> Iterator[np.ndarray]:
-        """Numbers of the variants that meet a condition, no more than so many after another; none, if none do.
+        """Indices of the variants that meet a condition, in parts.
 
         Parameters
         ----------
         met : callable or None
-            Of `meets`; None for all variants.
+            From `meets`; None for all variants.
         most : int
         """
         empty = True
@@ -338,21 +338,21 @@ class SweepResult:
         return found
 
     def _pieces(self, chosen: np.ndarray) -> Iterator[np.ndarray]:
-        """A few of some variants after another; the memory of each is given back after it.
+        """Some variants in parts; the memory of each is released after use.
 
-        Whoever looks at one number of a file has a page of it in memory.
+        Each access maps at least a page of the file.
         """
         for start in range(0, max(chosen.size, 1), CHOSEN_AT_A_TIME):
             yield chosen[start : start + CHOSEN_AT_A_TIME]
             self._mapped.release()
 
     def rows(self, part: slice | np.ndarray, names: Iterable[str]) -> dict[str, np.ndarray]:
-        """Some columns of some variants, and their error figures where they have any."""
+        """Some columns of some variants, and their error estimates where they have any."""
         pairs = (name for wish in names for name in (wish, f"{wish}_error"))
         return {name: self.columns[name][part] for name in pairs if name in self.columns}
 
     def candidates(self, chosen: np.ndarray | slice = slice(None)) -> np.ndarray:
-        """Which of some variants were computed and meet the condition for the best one."""
+        """Which variants were computed and meet the condition for the best."""
         where = self.goal.where if self.goal else None
         if isinstance(chosen, slice):
             return self.meeting(where)[chosen]
@@ -361,7 +361,7 @@ class SweepResult:
 
     @cached_property
     def requirements(self) -> Requirements:
-        """What the study required of parameters."""
+        """The study's `require`."""
         return Requirements(
             [Condition(parse_expression(text, any_quantity)) for text in self.record["require"]],
             {path: parse_expression(text, any_quantity) for path, text in self.record["derive"].items()},
@@ -369,10 +369,9 @@ class SweepResult:
         )
 
     def missed(self) -> Iterator[np.ndarray]:
-        """Which variants fail which condition of `require` (conditions, variants), some variants after the others.
+        """Which variants fail which condition of `require` (conditions, variants), in parts.
 
-        Those not yet computed aren't counted. Found anew from the parameters, as the file holds only whether a variant
-        was dropped.
+        Without variants not computed yet. Recomputed from the parameters, as the file only marks dropped variants.
         """
         required = self.requirements
         names = required.behind(name for condition in required.conditions for name in condition.names)
@@ -381,7 +380,7 @@ class SweepResult:
             yield found & (self.columns["status"][part] != Verdict.NOT_COMPUTED)
 
     def best(self) -> int | None:
-        """Number of the variant that answers the study's question; None without a goal or without candidates."""
+        """Index of the best variant; None without a goal or candidates."""
         goal = self.goal
         if goal is None:
             return None
@@ -389,13 +388,13 @@ class SweepResult:
         return int(chosen[0]) if chosen.size and np.isfinite(self.columns[goal.goal][chosen[0]]) else None
 
     def rivals(self, best: int, goal: Best | None = None) -> int:
-        """How many other variants may be as good as the best one, within both error figures.
+        """Number of variants that tie with the best within both error estimates.
 
         Parameters
         ----------
         best : int
         goal : Best, optional
-            Another one than that of the study.
+            Default: the study's.
         """
         goal, count = goal or self.goal, 0
         met, values, errors = self.meets(goal.where), self.columns[goal.goal], self.columns.get(f"{goal.goal}_error")
@@ -406,14 +405,14 @@ class SweepResult:
 
 
 def drop_counts(conditions: int, missed: Iterable[np.ndarray]) -> tuple[np.ndarray, np.ndarray, int]:
-    """How many variants fail each of some conditions, how many of them no other, and how many were looked at.
+    """Number of variants that fail each condition, that fail only it, and that were checked.
 
     Parameters
     ----------
     conditions : int
-        How many there are.
+        Number of conditions.
     missed : iterable of ndarray of bool (conditions, variants)
-        Which conditions some variants fail, and others, and others.
+        Failed conditions, by parts of the variants.
     """
     counts, alone, seen = np.zeros(conditions, int), np.zeros(conditions, int), 0
     for part in missed:
@@ -424,7 +423,7 @@ def drop_counts(conditions: int, missed: Iterable[np.ndarray]) -> tuple[np.ndarr
 
 
 def _first(found: list[tuple[np.ndarray, np.ndarray]], most: int | None) -> tuple[np.ndarray, np.ndarray]:
-    """The variants with the smallest values and these values: ties go to the first, undefined ones come last."""
+    """The variants with the smallest values, and these values; ties go to the first, undefined values come last."""
     variants, values = (np.concatenate(rows) for rows in zip(*found, strict=True))
     order = np.argsort(values, kind="stable")[:most]
     return variants[order], values[order]

@@ -1,1 +1,1 @@
-"""Running a study into a result file: blocks, progress, and what it will cost."""
+"""Running a study into a result file: blocks, progress and cost."""

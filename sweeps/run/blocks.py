@@ -1,4 +1,4 @@
-"""Blocks of variants: how many fall into one, and all their columns."""
+"""Blocks of variants: size and columns."""
 
 from itertools import pairwise
 
@@ -7,12 +7,12 @@ import numpy as np
 from engine import ElementsAlone, Machine, Outcome, Verdict
 from sweeps.study.study import Study
 
-# A block is long enough that its overhead (a few milliseconds) doesn't count, short enough that a killed sweep
-# loses little [s]; and its fields fit in memory beside everything else.
+# Time per block [s], long against its overhead of a few milliseconds, short enough that a killed sweep loses little;
+# and memory for its fields.
 SECONDS_PER_BLOCK = 1.0
 BYTES_PER_BLOCK = 96e6
 LARGEST_BLOCK = 65_536
-# Motion keeps the tables of all steps of the variants that are evaluated together.
+# Motion keeps all steps of the variants evaluated together.
 MOST_AT_ONCE_IN_MOTION = 4096
 
 
@@ -25,7 +25,7 @@ def bytes_of_fields(study: Study, machine: Machine | ElementsAlone) -> int:
 
 
 def largest_block(study: Study, machine: Machine | ElementsAlone) -> int:
-    """Variants whose columns fit in memory, however little time they take."""
+    """Number of variants whose columns fit in memory."""
     asked = len(study.summaries) + len(study.sensitivity.quantities)
     numbers = 8 * (2 * asked + 4 * len(study.parameters) + machine.numbers_kept + 8)
     fit = 2 ** int(np.log2(BYTES_PER_BLOCK / (bytes_of_fields(study, machine) + numbers)))
@@ -33,21 +33,21 @@ def largest_block(study: Study, machine: Machine | ElementsAlone) -> int:
 
 
 def most_at_once(study: Study, machine: Machine | ElementsAlone) -> int:
-    """Variants whose evaluation fits in memory: of a block, or of a part of it."""
+    """Number of variants whose evaluation fits in memory."""
     block = largest_block(study, machine)
     return block if machine.schedule is None else min(block, MOST_AT_ONCE_IN_MOTION)
 
 
 def block_size(study: Study, machine: Machine | ElementsAlone, seconds: float) -> int:
-    """Variants per block: a second of work, within a bound on memory.
+    """Variants per block: a second of work, bounded by memory.
 
     Parameters
     ----------
     study : Study
     machine : Machine or ElementsAlone
-        That answers it.
+        The machine of the study.
     seconds : float
-        What a variant takes.
+        Time per variant.
     """
     within = int(min(SECONDS_PER_BLOCK / max(seconds, 1e-9), LARGEST_BLOCK))
     return max(min(within, largest_block(study, machine), study.design.size), 1)
@@ -56,7 +56,7 @@ def block_size(study: Study, machine: Machine | ElementsAlone, seconds: float) -
 def evaluate_block(
     study: Study, machine: Machine | ElementsAlone, variants: slice, buffer: np.ndarray | None = None
 ) -> dict[str, np.ndarray]:
-    """All columns of a block of variants, from the study and their numbers alone."""
+    """All columns of a block of variants."""
     values, drop = study.values(variants.start, variants.stop)
     return evaluate_variants(study, machine, values, drop, buffer)
 
@@ -68,17 +68,17 @@ def evaluate_variants(
     drop: np.ndarray,
     buffer: np.ndarray | None = None,
 ) -> dict[str, np.ndarray]:
-    """All columns of some variants, computed in parts where they don't fit in memory at once.
+    """All columns of some variants, computed in parts if memory requires.
 
     Parameters
     ----------
     study : Study
     machine : Machine or ElementsAlone
-        That answers it.
+        The machine of the study.
     values : dict of str to ndarray (variants,)
-        Their parameters (SI), derived ones among them.
+        Their parameters (SI), including derived ones.
     drop : ndarray (variants,) of bool
-        Which of them are not to be evaluated.
+        Variants to skip.
     buffer : ndarray, optional
         Memory for their fields.
     """
@@ -98,7 +98,7 @@ def evaluate_variants(
 
 
 def _repeated(outcome: Outcome, drop: np.ndarray) -> Outcome:
-    """The outcome of the scene as it is, for variants in which nothing of the scene differs."""
+    """The outcome of the unmodified scene, for variants without changed scene numbers."""
 
     def again(array: np.ndarray) -> np.ndarray:
         return np.repeat(array, drop.size, axis=0)

@@ -1,7 +1,7 @@
-"""What earlier result files hold of a study: numbers of the same variants of the same machine, not computed twice.
+"""Reuse of earlier result files: same variants of the same machine are not computed twice.
 
-A variant is known by the bits of its parameters, wherever it stands in the file. What was asked beside a summary may
-change its last digits, as it changes where the cycle is cut: taken-over numbers keep their own error figures.
+Variants are matched by the bits of their parameters. Other outputs can change the last digits of a summary, because
+they change the cuts of the cycle; reused numbers keep their error estimates.
 """
 
 import json
@@ -23,7 +23,7 @@ VERDICT_COLUMNS = ("status", "status_group", "status_at")
 
 
 class Earlier:
-    """What an earlier result file holds of a study.
+    """Reusable content of an earlier result file.
 
     Parameters
     ----------
@@ -31,12 +31,12 @@ class Earlier:
         The file, finished or not.
     study : Study
     layout : FileLayout
-        Of the study's own file.
+        Layout of the study's file.
 
     Attributes
     ----------
     names : frozenset of str
-        Columns that it has; none where it is of another machine, another version of the engine, or no result.
+        Available columns; none for another machine, another engine version, or no result.
     """
 
     def __init__(self, path: Path, study: Study, layout: FileLayout) -> None:
@@ -49,12 +49,12 @@ class Earlier:
             if not self._file.edited_decisively and self._file.has_checksums:
                 self.names = _shared(theirs, ours, described.columns, layout.columns)
         except (StoreError, KeyError, ValueError, TypeError, RecursionError):
-            # Nothing that can be relied on.
+            # Not reliable.
             return
 
     @cached_property
     def _index(self) -> tuple[np.ndarray, np.ndarray]:
-        """Keys of all variants, sorted, and which variants they are of."""
+        """Sorted keys of all variants, and their variants."""
         keys = np.concatenate(
             [
                 variant_keys(self._file.columns, self.parameters, self._file.rows(block))
@@ -65,7 +65,7 @@ class Earlier:
         return keys[order], order
 
     def rows_of(self, values: Mapping[str, np.ndarray], count: int) -> np.ndarray:
-        """Which of its variants have these parameters (count,); −1 for those it hasn't, or not undamaged.
+        """Its variants with these parameters (count,); −1 if missing or damaged.
 
         Parameters
         ----------
@@ -87,21 +87,21 @@ class Earlier:
         return rows
 
     def excerpt(self, values: Mapping[str, np.ndarray], drop: np.ndarray) -> "Excerpt":
-        """What it holds of some variants.
+        """Its excerpt for some variants.
 
         Parameters
         ----------
         values : mapping of str to ndarray (count,)
             Their parameters.
         drop : ndarray (count,) of bool
-            Which of them aren't wanted.
+            Variants to skip.
         """
         rows = np.where(drop, -1, self.rows_of(values, drop.size))
         there = np.flatnonzero(rows >= 0)
         return Excerpt(there, {name: np.asarray(self._file.columns[name][rows[there]]) for name in sorted(self.names)})
 
     def is_within(self, study: Study) -> bool:
-        """Whether a study's result has all that the file holds: all its columns, and every variant that is done."""
+        """Whether a study's result has all columns and finished variants of the file."""
         if not self.names or not self.names >= {*self._file.flat, *self._file.fields} - {*self.parameters}:
             return False
         size, step = study.design.size, self._file.block
@@ -120,14 +120,14 @@ def _shared(
     their_columns: tuple[Column, ...],
     our_columns: tuple[Column, ...],
 ) -> frozenset[str]:
-    """Columns of two results, told by their records, that hold the same numbers of the same variants."""
+    """Columns of two results that hold the same numbers of the same variants, by their records."""
     if machine_record(theirs) != machine_record(ours):
         return frozenset()
     asked, wanted = theirs["outputs"], ours["outputs"]
     same_summaries = set(asked["summaries"]) == set(wanted["summaries"])
     same_outputs = same_summaries and set(asked["fields"]) == set(wanted["fields"])
     if ours["accuracy"] is not None and not same_outputs:
-        # How many positions are used, and what they reach, is of all outputs together.
+        # The positions used and the accuracy reached depend on all outputs.
         return frozenset()
     found = {*VERDICT_COLUMNS}
     for name in {*asked["summaries"]} & {*wanted["summaries"]}:
@@ -145,12 +145,12 @@ def _shared(
 
 
 class Excerpt(NamedTuple):
-    """What an earlier result file holds of a block.
+    """Reusable part of a block.
 
     Attributes
     ----------
     there : ndarray of int
-        Which of the block's variants it has.
+        Available variants of the block.
     columns : dict of str to ndarray
         Their numbers.
     """
@@ -160,13 +160,13 @@ class Excerpt(NamedTuple):
 
     @property
     def outline(self) -> "Excerpt":
-        """Of it what decides what is left to be computed: the names of its columns, and verdicts."""
+        """Column names and verdicts, which decide what remains to compute."""
         none = np.empty(0)
         return self._replace(columns=dict.fromkeys(self.columns, none) | {"status": self.columns["status"]})
 
 
 def excerpts_of(earlier: Sequence[Earlier], study: Study, variants: slice) -> list[Excerpt]:
-    """What earlier files hold of a block of variants, the file with the most columns first.
+    """Excerpts of earlier files for a block, the file with the most columns first.
 
     Parameters
     ----------
@@ -182,13 +182,13 @@ def excerpts_of(earlier: Sequence[Earlier], study: Study, variants: slice) -> li
 
 
 class Blocks:
-    """Blocks of a study: their columns, taken over as far as earlier files have them.
+    """Blocks of a study, reusing columns of earlier files.
 
     Parameters
     ----------
     study : Study
     layout : FileLayout
-        Of its file; only the columns are looked at.
+        Layout of its file; only the columns matter.
     """
 
     def __init__(self, study: Study, layout: FileLayout) -> None:
@@ -204,29 +204,29 @@ class Blocks:
         ----------
         variants : slice
         excerpts : sequence of Excerpt
-            What earlier files hold of it.
+            Reusable parts.
         buffer : ndarray, optional
-            Memory for its fields; what is returned may lie in it.
+            Memory for its fields, which the result may use.
         """
         return filled_in(*self.computed(variants, excerpts, buffer), excerpts)
 
     def computed(
         self, variants: slice, excerpts: Sequence[Excerpt] = (), buffer: np.ndarray | None = None
     ) -> tuple[dict[str, np.ndarray], np.ndarray | None]:
-        """Columns of a block, as for `columns`, in which what is taken over isn't filled in; and which that is.
+        """Newly computed columns of a block, and which variants are reused.
 
         Parameters
         ----------
         variants : slice
         excerpts : sequence of Excerpt
-            Their outlines will do.
+            Outlines suffice.
         buffer : ndarray, optional
 
         Returns
         -------
         columns : dict of str to ndarray
         origin : ndarray (variants,) of int or None
-            The excerpt that a variant is taken from, −1 for those computed anew; None if all are.
+            Excerpt of each reused variant, −1 if computed; None if all are computed.
         """
         if not excerpts:
             return evaluate_block(self.study, self.study.machine(), variants, buffer), None
@@ -255,12 +255,12 @@ class Blocks:
         found: dict[str, np.ndarray],
         chosen: np.ndarray,
     ) -> np.ndarray:
-        """Compute what an earlier file lacks of the variants `chosen`; tell which are whole by that (chosen,)."""
+        """Compute what an earlier file lacks for the variants `chosen`; returns which are complete (chosen,)."""
         whole = np.ones(chosen.size, bool)
         missing = [c.name for c in self.layout.columns if c.name not in taken and c.name not in values]
         if rest := self._asking_for(missing):
             new = evaluate_variants(rest, rest.machine(), values, np.zeros(chosen.size, bool))
-            # What is asked beside may find another fault, which is then the variant's.
+            # Additional outputs may reveal another failure, which then counts.
             whole = new["status"] == status
             asked = (*rest.summaries, *rest.fields)
             for name in (*asked, *(f"{n}_error" for n in asked)):
@@ -274,7 +274,7 @@ class Blocks:
         return whole
 
     def _asking_for(self, names: Sequence[str]) -> Study | None:
-        """The study with those of its outputs alone that are named; None if none is."""
+        """The study with only the named outputs; None if there are none."""
         summaries = tuple(name for name in self.study.summaries if name in names)
         fields = tuple(name for name in self.study.fields if {name, f"{name}_error"} & {*names})
         if not summaries and not fields:
@@ -289,17 +289,17 @@ class Blocks:
 def filled_in(
     columns: dict[str, np.ndarray], origin: np.ndarray | None, excerpts: Sequence[Excerpt]
 ) -> dict[str, np.ndarray]:
-    """Columns of a block with what is taken over.
+    """Columns of a block with the reused numbers.
 
     Parameters
     ----------
     columns, origin
-        As `Blocks.computed` returns them.
+        From `Blocks.computed`.
     excerpts : sequence of Excerpt
     """
     if origin is None:
         return columns
-    # What came from another process may be read only.
+    # Arrays from another process may be read-only.
     whole = {name: np.require(array, requirements="W") for name, array in columns.items()}
     for k, excerpt in enumerate(excerpts):
         taken = origin[excerpt.there] == k

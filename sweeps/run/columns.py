@@ -1,4 +1,4 @@
-"""Columns of what a machine answers, as result files and datasets have them."""
+"""Columns of a machine's outcome, for result files and datasets."""
 
 from collections.abc import Iterable
 
@@ -9,29 +9,29 @@ from sweeps.store import POSITION_NAMES, Column, FieldAxis
 
 
 def position_axis(machine: Machine | ElementsAlone) -> FieldAxis:
-    """What the fields over a machine's cycle run along."""
+    """Axis of the fields over a machine's cycle."""
     if InputUnits.of(machine.scene).q == "rad":
         return FieldAxis(POSITION_NAMES[0], "crank angle", "rad", machine.nodes)
-    words = "displacement of the input as a fraction of its range"
+    words = "input displacement as a fraction of its range"
     return FieldAxis(POSITION_NAMES[1], words, "1", machine.nodes)
 
 
 def number_columns(machine: Machine | ElementsAlone, summaries: Iterable[str]) -> list[Column]:
-    """Columns of verdicts and of some summaries with their error figures."""
+    """Columns of verdicts and of some summaries with their error estimates."""
     columns = [
-        Column("status", "verdict on the variant", "1", dtype=np.uint8),
-        Column("status_group", "number of the structural group to blame, -1 if none", "1", dtype=np.int16),
+        Column("status", "verdict", "1", dtype=np.uint8),
+        Column("status_group", "number of the failing structural group, -1 if none", "1", dtype=np.int16),
         Column("status_at", "input position at which the variant fails", InputUnits.of(machine.scene).q),
     ]
     known = machine.available_summaries
     for name in summaries:
         columns.append(Column(name, known[name].long_name, known[name].units))
-        columns.append(Column(f"{name}_error", f"error figure of: {known[name].long_name}", known[name].units))
+        columns.append(Column(f"{name}_error", f"error estimate of: {known[name].long_name}", known[name].units))
     return columns
 
 
 def field_columns(machine: Machine | ElementsAlone, fields: Iterable[str]) -> tuple[list[Column], dict[str, FieldAxis]]:
-    """Columns of some fields with their error figures, and the axes of those that don't run along the positions."""
+    """Columns of some fields with their error estimates, and axes other than input positions."""
     columns: list[Column] = []
     axes: dict[str, FieldAxis] = {}
     for name in fields:
@@ -41,7 +41,7 @@ def field_columns(machine: Machine | ElementsAlone, fields: Iterable[str]) -> tu
             axis = along.name
             axes[axis] = FieldAxis(axis, along.long_name, along.units, values)
         if name in machine.fields_with_error:
-            words = f"greatest error figure of: {quantity.long_name}"
+            words = f"maximum error estimate of: {quantity.long_name}"
             columns.append(Column(f"{name}_error", words, quantity.units))
         columns.append(Column(name, quantity.long_name, quantity.units, ("variant", axis), machine.dtype.type))
     return columns, axes

@@ -1,4 +1,4 @@
-"""What a study will cost in time and memory, measured on some of its variants."""
+"""Time and memory of a study, measured on some of its variants."""
 
 import time
 import tracemalloc
@@ -12,29 +12,29 @@ from sweeps.run.blocks import evaluate_variants, most_at_once
 from sweeps.study.study import Study
 from sweeps.text.engineer_units import quantity_text
 
-# Seconds after which no more variants are tried to see what they cost.
+# Time limit of the trials [s].
 LONG_ENOUGH = 0.3
-# Variants that are tried at most; and to see what an accuracy takes.
+# Maximum trial variants; and the number for an accuracy.
 MOST_TRIED, TRIED = 4096, 2048
-# Variants that aren't worth a trial.
+# Fewer variants need no trial.
 FEW = 8
-# So many times what was tried, a study is worth trying it again: that takes a tenth of its time at most.
+# Repeat a trial if the study is this many times larger: at most a tenth of its time.
 WORTH_TWO = 10
-# Places of a study that tried variants are from.
+# Number of places that trial variants are taken from.
 PLACES = 16
 
 
 class Cost(NamedTuple):
-    """What a study costs.
+    """Cost of a study.
 
     Attributes
     ----------
     seconds : float
-        Of a variant, once compiled.
+        Per variant, compiled.
     motion_bytes : float
         Memory of its motion.
     tried : Outcome or None
-        Of variants from all over the study, where an accuracy is asked.
+        Outcome of spread-out variants, if an accuracy is requested.
     """
 
     seconds: float
@@ -43,7 +43,7 @@ class Cost(NamedTuple):
 
 
 def probe(study: Study, machine: Machine | ElementsAlone) -> Cost:
-    """Cost of a study, measured on some of its variants; of runs on elastic shafts that take long, forecast."""
+    """Cost of a study, measured on some variants; for long runs on elastic shafts, forecast."""
     forecast = seconds_on_shafts(study, machine)
     if forecast > LONG_ENOUGH:
         return Cost(forecast, 0.0)
@@ -61,21 +61,21 @@ def probe(study: Study, machine: Machine | ElementsAlone) -> Cost:
 
 
 def seconds_of_variant(study: Study, machine: Machine | ElementsAlone) -> float:
-    """What a variant takes, by ever more variants from all over the study.
+    """Time per variant, from growing samples of the whole study.
 
-    Each takes its own time, and many together less than one.
+    Times vary, and large batches take less per variant.
     """
     most = min(most_at_once(study, machine), study.design.size, MOST_TRIED)
     forecast = seconds_on_shafts(study, machine)
     if forecast > LONG_ENOUGH:
         return forecast
-    # What isn't compiled yet is, or all but what the first variant, dropped or failing early, doesn't come to.
+    # Compile first; a variant that is dropped or fails early may miss some functions.
     _seconds_of(study, machine, 1)
     count = min(4 * threads(), most)
     while True:
         seconds = _seconds_of(study, machine, count)
         if seconds > LONG_ENOUGH and study.design.size > WORTH_TWO * count:
-            # The rest may have been compiled meanwhile, or the processor been busy otherwise.
+            # Repeat, as the first time may include compilation or other load.
             seconds = min(seconds, _seconds_of(study, machine, count))
         if count == most or seconds > LONG_ENOUGH:
             return seconds / count
@@ -83,7 +83,7 @@ def seconds_of_variant(study: Study, machine: Machine | ElementsAlone) -> float:
 
 
 def seconds_on_shafts(study: Study, machine: Machine | ElementsAlone) -> float:
-    """What runs on elastic shafts take of a variant, by their steps, without following any to its end; 0 without."""
+    """Forecast time per variant of runs on elastic shafts from their steps; 0 without any."""
     if isinstance(machine, ElementsAlone):
         return 0.0
     values, drop = _spread(study, min(PLACES, study.design.size))
@@ -91,16 +91,16 @@ def seconds_on_shafts(study: Study, machine: Machine | ElementsAlone) -> float:
 
 
 def on_shafts_text(study: Study, machine: Machine | ElementsAlone) -> str:
-    """How long runs on elastic shafts will take, said before they begin; "" where they don't take long."""
+    """Forecast of long runs on elastic shafts, as text; "" if short."""
     seconds = seconds_on_shafts(study, machine)
     if seconds <= LONG_ENOUGH:
         return ""
     each, whole = (quantity_text(float(f"{number:.2g}"), "s") for number in (seconds, seconds * study.design.size))
-    return f"Runs on elastic shafts go step by step: about {each} a variant, {whole} in all; less on softer shafts."
+    return f"Runs on elastic shafts: about {each} per variant, {whole} in total (less on softer shafts)."
 
 
 def _seconds_of(study: Study, machine: Machine | ElementsAlone, count: int) -> float:
-    """What so many variants take together."""
+    """Time of some variants together."""
     chosen = _spread(study, count)
     start = time.perf_counter()
     evaluate_variants(study, machine, *chosen)
@@ -108,8 +108,8 @@ def _seconds_of(study: Study, machine: Machine | ElementsAlone, count: int) -> f
 
 
 def _peak_memory(machine: Machine, values: Mapping[str, np.ndarray], drop: np.ndarray) -> int:
-    """Bytes that an evaluation takes at most, all along."""
-    # Counting slows an evaluation down, so it isn't one that is timed.
+    """Peak memory of an evaluation [bytes]."""
+    # Tracing slows the evaluation, so it isn't timed.
     tracemalloc.start()
     machine.evaluate(values, drop if values else None)
     most = tracemalloc.get_traced_memory()[1]
@@ -118,7 +118,7 @@ def _peak_memory(machine: Machine, values: Mapping[str, np.ndarray], drop: np.nd
 
 
 def _spread(study: Study, count: int) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Numbers of so many variants, from places evenly spread over a study, and which of them are dropped."""
+    """Parameters of variants spread evenly over a study, and which are dropped."""
     ends = np.linspace(0, count, min(PLACES, count) + 1).astype(int)
     widths = np.diff(ends)
     starts = np.linspace(0, study.design.size - widths.max(), widths.size).astype(np.int64)

@@ -1,4 +1,4 @@
-"""Progress on standard error: a bar on a terminal, a plain line every 30 s elsewhere."""
+"""Progress on standard error: a bar on a terminal, else a line every 30 s."""
 
 import sys
 import time
@@ -9,30 +9,30 @@ LINE_EVERY = 30.0
 
 
 class ProgressBar:
-    """Progress of something that is counted.
+    """Progress display.
 
     Parameters
     ----------
     total : int
-        How many there will be.
+        Total number.
     quiet : bool
-        Say nothing.
+        Show nothing.
     unit : str
-        What is counted, in the plural.
+        Counted items, in the plural.
     """
 
     def __init__(self, total: int, quiet: bool, unit: str = "variants") -> None:
         self.total, self.quiet, self.unit = total, quiet, unit
         self.bar = None
-        # Unknown until an earlier result has been looked at.
+        # Unknown until earlier results are checked.
         self.done: int | None = None
         self.said = time.monotonic()
         self.first: tuple[int, float] | None = None
 
     def update(self, done: int, before: int, words: str = "") -> None:
-        """Tell how many are done, `before` of them in earlier runs, and words on what has been found.
+        """Show the number done, `before` of them in earlier runs, and a remark.
 
-        What is left is estimated from what follows the first part, before which machines are compiled.
+        The remaining time is estimated without the first part, which includes compilation.
         """
         self.done = done
         if self.quiet:
@@ -62,16 +62,16 @@ class ProgressBar:
             rate = (done - self.first[0]) / (now - self.first[1])
             left = (self.total - done) / rate
             found = f"; {words}" if words else ""
-            click.echo(f"{done} of {self.total} {self.unit}, {rate:.3g} a second, {left:.0f} s left{found}", err=True)
+            click.echo(f"{done} of {self.total} {self.unit}, {rate:.3g} per second, {left:.0f} s left{found}", err=True)
 
     def kept_text(self) -> str:
-        """How many are done and kept."""
+        """What is kept, as text."""
         if self.done is None:
-            return "what was done is kept"
+            return "finished work is kept"
         return f"{self.done} of {self.total} {self.unit} are done and kept"
 
     def close(self) -> None:
-        """End the bar: all is done."""
+        """Close the bar."""
         self.done = self.total
         if self.bar is not None:
             self.bar.close()

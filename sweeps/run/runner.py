@@ -1,4 +1,4 @@
-"""Running a study block by block into a result file, resumable at any moment."""
+"""Run a study block by block into a result file; resumable at any time."""
 
 import json
 import platform
@@ -39,15 +39,15 @@ if TYPE_CHECKING:
 
     from sweeps.run.cluster.crew import Crew
 
-# Attributes that say what is asked and concluded, not how numbers were made.
-# Blocks that are named where some couldn't be computed.
+# Attributes that don't affect numbers.
+# Failed blocks named in a message.
 FAILURES_NAMED = 3
 
 WORDS = ("title", "question", "study", "study_json", "scene", "scene_text")
 
 
 def layout_of(study: Study, machine: Machine) -> FileLayout:
-    """Shape of the result file of a study."""
+    """Layout of a study's result file."""
     fields, axes = field_columns(machine, study.fields)
     columns = [Column(name, name, study.unit(name)) for name in study.parameters]
     columns += [*number_columns(machine, study.summaries), *study.sensitivity.columns, *fields]
@@ -93,27 +93,27 @@ def run_study(
     tell: Callable[[str], None] | None = None,
     client: "Client | None" = None,
 ) -> Path:
-    """Run a study, or what is left of it, into a result file.
+    """Run or resume a study into a result file.
 
-    What an earlier file under that name holds of the study isn't computed again: of an interrupted run, of a study to
-    which variants, summaries or fields have been added since, or whose question, [best] or words have changed. What it
-    holds beyond the study is kept, under a numbered name.
+    Results in an earlier file of that name are reused: of an interrupted run, or of a study that since got more
+    variants, summaries or fields, or another question, [best] or texts. A file with further results is kept under a
+    numbered name.
 
     Parameters
     ----------
     study : Study
     path : Path or str
-        The file to make; while the sweep runs it is called NAME.part.h5.
+        Result file; NAME.part.h5 during the run.
     restart : bool
-        Throw away an earlier result under that name, and compute everything.
+        Discard an earlier result and compute everything.
     progress : callable, optional
-        Called with (variants done, of those done before this run) before the first block and after every one.
+        Called with (variants done, of those in earlier runs) before the first block and after each one.
     replace_former : bool
-        Let the file take the place of a former one of another study.
+        Replace the file of another study.
     tell : callable, optional
-        Called with sentences on what was found and what became of it.
+        Receives messages about earlier files.
     client : Client, optional
-        Of a Dask cluster whose workers compute the blocks.
+        Client of the Dask cluster that computes the blocks.
 
     Returns
     -------
@@ -123,11 +123,11 @@ def run_study(
     Raises
     ------
     StoreError
-        The file can't be made or written, or what is there is no result of a sweep.
+        The file can't be written, or the existing file isn't a sweep result.
     ClusterError
-        None of the cluster's workers can take part.
+        No usable worker.
     UnfinishedError
-        Some blocks couldn't be computed, or the scheduler is lost; all others are kept.
+        Some blocks failed to compute, or the scheduler is lost; the others are kept.
     """
     path, tell = Path(path), tell or (lambda sentence: None)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -171,20 +171,20 @@ def run_study(
 def crew_of(
     client: "Client | None", study: Study, layout: FileLayout, tell: Callable[[str], None]
 ) -> AbstractContextManager["Crew | None"]:
-    """Workers of a cluster for a study; None, to be used likewise, without a cluster.
+    """Context manager of the workers for a study; None without a cluster.
 
     Parameters
     ----------
     client : Client or None
     study : Study
     layout : FileLayout
-        Of its file.
+        Layout of its file.
     tell : callable
-        Called with sentences on who is refused, and on what is waited for.
+        Receives messages on refusals and waiting.
     """
     if client is None:
         return nullcontext()
-    # Loaded only where there is a cluster, as Dask may not be installed.
+    # Dask may not be installed.
     from sweeps.run.cluster.crew import Crew
 
     return Crew(client, Blocks(study, layout), tell)
@@ -193,7 +193,7 @@ def crew_of(
 def _computed(
     study: Study, store: Store, earlier: Sequence[Earlier], crew: "Crew | None"
 ) -> Iterator[tuple[int, dict[str, np.ndarray]]]:
-    """Columns of all pending blocks: here in their order, on a cluster in any."""
+    """Columns of all pending blocks: in order, or in any order on a cluster."""
 
     def excerpts(i: int) -> list[Excerpt]:
         return excerpts_of(earlier, study, store.slice(i))
@@ -212,12 +212,12 @@ def _computed(
 
 
 def _unfinished_text(store: Store, failures: Mapping[int, str]) -> str:
-    """Which blocks couldn't be computed, and why the first of them."""
+    """Message on failed blocks, with the first reason."""
     rows = [store.slice(i) for i in sorted(failures)]
     shown = ", ".join(f"{r.start} … {r.stop - 1}" for r in rows[:FAILURES_NAMED])
     more = f" and {len(rows) - FAILURES_NAMED} blocks more" if len(rows) > FAILURES_NAMED else ""
     why = failures[min(failures)]
-    kept = f"All others are kept in {store.part}; the same command tries these again."
+    kept = f"The others are kept in {store.part}; repeat the command to retry."
     return f"variants {shown}{more} couldn't be computed ({why}). {kept}"
 
 
@@ -226,20 +226,20 @@ def _block_size(study: Study, machine: Machine | ElementsAlone, crew: "Crew | No
 
 
 def measured_block_size(study: Study, machine: Machine | ElementsAlone) -> int:
-    """Variants per block, as for `block_size`; a few aren't worth a trial."""
+    """Variants per block, as for `block_size`, without a trial for a few variants."""
     if study.design.size <= FEW:
         return study.design.size
     return block_size(study, machine, seconds_of_variant(study, machine))
 
 
 def tell_all(store: Store, tell: Callable[[str], None]) -> None:
-    """Tell what a store has noted since the last time."""
+    """Report new notes of a store."""
     while store.notes:
         tell(store.notes.pop(0))
 
 
 def _stands(path: Path, layout: FileLayout, tell: Callable[[str], None]) -> bool:
-    """Whether a finished file of another version of the program answers the study; texts are brought up to date."""
+    """Whether a finished file of another version has the study's results; updates its texts."""
     for found in (path, part_path(path)):
         try:
             record = json.loads(describe_result(found).attributes["study_json"])
@@ -255,7 +255,7 @@ def _stands(path: Path, layout: FileLayout, tell: Callable[[str], None]) -> bool
             version = describe_result(found).attributes.get("versions", "").split(",")[0] or "an earlier version"
             if found == path and mapped.done.all() and not mapped.damaged():
                 reword(found, words | {"study_json": json.dumps(ours | {"engine": record.get("engine")})})
-                tell(f"{path} was made by {version}, other than this one; its numbers stand. --restart computes anew.")
+                tell(f"{path} was made by {version}; its numbers are valid. --restart recomputes them.")
                 return True
-            tell(f"{found} was made by {version}, other than this one: all of it is computed anew.")
+            tell(f"{found} was made by {version}: everything is recomputed.")
     return False

@@ -1,4 +1,4 @@
-"""Checksums of what a result file holds: of every block's numbers, and of its texts."""
+"""Checksums of a result file's blocks and texts."""
 
 import struct
 import zlib
@@ -11,7 +11,7 @@ CHANGING = ("finished", "outcome")
 
 
 def checksum(block: int, arrays: Iterable[np.ndarray]) -> int:
-    """CRC-32 of a block's arrays, one after the other; of another block the same arrays have another one.
+    """CRC-32 of a block's arrays in sequence; it depends on the block number.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ def checksum(block: int, arrays: Iterable[np.ndarray]) -> int:
 
 
 def texts_checksums(texts: Mapping[str, object]) -> dict[str, int]:
-    """CRC-32 of each text attribute by name, without those that change; whatever is no text has none.
+    """CRC-32 of each constant text attribute by name.
 
     Parameters
     ----------

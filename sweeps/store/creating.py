@@ -1,7 +1,7 @@
-"""Making a result file: every dataset in its full size, filled with "nothing yet", before any work.
+"""Creating a result file: every dataset in its full size, filled with "nothing yet", before any work.
 
-A file that never grows has nothing to lose: killing its writer or filling the disk can spoil the rows
-being written, but not HDF5's own tables or the rows written earlier.
+A file that never grows is safe: killing its writer or filling the disk can spoil the rows being written, but not HDF5's
+own tables or the rows written earlier.
 """
 
 import errno
@@ -24,58 +24,58 @@ from .layout import NOT_COMPUTED, Column, FieldAxis, FileLayout
 try:
     import fcntl
 except ImportError:
-    # Windows lets nobody open a file that another process writes.
+    # Windows locks open files.
     fcntl = None
 
 _VARIANTS_AT_ONCE = 1 << 20
-# Seconds for which a folder's lock is waited for, and between two looks at it: whoever holds it makes a file.
+# Timeout and polling interval for a folder's lock, held while a file is created [s].
 _PATIENCE, _PAUSE = 5.0, 0.002
-# Seconds for which a reader's lock is waited for: whoever only looks at a file lets go of it soon.
+# Timeout for a reader's lock, which is short [s].
 _READERS_PATIENCE = 1.0
-# Attributes of columns that readers go by.
+# Column attributes used by readers.
 _TOLD = ("long_name", "units", "coordinates", "flag_values", "flag_meanings")
 _FINAL_TEXTS = {"finished": 32, "outcome": 2000}
 
 
-# The usual driver, without the buffer in which it gathers rows.
+# The default driver without its row buffer.
 _UNBUFFERED = "unbuffered"
 h5py.register_driver(_UNBUFFERED, lambda access: access.set_sieve_buf_size(0))
 
 
 def part_path(path: Path) -> Path:
-    """Return the name under which a file is worked on: `out.part.h5` for `out.h5`."""
+    """Return the name of the unfinished file: `out.part.h5` for `out.h5`."""
     return path.with_name(f"{path.stem}.part{path.suffix}")
 
 
 def numbered_name(path: Path) -> Path:
-    """Return the first name `out.1.h5`, `out.2.h5`, … for `out.h5` under which there is nothing yet."""
+    """Return the first unused name `out.1.h5`, `out.2.h5`, … for `out.h5`."""
     names = (path.with_name(f"{path.stem}.{i}{path.suffix}") for i in itertools.count(1))
     return next(name for name in names if not name.exists() and not part_path(name).exists())
 
 
 def check_space(path: Path, layout: FileLayout, freed: int = 0) -> None:
-    """Raise a `StoreError` naming need and free space if the file would not fit.
+    """Raise a `StoreError` with required and free space if the file would not fit.
 
     Parameters
     ----------
     path : Path
-        Where the file is to lie.
+        Planned file.
     layout : FileLayout
         Its shape.
     freed : int
-        Bytes that become free before it is made.
+        Bytes freed before it is made.
     """
-    with explained(path, "look for free disk space for"):
+    with explained(path, "check the disk space for"):
         free = shutil.disk_usage(path.absolute().parent).free + freed
     if layout.bytes() > free:
         raise StoreError(
-            f"{path} needs {_size(layout.bytes())}, {_size(free)} are free on its disk. Ask for fewer "
+            f"{path} needs {_size(layout.bytes())}, {_size(free)} are free on its disk. Request fewer "
             f"variants or fields, store fields as float32, or give another --out."
         )
 
 
 def create_part(part: Path, layout: FileLayout, sources: Sequence[str]) -> h5py.File:
-    """Make the part file, which appears under its name only once it is complete, and stays open and locked.
+    """Create the part file, renamed when complete, open and locked.
 
     Parameters
     ----------
@@ -84,17 +84,17 @@ def create_part(part: Path, layout: FileLayout, sources: Sequence[str]) -> h5py.
     layout : FileLayout
         Its shape and attributes.
     sources : sequence of str
-        Names of earlier files beside it that may hold some of its numbers.
+        Earlier files in the same folder that may hold some of its numbers.
 
     Returns
     -------
     h5py.File
-        As of `unbuffered`.
+        As from `unbuffered`.
 
     Raises
     ------
     StoreError
-        Another sweep makes or has made the same file, or the system refuses.
+        Another sweep is using the same file, or a system error.
     """
     raw = part.with_name(f"{part.name}.new")
     with explained(part, "create"):
@@ -105,14 +105,14 @@ def create_part(part: Path, layout: FileLayout, sources: Sequence[str]) -> h5py.
             except FileExistsError:
                 raise StoreError(f"another sweep is creating {part}. Give another --out.") from None
         try:
-            # Looked for once the draft is there, which lets one process in: so none is overwritten.
+            # Checked under the draft's lock, so that no file is overwritten.
             if part.exists():
                 raise StoreError(f"another sweep is writing {part}. Give another --out.")
             _fill(file, layout, sources)
             file.flush()
             raw.replace(part)
         except BaseException:
-            # While it is locked: afterwards another process may have made its own.
+            # Still locked: later another process may have its own draft.
             raw.unlink(missing_ok=True)
             file.close()
             raise
@@ -121,10 +121,10 @@ def create_part(part: Path, layout: FileLayout, sources: Sequence[str]) -> h5py.
 
 @contextmanager
 def _alone_in(folder: Path) -> Iterator[None]:
-    """Wait until no other process makes or removes a draft in a folder.
+    """Wait until no other process creates or removes a draft in a folder.
 
-    A new file isn't locked until HDF5 has opened it: until then, another process would take it for what a killed one
-    left. Where folders have no locks, it is risked.
+    A new file isn't locked until HDF5 has opened it: until then, another process would take it for the remains of a
+    killed one. Without folder locks this risk remains.
     """
     try:
         descriptor = os.open(folder, os.O_RDONLY)
@@ -151,12 +151,12 @@ def _locked(descriptor: int) -> bool:
 
 
 def note_texts(file: h5py.File) -> None:
-    """Note the checksums of a file's text attributes and layout."""
+    """Write the checksums of a file's text attributes and layout."""
     file["progress"].attrs["text_checksums"] = json.dumps(texts_checksums(texts_of(file)))
 
 
 def texts_of(file: h5py.File) -> dict[str, object]:
-    """Text attributes of a file by name, its layout among them, and what its columns say of themselves."""
+    """Text attributes of a file and its columns by name, including the layout."""
     columns = ((name, column) for name, column in file.items() if isinstance(column, h5py.Dataset))
     told = {f"{name}/{key}": column.attrs[key] for name, column in columns for key in _TOLD if key in column.attrs}
     codes = {name: " ".join(map(str, found.ravel())) for name, found in told.items() if isinstance(found, np.ndarray)}
@@ -164,7 +164,7 @@ def texts_of(file: h5py.File) -> dict[str, object]:
 
 
 def remove_unlocked(path: Path) -> None:
-    """Delete a part file, if there is one that no other process is working on.
+    """Delete a part file that no other process is using, if any.
 
     Raises
     ------
@@ -175,16 +175,16 @@ def remove_unlocked(path: Path) -> None:
         return
     check_unlocked(path)
     with explained(path, "delete"):
-        # While it was waited for, it may have got its name.
+        # It may have been renamed meanwhile.
         path.unlink(missing_ok=True)
 
 
 def check_unlocked(path: Path) -> None:
-    """Raise a `StoreError` if another process is working on a file."""
+    """Raise a `StoreError` if another process is using a file."""
     try:
         unbuffered(path).close()
     except (OSError, RuntimeError) as error:
-        # Any other error means a damaged file, which nobody is working on.
+        # Any other error means a damaged file, which is not in use.
         if is_busy(error):
             raise StoreError(
                 f"another sweep is writing {path}: wait, or give another --out. If another program only reads it, it "
@@ -193,10 +193,9 @@ def check_unlocked(path: Path) -> None:
 
 
 def unbuffered(path: Path) -> h5py.File:
-    """Open a file for writing so that HDF5 holds no rows back, once readers have let go of it.
+    """Open a file for writing without HDF5's row buffer, after waiting for readers.
 
-    Rows held back on a full disk would fail again and again, last when h5py throws datasets away, where it can only
-    print.
+    Buffered rows on a full disk would fail repeatedly, at last in h5py's destructors, which can only print.
     """
     patience = time.monotonic() + _READERS_PATIENCE
     while True:
@@ -209,7 +208,7 @@ def unbuffered(path: Path) -> h5py.File:
 
 
 def write_final_text(file: h5py.File, name: str, text: str) -> None:
-    """Overwrite a root attribute that was made with room for it, `finished` or `outcome`.
+    """Overwrite a preallocated root attribute, `finished` or `outcome`.
 
     A new attribute would make the file grow and HDF5 rearrange its tables, and a kill just then spoil
     a file whose blocks are all done.
@@ -240,7 +239,7 @@ def _fill(file: h5py.File, layout: FileLayout, sources: Sequence[str]) -> None:
         file.attrs[name] = text
     for name, size in _FINAL_TEXTS.items():
         file.attrs.create(name, b"", dtype=h5py.string_dtype("utf-8", size))
-    # In a group of its own, as the root's datasets must all lie along the scales for xarray.
+    # In a separate group: xarray needs all root datasets along the scales.
     progress = file.create_group("progress")
     progress.attrs["layout"] = json.dumps(layout.record())
     progress.attrs["sources"] = json.dumps(list(sources))
@@ -252,7 +251,7 @@ def _fill(file: h5py.File, layout: FileLayout, sources: Sequence[str]) -> None:
 
 
 def _dataset(group: h5py.Group, name: str, shape: tuple[int, ...], dtype: np.dtype, fill: float) -> h5py.Dataset:
-    # Filling writes every byte: a full disk shows here and not after hours of work.
+    # Filling writes every byte: a full disk fails here and not after hours of work.
     properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     properties.set_layout(h5py.h5d.CONTIGUOUS)
     properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
@@ -264,7 +263,7 @@ def _dataset(group: h5py.Group, name: str, shape: tuple[int, ...], dtype: np.dty
 
 
 def _nothing(column: Column) -> float:
-    """Return what stands in rows not written: no number that a reader could take for a result."""
+    """Return the fill value of unwritten rows, which can't be mistaken for a result."""
     dtype = np.dtype(column.dtype)
     if column.name == "status":
         return NOT_COMPUTED
@@ -301,7 +300,7 @@ def _describe(dataset: h5py.Dataset, long_name: str, units: str) -> None:
 def _describe_codes(dataset: h5py.Dataset, codes: dict[int, str]) -> None:
     meanings = {**codes, NOT_COMPUTED: "not computed"}
     dataset.attrs["flag_values"] = np.array(sorted(meanings), dataset.dtype)
-    # CF separates meanings by blanks, so that there are none within.
+    # CF separates meanings by blanks.
     dataset.attrs["flag_meanings"] = " ".join("_".join(meanings[code].split()) for code in sorted(meanings))
 
 

@@ -1,4 +1,4 @@
-"""What the store tells its user when a file cannot be made, written or read."""
+"""Errors of the store when a file cannot be made, written or read."""
 
 import errno
 import re
@@ -10,7 +10,7 @@ _FULL = "The disk or the quota is full, or a file-size limit is reached. Make ro
 _DENIED = "The system does not allow it. Look at the permissions, or give another --out."
 _NO_LOCKS = "This file system has no locks: set HDF5_USE_FILE_LOCKING=FALSE and run one sweep per file."
 _BUSY = "Another sweep is writing it, or another program has it open. Wait for it, or give another --out."
-_ENOTSUPP = 524  # Linux NFS and Lustre answer with this number, which errno does not name
+_ENOTSUPP = 524  # Used by Linux NFS and Lustre, missing in errno
 
 _REMEDIES = {
     errno.EAGAIN: _BUSY,
@@ -34,25 +34,25 @@ class StoreError(Exception):
 
 
 class DamagedError(StoreError):
-    """A result file is cut off, or something in it is not as it was written."""
+    """A result file is truncated or modified."""
 
 
 @contextmanager
 def explained(
-    path: Path, action: str, remedy: str = "The system refuses.", otherwise: type[StoreError] = StoreError
+    path: Path, action: str, remedy: str = "System error.", otherwise: type[StoreError] = StoreError
 ) -> Iterator[None]:
-    """Turn what h5py and the operating system raise inside the block into a `StoreError`.
+    """Turn errors of h5py and the operating system inside the block into a `StoreError`.
 
     Parameters
     ----------
     path : Path
         The file worked on.
     action : str
-        What fails when something is raised, as in "cannot `write` out.h5".
+        The failing action, as in "cannot `write` out.h5".
     remedy : str
-        What to do about it where the system's error number tells nothing.
+        Advice for unknown error numbers.
     otherwise : type
-        What is raised there.
+        Error class for these.
 
     Raises
     ------

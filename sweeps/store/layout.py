@@ -1,4 +1,4 @@
-"""What a result file holds: its columns, its axes and how its variants fall into blocks."""
+"""Layout of a result file: columns, axes and blocks."""
 
 import hashlib
 import math
@@ -15,7 +15,7 @@ NOT_COMPUTED = 255
 DONE = 1
 """Flag of a block that is written; 0 before."""
 
-# Names of the axis over positions: crank angle, share of the range of a sliding input.
+# Names of the position axis: crank angle, or fraction of a sliding input's range.
 POSITION_NAMES = ("phi", "travel")
 RESERVED = ("variant", "progress")
 RESERVED_ATTRIBUTES = ("Conventions", "finished", "outcome")
@@ -31,11 +31,11 @@ class Column(NamedTuple):
     name : str
         Dataset name, without blanks and slashes.
     long_name : str
-        What it is, in words.
+        Long name.
     units : str
-        Units as CF and UDUNITS spell them: "kg m2", "N m", "rad s-1", "1".
+        CF (UDUNITS) units: "kg m2", "N m", "rad s-1", "1".
     dims : tuple of str
-        ("variant",), or ("variant", "position") for a field; of one kept elsewhere the name of its axis is last.
+        ("variant",), or ("variant", "position") for a field, or with another axis.
     dtype : type
         A numpy float or integer type.
     """
@@ -48,7 +48,7 @@ class Column(NamedTuple):
 
 
 class FieldAxis(NamedTuple):
-    """What fields run along, positions of the input or instants of a run: name, meaning, units and values."""
+    """Axis of fields (input positions or times of a run): name, meaning, units and values."""
 
     name: str
     long_name: str
@@ -61,7 +61,7 @@ class FieldAxis(NamedTuple):
         return self.name in POSITION_NAMES
 
     def record(self) -> dict[str, Any]:
-        """What a file must agree in to be continued."""
+        """Identity of the axis for resuming."""
         values = np.ascontiguousarray(self.values, dtype="<f8")
         return {
             "name": self.name,
@@ -87,15 +87,15 @@ class FileLayout:
     attributes : dict
         Text attributes of the root. `study_hash` is required: it names the study.
     coordinates : tuple of str
-        Names of the parameter columns, which readers such as xarray make coordinates.
+        Parameter columns, which xarray makes coordinates.
     status_codes : dict
-        Meaning of each code in the column `status`. 255 is kept for "not computed".
+        Meaning of each code in the column `status`. 255 is reserved for "not computed".
     position : ndarray, optional
-        Coordinate over the positions; needed as soon as a column is a field over them.
+        Position coordinate; required for fields over it.
     position_name, position_long_name, position_units : str
         Name, meaning and units of that coordinate.
     axes : tuple of FieldAxis
-        Of fields that are kept elsewhere.
+        Other axes of fields.
 
     Raises
     ------
@@ -126,7 +126,7 @@ class FileLayout:
         self._check_columns()
         self._check_coordinates()
         if NOT_COMPUTED in self.status_codes:
-            raise ValueError(f"status code {NOT_COMPUTED} is kept for variants not computed")
+            raise ValueError(f"status code {NOT_COMPUTED} is reserved for variants not computed")
 
     def _check_columns(self) -> None:
         names = [*RESERVED, *([self.position_name] if self.over_positions else [])]
@@ -141,7 +141,7 @@ class FileLayout:
             if column.dims not in dims:
                 raise ValueError(f"column {column.name}: dims {column.dims!r} are none of {dims}")
             if np.dtype(column.dtype).kind not in "fiu":
-                raise ValueError(f"column {column.name}: {column.dtype!r} is no float or integer type")
+                raise ValueError(f"column {column.name}: {column.dtype!r} is not a float or integer type")
             if column.name == "status" and np.iinfo(column.dtype).max < NOT_COMPUTED:
                 raise ValueError(f"column status: {column.dtype!r} cannot hold {NOT_COMPUTED}")
 
@@ -149,7 +149,7 @@ class FileLayout:
         flat = {c.name for c in self.columns if c.dims == ("variant",)}
         unknown = [name for name in self.coordinates if name not in flat]
         if unknown:
-            raise ValueError(f"coordinates {', '.join(unknown)} are no columns over variants")
+            raise ValueError(f"coordinates {', '.join(unknown)} are not columns over variants")
         if self.over_positions and (self.position is None or np.ndim(self.position) != 1):
             raise ValueError(f"fields need a one-dimensional position, got {self.position!r}")
 
@@ -198,7 +198,7 @@ class FileLayout:
 
     @property
     def variant_dtype(self) -> np.dtype:
-        """Type of the variant numbers: four bytes while they suffice."""
+        """Type of the variant numbers: four bytes if sufficient."""
         return np.dtype(np.int32 if self.variants <= np.iinfo(np.int32).max else np.int64)
 
     def bytes(self) -> int:
@@ -210,8 +210,8 @@ class FileLayout:
         return data + axes + 9 * self.blocks + text + (len(self.columns) + 18) * _PAGE
 
     def record(self) -> dict[str, Any]:
-        """Return what a file must agree in to be continued, in types that JSON has."""
-        # Files without other axes are as they were before there were any.
+        """Return the identity of the layout for resuming, in JSON types."""
+        # Files without other axes keep the older format.
         axes = {"axes": [axis.record() for axis in self.axes]} if self.axes else {}
         return axes | {
             "variants": self.variants,

@@ -27,14 +27,14 @@ if TYPE_CHECKING:
 _DECISIVE = ("progress/layout", "study_json")
 # Numbers of variants compared together.
 _NUMBERS_AT_ONCE = 1 << 18
-# So many places are named where a file is damaged.
+# Damaged places named in a message.
 _SHOWN = 3
-_AGAIN = "Run its study again: what is damaged is computed again, and nothing else."
-_DAMAGED = "It is damaged, or made by another program."
+_AGAIN = "Run its study again to recompute the damaged part."
+_DAMAGED = "It is damaged or from another program."
 
 
 class Description(NamedTuple):
-    """What a result file says about itself.
+    """Description of a result file.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Description(NamedTuple):
     position_name, position_units : str
         Name and unit of the coordinate over them; "" without fields.
     axes : dict of str to dict
-        Other axes of fields by name: what `FieldAxis.record` says of each.
+        Other axes of fields by name, from `FieldAxis.record`.
     blocks, blocks_done : int
         Number of blocks, and of those computed.
     """
@@ -77,13 +77,13 @@ def describe_result(path: Path) -> Description:
     Raises
     ------
     StoreError
-        There is no such file or it is no result of a sweep.
+        There is no such file, or it isn't a sweep result.
     """
     with opened(path) as file, explained(path, "read", _DAMAGED, DamagedError):
         record = layout_record(file)
         position = record["position"]
         done = file["progress/block_done"][:]
-        # Texts of fixed length come as bytes, unlike the others.
+        # Fixed-length texts come as bytes.
         attributes = {k: v.decode() if isinstance(v, bytes) else v for k, v in file.attrs.items()}
         attributes = {k: _shown_text(v) if isinstance(v, str) else v for k, v in attributes.items()}
         return Description(
@@ -105,7 +105,7 @@ def describe_result(path: Path) -> Description:
 
 
 class MappedResult:
-    """Columns of a result file mapped into memory, and which of its blocks are as they were written.
+    """Memory-mapped columns of a result file, and which of its blocks are intact.
 
     Parameters
     ----------
@@ -117,20 +117,20 @@ class MappedResult:
     columns : dict of str to ndarray
         All columns, and the axes.
     variants, block : int
-        Number of variants, and of those in each block.
+        Number of variants, in total and per block.
     done : ndarray (blocks,) of bool
-        Blocks written, as of the moment of opening.
+        Blocks written at the time of opening.
     flat, fields : list of str
-        Names of the columns over variants alone, axes not among them, and of those over another axis too.
+        Names of the columns over variants only (without axes), and of those over another axis.
     has_checksums : bool
-        Files of earlier versions have none: their blocks count as sound.
+        Files of earlier versions have none; their blocks count as intact.
     edited : list of str
-        Names of the text attributes and axes that aren't as they were written.
+        Modified text attributes and axes.
 
     Raises
     ------
     StoreError
-        There is no such file or it is no result of a sweep.
+        There is no such file, or it isn't a sweep result.
     """
 
     def __init__(self, path: Path) -> None:
@@ -156,7 +156,7 @@ class MappedResult:
             axes += record.get("axes", ())
             names = ("variant", *(axis["name"] for axis in axes), *record["columns"])
             with path.open("rb") as raw:
-                # Mapped once and as a whole, so that all its pages can be given back together.
+                # Mapped as a whole, so that all pages can be released together.
                 self._pages = mmap.mmap(raw.fileno(), 0, access=mmap.ACCESS_READ)
             self.columns = {name: _mapped(self._pages, file[name]) for name in names}
             self.flat = [name for name, c in record["columns"].items() if c["dims"] == ["variant"]]
@@ -171,7 +171,7 @@ class MappedResult:
         self._known: dict[tuple[str, int], bool] = {}
 
     def _refuse_other_shapes(self, file: h5py.File, record: Mapping[str, Any]) -> None:
-        """Raise a `DamagedError` where a column hasn't the length or type that it was made with."""
+        """Raise a `DamagedError` if a column has the wrong length or type."""
         position = record["position"]
         sizes = {"variant": self.variants} | {axis["name"]: int(axis["count"]) for axis in record.get("axes", ())}
         sizes |= {"position": int(position["count"]), position["name"]: int(position["count"])} if position else {}
@@ -183,22 +183,22 @@ class MappedResult:
         for name, (shape, kind) in shapes.items():
             dataset, made_as = file[name], h5py.h5t.py_create(np.dtype(kind), logical=True)
             if dataset.shape != shape or dataset.id.get_type() != made_as:
-                words = f"its {name.removeprefix('progress/')} hasn't the length or type that it was made with"
+                words = f"{name.removeprefix('progress/')} has the wrong length or type"
                 raise DamagedError(f"{self.path} is damaged: {words}. {_AGAIN}")
 
     def is_sound(self, block: int, kinds: Sequence[str] = ("flat", "fields")) -> bool:
-        """Whether a block that is done agrees with its checksums.
+        """Whether a finished block agrees with its checksums.
 
         Parameters
         ----------
         block : int
         kinds : sequence of {"flat", "fields"}
-            Columns over variants alone, or fields.
+            Columns over variants only, or fields.
         """
         return all(self._agrees(kind, block) for kind in kinds if kind in self._sums)
 
     def damaged(self, kinds: Sequence[str] = ("flat", "fields")) -> list[int]:
-        """Numbers of the blocks whose flags changed, or that are done and don't agree with their checksums.
+        """Blocks with modified flags, or finished ones that disagree with their checksums.
 
         Kinds are as for `is_sound`.
         """
@@ -211,34 +211,34 @@ class MappedResult:
 
     @property
     def edited_decisively(self) -> list[str]:
-        """Of what isn't as it was written that on which it depends what numbers are taken for."""
+        """Modified texts that affect the meaning of numbers."""
         return [name for name in self.edited if name in _DECISIVE or name in self.columns]
 
     def refuse_damage(self, kinds: Sequence[str], texts: bool = False) -> None:
-        """See that what is done agrees with its checksums.
+        """Check all finished blocks against their checksums.
 
         Parameters
         ----------
         kinds : sequence of {"flat", "fields"}
             As for `is_sound`.
         texts : bool
-            Refuse a change of any text, not only of those that numbers depend on.
+            Check all texts, not only those that numbers depend on.
 
         Raises
         ------
         DamagedError
-            It doesn't.
+            A checksum disagrees.
         """
         if edited := self.edited if texts else self.edited_decisively:
-            raise DamagedError(f"{self.path} is damaged: its {edited[0]} isn't as it was written. {_AGAIN}")
+            raise DamagedError(f"{self.path} is damaged: {edited[0]} was modified. {_AGAIN}")
         if damaged := self.damaged(kinds):
             words = damage_text(self, damaged)
-            raise DamagedError(f"{self.path} is damaged: numbers of variants {words} changed. {_AGAIN}")
+            raise DamagedError(f"{self.path} is damaged (variants {words}). {_AGAIN}")
 
     def known_status(self) -> np.ndarray:
-        """The column `status`; in memory, with blocks that aren't done as not computed, of an unfinished file.
+        """The column `status`; for an unfinished file a copy with pending blocks as not computed.
 
-        A writer hands status over last: what is ok here has its numbers there.
+        Status is written last, so variants that are ok have their numbers.
         """
         status = self.columns["status"]
         if self.done.all():
@@ -253,12 +253,12 @@ class MappedResult:
         return slice(block * self.block, min((block + 1) * self.block, self.variants))
 
     def release(self) -> None:
-        """Give back the memory of what was read; it is read from the file again where it is looked at again."""
+        """Release memory; data are read again on access."""
         if hasattr(mmap, "MADV_DONTNEED"):
             self._pages.madvise(mmap.MADV_DONTNEED)
 
     def _is_numbered(self) -> bool:
-        """Whether the axis of variants counts from 0 on; looked at in parts, as all of it may not fit in memory."""
+        """Whether the variant axis counts from 0; checked in parts to bound memory."""
         numbers = self.columns["variant"]
         if numbers.shape != (self.variants,):
             return False
@@ -286,7 +286,7 @@ def _mapped(pages: mmap.mmap, dataset: h5py.Dataset) -> np.ndarray:
 
 
 def variant_keys(columns: Mapping[str, np.ndarray], names: Iterable[str], rows: slice) -> np.ndarray:
-    """A 64-bit number for the parameters of each of some variants: the same for the same parameters.
+    """A 64-bit hash of each variant's parameters.
 
     Parameters
     ----------
@@ -298,7 +298,7 @@ def variant_keys(columns: Mapping[str, np.ndarray], names: Iterable[str], rows: 
     """
     found = np.zeros(rows.stop - rows.start, np.uint64)
     for name in names:
-        # The sum makes 0 of −0. Multiplication by an odd number and a shift, as in SplitMix64, spread every bit.
+        # Adding 0 turns −0 into 0. Odd multiplication and shift mix the bits, as in SplitMix64.
         found ^= (columns[name][rows] + 0.0).view(np.uint64)
         found = found * np.uint64(0xBF58476D1CE4E5B9) + np.uint64(0x9E3779B97F4A7C15)
         found ^= found >> np.uint64(31)
@@ -306,16 +306,16 @@ def variant_keys(columns: Mapping[str, np.ndarray], names: Iterable[str], rows: 
 
 
 def damage_text(result: MappedResult, blocks: Sequence[int]) -> str:
-    """Name the variants of some blocks, "0 … 4095, 8192 … 12287"; of many the first."""
+    """Name the variants of some blocks, "0 … 4095, 8192 … 12287", limited to the first few."""
     shown = [result.rows(i) for i in blocks[:_SHOWN]]
     words = ", ".join(f"{r.start} … {r.stop - 1}" if r.stop - r.start > 1 else f"{r.start}" for r in shown)
-    return words + (f" and in {len(blocks) - _SHOWN} places more" if len(blocks) > _SHOWN else "")
+    return words + (f" and {len(blocks) - _SHOWN} more blocks" if len(blocks) > _SHOWN else "")
 
 
 def mapped_columns(path: Path) -> MappedResult:
-    """Map all columns over variants alone, once they agree with their checksums.
+    """Map all columns over variants after checking their checksums.
 
-    Verdicts are in memory where the file is still written: then they stand as they were at the beginning.
+    If the file is still being written, verdicts are a copy from the time of opening.
 
     Parameters
     ----------
@@ -335,15 +335,15 @@ def mapped_columns(path: Path) -> MappedResult:
 
 
 def read_columns(path: Path, names: Sequence[str] | None = None) -> dict[str, np.ndarray]:
-    """Read columns as arrays, once what is read agrees with its checksums.
+    """Read columns as arrays after checking their checksums.
 
     Parameters
     ----------
     path : Path
         A result file.
     names : sequence of str, optional
-        Datasets to read, axes included. Without it, all columns over variants alone: fields, which
-        may exceed the memory, are read only when named.
+        Datasets to read, including axes; default: all columns over variants. Fields, which may exceed the memory, are
+        read only when named.
 
     Raises
     ------
@@ -358,7 +358,7 @@ def read_columns(path: Path, names: Sequence[str] | None = None) -> dict[str, np
 
 
 def _sound(path: Path, names: Sequence[str] | None) -> MappedResult:
-    """A file whose columns of these names, all over variants alone unless given, agree with their checksums."""
+    """A file whose named columns (default: all over variants) agree with their checksums."""
     mapped = MappedResult(path)
     known = list(mapped.columns)
     for name in names or ():
@@ -372,13 +372,13 @@ def _sound(path: Path, names: Sequence[str] | None) -> MappedResult:
 
 
 def open_dataset(path: Path, check: bool = True) -> "xarray.Dataset":
-    """Open a result file as an `xarray.Dataset`, whose data are read when they are used.
+    """Open a result file as a lazy `xarray.Dataset`.
 
     Parameters
     ----------
     path : Path
     check : bool
-        Compare all of it with its checksums first, fields and texts too.
+        Check all checksums first, including fields and texts.
 
     Raises
     ------
@@ -386,7 +386,7 @@ def open_dataset(path: Path, check: bool = True) -> "xarray.Dataset":
         xarray is not installed, or the file cannot be read or is damaged.
     """
     try:
-        import h5netcdf  # noqa: F401  (xarray names a missing engine only in general words)
+        import h5netcdf  # noqa: F401  (clearer than xarray's message on a missing engine)
         import xarray
     except ImportError as error:
         raise StoreError(f"reading {path} as a dataset needs xarray: pip install 'machine-sweeps[xarray]'") from error
@@ -396,7 +396,7 @@ def open_dataset(path: Path, check: bool = True) -> "xarray.Dataset":
         try:
             return xarray.open_dataset(path, engine="h5netcdf")
         except OSError:
-            # A sweep that writes it has locked it.
+            # A running sweep locks the file.
             return xarray.open_dataset(path, engine="h5netcdf", driver_kwds={"locking": False})
 
 
@@ -404,8 +404,7 @@ def open_dataset(path: Path, check: bool = True) -> "xarray.Dataset":
 def opened(path: Path) -> Iterator[h5py.File]:
     """Open a result file for reading, without a lock.
 
-    The shape of a result file never changes while it is written, so that reading needs no lock,
-    and a look at a running sweep's file does not stop the sweep.
+    A result file's layout never changes during writing, so reading needs no lock and does not disturb a running sweep.
 
     Raises
     ------
@@ -417,7 +416,7 @@ def opened(path: Path) -> Iterator[h5py.File]:
 
 
 def _shown_text(text: str) -> str:
-    """A text that can be shown: damaged ones may hold what isn't Unicode."""
+    """A printable text, as damaged ones may not be Unicode."""
     return text.encode(errors="replace").decode()
 
 
@@ -427,10 +426,10 @@ def layout_record(file: h5py.File) -> dict[str, Any]:
     Raises
     ------
     StoreError
-        The file is no result of a sweep.
+        The file isn't a sweep result.
     """
     if "progress" not in file or "layout" not in file["progress"].attrs:
-        raise StoreError(f"{file.filename} is no result of a sweep: it has no record of its layout.")
+        raise StoreError(f"{file.filename} is not a sweep result: it has no layout record.")
     with explained(Path(file.filename), "read", _DAMAGED, DamagedError):
         record = json.loads(_shown_text(file["progress"].attrs["layout"]))
     if not isinstance(record, dict) or not {"variants", "block", "position", "columns"} <= record.keys():
@@ -445,30 +444,30 @@ def _open_unlocked(path: Path) -> h5py.File:
     except OSError:
         pass
     try:
-        # HDF5 wants the same answer about locks from all who have a file open in one process.
+        # HDF5 requires one locking mode per file in a process.
         return h5py.File(path, "r")
     except OSError as error:
         if not error.errno:
-            raise DamagedError(f"cannot read {path}: it is damaged or cut off. Run its study again.") from error
+            raise DamagedError(f"cannot read {path}: it is damaged or truncated. Run its study again.") from error
         raise
 
 
 def _existing(path: Path) -> Path:
     path = Path(path)
     if path.is_dir():
-        raise StoreError(f"cannot read {path}: this is a folder, no result of a sweep.")
+        raise StoreError(f"cannot read {path}: this is a folder, not a sweep result.")
     if not path.exists():
         part = part_path(path)
         if part.exists():
-            raise StoreError(f"{path} is not finished: run its sweep again to go on, or look at {part}.")
+            raise StoreError(f"{path} is not finished: run its sweep again to resume, or see {part}.")
         raise StoreError(f"cannot read {path}: there is no such file. Results are .h5 files, made by `sweeps run`.")
     if not path.is_file():
-        # Whoever opens a pipe waits for its other end.
-        raise StoreError(f"cannot read {path}: it is a device or a pipe, no result of a sweep.")
+        # Opening a pipe would block.
+        raise StoreError(f"cannot read {path}: it is a device or a pipe, not a sweep result.")
     with explained(path, "read"), path.open("rb") as file:
         start = file.read(len(HDF5_SIGNATURE))
     if start != HDF5_SIGNATURE:
-        found = "it is no HDF5 file" if start else "it is empty"
-        mend = " Scenes and studies are looked at with `sweeps check`." if path.suffix == ".toml" else ""
-        raise StoreError(f"cannot read {path}: {found}, so no result of a sweep.{mend}")
+        found = "it is not an HDF5 file" if start else "it is empty"
+        mend = " For scenes and studies use `sweeps check`." if path.suffix == ".toml" else ""
+        raise StoreError(f"cannot read {path}: {found}, so not a sweep result.{mend}")
     return path

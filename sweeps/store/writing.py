@@ -1,4 +1,4 @@
-"""The store of a sweep that is under way: blocks are written in place and flagged once they are safe."""
+"""The store of a running sweep: blocks are written in place and flagged once they are safe."""
 
 import json
 import os
@@ -31,32 +31,32 @@ from .errors import DamagedError, StoreError, explained
 from .layout import DONE, NOT_COMPUTED, Column, FileLayout
 from .reading import MappedResult, damage_text, layout_record, opened
 
-# HDF5's lock keeps out other processes, but not a second store in this one.
+# HDF5's lock doesn't exclude a second store in this process.
 _held: set[Path] = set()
 
 
 class Store:
     """Results of a sweep, written block by block into `NAME.part.h5`, renamed to `NAME.h5` at the end.
 
-    A killed sweep loses the blocks under way and nothing else: a block is flagged as done only after
-    its rows have been handed to the operating system. What a power cut makes of them shows in their
-    checksums: blocks that don't agree with theirs are pending again. Use as a context manager.
+    A killed sweep loses only the unfinished blocks: a block is flagged as done after its rows have been passed to the
+    operating system. Damage by a power cut shows in the checksums, and such blocks become pending again. Use as a
+    context manager.
 
-    Rows are handed over with the column `status` last: whoever reads the file meanwhile, status first,
-    finds the numbers of every variant that is ok.
+    The column `status` is written last: concurrent readers that read status first find the numbers of every variant
+    that is ok.
 
     Attributes
     ----------
     path, part : Path
-        The final name and the one worked under.
+        Final and temporary name.
     layout : FileLayout
         The shape of the file.
     finished : bool
-        The final file exists, is of this study and undamaged: there is nothing to do.
+        The final file exists, belongs to this study and is undamaged.
     sources : tuple of Path
-        Earlier files that may hold some of the study's numbers: of another study, or damaged.
+        Other or damaged files that may hold some of the study's numbers.
     notes : list of str
-        Sentences on what was found and what became of it.
+        Messages about earlier files.
     """
 
     def __init__(self, path: Path, layout: FileLayout) -> None:
@@ -72,31 +72,30 @@ class Store:
     def open(
         cls, path: Path, layout: FileLayout, restart: bool = False, block: Callable[[], int] | None = None
     ) -> Self:
-        """Create the part file, or continue the one that an earlier run of the study left.
+        """Create the part file, or resume an earlier one.
 
-        A part file of another study is set aside under a numbered name.
+        A part file of another study is renamed to a numbered name.
 
         Parameters
         ----------
         path : Path
             Final name of the file.
         layout : FileLayout
-            Its shape and attributes; of a file that is continued the size of blocks is kept.
+            Layout and attributes; a resumed file keeps its block size.
         restart : bool
-            Throw away the part file found, and take nothing from a finished file.
+            Discard the part file and ignore a finished file.
         block : callable, optional
-            Variants per block in place of the layout's, found only when a file is made.
+            Variants per block instead of the layout's, called only for a new file.
 
         Returns
         -------
         Store
-            With `finished` set if the study's finished file is there already.
+            With `finished` set if the study's file is complete.
 
         Raises
         ------
         StoreError
-            What is there is no result of a sweep, another sweep is writing, the disk has too little
-            room, or the system refuses.
+            The existing file isn't a sweep result, another sweep is writing, the disk is too small, or a system error.
         """
         if Path(path).is_dir():
             raise StoreError(f"{path} is a folder. Give a file name as --out.")
@@ -124,7 +123,7 @@ class Store:
 
     @property
     def pending(self) -> list[int]:
-        """Numbers of the blocks not done."""
+        """Indices of the unfinished blocks."""
         return [] if self.finished else np.flatnonzero(~self._done).tolist()
 
     def slice(self, i: int) -> slice:
@@ -132,12 +131,12 @@ class Store:
         return self.layout.slice(i)
 
     def read(self, i: int) -> dict[str, np.ndarray]:
-        """Return the columns of a block that is done, fields too.
+        """Return the columns of a finished block, including fields.
 
         Raises
         ------
         StoreError
-            The system refuses.
+            System error.
         """
         file, rows = self._opened(), self.slice(i)
         with explained(self.part, "read"):
@@ -156,9 +155,9 @@ class Store:
         Raises
         ------
         StoreError
-            The system refuses (disk full, file gone): the block stays pending, others stay as they are.
+            System error (disk full, file gone): the block stays pending.
         ValueError
-            The arrays are not those of the layout.
+            The arrays don't match the layout.
         """
         rows = self.slice(i)
         arrays = self._checked(rows, arrays)
@@ -167,7 +166,7 @@ class Store:
             for name, values in arrays.items():
                 if name != "status":
                     file[name][rows] = values
-            # A verdict must not reach the file before the numbers that it is about, nor the flag before both.
+            # Write order: numbers, then verdicts, then the flag.
             file.flush()
             if "status" in arrays:
                 file["status"][rows] = arrays["status"]
@@ -186,15 +185,14 @@ class Store:
         Parameters
         ----------
         outcome : str
-            Text for the root attribute `outcome`: what is known at the end only, such as counts and
-            duration. Cut off at 2000 bytes.
+            Text for the root attribute `outcome`, such as counts and duration; cut at 2000 bytes.
         keep_former : bool
-            Keep a finished file found under the final name, under a numbered one.
+            Keep an existing finished file under a numbered name.
 
         Raises
         ------
         StoreError
-            Blocks are pending or the system refuses; what was written stays in the part file.
+            Blocks are pending, or a system error; written blocks stay in the part file.
         """
         if self.finished:
             return
@@ -223,7 +221,7 @@ class Store:
         Raises
         ------
         StoreError
-            The system refuses to write what is left; blocks flagged as done are safe all the same.
+            System error in the last write; flagged blocks are safe.
         """
         if self._held_as:
             _held.discard(self._held_as)
@@ -246,7 +244,7 @@ class Store:
         self._held_as = part
 
     def _continue(self) -> bool:
-        """Go on with the part file, if it is of this study; set it aside if it isn't."""
+        """Resume the part file if it belongs to this study, else rename it."""
         check_unlocked(self.part)
         try:
             with opened(self.part) as file:
@@ -254,12 +252,12 @@ class Store:
                 names = json.loads(file["progress"].attrs.get("sources", "[]"))
             mapped = MappedResult(self.part)
         except DamagedError:
-            self._set_aside("is damaged beyond going on")
+            self._set_aside("is damaged and can't be resumed")
             return False
         self.sources = tuple(self.path.with_name(name) for name in names)
         if not found or mapped.edited:
             if mapped.done.any():
-                self._set_aside("is of an earlier form of the study, or of another one")
+                self._set_aside("belongs to an earlier version of the study, or to another study")
             else:
                 remove_unlocked(self.part)
             return False
@@ -273,7 +271,7 @@ class Store:
         return True
 
     def _forget(self, blocks: list[int]) -> None:
-        """Make blocks pending again, which nobody is to take for done meanwhile."""
+        """Make blocks pending again."""
         file = self._opened()
         for i in blocks:
             file["progress/block_done"][i] = 0
@@ -287,19 +285,19 @@ class Store:
         with explained(self.part, "rename"):
             self.part.rename(aside)
         self.sources = (aside, *self.sources)
-        self.notes.append(f"The interrupted {self.part} {why}: it is set aside as {aside}.")
+        self.notes.append(f"The interrupted {self.part} {why}: renamed to {aside}.")
 
     def _note_damage(self, path: Path, mapped: MappedResult, blocks: list[int]) -> None:
-        self.notes.append(f"{path} was damaged: variants {damage_text(mapped, blocks)} are computed again.")
+        self.notes.append(f"{path} was damaged: variants {damage_text(mapped, blocks)} are recomputed.")
 
     def _accept_finished(self) -> bool:
-        """Whether the file under the final name is this study's, whole and undamaged."""
+        """Whether the final file is this study's, complete and undamaged."""
         try:
             with opened(self.path) as file:
                 found = _same_study(file, self.layout)
             mapped = MappedResult(self.path)
         except DamagedError:
-            self.notes.append(f"{self.path} is damaged beyond reading: all of it is computed again.")
+            self.notes.append(f"{self.path} is unreadable: everything is recomputed.")
             return False
         damaged = mapped.damaged()
         if damaged:
@@ -326,7 +324,7 @@ class Store:
         if values.shape != expected:
             raise ValueError(f"column {column.name}: shape {values.shape}, expected {expected}")
         stored = values.astype(column.dtype, copy=False)
-        # HDF5 would clip a code that does not fit, and so make it another code.
+        # HDF5 would clip a code that does not fit.
         if stored.dtype.kind in "iu" and not np.array_equal(stored, values):
             raise ValueError(f"column {column.name}: values do not fit {stored.dtype.name}")
         return stored
@@ -339,7 +337,7 @@ class Store:
 
 
 def _same_study(file: h5py.File, layout: FileLayout) -> bool:
-    """Whether a file is of the study at hand, however its variants fall into blocks."""
+    """Whether a file belongs to the study, whatever its block size."""
     theirs, ours = layout_record(file), layout.record()
     same = theirs | {"block": 0} == ours | {"block": 0}
     return same and file.attrs.get("study_hash") == layout.study_hash
@@ -350,7 +348,7 @@ def _file_size(path: Path) -> int:
 
 
 def reword(path: Path, attributes: Mapping[str, str]) -> None:
-    """Give a file other texts, where they differ: a copy is changed and takes its place.
+    """Update a file's texts if they differ, by replacing it with a modified copy.
 
     Parameters
     ----------
@@ -362,7 +360,7 @@ def reword(path: Path, attributes: Mapping[str, str]) -> None:
     Raises
     ------
     StoreError
-        Another sweep is writing the file, or the system refuses.
+        Another sweep is writing the file, or a system error.
     """
     with opened(path) as file:
         changed = {name: text for name, text in attributes.items() if file.attrs.get(name) != text}

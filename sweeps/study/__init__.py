@@ -1,1 +1,1 @@
-"""A study: its text, what varies in it, how variants are drawn, what is asked of them and what is searched for."""
+"""Studies: text, variables, sampling, outputs and search."""

@@ -1,4 +1,4 @@
-"""Studies that come with the package, and how a study is found by name."""
+"""Bundled studies, and finding a study by name."""
 
 import tomllib
 from importlib.resources import files
@@ -11,12 +11,12 @@ STUDIES = Path(str(files("sweeps") / "studies"))
 
 
 def bundled_studies() -> dict[str, Path]:
-    """Studies that come with the package, by name; the folder of each is its subject."""
+    """Bundled studies by name; the folder of each is its subject."""
     return {path.stem: path for path in sorted(STUDIES.glob("*/*.toml"), key=lambda path: path.stem)}
 
 
 def questions() -> dict[str, str]:
-    """The question that each bundled study answers, by the study's name."""
+    """The question of each bundled study, by name."""
     return {name: tomllib.loads(path.read_text("utf8"))["question"] for name, path in bundled_studies().items()}
 
 

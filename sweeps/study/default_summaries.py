@@ -1,4 +1,4 @@
-"""What is asked of a machine where a study names nothing, and what is worth asking of its regimes."""
+"""Default summaries of machines and their regimes."""
 
 from engine import (
     ACCURACY_SUMMARIES,
@@ -15,7 +15,7 @@ from engine import (
 
 
 def default_summaries(scene: Scene) -> tuple[str, ...]:
-    """What is asked of a machine where nothing is named: all of its cycle and its flywheel, strokes, its regimes."""
+    """Default summaries: cycle, flywheel, strokes and regimes."""
     if scene.input is None:
         return tuple(made_ready(scene).available_summaries)
     left_out = {"first_kind_inertia", "power_balance_residual", "conservative_work_residual", "loop_closure_residual"}
@@ -31,7 +31,7 @@ def default_summaries(scene: Scene) -> tuple[str, ...]:
 
 
 def telling_summaries(scene: Scene) -> tuple[str, ...]:
-    """The informative summaries of all regimes: works only of what acts, no speed that the scene prescribes."""
+    """Informative summaries of all regimes: work of active loads only, no prescribed speed."""
     loads, found = Mechanics(scene).loads, []
     for name, regime in scene.regimes.items():
         keys = ["mean_speed", *_SPEEDS, "speed_fluctuation"]
@@ -52,7 +52,7 @@ def telling_summaries(scene: Scene) -> tuple[str, ...]:
 
 
 def _coupling_keys(scene: Scene, regime: Regime) -> list[str]:
-    """What is worth asking of a coupling that isn't open."""
+    """Summaries of a closed coupling."""
     found: list[str] = []
     for name, coupling in scene.couplings.items():
         if not isinstance(regime, RunRegime) and coupling.type == "friction_clutch":
@@ -74,7 +74,7 @@ def _run_keys(scene: Scene, regime: RunRegime) -> list[str]:
 
 
 def _work_keys(has_motors: bool, roles: set[str]) -> list[str]:
-    """Works of what acts."""
+    """Work of active loads."""
     keys = ["motor_moment_peak", "motor_moment_rms", "motor_power", "motor_work"] if has_motors else []
     channels = {"driving": "driving_work", "useful": "useful_work", "harmful": "harmful_work", "braking": "brake_heat"}
     keys += [key for role, key in channels.items() if role in roles]

@@ -1,7 +1,6 @@
-"""What varies in a study, and the numbers of every variant, computed from the variant's index alone.
+"""Axes of a study and the parameters of every variant, computed from the variant's index.
 
-Any block of variants can be asked for by itself, in any order and size, on any worker: its numbers are
-the same bit for bit, and only the block is held in memory.
+Blocks of any size can be computed in any order on any worker, identical bit for bit, with only the block in memory.
 """
 
 import math
@@ -20,7 +19,7 @@ _UNIT_POINTS = {"random": random_points, "sobol": sobol_points, "latin": latin_p
 
 
 class SamplingError(ValueError):
-    """A choice of variants that can't be made; the message names the path and the value."""
+    """Invalid sampling; the message names the path and the value."""
 
 
 class Axis(Protocol):
@@ -32,7 +31,7 @@ class Axis(Protocol):
 
     @property
     def size(self) -> int:
-        """How many sets of values there are."""
+        """Number of sets of values."""
 
     def values(self, indices: np.ndarray) -> dict[str, np.ndarray]:
         """Values of each parameter at the indices (int64, each in 0..size-1), as float64."""
@@ -99,7 +98,7 @@ class Linear(_Steps):
     Raises
     ------
     SamplingError
-        If count < 1, if one value should serve for two different ends, or if an end isn't finite.
+        If count < 1, if count is 1 for two different ends, or if an end is infinite or NaN.
     """
 
     def values(self, indices: np.ndarray) -> dict[str, np.ndarray]:
@@ -189,7 +188,7 @@ class Sampled:
     Raises
     ------
     SamplingError
-        If count < 1, low > high, a logarithmic range touches zero, a limit isn't finite, the lengths
+        If count < 1, low > high, a logarithmic range touches zero, a limit is infinite or NaN, the lengths
         differ, the method is unknown, the seed is outside 0..2**64-1, or Sobol' is asked for more than
         2**30 points.
     """
@@ -239,7 +238,7 @@ class Sampled:
 
     @property
     def note(self) -> str:
-        """A warning about the choice made, or an empty text."""
+        """A warning, or ""."""
         if self.method != "sobol" or self.count.bit_count() == 1:
             return ""
         below = 2 ** (self.count.bit_length() - 1)
@@ -248,7 +247,7 @@ class Sampled:
 
     def values(self, indices: np.ndarray) -> dict[str, np.ndarray]:
         """Values of the samples with these indices."""
-        # In a product with other axes the same sample serves many times.
+        # In a product with other axes samples repeat.
         distinct, back = np.unique(indices, return_inverse=True)
         unit = _UNIT_POINTS[self.method](self.seed, self.count, len(self.names), distinct)
         limits = zip(self.names, unit.T, self.lows, self.highs, self.logarithmic, strict=True)
@@ -326,7 +325,7 @@ def _distinct(names: Sequence[str]) -> tuple[str, ...]:
 
 def _together(names: Sequence[str]) -> tuple[str, ...]:
     if not names:
-        raise SamplingError("no names are given for what should vary together")
+        raise SamplingError("no names for a joint axis")
     return _distinct(names)
 
 
@@ -373,7 +372,7 @@ def _check_ratio(name: str, low: float, high: float) -> None:
 
 
 def between(fraction: np.ndarray, low: float, high: float, is_logarithmic: bool) -> np.ndarray:
-    """Numbers at fractions from 0 to 1 of the way from one end to the other, or of that between their logarithms."""
+    """Linear or logarithmic interpolation between two ends at fractions from 0 to 1."""
     steps = low * np.exp(fraction * math.log(high / low)) if is_logarithmic else low + fraction * (high - low)
     # Rounding may overshoot an end by a unit in the last place.
     return np.clip(steps, low, high)

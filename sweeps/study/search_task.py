@@ -1,4 +1,4 @@
-"""The task of a search: objectives, conditions, what it may change and where it begins; read from a study."""
+"""The task of a search: objectives, conditions, variables and start, read from a study."""
 
 import hashlib
 import json
@@ -38,7 +38,7 @@ EVOLUTION, GENETIC, LOCAL = "differential evolution", "NSGA-II", "local"
 
 
 class Objective(NamedTuple):
-    """What is to be minimised (sign +1) or maximised (−1): an expression, its SI unit, and the column that holds it."""
+    """An objective, minimised (sign +1) or maximised (−1): expression, SI unit and column."""
 
     name: str
     expression: TextExpression
@@ -47,23 +47,23 @@ class Objective(NamedTuple):
 
     @property
     def way(self) -> str:
-        """The key under which it was given."""
+        """Its key in the study."""
         return "minimise" if self.sign > 0 else "maximise"
 
     @property
     def is_column(self) -> bool:
-        """Whether it is a column of the result by itself."""
+        """Whether it is a column of the result."""
         return self.name == self.expression.tree
 
 
 @dataclass(frozen=True, eq=False)
 class SearchTask:
-    """A search, ready to begin.
+    """A search task.
 
     Attributes
     ----------
     study : Study
-        With all that the search needs among its summaries, and without fields.
+        With all required summaries and without fields.
     variables : Variables
     objectives : tuple of Objective
     conditions : tuple of Condition
@@ -71,7 +71,7 @@ class SearchTask:
     method : {"differential evolution", "NSGA-II", "local"}
     population, generations, seed : int
     start : ndarray (variables,)
-        Coordinates of the candidate to begin with.
+        Coordinates of the first candidate.
     tolerances : tuple of Tolerance
     """
 
@@ -94,7 +94,7 @@ class SearchTask:
 
 
 def search_record(task: SearchTask) -> dict[str, Any]:
-    """The task in types that JSON has, for the result file.
+    """The task in JSON types, for the result file.
 
     Parameters
     ----------
@@ -103,8 +103,8 @@ def search_record(task: SearchTask) -> dict[str, Any]:
     Returns
     -------
     dict
-        `objectives` (column, way and expression of each), `subject_to` (conditions as written), `ranges` (name, low,
-        high and whether by logarithm), `method`, `population`, `generations`, `seed`, and coordinates of the `start`.
+        `objectives` (column, direction and expression), `subject_to` (conditions as written), `ranges` (name, low,
+        high, logarithmic), `method`, `population`, `generations`, `seed`, and coordinates of the `start`.
     """
     return {
         "objectives": [
@@ -121,18 +121,18 @@ def search_record(task: SearchTask) -> dict[str, Any]:
 
 
 def task_of(study: Study) -> SearchTask:
-    """What a study has to be searched for: its [optimise], or its [best] over all that varies.
+    """The search task of a study: its [optimise], or its [best] over all variables.
 
     Raises
     ------
     InputError
-        All that is wrong with it.
+        All problems of the task.
     """
     return _TaskReader(study).task()
 
 
 class _TaskReader:
-    """Reads the search out of a study, collecting problems with their lines."""
+    """Reads the task from a study, collecting problems with their lines."""
 
     def __init__(self, study: Study) -> None:
         self.study, self.raw = study, study.optimise or Optimise()
@@ -171,7 +171,7 @@ class _TaskReader:
         if best is not None:
             return [goal] if (goal := getattr(best, key)) else []
         if key == "minimise":
-            message = "nothing to search for: give minimise or maximise, expressions over summaries and parameters"
+            message = "no objective: give minimise or maximise, expressions of summaries and parameters"
             self._problem(["optimise"], message)
         return []
 
@@ -196,7 +196,7 @@ class _TaskReader:
         return dimensions_by_unit({name: self.units[name] for name in expression.names})
 
     def _expression(self, key: str, text: str) -> TextExpression | None:
-        """An expression that yields a number, if all of its names can be had."""
+        """A numeric expression, if all of its names are available."""
         keys = ["optimise", key]
         try:
             expression = parse_expression(text, any_quantity)
@@ -229,7 +229,7 @@ class _TaskReader:
         return not unknown
 
     def _is_known(self, name: str, keys: list[str]) -> bool:
-        """Whether a name is a parameter or can be asked of the machine; what can, is asked."""
+        """Whether a name is a parameter or a summary, which is then requested."""
         if name in self.study.parameters or name in self.fixed_summaries:
             return True
         try:
@@ -246,20 +246,18 @@ class _TaskReader:
     def _check_method(self, method: str, objectives: int, variables: Variables) -> None:
         keys = ["optimise", "method"]
         if not variables.varies or not self.study.paths:
-            self._problem(["vary"], "nothing of the scene varies; give ranges or lists of what may be changed")
+            self._problem(["vary"], "nothing varies; give ranges or lists of variables")
         elif method == LOCAL and not variables.free.any():
-            message = f"{LOCAL!r} goes along ranges, but only lists vary: give low and high, or take {EVOLUTION!r}"
+            message = f"{LOCAL!r} needs ranges, but only lists vary: give low and high, or use {EVOLUTION!r}"
             self._problem(keys, message)
         if method == GENETIC and objectives == 1:
-            self._problem(keys, f"{GENETIC!r} weighs several objectives, but there is one: take {EVOLUTION!r}")
+            self._problem(keys, f"{GENETIC!r} needs several objectives: use {EVOLUTION!r}")
         if method != GENETIC and objectives > 1:
-            message = (
-                f"{method!r} follows one objective, but there are {objectives}: take {GENETIC!r}, or join them in one"
-            )
+            message = f"{method!r} needs one objective, but there are {objectives}: use {GENETIC!r}, or combine them"
             self._problem(keys, message)
 
     def _start(self, variables: Variables) -> np.ndarray:
-        """Coordinates of the start: as given, else of the scene as it is."""
+        """Coordinates of the start: as given, else of the unmodified scene."""
         given = {}
         for name, value in self.raw.start.items():
             keys = ["optimise", "start", name]
@@ -270,20 +268,20 @@ class _TaskReader:
         place = variables.coordinates(self.study.fixed | given)
         found = variables.values(place[None])
         for name, value in given.items():
-            # Going to a coordinate and back costs some roundings.
+            # Allow for rounding in the conversion.
             if not np.isclose(found[name][0], value, rtol=1e-12, atol=0):
                 keys, text = ["optimise", "start", name], quantity_text(value, self.units[name])
-                self._problem(keys, f"{text} is not among what vary.{name} allows; {self._allowed(name, variables)}")
+                self._problem(keys, f"{text} is not allowed by vary.{name}; {self._allowed(name, variables)}")
         return place
 
     def _allowed(self, name: str, variables: Variables) -> str:
         span = next((s for s in variables.spans if s.name == name), None)
         if span is not None:
             low, high = (quantity_text(end, self.units[name]) for end in (span.low, span.high))
-            return f"allowed is {low} to {high}"
+            return f"allowed: {low} to {high}"
         axis = next(a for a in variables.choices if name in a.names)
         listed = axis.values(np.arange(axis.size))[name]
-        return f"allowed are {', '.join(quantity_text(v, self.units[name]) for v in dict.fromkeys(listed.tolist()))}"
+        return f"allowed: {', '.join(quantity_text(v, self.units[name]) for v in dict.fromkeys(listed.tolist()))}"
 
     def _quantity(self, name: str, value: float | str, keys: Iterable[str]) -> float | None:
         number = scene_numbers(self.study.scene).get(name)

@@ -1,4 +1,4 @@
-"""What a search may change: each range and each list of a study as a coordinate from 0 to 1."""
+"""Search variables: each range and list of a study as a coordinate from 0 to 1."""
 
 import math
 from collections.abc import Mapping
@@ -11,7 +11,7 @@ from sweeps.study.sampling import Axis, Columns, Design, Listed, Logarithmic, Sa
 
 
 class Span(NamedTuple):
-    """One number anywhere between two ends, evenly or, if `logarithmic`, by its logarithm."""
+    """A number between two bounds, linear or logarithmic."""
 
     name: str
     low: float
@@ -21,15 +21,15 @@ class Span(NamedTuple):
 
 @dataclass(frozen=True)
 class Variables:
-    """Coordinates of a search: first those of ranges, then those of lists, one for each list.
+    """Coordinates of a search: ranges first, then lists.
 
     Attributes
     ----------
     spans : tuple of Span
     choices : tuple of Axis
-        Lists and tables, of which a candidate takes one entry or row.
+        Lists and tables, from which a candidate takes one entry or row.
     names : tuple of str
-        Paths of all that varies, in the order of the study.
+        Paths of all variables, in the study's order.
     """
 
     spans: tuple[Span, ...]
@@ -38,7 +38,7 @@ class Variables:
 
     @classmethod
     def of(cls, design: Design) -> "Variables":
-        """Coordinates of a study's axes; the counts of ranges have no effect."""
+        """Coordinates of a study's axes, ignoring the counts of ranges."""
         spans: list[Span] = []
         choices: list[Axis] = []
         for axis in design.axes:
@@ -58,7 +58,7 @@ class Variables:
 
     @property
     def free(self) -> np.ndarray:
-        """Which coordinates change something, step by step (size,) of bool."""
+        """Which coordinates are discrete (size,) of bool."""
         return np.array([*(span.low < span.high for span in self.spans), *(False for _ in self.choices)], bool)
 
     @property
@@ -76,7 +76,7 @@ class Variables:
         return {name: found[name] for name in self.names}
 
     def coordinates(self, known: Mapping[str, float]) -> np.ndarray:
-        """Coordinates (size,) of known parameters; in the middle, or at the first of a list, where nothing is known."""
+        """Coordinates (size,) of known parameters; default: the middle, or the first entry of a list."""
         places = [_place(span, known.get(span.name, math.nan)) for span in self.spans]
         for axis in self.choices:
             rows = axis.values(np.arange(axis.size))

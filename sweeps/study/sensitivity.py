@@ -1,7 +1,7 @@
-"""How results of a sweep change with numbers of the machine: derivatives that are asked for, and tolerance bands.
+"""Sensitivity of results: requested derivatives, and tolerance bands.
 
-To first order a result f of a machine whose numbers may be off by ± t₁, ± t₂, … is off by Σ |∂f/∂pᵢ| tᵢ at worst, and
-by √Σ (∂f/∂pᵢ tᵢ)² if the numbers are off independently and each tᵢ is as rare (root of the sum of squares, RSS).
+To first order, tolerances ± t₁, ± t₂, … change a result f by at most Σ |∂f/∂pᵢ| tᵢ, and by √Σ (∂f/∂pᵢ tᵢ)² if
+deviations are independent and all tᵢ equally rare (root of the sum of squares, RSS).
 Source: any handbook of tolerance analysis, linear stack-up.
 """
 
@@ -32,7 +32,7 @@ from sweeps.store import Column
 from sweeps.study.study_content import AskedDerivative, StudyContent
 from sweeps.study.tolerances import Tolerance, read_tolerances
 
-# Variants whose neighbours are computed together, so that memory stays bounded.
+# Variants per batch, to bound memory.
 TOGETHER = 2048
 WORST_CASE, RSS = "tolerance_worst_case", "tolerance_rss"
 
@@ -40,8 +40,8 @@ WORST_CASE, RSS = "tolerance_worst_case", "tolerance_rss"
 class Sensitivity:
     """Derivatives and tolerance bands of a study's variants.
 
-    A derivative takes along what the study derives from its number. A tolerance doesn't: numbers derived from one with
-    a tolerance were made by the same drawing, but each by itself.
+    A derivative includes numbers that the study derives from its variable. A tolerance doesn't: each part is made
+    separately.
 
     Parameters
     ----------
@@ -65,10 +65,10 @@ class Sensitivity:
         study, numbers = self.study, scene_numbers(self.study.scene)
         known = dict.fromkeys([*numbers, *study.parameters])
         if asked.by not in known:
-            raise AskError(f"{asked.by!r} is no number of the scene. {unknown_name_message(asked.by, known)}")
+            raise AskError(f"{asked.by!r} is not a number of the scene. {unknown_name_message(asked.by, known)}")
         if asked.of.endswith(PLACE_STATISTICS):
             raise AskError(
-                f"{asked.of!r} is the place of an extreme, which may jump from peak to peak: it has no derivative"
+                f"{asked.of!r} is the position of an extreme, which may jump between peaks: it has no derivative"
             )
         if asked.by in numbers:
             scale_of(study.scene, {asked.by: np.array([numbers[asked.by].value])}, asked.by)
@@ -77,7 +77,7 @@ class Sensitivity:
 
     @cached_property
     def machine(self) -> Machine | ElementsAlone:
-        """The machine that answers, always in float64, at the study's positions or to its accuracy."""
+        """The machine, in float64, at the study's positions or accuracy."""
         study = self.study
         names = dict.fromkeys([*(asked.of for asked in study.derivatives), *self._summaries])
         moved = (name for name in (*self._derived_by, *(t.path for t in self.tolerances)) if name in study.fixed)
@@ -90,31 +90,31 @@ class Sensitivity:
 
     @property
     def evaluations(self) -> int:
-        """Evaluations of each variant beside its own."""
+        """Extra evaluations per variant."""
         return EVALUATIONS_PER_DERIVATIVE * len({*self._derived_by, *(t.path for t in self.tolerances)})
 
     @cached_property
     def quantities(self) -> tuple[Quantity, ...]:
-        """What is found for each variant, each with an error figure."""
+        """The resulting quantities, each with an error estimate."""
         available = self.machine.available_summaries if self.evaluations else {}
         found = []
         for asked in self.study.derivatives:
             of = available[asked.of]
             units = unit_over(of.units, self.study.unit(asked.by) or "1")
-            found.append(Quantity(asked.name, f"derivative by {asked.by} of: {of.long_name}", units))
+            found.append(Quantity(asked.name, f"derivative with respect to {asked.by}: {of.long_name}", units))
         for name in self._summaries:
             words, units = available[name].long_name, available[name].units
-            found.append(Quantity(f"{name}.{WORST_CASE}", f"worst case within tolerances, ±, of: {words}", units))
-            found.append(Quantity(f"{name}.{RSS}", f"root of the sum of squares of tolerances, ±, of: {words}", units))
+            found.append(Quantity(f"{name}.{WORST_CASE}", f"worst case within tolerances, ±: {words}", units))
+            found.append(Quantity(f"{name}.{RSS}", f"root of the sum of squares of tolerances, ±: {words}", units))
         return tuple(found)
 
     @property
     def columns(self) -> list[Column]:
-        """Columns that `of_variants` fills."""
+        """Columns filled by `of_variants`."""
         found = []
         for name, words, units, _ in self.quantities:
-            found += [Column(name, words, units), Column(f"{name}_error", f"error figure of: {words}", units)]
-        words = "verdict on the neighbours of the variant by"
+            found += [Column(name, words, units), Column(f"{name}_error", f"error estimate of: {words}", units)]
+        words = "verdict on the variant's neighbours along"
         return found + [Column(f"status_by.{by}", f"{words} {by}", "1", dtype=np.uint8) for by in self._derived_by]
 
     def of_variants(self, values: Mapping[str, np.ndarray], status: np.ndarray) -> dict[str, np.ndarray]:
@@ -123,9 +123,9 @@ class Sensitivity:
         Parameters
         ----------
         values : mapping of str to ndarray (variants,)
-            Their parameters (SI), derived ones among them.
+            Their parameters (SI), including derived ones.
         status : ndarray (variants,) of uint8
-            Their verdicts; only those without complaint are looked at.
+            Their verdicts; only successful variants count.
         """
         names = [quantity.name for quantity in self.quantities]
         found = {name: np.full(status.size, np.nan) for name in (*names, *(f"{name}_error" for name in names))}
@@ -158,7 +158,7 @@ class Sensitivity:
     # Moves
 
     def _is_followed(self, by: str) -> bool:
-        """Whether anything is derived from a number, directly or by way of others."""
+        """Whether anything is derived from a number, directly or indirectly."""
         moved = {by}
         for path, expression in self.study.derived.items():
             if moved.intersection(expression.names):
@@ -199,7 +199,7 @@ class Sensitivity:
         return found
 
     def _bend(self, known: Mapping[str, np.ndarray], tolerance: Tolerance) -> dict[str, np.ndarray]:
-        """What the first order leaves out at the ends of one tolerance; NaN where no machine can be built there."""
+        """Nonlinear remainder at the ends of one tolerance; NaN if no machine can be built there."""
         move, count = self._move(known, tolerance.path, False), known[tolerance.path].size
         offsets = np.array([0.0, 1.0, -1.0])[:, None] * tolerance.half_width
         outcome = self.machine.evaluate(move.varied((move.at + offsets).ravel(), np.tile(np.arange(count), 3)))
@@ -215,7 +215,7 @@ def _table(rows: Iterable[np.ndarray]) -> np.ndarray:
 
 
 def refusals(study: StudyContent) -> list[tuple[str, str]]:
-    """Key and message of all that is wrong with what a study asks of derivatives and tolerances."""
+    """Key and message of all problems with a study's derivatives and tolerances."""
     found = [(f"tolerances.{path}", message) for path, message in read_tolerances(study.scene, study.tolerances)[1]]
     try:
         Sensitivity(study)

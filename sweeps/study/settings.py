@@ -1,4 +1,4 @@
-"""Settings of a study that a command changes."""
+"""Settings of a study changed by a command."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,21 +13,21 @@ from sweeps.text.scene_settings import changed_scene, given_values
 def changed_study(
     study: Study, settings: Sequence[str] = (), positions: int | None = None, accuracy: str | None = None
 ) -> Study:
-    """A study with numbers of its scene, its positions or its accuracy set anew.
+    """A study with changed scene numbers, positions or accuracy.
 
     Parameters
     ----------
     study : Study
     settings : sequence of str
-        As for `given_values`; no number that varies in the study or is derived.
+        As for `given_values`; not for varied or derived numbers.
     positions : int, optional
     accuracy : str, optional
-        A share such as "0.1 %"; each summary then has an allowed error, as with the key of studies.
+        Relative accuracy such as "0.1 %", as the study's key.
 
     Raises
     ------
     InputError
-        As for `changed_scene`; a number varies; or the accuracy is no share.
+        As for `changed_scene`; a number varies; or the accuracy is invalid.
     AskError
         The number of positions isn't allowed.
     """
@@ -50,5 +50,5 @@ def changed_study(
 def _share(text: str) -> float:
     (share,) = numbers_in_row("--accuracy", text, ("number",))
     if not 0.0 < share < 1.0:
-        raise InputError("--accuracy", [(None, "", f"{text!r}: a share between 0 and 1 is needed, such as '0.1 %'")])
+        raise InputError("--accuracy", [(None, "", f"{text!r}: must be between 0 and 1, such as '0.1 %'")])
     return share

@@ -1,4 +1,4 @@
-"""A study: its variants, the machine that answers them, and what results depend on."""
+"""A study: its variants, its machine, and the identity of its results."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
@@ -15,13 +15,13 @@ from sweeps.text.conditions import Condition, Values, errors_in, value_with_erro
 
 
 class Requirements(NamedTuple):
-    """What parameters of a variant must meet, and how they follow from each other.
+    """Conditions on a variant's parameters, and their derivation.
 
     Attributes
     ----------
     conditions : sequence of Condition
     derived : mapping of str to TextExpression
-        How some parameters follow from others, by path, in order: rounding is carried through these.
+        Derived parameters by path, in order, for propagating rounding.
     fixed : mapping of str to float
         Numbers of the scene (SI).
     """
@@ -31,7 +31,7 @@ class Requirements(NamedTuple):
     fixed: Mapping[str, float]
 
     def misses(self, values: Mapping[str, np.ndarray], count: int) -> np.ndarray:
-        """Which variants fail which condition; what differs by rounding is equal.
+        """Which variants fail which condition, within rounding.
 
         Parameters
         ----------
@@ -49,12 +49,12 @@ class Requirements(NamedTuple):
         return np.array(found, bool).reshape(len(self.conditions), count)
 
     def known(self, columns: Mapping[str, np.ndarray]) -> tuple[Values, Values]:
-        """Values and error estimates of all that a condition may name.
+        """Values and error estimates of all names in conditions.
 
         Parameters
         ----------
         columns : mapping of str to float or ndarray
-            Of some variants (SI), estimates in NAME_error; of a derived parameter also what it is derived from.
+            Of some variants (SI), estimates in NAME_error; including the sources of derived parameters.
         """
         values, errors = {**self.fixed, **columns}, errors_in(columns)
         with np.errstate(all="ignore"):
@@ -64,7 +64,7 @@ class Requirements(NamedTuple):
         return values, errors
 
     def behind(self, names: Iterable[str]) -> tuple[str, ...]:
-        """Some names, and those that parameters among them are derived from.
+        """Some names and their sources, if derived.
 
         Parameters
         ----------
@@ -77,7 +77,7 @@ class Requirements(NamedTuple):
 
 
 class Study(StudyContent):
-    """A study's content, and its variants: their numbers, and the machine that answers for them."""
+    """A study's content with its variants and machine."""
 
     def __repr__(self) -> str:
         axes = " × ".join(f"{axis.size} {', '.join(axis.names)}" for axis in self.design.axes)
@@ -87,7 +87,7 @@ class Study(StudyContent):
         )
 
     def __getstate__(self) -> dict[str, object]:
-        # Machine code isn't sent to other processes, nor whatever else follows from the study.
+        # Cached results and compiled code aren't pickled.
         return {attribute.name: getattr(self, attribute.name) for attribute in fields(self)}
 
     @cached_property
@@ -97,17 +97,17 @@ class Study(StudyContent):
         Raises
         ------
         AskError
-            Something asked doesn't exist or has no derivative.
+            Something requested doesn't exist or has no derivative.
         """
         return Sensitivity(self)
 
     def machine(self) -> Machine | ElementsAlone:
-        """The machine, or the machine elements alone, that answer the study; made once.
+        """The machine (or machine elements) of the study, cached.
 
         Raises
         ------
         AskError
-            An asked summary or field doesn't exist.
+            A requested summary or field doesn't exist.
         """
         return self._machine
 
@@ -126,7 +126,7 @@ class Study(StudyContent):
     def values(self, start: int, stop: int) -> tuple[dict[str, np.ndarray], np.ndarray]:
         """Parameters of the variants start … stop − 1 (SI) and which of them are dropped by a condition.
 
-        They depend on the study and the variants' numbers alone, not on how variants are split into blocks.
+        They are independent of the block size.
         """
         values, missed = self.values_and_misses(start, stop)
         return values, missed.any(axis=0)
@@ -136,7 +136,7 @@ class Study(StudyContent):
         return self.completed(self.design.values(start, stop), stop - start)
 
     def completed(self, varied: Mapping[str, np.ndarray], count: int) -> tuple[dict[str, np.ndarray], np.ndarray]:
-        """Varied parameters of `count` variants with those derived from them, and which fail which condition."""
+        """Varied and derived parameters of `count` variants, and which fail which condition."""
         values = dict(varied)
         for path, expression in self.derived.items():
             values[path] = np.broadcast_to(expression.evaluate(self.fixed | values), (count,)).astype(float)
@@ -144,7 +144,7 @@ class Study(StudyContent):
 
     @cached_property
     def requirements(self) -> Requirements:
-        """What is required of parameters."""
+        """Requirements on parameters."""
         return Requirements(self.require, self.derived, self.fixed)
 
     @property

@@ -1,4 +1,4 @@
-"""What a study says: a scene, what varies in it, what is asked of it."""
+"""Content of a study: scene, variables, outputs."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -12,7 +12,7 @@ from sweeps.text.conditions import Condition
 
 
 class AskedDerivative(NamedTuple):
-    """A derivative that is asked for: of a summary, by a number of the scene or a free parameter."""
+    """A requested derivative of a summary with respect to a scene number or free parameter."""
 
     of: str
     by: str
@@ -29,7 +29,7 @@ class AskedDerivative(NamedTuple):
         Raises
         ------
         AskError
-            It isn't one.
+            The text is invalid.
         """
         words = text.split()
         if len(words) != 3 or words[1] != "by":
@@ -39,7 +39,7 @@ class AskedDerivative(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StudyContent:
-    """A scene with what varies in it and what is asked of it.
+    """A scene with its variables and outputs.
 
     Attributes
     ----------
@@ -47,27 +47,27 @@ class StudyContent:
     design : Design
         The variants: the product of the axes, the last fastest.
     derived : dict of str to Expression
-        Numbers tied to the varied ones, by path.
+        Numbers derived from varied ones, by path.
     require : tuple of Condition
         A variant that fails one is dropped.
     summaries, fields : tuple of str
-        What is asked.
+        Requested outputs.
     positions : int
     field_precision : {"float64", "float32"}
     accuracy : float or None
-        Allowed error of every summary, as a share of its magnitude.
+        Relative tolerance of every summary.
     name, title, question, text : str
     scene_text : str
-        What the scene was read from, as TOML; "" where it is a part of the study's text.
+        TOML source of the scene; "" if it is part of the study's text.
     best : Best or None
     optimise : Optimise or None
-        What a search looks for.
+        The search task.
     tolerances : dict of str to ToleranceText
-        How far numbers of the machine as built may be off, by path.
+        Manufacturing tolerances, by path.
     derivatives : tuple of AskedDerivative
         Derivatives of summaries by numbers of the scene or free parameters.
     free_units : dict of str to str
-        SI unit of each parameter that is no number of the scene, as CF spells it.
+        CF unit (SI) of each parameter outside the scene.
     """
 
     scene: Scene
@@ -92,7 +92,7 @@ class StudyContent:
 
     @cached_property
     def fixed(self) -> dict[str, float]:
-        """Numbers of the scene as it is (SI), by path."""
+        """Numbers of the unmodified scene (SI), by path."""
         return {path: number.value for path, number in scene_numbers(self.scene).items()}
 
     @property
@@ -102,10 +102,10 @@ class StudyContent:
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """All varied and derived numbers, free parameters too."""
+        """All varied and derived numbers, including free parameters."""
         return (*self.design.names, *self.derived)
 
     def unit(self, name: str) -> str:
-        """SI unit of a parameter as CF spells it; "" where that isn't known."""
+        """CF unit (SI) of a parameter; "" if unknown."""
         number = scene_numbers(self.scene).get(name)
         return described_dimension(number.dimension).unit if number else self.free_units.get(name, "")

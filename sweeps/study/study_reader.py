@@ -1,4 +1,4 @@
-"""Reading a study's text: its scene, what varies, expressions with their dimensions; problems with their lines."""
+"""Reading a study: scene, variables, expressions with dimensions; problems with their lines."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -56,7 +56,7 @@ from sweeps.text.input_files import InputError, read_text
 from sweeps.text.scene_text import scene_from, with_numbers
 from sweeps.text.toml_text import MOST_PROBLEMS, line_of, parse_toml, problems_in, validate
 
-# A result of more variants fits on no disk.
+# Larger results fit on no disk.
 MOST_VARIANTS = 10**12
 
 
@@ -66,7 +66,7 @@ class StudyReader:
     Parameters
     ----------
     path : Path
-        Where it lies; files that it names lie beside it.
+        Path of the study; named files are relative to it.
     text : str
     data : dict
         The parsed text.
@@ -74,7 +74,7 @@ class StudyReader:
     Raises
     ------
     InputError
-        The text has other keys than a study's, or its scene is refused.
+        Invalid keys, or an invalid scene.
     """
 
     def __init__(self, path: Path, text: str, data: dict[str, Any]) -> None:
@@ -105,12 +105,12 @@ class StudyReader:
         return scene_from(parse_toml(text, path.name), text, path.name, path.parent)
 
     def content(self) -> dict[str, Any]:
-        """What the text says, by the names of `Study`'s attributes.
+        """The content, by the names of `Study`'s attributes.
 
         Raises
         ------
         InputError
-            All that is wrong with what varies and with the expressions.
+            All problems with variables and expressions.
         """
         design = self._design()
         names = design.names if design else ()
@@ -151,7 +151,7 @@ class StudyReader:
         }
 
     def _asked_for(self, goal: str, derivatives: Iterable[AskedDerivative]) -> tuple[str, ...]:
-        """Summaries that a goal needs: itself, that of its tolerance band, or none if it is a derivative asked for."""
+        """Summaries required by a goal: itself, that of its tolerance band, or none for a requested derivative."""
         if goal in [asked.name for asked in derivatives]:
             return ()
         summary, _, ending = goal.rpartition(".")
@@ -172,7 +172,7 @@ class StudyReader:
         if len(self.problems) >= MOST_PROBLEMS:
             raise InputError(self.path.name, self.problems)
 
-    # What varies
+    # Variables
 
     def _design(self) -> Design | None:
         axes: list[Axis] = []
@@ -189,7 +189,7 @@ class StudyReader:
         if sampled:
             self._add_sampled(axes, sampled)
         elif self.raw.sampling is not None:
-            self._problem(["sampling"], "nothing is sampled; give low and high for what varies, or leave this out")
+            self._problem(["sampling"], "nothing is sampled; give low and high for a variable, or remove this")
         try:
             design = Design(tuple(axes))
         except SamplingError as error:
@@ -213,9 +213,9 @@ class StudyReader:
         return False
 
     def _refusal(self, path: str, others: Iterable[str]) -> str:
-        """Why a number of the scene can have no other value than its own, as it means nothing there; "" where it can.
+        """Why a number of the scene can't vary (it has no effect), or "".
 
-        Others that vary may give it a meaning.
+        Other variables may give it an effect.
         """
         varying = (p for p in (*self.raw.vary, *self.raw.derive, *others, path) if p in self.numbers)
         beside = {p: math.nextafter(self.numbers[p].value, math.inf) for p in varying}
@@ -233,7 +233,7 @@ class StudyReader:
 
     @cached_property
     def _names_used(self) -> set[str]:
-        """Names that any expression uses; those that can't be read are refused when their turn comes."""
+        """Names used by all expressions; invalid ones are reported later."""
         found: set[str] = set()
         for text in (*self.raw.derive.values(), *self.raw.require):
             with suppress(ExpressionError):
@@ -241,7 +241,7 @@ class StudyReader:
         return found
 
     def _quantities(self, path: str, values: Iterable[float | str], keys: list[str]) -> list[float] | None:
-        """Values in SI units; None if one of them is refused."""
+        """Values in SI units; None if one is invalid."""
         try:
             if path in self.numbers:
                 return [in_text(value, self.numbers[path].dimension) for value in values]
@@ -249,11 +249,11 @@ class StudyReader:
         except UnitError as error:
             self._problem(keys, str(error))
             return None
-        # A bare 0 goes with every unit.
+        # A bare 0 is valid in any unit.
         kinds = dict.fromkeys(kind for number, kind in found if number or kind != "number") or ["number"]
         if len(kinds) > 1:
             words = " and ".join(kind.replace("_", " ") for kind in kinds)
-            self._problem(keys, f"takes values of several kinds ({words}); give all of them in units of one kind")
+            self._problem(keys, f"has values of several dimensions ({words}); use one dimension")
             return None
         self.dimensions[path] = dimension_of_unit(described_dimension(next(iter(kinds))).unit)
         return [number for number, _ in found]
@@ -287,7 +287,7 @@ class StudyReader:
             axes.append(Columns(tuple(columns), tuple(table)))
 
     def _column(self, path: str, cells: Sequence[str] | np.ndarray, unit: str) -> list[float] | None:
-        """Values of a column of a table in SI units; None if it is refused."""
+        """Values of a table column in SI units; None if invalid."""
         try:
             if path in self.numbers:
                 return column_in_text(cells, unit, self.numbers[path].dimension)
@@ -301,7 +301,7 @@ class StudyReader:
     def _add_sampled(self, axes: list[Axis], sampled: dict[str, Between]) -> None:
         sampling = self.raw.sampling
         if sampling is None and self.raw.optimise is not None:
-            # A search needs none; a sweep takes as many variants as one of its populations.
+            # Optional for a search; a sweep then uses the population size.
             sampling = Sampling(method="latin", count=self.raw.optimise.population, seed=self.raw.optimise.seed)
         if sampling is None:
             self._problem(["vary", next(iter(sampled))], "low and high need a [sampling] table with method and count")
@@ -333,7 +333,7 @@ class StudyReader:
         return found
 
     def _has_dimension(self, expression: TextExpression, path: str, keys: list[str]) -> bool:
-        """Whether a derived number has the dimension of its path; a free one gets that of its expression."""
+        """Whether a derived number has the dimension of its path; a free one takes its expression's."""
         try:
             if path in self.numbers:
                 check_yields(expression, self.dimensions[path], self.dimensions)
@@ -379,7 +379,7 @@ def read_study(path: Path | str) -> Study:
     Raises
     ------
     InputError
-        Anything wrong with the text, its scene, its axes, expressions or outputs.
+        Any problem with the text, scene, axes, expressions or outputs.
     """
     path = Path(path)
     text = read_text(path)
@@ -401,18 +401,18 @@ def read_study(path: Path | str) -> Study:
 
 
 def _check_where(study: Study, machine: Machine | ElementsAlone, where: str) -> None:
-    """See that a condition can be judged by what the result will hold."""
+    """Check that a condition uses available results."""
     units = {name: study.unit(name) for name in study.parameters}
     units |= {name: machine.available_summaries[name].units for name in study.summaries}
     units |= {quantity.name: quantity.units for quantity in study.sensitivity.quantities}
     try:
         Condition.read(where, dimensions_by_unit(units))
     except UnknownNameError as error:
-        raise ExpressionError(f"{error}; name it under outputs.summaries to have it") from None
+        raise ExpressionError(f"{error}; add it to outputs.summaries") from None
 
 
 def _checked(study: Study, path: Path) -> Study:
-    """The study, if everything asked of it exists."""
+    """The study, if all requested outputs exist."""
     try:
         machine = study.machine()
         if found := refusals(study):

@@ -1,4 +1,4 @@
-"""A study as data, in types that JSON has: what a result file holds of it beside its text."""
+"""A study as JSON data, stored in result files next to its text."""
 
 import hashlib
 import json
@@ -11,14 +11,14 @@ from engine import sources_digest
 from sweeps.study.sampling import Axis, Columns
 from sweeps.study.study_content import StudyContent
 
-# What results depend on; the rest says what is concluded from them.
+# The part that results depend on.
 _DECISIVE = ("vary", "derive", "require", "outputs", "positions", "field_precision", "accuracy", "tolerances")
 _OF_A_VARIANT = ("derive", "positions", "accuracy")
 _WORDS = ("title", "source")
 
 
 def study_record(study: StudyContent) -> dict[str, Any]:
-    """Everything that a study says, parsed: numbers in SI, nothing that has to be parsed again.
+    """A study as parsed data, numbers in SI.
 
     Parameters
     ----------
@@ -27,8 +27,8 @@ def study_record(study: StudyContent) -> dict[str, Any]:
     Returns
     -------
     dict
-        `scene` (as `Scene.model_validate` takes it), `parameters` (their SI units by name), `vary` (a table for each
-        axis: kind, names, size and what it is made of), `derive` and `require` (expressions as written), `outputs`,
+        `scene` (for `Scene.model_validate`), `parameters` (SI units by name), `vary` (a table per axis: kind, names,
+        size and data), `derive` and `require` (expressions as written), `outputs`,
         `positions`, `field_precision`, `accuracy`, `best`, `optimise`, `tolerances`; `engine`, a digest of its sources.
     """
     return {
@@ -53,12 +53,12 @@ def study_record(study: StudyContent) -> dict[str, Any]:
 
 
 def numbers_record(record: Mapping[str, Any]) -> dict[str, Any]:
-    """The part of a study's record that its numbers depend on, whatever engine computes them."""
+    """The part of a study's record that its numbers depend on, without the engine."""
     return {key: record[key] for key in _DECISIVE} | {"scene": _without_words(record["scene"])}
 
 
 def machine_record(record: Mapping[str, Any]) -> dict[str, Any]:
-    """The part of a study's record that the numbers of one variant depend on, whatever else varies or is asked."""
+    """The part of a study's record that a single variant depends on."""
     kept = {key: record[key] for key in (*_OF_A_VARIANT, "engine")}
     return kept | {"scene": _without_words(record["scene"]), "parameters": sorted(record["parameters"])}
 
@@ -68,7 +68,7 @@ def _without_words(scene: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def study_digest(study: StudyContent) -> str:
-    """Name of a study's content: the scene, what varies, what is asked, and the engine that computes it.
+    """Digest of a study: scene, variables, outputs and engine.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def study_digest(study: StudyContent) -> str:
 
 
 def _axis_record(axis: Axis) -> dict[str, Any]:
-    """An axis; of a table, which a result file holds as its columns, only the digest."""
+    """An axis; for a table only the digest, as the result file has its columns."""
     record: dict[str, Any] = {"kind": type(axis).__name__, "names": list(axis.names), "size": axis.size}
     if isinstance(axis, Columns):
         return record | {"sha256": hashlib.sha256(np.ascontiguousarray(axis.table, "<f8").tobytes()).hexdigest()}

@@ -1,4 +1,4 @@
-"""The keys of a study's text: a scene, what varies in it, and what is asked of it."""
+"""The keys of a study."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
@@ -9,7 +9,7 @@ from engine import PlainNumber, PlainText, Scene, ScenePart, first_last_count
 
 
 class Range(ScenePart):
-    """`count` values from `from` to `to`, ends included; a grid axis."""
+    """`count` values from `from` to `to`, inclusive; a grid axis."""
 
     start: Annotated[float | str, Field(alias="from")]
     stop: Annotated[float | str, Field(alias="to")]
@@ -24,7 +24,7 @@ class Listing(ScenePart):
 
 
 class Between(ScenePart):
-    """Anywhere between two values, drawn by the study's sampling together with all others of its kind."""
+    """A range sampled by the study's `sampling`, together with all other ranges."""
 
     low: float | str
     high: float | str
@@ -32,7 +32,7 @@ class Between(ScenePart):
 
 
 class Sampling(ScenePart):
-    """How the numbers given by `low` and `high` are drawn."""
+    """Sampling of the numbers given by `low` and `high`."""
 
     method: Literal["random", "sobol", "latin"] = "sobol"
     count: Annotated[int, Field(ge=1)]
@@ -40,9 +40,9 @@ class Sampling(ScenePart):
 
 
 class Outputs(ScenePart):
-    """What is kept: summaries (numbers per variant), fields (rows over the crank angle), derivatives of summaries.
+    """Outputs: summaries (numbers per variant), fields (curves over the crank angle), derivatives of summaries.
 
-    A derivative is asked for as "excess_work by input.length".
+    A derivative is written "excess_work by input.length".
     """
 
     summaries: list[str] = []
@@ -51,7 +51,7 @@ class Outputs(ScenePart):
 
 
 class Best(ScenePart):
-    """Which variant answers the study's question: the least or greatest of a summary, among those that meet `where`."""
+    """The best variant: minimum or maximum of a summary among the variants that meet `where`."""
 
     minimise: str | None = None
     maximise: str | None = None
@@ -65,7 +65,7 @@ class Best(ScenePart):
 
     @property
     def goal(self) -> str:
-        """Name of the summary that decides."""
+        """Name of the objective."""
         return self.maximise if self.minimise is None else self.minimise
 
     @property
@@ -88,10 +88,10 @@ Texts = Annotated[list[str], BeforeValidator(_listed)]
 
 
 class Optimise(ScenePart):
-    """What a search looks for: expressions over parameters and summaries, the conditions they meet, and the way.
+    """Search task: expressions of parameters and summaries, conditions, and method.
 
-    Without `minimise` and `maximise` the goal is that of the study's `best`; without `method` it is differential
-    evolution for one objective and NSGA-II for several. `start` holds numbers of a candidate to begin with.
+    Default goal: the study's `best`. Default `method`: differential evolution for one objective, NSGA-II for several.
+    `start` holds the numbers of the first candidate.
     """
 
     minimise: Texts = []
@@ -110,14 +110,14 @@ def _tolerance(value: object) -> object:
 
 
 class ToleranceText(ScenePart):
-    """How far a number of the machine as built may be off: evenly within ±, or normally with ± as three deviations."""
+    """Tolerance of a number: uniform within ±, or normal with ± as three standard deviations."""
 
     plus_minus: float | str
     distribution: Literal["uniform", "normal"] = "uniform"
 
 
 def _kind_of_axis(axis: object) -> str:
-    """Which kind of axis the keys mean, misspelt ones apart."""
+    """Kind of axis by its keys, tolerating misspelt ones."""
     keys = set(axis) if isinstance(axis, dict) else set()
     if keys & {"low", "high"}:
         return "between"
@@ -125,7 +125,7 @@ def _kind_of_axis(axis: object) -> str:
 
 
 def _axis(value: object) -> object:
-    """An axis in short, a list or "40 mm to 80 mm, 5", by its keys."""
+    """Expand a short axis, a list or "40 mm to 80 mm, 5"."""
     if isinstance(value, list):
         return {"values": value}
     if isinstance(value, dict):
@@ -133,7 +133,7 @@ def _axis(value: object) -> object:
     found = first_last_count(value) if isinstance(value, str) else None
     if found is None:
         example = "'40 mm to 80 mm, 5' (the first, the last, how many), a list, or { low = ..., high = ... } to sample"
-        raise ValueError(f"{value!r}: say how it varies, such as {example}; to change it for all variants, derive it")
+        raise ValueError(f"{value!r}: give its variation, such as {example}; to change it for all variants, derive it")
     return dict(zip(("from", "to", "count"), found, strict=True))
 
 
@@ -145,16 +145,16 @@ AxisText = Annotated[
 
 
 class StudyText(ScenePart):
-    """A study as it stands in its file.
+    """A study file.
 
-    `scene` names a scene file beside it, or holds the scene itself. `vary` maps paths of the scene's numbers
-    (or free parameters, names without a dot) to axes, in short "40 mm to 80 mm, 5" or a list; `variants` names a CSV
-    file whose columns vary together.
-    `derive` ties further numbers to those by arithmetic; `require` drops variants that don't meet a condition.
-    `optimise` is what `sweeps optimise` searches for, instead of all variants; `tolerances` say how far numbers of
-    the machine as built may be off. `accuracy` is the allowed error of every summary, as a share of its magnitude:
-    each variant then gets as many positions as that takes, and `positions` is how many the fields have.
-    `field_precision` is that in which fields are stored; all is computed in float64.
+    `scene` names a scene file in the same folder, or is the scene itself. `vary` maps paths of the scene's numbers (or
+    free parameters, names without a dot) to axes, in short "40 mm to 80 mm, 5" or a list; `variants` names a CSV file
+    whose columns vary together.
+    `derive` computes further numbers from those; `require` drops variants that don't meet a condition.
+    `optimise` is the task of `sweeps optimise`; `tolerances` are manufacturing tolerances of numbers. `accuracy` is the
+    relative tolerance of every summary, which sets the positions per variant; `positions` is the number of field
+    positions.
+    `field_precision` is the storage precision of fields; everything is computed in float64.
     """
 
     title: PlainText = ""
@@ -177,19 +177,19 @@ class StudyText(ScenePart):
 
 TOLERANCE_KEYS = set(ToleranceText.model_fields)
 AXIS_KEYS = {"from", "to", "values", "low", "high", "count", "spacing"}
-# What others write for these; steps of paths too, but then tables.
+# Common misspellings; as steps of paths they are tables.
 MISTAKEN_KEYS = {"start", "stop", "begin", "end", "min", "max", "minimum", "maximum", "steps"}
 
 
 def flatten(table: object, leaf_keys: set[str] | None, path: tuple[str, ...] = ()) -> dict[str, Any]:
-    """Tables by dotted path, whether a path was written quoted or as nested keys.
+    """Tables by dotted path, for quoted paths and nested keys.
 
     Parameters
     ----------
     table : object
         Parsed TOML.
     leaf_keys : set of str or None
-        Keys that tell an axis from a step of a path; None where leaves are not tables.
+        Keys that distinguish an axis from a path step; None if leaves are not tables.
     path : tuple of str
         Path of `table`.
     """
@@ -202,11 +202,11 @@ def flatten(table: object, leaf_keys: set[str] | None, path: tuple[str, ...] = (
 
 
 def _is_leaf(table: dict[str, Any], leaf_keys: set[str]) -> bool:
-    """Whether a table is an axis or tolerance, not a step of a path."""
+    """Whether a table is an axis or tolerance, not a path step."""
     mistaken = (key for key, value in table.items() if key in MISTAKEN_KEYS and not isinstance(value, dict))
     return bool(leaf_keys & set(table)) or (leaf_keys is AXIS_KEYS and any(mistaken))
 
 
 def is_scene(data: Mapping[str, object]) -> bool:
-    """Whether the tables of a file are those of a scene, not of a study."""
+    """Whether a file is a scene, not a study."""
     return "scene" not in data and bool(data.keys() & (Scene.model_fields.keys() - StudyText.model_fields.keys()))

@@ -1,4 +1,4 @@
-"""Tolerances of a study: how far numbers of the machine as built may be off."""
+"""Manufacturing tolerances of a study."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -11,7 +11,7 @@ from sweeps.text.toml_text import MOST_PROBLEMS
 
 
 class Tolerance(NamedTuple):
-    """How far a number of the machine as built may be off: evenly within ± `half_width`, or normally with σ = ±/3."""
+    """Tolerance of a number: uniform within ± `half_width`, or normal with σ = ±/3."""
 
     path: str
     half_width: float
@@ -26,7 +26,7 @@ class Tolerance(NamedTuple):
 def read_tolerances(
     scene: Scene, texts: Mapping[str, ToleranceText]
 ) -> tuple[tuple[Tolerance, ...], list[tuple[str, str]]]:
-    """Tolerances in SI units, and what is wrong with the others.
+    """Tolerances in SI units, and problems.
 
     Parameters
     ----------
@@ -53,6 +53,6 @@ def read_tolerances(
             problems.append((path, str(error)))
             continue
         if not 0 < half_width < np.inf:
-            problems.append((path, f"{text.plus_minus!r}: a tolerance is greater than 0, such as '0.1 mm'"))
+            problems.append((path, f"{text.plus_minus!r}: a tolerance must be greater than 0, such as '0.1 mm'"))
         found.append(Tolerance(path, half_width, text.distribution))
     return tuple(found), problems

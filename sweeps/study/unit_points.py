@@ -14,7 +14,7 @@ SOBOL_LARGEST = 2**SOBOL_BITS
 
 # Separate streams of random numbers under one seed.
 _RANDOM, _JITTER, _PERMUTATION = range(3)
-# From ten on, the permutations of even the smallest counts are about equally frequent.
+# From ten rounds, permutations are about equally frequent even for the smallest counts.
 _FEISTEL_ROUNDS = 10
 _SOBOL_CHUNK = 2**15
 
@@ -54,7 +54,7 @@ def _sobol_tables(dimensions: int, seed: int, chunks: int) -> tuple[np.ndarray, 
 
     SciPy reaches a point only by stepping through all before it; this way each process does so once.
     """
-    # Half a second to import: only where a study is sampled.
+    # Slow import (0.5 s).
     from scipy.stats import qmc
 
     engine = qmc.Sobol(dimensions, bits=SOBOL_BITS, rng=seed)
@@ -115,5 +115,5 @@ def _mixed(words: np.ndarray) -> np.ndarray:
     """Scramble 64-bit words to 63 bits (the finalizer of SplitMix64, Steele, Lea and Flood, OOPSLA 2014)."""
     words = (words ^ (words >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     words = (words ^ (words >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    # One bit is left free: a sum that wrapped around would spoil the bijection.
+    # A wrapped sum would spoil the bijection.
     return (words ^ (words >> np.uint64(31))) >> np.uint64(1)

@@ -1,4 +1,4 @@
-"""Tables of variants: CSV, Parquet, HDF5; a number of the scene in each column, with one unit."""
+"""Tables of variants (CSV, Parquet, HDF5): each column is a scene number with one unit."""
 
 import json
 from collections.abc import Iterator, Sequence
@@ -12,9 +12,9 @@ from sweeps.store import StoreError, describe_result, read_columns
 from sweeps.text.csv_text import read_csv
 from sweeps.text.input_files import InputError, check_file
 
-# Bytes that a binary table may have.
+# Maximum size of a binary table [bytes].
 LARGEST_BINARY = 4_000_000_000
-# Characters of a column's name that a message shows.
+# Maximum length of a column name in a message.
 LONGEST_NAME = 60
 Columns = dict[str, tuple[str, Sequence[str] | np.ndarray]]
 
@@ -25,8 +25,8 @@ def read_variant_table(path: Path) -> Columns:
     Parameters
     ----------
     path : Path
-        Ending .parquet: columns named `name [unit]`. Ending .h5 or .hdf5: datasets at the root with one dimension,
-        their unit in the attribute `units`, or a result of a sweep, whose parameters are read. Else CSV.
+        .parquet: columns `name [unit]`. .h5 or .hdf5: one-dimensional root datasets with the attribute `units`, or a
+        sweep result, whose parameters are read. Else CSV.
 
     Raises
     ------
@@ -45,7 +45,7 @@ def read_variant_table(path: Path) -> Columns:
         raise InputError(path.name, [(None, "", "has no columns of numbers")])
     for name, (_, column) in columns.items():
         if column.ndim != 1 or column.dtype.kind not in "fiu":
-            raise InputError(path.name, [(None, "", f"column {_shown(name)} doesn't hold numbers: leave it out")])
+            raise InputError(path.name, [(None, "", f"column {_shown(name)} is not numeric: remove it")])
     if len({column.size for _, column in columns.values()}) > 1:
         raise InputError(path.name, [(None, "", "has columns of different lengths")])
     return {name: (unit, column.astype(float)) for name, (unit, column) in columns.items()}
@@ -72,14 +72,14 @@ def _from_hdf5(path: Path) -> dict[str, tuple[str, np.ndarray]]:
         columns = {name: column for name, column in found.items() if column.ndim == 1}
         _check_rows(path, max((column.size for column in columns.values()), default=1), len(columns))
         if any(column.external or column.is_virtual for column in columns.values()):
-            raise InputError(path.name, [(None, "", "takes numbers from other files, which isn't allowed")])
+            raise InputError(path.name, [(None, "", "links to other files, which isn't allowed")])
         if not is_result:
             return {name: (_unit_of(column), column[()]) for name, column in columns.items()}
     return _from_result(path)
 
 
 def _from_result(path: Path) -> dict[str, tuple[str, np.ndarray]]:
-    """The parameters of a finished result, once they agree with their checksums."""
+    """The parameters of a finished result, after checking their checksums."""
     try:
         result = describe_result(path)
         if result.blocks_done < result.blocks:
@@ -94,7 +94,7 @@ def _from_result(path: Path) -> dict[str, tuple[str, np.ndarray]]:
 
 @contextmanager
 def _damage_told(path: Path, kind: str, *errors: type[Exception]) -> Iterator[None]:
-    """Tell of a damaged file whatever a library raises of it."""
+    """Report library errors as a damaged file."""
     try:
         yield
     except InputError:
@@ -104,11 +104,11 @@ def _damage_told(path: Path, kind: str, *errors: type[Exception]) -> Iterator[No
 
 
 def _check_rows(path: Path, rows: int, columns: int) -> None:
-    """See that a table has rows, and no more than fit in memory: what is packed may be a thousand times as long."""
+    """Check that a table has rows and fits in memory, as compressed data may be a thousand times larger."""
     if columns and not rows:
         raise InputError(path.name, [(None, "", "needs at least one row of numbers")])
     if 8 * rows * columns > LARGEST_BINARY:
-        most = f"more than the {LARGEST_BINARY / 8e6:.0f} million numbers that a table may have"
+        most = f"more than the allowed {LARGEST_BINARY / 8e6:.0f} million numbers"
         raise InputError(path.name, [(None, "", f"has {rows} rows of {columns} columns, {most}")])
 
 
@@ -122,7 +122,7 @@ def _unit_of(column: h5py.Dataset) -> str:
 
 
 def _text(value: object) -> str:
-    """A text of HDF5, which may be bytes."""
+    """An HDF5 text, possibly bytes."""
     return value.decode(errors="replace") if isinstance(value, bytes) else str(value)
 
 
@@ -143,6 +143,6 @@ def parquet_library(source: str) -> tuple:
         import pyarrow
         from pyarrow import parquet
     except ImportError:
-        message = "Parquet needs a library that isn't installed: pip install 'machine-sweeps[parquet]'"
+        message = "Parquet needs pyarrow: pip install 'machine-sweeps[parquet]'"
         raise InputError(source, [(None, "", message)]) from None
     return pyarrow, parquet

@@ -1,1 +1,1 @@
-"""Scenes of mechanisms that were found from what is wanted of them, as commented texts."""
+"""Mechanism synthesis, with commented scenes as output."""

@@ -1,9 +1,9 @@
 """Dyads through three and four positions of a plane: centre points, circle points, Burmester's curves.
 
-A point of the plane is a circle point where its positions lie on a circle, whose centre is the centre point: a link
-between them guides the plane through its positions. Through three positions, any centre point has its circle point and
-any circle point its centre point. Through four, there is a curve of them; here a dyad of it is found by the angle
-through which its link turns from the first position to the second.
+A point of the plane is a circle point if its positions lie on a circle, whose centre is the centre point; a link
+between them guides the plane through its positions. For three positions, any centre point has a circle point and vice
+versa. For four, they form curves; here a dyad is selected by the rotation of its link from the first position to the
+second.
 
 References
 ----------
@@ -18,35 +18,35 @@ from typing import NamedTuple
 
 from sweeps.synthesis.synthesis_error import SynthesisError
 
-# Circumcentres farther away than this multiple of their points' extent belong to straight lines.
+# Points with a circumcentre beyond this multiple of their extent count as collinear.
 _FARTHEST = 1e9
-# Lengths that differ by no more than this share are one length.
+# Relative tolerance of equal lengths.
 _AGREED = 1e-9
 
 
 class PlanePosition(NamedTuple):
-    """A position of a moving plane: where its point P is, x + iy [m], and how far it is turned [rad]."""
+    """A position of a moving plane: its point P, x + iy [m], and its angle [rad]."""
 
     point: complex
     angle: float
 
 
 class PlaneDyad(NamedTuple):
-    """A link that guides a plane: its joint on the frame, and that on the plane from P in its axes, x + iy [m]."""
+    """A link that guides a plane: frame joint, and joint on the plane from P in its axes, x + iy [m]."""
 
     centre: complex
     circle: complex
 
     def joint(self, position: PlanePosition) -> complex:
-        """Where the joint on the plane is, x + iy [m]."""
+        """Position of the joint on the plane, x + iy [m]."""
         return position.point + self.circle * cmath.exp(1j * position.angle)
 
 
 def dyad_of_centre(positions: Sequence[PlanePosition], centre: complex) -> PlaneDyad:
-    """Dyad through three positions with a given joint on the frame.
+    """Dyad through three positions with a given frame joint.
 
-    Seen from the plane, the frame's joint is in three places at one distance from the circle point: it is the centre of
-    the circle through them.
+    Seen from the plane, the frame joint has three positions equidistant from the circle point, which is the centre of
+    their circle.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def dyad_of_centre(positions: Sequence[PlanePosition], centre: complex) -> Plane
     Raises
     ------
     SynthesisError
-        There are more or fewer positions, or the circle point lies infinitely far away.
+        Not three positions, or the circle point is at infinity.
     """
     _three(positions)
     seen = [(centre - place.point) * cmath.exp(-1j * place.angle) for place in positions]
@@ -78,7 +78,7 @@ def dyad_of_circle(positions: Sequence[PlanePosition], circle: complex) -> Plane
     Raises
     ------
     SynthesisError
-        There are more or fewer positions, or the positions of the point lie on a straight line.
+        Not three positions, or the point's positions are collinear.
     """
     _three(positions)
     places = [PlaneDyad(0j, circle).joint(place) for place in positions]
@@ -86,7 +86,7 @@ def dyad_of_circle(positions: Sequence[PlanePosition], circle: complex) -> Plane
 
 
 def dyads_of_turn(positions: Sequence[PlanePosition], turn: float) -> list[PlaneDyad]:
-    """Dyads through four positions whose link turns by an angle from the first to the second: points of the curves.
+    """Dyads through four positions with a given rotation of the link from the first to the second.
 
     With displacements δ_j of P, turns α_j of the plane and β_j of the link, from the first position,
 
@@ -105,12 +105,12 @@ def dyads_of_turn(positions: Sequence[PlanePosition], turn: float) -> list[Plane
     Returns
     -------
     list of PlaneDyad
-        Two; fewer where the linkage of the cofactors doesn't close at this angle, or two positions agree.
+        Two; fewer if the compatibility linkage doesn't close at this angle, or two positions coincide.
 
     Raises
     ------
     SynthesisError
-        There are more or fewer positions.
+        Not four positions.
     """
     if len(positions) != 4:
         raise SynthesisError(f"four positions are needed for a Burmester curve, not {len(positions)}")
@@ -131,7 +131,7 @@ def dyads_of_turn(positions: Sequence[PlanePosition], turn: float) -> list[Plane
             continue
         dyad = PlaneDyad(first.point - z - w, -z * cmath.exp(-1j * first.angle))
         lengths = [abs(dyad.joint(place) - dyad.centre) for place in positions]
-        # Where two positions nearly agree, rounding decides how the cofactors close.
+        # For nearly coincident positions rounding dominates.
         if max(lengths) - min(lengths) <= _AGREED * (abs(dyad.centre) + abs(dyad.circle) + max(lengths)):
             found.append(dyad)
     return found
@@ -151,7 +151,7 @@ def _turned_to_close(rest: complex, d3: complex, d4: complex, side: float) -> co
 def _pair(
     one: tuple[complex, complex, complex], other: tuple[complex, complex, complex]
 ) -> tuple[complex, complex] | tuple[None, None]:
-    """Solution w, z of two equations p w + q z = r; none where they are one."""
+    """Solution w, z of two equations p w + q z = r; None if singular."""
     (p, q, r), (s, t, u) = one, other
     determinant = p * t - q * s
     if abs(determinant) <= 1e-12 * max(abs(p * t), abs(q * s)):
@@ -161,7 +161,7 @@ def _pair(
 
 def _three(positions: Sequence[PlanePosition]) -> None:
     if len(positions) != 3:
-        raise SynthesisError(f"three positions are needed for a joint that is chosen, not {len(positions)}")
+        raise SynthesisError(f"a chosen joint needs three positions, not {len(positions)}")
 
 
 def _circumcentre(points: Sequence[complex], of: str) -> complex:
@@ -172,7 +172,7 @@ def _circumcentre(points: Sequence[complex], of: str) -> complex:
     if area != 0.0:
         centre += 0.5j * (b * abs(c) ** 2 - c * abs(b) ** 2) / area
     if area == 0.0 or not abs(centre - points[0]) < _FARTHEST * size:
-        raise SynthesisError(f"{of} has no other to it: its three places lie on a straight line; choose another joint")
+        raise SynthesisError(f"{of} has no partner: its three positions are collinear; choose another joint")
     return centre
 
 

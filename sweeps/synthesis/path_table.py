@@ -1,4 +1,4 @@
-"""Places on a wanted path from a table."""
+"""Points on a target path from a table."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ from sweeps.text.csv_text import named_columns
 
 
 def path_places(table: Path) -> list[complex]:
-    """Places of a CSV with the columns `x [mm]` and `y [mm]`, or in another unit, x + iy [m].
+    """Points from a CSV with the columns `x [mm]` and `y [mm]` (any unit), x + iy [m].
 
     Parameters
     ----------
@@ -15,7 +15,7 @@ def path_places(table: Path) -> list[complex]:
     Raises
     ------
     InputError, UnitError
-        There is no such table, or it has other columns.
+        There is no such table, or it has wrong columns.
     """
     x, y = named_columns(table, {"x": "length", "y": "length"}, "x [mm], y [mm]")
     return [complex(*place) for place in zip(x, y, strict=True)]

@@ -1,7 +1,7 @@
 """Crank-rockers whose coupler point follows a closed path, found by search.
 
-Differential evolution over the shape of the linkage — ratios of its links, place of the point, direction — compares
-paths of one size about one centre; the best is then brought nearer by least squares in all its lengths and places.
+Differential evolution over the linkage's shape (link ratios, coupler point) compares paths normalised in size and
+position; the best one is refined by least squares in all lengths and positions.
 """
 
 import math
@@ -13,12 +13,12 @@ from scipy.optimize import differential_evolution, least_squares
 
 from sweeps.synthesis.synthesis_error import SynthesisError
 
-# Places on paths while they are compared, while the best is brought nearer, and when its error is computed.
+# Points on paths in the search, the refinement and the final error.
 _COARSE, _FINE, _TOLD = 64, 360, 7200
-# Logarithms of link lengths over the crank, and coordinates of the point on the coupler over its length.
+# Bounds: logarithms of link lengths over the crank, and coupler point over the coupler length.
 _BOUNDS = [(0.05, 2.5)] * 3 + [(-2.5, 2.5)] * 2 + [(-math.pi, math.pi)]
 _POPULATION, _GENERATIONS = 20, 120
-# What stands for the error of a linkage whose crank doesn't turn.
+# Error assigned to a linkage whose crank doesn't turn fully.
 _NO_LINKAGE = 1e3
 
 
@@ -36,7 +36,7 @@ class PathFourBar(NamedTuple):
     point : complex
         The coupler point from the crank's pin, along the coupler and to its left [m].
     rms, greatest : float
-        Distance of the wanted points from the path, rms and maximum [m].
+        Distance of the target points from the path, rms and maximum [m].
     """
 
     crank_pivot: complex
@@ -51,27 +51,27 @@ class PathFourBar(NamedTuple):
 
 
 def four_bar_along(points: Sequence[complex], seed: int = 0) -> PathFourBar:
-    """Crank-rocker whose coupler point goes along a closed path, as near as a search comes.
+    """Crank-rocker whose coupler point follows a closed path as closely as possible.
 
     Parameters
     ----------
     points : sequence of complex
-        Places on the path in order, x + iy [m]; it closes from the last to the first.
+        Points on the path in order, x + iy [m]; it closes from the last to the first.
     seed : int
-        Of the search; another one may find another linkage.
+        Random seed; other seeds may find other linkages.
 
     Raises
     ------
     SynthesisError
-        There are fewer than five points, or they enclose nothing.
+        Fewer than five points, or they enclose no area.
     """
     wanted = np.asarray(points, complex)
     if wanted.size < 5 or not np.isfinite(wanted).all():
-        raise SynthesisError(f"a path needs five places or more, all of them finite; {wanted.size} given")
+        raise SynthesisError(f"a path needs at least five finite points; {wanted.size} given")
     off = wanted - wanted.mean()
     spread = np.linalg.svd(np.stack([off.real, off.imag]), compute_uv=False)
     if not spread[-1] > 1e-6 * spread[0]:
-        raise SynthesisError("the places lie on a straight line: a path that encloses nothing is none for this search")
+        raise SynthesisError("the points are collinear: the path must enclose an area")
     dense = _spread(wanted, _COARSE)
     centre, size = _centre_and_size(dense[None, :])
     normal = (dense - centre[0]) / size[0]
@@ -120,7 +120,7 @@ def _turns(coupler: np.ndarray, rocker: np.ndarray, frame: np.ndarray) -> np.nda
 def _coupler_paths(
     coupler: np.ndarray, rocker: np.ndarray, frame: np.ndarray, point: np.ndarray, mode: int, places: int
 ) -> np.ndarray:
-    """Paths of coupler points of linkages with a crank of length 1 at the origin (linkages, places)."""
+    """Coupler paths of linkages with a crank of length 1 at the origin (linkages, points)."""
     pins = np.exp(2j * np.pi * np.arange(places) / places)[None, :]
     to = frame[:, None] - pins
     apart = np.abs(to)
@@ -140,7 +140,7 @@ def _centre_and_size(paths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _spread(points: np.ndarray, count: int) -> np.ndarray:
-    """Places at equal distances along a closed polygon."""
+    """Equally spaced points along a closed polygon."""
     closed = np.append(points, points[0])
     along = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(closed)))))
     places = np.arange(count) * along[-1] / count
@@ -148,7 +148,7 @@ def _spread(points: np.ndarray, count: int) -> np.ndarray:
 
 
 def _placed(shape: np.ndarray, mode: int, centre: complex, size: float) -> np.ndarray:
-    """Both bearings, logarithms of the three lengths and the point, of the linkage of a shape on the wanted path."""
+    """Both pivots, logarithms of the lengths, and the point, of a shape fitted to the target path."""
     links = np.exp(shape[:3])[:, None]
     own, radius = _centre_and_size(_coupler_paths(*links, np.array([complex(shape[3], shape[4])]), mode, _COARSE))
     turned = size / radius[0] * np.exp(1j * shape[5])
@@ -159,7 +159,7 @@ def _placed(shape: np.ndarray, mode: int, centre: complex, size: float) -> np.nd
 
 
 def _path(parts: np.ndarray, mode: int, places: int) -> np.ndarray:
-    """Path of the coupler point, from both bearings, logarithms of the lengths and the point."""
+    """Coupler path from both pivots, logarithms of the lengths, and the point."""
     first, frame = complex(parts[0], parts[1]), complex(parts[2] - parts[0], parts[3] - parts[1])
     crank, coupler, rocker = np.exp(parts[4:7])
     sizes = (np.array([length / crank]) for length in (coupler, rocker, abs(frame)))
@@ -168,7 +168,7 @@ def _path(parts: np.ndarray, mode: int, places: int) -> np.ndarray:
 
 
 def _to_curve(points: np.ndarray, curve: np.ndarray) -> np.ndarray:
-    """From points to the nearest places on a closed polygon (points,)."""
+    """Vectors from points to the nearest points of a closed polygon (points,)."""
     step = np.roll(curve, -1) - curve
     gap = points[:, None] - curve[None, :]
     share = np.clip((gap * step.conj()).real / np.maximum(np.abs(step) ** 2, 1e-300), 0.0, 1.0)
@@ -177,14 +177,14 @@ def _to_curve(points: np.ndarray, curve: np.ndarray) -> np.ndarray:
 
 
 def _brought_nearer(start: np.ndarray, mode: int, wanted: np.ndarray, dense: np.ndarray, size: float) -> np.ndarray:
-    """Least squares of the distances from wanted places to the path, and, lest it go elsewhere, from it to them."""
+    """Residuals for least squares: distances from the target points to the path, and back."""
     weight = math.sqrt(wanted.size / _FINE)
 
     def apart(parts: np.ndarray) -> np.ndarray:
         path = _path(parts, mode, _FINE)
         if not np.isfinite(path).all():
             return np.full(2 * (wanted.size + _FINE), _NO_LINKAGE)
-        # Between the places given, the path wanted isn't known: half the weight.
+        # Half the weight, as the target is unknown between its points.
         both = np.concatenate([_to_curve(wanted, path), 0.5 * weight * _to_curve(path, dense)]) / size
         return np.concatenate([both.real, both.imag])
 
@@ -193,6 +193,6 @@ def _brought_nearer(start: np.ndarray, mode: int, wanted: np.ndarray, dense: np.
 
 
 def _best_of(apart: Callable[[np.ndarray], np.ndarray], start: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    """The end of least squares, or where they began if that is better."""
+    """The better of the least-squares result and its start."""
     end = least_squares(apart, start, x_scale=scale, max_nfev=200).x
     return end if np.sum(apart(end) ** 2) < np.sum(apart(start) ** 2) else start

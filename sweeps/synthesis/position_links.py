@@ -1,4 +1,4 @@
-"""Links that guide a plane through positions, by what a person chooses of them."""
+"""Guiding links through positions, from the user's choices."""
 
 import cmath
 from collections.abc import Sequence
@@ -11,29 +11,29 @@ from sweeps.text.numbers_in_row import numbers_in_row
 def chosen_links(
     positions: Sequence[PlanePosition], pivots: Sequence[str], joints: Sequence[str], turns: Sequence[str]
 ) -> list[PlaneDyad]:
-    """Two links through the positions, first those by pivots, then by joints, or those by turns.
+    """Two links through the positions: those by pivots, then by joints, or those by turns.
 
     Parameters
     ----------
     positions : sequence of PlanePosition
     pivots, joints : sequence of str
-        "X, Y" of bearings on the frame, and of joints on the plane as it lies in the first position.
+        "X, Y" of frame pivots, and of joints on the plane in its first position.
     turns : sequence of str
-        "ANGLE, 1" or "ANGLE, 2": turn of a link from the first of four positions to the second, and which solution.
+        "ANGLE, 1" or "ANGLE, 2": rotation of a link from the first of four positions to the second, and the solution.
 
     Raises
     ------
     InputError
-        What is given doesn't fit the number of positions.
+        The choices don't fit the number of positions.
     SynthesisError
         There is no such link.
     """
     if len(positions) not in (3, 4):
         raise _wrong("--at", f"three or four positions are needed, not {len(positions)}")
     if len(positions) == 4 and (pivots or joints):
-        raise _wrong("--pivot", "joints can be chosen for three positions; four leave a curve of them: give --turn")
+        raise _wrong("--pivot", "--pivot and --joint are for three positions; for four give --turn")
     if len(positions) == 3 and turns:
-        raise _wrong("--turn", "is of four positions; for three give --pivot or --joint")
+        raise _wrong("--turn", "is for four positions; for three give --pivot or --joint")
     given = [*pivots, *joints, *turns]
     if len(given) != 2:
         kinds = "--turn" if len(positions) == 4 else "--pivot or --joint"
@@ -48,7 +48,7 @@ def chosen_links(
         if which not in (1.0, 2.0):
             raise _wrong("--turn", f"{text!r}: there are two solutions, 1 and 2")
         if len(found) < 2:
-            raise _wrong("--turn", f"{text!r}: no link of the curve turns by this angle; give another")
+            raise _wrong("--turn", f"{text!r}: no link on the curve turns by this angle; give another")
         links.append(found[int(which) - 1])
     return links
 

@@ -1,4 +1,4 @@
-"""Four-bar linkages whose coupler passes through given positions, in one movement."""
+"""Four-bar linkages whose coupler passes through given positions without defects."""
 
 import cmath
 import math
@@ -11,9 +11,9 @@ from sweeps.synthesis.dyads import PlaneDyad, PlanePosition, dyads_of_turn
 from sweeps.synthesis.synthesis_error import SynthesisError
 
 _FULL_TURN = 2.0 * math.pi
-# Steps of a turn in which the curve of four positions is looked over.
+# Grid steps per turn on the curve of four positions.
 _STEPS = 72
-# Links longer than this multiple of the largest distance of the positions are rejected.
+# Maximum link length, as a multiple of the largest distance between positions.
 _LONGEST = 8.0
 
 
@@ -29,15 +29,15 @@ class PositionedFourBar(NamedTuple):
     mode : int
         Assembly mode: +1 where the rocker's joint lies to the left of the line from the crank's pin to its bearing.
     crank_angles : tuple of float
-        At the positions, growing or falling all along [rad].
+        At the positions, monotonic [rad].
     point : complex
         The plane's point P from the crank's pin, along the coupler and to its left [m].
     angle : float
-        By how much the plane is turned against the coupler [rad].
+        Angle of the plane relative to the coupler [rad].
     turns : bool
         Whether the crank turns fully.
     least_transmission : float
-        Minimum angle between coupler and rocker on the way, as an acute one [rad].
+        Minimum acute angle between coupler and rocker during the motion [rad].
     """
 
     crank_pivot: complex
@@ -54,36 +54,34 @@ class PositionedFourBar(NamedTuple):
 
 
 def four_bar_through(positions: Sequence[PlanePosition], driven: PlaneDyad, other: PlaneDyad) -> PositionedFourBar:
-    """Four-bar linkage of two dyads, if it passes through the positions in one movement.
+    """Four-bar linkage of two dyads, if it passes through the positions without defects.
 
     Parameters
     ----------
     positions : sequence of PlanePosition
     driven, other : PlaneDyad
-        That of the crank, and that of the rocker.
+        Dyads of crank and rocker.
 
     Raises
     ------
     SynthesisError
-        It would have to be taken apart between two positions (branch defect), or its crank has to go to and fro
-        (order defect), or it can't move all the way between them.
+        Branch defect (positions on different branches), order defect (the crank must reverse), or it can't move between
+        the positions.
     """
     pins = np.array([driven.joint(place) for place in positions])
     joints = np.array([other.joint(place) for place in positions])
     links = (pins[0] - driven.centre, joints[0] - pins[0], joints[0] - other.centre)
     crank, coupler, rocker = (float(abs(link)) for link in links)
     if min(crank, coupler, rocker) <= 1e-9 * max(crank, coupler, rocker, abs(other.centre - driven.centre)):
-        raise SynthesisError("both joints of a link fall together: choose other joints")
+        raise SynthesisError("the joints of a link coincide: choose other joints")
     sides = np.sign(((other.centre - pins).conj() * (joints - pins)).imag)
     if abs(sides.sum()) != len(positions):
-        raise SynthesisError(
-            "the linkage has to be taken apart between the positions (branch defect): choose other joints"
-        )
+        raise SynthesisError("the positions are on different branches (branch defect): choose other joints")
     angles = _in_order(np.angle(pins - driven.centre))
     plane, along = cmath.exp(1j * positions[0].angle), complex(joints[0] - pins[0]) / coupler
     least = _least_on_the_way(crank, coupler, rocker, other.centre - driven.centre, angles)
     if least is None:
-        raise SynthesisError("the linkage can't move all the way between the positions: choose other joints")
+        raise SynthesisError("the linkage can't move between the positions: choose other joints")
     whole = _least_on_the_way(crank, coupler, rocker, other.centre - driven.centre, (0.0, _FULL_TURN))
     return PositionedFourBar(
         crank_pivot=driven.centre,
@@ -101,9 +99,9 @@ def four_bar_through(positions: Sequence[PlanePosition], driven: PlaneDyad, othe
 
 
 def best_four_bar_through(positions: Sequence[PlanePosition]) -> PositionedFourBar:
-    """The four-bar linkage of the best transmission angle through four positions, of those on a grid of the curve.
+    """The four-bar linkage through four positions with the best transmission angle on a grid of the curve.
 
-    One whose crank turns fully is preferred.
+    Fully rotating cranks are preferred.
 
     Parameters
     ----------
@@ -113,7 +111,7 @@ def best_four_bar_through(positions: Sequence[PlanePosition]) -> PositionedFourB
     Raises
     ------
     SynthesisError
-        There are more or fewer positions, or no linkage without defects among those tried.
+        Not four positions, or no linkage without defects.
     """
     size = max(abs(a.point - b.point) for a in positions for b in positions)
     dyads = [d for i in range(1, _STEPS) for d in dyads_of_turn(positions, _FULL_TURN * i / _STEPS)]
@@ -128,13 +126,13 @@ def best_four_bar_through(positions: Sequence[PlanePosition]) -> PositionedFourB
                 continue
     if not found:
         raise SynthesisError(
-            "no four-bar linkage passes through these four positions in one movement; change one of them"
+            "no four-bar linkage passes through these four positions without defects; change one of them"
         )
     return max(found, key=lambda four_bar: (four_bar.turns, four_bar.least_transmission))
 
 
 def _in_order(angles: np.ndarray) -> tuple[float, ...]:
-    """Angles that go on all along, counter-clockwise or clockwise, whichever is the shorter way."""
+    """Monotonic angles, in the shorter direction."""
     ways = []
     for sense in (1.0, -1.0):
         turned = np.cumsum(np.mod(sense * np.diff(angles), _FULL_TURN))
@@ -142,7 +140,7 @@ def _in_order(angles: np.ndarray) -> tuple[float, ...]:
             ways.append((float(turned[-1]), tuple(float(angles[0] + sense * t) for t in (0.0, *turned))))
     if not ways:
         raise SynthesisError(
-            "the crank would have to go to and fro between the positions (order defect): choose other joints"
+            "the crank would have to reverse between the positions (order defect): choose other joints"
         )
     return min(ways)[1]
 
@@ -150,10 +148,9 @@ def _in_order(angles: np.ndarray) -> tuple[float, ...]:
 def _least_on_the_way(
     crank: float, coupler: float, rocker: float, frame: complex, angles: Sequence[float]
 ) -> float | None:
-    """Least transmission angle between the first and the last crank angle; None where the links don't reach.
+    """Minimum transmission angle between the first and the last crank angle; None if the links don't reach.
 
-    The distance from the crank's pin to the rocker's bearing, which decides it, is extreme where crank and frame are in
-    line.
+    The distance between crankpin and rocker pivot, which determines it, is extreme when crank and frame are in line.
     """
     low, high = min(angles[0], angles[-1]), max(angles[0], angles[-1])
     base = cmath.phase(frame)

@@ -1,12 +1,12 @@
-"""Slider-cranks, crank-rockers and swinging levers by stroke and time ratio, in closed form.
+"""Slider-cranks, crank-rockers and slotted levers by stroke and quick-return ratio, in closed form.
 
-The slow stroke takes the crank angle π + θ, the fast one π − θ, so that K = (π + θ)/(π − θ). At the ends of the stroke
-crank and coupler are in line: the end positions of the joint they drive are b − a and b + a away from the crank's
-bearing, which sees the chord s between them under θ. By the law of cosines
+The slow stroke takes the crank angle π + θ, the fast one π − θ, so K = (π + θ)/(π − θ). At the ends of the stroke crank
+and coupler are in line: the end positions of the driven joint are b − a and b + a from the crank pivot and subtend θ
+there, with the chord s. By the law of cosines
 
     (2 a cos(θ/2))² + (2 b sin(θ/2))² = s²,
 
-and the bearing lies (b² − a²) sin θ / s off the line through the end positions.
+and the pivot lies (b² − a²) sin θ / s off the line through the end positions.
 
 References
 ----------
@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 from sweeps.synthesis.synthesis_error import SynthesisError
 
-# Trial lengths in the range, and the number of refinements about the best.
+# Trial lengths in the range, and refinements about the best.
 _TRIALS, _FINER = 200, 12
 
 
@@ -44,7 +44,7 @@ class QuickCrankRocker(NamedTuple):
 
 
 class QuickLever(NamedTuple):
-    """A lever with the crank's pin in its slot: crank, lever, distance of their bearings [m]; its swing [rad]."""
+    """A slotted lever on the crankpin: crank, lever, distance of the pivots [m]; swing [rad]."""
 
     crank: float
     lever: float
@@ -53,12 +53,12 @@ class QuickLever(NamedTuple):
 
 
 def quick_return_angle(ratio: float) -> float:
-    """Crank angle θ [rad] by which the slow stroke is longer than half a turn, θ = π (K − 1)/(K + 1).
+    """Crank angle θ [rad] of the slow stroke beyond half a turn, θ = π (K − 1)/(K + 1).
 
     Parameters
     ----------
     ratio : float
-        Time of the slow stroke over that of the fast one, K.
+        Quick-return ratio K: time of the slow stroke over that of the fast one.
 
     Raises
     ------
@@ -66,14 +66,12 @@ def quick_return_angle(ratio: float) -> float:
         It is less than 1, or not finite.
     """
     if not 1.0 <= ratio < math.inf:
-        raise SynthesisError(
-            f"a time ratio of {ratio:g} makes no sense: it is that of the slow stroke to the fast one, 1 or more"
-        )
+        raise SynthesisError(f"invalid quick-return ratio {ratio:g}: it must be at least 1")
     return math.pi * (ratio - 1.0) / (ratio + 1.0)
 
 
 def quick_slider_crank(stroke: float, ratio: float, rod: float | None = None) -> QuickSliderCrank:
-    """Offset slider-crank of a stroke and a time ratio.
+    """Offset slider-crank with a given stroke and quick-return ratio.
 
     Parameters
     ----------
@@ -82,7 +80,7 @@ def quick_slider_crank(stroke: float, ratio: float, rod: float | None = None) ->
     ratio : float
         Time of the slow stroke over that of the fast one.
     rod : float, optional
-        [m]; that of the best transmission angle unless given.
+        [m] (default: that of the best transmission angle).
 
     Raises
     ------
@@ -90,17 +88,17 @@ def quick_slider_crank(stroke: float, ratio: float, rod: float | None = None) ->
         There is none.
     """
     theta = _checked(stroke, "stroke", ratio)
-    words = f"a stroke of {stroke:g} m with a time ratio of {ratio:g}"
+    words = f"a stroke of {stroke:g} m with a quick-return ratio of {ratio:g}"
 
     def trial(length: float) -> QuickSliderCrank | None:
         return _slider_crank(stroke, theta, length)
 
     if rod is None:
         if theta == 0.0:
-            raise SynthesisError("at a time ratio of 1 any rod longer than half the stroke will do: give the rod")
+            raise SynthesisError("at a quick-return ratio of 1 any rod longer than half the stroke works: give the rod")
         rod = _best(trial, _lengths(stroke, theta))
         if rod is None:
-            raise SynthesisError(f"no slider-crank has a time ratio of {ratio:g}: it must be less than 3")
+            raise SynthesisError(f"no slider-crank has a quick-return ratio of {ratio:g}: it must be less than 3")
     found = trial(rod)
     if found is None:
         reach = _reach(trial, stroke, theta)
@@ -109,7 +107,7 @@ def quick_slider_crank(stroke: float, ratio: float, rod: float | None = None) ->
 
 
 def quick_crank_rocker(rocker: float, swing: float, ratio: float, coupler: float | None = None) -> QuickCrankRocker:
-    """Crank-rocker of a swing and a time ratio.
+    """Crank-rocker with a given swing and quick-return ratio.
 
     Parameters
     ----------
@@ -120,7 +118,7 @@ def quick_crank_rocker(rocker: float, swing: float, ratio: float, coupler: float
     ratio : float
         Time of the slow swing over that of the fast one.
     coupler : float, optional
-        [m]; that of the best transmission angle unless given.
+        [m] (default: that of the best transmission angle).
 
     Raises
     ------
@@ -129,17 +127,17 @@ def quick_crank_rocker(rocker: float, swing: float, ratio: float, coupler: float
     """
     theta = _checked(rocker, "length of the rocker", ratio)
     if not 0.0 < swing < math.pi:
-        raise SynthesisError(f"a swing of {math.degrees(swing):g}° is not one of a rocker: between 0 and 180°")
+        raise SynthesisError(f"a rocker can't swing by {math.degrees(swing):g}°: the swing must be between 0 and 180°")
 
     def trial(length: float) -> QuickCrankRocker | None:
         return _crank_rocker(rocker, swing, theta, length)
 
     chord = 2.0 * rocker * math.sin(0.5 * swing)
-    words = f"a swing of {math.degrees(swing):g}° with a time ratio of {ratio:g}"
+    words = f"a swing of {math.degrees(swing):g}° with a quick-return ratio of {ratio:g}"
     if coupler is None:
         coupler = _best(trial, _lengths(chord, theta, rocker))
         if coupler is None:
-            raise SynthesisError(f"no crank-rocker has {words}: take a lower ratio, or a drive with a swinging lever")
+            raise SynthesisError(f"no crank-rocker has {words}: use a lower ratio, or a slotted lever")
     found = trial(coupler)
     if found is None:
         raise SynthesisError(
@@ -149,9 +147,9 @@ def quick_crank_rocker(rocker: float, swing: float, ratio: float, coupler: float
 
 
 def quick_lever(stroke: float, ratio: float, frame: float) -> QuickLever:
-    """Swinging lever of a stroke of its end and a time ratio: the crank's pin slides in its slot.
+    """Slotted lever with a given stroke of its end and quick-return ratio; the crankpin slides in its slot.
 
-    At the ends of its swing, which is θ, the lever is a tangent of the crank's circle.
+    At the ends of its swing θ the lever is tangent to the crank circle.
 
     Parameters
     ----------
@@ -160,7 +158,7 @@ def quick_lever(stroke: float, ratio: float, frame: float) -> QuickLever:
     ratio : float
         Time of the slow stroke over that of the fast one, more than 1.
     frame : float
-        Distance of the bearings of crank and lever [m].
+        Distance between the crank and lever pivots [m].
 
     Raises
     ------
@@ -169,28 +167,28 @@ def quick_lever(stroke: float, ratio: float, frame: float) -> QuickLever:
     """
     theta = _checked(stroke, "stroke", ratio)
     if not 0.0 < frame < math.inf:
-        raise SynthesisError(f"a distance of the bearings of {frame:g} m makes no sense: it must be greater than 0")
+        raise SynthesisError(f"invalid distance of the pivots {frame:g} m: it must be positive and finite")
     if theta == 0.0:
-        raise SynthesisError("a swinging lever always returns faster than it goes: give a time ratio greater than 1")
+        raise SynthesisError("a slotted lever always returns faster: give a quick-return ratio greater than 1")
     half = math.sin(0.5 * theta)
     return QuickLever(frame * half, stroke / (2.0 * half), frame, theta)
 
 
 def _checked(length: float, what: str, ratio: float) -> float:
     if not 0.0 < length < math.inf:
-        raise SynthesisError(f"a {what} of {length:g} m makes no sense: it must be greater than 0")
+        raise SynthesisError(f"invalid {what} {length:g} m: it must be greater than 0")
     return quick_return_angle(ratio)
 
 
 def _crank(chord: float, theta: float, coupler: float) -> float:
-    """Crank whose end positions are a chord apart; 0 where the coupler is too long for them."""
+    """Crank for a given chord between the end positions; 0 if the coupler is too long."""
     left = (chord - 2.0 * coupler * math.sin(0.5 * theta)) * (chord + 2.0 * coupler * math.sin(0.5 * theta))
     return math.sqrt(max(0.0, left)) / (2.0 * math.cos(0.5 * theta))
 
 
 def _slider_crank(stroke: float, theta: float, rod: float) -> QuickSliderCrank | None:
     crank = _crank(stroke, theta, rod)
-    # Both ends lie on the same side of the foot of the bearing; else the rod swings over, or the slider turns between.
+    # Both ends must lie on the same side of the pivot's foot; else the rod swings over, or the slider reverses between.
     if not 0.0 < crank < rod or 4.0 * crank * rod <= stroke * stroke:
         return None
     offset = (rod - crank) * (rod + crank) * math.sin(theta) / stroke
@@ -204,13 +202,13 @@ def _crank_rocker(rocker: float, swing: float, theta: float, coupler: float) -> 
     crank = _crank(2.0 * half, theta, coupler)
     if not 0.0 < crank < coupler:
         return None
-    # The end positions lie at −half and half of x, the rocker's bearing below them, the crank's on either side.
+    # End positions at x = ±half, the rocker pivot below them, the crank pivot on either side.
     x = -crank * coupler / half
     y = (coupler - crank) * (coupler + crank) * math.sin(theta) / (2.0 * half)
     found = []
     for side in (1.0, -1.0) if y > 0.0 else (1.0,):
         frame = math.hypot(x, side * y + height)
-        # Both end positions are on the same side of the line of the bearings: one assembly mode.
+        # Both end positions are on the same side of the pivots' line: one assembly mode.
         ends = [_cross(x, side * y, end, height) for end in (-half, half)]
         if ends[0] * ends[1] > 0.0 and _turns(crank, coupler, rocker, frame):
             least = _least_transmission(crank, coupler, rocker, frame)
@@ -219,7 +217,7 @@ def _crank_rocker(rocker: float, swing: float, theta: float, coupler: float) -> 
 
 
 def _cross(x: float, y: float, end: float, height: float) -> float:
-    """On which side of the line from the crank's bearing to the rocker's an end position lies."""
+    """Side of an end position relative to the line from crank pivot to rocker pivot."""
     return x * y + (height + y) * (end - x)
 
 
@@ -230,7 +228,7 @@ def _turns(crank: float, coupler: float, rocker: float, frame: float) -> bool:
 
 
 def _least_transmission(crank: float, coupler: float, rocker: float, frame: float) -> float:
-    """Least angle between coupler and rocker, as an acute one: where the crank is in line with the frame."""
+    """Minimum acute angle between coupler and rocker, with the crank in line with the frame."""
 
     def angle(apart: float) -> float:
         cosine = (coupler * coupler + rocker * rocker - apart * apart) / (2.0 * coupler * rocker)
@@ -240,7 +238,7 @@ def _least_transmission(crank: float, coupler: float, rocker: float, frame: floa
 
 
 def _lengths(chord: float, theta: float, usual: float = 0.0) -> tuple[float, float]:
-    """Range of coupler lengths that are tried."""
+    """Range of trial coupler lengths."""
     longest = 20.0 * max(chord, usual)
     return 0.25 * chord, min(longest, chord / (2.0 * math.sin(0.5 * theta))) if theta > 0.0 else longest
 
@@ -248,7 +246,7 @@ def _lengths(chord: float, theta: float, usual: float = 0.0) -> tuple[float, flo
 def _best(
     trial: Callable[[float], QuickSliderCrank | QuickCrankRocker | None], ends: tuple[float, float]
 ) -> float | None:
-    """Length with the largest minimum transmission angle: the best of a grid, refined between its neighbours."""
+    """Length with the largest minimum transmission angle, from a refined grid."""
     low, high = ends
     best = None
     for _ in range(_FINER):
@@ -265,8 +263,8 @@ def _best(
 def _reach(
     trial: Callable[[float], QuickSliderCrank | QuickCrankRocker | None], chord: float, theta: float, usual: float = 0.0
 ) -> str:
-    """Between which lengths there are mechanisms, in words."""
+    """Feasible lengths, as text."""
     low, high = _lengths(chord, theta, usual)
     trials = [low + (high - low) * i / (10 * _TRIALS) for i in range(10 * _TRIALS + 1)]
     sound = [length for length in trials if trial(length) is not None]
-    return f"it may be about {sound[0]:.4g} to {sound[-1]:.4g} m long" if sound else "take a lower time ratio"
+    return f"it may be about {sound[0]:.4g} to {sound[-1]:.4g} m long" if sound else "use a lower quick-return ratio"

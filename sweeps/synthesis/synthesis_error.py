@@ -1,5 +1,5 @@
-"""What is said where no mechanism does what is wanted."""
+"""Error of synthesis."""
 
 
 class SynthesisError(ValueError):
-    """No mechanism does what is wanted, or what is wanted makes no sense; the message says which number to change."""
+    """No mechanism meets the requirements; the message names the number to change."""

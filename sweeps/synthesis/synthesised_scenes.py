@@ -1,4 +1,4 @@
-"""Texts of scenes of mechanisms found by synthesis, with what was wanted and what came of it as comments."""
+"""Scene texts of synthesised mechanisms, with requirements and results as comments."""
 
 import math
 
@@ -7,7 +7,7 @@ from sweeps.synthesis.positioned import PositionedFourBar
 from sweeps.synthesis.quick_return import QuickCrankRocker, QuickLever, QuickSliderCrank
 
 _NEXT = """\
-# Kinematics only: add [bodies], [forces], [flywheel] for what it carries; see `sweeps help bodies`.
+# Kinematics only: add [bodies], [forces] and [flywheel]; see `sweeps help bodies`.
 """
 
 
@@ -18,15 +18,15 @@ def slider_crank_text(found: QuickSliderCrank, stroke: float, ratio: float, spee
     ----------
     found : QuickSliderCrank
     stroke, ratio : float
-        What was wanted [m, 1].
+        Requirements [m, 1].
     speed : str
         Of the crank, with its unit.
     """
     return f"""\
-# Offset slider-crank with a stroke of {_mm(stroke)} and a time ratio of {ratio!r} (slow stroke to fast one).
+# Offset slider-crank with a stroke of {_mm(stroke)} and a quick-return ratio of {ratio!r} (slow stroke to fast one).
 # Minimum transmission angle {_deg(found.least_transmission)}, between the rod and the normal of the guide.
 {_NEXT}
-title = "Slider-crank, time ratio {ratio!r}"
+title = "Slider-crank, quick-return ratio {ratio!r}"
 
 [points]
 O = {{ x = 0, y = 0 }}           # bearing of the crank
@@ -51,15 +51,15 @@ def crank_rocker_text(found: QuickCrankRocker, swing: float, ratio: float, speed
     ----------
     found : QuickCrankRocker
     swing, ratio : float
-        What was wanted [rad, 1].
+        Requirements [rad, 1].
     speed : str
         Of the crank, with its unit.
     """
     return f"""\
-# Crank-rocker with a swing of {_deg(swing)} and a time ratio of {ratio!r} (slow swing to fast one).
+# Crank-rocker with a swing of {_deg(swing)} and a quick-return ratio of {ratio!r} (slow swing to fast one).
 # Minimum transmission angle {_deg(found.least_transmission)}.
 {_NEXT}
-title = "Crank-rocker, time ratio {ratio!r}"
+title = "Crank-rocker, quick-return ratio {ratio!r}"
 
 [points]
 O = {{ x = 0, y = 0 }}           # bearing of the crank
@@ -72,24 +72,24 @@ D = {{ x = "{_mm(found.frame)}", y = 0 }}           # bearing of the rocker
 
 
 def lever_text(found: QuickLever, stroke: float, ratio: float, speed: str) -> str:
-    """Scene of a crank-shaper: a swinging lever that drives a ram by a drag link.
+    """Scene of a crank-shaper: a slotted lever drives a ram through a drag link.
 
-    The ram's guide lies in the middle of the height that the lever's end rises, where the drag link leans least.
+    The ram's guide is at mid-height of the lever end's rise, where the drag link tilts least.
 
     Parameters
     ----------
     found : QuickLever
     stroke, ratio : float
-        What was wanted [m, 1].
+        Requirements [m, 1].
     speed : str
         Of the crank, with its unit.
     """
     height = 0.5 * found.lever * (1.0 + math.cos(0.5 * found.swing))
     return f"""\
-# Crank-shaper with a stroke of {_mm(stroke)} and a time ratio of {ratio!r} (slow stroke to fast one).
-# The lever swings by {_deg(found.swing)}. Its drag link may have another length; stroke and ratio stay.
+# Crank-shaper with a stroke of {_mm(stroke)} and a quick-return ratio of {ratio!r} (slow stroke to fast one).
+# The lever swings by {_deg(found.swing)}. The drag link's length doesn't affect stroke and ratio.
 {_NEXT}
-title = "Crank-shaper, time ratio {ratio!r}"
+title = "Crank-shaper, quick-return ratio {ratio!r}"
 
 [points]
 D = {{ x = 0, y = 0 }}           # bearing of the lever
@@ -129,11 +129,11 @@ def positions_text(found: PositionedFourBar, speed: str) -> str:
     part = ""
     if not found.turns:
         part = f'start = "{_deg(min(first, last))}"\nstop = "{_deg(max(first, last))}"\n'
-    how = "turns fully" if found.turns else "can't turn fully: it moves between the first position and the last"
+    how = "turns fully" if found.turns else "can't turn fully: it moves from the first position to the last"
     return f"""\
 # Four-bar linkage whose coupler carries the point P through {len(found.crank_angles)} positions, at the crank angles
 # {at}.
-# The plane that is carried is turned against the coupler by {_deg(found.angle)}. The crank {how}.
+# The plane is rotated relative to the coupler by {_deg(found.angle)}. The crank {how}.
 # Minimum transmission angle {_deg(found.least_transmission)}.
 {_NEXT}
 title = "Four-bar linkage through {len(found.crank_angles)} positions"
@@ -157,12 +157,12 @@ def path_text(found: PathFourBar, places: int, speed: str) -> str:
     ----------
     found : PathFourBar
     places : int
-        How many places of the path were given.
+        Number of target points.
     speed : str
         Of the crank, with its unit.
     """
     return f"""\
-# Crank-rocker whose coupler point P follows a path of {places} places: deviation {1e3 * found.rms:.3g} mm
+# Crank-rocker whose coupler point P follows a path of {places} points: deviation {1e3 * found.rms:.3g} mm
 # (rms) and {1e3 * found.greatest:.3g} mm (maximum). `sweeps plot FILE --paths P` draws its path.
 {_NEXT}
 title = "Crank-rocker along a path"
@@ -199,7 +199,7 @@ second = {{ link = "rocker", joint = "D", length = "{_mm(found.rocker)}" }}"""
 
 
 def _mm(length: float) -> str:
-    """A length to all its digits, so that the scene does what was wanted to rounding."""
+    """A length with all digits, exact to rounding."""
     return f"{1e3 * float(length)!r} mm"
 
 

@@ -1,1 +1,1 @@
-"""Texts: TOML and its errors, CSV tables, expressions with their dimensions, and numbers as engineers read them."""
+"""Texts: TOML with errors, CSV tables, expressions with dimensions, numbers in practical units."""

@@ -1,9 +1,8 @@
-"""Conditions on parameters and results, such as "wheel_mass < '900 kg'": read, checked and judged here only.
+"""Conditions on parameters and results, such as "wheel_mass < '900 kg'".
 
-A result is known but for its error estimate, and any number but for rounding. Two sides that agree within their
-estimates count as equal: `>=`, `<=` and `==` accept them, `>`, `<` and `!=` don't. So a condition and its contrary are
-never both met or both missed. Where other values within the estimates would decide otherwise, the variant is reported
-as undecided.
+Results are known within their error estimates, all numbers within rounding. Two sides that agree within their estimates
+count as equal: `>=`, `<=` and `==` accept them, `>`, `<` and `!=` don't. So a condition and its negation are never both
+met or both missed. If other values within the estimates would change the outcome, the variant is reported as undecided.
 """
 
 from collections.abc import Mapping
@@ -29,21 +28,21 @@ from engine import (
 )
 
 WORST = 1.0
-# Rounding of a number read, converted or derived, and of a comparison, relative.
+# Relative rounding of a number read, converted or derived, and of a comparison.
 ROUNDING = 4 * float(np.finfo(float).eps)
-# Sides that agree within an estimate below this share of what they are made of are equal for all that is ever shown.
+# Sides whose estimates are below this share of their terms count as exactly equal.
 NEGLIGIBLE = 1e-9
 
 
 class UnknownNameError(ExpressionError):
-    """A condition with a name that may not be used in it."""
+    """A condition with an unknown name."""
 
 
 Values = Mapping[str, float | np.ndarray]
 
 
 class Judgement(NamedTuple):
-    """Whether each of many variants meets a condition, and whether other values within the estimates change that."""
+    """Whether each variant meets a condition, and whether other values within the estimates would change that."""
 
     met: np.ndarray
     undecided: np.ndarray
@@ -51,7 +50,7 @@ class Judgement(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Condition:
-    """A condition, read once and judged as often as needed.
+    """A parsed condition.
 
     Attributes
     ----------
@@ -60,7 +59,7 @@ class Condition:
     Raises
     ------
     ExpressionError
-        The expression is a number.
+        The expression is numeric.
     """
 
     expression: TextExpression
@@ -82,7 +81,7 @@ class Condition:
         Raises
         ------
         ExpressionError
-            It can't be read, is a number, has other names, or compares what differs in dimension.
+            Invalid, numeric, unknown names, or different dimensions.
         """
         condition = cls(parse_expression(text, any_quantity))
         condition.check(dimensions)
@@ -95,16 +94,16 @@ class Condition:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names that it uses."""
+        """Names used."""
         return self.expression.names
 
     def check(self, dimensions: Mapping[str, UnitsContainer | None]) -> None:
-        """See that all names are known, and that like is compared with like.
+        """Check names and dimensions.
 
         Parameters
         ----------
         dimensions : mapping of str to UnitsContainer or None
-            Of every name that may be used; None where it isn't known: nothing is then said of the dimensions.
+            Dimension of every allowed name; None skips the check of dimensions.
 
         Raises
         ------
@@ -118,12 +117,12 @@ class Condition:
 
     @property
     def is_equality(self) -> bool:
-        """Whether it compares by == alone."""
+        """Whether it only compares by ==."""
         return self.expression.tree.name == "=="
 
     @cached_property
     def parts(self) -> tuple["Condition", ...]:
-        """The conditions that `and` joins in this one, each by itself."""
+        """The conditions joined by `and`, separately."""
         return tuple(Condition(parse_expression(part, any_quantity)) for part in joined_by_and(self.text))
 
     def judged(self, values: Values, errors: Values, count: int) -> Judgement:
@@ -134,8 +133,7 @@ class Condition:
         values : mapping of str to float or ndarray (count,)
             A value (SI) of each of its names.
         errors : mapping of str to float or ndarray (count,)
-            Error estimates of values; a name without one is exact but for rounding, NaN is no estimate, so that nothing
-            is met.
+            Error estimates; a name without one is exact within rounding, NaN means unknown, so that nothing is met.
         count : int
             Number of variants.
         """
@@ -146,10 +144,10 @@ class Condition:
         return Judgement(*(np.broadcast_to(found, (count,)).copy() for found in (met, np.logical_not(decided))))
 
     def margins(self, values: Values, errors: Values, count: int) -> np.ndarray:
-        """By how much it is missed, for each part that `and` joins: above 0 where that isn't met.
+        """Margin of each part joined by `and`: positive where missed.
 
-        The margin of a ≤ b is (a − b) / (|a| + |b|), less the error estimate of a − b over the same: at least −1, at
-        most 1, whatever the units. Of parts joined by `or` the least counts. Where a number is undefined it is 1.
+        The margin of a ≤ b is (a − b) / (|a| + |b|), less the error estimate of a − b over the same sum, from −1 to 1
+        in any unit. Parts joined by `or` count by their minimum. Undefined numbers give 1.
 
         Parameters
         ----------
@@ -161,7 +159,7 @@ class Condition:
         Returns
         -------
         ndarray (parts, count)
-            A part is met where its margin is 0 or less, but for strict inequalities just on their limit.
+            A part is met if its margin is 0 or less, except strict inequalities on their limit.
         """
         with np.errstate(all="ignore"):
             found = [
@@ -171,7 +169,7 @@ class Condition:
 
 
 def errors_in(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Error estimates by the names of what they belong to: of each column NAME that has a column NAME_error beside it.
+    """Error estimates by name: for each column NAME with a column NAME_error.
 
     Parameters
     ----------
@@ -181,12 +179,12 @@ def errors_in(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def value_with_error(tree: ExpressionTree, values: Values, errors: Values) -> tuple[np.ndarray, np.ndarray]:
-    """A number and its error estimate: what estimates and rounding of its names make of it, added up.
+    """A number and its error estimate, propagated from its names and rounding.
 
     Parameters
     ----------
     tree : float, QuotedQuantity, str or TextOperation
-        The structure of an expression that yields a number.
+        Tree of a numeric expression.
     values, errors : mapping of str to float or ndarray
         As for `Condition.judged`.
     """
@@ -194,26 +192,26 @@ def value_with_error(tree: ExpressionTree, values: Values, errors: Values) -> tu
     for name in names_in_tree(tree):
         off = np.maximum(errors.get(name, 0.0), ROUNDING * np.abs(values[name]))
         ends = (evaluate_tree(tree, {**values, name: values[name] + sign * off}) for sign in (1.0, -1.0))
-        # At the edge of where it is defined one end may not be.
+        # One end may be outside the domain.
         error = error + np.fmax(*(np.abs(end - value) for end in ends))
-    # What is infinite needs no estimate; what has none may be anything.
+    # Infinite values need no estimate; unknown estimates are infinite.
     error = np.where(np.isfinite(value), np.where(np.isnan(error), np.inf, error), 0.0)
     return value, error
 
 
 class _Comparison(NamedTuple):
-    """A comparison as one of left − right with zero, by "<", "<=" or "=="; `negated` where it was "!=".
+    """A comparison of left − right with zero, by "<", "<=" or "=="; `negated` for "!=".
 
     Attributes
     ----------
     sign : str
     negated : bool
     apart, error : ndarray
-        The difference and its error estimate; infinite where a side has none.
+        The difference and its error estimate; infinite if unknown.
     whole : ndarray
         Sum of the magnitudes of both sides.
     rounding : ndarray
-        What the error of the difference would be by rounding alone.
+        Error of the difference from rounding only.
     """
 
     sign: str
@@ -224,7 +222,7 @@ class _Comparison(NamedTuple):
     rounding: np.ndarray
 
     def holds(self, error: np.ndarray) -> np.ndarray:
-        """Whether it holds by as much as an error; by a negative one, whether it fails by no more than that."""
+        """Whether it holds by a margin of `error`, which may be negative."""
         match self.sign:
             case "<":
                 return self.apart + error < 0
@@ -235,13 +233,13 @@ class _Comparison(NamedTuple):
 
     @property
     def accepting(self) -> np.ndarray:
-        """The error by which it must hold to be accepted: what allows equality does so within the estimate."""
+        """The required margin: negative for comparisons that allow equality."""
         return self.error if self.sign == "<" else -self.error
 
     @property
     def is_equal(self) -> np.ndarray:
-        """Where both sides are the same within their estimates, to nine digits of what they are made of."""
-        # A difference of great numbers is known by their rounding only, however small it is.
+        """Where both sides agree within their estimates, to nine digits of their terms."""
+        # A small difference of large numbers is limited by their rounding.
         size = np.maximum(self.whole, self.rounding / ROUNDING)
         return (np.abs(self.apart) <= self.error) & (self.error <= NEGLIGIBLE * size)
 
@@ -259,7 +257,7 @@ def _comparison(tree: TextOperation, values: Values, errors: Values) -> _Compari
 
 
 def _judged(tree: TextOperation, values: Values, errors: Values, wanted: bool, surely: bool) -> np.ndarray:
-    """Where a condition, or its contrary, is accepted, or holds for all values within the estimates."""
+    """Where a condition, or its negation, is accepted, or holds for all values within the estimates."""
     if tree.name == "not":
         return _judged(tree.operands[0], values, errors, not wanted, surely)
     if tree.name in ("and", "or"):
@@ -271,7 +269,7 @@ def _judged(tree: TextOperation, values: Values, errors: Values, wanted: bool, s
     if surely:
         error = np.where(found.is_equal, error, found.error if wanted else -found.error)
     holds = found.holds(error) == wanted
-    # Without an estimate neither it nor its contrary is accepted.
+    # Without an estimate neither it nor its negation is accepted.
     return holds & np.isfinite(found.error)
 
 
@@ -283,7 +281,7 @@ def _joined(tree: ExpressionTree) -> list[ExpressionTree]:
 
 
 def _margin(tree: TextOperation, values: Values, errors: Values, sign: float) -> np.ndarray:
-    """Margin of a condition, or with sign −1 of its contrary."""
+    """Margin of a condition, or with sign −1 of its negation."""
     if tree.name == "not":
         return _margin(tree.operands[0], values, errors, -sign)
     if tree.name in ("and", "or"):
@@ -301,5 +299,5 @@ def _margin(tree: TextOperation, values: Values, errors: Values, sign: float) ->
 
 
 def _share(part: np.ndarray, whole: np.ndarray) -> np.ndarray:
-    """A part over a whole that is zero only if the part is; an error figure beside nothing is all of it."""
+    """A ratio with 0/0 = 0; an error relative to zero is 1."""
     return np.where(whole != 0, part / np.where(whole != 0, whole, 1.0), np.where(part == 0, 0.0, WORST))

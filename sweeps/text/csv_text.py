@@ -1,4 +1,4 @@
-"""CSV tables whose headers name a unit for each column."""
+"""CSV tables with units in the headers."""
 
 import csv
 import re
@@ -8,25 +8,24 @@ from pathlib import Path
 from engine import column_in_text
 from sweeps.text.input_files import InputError, read_text
 
-# Bytes that a table may have; a million rows of ten columns fit in.
+# Maximum size of a table [bytes], enough for a million rows of ten columns.
 LARGEST_TABLE = 256_000_000
 _HEADER = re.compile(r"^\s*(?P<key>[\w.\[\]]+)\s*(?:\[(?P<unit>[^\]]*)\])?\s*$")
-# Characters that a number or a header may have.
+# Maximum length of a number or header.
 _LONGEST = 100
-# Endings of files of which a message may quote what doesn't look like a table; /etc/passwd has none of them.
+# Extensions of files whose content messages may quote, unlike /etc/passwd.
 _TABLES = (".csv", ".tsv", ".txt", ".dat")
 
 
 def read_csv(path: Path) -> dict[str, tuple[str, list[str]]]:
     """Columns of a CSV file whose header cells are `name [unit]`: (unit, values as text) by name.
 
-    Columns are parted by commas, or by semicolons or tabs where the header is; numbers may then have decimal commas,
-    which are made points.
+    Columns are separated by commas, or by semicolons or tabs as in the header; numbers may then have decimal commas.
 
     Raises
     ------
     InputError
-        Unreadable file, a header that isn't of that form, rows of the wrong length, or cells that aren't numbers.
+        Unreadable file, invalid header, rows of the wrong length, or non-numeric cells.
     """
     text = read_text(path, LARGEST_TABLE).replace("\r\n", "\n").replace("\r", "\n")
     every = text.split("\n")
@@ -51,9 +50,9 @@ def named_columns(path: Path, dimensions: Mapping[str, str | None], header: str)
     ----------
     path : Path
     dimensions : mapping of str to str or None
-        Of each column by its name; None for numbers as they stand.
+        By column name; None for plain numbers.
     header : str
-        What the header is like, for messages.
+        Example header for messages.
 
     Raises
     ------
@@ -72,7 +71,7 @@ def named_columns(path: Path, dimensions: Mapping[str, str | None], header: str)
 
 
 def _with_point(cell: str) -> str:
-    """A number with a decimal point in place of a comma; one with thousands marked too is left as it is."""
+    """Replace a decimal comma by a point, unless there are thousands separators."""
     return cell.replace(",", ".") if cell.count(",") == 1 and "." not in cell else cell
 
 
@@ -81,7 +80,7 @@ def _columns(path: Path, numbers: Sequence[int], lines: Sequence[str], delimiter
     if not any('"' in line for line in lines):
         wrong = next((n for n, line in zip(numbers, lines, strict=True) if line.count(delimiter) != count - 1), None)
         if wrong is None:
-            # A million rows as lists of their own would take ten times as long.
+            # Lists of rows would be ten times slower.
             cells = delimiter.join(lines).split(delimiter)
             return [cells[i::count] for i in range(count)]
     reader = csv.reader(lines, delimiter=delimiter, strict=True)
@@ -99,7 +98,7 @@ def _columns(path: Path, numbers: Sequence[int], lines: Sequence[str], delimiter
 
 
 def _is_remark(line: str) -> bool:
-    """Whether a line is a comment, or the line in which spreadsheets say what parts the columns."""
+    """Whether a line is a comment, or a spreadsheet's separator line."""
     return line.lstrip().startswith("#") or (line.startswith("sep=") and len(line.strip()) == 5)
 
 
@@ -116,7 +115,7 @@ def _header(path: Path, line: int, cells: Sequence[str]) -> tuple[list[str], lis
 
 
 def _check_numbers(path: Path, lines: Sequence[int], column: list[str]) -> None:
-    """See that all cells of a column are numbers."""
+    """Check that all cells of a column are numbers."""
     try:
         for cell in column:
             float(cell)
@@ -130,7 +129,7 @@ def _check_numbers(path: Path, lines: Sequence[int], column: list[str]) -> None:
 
 
 def _quoted(path: Path, cell: str) -> str:
-    """A cell as a message shows it, with a blank before it; "" where the file may be anything but a table."""
+    """A cell for a message, with a leading blank; "" if the file may not be a table."""
     shown = cell if len(cell) <= 60 else cell[:57] + "..."
     return f" {shown!r}" if path.suffix.lower() in _TABLES else ""
 

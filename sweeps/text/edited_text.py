@@ -1,4 +1,4 @@
-"""A scene's text with other numbers in it, everything else as its author wrote it: comments, order, units."""
+"""Replace numbers in a scene's text, keeping comments, order and units."""
 
 import tomllib
 from collections.abc import Mapping
@@ -11,7 +11,7 @@ from engine import Scene, UnitError, in_text, scene_numbers, unit_in
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import number_text, scene_from, values_of_variant, with_numbers, write_scene
 
-# As many as tell every double apart.
+# Digits that distinguish all doubles.
 _MOST_DIGITS = 17
 
 
@@ -24,14 +24,14 @@ def edited_scene(scene: Scene, values: Mapping[str, float], text: str, folder: P
     values : mapping of str to float
         New values (SI) by path.
     text : str
-        What the scene was read from; where numbers can't be replaced in it, the scene is written anew, in SI units.
+        Source of the scene; if numbers can't be replaced in it, the scene is rewritten in SI units.
     folder : Path
-        Where the text will lie, for the files that it names.
+        Folder of the new text, for relative paths.
 
     Raises
     ------
     SceneError
-        A value isn't allowed where it goes.
+        An invalid value.
     """
     values = values_of_variant(scene, values)
     wanted = with_numbers(scene, values)
@@ -48,12 +48,12 @@ def edited_scene(scene: Scene, values: Mapping[str, float], text: str, folder: P
 
 
 def _replace(document: tomlkit.TOMLDocument, keys: list[str], value: float, dimension: str) -> None:
-    """Write a number where an older one stands, in its unit."""
+    """Replace a number, in its unit."""
     *tables, last = keys
     table = document
     for key in tables:
         table = table[key]
-    # A number that has its default needn't stand there.
+    # Defaults may be absent.
     before = table.get(last)
     if isinstance(before, int):
         table[last] = int(value)
@@ -64,7 +64,7 @@ def _replace(document: tomlkit.TOMLDocument, keys: list[str], value: float, dime
 
 
 def _in_unit(value: float, unit: str, dimension: str) -> str:
-    """The shortest text in a unit that is read as just this number; where none is, in SI units."""
+    """The shortest text in a unit that reads back exactly, else in SI units."""
     size = in_text(f"1 {unit}", dimension)
     for digits in range(1, _MOST_DIGITS + 1):
         number = repr(float(f"{value / size:.{digits}g}")).removesuffix(".0")

@@ -1,4 +1,4 @@
-"""Numbers as an engineer reads them: mm, rpm, kN·m instead of m, rad s-1, N m, and no digits that mean nothing."""
+"""Numbers in practical units (mm, rpm, kN·m instead of m, rad s-1, N m) with significant digits only."""
 
 import math
 import re
@@ -11,7 +11,7 @@ import numpy as np
 
 from engine import described_dimension, in_text
 
-# For each SI unit, the units to choose from, from small to large: (name, size in SI units).
+# Units for each SI unit in ascending order: (name, size in SI units).
 _SCALES: dict[str, tuple[tuple[str, float], ...]] = {
     "m": (("mm", 1e-3), ("m", 1.0)),
     "rad": (("°", math.pi / 180), ("rev", 2 * math.pi)),
@@ -45,26 +45,26 @@ _PLAIN = {
 }
 
 
-# Units of other systems, which numbers are shown in where a scene gives most of its numbers of that kind so.
+# Non-SI units, displayed if a scene mostly uses them.
 _OTHER_SYSTEMS = frozenset(
     (
         *("in", "inch", "ft", "yd", "mil", "thou", "lb", "lbm", "oz", "slug", "mph", "hp", "PS"),
         *("lbf", "ozf", "kip", "kgf", "kp", "gf", "psi", "ksi", "atm"),
     )
 )
-# Factor from SI and label by SI unit; of the scene that was read last.
+# Factor from SI and label by SI unit, for the scene read last.
 _as_given: ContextVar[Mapping[str, tuple[float, str]]] = ContextVar("units as given", default=MappingProxyType({}))
-# The same of all units, in their own spelling.
+# The same for all units, as spelled in the scene.
 _as_written: ContextVar[Mapping[str, tuple[float, str]]] = ContextVar("units as written", default=MappingProxyType({}))
 
 
 def show_in_units(given: Iterable[tuple[str, str]]) -> None:
-    """Show numbers in the units of other systems that a scene is written in, from now on.
+    """Display numbers in the non-SI units of a scene from now on.
 
     Parameters
     ----------
     given : iterable of (str, str)
-        Dimension and unit of each of its numbers; what is mostly in SI units is shown in those.
+        Dimension and unit of each of its numbers; the majority counts.
     """
     counts: dict[str, Counter[str]] = {}
     for dimension, unit in given:
@@ -84,43 +84,43 @@ def show_in_units(given: Iterable[tuple[str, str]]) -> None:
 
 
 def units_shown() -> Mapping[str, tuple[float, str]]:
-    """Factor from SI and label of the units of other systems that numbers are shown in, by SI unit."""
+    """Factor from SI and label of the displayed non-SI units, by SI unit."""
     return dict(_as_given.get())
 
 
 def units_written() -> Mapping[str, tuple[float, str]]:
-    """Factor from SI and spelling of the units that a scene has for most of its numbers of a kind, by SI unit."""
+    """Factor from SI and spelling of a scene's most frequent units, by SI unit."""
     return dict(_as_written.get())
 
 
 def show_units(shown: Mapping[str, tuple[float, str]], written: Mapping[str, tuple[float, str]]) -> None:
-    """Show numbers in units from `units_shown` and `units_written`, such as those of a result's scene."""
+    """Restore units from `units_shown` and `units_written`."""
     for kept, given in ((_as_given, shown), (_as_written, written)):
         kept.set({units: (float(factor), label) for units, (factor, label) in given.items()})
 
 
 def engineer_unit(units: str, values: np.ndarray) -> tuple[float, str]:
-    """Factor from SI and label of the unit in which values read best.
+    """Factor from SI and label of the most readable unit.
 
     Parameters
     ----------
     units : str
-        SI unit as CF spells it ("kg m2").
+        CF unit ("kg m2").
     values : ndarray
-        The values to be shown; the largest finite one decides between mm and m, N and kN.
+        Displayed values; the largest finite one decides between mm and m, N and kN.
 
     Returns
     -------
     factor : float
         Multiply SI values by it.
     label : str
-        Unit as written on an axis ("kN·m"); "1" for plain numbers.
+        Unit label ("kN·m"); "1" for plain numbers.
     """
     if (own := _as_given.get().get(units)) is not None:
         return own
     scale = _SCALES.get(units)
     if scale is None and units not in _PLAIN and units.endswith(" m-1"):
-        # How something changes with a length.
+        # Derivatives with respect to a length.
         scale = tuple((f"{name}/mm", size * 1e3) for name, size in _SCALES.get(units.removesuffix(" m-1"), ()))
     if not scale:
         return 1.0, unit_label(units) or units
@@ -134,7 +134,7 @@ def engineer_unit(units: str, values: np.ndarray) -> tuple[float, str]:
 
 
 def unit_label(units: str) -> str:
-    """An SI unit as it is read, with its own bar: "W s rad-1" as "W·s/rad"; "" for plain numbers."""
+    """An SI unit as a fraction: "W s rad-1" as "W·s/rad"; "" for plain numbers."""
     if units in ("", "1"):
         return units.removesuffix("1")
     if units in _PLAIN:
@@ -152,7 +152,7 @@ def unit_label(units: str) -> str:
 
 
 def quantity_text(value: float, units: str, error: float | None = None) -> str:
-    """A value with its error figure, in the unit an engineer would use."""
+    """A value with its error estimate in a practical unit."""
     if not math.isfinite(value):
         return "–"
     factor, label = engineer_unit(units, np.array([value]))
@@ -161,7 +161,7 @@ def quantity_text(value: float, units: str, error: float | None = None) -> str:
 
 
 def figure_text(value: float, error: float | None, digits: int) -> str:
-    """A value with its error figure, without digits that the error makes meaningless.
+    """A value with its error estimate, rounded to significant digits.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ def figure_text(value: float, error: float | None, digits: int) -> str:
     error : float or None
         Shown with one digit.
     digits : int
-        Significant digits of a value whose error figure is smaller still, or that has none.
+        Maximum number of significant digits.
     """
     plain = f"{value:.{digits}g}"
     if error is None or not math.isfinite(error):
@@ -187,5 +187,5 @@ def figure_text(value: float, error: float | None, digits: int) -> str:
 
 
 def _exponent(number: float, places: int = 16) -> int:
-    """The power of ten of a number's first digit, rounded to so many places after it."""
+    """The power of ten of a number's first digit after rounding."""
     return int(f"{number:.{places}e}".partition("e")[2])

@@ -1,19 +1,19 @@
-"""Files that a user names: their text, and what is wrong with it."""
+"""User files and their errors."""
 
 import errno
 import stat
 from collections.abc import Iterator
 from pathlib import Path
 
-# Bytes that a scene or study may have; a long one has some ten thousand.
+# Maximum size of a scene or study [bytes]; long ones have some ten thousand.
 LARGEST_TEXT = 16_000_000
-# Characters of a name that is too long.
+# Length of a file name in a message.
 _SHOWN = 60
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
 class InputError(ValueError):
-    """A text that is refused; `problems` holds (line or None, key path, message)."""
+    """Invalid input; `problems` holds (line or None, key path, message)."""
 
     def __init__(self, source: str, problems: list[tuple[int | None, str, str]]) -> None:
         self.source, self.problems = source, tuple(problems)
@@ -26,13 +26,13 @@ class InputError(ValueError):
 
 
 def check_file(path: Path, largest: int | None = None) -> None:
-    """See that a path, if there is anything, is a file or folder, not a device or a pipe, and not too large.
+    """Check that a path is not a device, a pipe, or too large.
 
     Parameters
     ----------
     path : Path
     largest : int, optional
-        Bytes that it may have; any number unless given.
+        Maximum size [bytes].
 
     Raises
     ------
@@ -42,17 +42,17 @@ def check_file(path: Path, largest: int | None = None) -> None:
         found = path.stat()
     except (OSError, ValueError) as error:
         if getattr(error, "errno", None) == errno.ENAMETOOLONG:
-            raise InputError(f"{str(path)[:_SHOWN]}...", [(None, "", "is too long a name for a file")]) from None
+            raise InputError(f"{str(path)[:_SHOWN]}...", [(None, "", "is too long for a file name")]) from None
         return
     if not (stat.S_ISREG(found.st_mode) or stat.S_ISDIR(found.st_mode)):
         raise InputError(str(path), [(None, "", "is a device or a pipe; name a file")])
     if largest is not None and found.st_size > largest:
-        message = f"has {found.st_size / 1e6:.0f} MB, more than the {largest / 1e6:.0f} MB that such a file may have"
+        message = f"has {found.st_size / 1e6:.0f} MB, more than the allowed {largest / 1e6:.0f} MB"
         raise InputError(str(path), [(None, "", message)])
 
 
 def is_hdf5(path: Path) -> bool:
-    """Whether a file is there and begins as an HDF5 file does."""
+    """Whether a file exists and is HDF5."""
     try:
         if not path.is_file():
             return False
@@ -69,12 +69,12 @@ def read_text(path: Path, largest: int = LARGEST_TEXT) -> str:
     ----------
     path : Path
     largest : int
-        Bytes that it may have.
+        Maximum size [bytes].
 
     Raises
     ------
     InputError
-        The file can't be read, is none but a device or a pipe, or is larger.
+        The file can't be read, is a device or a pipe, or is too large.
     """
     check_file(path, largest)
     try:
@@ -83,9 +83,5 @@ def read_text(path: Path, largest: int = LARGEST_TEXT) -> str:
         raise InputError(str(path), [(None, "", f"can't be read: {error.strerror}")]) from None
     except ValueError:
         is_result = is_hdf5(path)
-        message = (
-            "is a result file (HDF5), not a text; look at it with `sweeps show`"
-            if is_result
-            else "is not UTF-8 text, as scenes, studies and tables are"
-        )
+        message = "is a result file (HDF5), not a text; use `sweeps show`" if is_result else "is not UTF-8 text"
         raise InputError(str(path), [(None, "", message)]) from None

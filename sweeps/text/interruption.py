@@ -1,8 +1,7 @@
-"""Ctrl-C, a closed terminal and the signal to terminate: the program ends at once with a sentence, whatever it does.
+"""Ctrl-C, a closed terminal and the termination signal end the program at once with a message.
 
-Nothing is unwound: blocks of a result file are either flagged as done or computed again, and all other files are
-written beside and renamed. A thread waits for the signals, as compiled code keeps the main thread from hearing them,
-sometimes for seconds.
+Nothing is unwound: blocks of a result file are either flagged as done or recomputed, and all other files are written as
+drafts and renamed. A thread waits for the signals, because compiled code can block the main thread for seconds.
 """
 
 import os
@@ -14,38 +13,38 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-# Drafts of files and scratch folders, by name: removed on the way out.
+# Drafts and scratch folders to remove on exit.
 half_written: set[str] = set()
 _HEARD = (signal.SIGINT, signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else []))
 _state: list[Callable[[], str]] = [lambda: "no file is left half-written"]
 
 
 def listen() -> None:
-    """Take over SIGINT, SIGTERM and SIGHUP, unless they are ignored, as they are by commands under nohup."""
+    """Handle SIGINT, SIGTERM and SIGHUP, unless they are ignored, as under nohup."""
     reading, writing = os.pipe()
     os.set_blocking(writing, False)
     signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
     for number in _HEARD:
         if signal.getsignal(number) is not signal.SIG_IGN:
-            # The number is written to the pipe all the same.
+            # The signal number still goes to the pipe.
             signal.signal(number, lambda *_: None)
     threading.Thread(target=_wait, args=(reading,), name="interruption", daemon=True).start()
 
 
 def finish() -> None:
-    """Heed no signal any more: all is done, and Python, while it ends, would forget what was agreed on."""
+    """Ignore signals during interpreter shutdown."""
     for number in _HEARD:
         signal.signal(number, signal.SIG_IGN)
 
 
 @contextmanager
 def keeping(words: Callable[[], str]) -> Iterator[None]:
-    """While something runs, tell what of it is kept if it is interrupted.
+    """Context that reports what is kept on interruption.
 
     Parameters
     ----------
     words : callable
-        Returns it, as the beginning of a sentence; called from another thread.
+        Returns it as a clause; called from another thread.
     """
     _state.append(words)
     try:
@@ -55,8 +54,8 @@ def keeping(words: Callable[[], str]) -> Iterator[None]:
 
 
 def farewell() -> str:
-    """Last words of an interrupted run: what is kept, and the command that resumes it."""
-    # To restart would throw away what is kept.
+    """Message of an interrupted run: what is kept, and how to resume."""
+    # --restart would discard it.
     again = shlex.join(["sweeps", *(word for word in sys.argv[1:] if word != "--restart")])
     return f"Interrupted: {_state[-1]()}; resume with: {again}"
 
@@ -71,7 +70,7 @@ def _wait(reading: int) -> None:
             os.unlink(draft)
         except OSError:
             continue
-    # A bar of progress may stand in the line.
+    # A progress bar may be on the line.
     start = "\n" if sys.stderr is not None and sys.stderr.isatty() else ""
     try:
         os.write(2, f"{start}{farewell()}\n".encode(errors="replace"))

@@ -1,4 +1,4 @@
-"""Several numbers with their units in one text, as options of commands take them."""
+"""Several numbers with units in one option text."""
 
 from collections.abc import Sequence
 
@@ -12,15 +12,15 @@ def numbers_in_row(source: str, text: str, dimensions: Sequence[str]) -> tuple[f
     Parameters
     ----------
     source : str
-        Where the text stands, for messages.
+        Source of the text, for messages.
     text : str
     dimensions : sequence of str
-        Of each number.
+        Dimension of each number.
 
     Raises
     ------
     InputError
-        There are more or fewer numbers, or one isn't of its dimension.
+        Wrong number of values, or a wrong dimension.
     """
     parts = [part.strip() for part in text.split(",")]
     if len(parts) != len(dimensions):

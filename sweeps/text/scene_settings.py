@@ -1,4 +1,4 @@
-"""Numbers of a scene that a command sets anew."""
+"""Changed numbers of a scene."""
 
 from collections.abc import Sequence
 
@@ -23,7 +23,7 @@ def given_values(scene: Scene, settings: Sequence[str]) -> dict[str, float]:
     Raises
     ------
     InputError
-        A text has no =, names none of the scene's numbers, or its value can't be read.
+        A text has no =, an unknown number, or an invalid value.
     """
     known, found = scene_numbers(scene), {}
     for text in settings:
@@ -33,7 +33,7 @@ def given_values(scene: Scene, settings: Sequence[str]) -> dict[str, float]:
         if path not in known:
             near = nearest_names(path, known, 3)
             hint = f"did you mean {' or '.join(map(repr, near))}?" if near else f"numbers are {', '.join(known)}"
-            raise InputError("--set", [(None, path, f"is not a number that the scene gives; {hint}")])
+            raise InputError("--set", [(None, path, f"is not a number of the scene; {hint}")])
         try:
             found[path] = in_text(value.strip("\"'"), known[path].dimension)
         except UnitError as error:
@@ -42,7 +42,7 @@ def given_values(scene: Scene, settings: Sequence[str]) -> dict[str, float]:
 
 
 def changed_scene(scene: Scene, settings: Sequence[str]) -> Scene:
-    """A scene with numbers of it set anew.
+    """A scene with changed numbers.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def changed_scene(scene: Scene, settings: Sequence[str]) -> Scene:
     Raises
     ------
     InputError
-        As for `given_values`, or the scene doesn't allow a value.
+        As for `given_values`, or an invalid value.
     """
     try:
         return with_numbers(scene, given_values(scene, settings))

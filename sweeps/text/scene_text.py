@@ -1,4 +1,4 @@
-"""Scenes as TOML files: reading, with the CSV tables beside them, and writing."""
+"""Reading and writing scenes as TOML, with CSV tables."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -32,7 +32,7 @@ def read_scene(path: Path | str) -> Scene:
     Raises
     ------
     InputError
-        Anything wrong with the text or with the mechanism it describes.
+        Any problem with the text or mechanism.
     """
     path = Path(path)
     text = read_text(path)
@@ -49,9 +49,9 @@ def scene_from(data: dict[str, Any], text: str, source: str, folder: Path, prefi
     text, source : str
         The text they come from and its name, for error messages.
     folder : Path
-        Where CSV files are looked for.
+        Folder for CSV files.
     prefix : tuple of str
-        Keys of the table in which the scene stands in the text.
+        Keys of the table that contains the scene.
     """
     for table in ("forces", "moments", "wanted"):
         actions = data.get(table)
@@ -61,9 +61,7 @@ def scene_from(data: dict[str, Any], text: str, source: str, folder: Path, prefi
                 columns = _table_columns(folder, action.pop("file"), source, where)
                 twice = [key for key in columns if key in action]
                 if twice:
-                    raise InputError(
-                        source, [(*where, f"the file has {twice[0]!r}, and so has the text; give it once")]
-                    )
+                    raise InputError(source, [(*where, f"{twice[0]!r} is in both the file and the text; give it once")])
                 action |= columns
     scene = validate(Scene, data, text, source, prefix)
     try:
@@ -83,9 +81,9 @@ def _table_columns(folder: Path, name: object, source: str, where: tuple[int | N
     return {key: [f"{value} {unit}".strip() for value in values] for key, (unit, values) in columns.items()}
 
 
-# CF spellings that the reader of texts takes as they are, but for a number without a unit.
+# Scene texts use CF units, except for plain numbers.
 def number_text(value: float, dimension: str) -> str | float:
-    """A number as a scene text writes it, in SI units."""
+    """A number in scene text, in SI units."""
     unit = described_dimension(dimension).unit
     if dimension == "number":
         return value
@@ -120,7 +118,7 @@ def write_scene(scene: Scene, values: Mapping[str, float] | None = None) -> str:
     Raises
     ------
     SceneError
-        A value isn't allowed where it goes.
+        An invalid value.
     """
     values = values_of_variant(scene, values or {})
     scene = with_numbers(scene, values)
@@ -137,32 +135,32 @@ def write_scene(scene: Scene, values: Mapping[str, float] | None = None) -> str:
 
 
 def values_of_variant(scene: Scene, values: Mapping[str, float]) -> dict[str, float]:
-    """All numbers in which a variant differs from its scene: those given, and places that tell its assembly modes.
+    """All numbers in which a variant differs from its scene, including `near` points for its assembly modes.
 
-    A variant has the mode to which that of the scene leads; `near`, as the scene has it, may be nearer to another one.
+    A variant continues the scene's mode; the scene's `near` may be closer to another one.
 
     Parameters
     ----------
     scene : Scene
     values : mapping of path to float
-        New values (SI). With a place that tells a mode among them they stay as they are.
+        New values (SI); unchanged if they include `near`.
 
     Raises
     ------
     SceneError
-        The scene's mode isn't reached in the variant.
+        The variant can't be assembled in the scene's mode.
     """
     if any(path.startswith("near.") for path in values):
         return dict(values)
     found = near_of_variant(scene, values)
     if found is None:
-        message = "the scene's assembly mode isn't reached in this variant, so there is no such machine; take another"
+        message = "this variant can't be assembled in the scene's assembly mode; choose another"
         raise SceneError([("near", message)])
     return {**values, **found}
 
 
 def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
-    """The machine of one variant of a study: a copy of the scene with the variant's numbers.
+    """The scene of one variant of a study.
 
     Parameters
     ----------
@@ -173,13 +171,13 @@ def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
     Raises
     ------
     SceneError
-        A value isn't allowed where it goes, or the scene's assembly mode isn't reached.
+        An invalid value, or the scene's assembly mode isn't reached.
     """
     return with_numbers(scene, values_of_variant(scene, values))
 
 
 def with_numbers(scene: Scene, values: Mapping[str, float]) -> Scene:
-    """A copy of a scene with some of its numbers replaced, and all others as they are.
+    """A copy of a scene with some numbers replaced.
 
     Parameters
     ----------
@@ -190,7 +188,7 @@ def with_numbers(scene: Scene, values: Mapping[str, float]) -> Scene:
     Raises
     ------
     SceneError
-        A value isn't allowed where it goes.
+        An invalid value.
     """
     by_path: dict[str, Any] = {}
     for path, value in values.items():
@@ -203,7 +201,7 @@ def with_numbers(scene: Scene, values: Mapping[str, float]) -> Scene:
 
 
 def _copied(part: ScenePart, changes: Mapping[str, Any] | float, path: str) -> ScenePart:
-    """A part of a scene with changes in it, checked as when it was made; parts without changes are shared."""
+    """A validated part of a scene with changes; unchanged parts are shared."""
     if isinstance(part, FormulaNumber):
         return part.at(changes)
     given = {key: getattr(part, key) for key in part.model_fields_set}
@@ -223,7 +221,7 @@ def _copied(part: ScenePart, changes: Mapping[str, Any] | float, path: str) -> S
         raise SceneError(told) from None
 
 
-# Units of the rows of governors' tables.
+# Units of governor tables.
 _ROWS = {"over_radius": "m", "over_lift": "m", "controlling_force": "N", "moment": "N m"}
 
 

@@ -11,7 +11,7 @@ TEMPLATES = Path(str(files("sweeps") / "templates"))
 
 
 def bundled_templates() -> dict[str, Path]:
-    """Files of the templates, by name; the folder of each is its subject."""
+    """Template files by name; the folder of each is its subject."""
     return {path.stem: path for path in sorted(TEMPLATES.glob("*/*.toml"), key=lambda path: path.stem)}
 
 

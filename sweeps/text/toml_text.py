@@ -1,4 +1,4 @@
-"""Reading TOML texts into validated models; errors name file, line, key, value, what is allowed and the remedy."""
+"""Reading TOML into validated models; errors give file, line, key, value, allowed values and a remedy."""
 
 import re
 import tomllib
@@ -12,11 +12,11 @@ from engine import Element, element_kinds, in_text, nearest_names
 from sweeps.text.engineer_units import show_in_units
 from sweeps.text.input_files import InputError
 
-# Most problems in one message.
+# Maximum problems per message.
 MOST_PROBLEMS = 20
-# Characters of a line in which slips are looked for, and parts that a key may have.
+# Maximum line length for diagnosis, and maximum parts of a key.
 _LINE_LOOKED_AT, _LONGEST_KEY = 300, 100
-# What parts keys from each other and from values, and a full stop within a key.
+# Separators of keys and values, and of parts of a key.
 _APART, _DOT_IN_KEY = re.compile(r"[=\[\]{},#]"), re.compile(r"[\w\"'-]\s*\.(?=\s*[\w\"'-])")
 
 
@@ -29,7 +29,7 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
         The text is not TOML; the message gives line and column.
     """
     for number, line in enumerate(text.splitlines(), 1):
-        # A reader of TOML keeps every beginning of a dotted key.
+        # The TOML reader stores every prefix of a dotted key.
         if len(line) > _LONGEST_KEY and any(_parts(piece) > _LONGEST_KEY for piece in _APART.split(line)):
             raise InputError(source, [(number, "", f"more than {_LONGEST_KEY} parts between full stops")])
     try:
@@ -44,7 +44,7 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
 
 
 def _parts(piece: str) -> int:
-    """How many parts a piece of a line has, if it is a dotted key."""
+    """Number of parts of a dotted key."""
     return 1 + len(_DOT_IN_KEY.findall(piece))
 
 
@@ -54,26 +54,26 @@ _BARE_WORD = re.compile(r"=\s*(?P<value>(?!true\b|false\b|inf\b|nan\b)[A-Za-z][\
 
 
 def _slip(text: str, line: int | None, source: str) -> str:
-    """What is wrong with a line that is no TOML, where that is a usual slip; "" where it isn't, or in other files."""
+    """Diagnosis of common TOML mistakes in a line, or ""."""
     lines = text.splitlines()
     if line is None or not 1 <= line <= len(lines) or not source.endswith(".toml"):
         return ""
-    # A line that ends too early is reported at the beginning of the next one.
+    # An incomplete line is reported at the start of the next one.
     for whole in lines[line - 1 : line] + lines[line - 2 : line - 1]:
         written = whole[:_LINE_LOOKED_AT]
         if (slip := _BARE_QUANTITY.search(written)) is not None:
             value = slip["value"].strip()
-            return f'{value} has a unit, so it stands in quotes: "{value}"'
+            return f'{value} has a unit, so it needs quotes: "{value}"'
         if (slip := _BARE_COMMA.search(written)) is not None:
             value = slip["value"].strip()
-            return f'{value} has a decimal comma: write a point, as in "{value.replace(",", ".")}"'
+            return f'{value} has a decimal comma: use a point, "{value.replace(",", ".")}"'
         if (slip := _BARE_WORD.search(written)) is not None:
             value = slip["value"].strip()
-            return f'{value} is a text, so it stands in quotes: "{value}"'
+            return f'{value} is a text, so it needs quotes: "{value}"'
         if re.search(r"=\s*$", written):
-            return "after the = there is no value"
+            return "no value after ="
         if whole.count('"') % 2:
-            return "a quotation mark is missing: texts begin and end with one"
+            return "a quotation mark is missing"
     return ""
 
 
@@ -86,14 +86,14 @@ def validate(model: type[BaseModel], data: dict[str, Any], text: str, source: st
     data : dict
         Parsed tables.
     text, source : str
-        The text, to find lines in, and its name.
+        The text, for line numbers, and its name.
     prefix : tuple of str
-        Keys of the table in which the data stand in the text.
+        Keys of the table that contains the data.
 
     Raises
     ------
     InputError
-        All that is wrong with it, not only the first.
+        All problems.
     """
     context: dict[str, Any] = {"text": True}
     try:
@@ -114,7 +114,7 @@ def _problem(
 
 
 def _keys(data: object, error: dict) -> list[str | int]:
-    """Location of an error without the tags of unions that pydantic puts into it."""
+    """Location of an error without pydantic's union tags."""
     keys: list[str | int] = []
     loc = list(error["loc"])
     for i, item in enumerate(loc):
@@ -142,7 +142,7 @@ def _message(model: type[BaseModel], error: dict, keys: list[str | int]) -> str:
             allowed = _fields_at(model, error["loc"][:-1])
             return "unknown key" + _allowed(last, allowed)
         case "missing" if last == "input" and len(keys) <= 2:
-            return 'is missing: a machine has a table [input] of type "crank" or "slider"; see `sweeps help input`'
+            return 'is missing: add a table [input] of type "crank" or "slider"; see `sweeps help input`'
         case "missing":
             return "is missing" if isinstance(error["loc"][-1], str) else "has too few entries"
         case "union_tag_invalid":
@@ -150,7 +150,7 @@ def _message(model: type[BaseModel], error: dict, keys: list[str | int]) -> str:
             tag = str(context.get("tag"))
             return f"type {tag!r} is not known" + _allowed(tag, allowed)
         case "union_tag_not_found":
-            return "the key 'type' is missing: it says what kind this is"
+            return "the key 'type' is missing"
         case "literal_error":
             allowed = re.findall(r"'([^']+)'", context["expected"])
             return f"{_shown(value)} is not allowed" + (
@@ -170,19 +170,19 @@ def _message(model: type[BaseModel], error: dict, keys: list[str | int]) -> str:
             return f"{error['msg']}, got {_shown(value)}"
 
 
-# Units in which limits are given where a value was given in them; other limits are 0.
+# Units of limits; other limits are 0.
 _OWN_UNITS = {"deg": "angle", "°": "angle", "rev": "angle", "rpm": "angular_speed"}
 
 
 def _as_given(bound: float, value: object) -> str:
-    """A limit in the unit of the value that passes it: an angle in degrees where that is in degrees."""
+    """A limit in the unit of the value."""
     unit = value.strip().lstrip("+-.0123456789eE ") if isinstance(value, str) else ""
     if bound == 0 or unit not in _OWN_UNITS:
         return f"{bound:g}"
     return f"{bound / in_text(f'1 {unit}', _OWN_UNITS[unit]):g} {unit}"
 
 
-# Keys that others would call otherwise.
+# Common names for other keys.
 _SYNONYMS = {
     "from": ("start",),
     "to": ("stop",),
@@ -231,7 +231,7 @@ def _allowed(name: str, allowed: list[str]) -> str:
 
 
 def _fields_at(model: type[BaseModel], loc: tuple[str | int, ...]) -> list[str]:
-    """Keys that the model allows at a location (with union tags in it)."""
+    """Keys allowed at a location (with union tags)."""
     here: Any = model
     for item in loc:
         here = _descend(here, item)
@@ -242,7 +242,7 @@ def _fields_at(model: type[BaseModel], loc: tuple[str | int, ...]) -> list[str]:
 
 
 def bare_annotation(annotation: Any) -> Any:
-    """An annotation without its marks and without None."""
+    """An annotation without metadata and None."""
     while get_origin(annotation) is Annotated:
         annotation = get_args(annotation)[0]
     if is_union(annotation):
@@ -253,17 +253,17 @@ def bare_annotation(annotation: Any) -> Any:
 
 
 def is_union(annotation: Any) -> bool:
-    """Whether an annotation is one of several, as that of any machine element is."""
+    """Whether an annotation is a union."""
     return annotation is Element or get_origin(annotation) is Union or type(annotation).__name__ == "UnionType"
 
 
 def arms_of(union: Any) -> tuple[Any, ...]:
-    """What a union is one of."""
+    """Members of a union."""
     return tuple(element_kinds().values()) if union is Element else get_args(union)
 
 
 def _descend(annotation: Any, item: str | int) -> Any:
-    """Annotation of a key, an entry of a table, or an arm of a union named by its tag."""
+    """Annotation of a key, a table entry, or a union member by tag."""
     here = bare_annotation(annotation)
     if is_union(here):
         return next((bare_annotation(a) for a in arms_of(here) if item in _tags(a)), None)
@@ -276,7 +276,7 @@ def _descend(annotation: Any, item: str | int) -> Any:
 
 
 def _tags(arm: Any) -> tuple[object, ...]:
-    """Tags by which an arm of a union is named: its own, or the values of its key "type"."""
+    """Tags of a union member: its own, or the values of its key "type"."""
     own = tuple(mark.tag for mark in getattr(arm, "__metadata__", ()) if isinstance(mark, Tag))
     if own:
         return own
@@ -293,21 +293,21 @@ _PART = re.compile(r""""[^"]*"|'[^']*'|[\w-]+""")
 def problems_in(
     text: str, problems: Iterable[tuple[str, str]], prefix: Sequence[str] = ()
 ) -> list[tuple[int | None, str, str]]:
-    """Problems with the lines of a text at which they are.
+    """Problems with their lines.
 
     Parameters
     ----------
     text : str
     problems : iterable of (str, str)
-        The key, its steps joined by dots, and what is wrong.
+        Dotted key and message.
     prefix : sequence of str
-        Keys of the table in which these keys stand.
+        Keys of the enclosing table.
     """
     return [(line_of(text, [*prefix, *key.split(".")]), key, message) for key, message in problems]
 
 
 def line_of(text: str, keys: list[str | int]) -> int | None:
-    """Line of a TOML text that holds a key, or the deepest table or key around it that has a line of its own."""
+    """Line of a key, or of its nearest enclosing table or key."""
     names = tuple(part for k in keys if not isinstance(k, int) for part in str(k).split("."))
     at, within = _lines_of(text)
     if names in within:
@@ -317,9 +317,9 @@ def line_of(text: str, keys: list[str | int]) -> int | None:
 
 @lru_cache(2)
 def _lines_of(text: str) -> tuple[dict[tuple[str, ...], int], dict[tuple[str, ...], int]]:
-    """First lines of a TOML text by the keys that they hold, and by all beginnings of these keys.
+    """First lines of keys and their prefixes.
 
-    Kept, as a text with thousands of mistakes is looked through for each of them.
+    Cached for texts with thousands of mistakes.
     """
     at: dict[tuple[str, ...], int] = {}
     within: dict[tuple[str, ...], int] = {}

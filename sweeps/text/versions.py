@@ -1,10 +1,10 @@
-"""Which version of this program is running, and which one made a file."""
+"""Version of this program, and of the one that made a file."""
 
 from importlib.metadata import PackageNotFoundError, version
 
 
 def own_version() -> str:
-    """Version of this program, as installed."""
+    """Installed version of this program."""
     try:
         return version("machine-sweeps")
     except PackageNotFoundError:
@@ -12,7 +12,7 @@ def own_version() -> str:
 
 
 def origin_text(versions: str) -> str:
-    """Say where a file comes from that isn't as this version writes it.
+    """Origin of a file that differs from this version's format.
 
     Parameters
     ----------

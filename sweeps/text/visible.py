@@ -1,4 +1,4 @@
-"""Texts from files as they are shown: what acts on a terminal, a browser or the order of letters is spelled out."""
+"""Safe display of texts from files: control and direction characters are spelled out."""
 
 import re
 
@@ -14,6 +14,6 @@ def visible(text: str) -> str:
     Parameters
     ----------
     text : str
-        From a file that anyone may have written.
+        Untrusted text.
     """
     return _ACTING.sub(lambda found: ascii(found[0])[1:-1], text)

@@ -1,4 +1,4 @@
-"""Files that are there whole or not at all: written beside, then renamed. And folders for what nobody keeps."""
+"""Atomic file writing, and temporary folders."""
 
 import errno
 import os
@@ -13,10 +13,10 @@ from sweeps.text.interruption import half_written
 
 @contextmanager
 def whole_file(path: Path | str) -> Iterator[Path]:
-    """A draft to write, which takes the place of a file once all of it is there; an earlier file stays until then.
+    """A draft that replaces a file when complete; an earlier file stays until then.
 
-    What is there and no regular file, such as /dev/stdout, is written as it is. The draft is created under a name that
-    nobody can predict, and never through a link, so that another user of the folder can't redirect what is written.
+    Non-regular files such as /dev/stdout are written directly. The draft has an unpredictable name and follows no
+    link, so that other users of the folder can't redirect the output.
 
     Parameters
     ----------
@@ -30,14 +30,14 @@ def whole_file(path: Path | str) -> Iterator[Path]:
     Raises
     ------
     OSError
-        The system refuses, or the path is a link that belongs to another user than the file's folder.
+        System error, or the path is a link owned by neither this user nor the folder's owner.
     """
     path = Path(path)
     refuse_foreign_link(path)
     if path.exists() and not path.is_file():
         yield path
         return
-    # The file that a link names is replaced, not the link.
+    # Replace the target of a link, not the link.
     path = path.resolve()
     draft = path.with_name(f".{secrets.token_hex(8)}{path.suffix}")
     half_written.add(str(draft))
@@ -54,12 +54,12 @@ def whole_file(path: Path | str) -> Iterator[Path]:
 
 @contextmanager
 def scratch_folder(within: Path | str | None = None) -> Iterator[Path]:
-    """A folder that only this user reaches, removed at the end, and by a signal too.
+    """A private folder, removed at the end and on signals.
 
     Parameters
     ----------
     within : Path or str, optional
-        The folder in which it is made; the system's one for such folders unless given.
+        Parent folder (default: the system's temporary folder).
     """
     with tempfile.TemporaryDirectory(prefix=".sweeps-", dir=within, ignore_cleanup_errors=True) as folder:
         half_written.add(folder)
@@ -70,12 +70,12 @@ def scratch_folder(within: Path | str | None = None) -> Iterator[Path]:
 
 
 def refuse_foreign_link(path: Path) -> None:
-    """Refuse a link that neither this user nor the owner of its folder made, as Linux does in shared folders.
+    """Reject a link owned by neither this user nor its folder's owner, as Linux does in shared folders.
 
     Parameters
     ----------
     path : Path
-        Something to be written.
+        File to write.
 
     Raises
     ------
@@ -83,4 +83,4 @@ def refuse_foreign_link(path: Path) -> None:
         It is such a link.
     """
     if path.is_symlink() and path.lstat().st_uid not in (os.geteuid(), path.parent.stat().st_uid):
-        raise PermissionError(errno.EACCES, "a link of another user, which is not followed", str(path))
+        raise PermissionError(errno.EACCES, "a link owned by another user, which is not followed", str(path))

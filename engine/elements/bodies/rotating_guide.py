@@ -41,9 +41,9 @@ class RotatingGuide(Element):
         ElementResult("absolute_speed", "speed of the body as it leaves the lever", "m s-1"),
         ElementResult("leaving_angle", "angle between its path and the lever there", "rad"),
         ElementResult("start_reaction", "reaction of the lever at the start", "N"),
-        ElementResult("reaction", "greatest reaction of the lever, at its end", "N"),
+        ElementResult("reaction", "peak reaction of the lever, at its end", "N"),
         ElementResult("centrifugal_force", "centrifugal force of inertia at the end of the lever", "N"),
-        ElementResult("moment", "greatest moment that turns the lever, at its end", "N m"),
+        ElementResult("moment", "peak torque that turns the lever, at its end", "N m"),
         ElementResult("work", "work done on the lever", "J"),
         ElementResult("friction_work", "work lost by friction", "J"),
     )

@@ -40,11 +40,11 @@ class TetheredBody(Element):
     picture: ClassVar = "pull"
     RESULTS: ClassVar = (
         ElementResult("impulse", "impulse that gives the speed at once", "N s"),
-        ElementResult("impulse_stretch", "greatest stretch of the tie after the impulse", "m"),
-        ElementResult("impulse_force", "greatest force in the tie after the impulse", "N"),
+        ElementResult("impulse_stretch", "peak stretch of the tie after the impulse", "m"),
+        ElementResult("impulse_force", "peak force in the tie after the impulse", "N"),
         ElementResult("spin_up_stretch", "stretch of the tie, spun up slowly to the speed", "m"),
         ElementResult("spin_up_force", "force in the tie, spun up slowly to the speed", "N"),
-        ElementResult("dynamic_factor", "greatest force after the impulse over that of a slow spin-up", "1"),
+        ElementResult("dynamic_factor", "peak force after the impulse over that of a slow spin-up", "1"),
         ElementResult("impulse_burst_speed", "speed at which the tie bursts, given by an impulse", "m s-1"),
         ElementResult("spin_up_burst_speed", "speed at which the tie bursts, spun up slowly", "m s-1"),
         ElementResult("bursts_by_impulse", "whether the impulse bursts the tie (1 or 0)", "1", exact=True),
@@ -92,7 +92,7 @@ class TetheredBody(Element):
         curves = [Curve(words, found[f"{kind}_force"]) for kind, words in kinds.items()]
         marks = [Mark("", at, self.strength) for at in bursts.values()]
         marks += [Mark("strength of the tie", None, self.strength), Mark("its speed", self.speed, None)]
-        x, y = PanelAxis("speed", "m s-1"), PanelAxis("greatest pull", "N")
+        x, y = PanelAxis("speed", "m s-1"), PanelAxis("peak pull", "N")
         pull = Panel(x, y, speed, curves, marks, limits=(0.0, 2.2 * self.strength))
         track = self._track()
         farthest = track[np.abs(track).argmax()]
@@ -101,7 +101,7 @@ class TetheredBody(Element):
             circle("tie without force", self.length),
             circle("spun up slowly", slow),
             path("after the impulse", track),
-            path("greatest pull", (0.0, farthest)),
+            path("peak pull", (0.0, farthest)),
         )
         return plan(lines, "Along the axis"), pull
 

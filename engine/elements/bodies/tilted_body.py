@@ -45,9 +45,9 @@ class TiltedBody(Element):
             ElementResult(f"fixed_{name}", f"product of inertia {name[-2:]} of the fixed axes", "kg m2")
             for name in _PRODUCTS
         ),
-        ElementResult("greatest_inertia", "greatest principal moment of inertia", "kg m2"),
+        ElementResult("greatest_inertia", "maximum principal moment of inertia", "kg m2"),
         ElementResult("middle_inertia", "middle principal moment of inertia", "kg m2"),
-        ElementResult("least_inertia", "least principal moment of inertia", "kg m2"),
+        ElementResult("least_inertia", "minimum principal moment of inertia", "kg m2"),
         ElementResult("principal_tilt", "angle between the fixed z axis and the nearest principal axis", "rad"),
         ElementResult(
             "tilting_couple", "couple of the inertia forces on the bearings of the fixed z axis", "N m", "speed"

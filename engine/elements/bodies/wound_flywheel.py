@@ -49,11 +49,11 @@ class WoundFlywheel(Element):
         ElementResult("rest_bore_stress", "hoop stress of the bore at rest, negative in compression", "Pa"),
         ElementResult("bore_stress", "hoop stress of the bore at the speed", "Pa"),
         ElementResult("plain_bore_stress", "hoop stress of the bore of such a wheel without winding", "Pa"),
-        ElementResult("layer_stress", "greatest tension of the winding at the speed", "Pa"),
+        ElementResult("layer_stress", "peak tension of the winding at the speed", "Pa"),
         ElementResult("pressure", "pressure of the winding on the ring at the speed", "Pa"),
         ElementResult("parting_speed", "speed from which on the outermost layer is loose", "rad s-1"),
         ElementResult("parts", "whether layers are loose at the speed (1 or 0)", "1", exact=True),
-        ElementResult("strength_share", "greatest tension over the strength", "1", "strength"),
+        ElementResult("strength_share", "peak tension over the strength", "1", "strength"),
     )
 
     type: Literal["wound_flywheel"]

@@ -284,10 +284,10 @@ def _results(cam: CamElement) -> Iterator[Result]:
     if cam.follower.moved is not None:
         yield from _forces(cam)
     if cam.line_contact is not None:
-        words = "greatest pressure by Hertz between cam and follower"
+        words = "peak Hertzian pressure between cam and follower"
         yield _result("contact_pressure", words, "Pa", (Lasting.WHILE_TOUCHING, False))
     if cam.limits is not None:
-        words = "least base radius that keeps the limits; none if no base circle does"
+        words = "minimum base radius that keeps the limits; none if no base circle does"
         yield _result("least_base_radius", words, "m")
 
 
@@ -308,22 +308,22 @@ def _with_angle(
 def _shape() -> Iterator[Result]:
     """Pressure angles and radii of curvature under a roller or knife edge."""
     for stroke in ("rise", "return"):
-        words, of = f"greatest pressure angle of the {stroke}", (f"{stroke}, leading", f"{stroke}, lagging")
+        words, of = f"maximum pressure angle of the {stroke}", (f"{stroke}, leading", f"{stroke}, lagging")
         yield from _with_angle(f"{stroke}_pressure_angle", words, "rad", of)
-    yield from _with_angle("convex_radius", "least radius of curvature of the convex profile", "m", ("convex",))
-    words = "least radius of curvature of the hollow profile; none if it is convex"
+    yield from _with_angle("convex_radius", "minimum radius of curvature of the convex profile", "m", ("convex",))
+    words = "minimum radius of curvature of the hollow profile; none if it is convex"
     yield from _with_angle("hollow_radius", words, "m", ("hollow",))
     yield _result("undercut_radius", "radius of the roller at which undercutting begins", "m")
 
 
 def _flat_shape(cam: CamElement) -> Iterator[Result]:
     """Curvature under a flat face, and the part of the face that is touched."""
-    origin, made = "beside the axis" if cam.translating else "from the pivot", (Lasting.UNLESS_UNDERCUT, True)
+    origin, made = "off the axis" if cam.translating else "from the pivot", (Lasting.UNLESS_UNDERCUT, True)
     found = (
-        _result("convex_radius", "least radius of curvature of the profile", "m", of=("least radius",)),
+        _result("convex_radius", "minimum radius of curvature of the profile", "m", of=("least radius",)),
         _result("convex_radius_at", "cam angle of the least radius of curvature", "rad"),
-        _result("face_from", f"least distance of the contact {origin}", "m", made),
-        _result("face_to", f"greatest distance of the contact {origin}", "m", made, ("face to",)),
+        _result("face_from", f"minimum distance of the contact {origin}", "m", made),
+        _result("face_to", f"maximum distance of the contact {origin}", "m", made, ("face to",)),
         _result("face_length", "length of the face that is touched", "m", made),
     )
     for made in found:
@@ -334,12 +334,12 @@ def _motion(cam: CamElement) -> Iterator[Result]:
     """The follower's motion."""
     unit, jerks = "m" if cam.translating else "rad", ("jerked", "jerked back")
     for name, words, power, of in (
-        ("greatest_velocity", "greatest velocity of the follower", 1, ("outwards", "inwards")),
-        ("greatest_acceleration", "greatest acceleration of the follower, away from the cam", 2, ("accelerated",)),
-        ("greatest_deceleration", "greatest acceleration of the follower, towards the cam", 2, ("decelerated",)),
-        ("greatest_jerk", "greatest jerk of the follower; none where the acceleration jumps", 3, jerks),
-        ("velocity_jump", "greatest jump of the follower's velocity", 1, ()),
-        ("acceleration_jump", "greatest jump of the follower's acceleration", 2, ()),
+        ("greatest_velocity", "peak velocity of the follower", 1, ("outwards", "inwards")),
+        ("greatest_acceleration", "peak acceleration of the follower, away from the cam", 2, ("accelerated",)),
+        ("greatest_deceleration", "peak acceleration of the follower, towards the cam", 2, ("decelerated",)),
+        ("greatest_jerk", "peak jerk of the follower; none where the acceleration jumps", 3, jerks),
+        ("velocity_jump", "maximum jump of the follower's velocity", 1, ()),
+        ("acceleration_jump", "maximum jump of the follower's acceleration", 2, ()),
     ):
         smooth = name in ("greatest_velocity", "velocity_jump", "acceleration_jump")
         yield _result(name, words, f"{unit} s-{power}", (Lasting.UNLESS_UNDERCUT, smooth), of)
@@ -349,13 +349,13 @@ def _forces(cam: CamElement) -> Iterator[Result]:
     """Contact force, spring, driving moment."""
     touching, spring = (Lasting.WHILE_TOUCHING, False), cam.closure == "spring"
     of = ("pressed",) if spring else ("pressed", "slack")
-    yield from _with_angle("greatest_contact_force", "greatest force between cam and follower", "N", of, touching)
+    yield from _with_angle("greatest_contact_force", "peak force between cam and follower", "N", of, touching)
     if spring:
-        words = "least force between cam and follower"
+        words = "minimum force between cam and follower"
         yield from _with_angle("least_contact_force", words, "N", ("slack",), touching)
     for name, words, of in (
-        ("greatest_moment", "greatest moment that turns the cam", ("driven",)),
-        ("least_moment", "least moment that turns the cam; negative where it is driven", ()),
+        ("greatest_moment", "peak torque that turns the cam", ("driven",)),
+        ("least_moment", "minimum torque that turns the cam; negative where it is driven", ()),
         ("mean_moment", "mean of the moment that turns the cam", ()),
     ):
         yield _result(name, words, "N m", touching, of)

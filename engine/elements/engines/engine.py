@@ -224,7 +224,7 @@ def _results(engine: EngineElement) -> Iterator[ElementResult]:
     for kind, units, needs in (("force", "N", None), ("couple", "N m", "spacing")):
         for word in (_WORDS[n] for n in orders):
             said = word.replace("_", " ")
-            yield ElementResult(f"{word}_{kind}", f"greatest {said} {kind}", units, needs)
+            yield ElementResult(f"{word}_{kind}", f"maximum {said} {kind}", units, needs)
             yield ElementResult(f"{word}_{kind}_least", f"least {said} {kind}", units, needs)
         listed = ", ".join(map(str, orders))
         yield ElementResult(f"rms_{kind}", f"root mean square of the {kind}, orders {listed}", units, needs)

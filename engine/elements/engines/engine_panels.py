@@ -87,7 +87,7 @@ def engine_panels(engine: Element) -> tuple[Panel, ...]:
         panels.append(plan(lines, f"{word.capitalize()} by counterweights", unit, words)._replace(marks=marks))
         bars = [Curve(words, np.asarray(v.major)) for words, v in zip((BEFORE, AFTER), both, strict=True)]
         panels.append(
-            Panel(_ORDER, PanelAxis(f"greatest {word}", unit), np.array(SHOWN_ORDERS, float), bars, kind="bars")
+            Panel(_ORDER, PanelAxis(f"maximum {word}", unit), np.array(SHOWN_ORDERS, float), bars, kind="bars")
         )
     if engine.spacing is not None:
         layout = engine.nominal_layout

@@ -55,10 +55,10 @@ class LocomotiveElement(Element):
             )
             for side in _SIDES
         ),
-        ElementResult("tractive_variation", "greatest unbalanced force along the track", "N"),
-        ElementResult("swaying_couple", "greatest unbalanced couple about the upright axis", "N m"),
-        *(ElementResult(f"{side}_hammer_blow", f"greatest change of the {side} wheel's load", "N") for side in _SIDES),
-        ElementResult("least_wheel_load", "least load of a wheel, negative where it lifts off", "N", "wheel_load"),
+        ElementResult("tractive_variation", "maximum unbalanced force along the track", "N"),
+        ElementResult("swaying_couple", "maximum unbalanced couple about the upright axis", "N m"),
+        *(ElementResult(f"{side}_hammer_blow", f"maximum change of the {side} wheel's load", "N") for side in _SIDES),
+        ElementResult("least_wheel_load", "minimum load of a wheel, negative where it lifts off", "N", "wheel_load"),
         ElementResult("lift_off_speed", "angular speed at which a wheel lifts off", "rad s-1", "wheel_load", True),
         ElementResult("primary_force", "unbalanced primary force of the first cylinder there", "N", "crank_angle"),
         ElementResult("tractive_force", "unbalanced force along the track there", "N", "crank_angle"),
@@ -136,7 +136,7 @@ class LocomotiveElement(Element):
         return (
             Panel(x, PanelAxis("unbalanced force", "N"), angle, forces),
             Panel(x, PanelAxis("swaying couple", "N m"), angle, (Curve("", turn["swaying_moment"]),)),
-            Panel(PanelAxis("speed of the axle", "rad s-1"), PanelAxis("greatest force", "N"), speed, blows, marks),
+            Panel(PanelAxis("speed of the axle", "rad s-1"), PanelAxis("peak force", "N"), speed, blows, marks),
         )
 
 

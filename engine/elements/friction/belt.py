@@ -59,9 +59,9 @@ class BeltElement(FrictionElement):
         ElementResult("tension_ratio", "tension of the tight strand over the slack one's, without centrifugal", "1"),
         ElementResult("tight_tension", "tension of the tight strand", "N"),
         ElementResult("slack_tension", "tension of the slack strand", "N"),
-        ElementResult("moment", "greatest moment without slip", "N m"),
+        ElementResult("moment", "maximum torque without slip", "N m"),
         ElementResult("shaft_force", "force of the belt on the shaft", "N"),
-        ElementResult("power", "greatest power without slip", "W", "speed"),
+        ElementResult("power", "maximum power without slip", "W", "speed"),
         ElementResult("centrifugal_tension", "tension that keeps the belt on its circle", "N", "linear_density"),
         ElementResult("speed_of_most_power", "speed of most power at this tension", "m s-1", "linear_density"),
     )

@@ -37,7 +37,7 @@ class CarElement(Element):
 
     picture: ClassVar = "braking"
     RESULTS: ClassVar = (
-        ElementResult("deceleration", "greatest deceleration of the braking car", "m s-2"),
+        ElementResult("deceleration", "peak deceleration of the braking car", "m s-2"),
         ElementResult("stopping_distance", "way to rest, that of the reaction time with it", "m"),
         ElementResult("stopping_time", "time to rest, the reaction time with it", "s"),
         ElementResult("front_share", "share of the load on the road that the front wheels bear", "1"),

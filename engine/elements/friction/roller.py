@@ -44,7 +44,7 @@ class RollerElement(Element):
         ElementResult("rolling_friction", "rolling friction as a coefficient", "1"),
         ElementResult("pull_force", "force that moves the roller", "N"),
         ElementResult("rolls", "whether the pulled roller rolls (1) or slides (0)", "1", exact=True),
-        ElementResult("traction_moment", "greatest moment that sliding friction passes on", "N m"),
+        ElementResult("traction_moment", "maximum torque transmitted by sliding friction", "N m"),
         ElementResult("reduced_radius", "radius of the roller on a plane that fits as closely", "m", "mate_diameter"),
         ElementResult(
             "drive_moment", "moment that overcomes the rolling friction of both rollers", "N m", "mate_diameter"

@@ -66,7 +66,7 @@ class ScrewElement(FrictionElement):
         ElementResult("raise_efficiency", "efficiency of raising the load", "1"),
         ElementResult("lower_efficiency", "share of the sinking load's work that the screw passes on", "1"),
         ElementResult("self_locking", "whether the load stays by itself (1 or 0)", "1", exact=True),
-        ElementResult("locking_friction", "least coefficient of friction with which the load stays by itself", "1"),
+        ElementResult("locking_friction", "minimum coefficient of friction with which the load stays by itself", "1"),
     )
 
     type: Literal["screw"]

@@ -29,9 +29,7 @@ class FrictionDrive(FrictionElement):
         ElementResult("driven_speed", "angular speed of the driven wheel", "rad s-1"),
         ElementResult("tangential_force", "force along the rims", "N"),
         ElementResult("needed_press_force", "force that has to press the wheels together", "N"),
-        ElementResult(
-            "traction_share", "force along the rims over the greatest that friction allows", "1", "press_force"
-        ),
+        ElementResult("traction_share", "force along the rims over the friction limit", "1", "press_force"),
         ElementResult("driving_moment", "moment that drives", "N m"),
         ElementResult("input_power", "power put in", "W"),
         ElementResult("efficiency", "power that comes out over power put in, creep alone lost", "1"),

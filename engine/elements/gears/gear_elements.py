@@ -127,12 +127,12 @@ class GearTrain(Part):
             lost = wheel.gives("bore", "density")
             if wheel.width is None and lost:
                 raise ValueError(
-                    f"wheels.{name}.{lost[0]} tells the mass of a wheel with a width; give width, or leave it out"
+                    f"wheels.{name}.{lost[0]} gives the mass of a wheel with a width; give width, or remove it"
                 )
         rings = {mesh.between[1] for mesh in self.meshes.values() if mesh.type == "internal"}
         for name, wheel in self.wheels.items():
             if wheel.width is not None and name in rings:
-                raise ValueError(f"wheels.{name}.width: a ring is no disc; give its shaft the inertia instead")
+                raise ValueError(f"wheels.{name}.width: a ring is not a disc; give its shaft the inertia instead")
             if wheel.width is not None and not self.has_modules:
                 raise ValueError(f"wheels.{name}.width needs a module: without it the wheel has no diameter")
         self._check_orbits()
@@ -175,7 +175,7 @@ class GearTrain(Part):
         follow = tuple(name for name in structure.unknown_moments if name not in structure.held)
         if len(follow) != structure.mobility:
             raise ValueError(
-                f"W = {structure.mobility}: so many moments follow from the others, those of driven shafts without a "
+                f"W = {structure.mobility}: this many torques follow from the others, those of driven shafts without a "
                 f"moment and of loaded ones; {_told(follow, 'such a role')}"
             )
         if not structure.moments_follow:

@@ -41,17 +41,17 @@ _STATICS = (
     ElementResult("outer_force", "controlling force of one ball at the outer stop", "N"),
     ElementResult("stable_from", "radius at which the longest stable stretch begins", "m"),
     ElementResult("stable_to", "radius at which the longest stable stretch ends", "m"),
-    ElementResult("least_speed", "least speed of the spindle in the stable stretch", "rad s-1"),
-    ElementResult("greatest_speed", "greatest speed of the spindle in the stable stretch", "rad s-1"),
-    ElementResult("mean_speed", "mean of the least and the greatest speed", "rad s-1"),
+    ElementResult("least_speed", "minimum speed of the spindle in the stable stretch", "rad s-1"),
+    ElementResult("greatest_speed", "maximum speed of the spindle in the stable stretch", "rad s-1"),
+    ElementResult("mean_speed", "mean of the minimum and maximum speed", "rad s-1"),
     ElementResult("non_uniformity", "range of speeds in the stable stretch over the mean speed", "1"),
     ElementResult(
-        "least_stability", "least of (dω²/dr)/(ω²/r) in equilibrium between the stops; 0 is isochronous", "1"
+        "least_stability", "minimum of (dω²/dr)/(ω²/r) in equilibrium between the stops; 0 is isochronous", "1"
     ),
     ElementResult("least_stability_radius", "radius at which the governor is least stable", "m"),
     ElementResult("isochronous", "the governor is isochronous (1 or 0)", **_FLAG),
     ElementResult("sleeve_lift", "lift of the sleeve between the stops", "m"),
-    ElementResult("insensitivity", "greatest range of speeds within which friction holds the sleeve, as a share", "1"),
+    ElementResult("insensitivity", "maximum range of speeds within which friction holds the sleeve, as a share", "1"),
     ElementResult("least_speed_with_friction", "speed at which the sleeve falls to its lowest", "rad s-1"),
     ElementResult("greatest_speed_with_friction", "speed at which the sleeve rises to its highest", "rad s-1"),
     ElementResult("sleeve_force", "force at the sleeve that holds the balls, at half of the lift", "N"),
@@ -75,7 +75,7 @@ _OF_ENGINE = (
 _TRANSIENT = (
     ElementResult("highest_speed", "highest speed of the engine after the change of load", "rad s-1"),
     ElementResult("lowest_speed", "lowest speed of the engine after the change of load", "rad s-1"),
-    ElementResult("overshoot", "greatest departure beyond the new steady speed, as a share", "1"),
+    ElementResult("overshoot", "maximum departure beyond the new steady speed, as a share", "1"),
     ElementResult("settling_time", "time after which the speed stays in its band", "s", None, True),
     ElementResult("hunting", "half the swing of speed that is left at the end, as a share", "1"),
     ElementResult("inner_stop_hits", "how often the sleeve runs on its inner stop", **_FLAG),

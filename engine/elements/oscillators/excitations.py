@@ -114,7 +114,7 @@ class OverTime(ByFormula):
         units = {name: described(number.dimension).unit for name, number in self.numbers.items()} | {"t": "s"}
         for name in expression.names:
             if name not in units:
-                raise ValueError(f"formula: {unknown_name_message(name, units)}; it may use t, and numbers beside it")
+                raise ValueError(f"formula: {unknown_name_message(name, units)}; it can use t and numbers")
         try:
             check_yields(expression, dimension_of_unit(unit), {n: dimension_of_unit(u) for n, u in units.items()})
         except ExpressionError as error:

@@ -65,8 +65,8 @@ _CONSTANTS = (
     ElementResult("energy_absorption", "energy absorption in a cycle at the natural frequency", "1"),
 )
 _FREE = (
-    ElementResult("free_greatest", "greatest displacement of the free motion", "m"),
-    ElementResult("free_greatest_at", "time of the greatest displacement of the free motion", "s"),
+    ElementResult("free_greatest", "peak displacement of the free motion", "m"),
+    ElementResult("free_greatest_at", "time of the peak displacement of the free motion", "s"),
     ElementResult("free_displacement", "displacement of the free motion at the time asked for", "m"),
     ElementResult("free_velocity", "velocity of the free motion at the time asked for", "m s-1"),
 )
@@ -77,15 +77,15 @@ _FORCED = (
     ElementResult("phase_lag", "angle by which the forced vibration lags behind what excites it", "rad"),
     ElementResult("transmitted_force", "amplitude of the force of spring and damper", "N"),
     ElementResult("dissipated_power", "mean power dissipated by the damper", "W"),
-    ElementResult("resonance_speed", "exciting frequency of the greatest amplitude", "rad s-1", None, True),
-    ElementResult("resonance_amplitude", "greatest amplitude at any exciting frequency", "m", None, True),
+    ElementResult("resonance_speed", "exciting frequency of the peak amplitude", "rad s-1", None, True),
+    ElementResult("resonance_amplitude", "peak amplitude at any exciting frequency", "m", None, True),
 )
 _THROUGH = (
-    ElementResult("run_through_amplitude", "greatest amplitude on the way through the resonance", "m", None, True),
-    ElementResult("run_through_speed", "speed at the greatest amplitude", "rad s-1", None, True),
-    ElementResult("run_through_time", "time of the greatest amplitude", "s", None, True),
+    ElementResult("run_through_amplitude", "peak amplitude during the passage through resonance", "m", None, True),
+    ElementResult("run_through_speed", "speed at the peak amplitude", "rad s-1", None, True),
+    ElementResult("run_through_time", "time of the peak amplitude", "s", None, True),
     ElementResult(
-        "run_through_share", "greatest amplitude on the way over that of the steady resonance", "1", None, True
+        "run_through_share", "peak amplitude during the passage, over that of steady resonance", "1", None, True
     ),
 )
 

@@ -26,11 +26,11 @@ from engine.elements.oscillators.one_mass import free_motion
 # Straight pieces that a formula is made of; the half of them tells what they miss.
 PIECES = 4096
 OVER_TIME_RESULTS = (
-    ElementResult("greatest_displacement", "greatest displacement, by magnitude", "m"),
-    ElementResult("greatest_displacement_at", "when the displacement is greatest", "s"),
-    ElementResult("spring_force", "greatest force in the spring, by magnitude", "N"),
-    ElementResult("spring_force_at", "when the force in the spring is greatest", "s"),
-    ElementResult("dynamic_factor", "greatest displacement over that of a mass that follows at rest", "1", None, True),
+    ElementResult("greatest_displacement", "peak displacement", "m"),
+    ElementResult("greatest_displacement_at", "time of the peak displacement", "s"),
+    ElementResult("spring_force", "peak spring force", "N"),
+    ElementResult("spring_force_at", "time of the peak spring force", "s"),
+    ElementResult("dynamic_factor", "peak displacement over that of a mass that follows at rest", "1", None, True),
     ElementResult("end_displacement", "displacement at the end", "m"),
     ElementResult("end_velocity", "velocity at the end", "m s-1"),
 )

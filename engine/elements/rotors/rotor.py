@@ -89,7 +89,7 @@ class RotorElement(Element):
         ),
         ElementResult(
             "knife_edge_angle",
-            "greatest angle between the heavy side and the lowest position at rest on knife edges",
+            "maximum angle between the heavy side and the lowest position at rest on knife edges",
             "rad",
             "rolling_arm",
         ),

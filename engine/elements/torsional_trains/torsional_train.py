@@ -189,7 +189,7 @@ def _results(train: TorsionalTrain) -> Iterator[ElementResult]:
     for k in modes:
         for mass in train.masses:
             yield ElementResult(
-                f"mode_{k}.{mass}", f"amplitude of {mass} in mode {k}, over the greatest of all", "1", None, True
+                f"mode_{k}.{mass}", f"amplitude of {mass} in mode {k}, over the maximum of all", "1", None, True
             )
     if not train.is_excited:
         return
@@ -202,7 +202,7 @@ def _results(train: TorsionalTrain) -> Iterator[ElementResult]:
     for shaft in train.shafts:
         yield ElementResult(f"{shaft}.mean_moment", f"mean moment of {shaft}, at its first end", "N m")
         yield ElementResult(f"{shaft}.alternating_moment", f"half the range of the moment of {shaft}", "N m")
-        yield ElementResult(f"{shaft}.greatest_moment", f"greatest magnitude of the moment of {shaft}", "N m")
+        yield ElementResult(f"{shaft}.greatest_moment", f"peak torque of {shaft}", "N m")
     for mass in train.masses:
         yield ElementResult(f"{mass}.amplitude", f"half the range of the vibration of {mass}", "rad")
     yield ElementResult("dissipated_power", "mean power that all dampers dissipate", "W")

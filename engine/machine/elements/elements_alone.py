@@ -96,7 +96,7 @@ class ElementsAlone:
         for name in self.asked_summaries:
             if name not in known:
                 hint = did_you_mean(name, known)
-                raise AskError(f"{name!r} is not a summary of this scene, which has machine elements alone; {hint}")
+                raise AskError(f"{name!r} is not a summary of this scene, which has only machine elements; {hint}")
         self._asked = AskedElements(scene, self.asked_summaries)
 
     def __repr__(self) -> str:

@@ -269,14 +269,12 @@ class SeedTables:
             words = f"{', '.join(self.group.links)} have {len(self.modes)} assembly modes at the first position"
             if not self._points:
                 mend = f'points.NAME = {{ link = "{self.group.links[0]}", x = "…", y = "…" }}, away from its joints'
-                raise ModeNotTold(
-                    [("near", f"{words}, and they have no point that could tell which: give them {mend}")]
-                )
+                raise ModeNotTold([("near", f"{words}, and they have no point to select one: give them {mend}")])
             point = max(self._points, key=lambda name: _least_distance([m.points[name] for m in self.modes]))
             listed = "; ".join(f"({x:.4g} m, {y:.4g} m)" for x, y in (mode.points[point] for mode in self.modes))
             mend = f'near.{point} = {{ x = "…", y = "…" }}'
             pointed = any(name in self.scene.near for name in self._points)
-            told = "and what near tells is as far from two of them" if pointed else "and nothing tells which"
+            told = "and near is equally far from two of them" if pointed else "and the mode is ambiguous"
             raise ModeNotTold([("near", f"{words}, {told}: give {mend}; {point} may lie at {listed}")])
 
     # Tables

@@ -336,7 +336,7 @@ def _no_stray_word(line: str, end: int) -> None:
     word = re.compile(r"[^\W\d]\w*").match(line, place)
     if place == end or not word or keyword.iskeyword(word[0]):
         return
-    raise _refusal(line, place, f"{word[0]!r} is no unit that can stand here, or an operator is missing before it")
+    raise _refusal(line, place, f"{word[0]!r} is not a valid unit here, or an operator is missing before it")
 
 
 def _syntax_tree(code: _Code) -> ast.expr:
@@ -416,7 +416,7 @@ class _Translator:
         nodes = (node.left, *node.comparators)
         for operator, left in zip(node.ops, nodes, strict=False):
             if type(operator) not in _COMPARISONS:
-                raise self.refusal(self.after(left), f"{type(operator).__name__} is no comparison of numbers")
+                raise self.refusal(self.after(left), f"{type(operator).__name__} does not compare numbers")
         operands = [self.number(operand, depth) for operand in nodes]
         pairs = [
             TextOperation(_COMPARISONS[type(operator)], pair, self.after(left))
@@ -440,7 +440,7 @@ class _Translator:
         is_quantity = isinstance(node.value, str)
         value = self.converted(node) if is_quantity else node.value
         if type(value) not in (int, float):
-            raise self.refusal(node, f"{value!r} is no real number")
+            raise self.refusal(node, f"{value!r} is not a real number")
         # Integers would be exact, and 9**9**9**9 would take all memory.
         try:
             number = float(value)
@@ -456,7 +456,7 @@ class _Translator:
         try:
             return float(self.quantity(node.value))
         except ValueError as error:
-            raise self.refusal(node, f"{node.value!r} is no quantity: {error}") from error
+            raise self.refusal(node, f"{node.value!r} is not a quantity: {error}") from error
 
     def name(self, node: ast.expr) -> float | str:
         path = self.path(node)

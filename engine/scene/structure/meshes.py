@@ -36,7 +36,7 @@ def mesh_problems(scene: Scene) -> list[Problem]:
             problems.append((f"{at}.pinion", message))
             continue
         if rack.pivot not in places_on(scene, rack.pinion):
-            message = f"{rack.pivot!r} is no point of {rack.pinion!r}; name the axis that this pinion turns about"
+            message = f"{rack.pivot!r} is not a point of {rack.pinion!r}; name the axis that this pinion turns about"
             problems.append((f"{at}.pivot", message))
         problems += _unknown_angle(scene, name) or _unheld(scene, f"{at}.pivot", rack.pivot, rack.guide)
     return problems

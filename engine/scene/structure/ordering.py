@@ -228,7 +228,9 @@ def _free_problems(scene: Scene, ordering: _Ordering) -> list[tuple[str, str]]:
     on_links = {point for point, link in ordering.points.items() if link in moving}
     for point in scene.near:
         if point not in on_links:
-            message = "is no point of a free link, whose place would tell modes apart; " + did_you_mean(point, on_links)
+            message = "is not a point of a free link, whose position would distinguish modes; " + did_you_mean(
+                point, on_links
+            )
             problems.append((f"near.{point}", message))
     return problems
 
@@ -294,7 +296,7 @@ def order(scene: Scene) -> Structure:
         them.
     """
     if scene.input is None:
-        raise SceneError([("input", "is missing: a mechanism begins at it, and this scene has machine elements alone")])
+        raise SceneError([("input", "is missing: a mechanism begins at it, and this scene has only machine elements")])
     points, guides, links = definitions(scene)
     kinds = {"point": points, "guide": guides, "link": links, "action": acting(scene)}
     problems = [

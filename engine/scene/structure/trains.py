@@ -76,7 +76,7 @@ def _wrong_train(scene: Scene, name: str, shaft: Shaft) -> list[Problem]:
         return [(f"{at}.geared_to", f"{message}it a pivot, or leave that of {name!r} out")]
     points = _axes_on(scene, carrier)
     if not _is_one_of(scene, shaft.pivot, points):
-        message = f"{shaft.pivot!r} is no point of the carrier {carrier!r}; {did_you_mean(shaft.pivot, points)}"
+        message = f"{shaft.pivot!r} is not a point of the carrier {carrier!r}; {did_you_mean(shaft.pivot, points)}"
         return [(f"{at}.pivot", message)]
     axis = mesh_axis(scene, name)
     if axis is None:
@@ -87,7 +87,7 @@ def _wrong_train(scene: Scene, name: str, shaft: Shaft) -> list[Problem]:
         return [(f"{at}.pressure_angle", message)]
     apart = shaft.carrier is not None and not _is_one_of(scene, axis, [shaft.pivot])
     if shaft.ratio == 1.0 and (apart or shaft.pressure_angle is not None):
-        return [(f"{at}.ratio", "1 is no ratio of two wheels whose axes lie apart, as in a belt; change the ratio")]
+        return [(f"{at}.ratio", "1 is not a ratio of two wheels whose axes lie apart, as in a belt; change the ratio")]
     if shaft.gives("around") and has_known_angle(scene, name):
         return [(f"{at}.around", f"the angle of {name!r} is known over all turns, about no other; leave around out")]
     return []

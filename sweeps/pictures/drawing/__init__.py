@@ -1,7 +1,7 @@
-"""A mechanism drawn to scale with the symbols of the theory of mechanisms: hinges, guides, sliders, slotted links.
+"""Mechanisms drawn to scale with standard symbols: hinges, guides, sliders, slotted links.
 
-`primitives` gives lines, polygons, circles and names in metres and in painting order: what comes later hides what
-it covers. `draw` paints them on axes of matplotlib, `picture` to a file.
+`primitives` gives lines, polygons, circles and names in metres in painting order: later ones cover earlier ones. `draw`
+paints them on Matplotlib axes, `picture` to a file.
 """
 
 from sweeps.pictures.drawing.figures import figures, primitives

@@ -1,4 +1,4 @@
-"""What a drawing shows on demand: centres of mass, forces and moments as they act at the moment, names of links."""
+"""Optional items of a drawing: centres of mass, forces and moments at the position, names of links."""
 
 import math
 from collections.abc import Sequence
@@ -13,18 +13,18 @@ from sweeps.pictures.picture_error import PictureError
 from sweeps.text.engineer_units import quantity_text
 
 ANNOTATIONS = ("masses", "forces", "links")
-# Lengths of arrows in radii of a hinge: of the greatest force, and of the least that is still seen.
+# Longest and shortest arrow, in hinge radii.
 LONGEST, SHORTEST = 16.0, 4.0
-# Radius of the arc that stands for a moment, and the angle it spans [rad].
+# Radius of a moment's arc, and its angle [rad].
 ARC, SPAN = 5.0, 4.0
-# Forces and moments below this share of the greatest are none, but for rounding.
+# Forces and moments below this share of the maximum are rounding.
 NOTHING = 1e-9
 
 
 def annotations(
     m: DrawnMotion, k: int, kinds: Sequence[str], drawn: Sequence[Primitive]
 ) -> tuple[list[Primitive], list[Primitive]]:
-    """What is shown on demand at a node: figures, and the marks beside which names belong.
+    """Optional items at a node: figures, and marks to be lettered.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def annotations(
     kinds : sequence of str
         Some of `ANNOTATIONS`.
     drawn : sequence of Primitive
-        The mechanism, from which arrows keep away.
+        The mechanism, which arrows avoid.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def annotations(
 
 
 def _masses(m: DrawnMotion, k: int, outlines: np.ndarray) -> tuple[list[Primitive], list[Primitive]]:
-    """Centres of mass, each a disc with two quarters filled, by the names of their bodies."""
+    """Centres of mass by body, each a disc with two quarters filled."""
     figures, marks = [], []
     for name, body in m.scene.bodies.items():
         if body.link in m.scene.shafts and m.scene.shafts[body.link].pivot is None:
@@ -68,11 +68,11 @@ def _masses(m: DrawnMotion, k: int, outlines: np.ndarray) -> tuple[list[Primitiv
 
 
 def _forces(m: DrawnMotion, k: int, outlines: np.ndarray) -> tuple[list[Primitive], list[Primitive]]:
-    """Forces and moments of the scene as they act on its links, with their magnitudes; what is zero is left out."""
+    """Nonzero forces and moments of the scene with their magnitudes."""
     acting = _acting(m)
     values = {name: complex((load.moment if load.at is None else load.force)[k]) for name, load in acting.items()}
     if not np.isfinite(list(values.values())).all():
-        raise PictureError("the forces at this position are not defined; ask for another position")
+        raise PictureError("the forces are undefined at this position; choose another position")
     forces = {name: values[name] for name, load in acting.items() if load.at is not None}
     greatest = max((abs(force) for force in forces.values()), default=0.0)
     figures, marks = [], []
@@ -81,7 +81,7 @@ def _forces(m: DrawnMotion, k: int, outlines: np.ndarray) -> tuple[list[Primitiv
             continue
         u, at = force / abs(force), complex(acting[name].at[k])
         length = m.radius * max(LONGEST * abs(force) / greatest, SHORTEST)
-        # A pull begins at its point, a push ends there: whichever runs less over the mechanism.
+        # Draw as a pull from the point or a push to it, whichever covers less.
         pull, push = (_crossed(outlines, at, way * length * u, m.radius) for way in (1, -1))
         tail, free = (at, at + length * u) if pull <= push else (at - length * u, at - length * u)
         figures += arrow([tail, tail + (length - TIP * m.radius) * u], m.radius, "forces")
@@ -99,16 +99,16 @@ def _forces(m: DrawnMotion, k: int, outlines: np.ndarray) -> tuple[list[Primitiv
 
 
 def _acting(m: DrawnMotion) -> dict[str, LinkForce]:
-    """Forces and moments of the scene, on the links that they are described for."""
+    """Forces and moments of the scene by link."""
     try:
         found = [force for force in m.machine.forces if force.kind == "load"]
     except NowhereDefinedError as error:
-        raise PictureError(f"the forces are not defined at any position: {error}") from None
+        raise PictureError(f"the forces are undefined at every position: {error}") from None
     return {force.name: force for force in reversed(found)}
 
 
 def _links(m: DrawnMotion, k: int, outlines: np.ndarray) -> tuple[list[Primitive], list[Primitive]]:
-    """Names of the moving links, in the middle of their joints."""
+    """Names of the moving links, between their joints."""
     marks = []
     for link in m.links[:-1]:
         joints = [complex(m.points[name][k]) for name in m.members(link)]
@@ -118,11 +118,11 @@ def _links(m: DrawnMotion, k: int, outlines: np.ndarray) -> tuple[list[Primitive
 
 
 def _mark(layer: str, at: complex, size: float, text: str) -> Primitive:
-    """A place beside which a text belongs."""
+    """A point to be lettered."""
     return Primitive(layer, "circle", (complex(at),), size, "none", text)
 
 
 def _crossed(outlines: np.ndarray, at: complex, along: complex, near: float) -> int:
-    """How many of the outlines' points lie near an arrow, but for its end at the point of its force."""
+    """Number of outline points near an arrow, except at its point of application."""
     gap = (outlines - at) / along
     return int(((gap.real > 0.2) & (gap.real < 1.1) & (np.abs(gap.imag * along) < near)).sum())

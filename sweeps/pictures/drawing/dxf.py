@@ -1,4 +1,4 @@
-"""A mechanism as a DXF drawing for CAD programs: layers, millimetres, hidden lines left out."""
+"""DXF drawing of a mechanism: layers, millimetres, hidden lines removed."""
 
 import os
 import sys
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ezdxf.layouts import Modelspace
 
 MM = 1000.0
-# Colours by AutoCAD's index (7 is black on white) and line types.
+# AutoCAD colour index (7 is black on white) and line type.
 _LOOKS = {
     "frame": (7, "CONTINUOUS"),
     "hatching": (8, "CONTINUOUS"),
@@ -29,7 +29,7 @@ _LOOKS = {
     "joints": (7, "CONTINUOUS"),
     "names": (5, "CONTINUOUS"),
 }
-# What reading a garbled list of fonts may end in.
+# Errors from a corrupt font list.
 _GARBLED = (ValueError, TypeError, LookupError, AttributeError)
 
 
@@ -39,14 +39,14 @@ def new_document() -> "Drawing":
     Raises
     ------
     PictureError
-        The package ezdxf isn't installed, or what it keeps of this machine's fonts is garbled and can't be removed.
+        ezdxf isn't installed, or its font list is corrupt and can't be removed.
     """
     fonts = Path(os.environ.get("XDG_CACHE_HOME", "~/.cache")).expanduser() / "ezdxf" / "font_manager_cache.json"
     try:
         try:
             import ezdxf
         except _GARBLED:
-            # It reads its list of fonts as it is imported, and makes one where there is none.
+            # On import it reads or creates its font list.
             fonts.unlink()
             for name in [name for name in sys.modules if name.partition(".")[0] == "ezdxf"]:
                 del sys.modules[name]
@@ -54,7 +54,7 @@ def new_document() -> "Drawing":
     except ImportError:
         raise PictureError("DXF needs the package ezdxf: pip install 'machine-sweeps[dxf]'") from None
     except (OSError, *_GARBLED):
-        raise PictureError(f"DXF: ezdxf can't read its list of fonts, {fonts}: remove it") from None
+        raise PictureError(f"DXF: ezdxf can't read its font list {fonts}: delete that file") from None
     return ezdxf.new("R2010", setup=["linetypes"], units=ezdxf.units.MM)
 
 
@@ -71,14 +71,14 @@ def write_dxf(path: Path | str, drawn: Scene | DrawnMotion, phi: float, paths: S
     Raises
     ------
     PictureError
-        The package ezdxf isn't installed, the mechanism can't be drawn so, or the file can't be written.
+        ezdxf isn't installed, the mechanism can't be drawn, or the file can't be written.
     """
     document = new_document()
     for layer, (colour, line) in _LOOKS.items():
         document.layers.add(layer, color=colour, linetype=line)
     space = document.modelspace()
     shown = primitives(drawn, phi, paths)
-    # Dashes as long as the names are high.
+    # Dash length equals text height.
     document.header["$LTSCALE"] = MM * next(p.size for p in shown if p.kind == "text")
     for i, p in enumerate(shown):
         covers = [outline for q in shown[i + 1 :] if (outline := _cover(q)) is not None]
@@ -91,7 +91,7 @@ def write_dxf(path: Path | str, drawn: Scene | DrawnMotion, phi: float, paths: S
 
 
 def _add(space: "Modelspace", p: Primitive, covers: list[np.ndarray]) -> None:
-    """Add a figure to a drawing, without what later figures hide of its lines."""
+    """Add a figure to a drawing without the lines that later figures hide."""
     from ezdxf.enums import TextEntityAlignment
 
     look = {"layer": p.layer}
@@ -114,7 +114,7 @@ def _add(space: "Modelspace", p: Primitive, covers: list[np.ndarray]) -> None:
             if len(run) == 2:
                 space.add_line(*(_point(c) for c in run), dxfattribs=look)
             else:
-                # An outline in one piece, such as a cam's, can be taken over whole.
+                # A closed outline, such as a cam's, stays one polyline.
                 closed = run[0] == run[-1]
                 corners = run[:-1] if closed else run
                 space.add_lwpolyline([_point(c) for c in corners], close=closed, dxfattribs=look)
@@ -125,7 +125,7 @@ def _point(c: complex) -> tuple[float, float]:
 
 
 def _cover(p: Primitive) -> np.ndarray | None:
-    """Outline, counter-clockwise, of what hides the lines painted before it."""
+    """Counter-clockwise outline that hides earlier lines."""
     if p.fill == "none":
         return None
     if p.kind == "circle":
@@ -136,7 +136,7 @@ def _cover(p: Primitive) -> np.ndarray | None:
 
 
 def _visible(segments: Iterable[tuple[complex, complex]], covers: list[np.ndarray]) -> list[tuple[complex, complex]]:
-    """What convex outlines leave of segments."""
+    """Segments clipped to outside convex outlines."""
     left = list(segments)
     for cover in covers:
         left = [piece for segment in left for piece in _outside(*segment, cover)]
@@ -144,7 +144,7 @@ def _visible(segments: Iterable[tuple[complex, complex]], covers: list[np.ndarra
 
 
 def _joined(segments: Iterable[tuple[complex, complex]]) -> list[list[complex]]:
-    """Chains of segments that each begin where the last one ends."""
+    """Chains of connected segments."""
     runs: list[list[complex]] = []
     for a, b in segments:
         if runs and runs[-1][-1] == a:
@@ -155,7 +155,7 @@ def _joined(segments: Iterable[tuple[complex, complex]]) -> list[list[complex]]:
 
 
 def _outside(a: complex, b: complex, cover: np.ndarray) -> list[tuple[complex, complex]]:
-    """What a convex outline leaves of the segment from a to b (Cyrus and Beck)."""
+    """Parts of the segment from a to b outside a convex outline (Cyrus and Beck)."""
     sides = np.roll(cover, -1) - cover
     inward = 1j * sides
     start, rate = ((a - cover) * inward.conj()).real, ((b - a) * inward.conj()).real

@@ -1,4 +1,4 @@
-"""A mechanism at some positions as figures in metres, in painting order: what comes later hides what it covers."""
+"""A mechanism at some positions as figures in metres, in painting order: later ones cover earlier ones."""
 
 import math
 from collections.abc import Sequence
@@ -15,9 +15,9 @@ from sweeps.pictures.drawing.symbols import Primitive, line
 from sweeps.pictures.picture_error import PictureError
 
 USUAL_CRANK_ANGLE = math.pi / 3
-# Height of what is lettered on demand, in radii of a hinge.
+# Height of optional lettering, in hinge radii.
 TEXT_HEIGHT = 1.9
-# Radius of a place that a path is to pass, likewise.
+# Radius of a target point of a path, in hinge radii.
 DOT = 0.45
 
 
@@ -30,7 +30,7 @@ def primitives(drawn: Scene | DrawnMotion, phi: float, paths: Sequence[str] = ()
     phi : float
         Crank angle [rad], or displacement of a sliding input [m]; the nearest of 720 nodes is drawn.
     paths : sequence of str
-        Points whose paths over the cycle are wanted.
+        Points whose paths over the cycle are drawn.
 
     Returns
     -------
@@ -52,7 +52,7 @@ def figures(
     shown: Sequence[str] = (),
     named: bool = True,
 ) -> list[list[Primitive]]:
-    """Figures of a mechanism at several positions, the first of them whole and last in painting order.
+    """Figures of a mechanism at several positions; the first is complete and painted last.
 
     Parameters
     ----------
@@ -62,9 +62,9 @@ def figures(
     paths : sequence of str
         As for `primitives`.
     shown : sequence of str
-        What else is shown of the first: some of `ANNOTATIONS`.
+        Optional items for the first position, from `ANNOTATIONS`.
     named : bool
-        Whether points have their names.
+        Letter the points.
 
     Returns
     -------
@@ -95,7 +95,7 @@ def figures(
 
 
 def _once(path: np.ndarray, near: float) -> np.ndarray:
-    """A closed path; the half of it where the point comes back the way it went, since dashes would fill up."""
+    """A closed path; half of it if the point returns on the same line, since dashes would fill up."""
     steps = np.diff(path, append=path[:1])
     ends = np.flatnonzero((steps * np.roll(steps, 1).conj()).real < 0)
     if ends.size == 2:
@@ -106,5 +106,5 @@ def _once(path: np.ndarray, near: float) -> np.ndarray:
 
 
 def default_position(motion: DrawnMotion) -> float:
-    """Where to draw a mechanism when nobody says: the crank at 60°, or the middle of the input's range."""
+    """Default position: the crank at 60°, or the middle of the input's range."""
     return USUAL_CRANK_ANGLE if has_cycle(motion.scene) else float(motion.q[motion.q.size // 2])

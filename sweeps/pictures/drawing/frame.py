@@ -1,4 +1,4 @@
-"""What stands still in a drawing: fixed pivots, guides of the frame, pitch circles of gears."""
+"""Fixed parts of a drawing: pivots, guides of the frame, pitch circles."""
 
 import cmath
 import math
@@ -10,13 +10,13 @@ from sweeps.pictures.drawing.higher_pairs import follower_guides
 from sweeps.pictures.drawing.motion import DrawnMotion, Slider
 from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, Primitive, fixed_pivot, hatched, line
 
-# Links within this angle of a stand's middle run across it; it is turned where they do so much less of the cycle.
+# Links within this angle of a stand's axis cover it; the stand turns to a clearer direction.
 NEAR_STAND = math.radians(45)
 CLEARLY = 0.1
 
 
 def frame_parts(m: DrawnMotion) -> list[Primitive]:
-    """Guides of the frame and gears' pitch circles; what moves may hide them."""
+    """Guides of the frame and pitch circles, painted below moving links."""
     r, scene, found = m.radius, m.scene, []
     for slider in m.sliders:
         if scene.guides[slider.guide].link == FRAME:
@@ -38,16 +38,16 @@ def frame_parts(m: DrawnMotion) -> list[Primitive]:
 
 
 def stands(m: DrawnMotion) -> list[Primitive]:
-    """Stands of the fixed pivots, each on the side where its links are least over the cycle; plates don't hide them."""
+    """Stands of the fixed pivots, each where its links are least often; painted above plates."""
     anchors = m.hinges | {end for s in m.scene.springs.values() for end in s.between}
     fixed = [name for name in sorted(anchors) if name in m.scene.points and m.scene.points[name].link == FRAME]
     return [p for name in fixed for p in fixed_pivot(m.points[name][0], m.radius, _free_side(m, name))]
 
 
 def _free_side(m: DrawnMotion, pivot: str) -> complex:
-    """Direction from a fixed pivot in which its links lie least often: down unless another is clearly better."""
+    """Direction from a fixed pivot that its links cover least often: down unless another is clearly better."""
     members = [m.members(link) for link in m.links[:-1]]
-    # The pin of a block lies along the rod that it slides on.
+    # A block's rod counts as a link.
     members += [[g.second.joint, g.first.joint] for g in m.scene.groups.values() if g.type == "RPR"]
     ends = {name for names in members if pivot in names for name in names} - {pivot}
     arms = [m.points[name] - m.points[pivot] for name in ends]
@@ -60,7 +60,7 @@ def _free_side(m: DrawnMotion, pivot: str) -> complex:
 
 
 def _rail(m: DrawnMotion, slider: Slider) -> tuple[complex, complex]:
-    """Ends of a fixed guide under a slider, on the side where the mechanism isn't; the frame is on their right."""
+    """Ends of a fixed guide under a slider, on the side away from the mechanism; the frame is on their right."""
     r = m.radius
     place, u = (complex(values[0]) for values in m.guide(slider.guide))
     base = place + 1j * slider.offset * u
@@ -74,12 +74,12 @@ def _rail(m: DrawnMotion, slider: Slider) -> tuple[complex, complex]:
 
 
 def bush_at(m: DrawnMotion, group: object) -> float:
-    """Where along its guide the stem of a yoke is held: beyond the stroke."""
+    """Position of a yoke's bushes along its guide, beyond the stroke."""
     return m.range_of(group.second.link)[1] + 12 * m.radius
 
 
 def _gearing(a: complex, b: complex, ratio: float) -> list[Primitive]:
-    """Pitch circles of two wheels in mesh; of a belt or chain where both turn the same way."""
+    """Pitch circles of two wheels in mesh, or of a belt or chain if both turn the same way."""
     d = abs(b - a)
     if d == 0:
         return []

@@ -1,4 +1,4 @@
-"""Cams that drive a mechanism, their followers, planets and non-circular wheels, as they are drawn at a position."""
+"""Cams, followers, planets and non-circular wheels at a position."""
 
 import numpy as np
 
@@ -6,13 +6,12 @@ from engine import has_cycle, mesh_axis
 from sweeps.pictures.drawing.motion import DrawnMotion
 from sweeps.pictures.drawing.symbols import Primitive, hatched, line
 
-# In radii of a hinge: what a follower's bush lies beyond its roller and its stroke, and half its length; how far a flat
-# face reaches beyond the contact.
+# In hinge radii: clearance of a follower's bush beyond roller and stroke, its half length; overhang of a flat face.
 CLEAR, HALF_BUSH, BEYOND = 7.0, 4.0, 3.0
 
 
 def cam_shapes(m: DrawnMotion, k: int) -> list[Primitive]:
-    """Profiles of the cams at a node, with rollers, faces and the stems of followers that slide."""
+    """Cam profiles at a node, with rollers, faces and the stems of sliding followers."""
     return [shape for name in m.scene.cams for shape in (cam_profile(m, name, k), *follower_shape(m, name, k))]
 
 
@@ -23,7 +22,7 @@ def cam_profile(m: DrawnMotion, name: str, k: int) -> Primitive:
 
 
 def follower_shape(m: DrawnMotion, name: str, k: int) -> list[Primitive]:
-    """Stem of a cam's follower that slides, and what touches the cam, at a node."""
+    """Stem of a sliding follower and its contact, at a node."""
     cam = m.scene.cams[name]
     origin, u = (values[k] for values in m.axes(cam.follower.link))
     found = []
@@ -35,7 +34,7 @@ def follower_shape(m: DrawnMotion, name: str, k: int) -> list[Primitive]:
 
 
 def _touching(m: DrawnMotion, name: str, k: int, origin: complex, u: complex) -> list[Primitive]:
-    """What of a follower touches its cam."""
+    """Roller, edge or face of a follower."""
     follower, at = m.scene.cams[name].follower, f"cams.{name}.follower"
     if follower.contact == "flat":
         across = -1j * u if follower.type == "translating" else u
@@ -51,7 +50,7 @@ def _touching(m: DrawnMotion, name: str, k: int, origin: complex, u: complex) ->
 
 
 def follower_guides(m: DrawnMotion) -> list[Primitive]:
-    """Bushes of the frame in which followers slide."""
+    """Frame bushes of sliding followers."""
     found, r = [], m.radius
     for name, cam in m.scene.cams.items():
         if cam.translating:
@@ -63,7 +62,7 @@ def follower_guides(m: DrawnMotion) -> list[Primitive]:
 
 
 def planet_circles(m: DrawnMotion, k: int) -> list[Primitive]:
-    """Pitch circles of planets at a node, and of the wheels that they are geared to."""
+    """Pitch circles of planets and their mating wheels at a node."""
     found = []
     for name, shaft in m.scene.shafts.items():
         if shaft.carrier is not None and shaft.pivot is not None:
@@ -79,7 +78,7 @@ def planet_circles(m: DrawnMotion, k: int) -> list[Primitive]:
 
 
 def pitch_curves(m: DrawnMotion, k: int) -> list[Primitive]:
-    """Pitch curves of non-circular wheels and of what drives them at a node."""
+    """Pitch curves of non-circular wheels and their drivers at a node."""
     found = []
     for name, curves in m.pitch_curves.items():
         for link, curve in zip((name, m.scene.noncircular_wheels[name].geared_to), curves, strict=True):
@@ -90,7 +89,7 @@ def pitch_curves(m: DrawnMotion, k: int) -> list[Primitive]:
 
 
 def _bush(m: DrawnMotion, name: str) -> float:
-    """Where along its guide a follower is held: beyond its stroke."""
+    """Position of a follower's bush along its guide, beyond the stroke."""
     follower = m.scene.cams[name].follower
     roller = m.numbers[f"cams.{name}.follower.roller_radius"] if follower.contact == "roller" else 0.0
     return m.range_of(follower.link)[1] + roller + CLEAR * m.radius

@@ -1,4 +1,4 @@
-"""What moves in a drawing: links, slotted links and their blocks, sliders, springs and joints."""
+"""Moving parts of a drawing: links, slotted links and blocks, sliders, springs, joints."""
 
 from engine import FRAME
 from sweeps.pictures.drawing.frame import bush_at
@@ -9,7 +9,7 @@ from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, Primitive,
 
 
 def plates_and_bars(m: DrawnMotion, k: int) -> tuple[list[Primitive], list[Primitive]]:
-    """Links, sliders and hinges at a node, without names: what has an area, and what is lines and hinges alone."""
+    """Links, sliders and hinges at a node: plates first, then lines and hinges."""
     r, scene = m.radius, m.scene
     under, plates, over = [], [], []
     carriers = {scene.guides[s.guide].link for s in m.sliders}
@@ -54,7 +54,7 @@ def _slotted(m: DrawnMotion, name: str, k: int) -> list[Primitive]:
 
 
 def _rod(m: DrawnMotion, name: str, k: int) -> tuple[complex, complex]:
-    """Ends of the rod that serves the rocker of RPR as its slot."""
+    """Ends of the rod that forms the slot of an RPR rocker."""
     group = m.scene.groups[name]
     origin, u = (values[k] for values in m.axes(group.second.link))
     low, high = m.range_of(group.first.link)
@@ -63,7 +63,7 @@ def _rod(m: DrawnMotion, name: str, k: int) -> tuple[complex, complex]:
 
 
 def _moving_guide(m: DrawnMotion, slider: Slider, k: int) -> list[Primitive]:
-    """The rod that guides a slider on a moving link, joined to the link's origin."""
+    """Guide rod of a slider on a moving link, joined to the link's origin."""
     r = m.radius
     place, u = (values[k] for values in m.guide(slider.guide))
     place = place + 1j * slider.offset * u
@@ -78,7 +78,7 @@ def _moving_guide(m: DrawnMotion, slider: Slider, k: int) -> list[Primitive]:
 
 
 def joints(m: DrawnMotion, k: int) -> list[Primitive]:
-    """Hinges, dots at other points, and a stroke through a hinge where a link goes on beyond it."""
+    """Hinges, dots at other points, and a stroke through a hinge where a link continues beyond it."""
     r, hinges = m.radius, m.hinges
     rest = {n for n, p in m.scene.points.items() if p.link == FRAME}
     found = [

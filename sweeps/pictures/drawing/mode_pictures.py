@@ -1,4 +1,4 @@
-"""Pictures of the assembly modes of a mechanism, each at the first position of the input."""
+"""Drawings of a mechanism's assembly modes at the first input position."""
 
 from pathlib import Path
 
@@ -8,13 +8,13 @@ from sweeps.pictures.picture_error import PictureError
 
 
 def in_mode(scene: Scene, mode: AssemblyMode) -> Scene:
-    """The scene put together in another of its assembly modes: `near` tells where that one's points lie."""
+    """The scene in another assembly mode, selected by `near`."""
     told = {name: Near(x=x, y=y) for name, (x, y) in mode.points.items()}
     return scene.model_copy(update={"near": {**scene.near, **told}})
 
 
 def _all_told(scene: Scene) -> Scene:
-    """The scene with every group whose mode it doesn't tell in the first one of its modes."""
+    """The scene with the first mode for every group whose mode it leaves open."""
     for _ in scene.links:
         untold = [found[0] for found in assembly_modes(scene).values() if found and not any(m.chosen for m in found)]
         if not untold:
@@ -26,22 +26,22 @@ def _all_told(scene: Scene) -> Scene:
 def mode_pictures(
     scene: Scene, modes: dict[str, tuple[AssemblyMode, ...] | None], path: Path
 ) -> dict[Path, PictureError | None]:
-    """A picture of each mode of each group, the mechanism at its first position.
+    """Draw each mode of each group, the mechanism at its first position.
 
-    Groups whose mode the scene doesn't tell are drawn in the first of theirs, where the picture is of another's.
+    Other groups whose mode the scene leaves open are drawn in their first mode.
 
     Parameters
     ----------
     scene : Scene
     modes : dict of str to tuple of AssemblyMode
-        Of each group of free links; None of one that hangs on a group whose mode isn't told.
+        By group of free links; None for one that depends on a group whose mode is open.
     path : Path
-        The pictures' names are this one with the group and the mode's number added.
+        Base name; group and mode number are appended.
 
     Returns
     -------
     dict of Path to PictureError
-        Why a mode can't be drawn, as where what hangs on the group doesn't reach; None where it is.
+        Why a mode can't be drawn, such as links that don't reach; None if it is drawn.
     """
     drive = scene.input
     first = 0.0 if isinstance(drive, CrankInput) and drive.start is None else drive.start

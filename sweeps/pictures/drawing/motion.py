@@ -1,4 +1,4 @@
-"""Where the points, links and sliders of a mechanism are over its cycle, as complex numbers x + iy [m]."""
+"""Positions of a mechanism's points, links and sliders over the cycle, as complex numbers x + iy [m]."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -28,7 +28,7 @@ POSITIONS = 720
 
 
 class Slider(NamedTuple):
-    """A link that slides on a guide with its joint, if it has one, at an offset to the guide's left."""
+    """A link that slides on a guide; its joint, if any, is offset to the guide's left."""
 
     link: str
     joint: str | None
@@ -37,13 +37,13 @@ class Slider(NamedTuple):
 
 
 class DrawnMotion:
-    """Where the points and links of a scene are at every node of the cycle.
+    """Positions of a scene's points and links at every node of the cycle.
 
     Parameters
     ----------
     scene : Scene
     values : mapping of path to float, optional
-        Numbers (SI) in place of the scene's.
+        Numbers (SI) that replace the scene's.
     known : Mechanics, optional
         As for `MovingMachine`.
 
@@ -56,20 +56,20 @@ class DrawnMotion:
     points : dict of str to complex ndarray (nodes,)
     slides : dict of str to ndarray (nodes,)
     contacts : dict of str to complex ndarray (nodes,)
-        Where cams touch their followers.
+        Contact points of cams and followers.
     centres : dict of str to complex ndarray (nodes,)
         Of the masses of bodies.
     profiles : dict of str to complex ndarray (points,)
-        Of cams, in the axes of the links that they sit on: closed where the cam makes a turn.
+        Cam profiles in the axes of their links; closed if the cam turns fully.
     pitch_curves : dict of str to (complex ndarray, complex ndarray)
-        Of non-circular wheels, each in the axes of its own link: its own, and that of its driver.
+        Pitch curves of non-circular wheels and their drivers, each in the axes of its link.
     radius : float
         Radius of a hinge, which scales all symbols [m].
 
     Raises
     ------
     PictureError
-        The mechanism can't be assembled at any position, or a value is outside the limits of its number.
+        The mechanism can't be assembled at any position, or a value is out of range.
     """
 
     def __init__(self, scene: Scene, values: Mapping[str, float] | None = None, known: Mechanics | None = None) -> None:
@@ -93,7 +93,7 @@ class DrawnMotion:
 
     @classmethod
     def of(cls, drawn: "Scene | DrawnMotion") -> "DrawnMotion":
-        """The motion of a scene; one that is known already as it is."""
+        """The motion of a scene, or the given motion."""
         return drawn if isinstance(drawn, DrawnMotion) else cls(drawn)
 
     def node(self, at: float) -> int:
@@ -102,7 +102,7 @@ class DrawnMotion:
         Raises
         ------
         PictureError
-            The place is outside the range of the input, or the mechanism can't be assembled there.
+            The position is outside the input's range, or the mechanism can't be assembled there.
         """
         step = self.q[1] - self.q[0]
         k = round((at - self.q[0]) / step)
@@ -112,19 +112,19 @@ class DrawnMotion:
             raise PictureError(f"position {at:g} is outside the input's range {self.q[0]:g} to {self.q[-1]:g}")
         if not all(np.isfinite(p[k]) for p in self.points.values()):
             sentence = Verdict.CANNOT_ASSEMBLE.sentence
-            raise PictureError(f"position {at:g} can't be drawn: {sentence}; or ask for another position")
+            raise PictureError(f"position {at:g} can't be drawn: {sentence}; or choose another position")
         return k
 
     def axes(self, link: str) -> tuple[np.ndarray, np.ndarray]:
-        """Origin and direction of a link's axes at every node."""
+        """Origin and direction of a link's axes at each node."""
         return self._axes[link]
 
     def guide(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """A point and the direction of a guide at every node."""
+        """A point and the direction of a guide at each node."""
         return self._guides[name]
 
     def _profile(self, name: str) -> np.ndarray:
-        """Profile of a cam over a turn of it, or as far as it turns."""
+        """Profile of a cam over a turn, or as far as it turns."""
         place, along = self.axes(self.scene.cams[name].on)
         profile = (self.contacts[name] - place) / along
         turns = abs(np.unwrap(np.angle(along))[-1] - np.angle(along[0])) / math.tau
@@ -151,7 +151,7 @@ class DrawnMotion:
                 yield Slider(name, None, second.guide, 0.0)
 
     def _radius(self) -> float:
-        """Radius of a hinge: a share of the whole, smaller where links are short."""
+        """Hinge radius: a share of the overall size, smaller for short links."""
         cloud = np.concatenate([*self.points.values(), *self._stems(), *self.contacts.values()])
         cloud = cloud[np.isfinite(cloud)]
         whole = abs(np.ptp(cloud.real) + 1j * np.ptp(cloud.imag))
@@ -159,7 +159,7 @@ class DrawnMotion:
         return min(whole / 85, max(0.14 * min(lengths, default=math.inf), whole / 170))
 
     def _stems(self) -> Iterable[np.ndarray]:
-        """How far the stems of yokes reach."""
+        """Length of yoke stems."""
         for group in self.scene.groups.values():
             if group.type == "RPP":
                 place, along = self.guide(group.second.guide)
@@ -167,11 +167,11 @@ class DrawnMotion:
                 yield place + (2 * high - low) * along
 
     def range_of(self, link: str) -> tuple[float, float]:
-        """Least and greatest slide coordinate of a slider over the cycle [m]."""
+        """Range of a slider's coordinate over the cycle [m]."""
         return float(np.nanmin(self.slides[link])), float(np.nanmax(self.slides[link]))
 
     def members(self, link: str) -> list[str]:
-        """Names of the points of a link, the origin of its axes first where that is a point."""
+        """Names of a link's points, the origin of its axes first if it is a point."""
         return list(places_on(self.scene, link))
 
     @property

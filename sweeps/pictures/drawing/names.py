@@ -1,4 +1,4 @@
-"""What a drawing is lettered with: the names of points, and the arrows of the inputs' motion."""
+"""Lettering of a drawing: names of points, and arrows of the inputs' motion."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -10,14 +10,14 @@ from sweeps.pictures.drawing.links import joints
 from sweeps.pictures.drawing.motion import DrawnMotion
 from sweeps.pictures.drawing.symbols import HALF_LENGTH, Primitive, arrow
 
-# Height of a name in radii of a hinge.
+# Height of a name in hinge radii.
 NAME_HEIGHT = 2.6
-# Between a node's neighbours a second input that moves less, in radians or radii of a hinge, rests.
+# A second input at rest moves less than this between neighbouring nodes, in radians or hinge radii.
 LEAST_STEP = 1e-6
 
 
 def input_arrows(m: DrawnMotion, k: int) -> list[Primitive]:
-    """Arrows of the motion of the input, and of second inputs that don't rest at this node."""
+    """Arrows of the input's motion, and of second inputs that move at this node."""
     r, drive = m.radius, m.scene.input
     sense = math.copysign(1, m.numbers["input.speed"])
     if isinstance(drive, CrankInput):
@@ -42,12 +42,12 @@ def input_arrows(m: DrawnMotion, k: int) -> list[Primitive]:
 
 
 def _sign_of_step(step: float) -> int:
-    """Sense of a step between nodes; 0 where it is nothing but rounding, or not defined."""
+    """Sense of a step between nodes; 0 if only rounding, or undefined."""
     return int(step > LEAST_STEP) - int(step < -LEAST_STEP)
 
 
 def _turning_arrow(pivot: complex, arm: complex, sense: float, r: float) -> list[Primitive]:
-    """Arc ahead of a link's arm about its pivot: across the arm where that is long, otherwise beyond its end."""
+    """Arc ahead of a link's arm about its pivot: across a long arm, else beyond its end."""
     length = abs(arm)
     radius = 0.55 * length if length > 9 * r else length + 3.5 * r
     turn = max(0.6, min(1.2, 9 * r / radius))
@@ -56,7 +56,7 @@ def _turning_arrow(pivot: complex, arm: complex, sense: float, r: float) -> list
 
 
 def _sliding_arrow(centre: complex, way: complex, r: float) -> list[Primitive]:
-    """Arrow ahead of a slider, along the unit vector of its motion."""
+    """Arrow ahead of a slider along its motion."""
     face = centre + (HALF_LENGTH + 1) * r * way
     return arrow([face, face + 4 * r * way], r)
 
@@ -78,7 +78,7 @@ def _segments(drawn: Iterable[Primitive]) -> np.ndarray:
 
 
 def outline_points(drawn: Iterable[Primitive], step: float) -> np.ndarray:
-    """Points along all outlines, no farther apart than a step."""
+    """Points along all outlines, at most a step apart."""
     pieces = _segments(drawn)
     pieces = pieces[np.isfinite(pieces).all(axis=1)]
     counts = np.minimum(np.ceil(np.abs(pieces[:, 1] - pieces[:, 0]) / step).astype(int) + 1, 400)
@@ -88,14 +88,14 @@ def outline_points(drawn: Iterable[Primitive], step: float) -> np.ndarray:
 def names_of_points(
     m: DrawnMotion, nodes: Sequence[int], drawn: Sequence[Iterable[Primitive]]
 ) -> list[list[Primitive]]:
-    """Names beside their points, at every node on the same side: where they cover least of what is drawn.
+    """Names of points, on the same side at every node: where they cover least.
 
     Parameters
     ----------
     m : DrawnMotion
     nodes : sequence of int
     drawn : sequence of iterable of Primitive
-        What is drawn at each node.
+        The drawing at each node.
 
     Returns
     -------
@@ -109,16 +109,16 @@ def names_of_points(
 def texts_beside(
     marked: Sequence[Sequence[Primitive]], height: float, drawn: Sequence[Iterable[Primitive]], layer: str = "names"
 ) -> list[list[Primitive]]:
-    """Texts beside what they belong to, in every drawing on the same side: where they cover least of what is drawn.
+    """Texts at their marks, on the same side in every drawing: where they cover least.
 
     Parameters
     ----------
     marked : sequence of sequence of Primitive
-        What has a text, in each drawing the same.
+        The lettered marks, the same in each drawing.
     height : float
-        Of a text [m].
+        Text height [m].
     drawn : sequence of iterable of Primitive
-        What is drawn in each.
+        The figures in each drawing.
     layer : str
 
     Returns
@@ -146,7 +146,7 @@ def texts_beside(
 
 
 def _covered(marks: np.ndarray, places: np.ndarray, half: complex) -> np.ndarray:
-    """How many of the marks a name of half this size would cover at each place."""
+    """Number of obstacles that a name of this half size would cover at each place."""
     gap = marks - places[:, None]
-    # Half of a height is the imaginary part; a quarter of that is left free on either side.
+    # The imaginary part is half the height; a quarter of it stays clear on either side.
     return ((np.abs(gap.real) < half.real + 0.25 * half.imag) & (np.abs(gap.imag) < 1.2 * half.imag)).sum(axis=1)

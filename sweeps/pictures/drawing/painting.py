@@ -1,4 +1,4 @@
-"""Figures of a mechanism painted to scale on axes of matplotlib, or to a file."""
+"""Figures of a mechanism painted to scale on Matplotlib axes or to a file."""
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -19,7 +19,7 @@ from sweeps.pictures.drawing.symbols import Primitive
 from sweeps.pictures.style import BLUE, MM_PER_INCH, VERMILION, house_style, new_figure, save
 from sweeps.text.engineer_units import engineer_unit, quantity_text
 
-# Line widths [pt] of the layers, and how dark they are.
+# Line width [pt] and darkness of each layer.
 WIDTHS = {
     "frame": 1.0,
     "hatching": 0.5,
@@ -33,9 +33,9 @@ WIDTHS = {
 }
 FILLS = {"none": "none", "paper": "white", "tint": "#e4e8ec", "solid": "black"}
 DASHES = {"pitch": (0, (9, 2.5, 1.5, 2.5)), "paths": (0, (5, 2.5))}
-# Layers that nothing hides.
+# Layers painted on top.
 ABOVE = ("joints", "names", "masses", "forces", "notes")
-# What a picture's title tells on demand.
+# Optional part of a title.
 SCALE = "scale"
 INKS = {"paths": VERMILION, "forces": BLUE}
 GHOST = "#a8adb3"
@@ -44,19 +44,19 @@ GHOST = "#a8adb3"
 def draw(
     drawn: Scene | DrawnMotion, ax: Axes, at: Sequence[float] = (), paths: Sequence[str] = (), shown: Sequence[str] = ()
 ) -> float:
-    """Draw a mechanism to scale on axes of matplotlib.
+    """Draw a mechanism to scale on Matplotlib axes.
 
     Parameters
     ----------
     drawn : Scene or DrawnMotion
     ax : matplotlib.axes.Axes
     at : sequence of float
-        Crank angles [rad] or displacements of a sliding input [m]: the first is drawn in black, the others lightly.
-        Without any, the crank stands at 60°, a sliding input in mid-range.
+        Crank angles [rad] or displacements of a sliding input [m]: the first in black, the others lightly. Default: the
+        crank at 60°, a sliding input in mid-range.
     paths : sequence of str
         Points whose paths over the cycle are drawn dashed.
     shown : sequence of str
-        What else is shown of the first position: some of `ANNOTATIONS`.
+        Optional items for the first position, from `ANNOTATIONS`.
 
     Returns
     -------
@@ -66,7 +66,7 @@ def draw(
     Raises
     ------
     PictureError
-        A position can't be drawn, a point of `paths` doesn't exist, or something of `shown` is unknown.
+        A position can't be drawn, or an entry of `paths` or `shown` is unknown.
     """
     motion = DrawnMotion.of(drawn)
     poses = figures(motion, list(at) or [default_position(motion)], paths, shown)
@@ -78,7 +78,7 @@ def draw(
 
 
 def bounds(drawn: Iterable[Primitive]) -> tuple[float, float, float, float]:
-    """Least x, least y, greatest x, greatest y of figures [m]."""
+    """Bounding box of figures [m]: minimum x and y, maximum x and y."""
     reach = [
         (p.points, complex(0.37 * len(p.text), 0.5) * p.size if p.kind == "text" else complex(p.size, p.size))
         for p in drawn
@@ -89,7 +89,7 @@ def bounds(drawn: Iterable[Primitive]) -> tuple[float, float, float, float]:
 
 
 def prepare_axes(ax: Axes, extent: tuple[float, float, float, float], radius: float) -> float:
-    """Set equal scales, limits and labels of axes; return the factor from metres to the unit shown."""
+    """Set equal scales, limits and labels; return the factor from metres to the displayed unit."""
     factor, label = engineer_unit("m", np.array(extent))
     low_x, low_y, high_x, high_y = (factor * value for value in extent)
     margin = 2.5 * factor * radius
@@ -102,7 +102,7 @@ def prepare_axes(ax: Axes, extent: tuple[float, float, float, float], radius: fl
 
 
 def paint(ax: Axes, drawn: Iterable[Primitive], factor: float, ghost: bool = False) -> None:
-    """Paint figures on axes; lightly where they are of a position that only accompanies another."""
+    """Paint figures on axes; secondary positions lightly."""
     for z, p in enumerate(drawn, 2):
         ink = INKS.get(p.layer, GHOST if ghost else "black")
         vertices = factor * np.column_stack([np.real(p.points), np.imag(p.points)])
@@ -124,7 +124,7 @@ def paint(ax: Axes, drawn: Iterable[Primitive], factor: float, ghost: bool = Fal
 
 
 def _lettering(p: Primitive, factor: float, zorder: float) -> PathPatch:
-    """A name as outlines of its letters, so that it keeps its size in the drawing whatever the figure's."""
+    """A name as letter outlines, so that it scales with the drawing."""
     family, style = ("DejaVu Sans", "normal") if p.layer == "notes" else ("DejaVu Serif", "italic")
     path = TextPath((0, 0), p.text, size=factor * p.size, prop=FontProperties(family=family, style=style))
     box = path.get_extents()
@@ -132,7 +132,7 @@ def _lettering(p: Primitive, factor: float, zorder: float) -> PathPatch:
     moved = Outline(path.vertices + np.array([at.real, at.imag]), path.codes)
     letters = PathPatch(moved, facecolor="black", edgecolor="none", zorder=zorder)
     if p.layer == "notes":
-        # There are many notes, and not for each a place clear of lines: these are broken where a note crosses them.
+        # Notes are many: lines break where a note crosses them.
         letters.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
     return letters
 
@@ -144,16 +144,16 @@ def picture(
     paths: Sequence[str] = (),
     shown: Sequence[str] = (),
 ) -> None:
-    """Draw a mechanism to a file by itself (.svg, .pdf, .png); arguments and errors as for `mechanism_figure`."""
+    """Draw a mechanism to a file (.svg, .pdf, .png); arguments and errors as for `mechanism_figure`."""
     save(mechanism_figure(drawn, at, paths, shown), path)
 
 
 def mechanism_figure(
     drawn: Scene | DrawnMotion, at: Sequence[float] = (), paths: Sequence[str] = (), shown: Sequence[str] = ()
 ) -> Figure:
-    """Draw a mechanism on a figure of its own, 160 mm wide at most.
+    """Draw a mechanism on a new figure, 160 mm wide at most.
 
-    Arguments and errors as for `draw`; of `shown`, `SCALE` is told in the title.
+    Arguments and errors as for `draw`; `SCALE` in `shown` adds the scale to the title.
     """
     scene = drawn.scene if isinstance(drawn, DrawnMotion) else drawn
     with house_style():
@@ -172,12 +172,12 @@ def mechanism_figure(
 
 
 def _scale(ratio: float) -> str:
-    """A scale as draughtsmen write it."""
+    """A drawing scale as text."""
     return f"1 : {1 / ratio:.3g}" if ratio < 1 else f"{ratio:.3g} : 1"
 
 
 def _title(scene: Scene, at: Sequence[float]) -> str:
-    """What is drawn, and where its input stands."""
+    """Title of the scene and position of its input."""
     if not at and not has_cycle(scene):
         return scene.title
     place = at[0] if at else USUAL_CRANK_ANGLE

@@ -1,4 +1,4 @@
-"""Racks and their pinions as they are drawn at a position: pitch circles, and bars along the pitch lines."""
+"""Racks and pinions at a position: pitch circles, and bars along the pitch lines."""
 
 import numpy as np
 
@@ -8,13 +8,13 @@ from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, Primitive,
 
 
 def rack_shapes(m: DrawnMotion, k: int) -> list[Primitive]:
-    """Bars of the racks at a node, with the pitch circles of their pinions and a spoke that turns with each.
+    """Rack bars at a node, with the pitch circles of their pinions and a rotating spoke in each.
 
     Parameters
     ----------
     m : DrawnMotion
     k : int
-        Number of the node.
+        Node index.
     """
     found = []
     for name, rack in m.scene.racks.items():
@@ -26,15 +26,15 @@ def rack_shapes(m: DrawnMotion, k: int) -> list[Primitive]:
 
 
 def rack_bar(m: DrawnMotion, k: int, name: str) -> list[Primitive]:
-    """The bar of a rack at a node, with the stem from its slider where it has one.
+    """The bar of a rack at a node, with the stem from its slider, if any.
 
     Parameters
     ----------
     m : DrawnMotion
     k : int
-        Number of the node.
+        Node index.
     name : str
-        Of the rack, or of the pinion that it drives.
+        Name of the rack, or of its driven pinion.
     """
     if name in m.scene.racks:
         rack = m.scene.racks[name]
@@ -57,7 +57,7 @@ def _meshing(
 
 
 def _bar(m: DrawnMotion, k: int, path: str, rack: str | None, guide: str, pivot: str) -> list[Primitive]:
-    """The stem of a bar, if any, and the bar; on the frame the line along which it lies."""
+    """The stem of a bar, if any, and the bar; for a fixed rack its pitch line."""
     radius, axis = m.numbers[path], m.points[pivot]
     place, u = m.guide(guide)
     touches = axis - 1j * radius * u
@@ -65,10 +65,10 @@ def _bar(m: DrawnMotion, k: int, path: str, rack: str | None, guide: str, pivot:
     reach = ((touches - carried) / u).real
     reached = [reach]
     if rack is not None and rack not in m.scene.racks:
-        # The bar begins where the stem from the slider meets it.
+        # The bar starts at the stem from the slider.
         reached.append(np.zeros(1))
     if rack in m.scene.racks:
-        # The bar carries the points of its link.
+        # The bar extends over the points of its link.
         reached += [((m.points[name] - carried) / u).real for name in m.members(rack)]
     low = min(np.nanmin(some) for some in reached) - HALF_LENGTH * m.radius
     high = max(np.nanmax(some) for some in reached) + HALF_LENGTH * m.radius

@@ -1,6 +1,6 @@
-"""Figures of a drawing, and the symbols of the theory of mechanisms made of them.
+"""Figures of a drawing, and the mechanism symbols built from them.
 
-Points are complex numbers x + iy and lengths are in metres; `r` is the radius of a hinge, which scales all symbols.
+Points are complex numbers x + iy, lengths are in metres; the hinge radius `r` scales all symbols.
 """
 
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ import numpy as np
 
 LAYERS = ("frame", "hatching", "pitch", "paths", "links", "joints", "names", "masses", "forces", "notes")
 
-# Sizes of the symbols in radii of a hinge.
+# Symbol sizes in hinge radii.
 HALF_LENGTH, HALF_HEIGHT = 3.2, 2.0
 PIVOT_WIDTH, PIVOT_HEIGHT = 2.3, 4.0
 HATCH_STEP = 1.5
@@ -31,7 +31,7 @@ class Primitive(NamedTuple):
     size : float
         Radius of a circle, height of a text [m].
     fill : {"none", "paper", "tint", "solid"}
-        What a polygon or circle is filled with; "none" hides nothing.
+        Fill of a polygon or circle; "none" hides nothing.
     text : str
     """
 
@@ -44,24 +44,24 @@ class Primitive(NamedTuple):
 
 
 def line(*points: complex, layer: str = "links") -> Primitive:
-    """Stroke through some points."""
+    """Polyline through some points."""
     return Primitive(layer, "line", tuple(complex(p) for p in points))
 
 
 def polygon(*points: complex, fill: str = "tint", layer: str = "links") -> Primitive:
-    """Convex polygon with some corners."""
+    """Convex polygon."""
     return Primitive(layer, "polygon", tuple(complex(p) for p in points), fill=fill)
 
 
 def box(centre: complex, u: complex, half_length: float, half_height: float, fill: str = "tint") -> Primitive:
-    """Rectangle about a centre, its length along the unit vector u: a slider, a block or a slot."""
+    """Rectangle about a centre with its length along the unit vector u: a slider, block or slot."""
     along, across = half_length * u, 1j * half_height * u
     corners = (centre - along - across, centre + along - across, centre + along + across, centre - along + across)
     return polygon(*corners, fill=fill)
 
 
 def hatched(a: complex, b: complex, r: float) -> list[Primitive]:
-    """Line of the frame from a to b, the frame on its right."""
+    """Hatched line from a to b, the frame on its right."""
     u = (b - a) / abs(b - a)
     count = max(2, round(abs(b - a) / (HATCH_STEP * r)))
     starts = a + (b - a) * (np.arange(count) + 0.7) / count
@@ -70,7 +70,7 @@ def hatched(a: complex, b: complex, r: float) -> list[Primitive]:
 
 
 def link_shape(points: Sequence[complex], r: float) -> list[Primitive]:
-    """Link through some points: a line, or a filled polygon where they don't lie on one line; nothing for one point."""
+    """Link through some points: a line if they are collinear, else a filled polygon; nothing for one point."""
     distinct: list[complex] = []
     for p in points:
         if all(abs(p - d) > 0.3 * r for d in distinct):
@@ -99,12 +99,12 @@ def _hull(points: Sequence[complex]) -> list[complex]:
 
 
 def weld(corner: complex, u: complex, v: complex, r: float) -> list[Primitive]:
-    """Marks in the two corners that a line along u makes with a line along ±v: the lines are of one piece."""
+    """Rigid-corner marks between lines along u and ±v."""
     return [polygon(corner, corner + 1.6 * r * u, corner + s * 1.6 * r * v, fill="solid") for s in (1, -1)]
 
 
 def fixed_pivot(c: complex, r: float, down: complex = -1j) -> list[Primitive]:
-    """Stand of the frame at a hinge at c, its foot in the direction of the unit vector `down`."""
+    """Fixed support of a hinge at c, its foot along the unit vector `down`."""
     foot, half = c + PIVOT_HEIGHT * r * down, 1j * PIVOT_WIDTH * r * down
     triangle = polygon(c, foot - half, foot + half, fill="paper", layer="frame")
     return [*hatched(foot - 1.6 * half, foot + 1.6 * half, r), triangle]
@@ -119,7 +119,7 @@ def zigzag(a: complex, b: complex, r: float) -> Primitive:
 
 
 def arrow(points: Sequence[complex], r: float, layer: str = "names") -> list[Primitive]:
-    """Arrow along some points, its tip beyond the last."""
+    """Arrow along some points with its tip beyond the last."""
     u = (points[-1] - points[-2]) / abs(points[-1] - points[-2])
     tip = points[-1] + TIP * r * u
     head = polygon(tip, points[-1] + 0.85j * r * u, points[-1] - 0.85j * r * u, fill="solid", layer=layer)

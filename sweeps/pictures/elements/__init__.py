@@ -1,1 +1,1 @@
-"""Pictures of machine elements: plans of rotors, orders that shake engines, governors, springs, gears, cams."""
+"""Plots of machine elements: rotors, engines, governors, springs, gears, cams."""

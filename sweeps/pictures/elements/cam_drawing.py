@@ -1,4 +1,4 @@
-"""Outlines of a cam for making it: profile, pitch curve and cutter path, in millimetres at full size, as DXF or SVG."""
+"""Manufacturing outlines of a cam: profile, pitch curve and cutter path at full size [mm], as DXF or SVG."""
 
 from pathlib import Path
 
@@ -12,21 +12,21 @@ from sweeps.text.input_files import InputError
 from sweeps.text.whole_files import whole_file
 
 MM = 1e3
-# Between as many points, chords miss an outline by less than a millionth of its radius.
+# Chord error below a millionth of the radius.
 POINTS = 3600
-# Colours by AutoCAD's index, line types, and colours of SVG.
+# AutoCAD colour index, line type, SVG colour.
 _LOOKS = {
     "profile": (7, "CONTINUOUS", "black"),
     "pitch": (8, "CENTER", "grey"),
     "cutter": (3, "DASHED", "green"),
     "axis": (1, "CONTINUOUS", "red"),
 }
-# Space around the outlines of an SVG drawing, and half the size of the cross at the cam's axis [mm].
+# SVG margin, and half the size of the cross at the cam's axis [mm].
 MARGIN, CROSS = 5.0, 3.0
 
 
 def cam_named(scene: Scene, name: str | None) -> CamElement | None:
-    """A cam of a scene; without a name the only one of a scene without a mechanism, if there is one.
+    """A named cam of a scene, or the only cam of a scene without a mechanism.
 
     Parameters
     ----------
@@ -36,21 +36,21 @@ def cam_named(scene: Scene, name: str | None) -> CamElement | None:
     Raises
     ------
     InputError
-        There is no cam of that name, or several and no name.
+        There is no such cam, or several and no name.
     """
     cams = {key: e for key, e in scene.elements.items() if isinstance(e, CamElement)}
     listed = ", ".join(cams) if cams else "none"
     if name is not None and name not in cams:
-        raise InputError(name, [(None, "--element", f"is no cam of this scene; its cams are: {listed}")])
+        raise InputError(name, [(None, "--element", f"is not a cam of this scene; cams: {listed}")])
     if name is None and scene.input is None and len(cams) > 1:
-        raise InputError("scene", [(None, "--element", f"say which cam, one of {listed}")])
+        raise InputError("scene", [(None, "--element", f"name one of the cams: {listed}")])
     if name is None and (scene.input is not None or not cams):
         return None
     return cams[name or listed]
 
 
 def export_cam(cam: CamElement, out: Path) -> None:
-    """Write a cam as its file's ending says: courses as .csv, outlines as .svg or .dxf.
+    """Write a cam by file extension: motion curves as .csv, outlines as .svg or .dxf.
 
     Parameters
     ----------
@@ -69,21 +69,20 @@ def export_cam(cam: CamElement, out: Path) -> None:
 
 
 def cam_drawing(cam: CamElement, out: Path, points: int) -> None:
-    """Write a cam's outlines, in the cam's axes: as it lies at the beginning of its first section.
+    """Write a cam's outlines in cam axes: its orientation at the start of its first section.
 
     Parameters
     ----------
     cam : CamElement
     out : Path
-        Ending .dxf or .svg.
+        Extension .dxf or .svg.
     points : int
-        About how many of each outline.
+        Approximate number per outline.
 
     Raises
     ------
     PictureError
-        The follower doesn't reach the base circle, DXF needs a package that isn't installed, or the file can't be
-        written.
+        The follower doesn't reach the base circle, ezdxf isn't installed, or the file can't be written.
     """
     curves = cam_curves(cam, points)
     if not curves.angle.size:
@@ -100,7 +99,7 @@ def cam_drawing(cam: CamElement, out: Path, points: int) -> None:
 
 
 def _outlines(cam: CamElement, curves: CamCurves) -> dict[str, np.ndarray]:
-    """Closed outlines by name, without points that stand twice [mm]."""
+    """Closed outlines by name, without repeated points [mm]."""
     lines = {"profile": curves.profile}
     if cam.follower.contact == "roller":
         lines["pitch"] = curves.pitch

@@ -10,7 +10,7 @@ DEGREES = 180 / np.pi
 
 
 def cam_layout(ax: Axes, cam: CamElement) -> None:
-    """The cam at the angle of its greatest pressure angle, or velocity, on the rise; the contact's normal marked."""
+    """The cam at its maximum pressure angle, or velocity, during the rise, with the contact normal."""
     curves = cam_curves(cam)
     shown = curves.first if cam.follower.contact == "flat" else np.abs(curves.pressure_angle)
     at = int(np.argmax(np.where(curves.first > 0, shown, -1.0)))
@@ -21,9 +21,9 @@ def cam_layout(ax: Axes, cam: CamElement) -> None:
     ax.plot(base.real, base.imag, color=GREY, linewidth=0.6, linestyle=(0, (4, 3)), label="base circle", zorder=3)
     if cam.follower.contact == "roller":
         ax.plot(pitch.real, pitch.imag, color=GREY, linewidth=0.6, linestyle=(0, (8, 2, 1, 2)), label="pitch curve")
-    # The path of a grinding wheel would dwarf the cam.
+    # A grinding wheel's path would dwarf the cam.
     if cam.cutter_radius is not None and cam.cutter_radius <= cam.base_radius:
-        ax.plot(cutter.real, cutter.imag, color=GREEN, linewidth=0.7, label="cutter's centre")
+        ax.plot(cutter.real, cutter.imag, color=GREEN, linewidth=0.7, label="cutter centre")
     ax.plot(0, 0, "+", color="black", markersize=8, zorder=4)
     contact, centre = 1e3 * curves.contact[at], 1e3 * curves.follower[at]
     size = float(np.abs(profile).max())
@@ -33,7 +33,7 @@ def cam_layout(ax: Axes, cam: CamElement) -> None:
     if normal:
         along = normal / abs(normal)
         motion = 1j if cam.translating else -1j * (centre - pivot) / abs(centre - pivot)
-        for direction, colour, label in ((along, VERMILION, "normal"), (motion, BLUE, "motion of the follower")):
+        for direction, colour, label in ((along, VERMILION, "normal"), (motion, BLUE, "follower motion")):
             ends = np.array([centre, centre + 0.55 * size * direction])
             ax.plot(ends.real, ends.imag, color=colour, linewidth=1.0, zorder=6, label=label)
     arrow = {"arrowstyle": "-|>", "color": "black", "connectionstyle": f"arc3,rad={0.5 * curves.sense}"}
@@ -47,7 +47,7 @@ def cam_layout(ax: Axes, cam: CamElement) -> None:
 
 
 def _follower(ax: Axes, cam: CamElement, contact: complex, centre: complex, size: float, pivot: float | None) -> None:
-    """Roller, edge or face, and the stem or arm that carries it."""
+    """Roller, edge or face with its stem or arm."""
     look = {"color": "black", "linewidth": 1.6, "zorder": 5, "solid_capstyle": "round"}
     if cam.follower.contact == "roller":
         roller = centre + abs(centre - contact) * np.exp(1j * np.linspace(0, 2 * np.pi, 120))

@@ -1,4 +1,4 @@
-"""Elastic drives to be looked at: a machine over its cycle and on a run, and shares of parts."""
+"""Plots of elastic drives: a machine over its cycle and during a run."""
 
 from pathlib import Path
 
@@ -11,13 +11,13 @@ from sweeps.pictures.picture_error import PictureError
 
 
 def machine_drive_sheet(scene: Scene, name: str, target: Path | str | Figure, title: str = "") -> Figure:
-    """Moment of the elastic shaft, speeds of its ends and its twist over the machine's cycle, a rigid shaft beside.
+    """Torque, end speeds and twist of the elastic shaft over the cycle, compared with a rigid shaft.
 
     Parameters
     ----------
     scene : Scene
     name : str
-        The drive among its elements.
+        Name of the drive.
     target : path or Figure
         File to write (.svg, .pdf, .png), or an empty figure to draw on.
     title : str
@@ -25,14 +25,14 @@ def machine_drive_sheet(scene: Scene, name: str, target: Path | str | Figure, ti
     Raises
     ------
     PictureError
-        The file's ending isn't a picture's, it can't be written, or there is no steady motion to be drawn.
+        Unknown picture format, the file can't be written, or there is no steady motion.
     """
     cycle = drive_cycle(scene, name)
     if cycle is None:
-        raise PictureError(f"elements.{name}: the machine has no steady motion on this shaft; sweeps run says why")
+        raise PictureError(f"elements.{name}: no steady motion with this shaft; `sweeps run` shows why")
     x, peak = PanelAxis("crank angle", "rad"), np.abs(cycle.moment).argmax()
     moments = Curve("elastic", cycle.moment), Curve("rigid", cycle.rigid_moment, True)
-    speeds = Curve("motors' end", cycle.motor_speed), Curve("crank", cycle.machine_speed)
+    speeds = Curve("motor end", cycle.motor_speed), Curve("crank", cycle.machine_speed)
     panels = (
         Panel(x, PanelAxis("shaft", "N m"), cycle.angle, moments, (Mark("", cycle.angle[peak], cycle.moment[peak]),)),
         Panel(x, _AT_CRANK, cycle.angle, (*speeds, Curve("rigid", cycle.rigid_speed, True))),
@@ -42,13 +42,13 @@ def machine_drive_sheet(scene: Scene, name: str, target: Path | str | Figure, ti
 
 
 def machine_run_sheet(scene: Scene, name: str, target: Path | str | Figure, title: str = "") -> Figure:
-    """Moment of the elastic shaft, speeds of its ends and its twist over the time of a run.
+    """Torque, end speeds and twist of the elastic shaft during a run.
 
     Parameters
     ----------
     scene : Scene
     name : str
-        The drive among its elements; it has a run.
+        Name of the drive, which has a run.
     target : path or Figure
         File to write (.svg, .pdf, .png), or an empty figure to draw on.
     title : str
@@ -56,13 +56,13 @@ def machine_run_sheet(scene: Scene, name: str, target: Path | str | Figure, titl
     Raises
     ------
     PictureError
-        The file's ending isn't a picture's, it can't be written, or the machine has no steady motion.
+        Unknown picture format, the file can't be written, or there is no steady motion.
     """
     run = drive_run(scene, name)
     if run is None:
-        raise PictureError(f"elements.{name}: the machine has no steady motion on this shaft; sweeps run says why")
+        raise PictureError(f"elements.{name}: no steady motion with this shaft; `sweeps run` shows why")
     x, peak, backlash = PanelAxis("time", "s"), np.abs(run.moment).argmax(), scene.elements[name].run.backlash
-    speeds = Curve("motors' end", run.motor_speed), Curve("crank", run.machine_speed)
+    speeds = Curve("motor end", run.motor_speed), Curve("crank", run.machine_speed)
     top = Mark("", run.time[peak], run.moment[peak])
     play = [Mark("", None, 0.0), Mark("backlash", None, -backlash)] if backlash > 0.0 else []
     panels = (
@@ -73,4 +73,4 @@ def machine_run_sheet(scene: Scene, name: str, target: Path | str | Figure, titl
     return panel_sheet(panels, target, title)
 
 
-_AT_CRANK, _BEHIND = PanelAxis("speed at the crank", "rad s-1"), PanelAxis("crank behind", "rad")
+_AT_CRANK, _BEHIND = PanelAxis("crank speed", "rad s-1"), PanelAxis("twist (crank lag)", "rad")

@@ -1,6 +1,6 @@
-"""Pictures of the machine elements of a scene, and their tables.
+"""Plots and tables of a scene's machine elements.
 
-What is drawn of an element is what it hands out; drawings beside that, and sheets that need its scene, are named here.
+Elements supply their own diagrams; drawings next to them, and sheets that need the scene, are listed here.
 """
 
 from collections.abc import Mapping
@@ -27,13 +27,13 @@ SHEETS = {
 
 
 def element_pictures(scene: Scene, path: Path) -> list[Path]:
-    """Draw the elements of a scene, from rotors and engines to gears and screws.
+    """Draw the elements of a scene.
 
     Parameters
     ----------
     scene : Scene
     path : Path
-        The names of the pictures are this one's with the element's name and what is drawn, such as `_fan_plan`, added.
+        Base name; element and content are appended, such as `_fan_plan`.
 
     Returns
     -------
@@ -43,7 +43,7 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
     Raises
     ------
     PictureError
-        An element has no results that could be drawn; all others are drawn.
+        An element has no results to draw; the others are drawn.
     """
     made, failures = [], []
     scene, cycles = governed_scene(scene)
@@ -69,7 +69,7 @@ def element_pictures(scene: Scene, path: Path) -> list[Path]:
 def element_sheet(
     element: Element, target: Path | str | Figure, title: str = "", given: Mapping[str, np.ndarray] | None = None
 ) -> Figure:
-    """Draw the diagrams of an element, beside its layout where its kind has one.
+    """Draw the diagrams of an element, next to its layout if it has one.
 
     Parameters
     ----------
@@ -78,14 +78,14 @@ def element_sheet(
         File to write (.svg, .pdf, .png), or an empty figure to draw on.
     title : str
     given : mapping of str to ndarray, optional
-        What the machine of its scene gives it.
+        Input from the machine of its scene.
     """
     layout = LAYOUTS.get(element.type)
     return panel_sheet(element.panels(given), target, title, layout and (lambda ax: layout(ax, element)))
 
 
 def element_tables(scene: Scene) -> str:
-    """Tables of engines' orders, of torsional trains' modes and of gear trains' shafts, in words; "" without any."""
+    """Tables of engine orders, torsional modes and gear shafts; "" if there are none."""
     told = []
     for name, element in scene.elements.items():
         match element:

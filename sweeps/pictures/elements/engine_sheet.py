@@ -1,4 +1,4 @@
-"""An engine by orders of its crank: its cylinders and throws as seen along the crank, and a table in words."""
+"""Engine orders: cylinders and throws in end view, and a table."""
 
 import math
 from collections.abc import Iterable
@@ -12,12 +12,12 @@ from sweeps.text.engineer_units import engineer_unit
 from sweeps.text.tables import table
 
 TURN = 2 * math.pi
-# A vector whose shorter half axis is less than this share of the longer one swings on a line.
+# An ellipse whose half axes are below this ratio is a line.
 LINE = 1e-9
 
 
 def engine_table(engine: EngineElement) -> str:
-    """The orders of an engine's forces, couples and torque in words, as columns of plain text.
+    """The orders of an engine's forces, couples and torque, as a text table.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def engine_table(engine: EngineElement) -> str:
         cells = [_ellipse_text(vector, i, unit) for unit, both in kinds for vector in both]
         if any(cell != "0" for cell in cells) or order in (1, 2, 4, 6):
             rows.append((f"{order}", *cells))
-    lines = [table(rows), "An ellipse by its half axes; ↺ turns with the crank, ↻ against it."]
+    lines = [table(rows), "Ellipses by their half axes; ↺ turns with the crank, ↻ against it."]
     if engine.gas is not None:
         lines.append(_torque_text(engine))
     return "\n".join(lines)
@@ -62,11 +62,11 @@ def _torque_text(engine: EngineElement) -> str:
     factor, unit = engineer_unit("N m", np.array([mean]))
     left = ", ".join(f"{n:g}: {factor * abs(part):.4g}" for n, part in zip(steps, parts, strict=True) if part)
     order = "-".join(map(str, engine.order_of_firing))
-    return f"firing order {order}; torque, mean {factor * mean:.4g} {unit}, by orders [{unit}] {left or 'none'}"
+    return f"firing order {order}; mean torque {factor * mean:.4g} {unit}, torque orders [{unit}] {left or 'none'}"
 
 
 def _together(angles: Iterable[float]) -> dict[float, str]:
-    """Numbers of the cylinders whose angles [rad] are the same."""
+    """Cylinder numbers with equal angles [rad]."""
     found: dict[float, list[str]] = {}
     for k, angle in enumerate(angles, 1):
         turned = float(angle) % TURN
@@ -79,7 +79,7 @@ def _together(angles: Iterable[float]) -> dict[float, str]:
 
 
 def engine_front(ax: Axes, engine: EngineElement) -> None:
-    """Banks and throws as seen along the crank, the engine's own axis upwards, the crank at 0."""
+    """End view of banks and throws, the engine's axis upwards, the crank at 0."""
     layout = engine.nominal_layout
     for angles, length, look, label in (
         (layout.banks, 1.1, {"color": GREY, "linewidth": 5, "alpha": 0.5, "solid_capstyle": "butt"}, "cylinders"),

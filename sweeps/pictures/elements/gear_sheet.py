@@ -1,4 +1,4 @@
-"""Sheet of a gear train: its scheme, and Smirnov's pictures of linear and of angular velocities."""
+"""Sheet of a gear train: kinematic scheme, and Smirnov's diagrams of linear and angular velocities."""
 
 import math
 from pathlib import Path
@@ -18,14 +18,14 @@ from engine import (
 from sweeps.pictures.style import GREY, PALE, PALETTE, sheet
 
 RPM = 30 / math.pi
-# Speeds nearer than this, of the greatest, share a ray.
+# Speeds closer than this share of the maximum share a ray.
 _SAME = 1e-9
 
 
 def gear_sheet(train: GearTrain, target: Path | str | Figure, title: str = "") -> Figure:
-    """Draw the scheme of a train and the pictures of its linear and angular velocities.
+    """Draw the scheme of a train and the diagrams of its linear and angular velocities.
 
-    Rays of the angular picture are parallel to the lines of the linear one.
+    Rays of the angular diagram are parallel to the lines of the linear one.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def gear_sheet(train: GearTrain, target: Path | str | Figure, title: str = "") -
     Raises
     ------
     PictureError
-        The file's ending isn't a picture's, or it can't be written.
+        Unknown picture format, or it can't be written.
     """
     picture = velocity_picture(train)
     colours = {name: PALETTE[i % len(PALETTE)] for i, name in enumerate(picture.lines)}
@@ -47,7 +47,7 @@ def gear_sheet(train: GearTrain, target: Path | str | Figure, title: str = "") -
         _scheme(scheme, train, picture, colours, factor)
         _linear(linear, picture, colours, factor, train.has_modules)
         top = max([w.axis + w.radius for w in picture.wheels.values()] + [1e-12])
-        # What lies below the lowest axis repeats what is above: half of it tells what there is.
+        # The part below the lowest axis is a mirror image: half of it is enough.
         low = min([*picture.axes.values(), top])
         for ax in (scheme, linear, angular):
             ax.set_ylim(factor * (low - 0.25 * (top - low)), factor * (top + 0.32 * (top - low)))
@@ -79,7 +79,7 @@ def _scheme(ax: Axes, train: GearTrain, picture: VelocityPicture, colours: dict[
             ax.plot([x, x], ends, color=colour, linewidth=1.8)
             for end in ends:
                 ax.plot([x - 0.16, x + 0.16], [end, end], color=colour, linewidth=1.8)
-        # The ring's name stands above its rim and whatever holds that, a wheel's below its teeth.
+        # A ring is named above its rim and support, a wheel below its teeth.
         at, ha = ((x, ends[1] + 1.7 * rim), "center") if wheel.is_ring else ((x, ends[1]), "left")
         ax.annotate(
             f"{name} {train.wheels[name].teeth:.4g}", at, (0, 3) if wheel.is_ring else (3, -9), ha=ha,
@@ -102,7 +102,7 @@ def _scheme(ax: Axes, train: GearTrain, picture: VelocityPicture, colours: dict[
             ax.plot([right, right + 0.35], [y, y], color=colour, linewidth=1.6)
         elif all(w.is_ring for n, w in picture.wheels.items() if train.wheels[n].shaft == shaft):
             if not train.shafts[shaft].held:
-                # Round the train on the side that is nearer; carriers stand on the right.
+                # Around the train on the nearer side; carriers on the right.
                 out = -1.0 if min(own) == min(used) else 1.0
                 x = min(used) - 0.45 if out < 0 else max(used) + 0.8
                 _bell(ax, train, picture, shaft, (x, x + 0.35 * out), factor, colour)
@@ -117,7 +117,7 @@ def _scheme(ax: Axes, train: GearTrain, picture: VelocityPicture, colours: dict[
 def _bell(
     ax: Axes, train: GearTrain, picture: VelocityPicture, shaft: str, x: tuple[float, float], factor: float, colour: str
 ) -> None:
-    """Shaft of a ring: round everything inside, to the axis, and on."""
+    """Shaft of a ring: around everything inside, to the axis and beyond."""
     for name, wheel in picture.wheels.items():
         if train.wheels[name].shaft == shaft:
             y, rim = factor * wheel.axis, factor * (wheel.axis + 1.12 * wheel.radius)
@@ -125,14 +125,14 @@ def _bell(
 
 
 def _ground(ax: Axes, x: float, y: float, size: float) -> None:
-    """Hatching of what doesn't move."""
+    """Hatching of fixed parts."""
     ax.plot([x - 0.2, x + 0.2], [y, y], color="black", linewidth=0.9)
     for k in np.linspace(-0.2, 0.14, 5):
         ax.plot([x + k, x + k + 0.06], [y, y + 0.6 * size], color="black", linewidth=0.6)
 
 
 def _linear(ax: Axes, picture: VelocityPicture, colours: dict[str, str], factor: float, is_sized: bool) -> None:
-    """Velocities of the points of every shaft on the line of centres."""
+    """Velocities of each shaft's points along the line of centres."""
     ax.axvline(0.0, color="black", linewidth=0.9)
     for name, line in picture.lines.items():
         ax.plot(line.velocities, factor * np.array(line.heights), color=colours[name], label=name)
@@ -142,7 +142,7 @@ def _linear(ax: Axes, picture: VelocityPicture, colours: dict[str, str], factor:
         ax.plot(velocity, factor * height, "o", color="black", markersize=2.5, zorder=4)
     values = [v for line in picture.lines.values() for v in line.velocities] + [0.0]
     room = 0.12 * (max(values) - min(values)) or 1.0
-    # The wider, the steeper the rays of the angular velocities beside it; and names of shafts need room.
+    # A wider diagram steepens the rays of the angular one and leaves room for shaft names.
     ax.set_xlim(min(values) - room, max(values) + 4 * room)
     ax.legend(loc="best", fontsize=6.5)
     ax.set(title="Linear velocities", xlabel="velocity, m/s" if is_sized else "velocity, modules/s")
@@ -150,12 +150,12 @@ def _linear(ax: Axes, picture: VelocityPicture, colours: dict[str, str], factor:
 
 
 def _angular(ax: Axes, linear: Axes, picture: VelocityPicture, colours: dict[str, str], factor: float) -> None:
-    """Rays from a pole, parallel to the lines of linear velocities: they cut off the angular speeds."""
+    """Rays from a pole, parallel to the lines of linear velocity; their intercepts are the angular speeds."""
     speeds = {name: line.speed for name, line in picture.lines.items()}
     values = [*speeds.values(), 0.0]
     room = 0.1 * (max(values) - min(values)) or 1.0
     limits = min(values) - room, max(values) + 3 * room
-    # On paper of equal size, a pole at this distance makes rays parallel to the lines beside it.
+    # At equal size, this pole distance makes the rays parallel to the lines of the linear diagram.
     across = linear.get_xlim()
     distance = factor * (across[1] - across[0]) / (limits[1] - limits[0])
     low, high = ax.get_ylim()
@@ -184,9 +184,9 @@ def _angular(ax: Axes, linear: Axes, picture: VelocityPicture, colours: dict[str
 
 
 def gear_table(train: GearTrain) -> str:
-    """Count of freedoms and, by shafts, speed, moment and power of a train, in words."""
+    """Mobility of a train, and speed, torque and power by shaft, as text."""
     found = {result.name: float(known.value[0]) for result, known in train_results(train, train.own_numbers())[0]}
-    rows = [train.structure.words, f"{'shaft':<16}{'speed, rpm':>14}{'moment, N m':>16}{'power, W':>14}"]
+    rows = [train.structure.words, f"{'shaft':<16}{'speed, rpm':>14}{'torque, N m':>16}{'power, W':>14}"]
     for name in train.shafts:
         cells = [RPM * found[f"{name}.speed"]]
         if train.has_loads:

@@ -1,4 +1,4 @@
-"""An order table of engines to be looked at: the vectors of force and couple that remain."""
+"""Figure of an engine order table: the unbalanced force and couple vectors."""
 
 import math
 from collections.abc import Sequence
@@ -22,19 +22,19 @@ from sweeps.report.order_table import (
 
 
 def order_picture(target: Path | str | Figure, rows: Sequence[EngineRow] | None = None) -> Figure:
-    """Vectors that remain of each engine, drawn as they swing and circle: an order table to be looked at.
+    """Draw the hodographs of each engine's unbalanced forces and couples.
 
     Parameters
     ----------
     target : path or Figure
         File to write (.svg, .pdf, .png), or an empty figure to draw on.
     rows : sequence of EngineRow, optional
-        `well_known_engines` where not given.
+        Default: `well_known_engines`.
 
     Raises
     ------
     PictureError
-        The file's ending isn't a picture's, or it can't be written.
+        Unknown picture format, or it can't be written.
     """
     rows = well_known_engines() if rows is None else rows
     with sheet(target, 180, 12 + 12 * len(rows)) as figure:
@@ -53,7 +53,7 @@ def order_picture(target: Path | str | Figure, rows: Sequence[EngineRow] | None 
 
 
 def _draw(ax: Axes, vector: Hodograph, order: int) -> None:
-    """One vector's hodograph over the turn, the engine's own axis upwards; a dot where it starts."""
+    """Hodograph of one vector, the engine's axis upwards; a dot marks the start."""
     i = vector.orders.index(order)
     one = Hodograph((order,), vector.forward[i : i + 1], vector.backward[i : i + 1])
     way = one.at(np.linspace(0, 2 * math.pi / order, 181)) * 1j

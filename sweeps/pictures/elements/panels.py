@@ -1,4 +1,4 @@
-"""Diagrams of any machine element, drawn from the curves and marks that the engine gives of it."""
+"""Diagrams of machine elements, from the engine's curves and marks."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -12,18 +12,18 @@ from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import GREY, PALETTE, VERMILION, sheet
 from sweeps.text.engineer_units import engineer_unit
 
-# Draws an element to scale beside its diagrams.
+# Draws an element to scale next to its diagrams.
 Layout = Callable[[Axes, Element], None]
-# Height of a picture with one, two, three diagrams one above the other; the most columns beside each other [mm].
+# Height with one, two, three stacked diagrams [mm]; maximum number of columns.
 HEIGHTS, MOST_COLUMNS = (80, 100, 150), 3
-# Names of places that are longer are slanted.
+# Longer tick names are slanted.
 _LONG = 14
 
 
 def panel_sheet(
     panels: Sequence[Panel], target: Path | str | Figure, title: str = "", layout: Callable[[Axes], None] | None = None
 ) -> Figure:
-    """Draw diagrams that have numbers: those of one x axis one above the other, two of them alone side by side.
+    """Draw the diagrams that have data: those with a common x axis stacked, two single ones side by side.
 
     Parameters
     ----------
@@ -32,16 +32,16 @@ def panel_sheet(
         File to write (.svg, .pdf, .png), or an empty figure to draw on.
     title : str
     layout : callable, optional
-        Draws what stands to their left.
+        Draws the layout on the left.
 
     Raises
     ------
     PictureError
-        No diagram has numbers, the file's ending isn't a picture's, or it can't be written.
+        No diagram has data, unknown picture format, or the file can't be written.
     """
     panels = [panel for panel in panels if _has_numbers(panel)]
     if not panels:
-        raise PictureError("the element has no results that could be drawn; sweeps run says why")
+        raise PictureError("the element has no results to draw; `sweeps run` shows why")
     columns: dict[object, list[Panel]] = {}
     for panel in panels:
         columns.setdefault((panel.kind, panel.x.words, panel.kind == "plan" and panel.title), []).append(panel)
@@ -69,7 +69,7 @@ def panel_sheet(
 
 
 def draw_panel(ax: Axes, panel: Panel, with_x: bool = True) -> None:
-    """Draw the curves and marks of a diagram in an engineer's units.
+    """Draw the curves and marks of a diagram in practical units.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A torsional train to be looked at: what it hands out, its shafts over the speed; Holzer's tables."""
+"""Plots of a torsional train: modes, shaft torques over speed; Holzer tables."""
 
 import math
 from pathlib import Path
@@ -26,20 +26,20 @@ from sweeps.pictures.elements.panels import panel_sheet
 from sweeps.pictures.style import PALETTE
 from sweeps.text.tables import table
 
-# Speeds at which the moments of shafts are computed, up to so many times the speed of the train.
+# Number of speeds for shaft torques, and the range in multiples of the train's speed.
 SPEEDS, FASTEST = 1201, 1.5
 HERTZ, RPM = 1 / math.tau, 30 / math.pi
 Numbers = dict[str, np.ndarray]
 
 
 def train_sheet(scene: Scene, name: str, target: Path | str | Figure, title: str = "") -> Figure:
-    """Modes along the train; where something excites it, also a Campbell diagram and moments of the shafts over speed.
+    """Modes along the train; with excitation, also a Campbell diagram and shaft torques over speed.
 
     Parameters
     ----------
     scene : Scene
     name : str
-        Of its torsional train.
+        Name of its torsional train.
     target : path or Figure
         File to write (.svg, .pdf, .png), or an empty figure to draw on.
     title : str
@@ -52,13 +52,13 @@ def train_sheet(scene: Scene, name: str, target: Path | str | Figure, title: str
 
 
 def numbers_of_machine(scene: Scene, name: str) -> Numbers:
-    """What the machine of a scene gives a train that it excites, as one variant; nothing to others.
+    """Excitation of a train by the machine of its scene, as one variant; empty for other trains.
 
     Parameters
     ----------
     scene : Scene
     name : str
-        The train among its elements.
+        Name of the train.
     """
     if scene.elements[name].machine_at is None:
         return {}
@@ -66,7 +66,7 @@ def numbers_of_machine(scene: Scene, name: str) -> Numbers:
 
 
 def _moments(scene: Scene, name: str, speed: float) -> Panel:
-    """Alternating moments of the shafts over the speed, the greatest of them."""
+    """Peak alternating shaft torques over speed."""
     train, own = scene.elements[name], f"elements.{name}"
     path = "input.speed" if train.machine_at is not None else f"{own}.engine.speed" if train.engine else f"{own}.speed"
     speeds = np.linspace(0.02, FASTEST, SPEEDS) * speed
@@ -75,21 +75,21 @@ def _moments(scene: Scene, name: str, speed: float) -> Panel:
     curves = [Curve(shaft, found[summary]) for summary, shaft in asked.items()]
     finite = np.concatenate([row[np.isfinite(row)] for row in found.values()])
     highest = sorted(curves, key=lambda curve: -np.nanmax(np.where(np.isfinite(curve.values), curve.values, 0.0)))
-    # Resonances with hardly any damping would hide everything else.
+    # Lightly damped resonances would hide everything else.
     top = min(float(finite.max()), 8 * float(np.quantile(finite, 0.9)))
-    axes = PanelAxis("speed", "rad s-1"), PanelAxis("alternating moment", "N m")
-    marks, shown = (Mark("as given", speed, None),), highest[: len(PALETTE)]
-    return Panel(*axes, speeds, shown, marks, "Shafts over the speed", (0.0, 1.08 * top))
+    axes = PanelAxis("speed", "rad s-1"), PanelAxis("alternating torque", "N m")
+    marks, shown = (Mark("given speed", speed, None),), highest[: len(PALETTE)]
+    return Panel(*axes, speeds, shown, marks, "Shaft torque over speed", (0.0, 1.08 * top))
 
 
 def train_table(train: TorsionalTrain, machine: Numbers) -> str:
-    """Holzer's table of every mode, as columns of plain text.
+    """Holzer table of each mode, as text.
 
     Parameters
     ----------
     train : TorsionalTrain
     machine : dict of str to ndarray (1,)
-        What a machine that excites it gives it, from `numbers_of_machine`.
+        Excitation by the machine, from `numbers_of_machine`.
     """
     reduced = reduced_train(train, train.own_numbers() | machine)
     natural = natural_vibration(reduced, train.reported_modes)
@@ -98,7 +98,7 @@ def train_table(train: TorsionalTrain, machine: Numbers) -> str:
         head = f"Mode {k + 1}: {frequency * HERTZ:.6g} Hz, {frequency * RPM:.6g} per minute"
         mode = natural.modes[k, :, 0]
         if np.isnan(mode).any():
-            texts.append(f"{head}; another frequency is so near that its mode is not determined")
+            texts.append(f"{head}; mode undetermined, another frequency is too close")
             continue
         texts.append(f"{head}\n{_holzer_text(train, reduced, holzer_table(reduced, frequency, mode))}")
     return "\n".join(texts)
@@ -106,7 +106,7 @@ def train_table(train: TorsionalTrain, machine: Numbers) -> str:
 
 def _holzer_text(train: TorsionalTrain, reduced: ReducedTrain, found: HolzerTable) -> str:
     layout = train.layout
-    rows = [("mass", "J, kg·m²", "θ", "J ω² θ, N·m", "shaft", "its moment, N·m", "k, N·m/rad", "twist")]
+    rows = [("mass", "J, kg·m²", "θ", "J ω² θ, N·m", "shaft", "torque, N·m", "k, N·m/rad", "twist")]
     for node in reversed(range(len(layout.parents))):
         masses = " + ".join(m for m, at in zip(layout.masses, layout.node_of, strict=True) if at == node)
         own = (f"{reduced.inertias[node, 0]:.5g}", f"{found.amplitudes[node]:.5f}", f"{found.inertial[node]:.5g}")

@@ -1,1 +1,1 @@
-"""Diagrams of one machine over its cycle or its regimes, and its animation."""
+"""Diagrams of one machine over its cycle or regimes, and its animation."""

@@ -1,4 +1,4 @@
-"""A mechanism in motion, as an animated GIF."""
+"""Animated GIF of a mechanism."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -19,7 +19,7 @@ from sweeps.text.whole_files import whole_file
 
 DOTS_PER_INCH = 100
 LARGEST_WIDTH, LARGEST_HEIGHT = 6.4, 6.4
-# All pictures are in memory at the same time.
+# All frames are in memory at once.
 MOST_FRAMES = 1000
 
 
@@ -31,30 +31,29 @@ def save_animation(
     paths: Sequence[str] = (),
     values: Mapping[str, float] | None = None,
 ) -> None:
-    """Write a mechanism's motion as a GIF that repeats for ever; a limited input goes back and forth.
+    """Write a mechanism's motion as a looping GIF; a limited input moves back and forth.
 
     Parameters
     ----------
     scene : Scene
     path : path
-        File to write, ending in .gif.
+        File to write (.gif).
     frames : int
-        Pictures per cycle, 4 to 1000.
+        Frames per cycle, 4 to 1000.
     fps : int
-        Pictures per second, 1 to 50 (browsers slow down what is faster).
+        Frames per second, 1 to 50 (browsers slow down faster ones).
     paths : sequence of str
         Points whose paths are drawn.
     values : mapping of path to float, optional
-        Numbers (SI) in place of the scene's.
+        Numbers (SI) that replace the scene's.
 
     Raises
     ------
     PictureError
-        The mechanism can't be drawn at some position, a point doesn't exist, a setting is out of range, or the file
-        can't be written.
+        A position can't be drawn, a point doesn't exist, a setting is out of range, or the file can't be written.
     """
     if Path(path).suffix.lower() != ".gif":
-        raise PictureError(f"{path}: an animation is a .gif file")
+        raise PictureError(f"{path}: animations are .gif files")
     if not 4 <= frames <= MOST_FRAMES:
         raise PictureError(f"frames = {frames}: allowed are 4 to {MOST_FRAMES}, such as 60")
     if not 1 <= fps <= 50:
@@ -62,12 +61,12 @@ def save_animation(
     motion = DrawnMotion(scene, values)
     moments = _moments(motion, frames)
     poses = [[p for p in figures(motion, [at], paths)[-1] if p.layer != "names"] for at in moments]
-    # Names that hop from side to side would distract.
+    # Names would jump from side to side.
     names = names_of_points(motion, [motion.node(at) for at in moments], poses)
     whole = [[*pose, *beside] for pose, beside in zip(poses, names, strict=True)]
     pictures = _pictures(motion, whole, [_instant(motion, at) for at in moments])
     indexed = [picture.quantize(palette=_palette(), dither=Image.Dither.NONE) for picture in pictures]
-    # The format counts in hundredths of a second.
+    # GIF delays are in hundredths of a second.
     pace = 10 * round(100 / fps)
     try:
         with whole_file(path) as draft:
@@ -77,7 +76,7 @@ def save_animation(
 
 
 def _moments(motion: DrawnMotion, frames: int) -> np.ndarray:
-    """Positions of the pictures, against the sense of counting where the input runs backwards."""
+    """Positions of the frames, descending if the input runs backwards."""
     if has_cycle(motion.scene):
         share = np.arange(frames) / frames
         cycle = motion.q[-1] + motion.q[1]
@@ -87,7 +86,7 @@ def _moments(motion: DrawnMotion, frames: int) -> np.ndarray:
 
 
 def _instant(motion: DrawnMotion, at: float) -> str:
-    """Where the input stands, and over a cycle when, at its mean speed."""
+    """Input position, and over a cycle the time at mean speed."""
     if not has_cycle(motion.scene):
         return f"q = {quantity_text(at, 'm')}"
     time = quantity_text(float(at / motion.numbers["input.speed"]), "s")
@@ -95,7 +94,7 @@ def _instant(motion: DrawnMotion, at: float) -> str:
 
 
 def _palette() -> Image.Image:
-    """The colours of a drawing and what lies between each and white, where edges are smoothed."""
+    """The colours of a drawing and their blends with white for smoothed edges."""
     inks = np.array([to_rgb("black"), to_rgb(VERMILION)])
     shades = 1 - np.linspace(0, 1, 20)[:, None] * (1 - inks[:, None])
     shades = np.append(shades.reshape(-1, 3), [to_rgb(FILLS["tint"])], axis=0)
@@ -105,7 +104,7 @@ def _palette() -> Image.Image:
 
 
 def _pictures(motion: DrawnMotion, poses: list[list], titles: list[str]) -> list[Image.Image]:
-    """Every pose with its title on axes that stay the same."""
+    """Each pose with its title, on fixed axes."""
     with house_style():
         figure = Figure(dpi=DOTS_PER_INCH, layout="constrained")
         canvas, ax = FigureCanvasAgg(figure), figure.add_subplot()
@@ -120,7 +119,7 @@ def _pictures(motion: DrawnMotion, poses: list[list], titles: list[str]) -> list
                 patch.remove()
             paint(ax, pose, factor)
             canvas.draw()
-            # Settled once, the axes must not move again.
+            # The layout is fixed after the first frame.
             figure.set_layout_engine("none")
             pictures.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
     return pictures

@@ -1,4 +1,4 @@
-"""Diagrams of one machine over its cycle: reduced inertia and moment, work, the energy loop, the speed that follows."""
+"""Diagrams of one machine over its cycle: reduced inertia and torque, work, energy loop, speed."""
 
 import math
 from pathlib import Path
@@ -14,13 +14,13 @@ from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, GREEN, GREY, VERMILION, sheet
 from sweeps.text.engineer_units import engineer_unit
 
-# Beyond this the ends of an axis overflow.
+# Larger values overflow the axis.
 LARGEST = 1e300
 TIMED = "a load depends on time"
 
 
 class CycleCurves(NamedTuple):
-    """Rows of one machine, ready to be shown.
+    """Fields of one machine, ready to plot.
 
     Attributes
     ----------
@@ -28,16 +28,16 @@ class CycleCurves(NamedTuple):
         Crank angle [deg], or displacement of a sliding input in the unit of `q_label`.
     q_label : str
     rows : dict of str to ndarray (positions,)
-        Fields by name, SI; without those that don't repeat with the cycle.
+        Periodic fields by name, SI.
     units : dict of str to str
     closed : bool
         Whether the first position follows the last.
     main : str or None
-        The slider whose dead centres are marked.
+        Slider whose dead centres are marked.
     dead_centres : tuple of float
-        Positions q of these.
+        Their positions q.
     mean_moment : float
-        Of the reduced moment over the cycle, SI; nan where there is no cycle.
+        Mean reduced torque over the cycle, SI; nan without a cycle.
     """
 
     q: np.ndarray
@@ -51,7 +51,7 @@ class CycleCurves(NamedTuple):
 
 
 def main_slider(scene: Scene) -> str | None:
-    """The slider that matters most: a cylinder's piston, else the last one on a guide of the frame."""
+    """The main slider: a cylinder's piston, else the last one on a guide of the frame."""
     for cylinder in scene.cylinders.values():
         return cylinder.piston
     parts = (part for group in scene.groups.values() for part in (group.first, group.second))
@@ -65,7 +65,7 @@ def _has_flywheel(scene: Scene) -> bool:
 
 
 def cycle_curves(moving: MovingMachine) -> CycleCurves:
-    """Compute the rows of one machine.
+    """Compute the fields of one machine.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def cycle_curves(moving: MovingMachine) -> CycleCurves:
     rows, units = moving.fields(known), {name: moving.register.fields[name].units for name in known}
     label, factor = input_axis(scene, moving.q)
     centres = tuple(c for end in ends if math.isfinite(c := math.degrees(moving.summary(end))))
-    # The rows step over jumps of a load, and their mean would miss the exact one by more than the picture tells.
+    # Rows skip load jumps, so their mean would be visibly off.
     mean = moving.summary("reduced_moment.mean") if has_cycle(scene) and "reduced_moment" in known else math.nan
     return CycleCurves(
         moving.q * factor, label, rows, units, has_cycle(scene), main if centres else None, centres, mean
@@ -96,7 +96,7 @@ def cycle_curves(moving: MovingMachine) -> CycleCurves:
 
 
 def input_axis(scene: Scene, q: np.ndarray) -> tuple[str, float]:
-    """Label and factor of the axis of the input's position at crank angles [rad], or displacements [m]."""
+    """Label and factor of the input axis for crank angles [rad] or displacements [m]."""
     if isinstance(scene.input, CrankInput):
         return "crank angle φ, °", 180 / math.pi
     factor, label = engineer_unit("m", q)
@@ -106,9 +106,8 @@ def input_axis(scene: Scene, q: np.ndarray) -> tuple[str, float]:
 def diagrams(machine: Scene | MovingMachine, target: Path | str | Figure) -> Figure:
     """Diagrams of one machine on one sheet, 180 mm wide.
 
-    Over a full cycle: I(φ), dI/dφ, M(φ), W(φ), the loop W(I) with Wittenbauer's tangents where a coefficient of
-    speed fluctuation is asked for, and ω(φ). Where the input doesn't turn fully there is no cycle to close: I,
-    its derivative, M and the input moment.
+    Over a full cycle: I(φ), dI/dφ, M(φ), W(φ), the loop W(I), with Wittenbauer's tangents if a coefficient of speed
+    fluctuation is given, and ω(φ). If the input doesn't turn fully: I, dI/dφ, M and the drive torque.
 
     Parameters
     ----------
@@ -123,7 +122,7 @@ def diagrams(machine: Scene | MovingMachine, target: Path | str | Figure) -> Fig
     Raises
     ------
     PictureError
-        The machine can't be computed, or the file's ending isn't a picture's.
+        The machine can't be computed, or unknown picture format.
     """
     moving = machine if isinstance(machine, MovingMachine) else MovingMachine(machine)
     cycle, scene = cycle_curves(moving), moving.scene
@@ -143,21 +142,21 @@ def _sheet_of_cycle(figure: Figure, moving: MovingMachine, cycle: CycleCurves) -
     axes = figure.subplots(2, 3)
     _panel(axes[0, 0], cycle, "reduced_inertia", "Reduced moment of inertia", "I")
     _panel(axes[0, 1], cycle, "reduced_inertia_phi", "Its derivative", "dI/dφ")
-    _panel(axes[0, 2], cycle, "reduced_moment", "Moment, mean", "M", cycle.mean_moment)
-    _panel(axes[1, 0], cycle, "work", "Work, change of energy", "W = ΔE")
+    _panel(axes[0, 2], cycle, "reduced_moment", "Torque, mean", "M", cycle.mean_moment)
+    _panel(axes[1, 0], cycle, "work", "Work, energy change", "W = ΔE")
     _energy_loop(axes[1, 1], moving, cycle)
     speed = cycle.rows.get("speed", np.array([np.nan]))
     if np.isfinite(speed).all():
-        # The mean that δ refers to is half the sum of the extremes.
+        # δ refers to the mean of the extremes.
         middle = (speed.max() + speed.min()) / 2
         _panel(axes[1, 2], cycle, "speed", f"δ = {np.ptp(speed) / abs(middle):.3g}, mean speed", "ω", middle)
     else:
-        why = "the machine stops within the cycle" if "speed" in cycle.rows else TIMED
-        _say(axes[1, 2], f"ω(φ): {why if _has_flywheel(moving.scene) else 'no flywheel is described'}")
+        why = "the machine stalls within the cycle" if "speed" in cycle.rows else TIMED
+        _say(axes[1, 2], f"ω(φ): {why if _has_flywheel(moving.scene) else 'no flywheel in the scene'}")
 
 
 def _say(ax: Axes, why: str) -> None:
-    """A sentence in place of what can't be shown."""
+    """A sentence in place of a missing diagram."""
     ax.text(0.5, 0.5, why, ha="center", va="center", color=GREY, transform=ax.transAxes)
     ax.set_axis_off()
 
@@ -166,12 +165,12 @@ def _sheet_of_range(figure: Figure, cycle: CycleCurves) -> None:
     axes = figure.subplots(2, 2)
     _panel(axes[0, 0], cycle, "reduced_inertia", "Reduced inertia", "I")
     _panel(axes[0, 1], cycle, "reduced_inertia_phi", "Its derivative", "dI/dq")
-    _panel(axes[1, 0], cycle, "reduced_moment", "Reduced moment or force", "M")
+    _panel(axes[1, 0], cycle, "reduced_moment", "Reduced torque or force", "M")
     _panel(axes[1, 1], cycle, "input_moment", "Drive torque or force at constant speed", "$M_{in}$")
 
 
 def _panel(ax: Axes, cycle: CycleCurves, name: str, title: str, symbol: str, mean: float | None = None) -> None:
-    """One quantity over the input's position, with its mean (SI) if that is given."""
+    """One quantity over the input position, optionally with its mean (SI)."""
     row = cycle.rows.get(name)
     if row is None:
         _say(ax, f"{symbol}: {TIMED}")
@@ -182,7 +181,7 @@ def _panel(ax: Axes, cycle: CycleCurves, name: str, title: str, symbol: str, mea
     factor, label = engineer_unit(cycle.units[name], row)
     q, shown = cycle.q, factor * row
     if cycle.closed:
-        # The cycle closes: its first position is shown again at its end.
+        # Close the cycle.
         q, shown = np.append(q, 2 * q[-1] - q[-2]), np.append(shown, shown[:1])
     ax.plot(q, shown, color=BLUE)
     if mean is not None and math.isfinite(mean):
@@ -199,7 +198,7 @@ def _panel(ax: Axes, cycle: CycleCurves, name: str, title: str, symbol: str, mea
 
 
 def _show_range(ax: Axes, shown: np.ndarray) -> None:
-    """Keep a quantity that is constant but for rounding from being blown up to noise."""
+    """Avoid magnifying rounding noise of a constant."""
     low, high = float(np.nanmin(shown)), float(np.nanmax(shown))
     size = max(abs(low), abs(high))
     if high - low <= 1e-9 * size or size == 0:
@@ -207,7 +206,7 @@ def _show_range(ax: Axes, shown: np.ndarray) -> None:
 
 
 def _energy_loop(ax: Axes, moving: MovingMachine, cycle: CycleCurves) -> None:
-    """The loop W(I), with Wittenbauer's tangents and the flywheel they give where δ is asked for."""
+    """The loop W(I); if δ is given, with Wittenbauer's tangents and the flywheel from them."""
     if "work" not in cycle.rows:
         _say(ax, f"Energy loop: {TIMED}")
         return
@@ -234,16 +233,16 @@ def _energy_loop(ax: Axes, moving: MovingMachine, cycle: CycleCurves) -> None:
         ax.plot(fi * ends, fw * np.array(at_ends), color=colour, linewidth=0.9, label=label)
         ax.plot(fi * inertia[k], fw * work[k], "o", color=colour, markersize=3.5)
     (steep, upper, _), (flat, lower, _) = tangents
-    # δω² is the difference of ω² at the two speeds over 2.
+    # δω² is half the difference of ω² at the two speeds.
     wheel = (upper - lower) / (steep - flat)
     factor, unit = engineer_unit("kg m2", np.array([wheel]))
     ax.set_title(f"Energy loop: flywheel {factor * wheel:.4g} {unit}".replace("-", "\N{MINUS SIGN}"))
-    # Within the axes it would cover one of the tangents, whatever their slopes.
+    # Inside the axes it would cover a tangent.
     ax.figure.legend(loc="outside lower right", ncols=2)
 
 
 def _mark_quarters(ax: Axes, cycle: CycleCurves, x: np.ndarray, y: np.ndarray) -> None:
-    """Mark the beginning of a cycle and its quarters on a loop, with the position of the input there."""
+    """Mark the start and quarters of the cycle on a loop with the input position."""
     quarters = np.arange(4) * x.size // 4
     ax.plot(x[quarters], y[quarters], "o", color=BLUE, markersize=3)
     for k in quarters:
@@ -252,7 +251,7 @@ def _mark_quarters(ax: Axes, cycle: CycleCurves, x: np.ndarray, y: np.ndarray) -
 
 
 def _tangents(moving: MovingMachine, inertia: np.ndarray, work: np.ndarray) -> list[tuple[float, float, int]]:
-    """Wittenbauer's tangents of the greatest and of the least speed: slope, height at I = 0, node touched."""
+    """Wittenbauer's tangents of maximum and minimum speed: slope, intercept at I = 0, node touched."""
     wheel = moving.scene.flywheel
     if wheel is None or wheel.speed_fluctuation is None:
         return []

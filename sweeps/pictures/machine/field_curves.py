@@ -1,4 +1,4 @@
-"""Fields of one machine as curves over its cycle, or over each other."""
+"""Fields of one machine plotted over its cycle, or against another field."""
 
 import math
 from collections.abc import Sequence
@@ -14,38 +14,38 @@ from sweeps.pictures.style import BLUE, house_style, new_figure, save
 from sweeps.text.engineer_units import engineer_unit
 
 POSITIONS = 720
-# Panels above each other that a sheet has room for.
+# Panels that fit on a sheet.
 MOST = 8
 
 
 def field_curves(
     scene: Scene, path: Path, names: Sequence[str], x: str | None = None, positions: int = POSITIONS
 ) -> None:
-    """Draw fields of a machine to a file (.svg, .pdf, .png); the rest as for `field_figure`."""
+    """Draw fields of a machine to a file (.svg, .pdf, .png); see `field_figure`."""
     save(field_figure(scene, names, x, positions), path)
 
 
 def field_figure(scene: Scene, names: Sequence[str], x: str | None = None, positions: int = POSITIONS) -> Figure:
-    """Draw fields of a machine in panels above each other.
+    """Draw fields of a machine in stacked panels.
 
     Parameters
     ----------
     scene : Scene
     names : sequence of str
-        Fields, at least one and at most `MOST`.
+        1 to `MOST` fields.
     x : str, optional
-        A field along x instead of the input's position, such as "B.x" with "B.y": a path.
+        Field on the x axis instead of the input position; "B.x" with "B.y" gives a path.
     positions : int
 
     Raises
     ------
     PictureError
-        The scene has no mechanism, too many fields or none are named, or nothing of one is finite.
+        The scene has no mechanism, too many or no fields are named, or a field has no finite values.
     AskError
         There is no such field, or the number of positions isn't allowed.
     """
     if scene.input is None:
-        raise PictureError("the scene has machine elements alone, which have no fields to draw")
+        raise PictureError("the scene has only machine elements, which have no fields to draw")
     if not 1 <= len(names) <= MOST:
         raise PictureError(f"name from 1 to {MOST} fields with -y, such as -y B.vx; `sweeps quantities` lists them")
     along = [x] if x else []
@@ -53,7 +53,7 @@ def field_figure(scene: Scene, names: Sequence[str], x: str | None = None, posit
     rows, known = machine.fields(dict.fromkeys([*names, *along])), machine.register.fields
     for name, row in rows.items():
         if not np.isfinite(row).any():
-            raise PictureError(f"{name} is infinite or undefined everywhere: see `sweeps run` for the reason")
+            raise PictureError(f"{name} is infinite or undefined everywhere; `sweeps run` shows why")
     if x:
         factor, label = engineer_unit(known[x].units, rows[x])
         places, title = rows[x] * factor, f"{x}{_comma(label)}"
@@ -84,6 +84,6 @@ def _comma(label: str) -> str:
 
 
 def _turned(row: np.ndarray) -> float:
-    """By how much an angle has grown when the cycle is over: a whole number of turns."""
+    """Increase of an angle over the cycle: a whole number of turns."""
     step = row[1] - row[0]
     return 2 * math.pi * round((row[-1] + step - row[0]) / (2 * math.pi))

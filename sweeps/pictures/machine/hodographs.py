@@ -1,4 +1,4 @@
-"""Hodographs of the shaking force of machines, such as one before and after balancing, and its orders of the crank."""
+"""Hodographs and orders of the shaking force, such as before and after balancing."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -18,19 +18,19 @@ POSITIONS = 720
 
 
 def hodographs(scenes: Mapping[str, Scene], target: Path | str | Figure) -> Figure:
-    """Shaking forces of machines over their cycle, 180 mm wide: hodographs on the left, their orders on the right.
+    """Shaking forces over the cycle, 180 mm wide: hodographs on the left, orders on the right.
 
     Parameters
     ----------
     scenes : mapping of str to Scene
-        Machines by the names to show, such as "before" and "after".
+        Machines by label, such as "before" and "after".
     target : path or Figure
         File to write (.svg, .pdf, .png), or an empty figure to draw on.
 
     Raises
     ------
     PictureError
-        A machine can't be computed or its crank doesn't turn fully, or the file's ending isn't a picture's.
+        A machine can't be computed or its crank doesn't turn fully, or unknown picture format.
     """
     forces = {name: shaking_force(scene) for name, scene in scenes.items()}
     factor, unit = engineer_unit("N", np.abs(np.concatenate(list(forces.values()))))
@@ -53,7 +53,7 @@ def shaking_force(scene: Scene) -> np.ndarray:
         The machine can't be computed, or its crank doesn't turn fully.
     """
     if scene.input is None or not has_cycle(scene):
-        raise PictureError("no hodograph of this scene: it needs a crank that turns fully")
+        raise PictureError("no hodograph: the scene needs a crank that turns fully")
     machine, names = MovingMachine(scene, positions=POSITIONS), ("shaking_force_x", "shaking_force_y")
     verdict = machine.verdict(names)
     if verdict != Verdict.OK:
@@ -63,12 +63,12 @@ def shaking_force(scene: Scene) -> np.ndarray:
 
 
 def order_sizes(force: np.ndarray, revolutions: int) -> np.ndarray:
-    """Longer half axes of the ellipses that the `ORDERS` of a shaking force draw.
+    """Longer half axes of the ellipses of the shaking force's `ORDERS`.
 
     Parameters
     ----------
     force : ndarray of complex (positions,)
-        Over a cycle of `revolutions` turns of the crank.
+        Over a cycle of `revolutions` crank turns.
     revolutions : int
     """
     parts = np.abs(np.fft.fft(force)) / force.size
@@ -79,7 +79,7 @@ def _hodographs(axes: Axes, forces: Mapping[str, np.ndarray], factor: float, uni
     for (name, force), colour in zip(forces.items(), PALETTE, strict=False):
         loop = np.append(force, force[0]) * factor
         axes.plot(loop.real, loop.imag, color=colour, label=name)
-        # Where the crank stands at 0.
+        # Crank at 0.
         axes.plot(loop[0].real, loop[0].imag, "o", color=colour, markersize=3.5)
     axes.plot(0, 0, "+", color="black", markersize=7)
     axes.set_aspect("equal", adjustable="datalim")
@@ -94,7 +94,7 @@ def _orders(axes: Axes, sizes: Mapping[str, np.ndarray], factor: float, unit: st
         axes.bar(ORDERS - 0.4 + width * (i + 0.5), size * factor, width, color=colour, label=name)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.grid(visible=False, axis="x")
-    axes.set_xlabel("order of the crank's speed")
+    axes.set_xlabel("crank order")
     axes.set_ylabel(f"longer half axis, {unit}")
     axes.set_title("Orders", loc="left")
     axes.legend(loc="upper right")

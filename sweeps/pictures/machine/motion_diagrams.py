@@ -1,4 +1,4 @@
-"""Diagrams of a machine's true motion: its history through the regimes, and the cycle of a steady regime."""
+"""Diagrams of a machine's true motion: time history through the regimes, and the cycle in steady running."""
 
 import math
 import textwrap
@@ -27,22 +27,22 @@ _COLOURS = {
 }
 _WORDS = {
     "motors": "motors",
-    "driving": "driving actions",
+    "driving": "driving",
     "useful": "useful resistances",
     "harmful": "harmful resistances",
     "braking": "brakes",
     "other": "gravity and springs",
 }
-# Instants drawn of a regime; of more than these, the least and the greatest values between them.
+# Points drawn per regime; of more, the minimum and maximum per interval.
 MOST_INSTANTS = 20_000
-# Share of the width that the shortest regime gets, of what it would have if all were equally long.
+# Minimum width of a regime, relative to equal widths.
 LEAST_SHARE = 0.5
-# A regime whose values vary by so much less than another's isn't drawn on the same scale.
+# Regimes whose ranges differ by more than this factor get separate scales.
 APART = 10.0
 
 
 class _Course(NamedTuple):
-    """One regime of a history; rows (instants,) in SI units."""
+    """One regime of a history; arrays (instants,) in SI units."""
 
     name: str
     time: np.ndarray
@@ -58,12 +58,12 @@ class _Course(NamedTuple):
 
     @property
     def acting(self) -> dict[str, np.ndarray]:
-        """Moments of what acts in this regime."""
+        """Torques acting in this regime."""
         return {key: row for key, row in self.moments.items() if np.any(row)}
 
 
 def courses(seen: History) -> list[_Course]:
-    """A history regime by regime, with the moments that act at all and their works since its begin.
+    """A history by regime, with the nonzero torques and their work since the start.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def courses(seen: History) -> list[_Course]:
         own = {key: row[chosen] for key, row in moments.items()}
         powers = {key: seen.powers[key][chosen] for key in done}
         turned, spent = np.diff(seen.angle[chosen]), np.diff(seen.time[chosen])
-        # Where all goes at one speed, work is done over the angle: it is the same at a jump of the speed.
+        # With a single speed, integrate over the angle, which is exact at speed jumps.
         rates = powers if seen.powers["coupling"].any() else own
         steps = spent if seen.powers["coupling"].any() else turned
         works = {
@@ -100,22 +100,22 @@ def courses(seen: History) -> list[_Course]:
 
 
 def history_diagrams(scene: Scene, seen: History, target: Path | str | Figure) -> Figure:
-    """Speed, moments, power, energy and works, and the reactions that were kept, against time.
+    """Speed, torques, power, energy, work and kept reactions against time.
 
-    There is a column for each regime.
+    One column per regime.
 
     Parameters
     ----------
     scene : Scene
     seen : History
-        What `engine.machine.one_machine.history.history` found of it.
+        From `engine.machine.one_machine.history.history`.
     target : path or Figure
         File to write (.svg, .pdf, .png), or an empty figure to draw on.
 
     Raises
     ------
     PictureError
-        The file's ending isn't a picture's.
+        Unknown picture format.
     """
     parts, title = courses(seen), f"{scene.title or 'Machine'}: history"
     with sheet(target, 180, 190 if parts else 30) as figure:
@@ -162,7 +162,7 @@ def _history_sheet(figure: Figure, scene: Scene, parts: Sequence[_Course]) -> No
 
 
 def _share_scale(row: Sequence[Axes], columns: Sequence[dict[str, np.ndarray]]) -> None:
-    """One scale for all regimes, unless one of them would hardly be seen on it: then each has its own."""
+    """Use one scale for all regimes, or separate scales if one regime would be invisible."""
     spans = [float(np.ptp(list(column.values()))) for column in columns if column]
     if len(spans) == len(row) and min(spans) * APART < max(spans):
         return
@@ -175,10 +175,10 @@ def _share_scale(row: Sequence[Axes], columns: Sequence[dict[str, np.ndarray]]) 
 
 def _lines(ax: Axes, x: np.ndarray, rows: dict[str, np.ndarray]) -> None:
     own = {"speed": (BLUE, None), "energy": ("black", "kinetic energy E"), "acceleration": (GREEN, None)}
-    own |= {"shaft_speed": (GREEN, "shaft behind the coupling")}
-    own |= {"coupling": (GREEN, "coupling on the crank, its heat")}
+    own |= {"shaft_speed": (GREEN, "driven shaft of the coupling")}
+    own |= {"coupling": (GREEN, "coupling torque, its heat")}
     for key, row in rows.items():
-        # What is neither is a pair, by its name.
+        # Others are pairs, labelled by name.
         colour, label = own.get(key) or (_COLOURS.get(key), _WORDS.get(key, key))
         ax.plot(*_thinned(x, row), color=colour, label=label, linewidth=1.0)
 
@@ -188,7 +188,7 @@ def _only(rows: dict[str, np.ndarray], key: str) -> dict[str, np.ndarray]:
 
 
 def _thinned(x: np.ndarray, row: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A long row by the least and the greatest value of every so many instants."""
+    """A long row reduced to minimum and maximum per interval."""
     every = -(-row.size // MOST_INSTANTS)
     if every == 1:
         return x, row
@@ -207,21 +207,21 @@ def _legend(figure: Figure, axes: np.ndarray) -> None:
 
 
 def cycle_diagrams(scene: Scene, seen: History, regime: str, target: Path | str | Figure) -> Figure:
-    """A steady regime over the crank angle: speed with its mean and δ, acceleration, moments and power.
+    """Steady running over the crank angle: speed with its mean and δ, acceleration, torques and power.
 
     Parameters
     ----------
     scene : Scene
     seen : History
     regime : str
-        Name of a steady regime that the history holds.
+        Name of a steady regime in the history.
     target : path or Figure
         File to write (.svg, .pdf, .png), or an empty figure to draw on.
 
     Raises
     ------
     PictureError
-        There is no such motion in the history, or the file's ending isn't a picture's.
+        There is no such motion in the history, or unknown picture format.
     """
     part = next((p for p in courses(seen) if p.name == regime), None)
     if part is None:
@@ -232,7 +232,7 @@ def cycle_diagrams(scene: Scene, seen: History, regime: str, target: Path | str 
         axes = figure.subplots(2, 2, sharex=True)
         _speed_panel(axes[0, 0], scene, part)
         _panel(axes[1, 0], part, "Angular acceleration", "ε", "rad s-2", {"acceleration": part.acceleration})
-        _panel(axes[0, 1], part, "Moments on the crank", "M", "N m", part.acting)
+        _panel(axes[0, 1], part, "Torques on the crank", "M", "N m", part.acting)
         _panel(axes[1, 1], part, "Power", "P", "W", part.powers)
         for ax in axes[1]:
             ax.set_xlabel("crank angle φ, °")
@@ -263,18 +263,18 @@ def _speed_panel(ax: Axes, scene: Scene, part: _Course) -> None:
 
 
 def motion_pictures(scene: Scene, path: Path) -> list[Path]:
-    """History of a machine through its regimes, and the cycle of each of its steady ones.
+    """Draw the history of a machine, and the cycle of each steady regime.
 
     Parameters
     ----------
     scene : Scene
     path : Path
-        The names of the pictures are this one's with `_history` and `_REGIME` added.
+        Base name; `_history` and `_REGIME` are appended.
 
     Returns
     -------
     list of Path
-        The files made; without regimes that a failing machine doesn't reach.
+        Files written; regimes not reached are omitted.
     """
     seen = history(scene, fields=[name for name in history_fields(scene) if name.endswith(".reaction")])
     made = [path.with_name(f"{path.stem}_history{path.suffix}")]

@@ -1,7 +1,7 @@
-"""Plans of a machine as an engineer draws them: velocities, accelerations, forces, free bodies, bearing loads.
+"""Graphical analysis of a machine: velocity, acceleration and force polygons, free bodies, bearing loads.
 
-`MachineCycle(scene).at(position)` gives the machine at a position; each plan is a function of it and of axes of
-matplotlib. Plans are drawn to round scales that hold on paper, with the scale μ and a bar.
+`MachineCycle(scene).at(position)` gives the machine at a position; each plan is a function of it and of Matplotlib
+axes. Plans have round scales that hold on paper, with the scale μ and a scale bar.
 """
 
 from sweeps.pictures.plans.bearing_loads import bearing_load, bearing_sheet, least_loaded, load_polar, load_rose, shares

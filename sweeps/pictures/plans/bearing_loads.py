@@ -1,4 +1,4 @@
-"""Load of a bearing over the cycle: polar diagrams in the axes of the frame and of both links, loads by direction."""
+"""Bearing load over the cycle: polar diagrams in frame and link axes, load by direction."""
 
 import math
 from typing import NamedTuple
@@ -17,9 +17,9 @@ from sweeps.pictures.style import BLUE, GREY, SKY, VERMILION, house_style
 from sweeps.text.engineer_units import engineer_unit
 
 SECTORS = 36
-# A film of oil wants its hole where the load is least over so much of the shaft's circumference.
+# Arc over which the load is lowest, for the oil hole [deg].
 SPAN = 120.0
-# Marks nearer to each other than this share of the greatest load aren't all lettered.
+# Marks closer than this share of the peak load aren't all lettered.
 CROWDED = 0.12
 
 
@@ -30,9 +30,9 @@ class BearingLoad(NamedTuple):
     ----------
     pair : Pair
     axes : str
-        Link in whose axes it is.
+        Link that defines the axes.
     on : str
-        Link on which it acts.
+        Link that it acts on.
     q : ndarray (positions,)
         Positions of the input [rad or m].
     force : complex ndarray (positions,)
@@ -51,18 +51,18 @@ class BearingLoad(NamedTuple):
 
     @property
     def peak(self) -> int:
-        """Number of the position of the greatest load."""
+        """Index of the peak load."""
         return int(np.nanargmax(np.abs(self.force)))
 
 
 def revolute_pairs(cycle: MachineCycle) -> list[Pair]:
-    """The bearings of a machine that are loaded at all."""
+    """The loaded bearings of a machine."""
     found = [pair for pair in pairs_of(cycle.scene) if pair.kind == "revolute"]
     return [pair for pair in found if np.nanmax(np.abs(cycle.force(f"{pair.name}.reaction"))) > 0]
 
 
 def bearing_load(cycle: MachineCycle, pair: str, axes: str = FRAME) -> BearingLoad:
-    """Load of a bearing in the axes of a link: on the pair's other link in that one's axes, else on its own link.
+    """Bearing load in the axes of a link: acting on the pair's other link if those are its axes, else on its own link.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def bearing_load(cycle: MachineCycle, pair: str, axes: str = FRAME) -> BearingLo
     Raises
     ------
     PictureError
-        There is no such pair, it is not revolute or bears no load, or the axes are of neither link.
+        No such pair, it isn't revolute or loaded, or the axes belong to neither link.
     """
     known = {p.name: p for p in pairs_of(cycle.scene) if p.kind == "revolute"}
     if pair not in known:
@@ -83,10 +83,12 @@ def bearing_load(cycle: MachineCycle, pair: str, axes: str = FRAME) -> BearingLo
     found = known[pair]
     allowed = (FRAME, found.link, found.other)
     if axes not in allowed:
-        raise PictureError(f"bearing load of {pair}: axes {axes!r} are of neither link; {did_you_mean(axes, allowed)}")
+        raise PictureError(
+            f"bearing load of {pair}: axes {axes!r} belong to neither link; {did_you_mean(axes, allowed)}"
+        )
     force = cycle.force(f"{pair}.reaction")
     if not np.nanmax(np.abs(force)) > 0:
-        raise PictureError(f"bearing load: nothing loads {pair}; give the machine masses, forces or gravity")
+        raise PictureError(f"bearing load: {pair} is unloaded; give the machine masses, forces or gravity")
     on = found.other if axes == found.other != FRAME else found.link
     sign = 1 if on == found.link else -1
     turned = sign * force * cycle.motion.axes(axes)[1].conj()
@@ -95,7 +97,7 @@ def bearing_load(cycle: MachineCycle, pair: str, axes: str = FRAME) -> BearingLo
 
 
 def shares(load: BearingLoad) -> np.ndarray:
-    """Share of the load's sum over the cycle by its direction, (`SECTORS`,), the first sector centred on the x axis."""
+    """Share of the load over the cycle by direction, (`SECTORS`,), the first sector centred on the x axis."""
     force = load.force[np.isfinite(load.force)]
     sector = np.round(np.angle(force) * SECTORS / (2 * np.pi)).astype(int) % SECTORS
     weights = np.bincount(sector, np.abs(force), SECTORS)
@@ -103,12 +105,12 @@ def shares(load: BearingLoad) -> np.ndarray:
 
 
 def least_loaded(load: BearingLoad) -> float:
-    """Direction about which the load's sum over `SPAN` degrees is least [rad]; the middle one of several."""
+    """Direction of the lowest load summed over `SPAN` degrees [rad]; the middle one of several."""
     half = round(SPAN / 360 * SECTORS / 2)
     share = shares(load)
     around = sum(np.roll(share, i) for i in range(-half, half + 1))
     least = around <= around.min() + 1e-12
-    # Of directions that are equally free, the middle of the longest run, around the circle.
+    # Ties: the middle of the longest run around the circle.
     longest, middle = 0, 0.0
     for first in np.flatnonzero(least):
         run = next((n for n in range(SECTORS) if not least[(first + n) % SECTORS]), SECTORS)
@@ -118,7 +120,7 @@ def least_loaded(load: BearingLoad) -> float:
 
 
 def load_polar(load: BearingLoad, ax: PolarAxes) -> None:
-    """Draw a load's polar diagram: its end over the cycle, marked every 30° of the crank, and its peak.
+    """Draw a polar load diagram, marked every 30° of the crank and at the peak.
 
     Parameters
     ----------
@@ -146,17 +148,17 @@ def load_polar(load: BearingLoad, ax: PolarAxes) -> None:
 
 
 def load_rose(load: BearingLoad, ax: PolarAxes) -> None:
-    """Draw how much of the load comes in which direction, and the least loaded one; arguments as for `load_polar`."""
+    """Draw the load by direction and the least loaded direction; arguments as for `load_polar`."""
     share, width = shares(load), 2 * np.pi / SECTORS
     ax.bar(np.arange(SECTORS) * width, 100 * share, width=width, color=SKY, edgecolor="white", linewidth=0.3)
     free = least_loaded(load)
     ax.plot([free, free], [0, 100 * share.max()], color=VERMILION, linewidth=1.2, linestyle=(0, (4, 2)))
     _axes(ax, "%", np.append(share * np.exp(1j * width * np.arange(SECTORS)), share.max() * np.exp(1j * free)))
-    ax.set_title(f"share by direction on {load.on}\nleast about {np.degrees(free):.0f}°", fontsize=7.5, pad=8)
+    ax.set_title(f"load by direction on {load.on}\nminimum at {np.degrees(free):.0f}°", fontsize=7.5, pad=8)
 
 
 def _axes(ax: PolarAxes, unit: str, drawn: np.ndarray) -> None:
-    """Directions around, and magnitudes along the one between two of them that what is drawn is farthest from."""
+    """Place the angle labels, and the radius labels in the clearest gap."""
     ax.set_thetagrids(np.arange(0, 360, 30))
     ax.yaxis.set_major_locator(MaxNLocator(4))
     ax.tick_params(labelsize=6, pad=-1, labelcolor=GREY)
@@ -169,7 +171,7 @@ def _axes(ax: PolarAxes, unit: str, drawn: np.ndarray) -> None:
 
 
 def bearing_sheet(cycle: MachineCycle, pair: str) -> Figure:
-    """Sheet of a bearing's load, 180 mm wide: polar diagrams in all axes, shares by direction.
+    """Sheet of a bearing load, 180 mm wide: polar diagrams in all axes, load by direction.
 
     Parameters
     ----------
@@ -196,8 +198,8 @@ def bearing_sheet(cycle: MachineCycle, pair: str) -> Figure:
             ax = place(figure, *corners[2], 62, 62, projection="polar")
             load_polar(bearing_load(cycle, pair, other), ax)
         note = (
-            "Marks: position of the input. Load in the axes of a link: 0° along its x axis. A journal is pressed on "
-            "the side opposite\nto the load on it, a bush on the side it points to."
+            "Marks: input position. Link axes: 0° along the link's x axis. A journal bears on the side opposite "
+            "to its load,\na bush on the side that its load points to."
         )
         write(figure, 4, 9, note, fontsize=6.5)
     return figure

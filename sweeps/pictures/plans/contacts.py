@@ -1,12 +1,12 @@
-"""Higher pairs of a machine at a position: where wheels, racks and cams touch, and what joins the motion there.
+"""Higher pairs of a machine at a position: contacts of wheels, racks and cams, and their kinematic conditions.
 
-Pitch circles and curves roll on each other: both bodies have one velocity at the pitch point, and their accelerations
-differ there along the common normal alone. With curvatures κ, κ' of the pitch curves, positive where they are convex,
-and the relative angular velocity ω it is ω²/(κ + κ'), towards the body whose acceleration is meant.
+Pitch circles and curves roll on each other: at the pitch point both bodies have the same velocity, and their
+accelerations differ only along the common normal, by ω²/(κ + κ') towards the body considered, with the relative angular
+velocity ω and the curvatures κ, κ' of the pitch curves, positive if convex.
 
-A cam is replaced by what it is for a moment. A roller or knife edge B slides along the pitch curve: its velocity
-relative to the cam lies along the tangent, its relative acceleration is v²κ to the curve's centre, besides that along
-the tangent and Coriolis's. A flat face carries the centre of curvature C of the cam's profile along.
+A cam is replaced by its instantaneous equivalent. A roller or knife edge B slides along the pitch curve: its velocity
+relative to the cam is tangential, its relative acceleration has the parts v²κ towards the curve's centre, tangential,
+and Coriolis. A flat face moves with the centre of curvature C of the cam's profile.
 
 Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on gearing, on cam mechanisms and on the
 replacement of higher pairs.
@@ -19,19 +19,19 @@ from sweeps.pictures.plans.pose import Pose
 
 
 class Rolling(NamedTuple):
-    """A pitch point, where a wheel or rack rolls on what drives it.
+    """A pitch point, where a wheel or rack rolls on its driver.
 
     Attributes
     ----------
     name : str
-        Its letter in plans.
+        Letter in plans.
     driver, link : str
-        What drives, and what is driven.
+        Driving and driven link.
     place : complex
         [m]
     drift : complex
-        What times the square of the relative angular velocity is the acceleration of `link`'s place relative to the
-        driver's [m].
+        Acceleration of `link`'s pitch point relative to the driver's, over the square of the relative angular velocity
+        [m].
     """
 
     name: str
@@ -42,21 +42,21 @@ class Rolling(NamedTuple):
 
 
 class Touching(NamedTuple):
-    """Where a cam touches its follower.
+    """Contact of a cam and its follower.
 
     Attributes
     ----------
     name : str
-        In plans, the letter of the roller's centre or edge, B, or of the profile's centre of curvature, C.
+        Letter in plans: B for the roller centre or edge, C for the profile's centre of curvature.
     cam, follower : str
         Links.
     place : complex
-        Of that point [m].
+        That point [m].
     normal : complex
         Unit vector from the cam to the follower.
     curvature : float or None
-        Of the curve that the follower's point describes on the cam [1/m]; None where the face of the follower is flat,
-        and the cam's point moves along it.
+        Curvature of the follower point's path on the cam [1/m]; None for a flat face, along which the cam's point
+        moves.
     """
 
     name: str
@@ -68,7 +68,7 @@ class Touching(NamedTuple):
 
 
 def lettered(pose: Pose, letter: str, link: str) -> str:
-    """Name in plans of a place that the scene has none for: a letter with the number of a link."""
+    """Name in plans of an unnamed point: a letter with a link number."""
     name = f"{letter}{pose.number(link)}"
     while name in pose.motion.points:
         name += letter.lower()
@@ -76,7 +76,7 @@ def lettered(pose: Pose, letter: str, link: str) -> str:
 
 
 def rolling(pose: Pose, name: str) -> Rolling | None:
-    """Pitch point of a shaft, non-circular wheel, rack or pinion with its driver; None for a shaft that meshes nowhere.
+    """Pitch point of a shaft, non-circular wheel, rack or pinion with its driver; None for a shaft without a mesh.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def rolling(pose: Pose, name: str) -> Rolling | None:
 
 
 def _of_shaft(pose: Pose, name: str, letter: str) -> Rolling | None:
-    """Of a shaft whose wheel meshes with its driver's, and doesn't go by a belt or turn about the same axis."""
+    """Pitch point of a shaft whose wheel meshes with its driver's (no belt, different axes)."""
     shaft, ratio = pose.scene.shafts[name], pose.cycle.numbers[f"shafts.{name}.ratio"]
     toothed = shaft.carrier is not None or shaft.pressure_angle is not None or ratio < 0
     if shaft.pivot is None or not toothed:
@@ -124,7 +124,7 @@ def touching(pose: Pose, name: str) -> Touching:
     ----------
     pose : Pose
     name : str
-        Of the cam.
+        Name of the cam.
     """
     cam = pose.scene.cams[name]
     follower, link = cam.follower, cam.follower.link
@@ -137,6 +137,6 @@ def touching(pose: Pose, name: str) -> Touching:
     if follower.type == "oscillating":
         place += pose.cycle.numbers[f"cams.{name}.follower.arm"] * pose.direction(link)
     radius = pose.cycle.numbers[f"cams.{name}.follower.roller_radius"] if follower.contact == "roller" else 0.0
-    # The pitch curve runs beside the profile at the roller's radius.
+    # The pitch curve is offset from the profile by the roller radius.
     of_pitch_curve = curvature / (1 + curvature * radius)
     return Touching(lettered(pose, "B", link), cam.on, link, place, normal, of_pitch_curve)

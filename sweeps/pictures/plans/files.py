@@ -1,4 +1,4 @@
-"""Files of plans: velocities, accelerations and forces at a position, reactions and bearing loads over the cycle."""
+"""Files of plans at a position, and of reactions and bearing loads over the cycle."""
 
 from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
@@ -14,7 +14,7 @@ from sweeps.pictures.plans.reaction_curves import reaction_sheet
 from sweeps.pictures.plans.sheets import force_sheet, kinematic_sheet
 from sweeps.pictures.style import save
 
-# Bearings that have a sheet unasked: a machine of ten dyads has 31, and few of them decide anything.
+# Default number of bearing sheets: a machine of ten dyads has 31 bearings, few of them critical.
 MOST_BEARINGS = 8
 
 
@@ -23,30 +23,28 @@ def plan_pictures(
 ) -> list[Path]:
     """Draw all plans of a machine at one position, and its reactions over the cycle.
 
-    Plans of velocities and accelerations; where anything loads the machine, a sheet of forces for each group, for the
-    input link and for each other link that forces act on, the reactions of all pairs, and the load of each bearing, or
-    of the eight most heavily loaded ones.
+    Velocity and acceleration plans; for a loaded machine also force sheets for each group, the input link and other
+    loaded links, the reactions of all pairs, and the loads of the (eight most heavily loaded) bearings.
 
     Parameters
     ----------
     scene : Scene
     path : Path
-        The names of the pictures are this one's with `_velocity`, `_acceleration`, `_forces_GROUP`, `_reactions` and
-        `_bearing_PAIR` added.
+        Base name; `_velocity`, `_acceleration`, `_forces_GROUP`, `_reactions` and `_bearing_PAIR` are appended.
     at : float, optional
-        Crank angle [rad] or displacement of a sliding input [m]; one that shows the machine well unless given.
+        Crank angle [rad] or displacement of a sliding input [m] (default: a suitable position).
     values : mapping of path to float, optional
-        Numbers (SI) in place of the scene's.
+        Numbers (SI) that replace the scene's.
 
     Returns
     -------
     list of Path
-        The files made.
+        Files written.
 
     Raises
     ------
     PictureError
-        The position can't be drawn, or the file's ending isn't a picture's.
+        The position can't be drawn, or unknown picture format.
     """
     cycle = MachineCycle(scene, values)
     pose = cycle.at(at)
@@ -61,7 +59,7 @@ def plan_pictures(
 def bearing_pictures(
     scene: Scene, path: Path, bearings: Collection[str], values: Mapping[str, float] | None = None
 ) -> list[Path]:
-    """Draw the load of some bearings over the cycle; arguments as for `plan_pictures`.
+    """Draw some bearing loads over the cycle; arguments as for `plan_pictures`.
 
     Parameters
     ----------
@@ -74,12 +72,12 @@ def bearing_pictures(
     Returns
     -------
     list of Path
-        The files made.
+        Files written.
 
     Raises
     ------
     PictureError
-        There is no such pair, or it is not revolute or bears no load.
+        No such pair, or it isn't revolute or loaded.
     """
     return _bearing_sheets(MachineCycle(scene, values), path, dict.fromkeys(bearings)) if bearings else []
 
@@ -100,7 +98,7 @@ def reaction_pictures(
     values: Mapping[str, float] | None = None,
     known: Mechanics | None = None,
 ) -> list[Path]:
-    """Draw the reactions over the cycle, and the load of each bearing that some fields are of.
+    """Draw the reactions over the cycle, and the load of each bearing among the fields.
 
     Parameters
     ----------
@@ -108,16 +106,16 @@ def reaction_pictures(
     path : Path
         As for `plan_pictures`.
     fields : collection of str
-        Names of fields; nothing is drawn where none is of a pair's reaction.
+        Names of fields; without pair reactions nothing is drawn.
     values : mapping of path to float, optional
-        Numbers (SI) in place of the scene's.
+        Numbers (SI) that replace the scene's.
     known : Mechanics, optional
         As for `MovingMachine`.
 
     Returns
     -------
     list of Path
-        The files made.
+        Files written.
     """
     asked = {name.rpartition(".reaction")[0] for name in fields} & {pair.name for pair in pairs_of(scene)}
     return _reactions(MachineCycle(scene, values, known), path, asked) if asked else []

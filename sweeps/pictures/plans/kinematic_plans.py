@@ -1,4 +1,4 @@
-"""Plans of velocities and accelerations as drawings, each vector from the pole or from the image of another point."""
+"""Velocity and acceleration plans as drawings, each vector from the pole or from another point's image."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,24 +10,24 @@ from sweeps.pictures.plans.polygons import VectorPlan, accelerations, velocities
 from sweeps.pictures.plans.pose import Pose
 from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
 
-# Share of the greatest vector, or turn, of a plan below which another one is rounding.
+# Vectors and rotations below this share of the plan's maximum are rounding.
 ROUNDED = 1e-12
 COLOURS = {"whole": BLUE, "normal": GREEN, "tangential": VERMILION, "coriolis": PURPLE, "relative": ORANGE}
 
 
 def velocity_plan(pose: Pose, ax: Axes) -> VectorPlan:
-    """Draw the plan of velocities.
+    """Draw the velocity plan.
 
     Parameters
     ----------
     pose : Pose
     ax : matplotlib.axes.Axes
-        Of the size on paper that they will keep: the scale μ holds for it.
+        In their final size on paper, which the scale μ refers to.
 
     Returns
     -------
     VectorPlan
-        The numbers behind the drawing.
+        The plan as numbers.
     """
     plan = velocities(pose)
     _draw(plan, ax, "v", "m/s")
@@ -35,7 +35,7 @@ def velocity_plan(pose: Pose, ax: Axes) -> VectorPlan:
 
 
 def acceleration_plan(pose: Pose, ax: Axes) -> VectorPlan:
-    """Draw the plan of accelerations at uniform input speed; arguments as for `velocity_plan`."""
+    """Draw the acceleration plan at constant input speed; arguments as for `velocity_plan`."""
     plan = accelerations(pose)
     _draw(plan, ax, "a", "m/s²")
     return plan
@@ -61,7 +61,7 @@ def _draw(plan: VectorPlan, ax: Axes, letter: str, unit: str) -> None:
 
 
 def _corners(plan: VectorPlan) -> list[complex]:
-    """Places between the steps of legs."""
+    """Intermediate points of legs."""
     found = []
     for leg in plan.legs:
         found += list(plan.images.get(leg.start, 0j) + np.cumsum([step.vector for step in leg.steps]))
@@ -69,7 +69,7 @@ def _corners(plan: VectorPlan) -> list[complex]:
 
 
 def _points(paper: Paper, plan: VectorPlan, letter: str) -> None:
-    """The pole and the images, those in one place named together."""
+    """The pole and the images; coincident ones share a label."""
     at_rest = [image_name(n) for n in plan.pole if n != FRAME]
     places: list[tuple[complex, list[str]]] = [(0j, [f"$p_{letter}$", *at_rest])]
     for name, image in plan.images.items():
@@ -83,12 +83,12 @@ def _points(paper: Paper, plan: VectorPlan, letter: str) -> None:
 
 
 def velocity_lines(pose: Pose, plan: VectorPlan) -> list[str]:
-    """Values of a plan of velocities, line by line: of points and of links."""
+    """Values of a velocity plan by line: points, then links."""
     return [*_values(plan, "v", "m/s"), *_turns(pose, r"\omega", 0, "rad/s")]
 
 
 def acceleration_lines(pose: Pose, plan: VectorPlan) -> list[str]:
-    """Values of a plan of accelerations, line by line."""
+    """Values of an acceleration plan by line."""
     steps = [step for leg in plan.legs if len(leg.steps) > 1 for step in leg.steps]
     sizes = [(step.text, _size(plan, step.vector)) for step in steps if step.text]
     parts = [f"{text} = {size:.4g} m/s²" for text, size in sizes if size]
@@ -103,7 +103,7 @@ def _values(plan: VectorPlan, letter: str, unit: str) -> list[str]:
 
 
 def _size(plan: VectorPlan, vector: complex) -> float:
-    """Magnitude of a vector of a plan; 0 where it is rounding beside the greatest."""
+    """Magnitude of a plan's vector; 0 if only rounding."""
     every = [*plan.images.values(), *(step.vector for leg in plan.legs for step in leg.steps)]
     return abs(vector) if abs(vector) > ROUNDED * max(map(abs, every)) else 0.0
 

@@ -1,10 +1,10 @@
-"""Symbols as plans are lettered with them, in matplotlib's mathematical text."""
+"""Symbols in plans, as Matplotlib mathtext."""
 
 import re
 
 
 def subscript(*names: str) -> str:
-    """Names of points or links as an index: BA for short ones, pin,B for longer ones."""
+    """Names of points or links as a subscript: BA for short ones, pin,B for longer ones."""
     found = [_upright(name) for name in names]
     return ("" if all(len(name.rstrip("'")) == 1 for name in names) else ",").join(found)
 
@@ -18,18 +18,18 @@ def _upright(name: str) -> str:
 
 
 def symbol(letter: str, index: str, power: str = "") -> str:
-    """A letter with an index and what stands above it."""
+    """A letter with subscript and superscript."""
     above = rf"^{{{power}}}" if power else ""
     return f"${letter}{above}_{{{index}}}$"
 
 
 def numbered(letter: str, *numbers: int, before: str = "", power: str = "") -> str:
-    """A letter with numbers of links as index: R12, or R1,12 where one has two digits; `before` them and above it."""
+    """A letter with link numbers as subscript: R12, or R1,12 for two-digit numbers."""
     return symbol(letter, before + ("" if all(n < 10 for n in numbers) else ",").join(map(str, numbers)), power)
 
 
 def image_name(name: str) -> str:
-    """Lettering of a point's image: its name in small letters."""
+    """Label of a point's image: its name in lower case."""
     centre = re.fullmatch(r"S(\d+)(?:_(\d+))?", name)
     if centre:
         second = f",{centre[2]}" if centre[2] else ""

@@ -1,4 +1,4 @@
-"""The mechanism at one position, to a scale of drawing, its points named and its links numbered."""
+"""The mechanism at one position, to a drawing scale, with named points and numbered links."""
 
 from collections.abc import Mapping, Sequence
 
@@ -14,7 +14,7 @@ from sweeps.pictures.plans.pose import Pose
 from sweeps.pictures.plans.special_points import SpecialPoint
 from sweeps.pictures.style import BLUE, GREY
 
-# Radius of a hinge on paper [mm], as far as links are long enough for it.
+# Hinge radius on paper [mm], if links are long enough.
 HINGE = 0.85
 
 
@@ -27,11 +27,11 @@ def mechanism_plan(
     ----------
     pose : Pose
     ax : matplotlib.axes.Axes
-        Of the size on paper that they will keep.
+        In their final size on paper.
     special : sequence of SpecialPoint, optional
-        Those that are to be drawn; what lies farther from the mechanism than it is wide is left out.
+        Special points to draw; those farther away than the mechanism's width are omitted.
     places : mapping of str to complex, optional
-        Where further points lie that the plan names [m], such as pitch points.
+        Further named points of the plan [m], such as pitch points.
     """
     motion = pose.motion
     whole = _figures(pose)
@@ -81,12 +81,12 @@ def _laid_out(ax: Axes, drawn: list, further: Sequence[complex]) -> Paper:
 
 
 def _number(paper: Paper, pose: Pose, link: str) -> None:
-    """A link's number, beside its middle, of a rack that of its bar."""
+    """A link's number next to its middle (for a rack, the middle of its bar)."""
     if link == FRAME:
         return
     if link in pose.scene.racks:
         corners = np.array(rack_bar(pose.motion, pose.k, link)[-1].points)
-        # A bar may lie far from the axes of its link and from the middle between its points.
+        # A bar may lie far from its link's axes and points.
         half_height = np.abs(np.diff(corners)).min() / 2
         paper.name(complex(corners.mean()), str(pose.number(link)), BLUE, clear=half_height / paper.per_mm + 0.5)
         return

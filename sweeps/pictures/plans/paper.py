@@ -1,4 +1,4 @@
-"""A drawing on axes to a scale that a ruler reads: vectors, figures of a mechanism, letters clear of lines."""
+"""A drawing to a round scale: vectors, mechanism figures, labels clear of lines."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -19,7 +19,7 @@ MM_PER_POINT = MM_PER_INCH / 72
 LETTERS = 8.0
 # Sizes on paper [mm].
 HEAD, HALF_HEAD = 2.4, 0.55
-# Height of the strip along the lower edge that the scale is written in.
+# Height of the strip for the scale along the lower edge.
 STRIP = 5.0
 LEAST_VECTOR = 0.4
 MARK = 0.5
@@ -28,20 +28,20 @@ _STEPS = (1.0, 1.5, 2.0, 2.5, 4.0, 5.0, 7.5, 10.0)
 
 
 def round_scale(least: float) -> float:
-    """Least of the scales 1, 1.5, 2, 2.5, 4, 5, 7.5 times a power of ten that isn't below a value.
+    """Smallest scale 1, 1.5, 2, 2.5, 4, 5, 7.5 times a power of ten that is at least `least`.
 
     Parameters
     ----------
     least : float
-        What one millimetre of paper must stand for at least; positive.
+        Minimum units per millimetre of paper; positive.
     """
     power = 10.0 ** math.floor(math.log10(least))
-    # A value that is itself a scale may come with a rounding error.
+    # Allow for rounding.
     return next(step for step in _STEPS if step * power >= least * (1 - 1e-9)) * power
 
 
 class _Label(NamedTuple):
-    """A text with the places it may have: centres [mm] and what each costs; where a leader to it begins."""
+    """A text with candidate positions: centres [mm] with costs, and the start of its leader."""
 
     text: str
     colour: str
@@ -53,28 +53,28 @@ class _Label(NamedTuple):
 
 @lru_cache(4096)
 def half_size(text: str) -> complex:
-    """Half the width and height of a text on paper [mm]."""
+    """Half width and height of a text on paper [mm]."""
     box = TextPath((0, 0), text, size=LETTERS).get_extents()
     return complex(box.width, max(box.height, 0.55 * LETTERS)) * MM_PER_POINT / 2
 
 
 class Paper:
-    """Axes as a sheet of paper with a round scale; lettered at the end, when all lines are known.
+    """Axes as a sheet of paper with a round scale; labels are placed last, when all lines are known.
 
-    The scale holds for the size that the axes have when the paper is laid out.
+    The scale holds for the axes' size at creation.
 
     Parameters
     ----------
     ax : Axes
     cloud : sequence of complex
-        What has to find room, x + iy in units of the drawing.
+        Points that must fit, x + iy in drawing units.
     margin : float
-        Room for letters around it [mm].
+        Margin for labels [mm].
 
     Attributes
     ----------
     per_mm : float
-        Units of the drawing to a millimetre of paper.
+        Drawing units per millimetre of paper.
     """
 
     def __init__(self, ax: Axes, cloud: Sequence[complex], margin: float = 8.0) -> None:
@@ -96,13 +96,13 @@ class Paper:
         return (places - self.corner) / self.per_mm
 
     def mark(self, points: Sequence[complex]) -> None:
-        """Keep letters off a line through some points."""
+        """Keep labels off a polyline."""
         ends = self._mm(np.asarray(points, complex))
         for a, b in pairwise(ends):
             self._marks.append(np.linspace(a, b, min(int(abs(b - a) / MARK) + 2, 1000)))
 
     def figures(self, drawn: Iterable[Primitive]) -> None:
-        """Paint figures of a mechanism, without their names."""
+        """Paint mechanism figures without names."""
         drawn = [p for p in drawn if p.kind != "text"]
         paint(self.ax, drawn, 1.0)
         for p in drawn:
@@ -114,17 +114,17 @@ class Paper:
             self.mark(corners)
 
     def line(self, points: Sequence[complex], colour: str = GREY, width: float = 0.5, dashes: object = "solid") -> None:
-        """A line through some points."""
+        """Draw a polyline."""
         z = np.asarray(points, complex)
         self.ax.plot(z.real, z.imag, color=colour, linewidth=width, linestyle=dashes, zorder=6, solid_capstyle="round")
         self.mark(points)
 
     def is_seen(self, vector: complex) -> bool:
-        """Whether a vector is long enough on paper to be drawn."""
+        """Whether a vector is long enough to draw."""
         return abs(vector) >= LEAST_VECTOR * self.per_mm
 
     def arrow(self, start: complex, vector: complex, text: str, colour: str, width: float = 1.1) -> None:
-        """A vector with its symbol; nothing if it is too short to be seen."""
+        """Draw a vector with its symbol, if long enough."""
         if not self.is_seen(vector):
             return
         length, u = abs(vector) / self.per_mm, vector / abs(vector)
@@ -141,7 +141,7 @@ class Paper:
             self._beside(start, vector, text, colour)
 
     def _beside(self, start: complex, vector: complex, text: str, colour: str) -> None:
-        """Ask for a place beside a vector."""
+        """Request a label position next to a vector."""
         a, b, half = self._mm(start), self._mm(start + vector), half_size(text)
         normal = 1j * (b - a) / abs(b - a)
         reach = abs(normal.real) * half.real + abs(normal.imag) * half.imag
@@ -154,7 +154,7 @@ class Paper:
         self._ask(text, colour, found, half, (a + b) / 2)
 
     def name(self, at: complex, text: str, colour: str = "black", clear: float = 0.7) -> None:
-        """Ask for a place beside a point, `clear` from it [mm]."""
+        """Request a label position next to a point, at distance `clear` [mm]."""
         c, half = self._mm(at), half_size(text)
         found = []
         for angle in np.arange(0, 2 * np.pi, np.pi / 8):
@@ -168,7 +168,7 @@ class Paper:
         self._labels.append(_Label(text, colour, places, costs, half, origin))
 
     def dot(self, at: complex, text: str, size: float = 0.45) -> None:
-        """A point with its name, `size` its radius [mm]."""
+        """Draw a named point of radius `size` [mm]."""
         self.ax.add_artist(
             Circle((at.real, at.imag), size * self.per_mm, facecolor="black", edgecolor="none", zorder=8)
         )
@@ -177,7 +177,7 @@ class Paper:
         self.name(at, text, clear=size + 0.3)
 
     def scale(self, bar: str, note: str, length: float = 20.0) -> None:
-        """A scale bar in the lower left corner, with the value of its length and the scale in words."""
+        """Draw a scale bar in the lower left corner, with its length and the scale."""
         a = self.corner + (2 + 3j) * self.per_mm
         b = a + length * self.per_mm
         ends = [a + 1j * self.per_mm, a, b, b + 1j * self.per_mm]
@@ -190,17 +190,17 @@ class Paper:
         self.ax.add_artist(Text(at.real, at.imag, text, transform=self.ax.transData, **look))
 
     def letter(self, places: Sequence[complex] = ()) -> list[complex]:
-        """Write every text that was asked for.
+        """Place all requested labels.
 
         Parameters
         ----------
         places : sequence of complex, optional
-            Where the texts' centres are, from an equal paper [mm].
+            Label centres from an identical sheet [mm].
 
         Returns
         -------
         list of complex
-            Where they are: unless given, where they cover least, names before the symbols of vectors.
+            The positions; by default with the least overlap, names before vector symbols.
         """
         found = list(places) or self._clear_places()
         for label, place in zip(self._labels, found, strict=True):
@@ -222,7 +222,7 @@ class Paper:
         return [place for place, _ in taken]
 
     def _outside(self, places: np.ndarray, half: complex) -> np.ndarray:
-        """How far texts would reach beyond the paper, or into the strip of its scale [mm]."""
+        """Overlap of texts with the sheet's border or scale strip [mm]."""
         low, high = places - half, places + half - self.size
         beyond = (-low.real, STRIP - low.imag, high.real, high.imag)
         return sum(np.clip(part, 0, None) for part in beyond)
@@ -235,13 +235,13 @@ class Paper:
             label.half.real / abs(away.real) if away.real else math.inf,
             label.half.imag / abs(away.imag) if away.imag else math.inf,
         )
-        # A leader only where the text stands so far off that it might be anything's.
+        # A leader only for distant labels.
         if (1 - edge) * abs(away) > 4:
             ends = self.corner + self.per_mm * np.array([label.origin, place - edge * away])
             self.ax.plot(ends.real, ends.imag, color=GREY, linewidth=0.4, zorder=5)
 
 
 def _overlap(apart: np.ndarray, both: complex) -> np.ndarray:
-    """Area that two texts share, from the distance of their centres and the sum of their half sizes [mm²]."""
+    """Overlap of two texts from the distance of their centres and the sum of their half sizes [mm²]."""
     wide, high = both.real - np.abs(apart.real), both.imag - np.abs(apart.imag)
     return np.clip(wide, 0, None) * np.clip(high, 0, None)

@@ -1,15 +1,13 @@
-"""Velocity and acceleration plans as numbers: images of points from a pole, and the vectors that lead to them.
+"""Velocity and acceleration plans as numbers: images of points from a pole, and the vectors between them.
 
-Every dyad gives two ways to the image of one point, which must meet there: RRR along both of its bars; RRP along the
-rod and along the guide; RPR along the slotted link and its slot; PRP along both guides; RPP along guide and slot. An
-acceleration goes such a way in two steps: normal and tangential on a bar, Coriolis and relative along a guide that
-turns. What is at rest has its image in the pole. Second inputs give vectors like the first. Wheels and racks have one
-velocity at their pitch point, and accelerations that differ there along the common normal; on a cam its follower slides
-along the tangent: two ways again. A group of class III is begun with a special point of Assur; of any
-other group of free links all bars and slides are drawn.
+Each dyad fixes a point's image by two vector chains: RRR along both bars; RRP along rod and guide; RPR along the
+slotted link and its slot; PRP along both guides; RPP along guide and slot. Acceleration chains have two steps: normal
+and tangential on a bar, Coriolis and relative along a rotating guide. Points at rest have their image in the pole.
+Second inputs give vectors like the first. Wheels and racks share one velocity at their pitch point, where
+accelerations differ along the common normal; a follower slides on its cam along the tangent. A group of class III
+starts from a special point of Assur; for other groups of free links all bars and slides are drawn.
 
-Source: any course of the theory of mechanisms, chapter on plans of velocities and accelerations, e.g.
-I. I. Artobolevsky, Theory of Mechanisms and Machines.
+Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapter on velocity and acceleration plans.
 """
 
 from collections.abc import Callable, Iterable
@@ -23,7 +21,7 @@ from sweeps.pictures.plans.special_points import SpecialPoint, special_point
 
 
 class PlanStep(NamedTuple):
-    """A vector of a plan: its symbol, itself (x + iy), and what it is.
+    """A vector of a plan: symbol, value (x + iy) and kind.
 
     `kind` is "whole", "normal", "tangential", "coriolis" or "relative".
     """
@@ -34,7 +32,7 @@ class PlanStep(NamedTuple):
 
 
 class Leg(NamedTuple):
-    """A way from the image of one point to that of another."""
+    """A chain of vectors between the images of two points."""
 
     start: str
     end: str
@@ -42,7 +40,7 @@ class Leg(NamedTuple):
 
 
 class VectorPlan(NamedTuple):
-    """A plan of velocities or accelerations.
+    """A velocity or acceleration plan.
 
     Attributes
     ----------
@@ -50,15 +48,15 @@ class VectorPlan(NamedTuple):
         Vector from the pole to the image of each point [m/s or m/s²].
     legs : tuple of Leg
     pole : tuple of str
-        Points at rest, whose image is the pole.
+        Points at rest.
     links : tuple of tuple of str
-        Images of one link's points: they form a figure like the link itself.
+        Images of each link's points, similar to the link's shape.
     under : dict of str to str
-        Places that lie under a point of another link, by their names (the point's with primes): the link they are of.
+        Coincident points on another link, by name (with primes), and their link.
     special : tuple of SpecialPoint
-        Special points of Assur that the plan begins groups with.
+        Special points of Assur used by the plan.
     places : dict of str to complex
-        Where the points lie that the scene has no names for [m]: pitch points, those of cams and of sliding inputs.
+        Unnamed points of the scene [m]: pitch points, points of cams and sliding inputs.
     """
 
     images: dict[str, complex]
@@ -71,7 +69,7 @@ class VectorPlan(NamedTuple):
 
 
 class _Order(NamedTuple):
-    """What a plan of velocities or of accelerations is made of."""
+    """Rules of a velocity or acceleration plan."""
 
     letter: str
     image: Callable[[Movement], complex]
@@ -104,17 +102,17 @@ _ACCELERATION = _Order(
 
 
 def velocities(pose: Pose) -> VectorPlan:
-    """Plan of velocities of all points of a mechanism [m/s]."""
+    """Velocity plan of all points of a mechanism [m/s]."""
     return _Composer(pose, _VELOCITY).plan()
 
 
 def accelerations(pose: Pose) -> VectorPlan:
-    """Plan of accelerations of all points of a mechanism at uniform input speed [m/s²]."""
+    """Acceleration plan of all points of a mechanism at constant input speed [m/s²]."""
     return _Composer(pose, _ACCELERATION).plan()
 
 
 class _Composer:
-    """Puts a plan together, group by group."""
+    """Builds a plan group by group."""
 
     def __init__(self, pose: Pose, order: _Order) -> None:
         self.pose, self.order = pose, order
@@ -162,14 +160,14 @@ class _Composer:
         return self._image(name, self.pose.point(name), at_rest)
 
     def _under(self, link: str, point: str, primes: str) -> str:
-        """Image of the place of a link that lies under a point of another; the point's name with primes."""
+        """Image of a link's point coincident with a point of another link, named with primes."""
         if link == FRAME:
             return FRAME
         self.under[point + primes] = link
         return self._image(point + primes, self.pose.rigid(link, self._place(point)))
 
     def _others_on(self, link: str) -> tuple[str, ...]:
-        """Images of a link's points, its centres of mass among them; nothing where a leg says it all."""
+        """Images of a link's points and centres of mass; none if a leg shows them all."""
         pose = self.pose
         names = [self._point(n) for n in pose.motion.members(link)]
         places = [pose.motion.points[n][pose.k] for n in names]
@@ -203,7 +201,7 @@ class _Composer:
         return self.places[point] if point in self.places else complex(self.pose.motion.points[point][self.pose.k])
 
     def _along_guide(self, slider: str, guide: str, point: str, primes: str = "'") -> None:
-        """From the place under a slider's joint to the joint."""
+        """From the point under a slider's joint to the joint."""
         carrier, u = self.pose.scene.guides[guide].link, self.pose.guide(guide)
         self._slid(self._under(carrier, point, primes), self._point(point), slider, carrier, u)
 
@@ -211,7 +209,7 @@ class _Composer:
         v, a = (rate * u for rate in self.pose.slide(slider))
         steps = self.order.slid(self.pose.turn(carrier), v, a)
         if carrier == FRAME:
-            # Nothing to tell apart: the relative motion is the whole one.
+            # The relative motion is the whole motion.
             steps = [("", steps[-1][1], "whole")]
         self._leg(start, end, steps, start == FRAME)
 
@@ -226,7 +224,7 @@ class _Composer:
             carrier, u = self.pose.scene.guides[yoke.guide].link, self.pose.guide(yoke.guide)
             under = self._under(yoke.link, pin, "'")
             self._slid(self._under(carrier, pin, "''"), under, yoke.link, carrier, u)
-            # The yoke turns with what carries its guide.
+            # The yoke turns with the link that carries its guide.
             slot = self.pose.direction(group.first.link)
             v, a = (rate * slot for rate in self.pose.slide(group.first.link))
             self._leg(under, pin, self.order.slid(self.pose.turn(carrier), v, a), False)
@@ -242,7 +240,7 @@ class _Composer:
     # Second inputs, wheels, racks and cams
 
     def _driven(self, name: str, by_law: bool) -> None:
-        """What a law or a mesh drives: its pitch point, and the first of its points."""
+        """Pitch point and first point of a link driven by a law or a mesh."""
         contact = None if by_law else rolling(self.pose, name)
         if contact is not None:
             self._rolling(contact)
@@ -250,20 +248,20 @@ class _Composer:
             self._origin_of(name)
 
     def _origin_of(self, slider: str) -> None:
-        """The way to the origin of a slider that has no points."""
+        """Leg to the origin of a slider without points."""
         name = lettered(self.pose, "A", slider)
         self.places[name] = self.pose.origin(slider).place
         self._to(slider, name)
 
     def _carried_by(self, link: str) -> bool:
-        """The way to the first of a link's own points; whether it has one."""
+        """Leg to the first of a link's own points; returns whether it has one."""
         own = [n for n, point in self.pose.scene.points.items() if point.link == link]
         for name in own[:1]:
             self._to(link, name)
         return bool(own)
 
     def _to(self, link: str, name: str) -> str:
-        """The way to the image of a link's place: along the guide it slides on, or from the joint it turns about."""
+        """Leg to a point of a link: along its guide, or from its pivot."""
         place, pose = self._place(name), self.pose
         if link == FRAME:
             return self._image(name, pose.rigid(link, place), at_rest=True)
@@ -276,14 +274,14 @@ class _Composer:
             return name
         start = self._point(pose.motion.members(link)[0])
         self._image(name, pose.rigid(link, place))
-        # Wheels in mesh lead from the pole to their pitch point by one vector.
+        # One vector from the pole to the pitch point of wheels in mesh.
         if not any(leg.end == name and leg.start in self.rest for leg in self.legs) or start not in self.rest:
             arm = place - self._place(start)
             self._leg(start, name, self.order.turned(pose.turn(link), arm), start in self.rest)
         return name
 
     def _rolling(self, contact: Rolling) -> None:
-        """Ways to the pitch point on both bodies, and from one to the other where plans tell them apart."""
+        """Legs to the pitch point on both bodies, and between them if they differ."""
         name, turn = contact.name, self.pose.turn
         self.places[name] = contact.place
         apart = self.order.rolled(turn(contact.link).omega - turn(contact.driver).omega, contact.drift)
@@ -294,7 +292,7 @@ class _Composer:
             self._leg(start, name, apart, start in self.rest)
 
     def _touching(self, contact: Touching) -> None:
-        """Ways to a point on the cam and on its follower, and from one to the other along the tangent."""
+        """Legs to a point on the cam and on its follower, and between them along the tangent."""
         pose, name = self.pose, contact.name
         self.places[name] = contact.place
         flat = contact.curvature is None
@@ -304,7 +302,7 @@ class _Composer:
         cam, follower = (pose.rigid(link, contact.place) for link in (contact.cam, contact.follower))
         start, end, under = (follower, cam, contact.follower) if flat else (cam, follower, contact.cam)
         self.under[f"{name}'"] = under
-        # What closes the plan along the tangent; across it the motion of both must agree by itself.
+        # The tangential part closes the plan; the normal parts agree.
         tangent, turn = 1j * contact.normal, pose.turn(under)
         v = ((end.v - start.v) / tangent).real * tangent
         a = ((end.a - start.a - 2j * turn.omega * v) / tangent).real * tangent
@@ -322,7 +320,7 @@ class _Composer:
             drawn = {special.link, *(bar.link for bar in special.bars)}
         for link in group.links:
             turning = [pair for pair in group.pairs_of(link) if pair.kind == "revolute"]
-            # From what is known before the group.
+            # From points known before the group.
             turning.sort(key=lambda pair: {pair.link, pair.other} <= set(group.links))
             for pair in turning[1:] if link not in drawn else ():
                 self._bar(link, joint_of(turning[0]), joint_of(pair))
@@ -335,7 +333,7 @@ class _Composer:
                 self._origin_of(pair.link)
 
     def _from_special_point(self, special: SpecialPoint) -> None:
-        """Two ways to the special point, the way from it to the third joint, and the bars that led to it."""
+        """Two legs to the special point, the leg to the third joint, and the bars used."""
         pose, order, name = self.pose, self.order, special.name
         self.special.append(special)
         self._image(name, pose.rigid(special.link, special.place))
@@ -345,12 +343,12 @@ class _Composer:
             a, b = self._place(bar.outer), self._place(bar.inner)
             along = order.turned(pose.turn(bar.link), b - a)
             beyond = order.turned(turn, special.place - b)
-            # Normal parts one after another; what is across the line of the bar together.
+            # Normal parts in sequence; parts across the bar combined.
             sub, (sup, vector, kind) = subscript(name, bar.outer), along[-1]
             made = [PlanStep(symbol(order.letter, sub, sup), vector + beyond[-1][1], kind)]
             if len(along) > 1:
                 text = symbol(order.letter, subscript(name, bar.inner), beyond[0][0])
-                # The bar's own way names the first step.
+                # The bar's own leg names the first step.
                 made = [PlanStep("", *along[0][1:]), PlanStep(text, *beyond[0][1:]), *made]
             if bar.outer not in self.rest:
                 made = [step._replace(kind="relative") if step.kind == "whole" else step for step in made]

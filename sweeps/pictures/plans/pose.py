@@ -1,4 +1,4 @@
-"""One machine over its cycle, and its motion at one position: velocities and accelerations at uniform input speed."""
+"""One machine over its cycle, and its velocities and accelerations at a position, at constant input speed."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping
@@ -30,13 +30,13 @@ Found = TypeVar("Found")
 
 
 class MachineCycle:
-    """One machine over its cycle: where it is, how it moves, what acts in it.
+    """One machine over its cycle: positions, motion and forces.
 
     Parameters
     ----------
     scene : Scene
     values : mapping of path to float, optional
-        Numbers (SI) in place of the scene's.
+        Numbers (SI) that replace the scene's.
     known : Mechanics, optional
         As for `MovingMachine`.
 
@@ -45,7 +45,7 @@ class MachineCycle:
     motion : DrawnMotion
     numbers : Numbers
     link_numbers : dict of str to int
-        Links as plans number them: the frame 0, the input 1, those of the groups, second inputs, followers, wheels.
+        Link numbers in plans: frame 0, input 1, then groups, second inputs, followers, wheels.
 
     Raises
     ------
@@ -55,7 +55,7 @@ class MachineCycle:
 
     def __init__(self, scene: Scene, values: Mapping[str, float] | None = None, known: Mechanics | None = None) -> None:
         if scene.input is None:
-            raise PictureError("the scene has machine elements alone: there is no mechanism to draw")
+            raise PictureError("the scene has only machine elements: there is no mechanism to draw")
         self.scene = scene
         self.motion = DrawnMotion(scene, values, known)
         self.numbers = self.motion.numbers
@@ -69,7 +69,7 @@ class MachineCycle:
 
     @cached_property
     def groups(self) -> dict[str, tuple[str, ...]]:
-        """Links of each group, in the order in which groups follow each other."""
+        """Links of each group, in group order."""
         free = self.structure.free_groups
         return {
             e.name: free[e.name].links if e.name in free else group_links(self.scene, e.name)
@@ -79,7 +79,7 @@ class MachineCycle:
 
     @property
     def is_closed(self) -> bool:
-        """Whether the first position follows the last."""
+        """Whether the cycle closes."""
         return has_cycle(self.scene)
 
     def _found(self, find: Callable[[], Found]) -> Found:
@@ -90,22 +90,22 @@ class MachineCycle:
 
     @cached_property
     def rates(self) -> Motions:
-        """Transfer functions of points, links, sliders and bodies, and shapes of cams and wheels where they touch."""
+        """Transfer functions of points, links, sliders and bodies, and contact geometry of cams and wheels."""
         return self._found(lambda: self.motion.machine.motions)
 
     @cached_property
     def link_forces(self) -> list[LinkForce]:
-        """Everything that acts on each link."""
+        """All loads of each link."""
         return self._found(lambda: self.motion.machine.forces)
 
     @cached_property
     def pairs(self) -> dict[str, Pair]:
-        """Lower pairs by their names."""
+        """Lower pairs by name."""
         return {pair.name: pair for pair in pairs_of(self.scene)}
 
     @cached_property
     def forces(self) -> dict[str, np.ndarray]:
-        """Reactions in pairs and what drives the input, by their fields."""
+        """Pair reactions and input drive, by field."""
         fields = [f"{name}.reaction_{axis}" for name in self.pairs for axis in "xy"]
         fields += [f"{name}.reaction_moment" for name, pair in self.pairs.items() if pair.kind == "prismatic"]
         fields.append("input_moment_by_equilibrium")
@@ -124,18 +124,18 @@ class MachineCycle:
         Parameters
         ----------
         position : float, optional
-            Where a drawing shows the machine well unless given.
+            Default: a suitable position.
 
         Raises
         ------
         PictureError
-            The place is outside the range of the input, or the mechanism can't be assembled there.
+            The position is outside the input's range, or the mechanism can't be assembled there.
         """
         return Pose(self, self.motion.node(default_position(self.motion) if position is None else position))
 
 
 class Movement(NamedTuple):
-    """A place that moves with a link: where it is [m], its velocity [m/s] and acceleration [m/s²], as x + iy."""
+    """Position [m], velocity [m/s] and acceleration [m/s²] of a point of a link, as x + iy."""
 
     place: complex
     v: complex
@@ -150,18 +150,18 @@ class Turn(NamedTuple):
 
 
 class Pose:
-    """A machine at one position, its input at uniform speed.
+    """A machine at one position, at constant input speed.
 
     Parameters
     ----------
     cycle : MachineCycle
     k : int
-        Number of the node.
+        Node index.
 
     Attributes
     ----------
     lettered : dict
-        Where the names stand in the mechanism's drawing, by the size of its paper: it is on every sheet of forces.
+        Cached label positions of the mechanism's drawing, by sheet size.
     """
 
     def __init__(self, cycle: MachineCycle, k: int) -> None:
@@ -171,7 +171,7 @@ class Pose:
 
     @property
     def title(self) -> str:
-        """The position in words."""
+        """The position as text."""
         q = self.motion.q[self.k]
         if isinstance(self.scene.input, CrankInput):
             return f"φ = {math.degrees(q):.4g}°".replace("-", "\N{MINUS SIGN}")
@@ -189,11 +189,11 @@ class Pose:
         return Movement(place, v * self.cycle.omega, a * self.cycle.omega**2)
 
     def point(self, name: str) -> Movement:
-        """Movement of a point of the scene."""
+        """Motion of a point of the scene."""
         return self._movement(self.cycle.rates.points[name])
 
     def turn(self, link: str) -> Turn:
-        """How a link turns."""
+        """Rotation of a link."""
         turning = self.cycle.rates.links[link]
         w, e = (float(row[self.k]) for row in (turning.w, turning.e))
         return Turn(w * self.cycle.omega, e * self.cycle.omega**2)
@@ -212,11 +212,11 @@ class Pose:
         return complex(self.motion.guide(name)[1][self.k])
 
     def origin(self, link: str) -> Movement:
-        """Movement of the origin of a link's axes."""
+        """Motion of the origin of a link's axes."""
         return self._movement(self.cycle.rates.links[link].origin)
 
     def rigid(self, link: str, place: complex) -> Movement:
-        """Movement of the place of a link that is at `place` [m] at the moment."""
+        """Motion of the link's point now at `place` [m]."""
         o, turn = self.origin(link), self.turn(link)
         arm = place - o.place
         v = o.v + 1j * turn.omega * arm
@@ -224,7 +224,7 @@ class Pose:
 
     @cached_property
     def acting(self) -> list[LinkForce]:
-        """Everything that acts on each link, in numbers: points and forces as x + iy."""
+        """All loads of each link: points and forces as x + iy."""
         found = self.cycle.link_forces
         moments = [None if force.moment is None else float(force.moment[self.k]) for force in found]
         vectors = [
@@ -235,5 +235,5 @@ class Pose:
         ]
 
     def centre(self, body: str) -> Movement:
-        """Movement of the centre of mass of a body."""
+        """Motion of the centre of mass of a body."""
         return self._movement(self.cycle.rates.centres[body])

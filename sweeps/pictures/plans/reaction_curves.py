@@ -13,17 +13,17 @@ from sweeps.pictures.style import BLUE, GREEN, ORANGE, PURPLE, house_style
 from sweeps.text.engineer_units import engineer_unit
 
 COLUMNS = 3
-# Sizes on paper [mm]: of a panel with what stands around it, and what stands left, right, below and above.
+# Sizes on paper [mm]: a panel with its labels, and its left, right, lower and upper margins.
 PANEL_WIDTH, PANEL_HEIGHT = 59.0, 56.0
 LEFT, RIGHT, BELOW, ABOVE = 15.0, 4.0, 11.0, 10.0
-# Right of a panel with moments.
+# Right margin of a panel with moments.
 OF_MOMENTS = 14.0
-# Smaller shares of the greatest reaction are rounding.
+# Reactions below this share of the maximum are rounding.
 NOTHING = 1e-9
 
 
 def reaction_panel(cycle: MachineCycle, pair: Pair, ax: Axes) -> None:
-    """Draw the reaction of a pair over the cycle: magnitude and components, with the moment in a prismatic one.
+    """Draw the reaction of a pair over the cycle: magnitude, components, and the moment of a prismatic pair.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def _bears_moment(cycle: MachineCycle, pair: Pair) -> bool:
 
 
 def _moment(cycle: MachineCycle, pair: Pair, ax: Axes, q: np.ndarray) -> None:
-    """The moment of a prismatic pair against an axis of its own."""
+    """Draw the moment of a prismatic pair on a second axis."""
     moment = cycle.forces[f"{pair.name}.reaction_moment"]
     factor, unit = engineer_unit("N m", moment)
     right = ax.twinx()
@@ -78,7 +78,7 @@ def _abscissa(cycle: MachineCycle) -> tuple[np.ndarray, str]:
 
 
 def reaction_sheet(cycle: MachineCycle) -> Figure:
-    """Sheet of the reactions of all pairs over the cycle and of the input moment, 180 mm wide."""
+    """Sheet of all pair reactions and the drive torque over the cycle, 180 mm wide."""
     shown = pairs_of(cycle.scene)
     rows = math.ceil((len(shown) + 1) / COLUMNS)
     right = OF_MOMENTS if any(_bears_moment(cycle, pair) for pair in shown) else RIGHT
@@ -104,6 +104,6 @@ def _input_panel(cycle: MachineCycle, ax: Axes) -> None:
     ax.plot(q, factor * _closed(cycle, row), color=BLUE)
     letter = "M" if crank else "F"
     ax.set(xlabel=label, ylabel=rf"${letter}_\mathrm{{in}}$, {unit}", xlim=(q[0], q[-1]))
-    ax.set_title("input moment\nby equilibrium" if crank else "input force\nby equilibrium", fontsize=7.5)
+    ax.set_title("drive torque\nat constant speed" if crank else "drive force\nat constant speed", fontsize=7.5)
     if cycle.is_closed:
         ax.set_xticks(np.linspace(0, q[-1], 5))

@@ -1,4 +1,4 @@
-"""Sheets of plans: the mechanism at a position beside its plan, with the values behind it."""
+"""Sheets of plans: the mechanism at a position, its plan, and the values."""
 
 from collections.abc import Iterator
 from textwrap import fill
@@ -19,23 +19,23 @@ from sweeps.pictures.style import MM_PER_INCH, Sheet, house_style
 
 WIDTH, HEIGHT = 180.0, 130.0
 HEADING = 8.0
-# Letters of a note on a sheet of that width.
+# Characters per line of a note at that width.
 LINE = 150
 
 
 def blank_sheet(width: float = WIDTH, height: float = HEIGHT) -> Figure:
-    """An empty sheet of paper [mm]; its axes keep the places they are given."""
+    """An empty sheet [mm] with fixed axes."""
     return Sheet(figsize=(width / MM_PER_INCH, height / MM_PER_INCH))
 
 
 def place(figure: Figure, left: float, bottom: float, width: float, height: float, **kind: str) -> Axes:
-    """Axes at a place on a sheet [mm]."""
+    """Axes at a position on a sheet [mm]."""
     w, h = figure.get_size_inches() * MM_PER_INCH
     return figure.add_axes((left / w, bottom / h, width / w, height / h), **kind)
 
 
 def write(figure: Figure, left: float, top: float, text: str, **look: object) -> None:
-    """Text at a place on a sheet [mm], below and to the right of it."""
+    """Text below and to the right of a position on a sheet [mm]."""
     w, h = figure.get_size_inches() * MM_PER_INCH
     figure.add_artist(Text(left / w, top / h, text, ha="left", va="top", **look))
 
@@ -49,17 +49,17 @@ def heading(figure: Figure, scene: Scene, what: str) -> None:
 
 
 def links_line(pose: Pose) -> str:
-    """The numbers of links in words."""
+    """The link numbers as text."""
     return ", ".join(f"{n} {link}" for link, n in pose.cycle.link_numbers.items() if link != FRAME)
 
 
 def columns(lines: list[str], rows: int) -> list[str]:
-    """Lines in columns of at most so many rows."""
+    """Lines in columns of limited height."""
     return ["\n".join(lines[i : i + rows]) for i in range(0, len(lines), rows)]
 
 
 def kinematic_sheet(pose: Pose, which: str) -> Figure:
-    """Sheet of the "velocity" or the "acceleration" plan, 180 mm wide, with the mechanism beside it.
+    """Sheet of the "velocity" or "acceleration" plan with the mechanism, 180 mm wide.
 
     Parameters
     ----------
@@ -74,14 +74,14 @@ def kinematic_sheet(pose: Pose, which: str) -> Figure:
         plan, special = plan_of(pose), velocities(pose).special
         under = [f"${subscript(n)}$ on {pose.number(link)}" for n, link in plan.under.items()]
         notes = fill(f"links: {links_line(pose)}", LINE).splitlines()
-        notes += [f"places under points: {', '.join(under)}"] * bool(under)
+        notes += [f"coincident points: {', '.join(under)}"] * bool(under)
         if special:
             points = ", ".join(f"${subscript(s.name)}$ on {pose.number(s.link)}" for s in special)
             notes.append(f"special points of Assur: {points}")
         if plan.places:
             notes += _of_places(plan)
         lines = lines_of(pose, plan)
-        # More values than fit beside the plan stand in a strip of their own under it.
+        # Values that don't fit next to the plan go in a strip below.
         few = len(lines) <= 33
         rows = 11 if few else -(-len(lines) // 6)
         strip = 3.2 * max(0, len(notes) - 2) + (0.0 if few else 9.5 + 3.5 * rows)
@@ -105,7 +105,7 @@ _PLACES = {
 
 
 def _of_places(plan: VectorPlan) -> Iterator[str]:
-    """What the points are that the scene has no names for."""
+    """Kinds of the points that the scene doesn't name."""
     for letter, words in _PLACES.items():
         names = [f"${subscript(name)}$" for name in plan.places if name[0] == letter]
         if names:
@@ -113,7 +113,7 @@ def _of_places(plan: VectorPlan) -> Iterator[str]:
 
 
 def force_sheet(pose: Pose, of: str) -> Figure:
-    """Sheet of a group's force plan with its links drawn apart, or of one link's, 180 mm wide.
+    """Sheet of a group's or link's force polygon with its free bodies, 180 mm wide.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def force_sheet(pose: Pose, of: str) -> Figure:
     links = pose.cycle.groups.get(of, (of,))
     rows = -(-len(links) // 2)
     width, columns_of_text = 176 / min(len(links), 2), 5
-    # Of more than two links the values stand in a strip of their own under the plan.
+    # With more than two links the values go in a strip below the plan.
     strip = 40 * -(-len(links) // columns_of_text) if len(links) > 2 else 0
     top = 98 + strip + 77 * rows
     with house_style():
@@ -142,8 +142,8 @@ def force_sheet(pose: Pose, of: str) -> Figure:
         force_plan(pose, of, place(figure, 66, 9 + strip, 112, 88))
         notes = [
             *fill(f"links: 0 frame, {links_line(pose)}", LINE).splitlines(),
-            "$R_{12}$: force of link 1 on link 2; $G$ weight, $U$ inertia force; ∠ from x, counter-clockwise. "
-            "Arrows at links are not to scale.",
+            "$R_{12}$: force of link 1 on link 2; $G$ weight, $U$ inertia force; ∠ from the x axis, counter-clockwise. "
+            "Arrows on links are not to scale.",
         ]
         if pose.scene.friction:
             notes.insert(0, r"$F_{\mathrm{f}12}$: friction in a guide; $\rho_{12}$: radius of the friction circle")

@@ -1,8 +1,7 @@
-"""Special points of Assur: what plans of a group of class III begin with.
+"""Special points of Assur, from which plans of class III groups start.
 
-Where the lines of two bars meet, a ternary link has a point whose velocity along either line is that of the bar's other
-end. So its image follows from two directions, as that of a dyad's inner joint does, and with it those of the link's
-joints.
+Where the lines of two bars meet, the ternary link has a point whose velocity along each line equals that of the bar's
+other end. Two directions give its image, as for a dyad's inner joint, and then the images of the link's joints.
 
 Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapter on plans of groups of class III.
 """
@@ -13,18 +12,18 @@ from typing import NamedTuple
 from engine import FreeGroup, joint_of
 from sweeps.pictures.plans.pose import Pose
 
-# Bars whose directions differ by less (as a sine) meet too far away to be drawn.
+# Bars with a smaller sine of their angle meet too far away to draw.
 _PARALLEL = 0.05
 
 
 class PlanBar(NamedTuple):
-    """A bar between a ternary link and what the group hangs on.
+    """A bar between the ternary link and a known joint.
 
     Attributes
     ----------
     link : str
     outer, inner : str
-        Its joints; the inner one is on the ternary link.
+        Joints; the inner one is on the ternary link.
     """
 
     link: str
@@ -33,20 +32,20 @@ class PlanBar(NamedTuple):
 
 
 class SpecialPoint(NamedTuple):
-    """A special point of a group of class III.
+    """A special point of a class III group.
 
     Attributes
     ----------
     name : str
-        Its letter in plans, one that no point of the scene has.
+        Unused letter as its name in plans.
     link : str
-        The ternary link it belongs to.
+        Its ternary link.
     place : complex
         [m]
     bars : tuple of PlanBar
-        The two that it lies in line with.
+        The two bars that it is in line with.
     joint : str or None
-        The ternary link's third joint; None where its third pair is prismatic.
+        The ternary link's third joint; None if that pair is prismatic.
     """
 
     name: str
@@ -57,7 +56,7 @@ class SpecialPoint(NamedTuple):
 
 
 def special_point(pose: Pose, group: FreeGroup) -> SpecialPoint | None:
-    """The special point nearest to the ternary link of a group of class III; None where a group has none to be drawn.
+    """The special point nearest to the ternary link of a class III group; None if there is none to draw.
 
     Parameters
     ----------
@@ -95,7 +94,7 @@ def _bars(group: FreeGroup, ternary: str) -> list[PlanBar]:
 
 
 def _crossing(pose: Pose, one: PlanBar, two: PlanBar) -> complex | None:
-    """Where the lines of two bars meet."""
+    """Intersection of the lines of two bars."""
     (a, b), (p, c) = ([pose.point(name).place for name in (bar.outer, bar.inner)] for bar in (one, two))
     u, v = (b - a) / abs(b - a), (c - p) / abs(c - p)
     sine = (u.conjugate() * v).imag

@@ -1,1 +1,1 @@
-"""Pictures of sweeps and searches: curves, maps, scatters, parallel coordinates, fronts."""
+"""Plots of sweeps and searches: curves, maps, scatters, parallel coordinates, fronts."""

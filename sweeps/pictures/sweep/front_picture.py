@@ -1,4 +1,4 @@
-"""Picture of a Pareto front among all candidates, with chosen points of it drawn as mechanisms to one scale."""
+"""Plot of a Pareto front among all candidates, with chosen mechanisms drawn to one scale."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,21 +16,21 @@ from sweeps.report.sweep_result import SweepResult
 from sweeps.text.engineer_units import quantity_text
 
 WIDTH, HEIGHT, DRAWING = 180, 105, 72
-# Candidates far from the front would squeeze it into a corner: so many of its widths are shown beyond it.
+# Margin beyond the front, in front widths; distant candidates are cut off.
 ROUND_ABOUT = 0.6
-# Numbers told of each machine that is drawn.
+# Numbers listed per drawn machine.
 MOST_TOLD = 4
 
 
 def front_picture(result: SweepResult, data: SweepData, path: Path | str) -> Figure:
-    """Draw the front of a search with several objectives to a file; the rest as for `front_figure`."""
+    """Draw the front of a multi-objective search to a file; see `front_figure`."""
     figure = front_figure(result, data)
     save(figure, path)
     return figure
 
 
 def front_figure(result: SweepResult, data: SweepData) -> Figure:
-    """Draw the front of a search with several objectives.
+    """Draw the front of a multi-objective search.
 
     The first two objectives are the axes, a third is the colour of the front.
 
@@ -38,7 +38,7 @@ def front_figure(result: SweepResult, data: SweepData) -> Figure:
     ----------
     result : SweepResult
     data : SweepData
-        The same result as it is drawn.
+        Its plot data.
 
     Raises
     ------
@@ -59,7 +59,7 @@ def front_figure(result: SweepResult, data: SweepData) -> Figure:
 
 
 def _scatter(ax: Axes, result: SweepResult, data: SweepData, chosen: Sequence[Choice]) -> None:
-    """All candidates computed, the front, and the chosen points by letter."""
+    """Computed candidates, the front, and the chosen points by letter."""
     there, names = front(result), [name for name, _ in objectives(result)]
     (x, x_label, _), (y, y_label, _) = (data.shown(name) for name in names[:2])
     meets = met(result)
@@ -87,7 +87,7 @@ def _scatter(ax: Axes, result: SweepResult, data: SweepData, chosen: Sequence[Ch
 
 
 def _number(result: SweepResult, name: str, choice: Choice) -> str:
-    """A number in which chosen machines differ."""
+    """A number that differs between the chosen machines."""
     short = ".".join(name.split(".")[-2:])
     return f"{short} = {quantity_text(float(result.columns[name][choice.variant]), result.units[name])}"
 

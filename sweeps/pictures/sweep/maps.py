@@ -1,4 +1,4 @@
-"""Pictures of a sweep's results: curves, bands of fields, maps and scatter; which of them suits what varies."""
+"""Plots of sweep results: curves, field bands, maps and scatters, chosen by the design."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -22,28 +22,28 @@ from sweeps.study.sensitivity import RSS, WORST_CASE
 from sweeps.text.engineer_units import engineer_unit
 
 VEIL = "#e9ebed"
-# How far values go up and down along a row or a column, in ranges of the whole, where contour lines can still be read.
+# Maximum total variation along a row or column, in ranges, for legible contour lines.
 MOST_TRAVEL = 4.0
-# A band about a curve can be seen from this share of the curve's range on.
+# Visible band width, as a share of the curve's range.
 SEEN = 0.002
-# Letters along the side of a panel among others.
+# Characters along the side of a panel.
 BESIDE_A_PANEL = 34
 
 
 def curves(figure: Figure, data: SweepData, x: str, ys: Sequence[str], best: int | None = None) -> None:
-    """Summaries against one parameter, one panel each, with their error bands where these can be seen.
+    """Summaries against one parameter, one panel each, with visible error bands.
 
     Parameters
     ----------
     figure : Figure
-        Empty; stays empty of anything else.
+        Empty figure.
     data : SweepData
     x : str
         Parameter along the axis.
     ys : sequence of str
         Summaries.
     best : int, optional
-        Variant to be marked.
+        Variant to mark.
     """
     along, label, _ = data.shown(x)
     order = np.argsort(along, kind="stable")
@@ -56,7 +56,7 @@ def curves(figure: Figure, data: SweepData, x: str, ys: Sequence[str], best: int
         error = factor * np.asarray(data.arrays.get(f"{y}_error", np.zeros_like(values)), dtype=float)
         if data.ok.any() and np.nanmax(np.nan_to_num(error[data.ok])) > SEEN * np.ptp(values[data.ok]):
             low, high = (values - error)[order], (values + error)[order]
-            ax.fill_between(along[order], low, high, color=BLUE, alpha=0.2, linewidth=0, label="error figure")
+            ax.fill_between(along[order], low, high, color=BLUE, alpha=0.2, linewidth=0, label="error estimate")
         _tolerance_bands(ax, data, along[order], y, order)
         if data.out.any():
             shown = np.where(data.out, values, np.nan)[order]
@@ -71,7 +71,7 @@ def curves(figure: Figure, data: SweepData, x: str, ys: Sequence[str], best: int
 
 
 def _tolerance_bands(ax: Axes, data: SweepData, along: np.ndarray, y: str, order: np.ndarray) -> None:
-    """How far tolerances of the machine as built may take a summary, at worst and statistically."""
+    """Bands of a summary within tolerances: worst case and statistical."""
     values, _, factor = data.shown(y)
     for ending, alpha, words in ((WORST_CASE, 0.15, "worst case"), (RSS, 0.25, "root of sum of squares")):
         band = np.where(data.ok, factor * np.asarray(data.arrays.get(f"{y}.{ending}", 0.0), float), np.nan)
@@ -81,7 +81,7 @@ def _tolerance_bands(ax: Axes, data: SweepData, along: np.ndarray, y: str, order
 
 
 def _mark_failed(ax: Axes, along: np.ndarray, status: np.ndarray) -> None:
-    """Crosses at the foot of the panel where variants failed, a colour for each reason."""
+    """Crosses at the bottom where variants failed, coloured by reason."""
     for colour, code in zip(PALETTE[2:] + PALETTE[1:2], _failures(status), strict=False):
         where = along[status == code]
         foot = np.full(where.shape, 0.03)
@@ -97,36 +97,36 @@ def _reason(code: int) -> str:
 
 
 def field_band(ax: Axes, data: SweepData, name: str, best: int | None = None) -> None:
-    """A field over the input's position: the band of all variants, its middle, and the best variant.
+    """A field over the input position: band of all variants, median, best variant.
 
     Parameters
     ----------
     ax : Axes
     data : SweepData
     name : str
-        A field; what runs along it must be there.
+        A field with its axis.
     best : int, optional
-        Variant drawn by itself.
+        Variant to highlight.
 
     Raises
     ------
     PictureError
-        There is no such field, or no variant that was computed.
+        No such field, or no computed variant.
     """
     values, label, _ = data.shown(name)
     if values.ndim != 2 or name not in data.along:
         raise PictureError(f"{name!r} is not a field of this result")
     axis = data.along[name]
-    # A run has rows up to its end.
+    # Rows of a run stop at its end.
     over_cycle, known = axis.over_positions, np.isfinite(values)
     sound = data.ok & (known.all(axis=1) if over_cycle else known.any(axis=1))
     if not sound.any():
-        raise PictureError(f"{name!r}: no variant was computed without complaint, there is nothing to show")
+        raise PictureError(f"{name!r}: no variant was computed successfully")
     factor, unit = engineer_unit(axis.units, axis.values)
     position = factor * axis.values
     step = np.diff(position[:2]).sum()
     if over_cycle and unit == "°" and round((position[-1] + step) % 360, 6) in (0, 360):
-        # The cycle closes: its first position is shown again at its end.
+        # Close the cycle.
         position, values = np.append(position, position[-1] + step), np.append(values, values[:, :1], axis=1)
     if data.out.any():
         _band(ax, position, values[sound], PALE, 0.5, f"all {np.count_nonzero(sound)} variants")
@@ -161,24 +161,24 @@ def _band(ax: Axes, position: np.ndarray, values: np.ndarray, colour: str, alpha
 
 
 def map2d(ax: Axes, data: SweepData, x: str, y: str, colour: str, best: int | None = None) -> None:
-    """A summary over two parameters of a grid, as colours with contour lines; failed cells grey with the reason.
+    """Colour map with contour lines of a summary over two grid parameters; failed cells grey with the reason.
 
     Parameters
     ----------
     ax : Axes
     data : SweepData
-        Its grid has exactly two axes with more than one place.
+        Its grid has exactly two axes with more than one value.
     x, y : str
         The parameters along those axes, in either order.
     colour : str
         The summary.
     best : int, optional
-        Variant to be marked.
+        Variant to mark.
 
     Raises
     ------
     PictureError
-        The variants don't form such a grid, or an array doesn't exist.
+        There is no such grid or array.
     """
     along = data.grid_parameters()
     if sorted(along) != sorted((x, y)):
@@ -217,7 +217,7 @@ def map2d(ax: Axes, data: SweepData, x: str, y: str, colour: str, best: int | No
 
 
 def _is_smooth(grid: np.ndarray) -> bool:
-    """Whether contour lines mean something: values rise and fall a few times across the grid, not from cell to cell."""
+    """Whether contour lines are legible: values vary slowly across the grid."""
     span = np.nanmax(grid) - np.nanmin(grid)
     if min(grid.shape) < 3 or not span > 0:
         return False
@@ -226,20 +226,20 @@ def _is_smooth(grid: np.ndarray) -> bool:
 
 
 def _missing(data: SweepData) -> str:
-    return data.legend_of("doesn't meet:")
+    return data.legend_of("misses:")
 
 
 def _legend_below(figure: Figure, axes: Sequence[Axes]) -> None:
-    """One legend for all panels, where it covers nothing."""
+    """One legend for all panels, outside them."""
     entries = {label: handle for ax in axes for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)}
     if entries:
-        # Dots of the legend can be seen however small those of the picture are.
+        # Legend dots have a minimum size.
         dots = {PathCollection: HandlerPathCollection(sizes=[14])}
         figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=3, handler_map=dots)
 
 
 def _veil(ax: Axes, xs: np.ndarray, ys: np.ndarray, out: np.ndarray) -> None:
-    """Cover the cells of variants that miss the condition, so that their colours only shimmer through."""
+    """Fade the cells of variants that miss the condition."""
     there = np.ma.masked_where(~out, np.ones(out.shape))
     face = ListedColormap([VEIL])
     ax.pcolormesh(xs, ys, there, cmap=face, shading="nearest", alpha=0.8, linewidth=0, rasterized=out.size > 10_000)
@@ -272,7 +272,7 @@ def scatter(
     best: int | None = None,
     minimise: tuple[bool, bool] | None = None,
 ) -> None:
-    """Two arrays against each other, coloured by a third, with the Pareto front of the two if it is asked for.
+    """Scatter of two arrays, coloured by a third, optionally with their Pareto front.
 
     Parameters
     ----------
@@ -281,9 +281,9 @@ def scatter(
     x, y : str
     colour : str, optional
     best : int, optional
-        Variant to be marked.
+        Variant to mark.
     minimise : (bool, bool), optional
-        Whether x and y should be small; with it the front is drawn.
+        Whether x and y are minimised; draws the front.
     """
     (xs, x_label, _), (ys, y_label, _) = data.shown(x), data.shown(y)
     finite = data.ok & np.isfinite(xs) & np.isfinite(ys)
@@ -315,7 +315,7 @@ def scatter(
 
 
 def _front(ax: Axes, xs: np.ndarray, ys: np.ndarray, sound: np.ndarray, minimise: tuple[bool, bool]) -> None:
-    """The Pareto front of the sound variants, as steps: what lies beyond them no variant reaches."""
+    """The Pareto front of the computed variants, as steps."""
     front = np.flatnonzero(sound)[pareto_front(np.column_stack([xs, ys])[sound], minimise)]
     front = front[np.lexsort((ys[front], xs[front]))]
     look = {"color": VERMILION, "linewidth": 1, "markersize": 2.5, "label": "Pareto front"}
@@ -345,34 +345,34 @@ def sweep_figure(
     best: int | None = None,
     minimise: tuple[bool, bool] | None = None,
 ) -> Figure:
-    """Draw a sweep in the way that suits what varies.
+    """Draw a sweep in the form that suits its design.
 
-    A field asked for as `y` is drawn as a band. A grid of one axis gives curves, of two axes a map; otherwise a
-    scatter where `x` or `y` is given, and parallel coordinates where not.
+    A field as `y` gives a band, a grid of one axis curves, of two axes a map; otherwise a scatter if `x` or `y` is
+    given, else parallel coordinates.
 
     Parameters
     ----------
     data : SweepData
     x, y, colour : str, optional
-        Arrays to be shown instead of the first that suit.
+        Arrays to show instead of the defaults.
     best : int, optional
-        Variant to be marked.
+        Variant to mark.
     minimise : (bool, bool), optional
-        Whether x and y of a scatter should be small, to draw their Pareto front.
+        Whether x and y of a scatter are minimised, for their Pareto front.
 
     Raises
     ------
     PictureError
-        An array doesn't exist, or nothing can be shown.
+        No such array, or nothing to show.
     """
     for name in (x, y, colour):
         if name is not None and data.shown(name)[0].ndim == 2 and name != y:
-            raise PictureError(f"{name!r} is a field, not one value for each variant; fields are shown as y")
+            raise PictureError(f"{name!r} is a field, which can only be y")
     with house_style():
         figure = new_figure(180, 110)
         _choose(figure, data, x, y, colour, best, minimise)
         if data.chosen_of:
-            words = f"{data.status.size} of {data.chosen_of} variants, chosen evenly, and the best"
+            words = f"{data.status.size} of {data.chosen_of} variants (evenly sampled, with the best)"
             figure.suptitle(words, fontsize=7, color=GREY)
     return figure
 
@@ -390,7 +390,7 @@ def _choose(
     if y is not None and np.ndim(data.arrays[y]) == 2:
         return field_band(figure.add_subplot(), data, y, best)
     if not summaries:
-        raise PictureError("this result holds no summaries; ask for a field, or add summaries to the study")
+        raise PictureError("this result has no summaries; choose a field, or add summaries to the study")
     on_axes = {name for name in (x, y) if name is not None} <= set(along)
     if len(along) == 1 and x in (None, *along) and colour is None:
         shown = [y] if y else summaries[:4]
@@ -403,7 +403,7 @@ def _choose(
     if x is None and y is None:
         colour = colour or summaries[0]
         names = chosen_columns(data, colour)
-        # Slanting labels need room.
+        # Room for slanted labels.
         figure.set_figheight(figure.get_figwidth() * (0.75 if len(names) > 6 else 0.61))
         return parallel(figure.add_subplot(), data, names, colour, best)
     others = [name for name in (*summaries, *data.varied) if name not in (x, y)]

@@ -1,4 +1,4 @@
-"""Parallel coordinates of a sweep: many columns at once, each variant a line across upright axes."""
+"""Parallel coordinates of a sweep: each variant is a line across vertical axes."""
 
 from collections.abc import Sequence
 
@@ -14,15 +14,15 @@ from sweeps.text.conditions import Condition
 
 MOST_LINES = 3000
 MOST_COLUMNS = 10
-# Letters that fit side by side below the axes of a picture of 180 mm, with what a colour bar leaves of it.
+# Characters that fit below the axes of a 180 mm figure with a colour bar.
 LETTERS_ACROSS = 78
 LONGEST_LABEL = 80
 
 
 def chosen_columns(data: SweepData, colour: str) -> list[str]:
-    """Columns that can be read side by side: what was varied, then summaries.
+    """Columns to plot: variables, then summaries.
 
-    Of the summaries first the one that colours, then those of the condition, then the others.
+    Summaries in order: the colouring one, those of the condition, the others.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def chosen_columns(data: SweepData, colour: str) -> list[str]:
     Returns
     -------
     list of str
-        At most 10, at least one of them a summary if there is any; without those that are the same in all variants.
+        At most 10, with at least one summary if there is any; constant columns are omitted.
     """
     asked = Condition(parse_expression(data.condition, any_quantity)).names if data.condition else ()
     summaries = sorted(data.summaries, key=lambda name: (name != colour, name not in asked))
@@ -48,14 +48,14 @@ def _differs(data: SweepData, name: str) -> bool:
 
 
 def parallel(ax: Axes, data: SweepData, names: Sequence[str], colour: str, best: int | None = None) -> None:
-    """Parallel coordinates: a line for each variant across upright axes, coloured by one array.
+    """Parallel coordinates: a line per variant across vertical axes, coloured by one array.
 
     Parameters
     ----------
     ax : Axes
     data : SweepData
     names : sequence of str
-        Parameters and summaries, an upright axis each; those that don't vary are left out.
+        Parameters and summaries, one axis each; constant ones are omitted.
     colour : str
         Array that colours the lines.
     best : int, optional
@@ -64,7 +64,7 @@ def parallel(ax: Axes, data: SweepData, names: Sequence[str], colour: str, best:
     Raises
     ------
     PictureError
-        Nothing varies, or an array doesn't exist.
+        Nothing varies, or no such array.
     """
     columns = [(*data.shown(name)[:2], name) for name in names]
     shades, label, _ = data.shown(colour)
@@ -76,7 +76,7 @@ def parallel(ax: Axes, data: SweepData, names: Sequence[str], colour: str, best:
         raise PictureError(f"no column varies among the {np.count_nonzero(sound)} computed variants: nothing to show")
     rows = np.flatnonzero(sound)
     if rows.size > MOST_LINES:
-        ax.set_title(f"{MOST_LINES} of {rows.size} variants, evenly taken", fontsize=7, loc="right", color=GREY)
+        ax.set_title(f"{MOST_LINES} of {rows.size} variants (evenly sampled)", fontsize=7, loc="right", color=GREY)
         rows = rows[np.linspace(0, rows.size - 1, MOST_LINES).astype(int)]
     lows, highs = (np.array([reach(values[sound]) for values, _, _ in columns]) for reach in (np.min, np.max))
     heights = (np.column_stack([values for values, _, _ in columns]) - lows) / (highs - lows)
@@ -85,7 +85,7 @@ def parallel(ax: Axes, data: SweepData, names: Sequence[str], colour: str, best:
     out, rows = rows[data.out[rows]], rows[~data.out[rows]]
     if out.size:
         ax.add_collection(LineCollection(_paths(places, heights[out]), color=PALE, **look))
-        ax.plot([], color=PALE, label=data.legend_of("doesn't meet:"))
+        ax.plot([], color=PALE, label=data.legend_of("misses:"))
     if rows.size:
         lines = LineCollection(_paths(places, heights[rows]), array=shades[rows], cmap=COLOURS, **look)
         ax.add_collection(lines)
@@ -102,9 +102,9 @@ def _paths(places: np.ndarray, heights: np.ndarray) -> list[np.ndarray]:
 
 
 def _uprights(ax: Axes, labels: Sequence[str], lows: np.ndarray, highs: np.ndarray) -> None:
-    """The axes of parallel coordinates, with the least and greatest value of each."""
+    """The axes of parallel coordinates, with the range of each."""
     numbers = [(f"{low:.4g}", f"{high:.4g}") for low, high in zip(lows, highs, strict=True)]
-    # Numbers too wide to stand side by side stand on two levels in turn.
+    # Wide numbers alternate between two levels.
     widest = max(len(number) for pair in numbers for number in pair)
     step = 0.09 if (widest + 1) * len(labels) > LETTERS_ACROSS else 0.0
     for place, (low, high) in enumerate(numbers):
@@ -120,7 +120,7 @@ def _uprights(ax: Axes, labels: Sequence[str], lows: np.ndarray, highs: np.ndarr
 
 
 def _label(ax: Axes, labels: Sequence[str]) -> None:
-    """Label the uprights: level where the words fit between them, else slanting."""
+    """Label the axes: horizontally if the words fit, else slanted."""
     across, places = min(18, LETTERS_ACROSS // len(labels)), range(len(labels))
     texts = [label.replace(".\n", ".").replace("\n", " ") for label in labels]
     level = [wrapped(text, across) for text in texts]

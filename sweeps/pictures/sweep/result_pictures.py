@@ -1,4 +1,4 @@
-"""The pictures of a result: its sweep, its best machine, the reactions kept."""
+"""Plots of a result: the sweep, the best machine, the kept reactions."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,16 +16,16 @@ from sweeps.report.sweep_result import SweepResult
 from sweeps.store import read_columns
 from sweeps.study.sensitivity import RSS, WORST_CASE
 
-# Fields larger than this are not read for a picture.
+# Larger fields are not read for a plot.
 LARGEST_FIELD = 256e6
-# More variants than a picture has dots aren't drawn.
+# Maximum number of variants in a plot.
 MOST_DRAWN = 1_000_000
 
 
 def result_pictures(
     result: SweepResult, out: Path | None = None, x: str | None = None, y: str | None = None, colour: str | None = None
 ) -> list[Path]:
-    """Picture of a sweep, chosen by what varies; with nothing asked, also of its best machine and the reactions kept.
+    """Plot a sweep; without named columns also its best machine and the kept reactions.
 
     Without a goal, the reactions are those of the first variant that works.
 
@@ -33,14 +33,14 @@ def result_pictures(
     ----------
     result : SweepResult
     out : Path, optional
-        Picture; beside the result unless given.
+        Picture file (default: next to the result).
     x, y, colour : str, optional
         Columns to show.
 
     Returns
     -------
     list of Path
-        The files made.
+        Files written.
     """
     result.show_own_units()
     path = result.path
@@ -63,7 +63,7 @@ def result_pictures(
 
 
 def _pictures_of_one(result: SweepResult, best: int | None) -> list[Path]:
-    """The best machine and the reactions kept; without a goal those of the first variant that works."""
+    """Plot the best machine and the kept reactions; without a goal those of the first variant that works."""
     path = result.path
     if best is None:
         first = result.first_with(Verdict.OK)
@@ -81,15 +81,15 @@ def _pictures_of_one(result: SweepResult, best: int | None) -> list[Path]:
 def sweep_data(
     result: SweepResult, asked: Sequence[str | None], best: int | None = None
 ) -> tuple[SweepData, int | None]:
-    """What is drawn of a result, of more variants than a picture can show fewer; and which of them is the best.
+    """Plot data of a result, thinned if too large, and the index of the best variant in it.
 
     Parameters
     ----------
     result : SweepResult
     asked : sequence of str or None
-        Columns to be shown; of the fields those among them are read, if they fit in memory.
+        Columns to show; fields among them are read if they fit in memory.
     best : int, optional
-        Variant to be marked.
+        Variant to mark.
     """
     d, shape, chosen, goal = result.description, result.shape, slice(None), result.goal
     if is_too_many := d.variants > MOST_DRAWN and "search" not in result.record:
@@ -99,7 +99,7 @@ def sweep_data(
     along = {f: result.along(f) for f in result.fields if f in asked}
     small = [f for f, axis in along.items() if d.variants * axis.values.size * 8 <= LARGEST_FIELD]
     arrays |= {name: rows[chosen] for name, rows in read_columns(result.path, small).items()}
-    # Tolerances are shown as bands about their summaries.
+    # Tolerances appear as bands on their summaries.
     alone = (name for name in result.summaries if not name.endswith((WORST_CASE, RSS)))
     summaries = sorted(alone, key=lambda name: goal is None or name != goal.goal)
     data = SweepData(

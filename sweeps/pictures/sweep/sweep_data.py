@@ -1,4 +1,4 @@
-"""What is drawn of a sweep: its columns with their units and meanings, and the grid that they form."""
+"""Plot data of a sweep: columns with units and long names, and their grid."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -32,29 +32,29 @@ SYMBOLS = {
 
 
 class SweepData(NamedTuple):
-    """What is drawn of a sweep.
+    """Plot data of a sweep.
 
     Attributes
     ----------
     arrays : mapping of str to ndarray
-        Parameters and summaries (variants,), fields (variants, positions), SI. The error figures of the summary
+        Parameters and summaries (variants,), fields (variants, positions), SI. The error estimates of the summary
         NAME are the array NAME_error, if there is one.
     units, long_names : mapping of str to str
-        Unit as CF spells it, and meaning, of each array.
+        CF unit and meaning of each array.
     varied, summaries : sequence of str
-        Names of the parameters, and of the summaries in the order of their importance.
+        Names of the parameters, and of the summaries by importance.
     shape : sequence of int
-        Sizes of the grid's axes, the last fastest; a single number where the variants form no grid.
+        Sizes of the grid axes, the last fastest; a single number without a grid.
     status : ndarray (variants,) of uint8
         `engine.Verdict` codes.
     along : mapping of str to FieldAxis
-        What runs along each field: positions of the input, or instants of a run.
+        Axis of each field: input positions, or times of a run.
     condition : str
-        What the best variant must meet, "" where nothing is asked.
+        Condition for the best variant, or "".
     candidates : ndarray (variants,) of bool, optional
-        Which of the computed variants meet it; all of them unless given.
+        Which computed variants meet it (default: all).
     chosen_of : int, optional
-        Of how many variants those drawn were chosen evenly, where they are too many for a picture.
+        Number of variants before thinning.
     """
 
     arrays: Mapping[str, np.ndarray]
@@ -71,34 +71,34 @@ class SweepData(NamedTuple):
 
     @property
     def out(self) -> np.ndarray:
-        """Which of the variants computed without complaint miss the condition."""
+        """Which computed variants miss the condition."""
         return np.zeros_like(self.ok) if self.candidates is None else self.ok & ~self.candidates
 
     def legend_of(self, words: str) -> str:
-        """Words followed by the condition, as a legend has it: quantities stay on one line, long ones are cut."""
+        """Words and the condition for a legend: quantities stay on one line, long texts are cut."""
         condition = re.sub(r"'[^']*'", lambda quoted: quoted[0].replace(" ", NO_BREAK), self.condition)
         text = f"{words} {condition}"
         return "\n".join(wrapped(text if len(text) <= LONGEST_LEGEND else f"{text[:LONGEST_LEGEND]} …", 70))
 
     @property
     def ok(self) -> np.ndarray:
-        """Which variants have been computed without complaint."""
+        """Which variants were computed successfully."""
         return np.asarray(self.status) == Verdict.OK
 
     def _is_error(self, name: str) -> bool:
         return name.endswith("_error") and name.removesuffix("_error") in self.arrays
 
     def shown(self, name: str) -> tuple[np.ndarray, str, float]:
-        """Values of an array in an engineer's unit, its label, and the factor from SI.
+        """Values of an array in a practical unit, its label, and the factor from SI.
 
         Raises
         ------
         PictureError
-            There is no such array.
+            No such array.
         """
         if name not in self.arrays:
             known = ", ".join(n for n in self.arrays if not self._is_error(n))
-            raise PictureError(f"{name!r} is not in this result; there are: {known}")
+            raise PictureError(f"{name!r} is not in this result; available: {known}")
         values = np.asarray(self.arrays[name], dtype=float)
         factor, unit = engineer_unit(self.units.get(name, "1"), values)
         words = self.long_names.get(name, name) or name
@@ -108,9 +108,9 @@ class SweepData(NamedTuple):
         return factor * values, text + symbol + (f", {unit}" if unit not in ("", "1") else ""), factor
 
     def grid_parameters(self) -> list[str]:
-        """The parameter that grows or falls along each axis of the grid with more than one place.
+        """The monotonic parameter along each grid axis with more than one value.
 
-        Empty where the variants form no grid, as random samples don't.
+        Empty without a grid, as for random samples.
         """
         found = []
         for axis, size in enumerate(self.shape):
@@ -125,23 +125,23 @@ class SweepData(NamedTuple):
 
 
 def evenly_chosen(shape: Sequence[int], best: int | None, most: int) -> tuple[tuple[int, ...], np.ndarray]:
-    """Fewer variants of a grid, evenly along each of its axes, the best among them.
+    """Thin a grid evenly along each axis, keeping the best variant.
 
     Parameters
     ----------
     shape : sequence of int
         Sizes of the grid's axes, the last fastest.
     best : int, optional
-        A variant that must be among them.
+        Variant to keep.
     most : int
-        No more than about so many.
+        Approximate maximum.
 
     Returns
     -------
     shape : tuple of int
         Of the smaller grid.
     variants : ndarray (chosen,)
-        Numbers of the variants chosen, in their order.
+        Indices of the chosen variants, ascending.
     """
     longest = max(shape)
     while longest > 2 and np.prod([float(min(size, longest)) for size in shape]) > most:
@@ -153,7 +153,7 @@ def evenly_chosen(shape: Sequence[int], best: int | None, most: int) -> tuple[tu
 
 
 def wrapped(text: str, width: int) -> list[str]:
-    """Lines of at most `width` letters, broken at blanks and after the dots of a path; longer words stay whole."""
+    """Lines of at most `width` characters, broken at blanks and after dots of a path; longer words stay whole."""
     lines = [""]
     for piece in re.split(r"(?<=\.)(?=[^\W\d])|(?<= )", text):
         if lines[-1] and len((lines[-1] + piece).rstrip()) > width:

@@ -1,1 +1,1 @@
-"""Results, positions, histories and cams as files for other programs."""
+"""Export of results, positions, histories and cams."""

@@ -1,4 +1,4 @@
-"""Courses and outlines of a cam as a table."""
+"""Motion curves and outlines of a cam as a table."""
 
 from pathlib import Path
 
@@ -12,14 +12,14 @@ from sweeps.text.input_files import InputError
 def cam_csv(cam: CamElement, out: Path, points: int) -> None:
     """Motion, pressure angle, curvature, forces and outlines of a cam over its turn as CSV, in SI units.
 
-    Where a law jumps, its angle has two rows.
+    At a jump of a law its angle has two rows.
 
     Parameters
     ----------
     cam : CamElement
     out : Path
     points : int
-        About how many rows.
+        Approximate number of rows.
 
     Raises
     ------
@@ -28,7 +28,7 @@ def cam_csv(cam: CamElement, out: Path, points: int) -> None:
     """
     c = cam_curves(cam, points)
     if not c.angle.size:
-        message = "is too small: the follower of the cam doesn't reach the base circle; enlarge it"
+        message = "is too small: the follower doesn't reach the base circle; enlarge it"
         raise InputError(out.stem, [(None, "base_radius", message)])
     stroke = "m" if cam.translating else "rad"
     columns = {
@@ -45,7 +45,7 @@ def cam_csv(cam: CamElement, out: Path, points: int) -> None:
     for name, line in (("profile", c.profile), ("pitch", c.pitch), ("cutter", c.cutter)):
         columns |= {f"{name}_x [m]": line.real, f"{name}_y [m]": line.imag}
     rows = np.array([*columns.values()])
-    # Pieces that meet without a jump have one row in common; rounding makes it two.
+    # Adjacent pieces without a jump share a row; rounding duplicates it.
     scale = np.abs(rows).max(axis=1, where=np.isfinite(rows), initial=0.0)
     with np.errstate(invalid="ignore"):
         same = (np.abs(np.diff(rows)) <= 1e-12 * scale[:, None]).all(axis=0)

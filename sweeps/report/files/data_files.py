@@ -1,4 +1,4 @@
-"""Tables of numbers in the formats of other programs: CSV, JSON, Parquet, MAT; SI units beside every column."""
+"""Tables of numbers as CSV, JSON, Parquet or MAT files, with a unit for each column."""
 
 import csv
 import json
@@ -14,9 +14,9 @@ from sweeps.study.variant_tables import parquet_library
 from sweeps.text.input_files import InputError
 from sweeps.text.whole_files import whole_file
 
-# MATLAB's names are this long at most.
+# Maximum length of MATLAB names.
 _LONGEST_NAME = 63
-# Numbers in a MAT file, which is made in memory as a whole: some hundred megabytes.
+# Maximum numbers in a MAT file, which is built in memory (some hundred megabytes).
 MOST_IN_MEMORY = 20_000_000
 
 
@@ -28,7 +28,7 @@ class DataTable(NamedTuple):
     columns : dict of str to ndarray (rows,)
         Numbers in SI units, or texts.
     units : dict of str to str
-        Unit of each column of numbers, as CF spells it.
+        CF unit of each numeric column.
     title : str
     """
 
@@ -42,26 +42,26 @@ class DataTable(NamedTuple):
         return tuple(self.columns)
 
     def parts(self, names: Sequence[str]) -> Iterator[dict[str, np.ndarray]]:
-        """Some columns, in one part."""
+        """Some columns as a single part."""
         yield {name: self.columns[name] for name in names}
 
 
 class _TooLongError(Exception):
-    """A table has more numbers than a file of its format can be made of."""
+    """A table is too large for its format."""
 
 
 class PartedTable(NamedTuple):
-    """Columns of equal length that aren't in memory as a whole.
+    """Columns of equal length, read in parts.
 
     Attributes
     ----------
     names : tuple of str
-        Of the columns.
+        Column names.
     units : dict of str to str
-        Unit of each column of numbers, as CF spells it.
+        CF unit of each numeric column.
     title : str
     parts : callable
-        Yields some columns, named by its argument, some rows after the others; an empty part where there is no row.
+        Yields the named columns in parts; one empty part if there are no rows.
     """
 
     names: tuple[str, ...]
@@ -74,13 +74,13 @@ Table = DataTable | PartedTable
 
 
 def in_units(table: Table, units: Mapping[str, tuple[float, str]]) -> PartedTable:
-    """A table with its numbers in other units.
+    """A table converted to other units.
 
     Parameters
     ----------
     table : DataTable or PartedTable
     units : mapping of str to (float, str)
-        Factor and name of the unit to take, by the unit of the table; numbers in others stay as they are.
+        Factor and new unit by old unit; other columns are unchanged.
     """
     taken = {name: units[unit] for name, unit in table.units.items() if unit in units}
 
@@ -93,22 +93,22 @@ def in_units(table: Table, units: Mapping[str, tuple[float, str]]) -> PartedTabl
 
 
 def write_table(out: Path, table: Table) -> None:
-    """Write a table in the format that the file's ending says.
+    """Write a table in the format of the file extension.
 
     Parameters
     ----------
     out : Path
-        Ending as in `TABLE_ENDINGS`.
+        Extension as in `TABLE_ENDINGS`.
     table : DataTable or PartedTable
 
     Raises
     ------
     InputError
-        The ending is another one, the file can't be written, the table is too long for its format, or Parquet's
-        library isn't installed.
+        Unknown extension, the file can't be written, the table is too large for its format, or pyarrow isn't
+        installed.
     """
     if out.suffix not in _WRITERS:
-        message = f"ending {out.suffix!r} isn't a table's; allowed are {', '.join(TABLE_ENDINGS)}"
+        message = f"unknown table format {out.suffix!r}; allowed: {', '.join(TABLE_ENDINGS)}"
         raise InputError(str(out), [(None, "", message)])
     try:
         with whole_file(out) as draft:
@@ -120,7 +120,7 @@ def write_table(out: Path, table: Table) -> None:
 
 
 def plain_number(value: float) -> float | int | None:
-    """A number as JSON has it; None where it is infinite or undefined."""
+    """A JSON number; None if infinite or undefined."""
     number = value.item() if isinstance(value, np.generic) else value
     return number if isinstance(number, int) or np.isfinite(number) else None
 
@@ -138,19 +138,19 @@ def _write_csv(out: Path, table: Table) -> None:
         writer = csv.writer(file)
         writer.writerow(_headers(table))
         for part in table.parts(table.names):
-            # Numbers are written to all their digits, and nothing for None.
+            # Full precision; None is empty.
             writer.writerows(zip(*(_plain(part[name]) for name in table.names), strict=True))
 
 
 def table_data(table: DataTable) -> dict[str, Any]:
-    """A table in types that JSON has, column by column."""
+    """A table in JSON types, by column."""
     return {
         name: {"unit": table.units.get(name, "1"), "values": _plain(column)} for name, column in table.columns.items()
     }
 
 
 def _write_json(out: Path, table: Table) -> None:
-    """Column by column, as `table_data` has them."""
+    """Write by column, in the form of `table_data`."""
 
     def text(value: object) -> str:
         return json.dumps(value, ensure_ascii=False)
@@ -167,14 +167,14 @@ def _write_json(out: Path, table: Table) -> None:
 
 
 def _plain(column: np.ndarray) -> list:
-    """A column in Python's types; None for what is infinite or undefined."""
+    """A column in Python types; None for infinite or undefined numbers."""
     if column.dtype.kind == "f" and not (known := np.isfinite(column)).all():
         column = np.where(known, column, None)
     return column.tolist()
 
 
 def _write_parquet(out: Path, table: Table) -> None:
-    """A group of rows for each part."""
+    """Write a row group per part."""
     pyarrow, parquet = parquet_library(str(out))
     headers = _headers(table)
 
@@ -202,13 +202,13 @@ def _write_mat(out: Path, table: Table) -> None:
 
 
 def _whole(table: Table) -> dict[str, np.ndarray]:
-    """All columns as a whole, if there aren't too many numbers in them."""
+    """All columns in memory, within the size limit."""
     found, rows = [], 0
     for part in table.parts(table.names):
         found.append(part)
         rows += next(iter(part.values())).size
         if rows * len(part) > MOST_IN_MEMORY:
-            message = f"a MAT file holds {MOST_IN_MEMORY:.3g} numbers at most, these are more; choose variants with"
+            message = f"a MAT file holds at most {MOST_IN_MEMORY:.3g} numbers; choose variants with"
             message += " --where, columns with --columns, or write .parquet or .csv"
             raise _TooLongError(message)
     return {name: np.concatenate([part[name] for part in found]) for name in table.names}
@@ -219,7 +219,7 @@ def _for_matlab(column: np.ndarray) -> np.ndarray:
 
 
 def _matlab_names(names: Iterable[str]) -> dict[str, str]:
-    """Names that MATLAB allows for fields, each once."""
+    """Unique MATLAB field names."""
     found: dict[str, str] = {}
     for name in names:
         plain = re.sub(r"\W", "_", name, flags=re.ASCII).lstrip("_0123456789")[:_LONGEST_NAME] or "column"

@@ -1,4 +1,4 @@
-"""Results, positions and histories as tables, and scenes as texts, for other programs."""
+"""Results, positions and histories as tables, and scenes as text."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -15,23 +15,23 @@ from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import with_values
 from sweeps.text.whole_files import whole_file
 
-# Rows of a table that are in memory together.
+# Rows in memory at once.
 ROWS_AT_A_TIME = 1 << 16
 
 
 def result_table(path: Path, where: str | None = None) -> PartedTable:
-    """Everything that a result holds of its variants, but for fields: parameters, verdicts, summaries, derivatives.
+    """All columns of a result without fields: parameters, verdicts, summaries, derivatives.
 
     Parameters
     ----------
     path : Path
     where : str, optional
-        Only computed variants that meet a condition; without it all variants, failed ones too.
+        Only computed variants that meet this condition; default: all variants, including failed ones.
 
     Raises
     ------
     InputError
-        The condition can't be read.
+        The condition is invalid.
     """
     result = SweepResult(path)
     result.show_own_units()
@@ -49,32 +49,34 @@ def result_table(path: Path, where: str | None = None) -> PartedTable:
 
 
 def result_columns(path: Path, names: Sequence[str], where: str | None = None) -> PartedTable:
-    """Some columns of a result beside its parameters; with a field among them, a row for each variant and place.
+    """Parameters and some columns of a result; with fields, a row per variant and position.
 
     Parameters
     ----------
     path : Path
     names : sequence of str
-        Of summaries, error figures, verdicts, derivatives, and fields that run along the same.
+        Summaries, error estimates, verdicts, derivatives, and fields with a common axis.
     where : str, optional
-        Only variants that meet a condition; without it all that were computed without complaint.
+        Only variants that meet this condition; default: all that were computed successfully.
 
     Raises
     ------
     InputError
-        There is no such column, fields don't run along the same, or the condition can't be read.
+        No such column, fields with different axes, or an invalid condition.
     """
     result = SweepResult(path)
     result.show_own_units()
     known = [c.name for c in result.description.columns]
     for name in names:
         if name not in known:
-            raise InputError(str(path), [(None, "--columns", f"{name!r} isn't in it; {did_you_mean(name, known)}")])
+            raise InputError(
+                str(path), [(None, "--columns", f"{name!r} is not in this result; {did_you_mean(name, known)}")]
+            )
     met, fields = result.meets(where), [name for name in dict.fromkeys(names) if name in result.fields]
     asked = [name for name in dict.fromkeys(("variant", *result.parameters, *names)) if name not in fields]
     axes = {axis.name: axis for axis in map(result.along, fields)}
     if len(axes) > 1:
-        message = f"run along {' and '.join(axes)}; export those of each by themselves"
+        message = f"have different axes ({' and '.join(axes)}); export them separately"
         raise InputError("--columns", [(None, ", ".join(fields), message)])
     axis = next(iter(axes.values()), None)
     places = axis.values.size if axis else 1
@@ -97,16 +99,16 @@ def result_columns(path: Path, names: Sequence[str], where: str | None = None) -
 def position_table(
     scene: Scene, values: Mapping[str, float], positions: int = 360, names: Sequence[str] = ()
 ) -> DataTable:
-    """Fields of one machine over the cycle, first the input's angle or displacement.
+    """Fields of one machine over the cycle, after the input angle or displacement.
 
     Parameters
     ----------
     scene : Scene
     values : mapping of path to float
-        Numbers of the scene (SI) to be replaced.
+        Numbers (SI) that replace the scene's.
     positions : int
     names : sequence of str
-        Fields; all at uniform speed of the input unless given.
+        Fields (default: all at constant input speed).
 
     Raises
     ------
@@ -116,7 +118,7 @@ def position_table(
         There is no such field, or the number of positions isn't allowed.
     """
     if scene.input is None:
-        message = "the scene has machine elements alone, which have no positions; `sweeps run` gives their numbers"
+        message = "the scene has only machine elements, which have no positions; `sweeps run` gives their numbers"
         raise InputError(scene.title or "scene", [(None, "", message)])
     machine = MovingMachine(with_values(scene, values), positions=positions)
     fields, unit = list(names) or list(machine.register.available_fields), InputUnits.of(scene).q
@@ -127,30 +129,30 @@ def position_table(
 
 
 def reading_table(readings: Readings, title: str) -> DataTable:
-    """Readings as a table, a row for each place."""
+    """Readings as a table, a row per position."""
     return DataTable({readings.place: readings.at} | readings.values, readings.units, title)
 
 
 def history_table(
     scene: Scene, values: Mapping[str, float], fields: Sequence[str] = (), steps: int = 360
 ) -> tuple[DataTable, str]:
-    """History of a machine through its regimes; a steady regime is there for one cycle.
+    """History of a machine through its regimes, with one cycle of steady running.
 
     Parameters
     ----------
     scene : Scene
     values : mapping of path to float
-        Numbers of the scene (SI) to be replaced.
+        Numbers (SI) that replace the scene's.
     fields : sequence of str
-        Loads on the pairs and on the frame to add, such as "input.reaction".
+        Additional loads on pairs and frame, such as "input.reaction".
     steps : int
-        Steps a cycle.
+        Steps per cycle.
 
     Returns
     -------
     DataTable
     str
-        Why the history ends before its last regime does; "" where it doesn't.
+        Why the history ends early, or "".
 
     Raises
     ------
@@ -158,13 +160,13 @@ def history_table(
         The scene has no regimes, or no such loads.
     """
     if not scene.regimes:
-        message = 'the scene has none, so no history; add [regimes.NAME] with type = "run" or "steady"'
+        message = 'a history needs regimes; add [regimes.NAME] with type = "run" or "steady"'
         raise InputError(scene.title or "scene", [(None, "regimes", message)])
     scene = with_values(scene, values)
     known = history_fields(scene) if fields else {}
     for name in fields:
         if name not in known:
-            message = f"{name!r} is no load that a history keeps; {did_you_mean(name, known)}"
+            message = f"{name!r} is not a load of a history; {did_you_mean(name, known)}"
             raise InputError(scene.title or "scene", [(None, "--columns", message)])
     seen = history(scene, steps, fields)
     of_input = InputUnits.of(scene)
@@ -188,26 +190,26 @@ def history_table(
 
 
 def scene_toml(scene: Scene, values: Mapping[str, float], out: Path, text: str, overwrite: bool = False) -> None:
-    """Scene with some numbers replaced, as TOML: the author's text where there is one, comments and units kept.
+    """Scene with some numbers replaced, as TOML; keeps the author's text, comments and units.
 
     Parameters
     ----------
     scene : Scene
     values : mapping of path to float
-        Numbers of the scene (SI) to be replaced.
+        Numbers (SI) that replace the scene's.
     out : Path
     text : str
-        What the scene was read from, "" where that isn't known.
+        Source of the scene, "" if unknown.
     overwrite : bool
-        Whether a file that is there already is written over.
+        Overwrite an existing file.
 
     Raises
     ------
     InputError
-        There is such a file, or it can't be written.
+        The file exists or can't be written.
     """
     if out.exists() and not overwrite:
-        message = "is there already, and a person may have written it; name another file, or give --overwrite"
+        message = "exists already; name another file, or give --overwrite"
         raise InputError(str(out), [(None, "", message)])
     try:
         with whole_file(out) as draft:
@@ -217,7 +219,7 @@ def scene_toml(scene: Scene, values: Mapping[str, float], out: Path, text: str, 
 
 
 def write_columns(out: Path, columns: Mapping[str, np.ndarray], kept: np.ndarray) -> None:
-    """Some rows of columns with units in their names, in the format that the file's ending says.
+    """Write some rows of columns with units in their names, in the format of the file extension.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a result says, as data for other programs."""
+"""A result as data for other programs."""
 
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -9,15 +9,15 @@ from sweeps.report.sweep_result import SweepResult
 
 
 def result_data(result: SweepResult, variants: Iterable[int], names: Sequence[str] = ()) -> dict[str, Any]:
-    """A result in types that JSON has: how many variants got which verdict, and some of them with their numbers.
+    """A result in JSON types: variants per verdict, and the numbers of some variants.
 
     Parameters
     ----------
     result : SweepResult
     variants : iterable of int
-        Those listed.
+        Listed variants.
     names : sequence of str
-        Summaries; all unless given.
+        Summaries (default: all).
     """
     counts = {verdict.name.lower(): count for verdict, count in result.verdict_counts().items()}
     shown = [*result.parameters, *(names or result.summaries)]

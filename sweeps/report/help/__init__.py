@@ -1,1 +1,1 @@
-"""What may be asked of a scene and written in scenes and studies."""
+"""Help on quantities and keys."""

@@ -1,4 +1,4 @@
-"""What every key of scenes and studies means, read from their models: kind, unit, default, limits."""
+"""Help on the keys of scenes and studies, from their models: type, unit, default, limits."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -16,7 +16,7 @@ from sweeps.text.input_files import InputError
 from sweeps.text.tables import table
 from sweeps.text.toml_text import arms_of, bare_annotation, is_union
 
-# What stands in a path for names that the user gives.
+# Placeholder in a path for user-defined names.
 NAME, PATH = "NAME", "PATH"
 _BY_PATH = ("vary", "derive", "tolerances", "start")
 _LIMITS = {
@@ -34,11 +34,11 @@ class Key(NamedTuple):
     Attributes
     ----------
     path : tuple of str
-        Names of tables and the key, NAME for names of the user's own.
+        Tables and key, with NAME for user-defined names.
     kind : str
-        The table's `type` where that decides which keys it has, else "".
+        The table's `type` if that determines its keys, else "".
     model : type of BaseModel
-        Of the table that it stands in.
+        Model of its table.
     field : FieldInfo
     """
 
@@ -49,18 +49,18 @@ class Key(NamedTuple):
 
 
 def key_text(asked: str) -> str:
-    """What is known of a key, a table or a type: its meaning, what it takes, its default and its limits.
+    """Help on a key, table or type: meaning, values, default and limits.
 
     Parameters
     ----------
     asked : str
-        A path such as "input.length" or "bodies.ram.mass", its end such as "mass", a table such as "cylinders", or a
-        type such as "compressor".
+        A path such as "input.length" or "bodies.ram.mass", a key such as "mass", a table such as "cylinders", or a type
+        such as "compressor".
 
     Raises
     ------
     InputError
-        There is none; the message names what is near.
+        Not found; the message suggests similar names.
     """
     parts = tuple(part for part in asked.strip("[] ").split(".") if part)
     found = [key for key in _keys() if parts and _matches(key.path, parts)]
@@ -72,16 +72,16 @@ def key_text(asked: str) -> str:
         known = {".".join(key.path[n:]) for key in _keys() for n in range(len(key.path)) if key.path[n] != NAME}
         near = nearest_names(asked, known | {key.kind for key in _keys() if key.kind}, 3)
         hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "`sweeps help` lists all tables"
-        raise InputError("help", [(None, "", f"no key or type of scenes and studies is called {asked!r}; {hint}")])
+        raise InputError("help", [(None, "", f"scenes and studies have no key or type {asked!r}; {hint}")])
     return "\n\n".join(_paragraphs(found))
 
 
 def tables_text() -> str:
-    """All tables and keys at the top of scenes and studies, with the first sentence on each."""
+    """All top-level tables and keys of scenes and studies, with a sentence on each."""
     parts = []
     for words, model in (("Scenes", Scene), ("Studies", StudyText)):
         rows = [(key.path[0], _first_sentence(key)) for key in _keys() if key.model is model]
-        parts += [f"{words} (`sweeps help KEY` says more):", table(rows, "  ")]
+        parts += [f"{words} (details: `sweeps help KEY`):", table(rows, "  ")]
     return "\n".join(parts)
 
 
@@ -91,7 +91,7 @@ def _keys() -> tuple[Key, ...]:
 
 
 def _walk(model: type[BaseModel], path: tuple[str, ...], kind: str) -> Iterator[Key]:
-    """Keys of a model and of the tables within it."""
+    """Keys of a model and its tables."""
     for name, field in model.model_fields.items():
         here = (*path, field.alias or name)
         yield Key(here, kind, model, field)
@@ -101,7 +101,7 @@ def _walk(model: type[BaseModel], path: tuple[str, ...], kind: str) -> Iterator[
 
 
 def _tables_in(annotation: Any, path: tuple[str, ...]) -> Iterator[tuple[type[BaseModel], tuple[str, ...]]]:
-    """Models that may stand at a place, and the places of their keys."""
+    """Models allowed at a path, and the paths of their keys."""
     here = bare_annotation(annotation)
     if is_union(here):
         for arm in arms_of(here):
@@ -116,14 +116,14 @@ def _tables_in(annotation: Any, path: tuple[str, ...]) -> Iterator[tuple[type[Ba
 
 
 def _type_of(model: type[BaseModel]) -> str | None:
-    """The one value that the key `type` of a model takes."""
+    """The value of a model's key `type`."""
     field = model.model_fields.get("type")
     values = get_args(field.annotation) if field and get_origin(field.annotation) is Literal else ()
     return values[0] if len(values) == 1 else None
 
 
 def _matches(path: tuple[str, ...], parts: Sequence[str]) -> bool:
-    """Whether parts name just this place, a name of the user's own in each NAME; a varied path has dots in it."""
+    """Whether parts match this path, with any name for each NAME; a varied path contains dots."""
     if PATH in path:
         at = path.index(PATH)
         rest = len(path) - at - 1
@@ -140,7 +140,7 @@ def _of_table(key: Key) -> bool:
 
 
 def _paragraphs(found: Sequence[Key]) -> Iterator[str]:
-    """A paragraph for each different thing that was found; places where the same is said are named together."""
+    """A paragraph per distinct text, headed by all its paths."""
     said: dict[str, list[str]] = {}
     for key in found:
         text = _table_text(key) if key.path[-1] == "type" and key.kind else _one_text(key)
@@ -153,13 +153,13 @@ def _paragraphs(found: Sequence[Key]) -> Iterator[str]:
 
 
 def _one_text(key: Key) -> str:
-    """On one key: what it means, what it takes; of a table its keys."""
+    """Help on one key, or the keys of a table."""
     tables = list(dict.fromkeys(arm for arm, _ in _tables_in(key.field.annotation, key.path)))
     whose = f"of type {key.kind!r}: " if key.kind else ""
     lines = [f"  {whose}{sentence}" for sentence in [_meaning(key)] if sentence]
     if not tables:
         lines = lines or [f"  {whose}a key of: {_sentences(key.model)[0]}"]
-        return "\n".join([*lines, f"  takes {_takes(key.field)}", f"  {_necessity(key.field)}", *_example(key)])
+        return "\n".join([*lines, f"  value: {_takes(key.field)}", f"  {_necessity(key.field)}", *_example(key)])
     kinds = [kind for kind in map(_type_of, tables) if kind]
     if len(kinds) > 1:
         return "\n".join([*lines, f"  type: one of {', '.join(kinds)} (`sweeps help TYPE` lists the keys)"])
@@ -170,7 +170,7 @@ def _one_text(key: Key) -> str:
 
 
 def _table_text(key: Key) -> str:
-    """On a table of some type: what it is and its keys."""
+    """Help on a table of some type and its keys."""
     return "\n".join([f'  type = "{key.kind}": {_paragraph(key.model)}', _keys_text(key.model)])
 
 
@@ -202,7 +202,7 @@ def _first_sentence(key: Key) -> str:
 
 
 def _meaning(key: Key) -> str:
-    """What descriptions say of a key: of a table what it is, else the sentences that name it."""
+    """Description of a key: the table's, or the sentences that name the key."""
     tables = list(dict.fromkeys(arm for arm, _ in _tables_in(key.field.annotation, key.path)))
     if len(tables) == 1:
         return _paragraph(tables[0])
@@ -212,21 +212,21 @@ def _meaning(key: Key) -> str:
 
 def _necessity(field: FieldInfo) -> str:
     if field.is_required():
-        return "must be given"
+        return "required"
     default = field.default
     if default is None or default in ({}, [], (), ""):
-        return "may be left out"
+        return "optional"
     if isinstance(default, BaseModel):
-        return "may be left out"
+        return "optional"
     if isinstance(default, bool):
-        return f"{str(default).lower()} unless given"
+        return f"default: {str(default).lower()}"
     dimension = _dimension(field)
     unit = common_units(dimension)[-1] if dimension and dimension != "number" else ""
-    return f"{default:g} {unit}".strip() + " unless given" if isinstance(default, float) else f"{default} unless given"
+    return f"default: {default:g} {unit}".strip() if isinstance(default, float) else f"default: {default}"
 
 
 def _marks(annotation: Any, metadata: Sequence[object] = ()) -> list[object]:
-    """All marks of an annotation, those of the types within it too."""
+    """All metadata of an annotation, including nested types."""
     found = []
     for mark in metadata:
         found += mark.metadata if isinstance(mark, FieldInfo) else [mark]
@@ -241,7 +241,7 @@ def _dimension(field: FieldInfo) -> str | None:
 
 
 def _takes(field: FieldInfo) -> str:
-    """What a key takes, with its limits."""
+    """Allowed values of a key, with limits."""
     marks = _marks(field.annotation, field.metadata)
     limits = [f"{words} {getattr(m, at):g}" for m in marks for t, (words, at) in _LIMITS.items() if isinstance(m, t)]
     here = bare_annotation(field.annotation)
@@ -249,7 +249,7 @@ def _takes(field: FieldInfo) -> str:
     is_name = here is str and any(getattr(mark, "pattern", None) for mark in marks)
     kind = "a name" if is_name else _kind(here, _dimension(field))
     least = next((m.min_length for m in marks if isinstance(m, MinLen)), 0)
-    kind = f"a list, each {kind}" if several else kind
+    kind = f"a list of entries, each {kind}" if several else kind
     return ", ".join([kind, *limits, *(["at least one"] if least else [])])
 
 
@@ -259,7 +259,7 @@ def _kind(here: Any, dimension: str | None) -> str:
     if dimension is not None:
         other = [unit for unit in common_units(dimension) if unit not in described_dimension(dimension).example]
         return f"{dimension.replace('_', ' ')}, '{described_dimension(dimension).example}'" + "".join(
-            f" (or in {unit})" for unit in other
+            f" (or a number in {unit})" for unit in other
         )
     if get_origin(here) is Literal:
         return " or ".join("true" if v is True else f'"{v}"' if isinstance(v, str) else str(v) for v in get_args(here))
@@ -275,7 +275,7 @@ def _kind(here: Any, dimension: str | None) -> str:
 
 
 def _example(key: Key) -> list[str]:
-    """A line as a text has it, where one can be made."""
+    """An example line, if possible."""
     dimension = _dimension(key.field)
     here = bare_annotation(key.field.annotation)
     if dimension == "number" or (dimension is None and get_origin(here) is not Literal):
@@ -285,4 +285,4 @@ def _example(key: Key) -> list[str]:
         value = "true" if first is True else f'"{first}"' if isinstance(first, str) else str(first)
     else:
         value = f'"{described_dimension(dimension).example}"'
-    return [f"  for instance {key.path[-1]} = {f'[{value}]' if get_origin(here) in (list, tuple) else value}"]
+    return [f"  example: {key.path[-1]} = {f'[{value}]' if get_origin(here) in (list, tuple) else value}"]

@@ -1,4 +1,4 @@
-"""What may be asked of a scene: every quantity with its symbol, unit and meaning, searched by words."""
+"""The quantities of a scene with symbol, unit and meaning, filtered by words."""
 
 from collections.abc import Iterable, Sequence
 
@@ -9,7 +9,7 @@ from sweeps.text.tables import table
 
 
 def quantities_text(scene: Scene, source: str, words: Sequence[str] = ()) -> str:
-    """Everything that may be asked of a scene, or what of it has all of some words in it.
+    """The available quantities of a scene, filtered by words.
 
     Parameters
     ----------
@@ -17,13 +17,13 @@ def quantities_text(scene: Scene, source: str, words: Sequence[str] = ()) -> str
     source : str
         Name of the scene's file, for messages.
     words : sequence of str
-        Each must occur in a quantity's name, symbol, unit or meaning, whatever its capitals. The name of a statistic
-        of a field, "ram.velocity.max", is found too.
+        Each must occur in the name, symbol, unit or meaning, ignoring case. Statistics of fields such as
+        "ram.velocity.max" are found too.
 
     Raises
     ------
     InputError
-        Nothing has these words in it; the message names what is near.
+        No match; the message suggests similar names.
     """
     fields = made_ready(scene).available_fields
     statistics = [w for w in words if w.rpartition(".")[0] in fields and w.rpartition(".")[2] in STATISTICS]
@@ -31,18 +31,22 @@ def quantities_text(scene: Scene, source: str, words: Sequence[str] = ()) -> str
     numbers, curves = _holding(summaries.values(), words), _holding(fields.values(), words)
     if not numbers and not curves:
         near = nearest_names(words[0], {**summaries, **fields}, 3)
-        hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "leave the words out to see everything"
-        message = f"nothing that may be asked has {' and '.join(map(repr, words))} in it; {hint}"
+        hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "omit the words to see all quantities"
+        message = f"no quantity matches {' and '.join(map(repr, words))}; {hint}"
         raise InputError(source, [(None, "", message)])
-    parts = ["Summaries, one number of each variant:", _listed(numbers)] if numbers else []
+    parts = ["Summaries (one number per variant):", _listed(numbers)] if numbers else []
     if curves:
         ways = ", ".join(f"{way} ({meaning.removesuffix(' of')})" for way, meaning in STATISTICS.items())
-        parts += ["Fields, curves over the cycle:", _listed(curves), f"Of every field a summary NAME.WAY: {ways}."]
+        parts += [
+            "Fields (curves over the cycle):",
+            _listed(curves),
+            f"Every field also gives summaries NAME.STATISTIC: {ways}.",
+        ]
     return "\n".join(parts)
 
 
 def _holding(quantities: Iterable[Quantity], words: Sequence[str]) -> list[Quantity]:
-    """Quantities that have all words in them."""
+    """Quantities that contain all words."""
     wanted = [word.lower() for word in words]
     return [q for q in quantities if all(word in _everything_about(q) for word in wanted)]
 

@@ -1,1 +1,1 @@
-"""What `sweeps flywheel` and `sweeps balance` tell."""
+"""Reports of `sweeps flywheel` and `sweeps balance`."""

@@ -1,4 +1,4 @@
-"""Balance shafts of engines: their speeds, unbalances and angles, and what shakes the engine without them."""
+"""Balance shafts of engines: speeds, unbalances and angles, and the unbalance without them."""
 
 import math
 
@@ -29,18 +29,18 @@ def engines_of(scene: Scene) -> dict[str, EngineElement]:
 
 
 def balance_shaft_text(scene: Scene, planes: str | None = None) -> str:
-    """Balance shafts for every engine of a scene, in words.
+    """Report on balance shafts for every engine of a scene.
 
     Parameters
     ----------
     scene : Scene
     planes : str, optional
-        Two positions along the crank from its middle, such as "-80 mm, 80 mm"; the outermost throws where not given.
+        Two positions along the crank from its middle, such as "-80 mm, 80 mm"; default: the outermost throws.
 
     Raises
     ------
     InputError
-        Positions that can't be read.
+        Invalid positions.
     """
     given = None if planes is None else numbers_in_row("--planes", planes, ("length", "length"))
     return "\n\n".join(_engine_text(name, engine, given) for name, engine in engines_of(scene).items())
@@ -51,14 +51,16 @@ def _engine_text(name: str, element: EngineElement, given: tuple[float, float] |
     engine = made_engine(element, numbers)
     weights = crankshaft_counterweights(engine, numbers["balanced_rotating"], numbers["balanced_reciprocating"])
     found = remaining_shaking(engine_shaking(engine, ORDERS), [weights])
-    # Without a spacing of the throws nothing is known of couples.
+    # Couples need the spacing of the throws.
     places = engine.layout.positions if element.spacing is not None else np.zeros(1)
     planes = given or (float(places.min()), float(places.max()))
     shafts = balance_shafts(found, planes)
     lines = [f"{name} at {quantity_text(element.speed, 'rad s-1')}, with its counterweights on the crank:"]
     lines.append(table(_shaking_rows(found, element), "  "))
     if not shafts:
-        return "\n".join([*lines, "No balance shafts are needed: no primary or secondary force or couple is left."])
+        return "\n".join(
+            [*lines, "No balance shafts needed: the primary and secondary forces and couples are balanced."]
+        )
     used = planes if planes[0] != planes[1] else planes[:1]
     rows = [("shaft", "speed", "turns", *(f"at {quantity_text(plane, 'm')}" for plane in used))]
     for shaft in shafts:
@@ -68,11 +70,13 @@ def _engine_text(name: str, element: EngineElement, given: tuple[float, float] |
         unbalances = (_polar_text(complex(part)) for part in shaft.unbalances.reshape(-1))
         rows.append((words, f"{shaft.order} × crank", turns, *unbalances))
     kinds = "force and no couple" if len(used) > 1 else "force"
-    lines.append(f"Unbalances that leave no primary and secondary {kinds}:")
+    lines.append(f"Unbalances that cancel the primary and secondary {kinds}:")
     lines.append(table(rows, "  "))
-    lines.append("Angles from the engine's axis, in the sense of the crank, with cylinder 1's throw on that axis.")
+    lines.append(
+        "Angles from the engine's axis in the direction of rotation, with the throw of cylinder 1 on that axis."
+    )
     if element.spacing is None:
-        lines.append("Couples are left out: they need the engine's spacing.")
+        lines.append("Couples omitted: they need the cylinder spacing.")
     return "\n".join(lines)
 
 

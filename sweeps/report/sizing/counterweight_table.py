@@ -1,4 +1,4 @@
-"""Counterweights of a mechanism as a designer needs them: mass times radius, where it goes, and what it does."""
+"""Report on counterweights of a mechanism: mass times radius, place and effect."""
 
 import math
 from collections.abc import Sequence
@@ -9,7 +9,7 @@ from sweeps.text.input_files import InputError
 from sweeps.text.numbers_in_row import numbers_in_row
 from sweeps.text.tables import table
 
-# What is compared: a better balance may load other things more.
+# Compared loads: a better balance may increase others.
 COMPARED = {
     "shaking_force.max": "peak shaking force",
     "shaking_force.rms": "rms shaking force",
@@ -52,24 +52,27 @@ def counterweights_of(
     ----------
     scene : Scene
     links : sequence of str
-        Links that turn about fixed axes; the input alone where neither they nor places are named.
+        Links on fixed axes; default without places: the input.
     places : sequence of str
         As for `counterweight_place`.
     criterion : {"full", "rms", "peak"}
     radius : str, optional
-        Where counterweights of links sit, such as "60 mm"; at the crank's length unless given.
+        Radius of the counterweights, such as "60 mm" (default: the crank's length).
     most : str, optional
-        Greatest mass of each counterweight, such as "8 kg".
+        Maximum mass of each counterweight, such as "8 kg".
 
     Raises
     ------
     InputError
-        A text that can't be read, or a scene without a mechanism.
+        Invalid text, or a scene without a mechanism.
     BalanceError
         There are no such counterweights.
     """
     if scene.input is None:
-        raise InputError(scene.title or "scene", [(None, "input", "machine elements alone have no links to balance")])
+        raise InputError(
+            scene.title or "scene",
+            [(None, "input", "the scene has only machine elements: there are no links to balance")],
+        )
     links = tuple(links) if links or places else (scene.input.link,)
     size = None if radius is None else numbers_in_row("--radius", radius, ("length",))[0]
     found = [counterweight_place(place) for place in places]
@@ -107,7 +110,7 @@ def counterweight_text(scene: Scene, found: BalancedMachine, criterion: str) -> 
 
 
 def _compared(before: Scene, after: Scene) -> str:
-    # Under a load over time the drive torque has no cycle.
+    # Time-dependent loads have no cycle of the drive torque.
     asked = tuple(name for name in COMPARED if made_ready(before).register.why_not(name) is None)
     columns = [_values(made_ready(scene, asked)) for scene in (before, after)]
     rows = [("", "without", "with")]

@@ -1,4 +1,4 @@
-"""A flywheel directly from a turning-moment diagram in a CSV file: its moments, or the areas about its mean line."""
+"""A flywheel from a turning-moment diagram in a CSV file: torques, or areas about the mean line."""
 
 from pathlib import Path
 
@@ -22,15 +22,15 @@ def flywheel_from_csv(
     Parameters
     ----------
     path : Path
-        CSV with the columns `phi [deg]` (or rad) and `moment [N m]` (or another unit of moment); with `area_energy`,
-        with the column `area`: areas between the diagram and its mean line in order, positive above it.
+        CSV with the columns `phi [deg]` and `moment [N m]` (or other units); with `area_energy`, with the column
+        `area`: areas between diagram and mean line in order, positive above it.
     speed, fluctuation : str
-        Mean speed, such as "250 rpm", and δ asked for, such as "1/50".
+        Mean speed, such as "250 rpm", and required δ, such as "1/50".
     interpolation : {"linear", "pchip", "spline"}
     inertia : str
-        Constant inertia that the machine has already, such as "0.4 kg m2".
+        Existing constant inertia, such as "0.4 kg m2".
     area_energy : str, optional
-        Energy that a unit of area stands for, such as "4.5 J".
+        Energy per unit of area, such as "4.5 J".
 
     Raises
     ------
@@ -49,11 +49,11 @@ def flywheel_from_csv(
 def flywheel_text(
     path: Path, speed: str, fluctuation: str, interpolation: str, inertia: str = "0", area_energy: str | None = None
 ) -> str:
-    """The flywheel for a turning-moment diagram, in words; arguments as for `flywheel_from_csv`."""
+    """Report on the flywheel for a turning-moment diagram; arguments as for `flywheel_from_csv`."""
     found = flywheel_from_csv(path, speed, fluctuation, interpolation, inertia, area_energy)
     rows = [("excess work", quantity_text(found.excess_work, "J"))]
     if area_energy is None:
-        rows.insert(0, ("mean moment", quantity_text(found.mean_moment, "N m")))
+        rows.insert(0, ("mean torque", quantity_text(found.mean_moment, "N m")))
         rows.append(("fastest at", quantity_text(found.fastest_at, "rad")))
         rows.append(("slowest at", quantity_text(found.slowest_at, "rad")))
     else:

@@ -1,8 +1,7 @@
-"""Balancing a rotor in place from a table of its trial runs: what to add in every plane, and what noise leaves.
+"""Field balancing of a rotor from a table of trial runs: correction weights, and the residual from noise.
 
-A run is a row: the plane and the trial weight in it, and what each sensor reads once per turn, amplitude and phase. One
-run is without a weight. Amplitudes alone do for one plane, with the trial weight at three places a third of a turn
-apart.
+Each row is a run: plane, trial weight, and the once-per-turn amplitude and phase of each sensor. One run has no weight.
+For one plane amplitudes suffice, with the trial weight at three angles 120° apart.
 """
 
 from collections.abc import Iterable
@@ -30,25 +29,25 @@ from sweeps.text.tables import table
 PROBABILITY = 0.95
 PHASE = "_phase"
 OF_WEIGHTS = ("plane", "weight", "weight_angle")
-# Angles of the trial weights of four runs are taken as thirds of a turn within this [deg].
+# Tolerance of the 120° spacing in four runs [deg].
 THIRD_OF_A_TURN = 0.5
 HEADER = "plane, weight [g], weight_angle [deg], left [mm/s], left_phase [deg]"
 
 
 class Runs(NamedTuple):
-    """Trial runs as a table has them.
+    """Trial runs from a table.
 
     Attributes
     ----------
     planes : tuple of int
-        Of each trial run, by number.
+        Plane number of each trial run.
     weights : ndarray of complex (trials,)
-        In `weight_unit`, at their angles.
+        Trial weights with their angles, in `weight_unit`.
     initial : ndarray of complex (readings,)
-        Of the run without a weight, in `unit`; of amplitudes alone, without phases.
+        Readings without a weight, in `unit`; real amplitudes if there are no phases.
     trials : ndarray of complex (trials, readings)
     names : tuple of str
-        Of the readings.
+        Names of the readings.
     phases : bool
         Whether phases were read.
     weight_unit, unit : str
@@ -65,19 +64,19 @@ class Runs(NamedTuple):
 
 
 class Correction(NamedTuple):
-    """What to add in every plane, at the radius of the trial weights.
+    """Correction weights in each plane, at the radius of the trial weights.
 
     Attributes
     ----------
     planes : tuple of int
     weights : ndarray of complex (planes,)
-        In the unit of the trial weights.
+        In the trial weights' unit.
     coefficients : ndarray of complex (readings, planes)
-        Vibration per weight; of four runs its amplitude.
+        Vibration per weight; for four runs its amplitude.
     left : ndarray (readings,)
-        Amplitudes that a linear machine is left with.
+        Residual amplitudes of a linear machine.
     radii : ndarray (planes,) or None
-        What noise in the readings leaves at most of each plane's unbalance, with a probability of 95 %.
+        95 % bound on each plane's residual unbalance from noise.
     """
 
     planes: tuple[int, ...]
@@ -93,13 +92,13 @@ def read_runs(path: Path) -> Runs:
     Parameters
     ----------
     path : Path
-        With the columns `plane`, `weight [g]`, `weight_angle [deg]`, and for every sensor NAME its amplitude `NAME
-        [mm/s]` and, but for four runs, its phase `NAME_phase [deg]`, in whatever units.
+        Columns `plane`, `weight [g]`, `weight_angle [deg]`, and for each sensor NAME `NAME [mm/s]` and, except for four
+        runs, `NAME_phase [deg]`; any units.
 
     Raises
     ------
     InputError
-        It has other columns, no run without a weight or several, or units that don't go together.
+        Wrong columns, not exactly one run without a weight, or inconsistent units.
     """
     columns = read_csv(path)
     for key in OF_WEIGHTS:
@@ -113,22 +112,22 @@ def read_runs(path: Path) -> Runs:
     weights = _polar(path, columns, "weight", "weight_angle")
     readings = np.stack([_polar(path, columns, n, f"{n}{PHASE}" if phases else None) for n in names], axis=-1)
     if (first := np.flatnonzero(weights == 0)).size != 1:
-        raise _refusal(path, f"one run is without a trial weight (weight 0); there are {first.size}")
+        raise _refusal(path, f"exactly one run must have no trial weight (weight 0); there are {first.size}")
     trials = np.flatnonzero(weights)
     planes = np.array(columns["plane"][1], float)[trials]
     if not (planes == np.round(planes)).all():
-        raise _refusal(path, "planes are numbered with whole numbers, such as 1 and 2")
+        raise _refusal(path, "planes must be whole numbers, such as 1 and 2")
     numbers = tuple(int(plane) for plane in planes)
     return Runs(numbers, weights[trials], readings[first[0]], readings[trials], names, bool(phases), weight_unit, unit)
 
 
 def correction_of(path: Path, runs: Runs, noise: str | None = None) -> Correction:
-    """What to add in every plane.
+    """Compute the correction weights.
 
     Parameters
     ----------
     path : Path
-        Where the runs come from, for messages.
+        Source of the runs, for messages.
     runs : Runs
     noise : str, optional
         Standard deviation of a reading's real and imaginary part, such as "0.1 mm/s".
@@ -136,14 +135,14 @@ def correction_of(path: Path, runs: Runs, noise: str | None = None) -> Correctio
     Raises
     ------
     InputError
-        The runs don't suffice: a plane without a trial run or with several, sensors that don't tell planes
-        apart, amplitudes that no linear machine gives.
+        A plane without a single trial run, sensors that can't separate the planes, or amplitudes that no linear
+        machine gives.
     """
     return _by_coefficients(path, runs, noise) if runs.phases else _by_amplitudes(path, runs, noise)
 
 
 def trial_runs_text(path: Path, noise: str | None = None, holes: int | None = None) -> str:
-    """The balance of a rotor from its trial runs, in words.
+    """Report on the balance of a rotor from trial runs.
 
     Parameters
     ----------
@@ -152,12 +151,12 @@ def trial_runs_text(path: Path, noise: str | None = None, holes: int | None = No
     noise : str, optional
         As for `correction_of`.
     holes : int, optional
-        Number of equally spaced holes in every plane, at the radius of the trial weights; the first is at the mark.
+        Number of equally spaced holes per plane, at the radius of the trial weights, the first at the mark.
 
     Raises
     ------
     InputError
-        As from both; fewer than three holes.
+        As for both; fewer than three holes.
     """
     runs = read_runs(path)
     found = correction_of(path, runs, noise)
@@ -170,28 +169,26 @@ def trial_runs_text(path: Path, noise: str | None = None, holes: int | None = No
     if holes is not None:
         columns.append((f"or in two of {holes} holes", *_in_holes(found.weights, holes, unit)))
     if found.radii is not None:
-        columns.append(("noise leaves at most", *(f"{radius:.2g} {unit}" for radius in found.radii)))
+        columns.append(("residual from noise", *(f"{radius:.2g} {unit}" for radius in found.radii)))
     rows = list(zip(*columns, strict=True))
     per = f"{runs.unit} per {runs.weight_unit}".strip()
-    heads = ("sensor", "as it is", *(f"plane {plane}, {per}" for plane in found.planes), "left")
+    heads = ("sensor", "initial", *(f"plane {plane}, {per}" for plane in found.planes), "left")
     effects = [heads]
     for name, first, row, left in zip(runs.names, runs.initial, found.coefficients, found.left, strict=True):
         shown = [_polar_text(c) if runs.phases else f"{abs(c):.4g}" for c in row]
         whole = abs(first)
         rest = f"{left:.2g} {runs.unit}" if left > 1e-9 * whole else f"0 {runs.unit}"
         effects.append((name, f"{whole:.4g} {runs.unit}", *shown, rest))
-    notes = [
-        "Weights go at the radius of the trial weights, their angles count the same way; the trial weights come off."
-    ]
+    notes = ["Use the radius and angle convention of the trial weights, and remove the trial weights."]
     if holes is not None:
-        notes.append("Hole 1 is at the mark; holes count in the sense of the angles.")
+        notes.append("Hole 1 is at the mark; holes are numbered in the direction of the angles.")
     if found.radii is not None:
-        notes.append(f"With a probability of {PROBABILITY:.0%} noise leaves no more of a plane's unbalance than that.")
+        notes.append(f"The residual unbalance from noise is below this bound with a probability of {PROBABILITY:.0%}.")
     return "\n".join([table(rows), "", table(effects), "", *notes])
 
 
 def _in_holes(weights: np.ndarray, holes: int, unit: str) -> list[str]:
-    """Every weight as two, in the holes beside it, counted from 1."""
+    """Each weight split between its two neighbouring holes, numbered from 1."""
     try:
         split = split_on_neighbours(weights, holes)
     except PatternError as error:
@@ -203,15 +200,15 @@ def _in_holes(weights: np.ndarray, holes: int, unit: str) -> list[str]:
 def _by_coefficients(path: Path, runs: Runs, noise: str | None) -> Correction:
     planes = tuple(sorted(set(runs.planes)))
     if len(planes) != len(runs.planes):
-        raise _refusal(path, "each plane has one trial run; with phases more of them aren't needed")
+        raise _refusal(path, "with phases each plane needs exactly one trial run")
     if len(planes) > len(runs.names):
-        raise _refusal(path, f"{len(planes)} planes need as many sensors, or more; there are {len(runs.names)}")
+        raise _refusal(path, f"{len(planes)} planes need at least {len(planes)} sensors; there are {len(runs.names)}")
     order = np.argsort(runs.planes)
     weights = runs.weights[order]
     coefficients = influence_coefficients(runs.initial, runs.trials[order], weights)
     found = influence_correction(coefficients, runs.initial)
     if not np.isfinite(found).all():
-        raise _refusal(path, "the sensors don't tell the planes apart: place them elsewhere, or leave a plane out")
+        raise _refusal(path, "the sensors can't separate the planes: move them, or omit a plane")
     radii = None
     if noise is not None:
         sigma = _noise(runs, noise)
@@ -226,17 +223,17 @@ def _by_amplitudes(path: Path, runs: Runs, noise: str | None) -> Correction:
         f"or give phases, NAME{PHASE} [deg]"
     )
     sizes, angles = np.abs(runs.weights), np.degrees(np.angle(runs.weights / runs.weights[:1]))
-    # From a degree before, so that rounding leaves the first run first.
+    # Start one degree early, so that rounding keeps the order.
     order = np.argsort((angles + 1.0) % 360.0)
     thirds = np.abs((angles[order] - (0.0, 120.0, 240.0) + 180) % 360 - 180) if order.size == 3 else np.full(1, np.inf)
     alike = np.ptp(sizes) <= 1e-9 * sizes[0]
     if len(set(runs.planes)) != 1 or len(runs.names) != 1 or not alike or thirds.max() > THIRD_OF_A_TURN:
         raise _refusal(path, needed)
     if noise is not None:
-        raise _refusal(path, "the effect of noise is known only for runs with phases; leave --noise out")
+        raise _refusal(path, "--noise requires runs with phases")
     found = four_runs(abs(runs.initial[0]), np.abs(runs.trials[order, 0]), sizes[0])
     if not np.isfinite(found.unbalance):
-        message = "no linear machine gives these amplitudes: read them again, or take a heavier trial weight"
+        message = "no linear machine gives these amplitudes: repeat the readings, or use a heavier trial weight"
         raise _refusal(path, message)
     direction = runs.weights[0] / sizes[0]
     weight = -found.unbalance * direction
@@ -244,7 +241,7 @@ def _by_amplitudes(path: Path, runs: Runs, noise: str | None) -> Correction:
 
 
 def _polar(path: Path, columns: dict, size: str, angle: str | None) -> np.ndarray:
-    """Complex numbers from a column of amplitudes, in its own unit, and one of angles."""
+    """Complex numbers from a column of amplitudes in its unit and one of angles."""
     sizes = np.array(columns[size][1], float)
     if angle is None:
         return sizes.astype(complex)
@@ -258,7 +255,7 @@ def _polar(path: Path, columns: dict, size: str, angle: str | None) -> np.ndarra
 def _common_unit(path: Path, columns: dict, names: Iterable[str]) -> str:
     units = {columns[name][0] for name in names}
     if len(units) > 1:
-        raise _refusal(path, f"all sensors are read in one unit; these are in {', '.join(sorted(units))}", 1)
+        raise _refusal(path, f"all sensors must use one unit; these use {', '.join(sorted(units))}", 1)
     (unit,) = units
     try:
         base_powers(unit or "1")

@@ -1,1 +1,1 @@
-"""Running a study on a Dask cluster: who takes part, what is computed where, and what limits it."""
+"""Running a study on a Dask cluster."""

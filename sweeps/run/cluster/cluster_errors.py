@@ -1,9 +1,9 @@
-"""What may go wrong with a cluster, told in a sentence."""
+"""Errors of clusters."""
 
 
 class ClusterError(RuntimeError):
-    """There is no such cluster, or none of its workers can take part."""
+    """There is no such cluster, or it has no usable worker."""
 
 
 class UnfinishedError(ClusterError):
-    """Not everything could be computed; what could be is kept."""
+    """Some results are missing; the others are kept."""

@@ -1,4 +1,4 @@
-"""From the text after --cluster to a client of a Dask scheduler."""
+"""Connect to a Dask scheduler by the text after --cluster."""
 
 import logging
 import os
@@ -16,26 +16,25 @@ if TYPE_CHECKING:
     from distributed import Client
 
 LOCAL = re.compile(r"local:([1-9]\d{0,3})")
-# Seconds that a scheduler has to answer.
+# Timeout for a scheduler's answer [s].
 PATIENCE = 10
-# Dask has its workers give freed memory back at once; blocks, which need it again, take longer by that.
+# Dask's immediate trimming of freed memory slows down blocks, which need it again.
 WITH_MEMORY_KEPT = {"distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None}
 
 
-# Pages on the state of a cluster would answer anybody.
+# No dashboard: it would be open to everybody.
 WITHOUT_PAGES = {"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []}
 
 
 @contextmanager
 def connected(address: str) -> Iterator["Client"]:
-    """A client of a cluster, while something runs on it.
+    """Context manager of a cluster client.
 
     Parameters
     ----------
     address : str
-        Of a scheduler, such as "tcp://node1:8786" or, with certificates, "tls://node1:8786": it and its workers can run
-        programs here as this user. Or "local:8", which starts eight processes on this machine that share its cores, and
-        that only this process can talk to.
+        Scheduler address "tcp://node1:8786" or, with certificates, "tls://node1:8786"; it and its workers can run
+        programs here as this user. "local:8" starts eight private processes that share this machine's cores.
 
     Raises
     ------
@@ -49,19 +48,19 @@ def connected(address: str) -> Iterator["Client"]:
     except ImportError as error:
         message = f"--cluster needs Dask and cryptography ({error}): pip install 'machine-sweeps[cluster]'"
         raise ClusterError(message) from None
-    # What concerns the study is said in sentences.
+    # The program reports errors itself.
     logging.getLogger("distributed").setLevel(logging.CRITICAL + 1)
     local = LOCAL.fullmatch(address)
     if address.startswith("local") and not local:
         raise ClusterError(f"{address!r}: write local:8 for eight processes on this machine")
     if local:
         count = int(local[1])
-        # A signal ends the program at once, and Python's own helper would complain of semaphores it then removes.
+        # After a signal Python's resource tracker would warn of semaphores.
         others = filter(None, [os.environ.get("PYTHONWARNINGS")])
         os.environ["PYTHONWARNINGS"] = ",".join([*others, "ignore:resource_tracker:UserWarning"])
         with (
-            # Python looks for modules in Dask's folder first, and the usual one, /tmp/dask-scratch-space, may have been
-            # made by anybody.
+            # Python imports from Dask's scratch folder first, and anybody may have made the default,
+            # /tmp/dask-scratch-space.
             scratch_folder(dask.config.get("temporary-directory", None)) as folder,
             dask.config.set(
                 WITH_MEMORY_KEPT | WITHOUT_PAGES | _new_certificate() | {"temporary-directory": str(folder)}
@@ -70,7 +69,7 @@ def connected(address: str) -> Iterator["Client"]:
                 n_workers=count,
                 protocol="tls",
                 threads_per_worker=max(threads() // count, 1),
-                # Any port that is free, for this machine alone.
+                # Any free local port.
                 dashboard_address="127.0.0.1:0",
                 scheduler_kwargs={"dashboard": False},
                 silence_logs=logging.CRITICAL + 1,
@@ -84,7 +83,7 @@ def connected(address: str) -> Iterator["Client"]:
 
 
 def _new_certificate() -> dict[str, object]:
-    """Settings of Dask by which only processes that hold a new key, kept in memory, talk to each other."""
+    """Dask settings that restrict communication to processes with a new key, kept in memory."""
     from distributed import Security
 
     made = Security.temporary()
@@ -103,22 +102,22 @@ def _reached(address: str) -> Iterator["Client"]:
 
     try:
         with warnings.catch_warnings():
-            # Versions that numbers depend on are compared when workers are greeted.
+            # Relevant versions are compared when greeting workers.
             warnings.simplefilter("ignore", VersionMismatchWarning)
             client = Client(address, timeout=PATIENCE)
     except (TypeError, RuntimeError):
-        # Dask has no certificates, or is told to use them where the address has none.
+        # Missing certificates, or certificates required for an address without them.
         raise ClusterError(
-            f"{address} needs certificates, and tls:// before it: name them in Dask's configuration, or in the "
+            f"{address} needs tls:// and certificates: set them in Dask's configuration, or in the "
             f"variables DASK_DISTRIBUTED__COMM__TLS__CA_FILE, ..__TLS__CLIENT__CERT and ..__TLS__CLIENT__KEY."
         ) from None
     except (OSError, ValueError, TimeoutError) as error:
         raise ClusterError(
-            f"no Dask scheduler answers at {address} ({error}). `dask scheduler` starts one, and tells its address; "
-            f"local:2 needs none."
+            f"no Dask scheduler answers at {address} ({error}). `dask scheduler` starts one and prints its address; "
+            f"local:2 doesn't need one."
         ) from None
     try:
         yield client
     finally:
-        # What a lost scheduler doesn't answer isn't waited for.
+        # Don't wait for a lost scheduler.
         client.close(timeout=1)

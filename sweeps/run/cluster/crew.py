@@ -1,7 +1,7 @@
-"""The workers that take part in a run, and what is under way on them.
+"""The workers of a run and their jobs.
 
-Dask balances, and begins again what was lost with a worker. It is told which workers may be given something: those that
-have been greeted, run the same program, and have compiled what it takes.
+Dask balances the load and restarts jobs of lost workers. It only uses workers that were greeted, run the same program,
+and have compiled the study.
 """
 
 import itertools
@@ -36,19 +36,19 @@ from sweeps.run.cluster.on_workers import (
 )
 from sweeps.run.cost import FEW
 
-# Attempts at what fails, before it is given up.
+# Attempts per failing job.
 ATTEMPTS = 3
-# For each worker: one that is computed, one that comes next.
+# Jobs per worker: one running, one queued.
 UNDER_WAY = 2
-# Seconds between one look at who is there and the next.
+# Interval between checks for workers [s].
 LOOK = 1.0
-# Workers whose refusal is told one by one.
+# Refusals reported individually.
 NAMED = 3
-# Texts and numbers, in none of which there is a program.
+# Texts and numbers, which contain no code.
 PLAIN = ["msgpack"]
 
 
-# A number by which a result is known, and what a function is called with for it.
+# Job number and function arguments.
 Job = tuple[int, tuple]
 
 
@@ -58,31 +58,31 @@ class _Attempt(NamedTuple):
 
 
 class _GoneError(Exception):
-    """All workers that could have a result are gone."""
+    """All workers that may have a result are gone."""
 
 
 class Crew:
-    """Workers of a cluster that have a study ready. Use as a context manager.
+    """Cluster workers prepared for a study. Use as a context manager.
 
     Parameters
     ----------
     client : Client
     blocks : Blocks
-        Of the study.
+        Blocks of the study.
     tell : callable
-        Called with sentences on who is refused, and on what is waited for.
+        Receives messages on refusals and waiting.
 
     Attributes
     ----------
     members : dict of str to Greeting
-        Those ready now, by their addresses.
+        Workers ready now, by address.
     failures : dict of int to str
-        Numbers of the jobs that were given up, and why.
+        Abandoned jobs and reasons.
 
     Raises
     ------
     ClusterError
-        As soon as something is to be computed: no worker that is there can take part.
+        When computing: no usable worker.
     UnfinishedError
         At any time: the scheduler is lost.
     """
@@ -112,17 +112,17 @@ class Crew:
 
     @property
     def words(self) -> str:
-        """Workers, threads and processors that have taken part."""
+        """Workers, threads and processors used."""
         threads = sum(member.threads for member in self._seen.values())
         kinds = Counter(member.processor for member in self._seen.values())
         processors = ", ".join(f"{kind} ({count})" for kind, count in sorted(kinds.items()))
         plural = "" if len(self._seen) == 1 else "s"
         return f"{len(self._seen)} worker{plural}, {threads} threads; processors: {processors}"
 
-    # Who takes part
+    # Members
 
     def _look(self) -> None:
-        """See who has come and who has gone, not too often; who comes is greeted while others work."""
+        """Update the members at intervals, greeting new workers while others work."""
         if self._greeting and self._greeting.done():
             done, self._greeting = self._greeting, None
             self._welcome(*done.result())
@@ -140,7 +140,7 @@ class Crew:
             self._greeting = self._aside.submit(self._greet, {worker: there[worker] for worker in new})
 
     def _greet(self, threads: dict[str, int]) -> tuple[dict[str, Greeting], dict[str, str]]:
-        """Those of some workers, by their threads, that are ready now, and why others are refused."""
+        """Prepare workers: those now ready, and why others are refused."""
         own, ready, refused = own_greeting().versions, {}, {}
         try:
             greetings = self.client.sync(_greetings, self.client, list(threads))
@@ -158,7 +158,7 @@ class Crew:
         return {worker: ready[worker] for worker, why in answers.items() if why is None}, refused
 
     def _asked(self, function: Callable, workers: list[str], *arguments: object) -> dict[str, Any]:
-        """What some workers answer, or how they fail; of those that go away meanwhile nothing."""
+        """Answers or errors of some workers, without workers that disappear."""
         if not workers:
             return {}
         try:
@@ -172,7 +172,7 @@ class Crew:
         self._seen |= ready
         self._refused |= refused
         if refused and (self.members or self._waits):
-            self.tell(f"Left out: {self._refusals()}")
+            self.tell(f"Excluded: {self._refusals()}")
         if ready:
             self._waits = False
 
@@ -187,7 +187,7 @@ class Crew:
             self.tell(f"{why[0].upper()}{why[1:]}: waiting for one.")
 
     def _lost(self) -> UnfinishedError:
-        kept = "what is written is kept, and the same command goes on when there is one again, or without --cluster"
+        kept = "written results are kept; repeat the command, with a new scheduler or without --cluster, to resume"
         return UnfinishedError(f"the connection to the Dask scheduler is lost: {kept}")
 
     def assemble(self) -> None:
@@ -196,37 +196,37 @@ class Crew:
         Raises
         ------
         ClusterError
-            None of those there can take part.
+            No usable worker.
         """
         self._look()
         while not self.members:
             if self._refused and not self._greeting:
-                raise ClusterError(f"none of the cluster's workers can take part: {self._refusals()}")
-            self._tell_waiting("no worker is there")
+                raise ClusterError(f"the cluster has no usable worker: {self._refusals()}")
+            self._tell_waiting("no workers")
             time.sleep(LOOK / 10)
             self._look()
 
-    # What they do
+    # Jobs
 
     def block_size(self) -> int:
-        """Variants per block, as for `sweeps.run.blocks.block_size`, by what they take on a worker."""
+        """Variants per block, as for `sweeps.run.blocks.block_size`, from the time on a worker."""
         study = self.blocks.study
         if study.design.size <= FEW:
             return study.design.size
         seconds = dict(self.results(time_variant, [(0, ())])).get(0)
         if seconds is None:
-            raise UnfinishedError(f"no variant can be computed ({self.failures[0]})")
+            raise UnfinishedError(f"can't compute any variant ({self.failures[0]})")
         return block_size(study, study.machine(), seconds)
 
     def results(self, function: Callable, jobs: Iterable[Job]) -> Iterator[tuple[int, Any]]:
-        """Numbers and results of jobs, in any order; those given up are noted in `failures`.
+        """Job numbers and results in any order; abandoned jobs go to `failures`.
 
-        Jobs are taken as workers need them, and results are fetched one by one, so that memory is bounded.
+        Jobs are taken on demand and results fetched one by one, to bound memory.
 
         Parameters
         ----------
         function : callable
-            Called on workers with the digest of the study and what a job says.
+            Called on workers with the study's digest and the job's arguments.
         jobs : iterable of Job
         """
         self.assemble()
@@ -251,7 +251,7 @@ class Crew:
                     try:
                         found = self._fetched(future, attempt)
                     except _GoneError:
-                        # As for what is still computed there, below.
+                        # As for running jobs, below.
                         continue
                     del under_way[future]
                     yield attempt.job[0], found
@@ -263,7 +263,7 @@ class Crew:
                 elif not isinstance(error, KilledWorker):
                     self.failures[attempt.job[0]] = f"{type(error).__name__}: {error}"
                 elif alone:
-                    self.failures[attempt.job[0]] = "every worker that computes it is killed"
+                    self.failures[attempt.job[0]] = "it kills its workers"
                 else:
                     suspects.append(attempt.job)
             for future in [f for f, attempt in under_way.items() if not attempt.workers & self.members.keys()]:
@@ -273,12 +273,12 @@ class Crew:
                 if deaths[job[0]] < ATTEMPTS:
                     suspects.append(job)
                 else:
-                    self.failures[job[0]] = f"workers that compute it were lost {ATTEMPTS} times"
+                    self.failures[job[0]] = f"its workers were lost {ATTEMPTS} times"
 
     def _next(self, waiting: Iterator[Job], suspects: deque[Job], busy: int) -> Iterator[Job]:
-        """What is to be begun now.
+        """Jobs to start now.
 
-        What was under way where workers were lost is computed alone, so that it shows which of it is to blame.
+        Jobs of lost workers run one at a time, to find the culprit.
         """
         if not self.members:
             self._tell_waiting("no worker is left")
@@ -293,7 +293,7 @@ class Crew:
         return self.client.submit(function, *arguments, workers=sorted(workers), retries=ATTEMPTS - 1, pure=False)
 
     def _ended(self, under_way: Mapping[Future, _Attempt], ended: Queue[Future]) -> list[Future]:
-        """Those that have ended, after a second at most."""
+        """Finished jobs, after at most a second."""
         if not under_way:
             time.sleep(LOOK / 10)
             return []
@@ -306,20 +306,20 @@ class Crew:
         return [future for future in found if future in under_way]
 
     def _error_of(self, future: Future) -> BaseException | None:
-        """Why something that has ended failed."""
+        """Why a finished job failed."""
         try:
             return future.exception() if future.status != "finished" else None
         except (CancelledError, OSError):
             raise self._lost() from None
 
     def _fetched(self, future: Future, attempt: _Attempt) -> Any:
-        """A result; it may go down with its worker before it is here."""
+        """Fetch a result, which may be lost with its worker."""
         call = self._fetching.submit(future.result)
         while True:
             try:
                 return call.result(timeout=LOOK)
             except (CancelledError, OSError):
-                # Of which a timeout is one.
+                # Includes timeouts.
                 if call.done():
                     raise self._lost() from None
             self._look()
@@ -328,15 +328,14 @@ class Crew:
 
 
 def _other_version(name: str, theirs: Mapping[str, str], ours: Mapping[str, str]) -> str:
-    found = f"it has {name} {theirs.get(name)}, and here is {ours[name]}"
-    return f"{found}; install the same there, and start the worker again"
+    found = f"it has {name} {theirs.get(name)}, this machine has {ours[name]}"
+    return f"{found}; install the same version there and restart the worker"
 
 
 async def _greetings(client: Client, workers: list[str]) -> dict[str, Greeting | str]:
-    """Greetings of those workers that answer, or why one is a stranger.
+    """Greetings of answering workers, or why one is incompatible.
 
-    Nothing of what they send is unpickled. What they are asked is an expression, so that a module that is missing there
-    is an answer: a function that can't be unpickled there would be none.
+    Their answers are not unpickled. The question is an expression, so that a missing module still gives an answer.
     """
     expression = f"__import__({greet.__module__!r}, fromlist=['greet']).greet()"
     call = {"function": pickle.dumps(eval), "args": pickle.dumps((expression,)), "kwargs": pickle.dumps({})}
@@ -354,7 +353,7 @@ async def _greetings(client: Client, workers: list[str]) -> dict[str, Greeting |
 
 
 def _greeting(answer: Mapping[str, Any]) -> Greeting | str:
-    """A worker's greeting, or why it is a stranger."""
+    """A worker's greeting, or why it is incompatible."""
     if answer.get("status") != "OK":
         return _stranger(str(answer.get("exception_text")))
     try:
@@ -362,13 +361,13 @@ def _greeting(answer: Mapping[str, Any]) -> Greeting | str:
         found = Greeting(**json.loads(merge_and_deserialize(sent.header, sent.frames, deserializers=PLAIN)))
         return found._replace(versions={**found.versions}, processor=str(found.processor))
     except Exception as error:
-        # Whatever a stranger may send.
+        # Incompatible workers may send anything.
         return _stranger(f"{type(error).__name__}: {error}")
 
 
 def _stranger(error: str) -> str:
-    """Why a worker doesn't answer as ours do."""
+    """Why a worker doesn't answer correctly."""
     if "ModuleNotFoundError" in error:
         missing = error.partition("No module named ")[2].strip("\"')\\ ") or "machine-sweeps"
-        return f"it has no {missing}; pip install 'machine-sweeps[cluster]' there, and start the worker again"
-    return f"it has another machine-sweeps ({error}); install the same there, and start the worker again"
+        return f"it has no {missing}; pip install 'machine-sweeps[cluster]' there and restart the worker"
+    return f"it has another version of machine-sweeps ({error}); install the same version there and restart the worker"

@@ -1,4 +1,4 @@
-"""What will limit a run on a cluster: its workers, the network to the client, or the disk there."""
+"""Bottleneck of a run on a cluster: workers, network or the client's disk."""
 
 import math
 import time
@@ -14,19 +14,19 @@ from sweeps.run.cluster.on_workers import make_noise, time_variant
 from sweeps.store import FileLayout, Store
 from sweeps.text.whole_files import scratch_folder
 
-# Bytes that are sent and written to see how fast that goes, and how often they are sent.
+# Bytes sent and written to measure speed, and number of repetitions.
 TRIED = 32_000_000
 TRIES = 3
 BLOCKS_TRIED = 8
 
 
 class ClusterLimits(NamedTuple):
-    """How many variants a second each part of a cluster could do by itself.
+    """Variants per second of each part of a cluster.
 
     Attributes
     ----------
     workers, network, disk : float
-        All workers together computing, the client fetching, the client writing.
+        All workers computing, the client fetching, the client writing.
     """
 
     workers: float
@@ -35,32 +35,32 @@ class ClusterLimits(NamedTuple):
 
     @property
     def seconds(self) -> float:
-        """What a variant takes of the whole: the client fetches and writes in turns, while workers compute."""
+        """Overall time per variant: the client fetches and writes alternately while workers compute."""
         return max(1.0 / self.workers, 1.0 / self.network + 1.0 / self.disk)
 
     @property
     def least(self) -> str:
-        """The part that limits the whole."""
+        """The bottleneck."""
         if self.seconds * self.workers <= 1.0:
             return "workers"
         return "network" if self.network < self.disk else "disk"
 
 
 def measure_limits(crew: Crew, folder: Path) -> ClusterLimits:
-    """Measure what limits a study on a cluster.
+    """Measure the bottleneck of a study on a cluster.
 
     Parameters
     ----------
     crew : Crew
     folder : Path
-        Where results will lie; something is written there, and removed.
+        Result folder, for a temporary test file.
 
     Raises
     ------
     ClusterError
-        No worker can take part, or one of them fails.
+        No usable worker, or a worker fails.
     StoreError
-        Nothing can be written in the folder.
+        The folder isn't writable.
     """
     crew.assemble()
     layout = crew.blocks.layout
@@ -69,18 +69,18 @@ def measure_limits(crew: Crew, folder: Path) -> ClusterLimits:
 
 
 def _computed_rate(crew: Crew) -> float:
-    """Variants a second, all workers at the same time."""
+    """Variants per second of all workers together."""
     submit = crew.client.submit
     timed = [submit(time_variant, crew.digest, workers=[worker], pure=False) for worker in crew.members]
     try:
         return sum(1.0 / seconds for seconds in crew.client.gather(timed))
     except Exception as error:
-        # Whatever a worker raises: of the study or of Dask.
+        # Any error of the study or of Dask.
         raise UnfinishedError(f"a worker can't compute the study ({type(error).__name__}: {error})") from None
 
 
 def _fetched_rate(crew: Crew) -> float:
-    """Bytes a second from a worker to here."""
+    """Bytes per second from a worker."""
     least = math.inf
     for _ in range(TRIES):
         noise = crew.client.submit(make_noise, TRIED, workers=list(crew.members), pure=False)
@@ -92,7 +92,7 @@ def _fetched_rate(crew: Crew) -> float:
 
 
 def _written_rate(layout: FileLayout, row: int, folder: Path) -> float:
-    """Bytes a second of results, from making the file to giving it its name."""
+    """Bytes per second of results, from creating the file to renaming it."""
     count = max(TRIED // (row * BLOCKS_TRIED), 1)
     draft = replace(layout, variants=count * BLOCKS_TRIED, block=count)
     noise = np.random.default_rng(0)

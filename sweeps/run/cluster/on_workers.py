@@ -1,7 +1,7 @@
-"""What workers of a cluster do: they tell what they are, keep a study with its machine code, and compute its blocks.
+"""Functions for cluster workers: identify, store a study with its compiled code, compute its blocks.
 
-A worker computes one block at a time, with as many threads as Dask gives it: further blocks wait there, so that the
-next one begins while the last one's numbers are sent.
+A worker computes one block at a time with all its Dask threads; further blocks are queued there, so that the next one
+starts while the last result is sent.
 """
 
 import asyncio
@@ -27,9 +27,9 @@ from sweeps.run.blocks import evaluate_variants
 from sweeps.run.carrying import Blocks, Excerpt
 from sweeps.run.cost import seconds_of_variant
 
-# Studies whose machines a worker keeps.
+# Prepared studies per worker.
 MACHINES_KEPT = 2
-# Studies that it could make ready again.
+# Stored studies per worker.
 STUDIES_KEPT = 64
 
 _ONE_AT_A_TIME = threading.Lock()
@@ -37,16 +37,16 @@ _studies: dict[str, bytes] = {}
 
 
 class NotReadyError(RuntimeError):
-    """A worker hasn't the study: one that was started anew under the address of another. The text is its address."""
+    """A restarted worker lacks the study. The text is its address."""
 
 
 class Greeting(NamedTuple):
-    """What a process says of itself.
+    """Identity of a process.
 
     Attributes
     ----------
     versions : dict of str to str
-        Of all that numbers depend on, by what it is.
+        Versions of everything that numbers depend on.
     processor : str
         As LLVM names it.
     host : str
@@ -70,26 +70,26 @@ def program_digest() -> str:
 
 
 def own_greeting() -> Greeting:
-    """What this process is."""
+    """Identity of this process."""
     versions = {
         "Python": platform.python_version(),
         "numba": numba.__version__,
         "llvmlite": llvmlite.__version__,
         "NumPy": np.__version__,
         "SciPy": scipy.__version__,
-        # Last, as it differs wherever one of the others does.
+        # Last, as it includes the others.
         "machine-sweeps": program_digest()[:12],
     }
     return Greeting(versions, get_host_cpu_name(), platform.node(), threads())
 
 
 def greet() -> str:
-    """What a worker is, as a JSON text: it must be known before anything that the worker pickled is unpickled."""
+    """Identity of a worker as JSON, checked before unpickling its data."""
     return json.dumps(own_greeting()._asdict())
 
 
 async def make_ready(content: bytes, dask_worker: Worker) -> None:
-    """Keep a study on a worker, and compile what it takes.
+    """Store a study on a worker and compile it.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def digest_of_content(content: bytes) -> str:
 
 @lru_cache(MACHINES_KEPT)
 def blocks_of(digest: str) -> Blocks:
-    """A study that is kept, with its machine.
+    """A stored study with its machine.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def blocks_of(digest: str) -> Blocks:
 def compute_block(
     digest: str, start: int, stop: int, excerpts: Sequence[Excerpt]
 ) -> tuple[dict[str, np.ndarray], np.ndarray | None]:
-    """Columns of a block of a study that is kept, as of `Blocks.computed`.
+    """Columns of a block of a stored study, as from `Blocks.computed`.
 
     Parameters
     ----------
@@ -141,14 +141,14 @@ def compute_block(
     start, stop : int
         The block's variants.
     excerpts : sequence of Excerpt
-        Outlines of what earlier files hold of it.
+        Outlines of its reusable parts.
     """
     with _ONE_AT_A_TIME:
         return blocks_of(digest).computed(slice(start, stop), excerpts)
 
 
 def compute_candidates(digest: str, values: Mapping[str, np.ndarray], drop: np.ndarray | None) -> Outcome:
-    """Outcome of candidates of a search, as of the machine's `evaluate`.
+    """Outcome of candidates, as from the machine's `evaluate`.
 
     Parameters
     ----------
@@ -156,19 +156,19 @@ def compute_candidates(digest: str, values: Mapping[str, np.ndarray], drop: np.n
     values : mapping of str to ndarray (candidates,)
         Numbers of the scene (SI).
     drop : ndarray (candidates,) of bool, optional
-        Which of them are not to be evaluated.
+        Candidates to skip.
     """
     with _ONE_AT_A_TIME:
         return blocks_of(digest).study.machine().evaluate(values, drop)
 
 
 def time_variant(digest: str) -> float:
-    """What a variant of a study that is kept takes on this worker [s]."""
+    """Time per variant of a stored study on this worker [s]."""
     with _ONE_AT_A_TIME:
         study = blocks_of(digest).study
         return seconds_of_variant(study, study.machine())
 
 
 def make_noise(count: int) -> np.ndarray:
-    """So many bytes that can't be compressed, to see how fast they are sent."""
+    """Incompressible bytes, to measure the network."""
     return np.frombuffer(np.random.default_rng(0).bytes(count), np.uint8)

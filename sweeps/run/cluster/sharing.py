@@ -1,4 +1,4 @@
-"""Candidates of a search shared out among the workers of a cluster."""
+"""Candidates of a search distributed over cluster workers."""
 
 from collections.abc import Mapping
 from itertools import pairwise
@@ -10,12 +10,12 @@ from sweeps.run.cluster.cluster_errors import UnfinishedError
 from sweeps.run.cluster.crew import UNDER_WAY, Crew
 from sweeps.run.cluster.on_workers import compute_candidates
 
-# Candidates that are worth sending; fewer are kept together.
+# Minimum candidates per job.
 WORTH_SENDING = 16
 
 
 def share_out(crew: Crew, values: Mapping[str, np.ndarray], dropped: np.ndarray | None, count: int) -> Outcome:
-    """Outcome of candidates, as of the machine's `evaluate`.
+    """Outcome of candidates, as from the machine's `evaluate`.
 
     Parameters
     ----------
@@ -23,13 +23,13 @@ def share_out(crew: Crew, values: Mapping[str, np.ndarray], dropped: np.ndarray 
     values : mapping of str to ndarray (count,)
         Numbers of the scene (SI).
     dropped : ndarray (count,) of bool, optional
-        Which of them are not to be evaluated.
+        Candidates to skip.
     count : int
 
     Raises
     ------
     UnfinishedError
-        Some of them couldn't be computed.
+        Some candidates failed to compute.
     """
     crew.assemble()
     pieces = max(min(UNDER_WAY * len(crew.members), count // WORTH_SENDING), 1)

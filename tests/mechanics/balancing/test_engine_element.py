@@ -71,7 +71,7 @@ def test_element_of_a_v_twin__has_the_ellipse_of_the_closed_form(angle, share):
     for name, value in zip(names, exact, strict=True):
         error = float(outcome.errors[f"it.{name}"][0])
         found = float(outcome.summaries[f"it.{name}"][0])
-        # The stated error figure holds; it has room for what counts as balanced.
+        # The stated error estimate holds; it has room for what counts as balanced.
         assert abs(found - float(value)) <= error
 
 

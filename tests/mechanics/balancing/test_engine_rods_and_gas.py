@@ -91,7 +91,7 @@ def test_offset_gudgeon_pins__shake_with_the_harmonics_of_the_pistons_motion(off
             wave = sum(x * mpmath.expj(-2 * mpmath.pi * n * k / 128) for k, x in enumerate(points)) / 64
             exact = float(mass * n**2 * abs(wave) * 300**2)
             found, error = value(outcome, f"{word}_force")
-            # Along one line. What the radius is rounded to is part of the error figure.
+            # Along one line. What the radius is rounded to is part of the error estimate.
             assert abs(found - exact) <= error
             assert error < 1e-9 * float(mass * r * 300**2)
     assert "it.third_order_force" not in results(**FOUR).summaries

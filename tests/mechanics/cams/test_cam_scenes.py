@@ -109,7 +109,7 @@ def test_cam_is_drawn(name, tmp_path):
 
 
 def test_cam_that_cannot_be_placed__is_not_drawn(tmp_path):
-    with pytest.raises(PictureError, match="no results that could be drawn"):
+    with pytest.raises(PictureError, match="no results to draw"):
         element_sheet(cam_of(ROLLER, follower__offset="39 mm"), tmp_path / "cam.png")
 
 
@@ -152,14 +152,14 @@ def test_exported_dxf__has_closed_outlines_in_millimetres(template):
 
 
 def test_element_that_is_no_cam__is_refused(template):
-    assert "its cams are: cam" in refused("export", template, "--to", "x.csv", "--element", "cm")
+    assert "cams: cam" in refused("export", template, "--to", "x.csv", "--element", "cm")
 
 
 def test_cams_of_a_scene_with_several__are_named(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     scene = Scene.model_validate({"elements": {"inlet": FLAT, "outlet": ROLLER}})
     Path("two.toml").write_text(write_scene(scene), encoding="utf8")
-    assert "say which cam, one of inlet, outlet" in refused("export", "two.toml", "--to", "x.svg")
+    assert "name one of the cams: inlet, outlet" in refused("export", "two.toml", "--to", "x.svg")
     assert "Wrote x.svg" in said("export", "two.toml", "--to", "x.svg", "--element", "inlet").output
 
 

@@ -46,7 +46,7 @@ def yoke(drive: dict = {}, speed: float = 20.0, **parts: dict) -> Scene:  # noqa
 
 
 def asked(scene: Scene, names: list[str], **varied: list) -> tuple[np.ndarray, dict, dict]:
-    """Status, values and error figures by the last parts of their names; double underscores stand for dots."""
+    """Status, values and error estimates by the last parts of their names; double underscores stand for dots."""
     paths = {key.replace("__", "."): values for key, values in varied.items()}
     return answers(Machine(scene, [f"d.{name}" for name in names], varied=paths), *paths.values())
 
@@ -325,7 +325,7 @@ FADING = {"type": "formula", "on": "P", "force": "-f * exp(-abs(v) / 1 m/s)", "n
         ({}, {"moments": {}}, "no motor drives it"),
         ({"off": ["motor"]}, {}, "every motor is off"),
         ({"off": ["moter"]}, {}, "did you mean 'motor'"),
-        ({"motor_inertia": None, "driver": "weel"}, {}, "'weel' is no shaft geared to the crank; .*'wheel'"),
+        ({"motor_inertia": None, "driver": "weel"}, {}, "'weel' is not a shaft geared to the crank; .*'wheel'"),
         (
             {},
             {"friction": {"f": {"pair": "g.second", "coefficient": 0.1}}},
@@ -526,4 +526,4 @@ def test_run_on_a_stiff_shaft__takes_about_as_long_as_forecast(tmp_path):
     assert Machine(scene, ["reduced_inertia.mean"]).seconds_on_shafts({}) == 0.0
     (tmp_path / "scene.toml").write_text(write_scene(scene), encoding="utf8")
     study = read_study(tmp_path / "scene.toml")
-    assert on_shafts_text(study, study.machine()).startswith("Runs on elastic shafts go step by step: about ")
+    assert on_shafts_text(study, study.machine()).startswith("Runs on elastic shafts: about ")

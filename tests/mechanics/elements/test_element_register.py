@@ -147,5 +147,5 @@ def test_new_kind__is_told_of_where_a_text_is_wrong(hoist):
 
 def test_element_without_results__is_not_drawn(tmp_path):
     stuck = {"type": "car", "speed": 15.0, "friction": 0.1, "wheelbase": 2.8, "rear_distance": 1.2, "height": 0.6}
-    with pytest.raises(PictureError, match="no results that could be drawn"):
+    with pytest.raises(PictureError, match="no results to draw"):
         element_pictures(Scene(elements={"it": stuck | {"slope": -0.5}}), tmp_path / "it.svg")

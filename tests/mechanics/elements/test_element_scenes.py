@@ -24,7 +24,7 @@ EPS = np.finfo(float).eps
 
 def test_scene_of_elements_alone__is_made_ready_without_a_machine():
     assert isinstance(made_ready(scene(jack=JACK)), ElementsAlone)
-    with pytest.raises(SceneError, match=r"input: is missing.*machine elements alone"):
+    with pytest.raises(SceneError, match=r"input: is missing.*only machine elements"):
         Machine(scene(jack=JACK))
 
 
@@ -133,7 +133,7 @@ def test_scene_without_input_or_elements__is_refused():
 @pytest.mark.parametrize(
     ("ask", "words"),
     [
-        ({"summaries": ["crank.swing"]}, r"'crank.swing' is not a summary.*machine elements alone"),
+        ({"summaries": ["crank.swing"]}, r"'crank.swing' is not a summary.*only machine elements"),
         ({"summaries": ["jack.raise_momnt"]}, "did you mean 'jack.raise_moment'"),
         ({"fields": ["B.x"]}, r"'B.x': machine elements have no fields.*\[input\]"),
         ({"varied": ["elements.jack.load", "input.speed"]}, "'input.speed' is not a number of this scene"),
@@ -204,7 +204,7 @@ def test_commands__on_elements_alone_work_or_say_why_not(tmp_path, monkeypatch):
 
     code, out = run("check", "jack.toml")
     assert code == 0
-    assert "machine elements alone" in out
+    assert "only machine elements" in out
     assert "jack.raise_moment" in out
     code, out = run("run", "jack.toml", "--quiet")
     assert code == 0
@@ -218,7 +218,7 @@ def test_commands__on_elements_alone_work_or_say_why_not(tmp_path, monkeypatch):
     for words in (("animate", "jack.toml"), ("export", "jack.toml", "--to", "a.svg")):
         code, out = run(*words)
         assert code == 2
-        assert "machine elements alone" in out
+        assert "only machine elements" in out
     code, out = run("check", "jack.toml", "--source")
     assert "def values" in out
 

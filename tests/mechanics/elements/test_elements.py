@@ -1,4 +1,4 @@
-"""Results of machine elements, with their verdicts and error figures."""
+"""Results of machine elements, with their verdicts and error estimates."""
 
 import math
 
@@ -55,7 +55,7 @@ def test_screw__takes_in_what_it_gives_and_loses(pitch, friction, angle, collar)
         work = mpf(load) * mpf(lead) / (2 * mpmath.pi)
         expected = [up, down, work / up, max(-down / work, 0), 1 if down >= 0 else 0]
         errors = [float(outcome.errors[f"it.{name}"][0]) for name in names]
-        # The stated error figures hold.
+        # The stated error estimates hold.
         for value, exact, error in zip(values[:4], expected[:4], errors[:4], strict=True):
             assert abs(mpf(float(value[0])) - exact) <= error
     if abs(down) > errors[1]:
@@ -164,7 +164,7 @@ def test_roller__on_a_plane_and_on_its_mate():
     assert_allclose((radius, drive, traction), (0.1, 15.0, 600.0), rtol=4 * EPS)
 
 
-# Verdicts, variants and error figures
+# Verdicts, variants and error estimates
 
 
 def test_jamming__is_a_verdict_and_no_number():

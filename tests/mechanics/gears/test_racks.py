@@ -133,7 +133,7 @@ def test_any_racks__balance(radius, pressure, other, angle, speed):
     [
         (DOUBLER, {"racks__table__pinion": "rod"}, "the angle of 'rod' isn't known"),
         (DOUBLER, {"racks__table__pinion": "crank", "racks__table__pivot": "O"}, "the rack would run away"),
-        (DOUBLER, {"racks__table__pivot": "A"}, "'A' is no point of 'wheel'"),
+        (DOUBLER, {"racks__table__pivot": "A"}, "'A' is not a point of 'wheel'"),
         (
             DOUBLER,
             {"racks__table__guide": "other", "guides__other": {}},

@@ -17,7 +17,7 @@ SPEED = 100.0
 
 
 def near(found, exact, roundings=128):
-    """Within the error figure, which is itself some roundings of the value."""
+    """Within the error estimate, which is itself some roundings of the value."""
     value, error = found
     assert abs(Fraction(float(value)) - exact) <= Fraction(float(error))
     assert error <= roundings * EPS * abs(value)

@@ -145,7 +145,7 @@ def test_planetary_train_with_a_sun__has_the_ratio_of_willis():
     [
         ({"shafts__counter__geared_to": "rod"}, "no joint holds 'rod' on 'frame'"),
         ({"shafts__counter__geared_to": "sun", "shafts__counter__pivot": "F"}, None),
-        ({"shafts__sun__pivot": "D"}, "'D' is no point of the carrier 'crank'"),
+        ({"shafts__sun__pivot": "D"}, "'D' is not a point of the carrier 'crank'"),
         ({"shafts__idler__carrier": "rod"}, "'rod' carries this wheel"),
         ({"shafts__idler__pressure_angle": 0.3, "shafts__idler__pivot": "B"}, "about the axis of 'rod'"),
         ({"shafts__loose": {"geared_to": "crank", "ratio": 2}, "shafts__counter__geared_to": "loose"}, "has no pivot"),

@@ -205,13 +205,13 @@ def test_sheet_of_a_governor_that_does_not_work__says_why():
     figure = element_sheet(unstable, new_figure(180, 100))
     assert "stable nowhere between its stops" in figure.axes[0].get_title()
     assert set(lines(figure.axes[0])) >= {"unstable", "stops"}
-    with pytest.raises(PictureError, match="no results that could be drawn"):
+    with pytest.raises(PictureError, match="no results to draw"):
         element_sheet(element(PORTER | {"upper_arm": 0.1}), new_figure(180, 100))
 
 
 def test_element_that_cannot_be_drawn__leaves_the_pictures_of_the_others(tmp_path):
     elements = {"short": PORTER | {"upper_arm": 0.1}, "sound": PORTER}
-    with pytest.raises(PictureError, match=r"elements\.short: .*no results that could be drawn"):
+    with pytest.raises(PictureError, match=r"elements\.short: .*no results to draw"):
         element_pictures(Scene.model_validate({"elements": elements}), tmp_path / "sheet.svg")
     assert [path.name for path in tmp_path.iterdir()] == ["sheet_sound_governor.svg"]
 

@@ -174,7 +174,7 @@ def test_load_over_time__is_refused_in_a_cycle_and_taken_in_a_run(load):
     run = {"go": {"type": "run", "time": 0.2, "from_speed": "100 rpm"}}
     scene = Scene.model_validate(WEIGHT | {"moments": {"push": load}, "regimes": run})
     for name in ("required_power", "reduced_moment.max"):
-        with pytest.raises(AskError, match=r"a load depends on time .*no motion repeats itself"):
+        with pytest.raises(AskError, match=r"a load depends on time .*no motion is periodic"):
             Machine(scene, [name])
     with pytest.raises(AskError, match="depends on time"):
         Machine(scene, fields=["reduced_moment"])
@@ -205,7 +205,9 @@ TRAIN = {
 def test_element_that_follows_the_cycle__is_not_given_a_load_over_time():
     """A change of load goes through cycles of any speed; a train is excited at that of the input."""
     element = GOVERNED | {"engine": GOVERNED["engine"] | {"duration": 2.0}}
-    with pytest.raises(SceneError, match=r"elements\.e\.engine\.duration: 'push' depends on time: no motion repeats"):
+    with pytest.raises(
+        SceneError, match=r"elements\.e\.engine\.duration: 'push' depends on time: no motion is periodic"
+    ):
         Mechanics(Scene.model_validate(WEIGHT | {"moments": {"push": TABLED}, "elements": {"e": element}}))
     fine = Scene.model_validate(WEIGHT | {"moments": {"push": TABLED}, "elements": {"e": GOVERNED}})
     assert Machine(fine, ["e.decay_rate"]).evaluate({}).status[0] == Verdict.OK

@@ -1,7 +1,7 @@
 """Extremes of every number against 80 digits: near dead centres, tiny and huge, fast and slow; and the laws of scale.
 
 Tolerances of the slider-crank's fields are those of its closed form, see `extreme_slider_crank`. Summaries are off by
-no more than their own error figures.
+no more than their own error estimates.
 """
 
 import math

@@ -82,7 +82,7 @@ def slider_crank(moments, regimes):
 
 
 def asked(scene, varied=None, positions=240):
-    """Every quantity of every regime, its error figure, and the verdicts."""
+    """Every quantity of every regime, its error estimate, and the verdicts."""
     scene, varied = Scene.model_validate(scene), varied or {}
     names = [f"{regime}.{quantity}" for regime in scene.regimes for quantity in QUANTITIES]
     machine = Machine(scene, summaries=names, varied=varied, positions=positions)

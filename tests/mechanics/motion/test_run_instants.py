@@ -23,7 +23,7 @@ def kept(scene: dict, other: str, names=FIELDS, varied=None) -> tuple:
 
 
 def close(rows: np.ndarray, values: np.ndarray, found, name: str, sure: float, other: float = 2e-16) -> None:
-    """Rows are what they should be, to their own error figure, and to a share of the greatest of them.
+    """Rows are what they should be, to their own error estimate, and to a share of the greatest of them.
 
     What they are compared with is off by another share, or half a unit in the last place.
     """

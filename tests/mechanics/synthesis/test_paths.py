@@ -44,10 +44,10 @@ def test_path_of_a_linkage__is_found_again_by_the_command(tmp_path, monkeypatch)
 @pytest.mark.parametrize(
     ("places", "words"),
     [
-        ([0, 1, 1j], "five places"),
+        ([0, 1, 1j], "five finite points"),
         ([0, 1, 1j, math.nan, 2], "finite"),
-        ([0, 1, 2, 3, 4], "straight line"),
-        ([1 + 1j] * 6, "straight line"),
+        ([0, 1, 2, 3, 4], "collinear"),
+        ([1 + 1j] * 6, "collinear"),
     ],
 )
 def test_path_that_is_none__is_refused(places, words):

@@ -92,17 +92,17 @@ def test_dyads_of_a_known_linkage__are_found_again():
     ends = [abs((b * b + c * c - d * d) / (2 * b * c)) for d in (frame - a, frame + a)]
     assert four_bar.least_transmission == pytest.approx(math.acos(max(ends)), abs=1e-12)
     mixed = [positions[i] for i in (0, 2, 1, 3)]
-    with pytest.raises(SynthesisError, match="to and fro"):
+    with pytest.raises(SynthesisError, match="would have to reverse"):
         four_bar_through(mixed, PlaneDyad(0j, -point), PlaneDyad(frame + 0j, b - point))
 
 
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda p: dyad_of_centre(p[:2], 0j), "three positions are needed"),
+        (lambda p: dyad_of_centre(p[:2], 0j), "needs three positions"),
         (lambda p: dyads_of_turn(p, 1.0), "four positions are needed"),
-        (lambda p: dyad_of_circle([PlanePosition(complex(x), 0.0) for x in (0, 1, 2)], 0j), "straight line"),
-        (lambda p: four_bar_through(p, *2 * [dyad_of_centre(p, -0.02 - 0.06j)]), "fall together"),
+        (lambda p: dyad_of_circle([PlanePosition(complex(x), 0.0) for x in (0, 1, 2)], 0j), "collinear"),
+        (lambda p: four_bar_through(p, *2 * [dyad_of_centre(p, -0.02 - 0.06j)]), "coincide"),
     ],
 )
 def test_what_cannot_be_guided__is_refused_in_words(make, words):
@@ -190,7 +190,7 @@ def test_command__writes_a_scene_that_passes_through_the_positions(tmp_path, mon
         (("--at", "1 mm, 2 mm"), "3 numbers are needed"),
         (("--at", "1 mm, 2 mm, 3 mm"), "angle"),
         ((*given_places(3), "--pivot", "0 mm, 0 mm"), "two links are needed"),
-        ((*given_places(3), "--turn", "20 deg, 1", "--turn", "30 deg, 1"), "is of four positions"),
+        ((*given_places(3), "--turn", "20 deg, 1", "--turn", "30 deg, 1"), "is for four positions"),
         ((*given_places(4), "--pivot", "0 mm, 0 mm"), "give --turn"),
         ((*given_places(4), "--turn", "20 deg, 3", "--turn", "30 deg, 1"), "1 and 2"),
     ],

@@ -108,17 +108,17 @@ def test_lever__swings_between_tangents_of_the_crank_circle(stroke, ratio, frame
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: quick_slider_crank(0.3, 0.5), "1 or more"),
-        (lambda: quick_slider_crank(0.3, math.nan), "1 or more"),
+        (lambda: quick_slider_crank(0.3, 0.5), "at least 1"),
+        (lambda: quick_slider_crank(0.3, math.nan), "at least 1"),
         (lambda: quick_slider_crank(-0.3, 1.2), "greater than 0"),
         (lambda: quick_slider_crank(0.3, 1.0), "give the rod"),
         (lambda: quick_slider_crank(0.3, 3.5), "less than 3"),
         (lambda: quick_slider_crank(0.3, 1.4, 5.0), r"about 0\.15\d* to 0\.5\d* m"),
-        (lambda: quick_crank_rocker(0.1, 1.0, 6.0), "swinging lever"),
+        (lambda: quick_crank_rocker(0.1, 1.0, 6.0), "slotted lever"),
         (lambda: quick_crank_rocker(0.1, 4.0, 1.2), "between 0 and 180°"),
         (lambda: quick_crank_rocker(0.1, 1.0, 1.2, 50.0), "it may be about"),
         (lambda: quick_lever(0.3, 1.0, 0.2), "greater than 1"),
-        (lambda: quick_lever(0.3, 1.5, math.inf), "bearings"),
+        (lambda: quick_lever(0.3, 1.5, math.inf), "pivots"),
     ],
 )
 def test_what_cannot_be__is_refused_in_words(make, words):
@@ -171,7 +171,7 @@ def test_command__writes_a_scene_that_does_what_was_wanted(tmp_path, monkeypatch
         (("slider-crank", "--stroke", "300", "--ratio", "1.3"), ("--stroke", "300 mm")),
         (("slider-crank", "--stroke", "300 mm", "--ratio", "1.3", "--speed", "3 m"), ("--speed", "rpm")),
         (("crank-rocker", "--swing", "60 mm", "--rocker", "1 m", "--ratio", "1.1"), ("--swing", "angle")),
-        (("shaper", "--stroke", "300 mm", "--ratio", "0.9", "--frame", "1 m"), ("1 or more",)),
+        (("shaper", "--stroke", "300 mm", "--ratio", "0.9", "--frame", "1 m"), ("at least 1",)),
     ],
 )
 def test_nonsense__is_refused_with_the_option(tmp_path, monkeypatch, command, words):

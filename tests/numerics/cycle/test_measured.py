@@ -15,7 +15,7 @@ asides = st.floats(-1.0, 1.0)
 
 
 def inside(found, exact):
-    """Whether an exact result is within the error figure, a hundredth more for the second order."""
+    """Whether an exact result is within the error estimate, a hundredth more for the second order."""
     return abs(mpmath.mpf(float(found.value)) - exact) <= float(found.error) * 1.01
 
 

@@ -203,8 +203,8 @@ def test_command_whose_block_fails__tells_it_and_ends_with_1(client, tmp_path, m
     part = Path("results/study.part.h5")
     assert answer.exit_code == 1
     assert answer.stderr == (
-        "Error: variants 80 … 119 couldn't be computed (ArithmeticError: this block is refused). All others are kept "
-        f"in {part}; the same command tries these again.\n"
+        "Error: variants 80 … 119 couldn't be computed (ArithmeticError: this block is refused). The others are kept "
+        f"in {part}; repeat the command to retry.\n"
     )
     assert describe_result(part).blocks_done == 4
     done(*arguments)
@@ -235,5 +235,8 @@ def test_no_worker_fits__is_refused(client, tmp_path, monkeypatch):
 
     own = crews.own_greeting()
     monkeypatch.setattr(crews, "own_greeting", lambda: own._replace(versions=own.versions | other))
-    with found as crew, pytest.raises(ClusterError, match=r"it has numba .*, and here is 0\.1; install the same there"):
+    with (
+        found as crew,
+        pytest.raises(ClusterError, match=r"it has numba .*, this machine has 0\.1; install the same version there"),
+    ):
         crew.assemble()

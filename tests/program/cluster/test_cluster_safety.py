@@ -122,7 +122,7 @@ def test_greeting__is_not_unpickled(kind, tmp_path):
     with (
         worker_in(tmp_path, "--preload", str(preload), env=found) as client,
         crew_on(client, study_of(tmp_path, DISTINCT)) as crew,
-        pytest.raises(ClusterError, match=r"none of the cluster's workers can take part: .*another machine-sweeps"),
+        pytest.raises(ClusterError, match=r"the cluster has no usable worker: .*another version of machine-sweeps"),
     ):
         crew.assemble()
     assert not mark.exists()
@@ -154,7 +154,7 @@ def test_certificates__let_in_whoever_holds_them(tmp_path, monkeypatch):
         address = address_in(tmp_path)
         assert address.startswith("tls://")
         command = ("run", "study.toml", "--no-plots", "--cluster", address)
-        assert "needs certificates" in refused(*command)
+        assert "needs tls:// and certificates" in refused(*command)
         own = Security.temporary()
         holder = "distributed.comm.tls.client"
         foreign = {f"{holder}.{part}": getattr(own, f"tls_client_{part}") for part in ("cert", "key")}
@@ -171,4 +171,4 @@ def test_help__says_who_is_trusted():
     for command in ("run", "optimise", "check"):
         words = " ".join(said(command, "--help").stdout.split())
         assert "tls://" in words
-        assert "its workers can run programs as you" in words
+        assert "they can run programs as you" in words

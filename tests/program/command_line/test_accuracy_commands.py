@@ -33,7 +33,7 @@ def test_run__keeps_how_many_positions_each_variant_took(study):
     predicted, answer = done("check", "study.toml"), done("run", "study.toml", "--no-plots", "--quiet")
     told = next(line for line in answer.splitlines() if line.startswith("accuracy 0.001 %"))
     # A check tries them all: it predicts what comes, with how many it tried.
-    assert f"{told} (of " in predicted
+    assert f"{told} (sample of " in predicted
     result = SweepResult(Path("results/study.h5"))
     good = result.columns["status"] == 0
     assert good.any()

@@ -19,19 +19,19 @@ DAMAGED = b"\x89HDF\r\n\x1a\n" + bytes(100)
 WRONG = {"empty": b"", "text.toml": b"title = 'x'", "random": bytes(range(256)), "damaged.h5": DAMAGED}
 KINDS = [
     ("run check plot animate", "empty", "is empty; `sweeps new slider_crank` writes a scene"),
-    ("show", "empty", "it is empty, so no result of a sweep"),
+    ("show", "empty", "it is empty, so not a sweep result"),
     ("run check plot animate", "text.toml", "scene: is missing"),
-    ("show", "text.toml", "it is no HDF5 file, so no result of a sweep. Scenes and studies are looked at with"),
+    ("show", "text.toml", "it is not an HDF5 file, so not a sweep result. For scenes and studies use"),
     ("run check plot animate", "random", "is not UTF-8 text"),
-    ("show", "random", "it is no HDF5 file"),
-    ("run check", "damaged.h5", "is a result file (HDF5), not a text; look at it with `sweeps show`"),
-    ("show plot animate", "damaged.h5", "it is damaged or cut off"),
+    ("show", "random", "it is not an HDF5 file"),
+    ("run check", "damaged.h5", "is a result file (HDF5), not a text; use `sweeps show`"),
+    ("show plot animate", "damaged.h5", "it is damaged or truncated"),
     ("run check plot animate", "folder", "is a folder; give a study or a scene"),
     ("show", "folder", "this is a folder"),
     ("show", ".", "this is a folder"),
     ("run check plot animate", "nothing", "there is no such file, and no bundled study of that name"),
     ("show", "nothing", "there is no such file. Results are .h5 files"),
-    ("run check", "r.h5", "is a result file (HDF5), not a text; look at it with `sweeps show`"),
+    ("run check", "r.h5", "is a result file (HDF5), not a text; use `sweeps show`"),
 ]
 
 
@@ -67,7 +67,7 @@ def test_show_of_another_hdf5_file__is_refused(press_folder):
 
     with h5py.File("other.h5", "w") as file:
         file["x"] = [1, 2]
-    assert "other.h5 is no result of a sweep" in refused("show", "other.h5")
+    assert "other.h5 is not a sweep result" in refused("show", "other.h5")
 
 
 # new, list, and what belongs to none

@@ -73,7 +73,7 @@ def test_value_just_beyond_its_figure__is_outside(press_result):
 
 
 def test_what_is_no_result__is_refused(press_result):
-    assert "no result of a sweep" in refused("compare", press_result, "press.toml")
+    assert "not a sweep result" in refused("compare", press_result, "press.toml")
 
 
 def test_results_without_a_variant_in_common__are_refused(press_result):

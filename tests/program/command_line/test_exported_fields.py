@@ -109,6 +109,6 @@ def test_what_cannot_be_listed__is_refused_in_words(result, monkeypatch):
     monkeypatch.setattr(data_files, "MOST_IN_MEMORY", 48 * len(HEADS) - 1)
     exported("t.csv")
     answer = refused("export", "r.h5", "--columns", "B.y, ram.stroke", "--to", "t.mat")
-    assert answer.startswith("Error: t.mat: a MAT file holds 239 numbers at most")
+    assert answer.startswith("Error: t.mat: a MAT file holds at most 239 numbers")
     assert "--where" in answer
     assert not Path("t.mat").exists()

@@ -216,6 +216,6 @@ def test_groups_of_free_links__have_what_the_guide_names(folder):
 
 
 def test_guide__lists_every_verdict():
-    listed = re.search(r"- `status`: (.*?);\n", GUIDE["numbers"], flags=re.S)[1]
+    listed = re.search(r"- `status`: (.*?);\s", GUIDE["numbers"], flags=re.S)[1]
     found = [int(entry.split()[0]) for entry in listed.split(",") if entry.split()[0].isdigit()]
     assert found == [int(verdict) for verdict in Verdict]

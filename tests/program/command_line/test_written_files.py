@@ -63,7 +63,7 @@ def test_link_of_another_user__is_refused(name, press_folder):
     command = ("export", "press.toml", "--to", name) if name == "out.csv" else ("run", "study.toml", "--out", "out.h5")
     answer = said(*command)
     assert answer.exit_code == 2
-    assert "link of another user" in answer.stderr
+    assert "link owned by another user" in answer.stderr
     assert target.read_text() == "precious"
     # The owner of a folder may lead what is written in it elsewhere.
     os.chown(".", 65534, 65534)

@@ -28,7 +28,7 @@ def test_optimum_on_a_condition__is_the_foot_of_the_perpendicular(method, tmp_pa
     asked = f'minimise = "{NEAREST}"\nsubject_to = "groups.slide.first.length >= 3 * ram.stroke"\nmethod = "{method}"'
     result = searched(tmp_path, asked + "\npopulation = 20")
     best, along = best_of(result), (0.048 + 6 * 0.233) / 37
-    # The search keeps 1e-9 of the sizes clear of the limit, 3e-10 m here, beside the stroke's error figure; along the
+    # The search keeps 1e-9 of the sizes clear of the limit, 3e-10 m here, beside the stroke's error estimate; along the
     # line a parabola is flat, and its steps end where they change the cost by 1e-12 of what it was at the start.
     assert best[CRANK] == pytest.approx(along, abs=2e-6)
     assert best[ROD] == pytest.approx(6 * along, abs=2e-6)
@@ -64,7 +64,7 @@ def test_optimum__is_no_worse_than_brute_force_and_no_better_than_its_grid_allow
     grid = brute(study, cranks, rods, ["ram.stroke", "flywheel_excess_work"])
     costs = grid["flywheel_excess_work"] + 7 * rods
     best = best_of(result)
-    # What is met for sure keeps clear of a limit by its error figure.
+    # What is met for sure keeps clear of a limit by its error estimate.
     allowed = grid["ram.stroke"] >= 0.09 + best["ram.stroke_error"]
     least = costs[allowed].min()
     # Between the grid's points the cost can't fall by more than its steepest steps along both axes.
@@ -112,7 +112,7 @@ def test_condition_of_the_study__holds_and_is_reached(tmp_path):
 def test_end_of_a_range__is_reached_and_told(tmp_path):
     result = searched(tmp_path, 'minimise = "ram.stroke"\npopulation = 20')
     assert best_of(result)[CRANK] == pytest.approx(0.03, rel=1e-12)
-    assert "lower end of its range" in optimum_text(result)
+    assert "lower bound" in optimum_text(result)
 
 
 def test_lists_and_ranges__are_searched_together(tmp_path):

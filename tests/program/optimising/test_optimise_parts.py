@@ -155,7 +155,7 @@ LISTED = '[vary]\n"input.length" = {values = ["40 mm", "50 mm"]}\n'
 VARY = {"": RANGES, "lists": LISTED, "nothing": "", "one": LISTED.replace(', "50 mm"', "")}
 # Name | what is asked of the search | what varies, ranges where nothing is said | more of the study | message.
 REFUSED = cases(r"""
-nothing to search for | population = 20 |  |  | line 9: optimise: nothing to search for: give minimise or
+nothing to search for | population = 20 |  |  | line 9: optimise: no objective: give minimise or
 unknown output | minimise = "wheel_mas" |  |  | line 10: optimise.minimise: unknown name 'wheel_mas';
 did you mean | minimise = "excess_wrk" |  |  | did you mean 'excess_work'
 dimension | minimise = "ram.stroke + excess_work" |  |  | optimise.minimise: adds a moment or energy to a length
@@ -163,26 +163,26 @@ no number | minimise = "ram.stroke < 1" |  |  | is a condition; a number is need
 no condition | minimise = "ram.stroke"\nsubject_to = "excess_work" |  |  | is a number; a condition such as
 no unit | minimise = "ram.stroke"\nsubject_to = "ram.stroke < 80" |  |  | 80 has no unit: write '80 m' or
 syntax | minimise = "ram.stroke +" |  |  | optimise.minimise: invalid syntax
-nothing varies | minimise = "ram.stroke" | nothing |  | vary: nothing of the scene varies; give ranges
-one value | minimise = "ram.stroke" | one |  | vary: nothing of the scene varies
+nothing varies | minimise = "ram.stroke" | nothing |  | vary: nothing varies; give ranges
+one value | minimise = "ram.stroke" | one |  | vary: nothing varies
 lists and local | minimise = "ram.stroke"\nmethod = "local" | lists
-    |  | optimise.method: 'local' goes along ranges, but only lists vary: give low and high, or take 'differential
-one for NSGA-II | minimise = "ram.stroke"\nmethod = "NSGA-II" |  |  | 'NSGA-II' weighs several objectives
+    |  | optimise.method: 'local' needs ranges, but only lists vary: give low and high, or use 'differential
+one for NSGA-II | minimise = "ram.stroke"\nmethod = "NSGA-II" |  |  | 'NSGA-II' needs several objectives
 two for evolution | minimise = ["ram.stroke", "excess_work"]\nmethod = "differential evolution"
-    |  |  | follows one objective, but there are 2: take 'NSGA-II', or join them in one
+    |  |  | needs one objective, but there are 2: use 'NSGA-II', or combine them
 method | minimise = "ram.stroke"\nmethod = "NSGA2" |  |  | 'NSGA2' is not allowed; allowed: differential
 population | minimise = "ram.stroke"\npopulation = 4 |  |  | optimise.population: must be at least 8, got 4
 key | minimise = "ram.stroke"\npopulatoin = 40 |  |  | unknown key; allowed: minimise, maximise
 start outside | minimise = "ram.stroke"\nstart = {"input.length" = "90 mm"}
-    |  |  | optimise.start.input.length: 90 mm is not among what vary.input.length allows; allowed is 30 mm to 80 mm
-start not listed | minimise = "ram.stroke"\nstart = {"input.length" = "45 mm"} | lists |  | allowed are 40 mm, 50 mm
+    |  |  | optimise.start.input.length: 90 mm is not allowed by vary.input.length; allowed: 30 mm to 80 mm
+start not listed | minimise = "ram.stroke"\nstart = {"input.length" = "45 mm"} | lists |  | allowed: 40 mm, 50 mm
 start unknown | minimise = "ram.stroke"\nstart = {"input.lenght" = 1} |  |  | did you mean 'input.length'?
 start without unit | minimise = "ram.stroke"\nstart = {"input.length" = 0.04} |  |  | optimise.start.input.
 tolerance unknown | minimise = "ram.stroke" |  | [tolerances]\n"input.lenght" = "1 mm"\n
     | tolerances.input.lenght: is not a number of the scene. unknown name 'input.lenght'; did you mean
 tolerance unit | minimise = "ram.stroke" |  | [tolerances]\n"input.length" = "1 kg"\n | tolerances.input.length:
 tolerance zero | minimise = "ram.stroke" |  | [tolerances]\n"input.length" = {plus_minus = "0 mm"}\n
-    | '0 mm': a tolerance is greater than 0, such as '0.1 mm'
+    | '0 mm': a tolerance must be greater than 0, such as '0.1 mm'
 """)
 
 
@@ -229,7 +229,7 @@ ASKED = f'minimise = "{NEAREST}"\nsubject_to = "ram.stroke <= \'90 mm\'"\npopula
 def test_command__tells_the_best_what_holds_it_and_its_files(folder):
     study_of(folder, ASKED)
     answer = done("optimise", "study.toml", "--no-plots", "--quiet")
-    assert "Answer: the minimum objective_1 where ram.stroke <= '90 mm' is " in answer
+    assert "Answer: minimum objective_1 where ram.stroke <= '90 mm': " in answer
     assert "on the limit of: ram.stroke <= '90 mm'" in answer
     assert "differential evolution, seed 0: " in answer
     assert "results/study_optimised.h5" in answer
@@ -252,7 +252,7 @@ def test_command__goes_on_where_it_was_interrupted(folder):
         patch.setattr("sweeps.run.progress.ProgressBar.update", stop)
         assert said("optimise", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 1
     shown = said("show", "r.candidates.part.h5").stdout.splitlines()[0]
-    assert shown == "Which crank?: 50 of 80 variants done; run the study again to go on"
+    assert shown == "Which crank?: 50 of 80 variants done; run the study again to resume"
     done("optimise", "study.toml", "--no-plots", "--out", "r.h5")
     done("optimise", "study.toml", "--no-plots", "--out", "r.h5")
     study_of(folder, ASKED.replace("= 8", "= 9"))

@@ -130,9 +130,9 @@ def text_without_scripts(page: Path) -> str:
 def test_page__tells_question_answer_and_provenance(page, result):
     text, whole = text_without_scripts(page), SweepResult(result)
     assert "How short?" in text
-    assert f"with variant {whole.best()}" in text
+    assert f"variant {whole.best()}" in text
     assert whole.description.attributes["study_hash"] in text
-    for words in ("What limits it", "Sensitivity", "Error figures", "Verdicts", "cannot assemble"):
+    for words in ("What limits it", "Sensitivity", "Error estimates", "Verdicts", "cannot assemble"):
         assert words in text
 
 

@@ -29,7 +29,7 @@ def test_animation__asked_frames_small_and_endless(scene, tmp_path):
 @pytest.mark.parametrize(
     ("file", "settings_", "words"),
     [
-        ("a.mp4", {}, "a .gif file"),
+        ("a.mp4", {}, "are .gif files"),
         ("a.gif", {"frames": 2}, "frames = 2"),
         ("a.gif", {"frames": 10**12}, "allowed are 4 to 1000"),
         ("a.gif", {"fps": 90}, "fps = 90"),

@@ -53,7 +53,7 @@ def test_picture__shows_closed_loops_and_bars_of_both_machines(tmp_path):
 @pytest.mark.parametrize(
     ("parts", "message"),
     [
-        ({"input": crank(start=0.0, stop=1.0)}, "it needs a crank that turns fully"),
+        ({"input": crank(start=0.0, stop=1.0)}, "needs a crank that turns fully"),
         ({"groups": {"g": rrp("B", ("rod", "A", 0.2), "piston", "way")}}, "a group can't be assembled"),
     ],
 )

@@ -50,7 +50,7 @@ def test_curves__values_error_band_and_failed_variants():
     assert top.lines[1].get_xdata() == pytest.approx([100, 112.5])
     assert top.lines[2].get_xdata() == pytest.approx([150])
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert labels == ["error figure", "can't be assembled", "best"]
+    assert labels == ["error estimate", "can't be assembled", "best"]
     assert top.get_legend() is None
     assert top.get_ylabel() == "Mass of the wheel, g"
     assert bottom.get_xlabel() == "a, mm"
@@ -160,7 +160,7 @@ def labels_of(figure):
     return texts_of(figure.legends[0])
 
 
-MISSING = "doesn't meet: mass < '2 kg' and b > '3 mm'"
+MISSING = "misses: mass < '2 kg' and b > '3 mm'"
 
 
 def test_out__is_what_was_computed_but_misses_the_condition():
@@ -176,7 +176,7 @@ def test_curves__missing_variants_are_pale():
     pale = next(line for line in figure.axes[0].lines if line.get_color() == PALE)
     assert np.isfinite(pale.get_ydata()).tolist() == [True] * 3 + [False] * 6
     assert pale.get_ydata()[:3] == pytest.approx(1000 * data.arrays["mass"][:3])
-    assert labels_of(figure) == ["error figure", MISSING, "can't be assembled"]
+    assert labels_of(figure) == ["error estimate", MISSING, "can't be assembled"]
 
 
 def test_map__missing_cells_are_veiled():
@@ -234,7 +234,7 @@ def test_picture_where_no_variant_meets_the_condition__is_drawn_all_the_same(sha
 
 def test_long_condition__is_cut_in_a_legend():
     data = grid_data((2,), parameters=("a",))._replace(condition=" and ".join(["mass < '2 kg'"] * 50))
-    label = data.legend_of("doesn't meet:")
+    label = data.legend_of("misses:")
     assert len(label) < 220
     assert label.endswith(" …")
     assert all(len(line) <= 70 for line in label.splitlines())
@@ -255,8 +255,8 @@ def test_legend_of_the_energy_loop__lies_beside_all_axes():
 @pytest.mark.parametrize(
     ("asked", "words"),
     [
-        ({"y": "weight"}, "'weight' is not in this result; there are: a, b, mass, cost, moment"),
-        ({"colour": "moment"}, r"'moment' is a field.*shown as y"),
+        ({"y": "weight"}, "'weight' is not in this result; available: a, b, mass, cost, moment"),
+        ({"colour": "moment"}, r"'moment' is a field, which can only be y"),
     ],
 )
 def test_column_that_cannot_be_shown__refused(asked, words, tmp_path):

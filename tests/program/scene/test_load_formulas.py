@@ -82,10 +82,10 @@ def test_formula_that_is_a_force__is_taken(tmp_path, force):
         ("1 N if v > 3 mm else 0", "compares a speed with a length"),
         ("1 N if v > 0 else 1 mm", "gives a force or a length"),
         ("1 N * (ram.slide / (1 m))^phi + 1 N * ram.slide^phi", "the power of a length must be a fixed number"),
-        ("1 N / 0", "this is no finite number"),
-        ("1 N * sqrt(1 - 2)", "this is no finite number"),
-        ("1 N / (phi - phi)", "this is no finite number, whatever its names mean"),
-        ("1 N * log(0 * v / (1 m/s))", "this is no finite number, whatever its names mean"),
+        ("1 N / 0", "not a finite number"),
+        ("1 N * sqrt(1 - 2)", "not a finite number"),
+        ("1 N / (phi - phi)", "not a finite number, whatever its names mean"),
+        ("1 N * log(0 * v / (1 m/s))", "not a finite number, whatever its names mean"),
         ("1 N if phi == 0 else 0", "== holds in single places at most; compare by < or >"),
         ("1 N * ram.slied / (1 mm)", "unknown name 'ram.slied'; did you mean 'ram.slide'"),
         ("1 N * x", "a formula may use k, n, phi, v, omega, t, gravity, numbers given in [forces.cut.numbers]"),
@@ -94,7 +94,7 @@ def test_formula_that_is_a_force__is_taken(tmp_path, force):
         ("1 N * ram.acceleration", "'ram.acceleration' can't be used: accelerations follow from the loads"),
         ("1 N * input.speed / omega", "'input.speed' is the mean speed alone"),
         ("v > 0", "'v > 0' is a condition; a number is needed: write A if v > 0 else B"),
-        ("3 Nn", "'Nn' is no unit that can stand here, or an operator is missing before it"),
+        ("3 Nn", "'Nn' is not a valid unit here, or an operator is missing before it"),
         ("3 N/(m q) * x", "invalid syntax"),
         ("", "an expression is missing"),
         ("(3 N", "was never closed"),
@@ -168,7 +168,7 @@ def test_regimes__take_no_jump_at_a_speed(tmp_path, jump):
 def test_steady_regime__takes_no_time(tmp_path):
     timed = "1 N * sin(2 rad/s * t)"
     message = refused(tmp_path, force=timed, regimes=REGIMES.format("steady"))
-    assert "regimes.work.off: 'cut' depends on time: no motion repeats itself" in message
+    assert "regimes.work.off: 'cut' depends on time: no motion is periodic" in message
     read(tmp_path, force=timed, regimes=REGIMES.format("run") + 'time = "1 s"\n')
 
 

@@ -72,6 +72,6 @@ def test_check_of_a_long_machine__compiles_nothing_and_says_so(tmp_path, monkeyp
     monkeypatch.setattr(check_report, "MOST_COMPILED", lines - 1)
     monkeypatch.setattr("engine.compiling.printed._load", None)
     answer = done("check", "long.toml")
-    for words in ("group g2: RRR", "isn't known", f"{lines} lines", "`sweeps run`", "MB; "):
+    for words in ("group g2: RRR", "are unknown", f"{lines} generated lines", "`sweeps run`", "MB; "):
         assert words in answer
     assert "\nTime\n" not in answer

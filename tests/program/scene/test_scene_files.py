@@ -75,7 +75,7 @@ def test_csv_and_columns_in_the_text__are_refused_together(tmp_path):
 def test_empty_text__says_that_the_input_is_missing(text, tmp_path):
     ((line, key, message),) = refused(tmp_path, text).problems
     assert (line, key) == (None, "input")
-    assert message.startswith("is missing: a machine has a table [input]")
+    assert message.startswith("is missing: add a table [input]")
 
 
 NO_TOML = [

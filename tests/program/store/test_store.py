@@ -28,7 +28,7 @@ def test_part_of_another_study__set_aside_as_a_source(path: Path, part: Path) ->
         assert store.sources == (path.with_name("out.1.part.h5"),)
         (note,) = store.notes
         fill(store, 1)
-    assert "set aside as" in note
+    assert "renamed to" in note
     assert "hash" not in note
     assert path.with_name("out.1.part.h5").read_bytes() == before
     with Store.open(path, other_study()) as store:
@@ -117,7 +117,7 @@ def test_foreign_file_under_the_name__kept(path: Path, content: bytes) -> None:
     assert path.read_bytes() == content
     path.unlink()
     h5py.File(path, "w").close()
-    with pytest.raises(StoreError, match="no result of a sweep"):
+    with pytest.raises(StoreError, match="not a sweep result"):
         Store.open(path, layout())
 
 
@@ -137,12 +137,12 @@ def test_finished_file_cut_off__all_is_pending(path: Path) -> None:
     complete(path, layout())
     with path.open("rb+") as file:
         file.truncate(path.stat().st_size - 1000)
-    with pytest.raises(StoreError, match=r"damaged or cut off\. Run its study again"):
+    with pytest.raises(StoreError, match=r"damaged or truncated\. Run its study again"):
         describe_result(path)
     with Store.open(path, layout()) as store:
         (note,) = store.notes
         assert len(store.pending) == 6
-    assert "damaged beyond reading" in note
+    assert "unreadable" in note
 
 
 def test_second_writer_in_another_process__refused(path: Path, part: Path) -> None:
@@ -310,11 +310,11 @@ def test_bytes__at_least_the_size_of_the_file(path, part, variants, block, posit
         ({"columns": (Column("variant", "", "1"),)}, "twice or reserved: variant"),
         ({"columns": (Column("a b", "", "1"),)}, "no blanks"),
         ({"columns": (Column("a", "", "1", ("position",)),)}, "dims"),
-        ({"columns": (Column("a", "", "1", dtype=bool),)}, "no float or integer"),
+        ({"columns": (Column("a", "", "1", dtype=bool),)}, "not a float or integer"),
         ({"columns": (Column("status", "", "1", dtype=np.int8),)}, "cannot hold 255"),
         ({"coordinates": ("torque",)}, "coordinates torque"),
         ({"position": None}, "fields need"),
-        ({"status_codes": {255: "odd"}}, "255 is kept"),
+        ({"status_codes": {255: "odd"}}, "255 is reserved"),
     ],
 )
 def test_contradictory_layout__value_error(changes: dict, words: str) -> None:

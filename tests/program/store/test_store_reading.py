@@ -150,7 +150,7 @@ def test_changed_bit__found_named_and_pending_again(path: Path, name: str, eleme
     mapped = MappedResult(path)
     assert mapped.damaged() == [block]
     last = min(4 * block + 3, 21)
-    words = rf"out\.h5 is damaged: numbers of variants {4 * block} … {last} changed"
+    words = rf"out\.h5 is damaged \(variants {4 * block} … {last}\)"
     with pytest.raises(DamagedError, match=words):
         read_columns(path, ["torque"])
     if name == "torque":
@@ -161,7 +161,7 @@ def test_changed_bit__found_named_and_pending_again(path: Path, name: str, eleme
     with Store.open(path, layout()) as store:
         assert not store.finished
         (note,) = store.notes
-    assert f"variants {4 * block} … {last} are computed again" in note
+    assert f"variants {4 * block} … {last} are recomputed" in note
 
 
 def test_changed_bit_in_a_part_file__block_pending_and_not_computed_for_readers(path: Path, part: Path) -> None:
@@ -186,7 +186,7 @@ def test_finished_file_with_a_block_not_flagged__damaged(path: Path) -> None:
         file["progress/block_done"][1] = 0
         file["status"][5] = 83
     assert MappedResult(path).damaged() == [1]
-    with pytest.raises(DamagedError, match=r"variants 4 … 7 changed"):
+    with pytest.raises(DamagedError, match=r"is damaged \(variants 4 … 7\)"):
         mapped_columns(path)
 
 
@@ -225,5 +225,5 @@ def test_edited_texts__named_and_decisive_ones_refused(path: Path) -> None:
     read_columns(path)
     with h5py.File(path, "r+") as file:
         file.attrs["study_json"] = "{ }"
-    with pytest.raises(DamagedError, match="its study_json"):
+    with pytest.raises(DamagedError, match="study_json"):
         read_columns(path)

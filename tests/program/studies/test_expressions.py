@@ -256,10 +256,10 @@ REFUSED = {
     "LShift": [("a << 2", 2)],
     "In": [("a < b in c", 6)],
     "Is": [("a is b", 2)],
-    "no real number": [("1j", 0), ("True", 0), ("None", 0), ("...", 0), ("b'x'", 0)],
+    "not a real number": [("1j", 0), ("True", 0), ("None", 0), ("...", 0), ("b'x'", 0)],
     "not finite": [("1e999", 0), ("1" + "0" * 400, 0)],
     "a quantity can't be used": [("x < '3 mm'", 4), ("x < 3 mm", 4)],
-    "'y' is no unit": [("x * 3 y", 6), ("x * '3 mm' y", 11)],
+    "'y' is not a valid unit": [("x * 3 y", 6), ("x * '3 mm' y", 11)],
     "comments": [("a + 1 # note", 6)],
     "missing": [("", 0), (" \n ", 0)],
     "write sin": [("a +\n  δ + sin", 10)],
@@ -316,7 +316,7 @@ def test_wrong_quantity__is_refused_with_the_reason():
     def quantity(text):
         raise ValueError("expected a length")
 
-    with pytest.raises(ExpressionError, match="'3 kg' is no quantity: expected a length"):
+    with pytest.raises(ExpressionError, match="'3 kg' is not a quantity: expected a length"):
         parse("a < '3 kg'", quantity=quantity)
     with pytest.raises(ExpressionError, match="not finite"):
         parse("a < 'x'", quantity=lambda text: math.nan)

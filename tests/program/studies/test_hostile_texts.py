@@ -150,7 +150,7 @@ def test_key_of_many_parts__is_refused_before_it_is_read(press_folder):
 @pytest.mark.parametrize("text", ["[" * 100_000, '{"a":' * 100_000, "[" * 100_000 + "]" * 100_000])
 def test_nested_json__is_refused(text, press_folder):
     Path("linkage.json").write_text(text)
-    assert "is no JSON: " in refused("import", "linkage.json", "--unit", "1 cm")
+    assert "is not JSON: " in refused("import", "linkage.json", "--unit", "1 cm")
 
 
 def test_nested_record_of_a_result__is_refused(press_result):

@@ -74,7 +74,7 @@ dimension of a derived number | positions | require = ["2 * groups.slide.first.l
     | require | compares a length with a mass
 power that varies | reach * input.length | input.length**reach | **reach | derive.groups.slide.first.length
     | fixed number
-several kinds | [3, 4, 5] | [3, "4 mm", "5 kg"] | 4 mm | vary.reach | number and length and mass | one kind
+several kinds | [3, 4, 5] | [3, "4 mm", "5 kg"] | 4 mm | vary.reach | number and length and mass | one dimension
 best where a mass | > '90 mm' | > '90 kg' | where | best.where | compares a length with a mass | ram.stroke
 best where a bare number | > '90 mm' | > 90 | where | best.where | 90 has no unit: write '90 m' or '90 mm'
 best where a number | ram.stroke > '90 mm' | ram.stroke | where | best.where | condition

@@ -46,7 +46,7 @@ def test_table__holds_the_same_variants_in_every_format(name, tmp_path):
 
 
 WRONG = {
-    "text beside": (GOOD | {"who": ["a", "b", "c"]}, "column 'who' doesn't hold numbers"),
+    "text beside": (GOOD | {"who": ["a", "b", "c"]}, "column 'who' is not numeric"),
     "empty": ({"input.length [mm]": np.zeros(0)}, "at least one row"),
     "nothing": ({}, "no columns of numbers"),
     "unknown": ({"input.lenght [mm]": LENGTHS}, "did you mean 'input.length'"),
@@ -84,7 +84,7 @@ def test_table__takes_no_numbers_out_of_other_files(tmp_path):
     (tmp_path / "secret").write_bytes(b"root:x:0:0:root:/root:/bin/bash\n")
     with h5py.File(tmp_path / "t.h5", "w") as file:
         file.create_dataset("input.length", shape=(2,), dtype="f8", external=[(str(tmp_path / "secret"), 0, 16)])
-    with pytest.raises(InputError, match="from other files"):
+    with pytest.raises(InputError, match="links to other files"):
         read_variant_table(tmp_path / "t.h5")
 
 

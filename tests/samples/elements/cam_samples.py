@@ -91,7 +91,7 @@ def cam_of(cam, **changes):
 
 
 def cam_answers(cam, *names, **changes):
-    """Values, error figures and status of results of one cam; of all it has unless named."""
+    """Values, error estimates and status of results of one cam; of all it has unless named."""
     scene = cam_scene(cam, **changes)
     every = ElementsAlone(scene).available_summaries
     asked = [f"cam.{name}" for name in names] or list(every)

@@ -74,7 +74,7 @@ def element(data):
 
 
 def figures(data, *names, **varied):
-    """Results of a single element with their error figures."""
+    """Results of a single element with their error estimates."""
     values, outcome = asked({"it": data}, *(f"it.{name}" for name in names), **varied)
     assert outcome.status[0] == Verdict.OK
     return [(float(v[0]), float(outcome.errors[f"it.{n}"][0])) for n, v in zip(names, values, strict=True)]

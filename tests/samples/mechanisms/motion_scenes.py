@@ -113,7 +113,7 @@ def steady(only: str) -> dict:
 
 
 class Found(NamedTuple):
-    """Values and error figures by name, of all variants; verdicts; fields."""
+    """Values and error estimates by name, of all variants; verdicts; fields."""
 
     values: dict[str, np.ndarray]
     errors: dict[str, np.ndarray]

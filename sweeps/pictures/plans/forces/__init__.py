@@ -1,1 +1,1 @@
-"""What acts on the links of a machine at a position, and its plans: loads, force polygons, free bodies."""
+"""Forces on the links of a machine at a position: loads, force polygons, free bodies."""

@@ -1,4 +1,4 @@
-"""Force plan: the closed polygon of all forces on a group or on one link, inertia forces among them."""
+"""Force polygon: the closed polygon of all forces on a group or link, with inertia forces."""
 
 from collections.abc import Sequence
 from itertools import accumulate
@@ -19,12 +19,12 @@ COLOURS = {"R": BLUE, "G": GREEN, "U": ORANGE, "F": VERMILION, "M": VERMILION}
 
 
 def colour_of(load: DrawnLoad) -> str:
-    """Colour of a force or moment, by what it is."""
+    """Colour of a force or moment, by kind."""
     return PURPLE if load.is_friction else COLOURS[load.text[1]]
 
 
 def force_polygon(pose: Pose, of: str) -> list[DrawnLoad]:
-    """Forces on a group (all but those of its inner pair) or on a link, in the order of their polygon.
+    """Forces on a group (without its inner pair) or on a link, in polygon order.
 
     Parameters
     ----------
@@ -35,12 +35,12 @@ def force_polygon(pose: Pose, of: str) -> list[DrawnLoad]:
     Returns
     -------
     list of DrawnLoad
-        Known forces first, reactions last; their sum is zero but for rounding.
+        Known forces first, reactions last; they sum to zero within rounding.
 
     Raises
     ------
     PictureError
-        There is no such group or link, or forces have no value at this position.
+        There is no such group or link, or forces are undefined at this position.
     """
     if of in pose.cycle.groups:
         loads = group_loads(pose, of)
@@ -51,7 +51,7 @@ def force_polygon(pose: Pose, of: str) -> list[DrawnLoad]:
             raise PictureError(f"force plan: {of!r} is neither a group nor a moving link of this scene; {known}")
         loads = sorted((load for load in links[of] if not load.is_moment), key=lambda load: load.pair != "")
     if not np.isfinite([load.force for load in loads]).all():
-        raise PictureError(f"force plan of {of}: forces have no value at {pose.title}; ask for another position")
+        raise PictureError(f"force plan of {of}: forces are undefined at {pose.title}; choose another position")
     return loads
 
 
@@ -64,7 +64,7 @@ def force_plan(pose: Pose, of: str, ax: Axes) -> list[DrawnLoad]:
     of : str
         A group or a moving link.
     ax : matplotlib.axes.Axes
-        Of the size on paper that they will keep: the scale μ holds for it.
+        In their final size on paper, which the scale μ refers to.
 
     Returns
     -------
@@ -88,7 +88,7 @@ def force_plan(pose: Pose, of: str, ax: Axes) -> list[DrawnLoad]:
 
 
 def force_lines(loads: Sequence[DrawnLoad]) -> list[str]:
-    """Values of forces and moments, line by line: magnitude and direction, and the friction circle they touch."""
+    """Values of forces and moments by line: magnitude, direction, friction circle."""
     found = []
     for load in loads:
         value = load.moment if load.is_moment else abs(load.force)

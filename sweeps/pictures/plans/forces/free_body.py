@@ -1,4 +1,4 @@
-"""Free-body diagram: one link by itself with every force and moment that acts on it, at its friction circles."""
+"""Free-body diagram of a link with all forces, moments and friction circles."""
 
 import cmath
 import math
@@ -13,36 +13,36 @@ from sweeps.pictures.plans.lettering import subscript
 from sweeps.pictures.plans.paper import Paper
 from sweeps.pictures.plans.pose import Pose
 
-# Arrows on paper [mm]: longest, shortest, and how far collinear ones are drawn apart; radius of a moment's arc.
+# On paper [mm]: longest and shortest arrow, gap between collinear ones, radius of a moment's arc.
 LONGEST, SHORTEST, APART, ARC = 15.0, 6.0, 1.8, 4.5
-# Least half-width of what is drawn, in radii of a hinge.
+# Minimum half-width of the drawing, in hinge radii.
 LEAST = 9.0
-# Radius of the least friction circle that is drawn [mm].
+# Minimum radius of a friction circle [mm].
 SEEN = 0.2
-# Smaller shares of the greatest are rounding.
+# Smaller shares of the maximum are rounding.
 NOTHING = 1e-10
 
 
 def free_body(pose: Pose, link: str, ax: Axes) -> list[DrawnLoad]:
-    """Draw a link by itself, its loads as arrows at their points; the arrows' lengths are not to scale.
+    """Draw a single link with its loads as arrows at their points, not to scale.
 
     Parameters
     ----------
     pose : Pose
     link : str
     ax : matplotlib.axes.Axes
-        Of the size on paper that they will keep.
+        In their final size on paper.
 
     Returns
     -------
     list of DrawnLoad
-        What acts on the link.
+        Loads on the link.
     """
     loads = _felt(loads_on_links(pose)[link], pose.motion.radius)
     figure = link_figure(pose, link)
     outline = np.array([p for primitive in figure for p in primitive.points])
     middle = complex(outline.real.min() + outline.real.max(), outline.imag.min() + outline.imag.max()) / 2
-    # A slider by itself is drawn no larger than its symbol needs.
+    # A single slider is drawn at symbol size.
     least = middle + LEAST * pose.motion.radius * np.array([-1 - 1j, 1 + 1j])
     places = [load.at for load in loads if not load.is_moment]
     paper = Paper(ax, [*outline, *least, *places], margin=LONGEST + 4)
@@ -60,21 +60,21 @@ def free_body(pose: Pose, link: str, ax: Axes) -> list[DrawnLoad]:
 
 
 def _felt(loads: list[DrawnLoad], length: float) -> list[DrawnLoad]:
-    """Loads that are more than rounding."""
+    """Loads above rounding."""
     force = max((abs(load.force) for load in loads), default=0.0)
     moment = max([force * length, *(abs(load.moment) for load in loads)])
     return [load for load in loads if abs(load.force) > NOTHING * force or abs(load.moment) > NOTHING * moment]
 
 
 def _forces(paper: Paper, loads: list[DrawnLoad], middle: complex) -> None:
-    """Arrows at their points; those on one line side by side."""
+    """Arrows at their points; collinear ones side by side."""
     greatest = max((abs(load.force) for load in loads), default=1.0)
     drawn: list[tuple[complex, complex]] = []
     for load in sorted(loads, key=lambda load: -abs(load.force)):
         u = load.force / abs(load.force)
         length = SHORTEST + (LONGEST - SHORTEST) * math.sqrt(abs(load.force) / greatest)
         inward = middle - load.at
-        # A force that presses into the link points to its point, any other begins there.
+        # A force into the link ends at its point, others start there.
         presses = abs(inward) > 3 * paper.per_mm and (u.conjugate() * inward).real > 0.5 * abs(inward)
         beside = sum(abs(at - load.at) < 2 * paper.per_mm and abs((u.conjugate() * v).imag) < 0.15 for at, v in drawn)
         shift = APART * paper.per_mm * 1j * (u if u.imag > 0 or (u.imag == 0 and u.real > 0) else -u) * beside
@@ -84,7 +84,7 @@ def _forces(paper: Paper, loads: list[DrawnLoad], middle: complex) -> None:
 
 
 def _moment(paper: Paper, centre: complex, load: DrawnLoad, radius: float) -> None:
-    """An arc about the middle of the link with an arrow's head, in the sense of the moment."""
+    """An arc with arrowhead about the link's middle, in the sense of the moment."""
     sense = math.copysign(1.0, load.moment)
     angles = math.pi / 2 + sense * np.linspace(-1.9, 1.5, 40)
     arc = centre + radius * paper.per_mm * np.exp(1j * angles)

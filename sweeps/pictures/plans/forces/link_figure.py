@@ -1,4 +1,4 @@
-"""One link by itself as it is drawn within the mechanism."""
+"""A single link as drawn in the mechanism."""
 
 from engine import RPP, RPR, Sliding, guide_of, mesh_axis
 from sweeps.pictures.drawing import Primitive
@@ -11,7 +11,7 @@ from sweeps.pictures.plans.pose import Pose
 
 
 def link_figure(pose: Pose, link: str) -> list[Primitive]:
-    """A link by itself as it is drawn within the mechanism, with its joints, and with the cam or wheel that it has.
+    """A single link as drawn in the mechanism, with its joints and its cam or wheel.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def _in_higher_pairs(pose: Pose, link: str) -> list[Primitive]:
 
 
 def _rolling_body(pose: Pose, name: str, contact: Rolling, link: str) -> list[Primitive]:
-    """Pitch circle or curve of a wheel in its mesh with another, or a rack."""
+    """Pitch circle or curve of a wheel in mesh, or a rack."""
     m, scene = pose.motion, pose.scene
     if name in scene.noncircular_wheels:
         place, along = (values[pose.k] for values in m.axes(link))
@@ -66,7 +66,7 @@ def _rolling_body(pose: Pose, name: str, contact: Rolling, link: str) -> list[Pr
 
 
 def _sliding_part(m: DrawnMotion, group: object, link: str, k: int) -> list[Primitive]:
-    """What a group's slider, block or slotted link has besides the line through its points."""
+    """Symbol of a group's slider, block or slotted link."""
     r = m.radius
     origin, u = (complex(values[k]) for values in m.axes(link))
     half = (HALF_LENGTH * r, HALF_HEIGHT * r)

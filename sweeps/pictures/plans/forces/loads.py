@@ -1,10 +1,10 @@
-"""Everything that acts on each link of a mechanism at a position, inertia forces included: what balances.
+"""All forces on each link of a mechanism at a position, with inertia forces, in equilibrium.
 
-A link is in equilibrium under its loads: the reactions of its pairs, weights, inertia forces (d'Alembert), the forces
-and moments of the scene, what gears pass on, and at the input what drives it.
+The loads of a link are the reactions of its pairs, weights, inertia forces (d'Alembert), forces and moments of the
+scene, gear forces, and the drive at the input.
 
-The reaction of a journal with friction touches its friction circle. A guide with friction presses where the moment on
-its slider puts it, or with both edges where that lies outside the slider; friction acts along it.
+The reaction of a journal with friction touches its friction circle. A guide with friction presses at the point given by
+the moment on its slider, or at both edges if that lies outside the slider; friction acts along the guide.
 """
 
 from collections.abc import Iterator
@@ -14,17 +14,17 @@ from engine import FRAME, LinkForce, guide_edge_forces, slider_tilts
 from sweeps.pictures.plans.lettering import numbered, subscript, symbol
 from sweeps.pictures.plans.pose import Pose
 
-# Which way a guide's edges lie from the middle of its slider, and how forces there are marked.
+# Edges of a guide: direction from the slider's middle, and mark.
 _EDGES = ((1, r"\prime"), (-1, r"\prime\prime"))
 
 
 class DrawnLoad(NamedTuple):
-    """A force with its point, or a moment.
+    """A force at a point, or a moment.
 
     Attributes
     ----------
     text : str
-        Its symbol.
+        Symbol.
     force : complex
         x + iy [N]; 0 for a moment.
     at : complex
@@ -32,9 +32,9 @@ class DrawnLoad(NamedTuple):
     moment : float
         [N·m], counter-clockwise.
     pair : str
-        Name of the pair whose reaction or friction it is; "" for what is neither.
+        Name of the pair for reactions and friction, else "".
     middle : complex, optional
-        Middle of the joint [m], of a reaction that touches a friction circle.
+        Centre of the joint [m], for a reaction that touches a friction circle.
     """
 
     text: str
@@ -46,12 +46,12 @@ class DrawnLoad(NamedTuple):
 
     @property
     def is_friction(self) -> bool:
-        """Whether it is the friction in a guide."""
+        """Whether it is guide friction."""
         return bool(self.pair) and self.text[1] == "F"
 
     @property
     def rho(self) -> float:
-        """Radius of the friction circle that it touches [m]; 0 for what touches none."""
+        """Radius of its friction circle [m]; 0 if none."""
         return 0.0 if self.middle is None else abs(self.at - self.middle)
 
     @property
@@ -60,12 +60,12 @@ class DrawnLoad(NamedTuple):
         return self.force == 0
 
     def moment_about(self, place: complex) -> float:
-        """Moment about a place [N·m]."""
+        """Moment about a point [N·m]."""
         return self.moment + ((self.at - place).conjugate() * self.force).imag
 
 
 def loads_on_links(pose: Pose) -> dict[str, list[DrawnLoad]]:
-    """What acts on each moving link, by its name; nothing that is zero.
+    """Nonzero loads of each moving link by name.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def loads_on_links(pose: Pose) -> dict[str, list[DrawnLoad]]:
     """
     found: dict[str, list[DrawnLoad]] = {link: [] for link in pose.cycle.link_numbers if link != FRAME}
     acting = [force for force in pose.acting if force.link in found]
-    # Friction of a journal, and the moment of a guide, move the force that presses.
+    # Journal friction and guide moments shift the reaction.
     twists = {(force.name, force.link): force.moment for force in acting if _in_pair(force) and force.at is None}
     for force in acting:
         loads = found[force.link]
@@ -98,7 +98,7 @@ def _in_pair(force: LinkForce) -> bool:
 
 
 def _pressing(pose: Pose, acting: LinkForce, moment: float) -> Iterator[DrawnLoad]:
-    """A reaction with the moment that moves it: to its friction circle, to where a slider bears, or to its edges."""
+    """A reaction shifted by its moment: to the friction circle, the bearing point of a slider, or its edges."""
     text, name, at, force = _text(pose, acting), acting.name, acting.at, acting.force
     pair = pose.cycle.pairs.get(name)
     if pair is None or pair.kind == "revolute":
@@ -120,7 +120,7 @@ def _pressing(pose: Pose, acting: LinkForce, moment: float) -> Iterator[DrawnLoa
 
 
 def _length(pose: Pose, pair: str) -> float | None:
-    """Length of the slider in a guide with friction [m]; None where it isn't given."""
+    """Length of the slider in a guide with friction [m]; None if not given."""
     name = next((n for n, friction in pose.scene.friction.items() if friction.pair == pair), None)
     return None if name is None else pose.cycle.numbers.get(f"friction.{name}.length")
 
@@ -147,7 +147,7 @@ def _text(pose: Pose, acting: LinkForce, prime: str = "") -> str:
 
 
 def loaded_links(pose: Pose) -> list[str]:
-    """Links beside the input and those of groups that forces act on: second inputs, followers, wheels and racks.
+    """Loaded links that are neither input nor in a group: second inputs, followers, wheels and racks.
 
     Parameters
     ----------
@@ -159,13 +159,13 @@ def loaded_links(pose: Pose) -> list[str]:
 
 
 def group_loads(pose: Pose, name: str) -> list[DrawnLoad]:
-    """What acts on the links of a group together: all but its inner pairs, what its first pair does last.
+    """Loads on a group as a whole (without its inner pairs), the reaction of its first pair last.
 
     Parameters
     ----------
     pose : Pose
     name : str
-        A group.
+        Group name.
     """
     links, loads = pose.cycle.groups[name], loads_on_links(pose)
     forces = [load for link in links for load in loads[link] if not load.is_moment]

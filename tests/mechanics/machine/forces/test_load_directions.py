@@ -32,7 +32,7 @@ def answers(scene: dict, names: list[str], **settings: object) -> dict[str, tupl
 
 
 def close(answer: tuple[float, float], expected: float) -> bool:
-    """Whether an angle is the expected one within its error figure and some roundings."""
+    """Whether an angle is the expected one within its error estimate and some roundings."""
     value, error = answer
     return abs(math.remainder(value - expected, TURN)) <= error + 8 * EPS
 

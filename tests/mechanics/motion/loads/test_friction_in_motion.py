@@ -29,7 +29,7 @@ def journal(regimes: dict, eccentricity: float, speed: float = 10.0, **numbers: 
 
 
 def covered(found: Found, name: str, value: float) -> None:
-    """A number is what it should be, to its own error figure."""
+    """A number is what it should be, to its own error estimate."""
     assert found[name] == pytest.approx(value, rel=0, abs=found.figure(name)), name
     assert found.figure(name) <= 1e-5 * abs(value) + 1e-9, name
 

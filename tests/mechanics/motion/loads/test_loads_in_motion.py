@@ -225,7 +225,7 @@ def test_what_is_off__loads_nothing():
         )
 
 
-# Statistics and their error figures
+# Statistics and their error estimates
 
 
 def test_statistics__of_the_field_over_time():

@@ -1,4 +1,4 @@
-"""Loads on the pairs in runs: closed forms of a rotor and of a pendulum, Newton and Euler, and error figures."""
+"""Loads on the pairs in runs: closed forms of a rotor and of a pendulum, Newton and Euler, and error estimates."""
 
 import math
 
@@ -28,7 +28,7 @@ def asked(*regimes: str) -> str:
 
 
 def covered(found, name: str, value: float) -> None:
-    """A number is what it should be, to its own error figure."""
+    """A number is what it should be, to its own error estimate."""
     assert found[name] == pytest.approx(value, rel=0, abs=found.figure(name)), name
 
 

@@ -1,4 +1,4 @@
-"""Runs by the classical method of order four: its order, its error figure, where it is refused, what it is called."""
+"""Runs by the classical method of order four: its order, its error estimate, where it is refused, what it is called."""
 
 import numpy as np
 import pytest

@@ -94,10 +94,10 @@ def test_place_on_the_rod__lets_a_slider_crank_be_balanced_fully(folder):
         (["slider_crank.toml", "--place", "rod: 3, 0"], "3 has no unit"),
         (["slider_crank.toml", "--radius", "60"], "--radius: 60 has no unit"),
         (["slider_crank.toml", "--most", "3 N"], "--most: expected a mass"),
-        (["rotor.toml"], "machine elements alone have no links to balance"),
+        (["rotor.toml"], "there are no links to balance"),
         (["none.toml"], "there is no such file"),
-        ([], "give a scene, study or result to balance, or --trial-runs"),
-        (["slider_crank.toml", "--trial-runs", "runs.csv"], "one of them"),
+        ([], "give either a scene, study or result to balance, or --trial-runs"),
+        (["slider_crank.toml", "--trial-runs", "runs.csv"], "give either"),
     ],
 )
 def test_counterweights_that_cannot_be_had__are_refused(folder, arguments, words):
@@ -124,12 +124,12 @@ def test_engine_without_spacing__gets_shafts_for_its_forces(folder):
     answer = said("balance", "four.toml").stdout
     assert "couple " not in answer
     assert len(re.findall(r"secondary\s+2 × crank\s+(with the crank|against it)\s+3.1679 kg·mm at 180.0°", answer)) == 2
-    assert "Couples are left out" in answer
+    assert "Couples omitted" in answer
 
 
 def test_engine_that_is_balanced__needs_no_shafts(folder):
     Path("six.toml").write_text(TRIPLE.replace("cylinders = 3", "cylinders = 6"))
-    assert "No balance shafts are needed" in said("balance", "six.toml").stdout
+    assert "No balance shafts needed" in said("balance", "six.toml").stdout
 
 
 @pytest.mark.parametrize(
@@ -195,15 +195,15 @@ def test_amplitudes_of_four_runs__give_one_plane(tmp_path_factory, seed, order):
     [
         (RAO.replace("plane,", "level,"), ("line 1", "no column 'plane'", "the header is such as")),
         (RAO.replace("left_phase", "phase_left"), ("line 1", "every sensor needs an amplitude")),
-        (RAO.replace("right [mm/s]", "right [um]"), ("line 1", "read in one unit", "mm/s, um")),
-        (RAO.replace("right [mm/s]", "right [mm/z]"), ("line 1", "all sensors are read in one unit")),
+        (RAO.replace("right [mm/s]", "right [um]"), ("line 1", "must use one unit", "mm/s, um")),
+        (RAO.replace("right [mm/s]", "right [mm/z]"), ("line 1", "all sensors must use one unit")),
         (RAO.replace("[g]", "[gg]"), ("line 1", "unknown unit 'gg'")),
         (RAO.replace("weight_angle [deg]", "weight_angle [mm]"), ("weight_angle", "expected an angle")),
-        (RAO.replace("1, 0, 0", "1, 1, 0"), ("one run is without a trial weight", "there are 0")),
-        (RAO.replace("2, 12", "1, 12"), ("each plane has one trial run",)),
-        (RAO.replace("2, 12", "1.5, 12"), ("planes are numbered with whole numbers",)),
-        (RAO.replace("2, 12, 180, 6.0, 35, 10.5, 160", "2, 12, 180, 8.5, 60, 6.5, 205"), ("tell the planes apart",)),
-        (RAO + "3, 9, 0, 1, 0, 1, 0\n", ("3 planes need as many sensors",)),
+        (RAO.replace("1, 0, 0", "1, 1, 0"), ("exactly one run must have no trial weight", "there are 0")),
+        (RAO.replace("2, 12", "1, 12"), ("each plane needs exactly one trial run",)),
+        (RAO.replace("2, 12", "1.5, 12"), ("planes must be whole numbers",)),
+        (RAO.replace("2, 12, 180, 6.0, 35, 10.5, 160", "2, 12, 180, 8.5, 60, 6.5, 205"), ("separate the planes",)),
+        (RAO + "3, 9, 0, 1, 0, 1, 0\n", ("3 planes need at least 3 sensors",)),
         (RAO.replace("8.5", "high"), ("line 2", "high' is not a number")),
         (AMPLITUDES + "1, 0, 0, 5\n1, 1, 0, 4\n1, 1, 120, 6\n", ("without phases: one plane, one sensor",)),
         (AMPLITUDES + "1, 0, 0, 5\n1, 1, 0, 4\n1, 1, 120, 6\n1, 1, 200, 6\n", ("120 deg apart",)),

@@ -111,13 +111,13 @@ def test_check_of_a_study_of_motion__estimates_what_it_takes(folder):
     Path("study.toml").write_text(STUDY.replace("[outputs]", vary))
     study = read_study("study.toml")
     found = cost.probe(study, study.machine())
-    # Numbers of a block on their own: values and error figures of two summaries.
+    # Numbers of a block on their own: values and error estimates of two summaries.
     assert found.motion_bytes > study.design.size * 4 * 8
     assert 0 < found.seconds < 1
     text = said("check", "study.toml").stdout
     # How many depends on how fast the machine is just now.
     assert re.search(r"saved after (each variant|every \d+ variants)\n", text)
-    assert "the first time up to a minute more, to compile" in text
+    assert "up to a minute of compilation the first time" in text
 
 
 def test_variants_computed_together__are_fewer_where_motion_is_asked(folder):
@@ -141,7 +141,7 @@ def test_variants_computed_together__are_fewer_where_motion_is_asked(folder):
 def test_run_of_a_scene__groups_its_answers_by_regime(folder):
     text = said("run", "press.toml", "--no-plots").stdout
     heads = [line for line in text.splitlines() if line and not line.startswith(" ")]
-    cycle = "cycle at 60 rpm, driven by a constant moment, everything acting but brakes"
+    cycle = "cycle at 60 rpm, constant drive torque, all loads except brakes"
     before = ["Crank press", "1  ok", cycle, "start", "work", "stop"]
     assert [line.partition(":")[0] for line in heads[:-1]] == before
     assert heads[-1].startswith("Files (")
@@ -163,13 +163,13 @@ FAILURES = cases(r"""
 weak motor | stall_moment = "800 N m" | stall_moment = "60 N m" | STALLS | regime work | motors can't carry the loads
     | stronger motor
 rubbing | [moments.brake] | [moments.rub]\ntype = "against_motion"\non = "crank"\nmoment = "900 N m"\n\n[moments.brake]
-    | STALLS | regime start | does not start at φ = 0 ° | 800 N·m drive it there, 900 N·m hold it | a stronger motor
+    | STALLS | regime start | does not start at φ = 0 ° | 800 N·m drives it there, 900 N·m holds it | a stronger motor
 too fast | speed = "60 rpm"\nat_most | speed = "80 rpm"\nat_most | NO_END | regime start
-    | the speed of 80 rpm isn't reached | cycles, and a machine nearer to it gets slower | ask for a speed that its
+    | 80 rpm is not reached | cycles, and closer to that speed it slows down | choose a speed that the
 driven | off = ["motor", "punch"]\nrest | off = ["brake", "punch"]\nat_most = 5\nrest | NO_END | regime stop
-    | it doesn't come to rest | a slower machine gets faster | switch off what drives it
+    | it does not come to rest | a slower machine accelerates | switch off the drive
 too short | speed = "60 rpm"\nat_most = 20 | cycles = 30\nat_most = 20 | NO_END | regime start
-    | regimes.start.at_most comes before its end | raise it
+    | regimes.start.at_most ends it early | raise it
 no balance | type = "dc_motor"\non = "crank"\nstall_moment = "800 N m"\nno_load_speed = "66 rpm"
     | type = "constant"\non = "crank"\nmoment = "800 N m"\nrole = "driving" | RUNS_AWAY | regime work
     | the loads balance the drive at no speed | add a load
@@ -193,7 +193,7 @@ def test_run_of_a_study__counts_what_stalls_and_says_where_to_look(folder):
     text = said("run", "study.toml", "--no-plots").stdout
     assert any(line.split()[:2] == ["2", "ok"] for line in text.splitlines())
     assert any(line.split()[:2] == ["1", "stalls"] for line in text.splitlines())
-    shown = next(line for line in text.splitlines() if "the motion of the first of them" in line)
+    shown = next(line for line in text.splitlines() if "motion of the first one" in line)
     command = shown.split(": sweeps ")[1].split()
     assert command == ["plot", "results/study.h5", "--variant", "1"]
     made = said(*command).stdout
@@ -238,13 +238,13 @@ def test_export_history_of_a_motion_that_fails__tells_why_on_standard_error(fold
     change('speed = "60 rpm"\nat_most', 'speed = "80 rpm"\nat_most')
     answer = said("export", "press.toml", "--history", "--to", "h.csv")
     assert answer.exit_code == 0
-    assert "The history ends early: regime start: the speed of 80 rpm isn't reached" in answer.stderr
+    assert "The history ends early: regime start: 80 rpm is not reached" in answer.stderr
     assert {line.partition(",")[0] for line in Path("h.csv").read_text().splitlines()[1:]} == {"start"}
 
 
 def test_export_history_of_what_has_none__is_refused(folder):
     Path("press.toml").write_text(PRESS)
-    assert "regimes: the scene has none" in refused("export", "press.toml", "--history", "--to", "h.csv")
+    assert "a history needs regimes" in refused("export", "press.toml", "--history", "--to", "h.csv")
     told = refused("export", "press.toml", "--history", "--to", "h.svg")
     assert "writes a table, .csv, .json, .parquet, .mat, not '.svg'" in told
 
@@ -382,4 +382,4 @@ def test_load_over_time__leaves_every_command_what_repeats_with_the_cycle(comman
     told = answer.output + "".join(path.read_text() for path in Path().glob("t.csv"))
     assert "reduced_inertia" in told or not command.startswith(("show", "export scene.toml --to t.csv", "quant"))
     assert "reduced_moment" not in told
-    assert "drive torque" not in told
+    assert "required_drive_moment" not in told

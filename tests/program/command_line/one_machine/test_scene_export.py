@@ -37,7 +37,7 @@ def test_scene_with_numbers_set_anew__is_written_so(press_folder):
 
 def test_texts_that_are_there__are_not_written_over(press_folder):
     before = Path("press.toml").read_text()
-    assert "is there already" in refused("export", "press.toml", "--to", "press.toml")
+    assert "exists already" in refused("export", "press.toml", "--to", "press.toml")
     assert "exists already" in refused("balance", "press.toml", "--out", "press.toml")
     assert Path("press.toml").read_text() == before
     done("export", "press.toml", "--set", "input.length=60 mm", "--to", "press.toml", "--overwrite")

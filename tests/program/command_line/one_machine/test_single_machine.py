@@ -76,13 +76,13 @@ def test_show_at__in_json_has_several_angles_and_numbers_set_anew(press_folder):
     ("arguments", "words"),
     [
         (["--at", "37 kg"], "expected an angle"),
-        (["--at", "0.2 s"], "the scene has none"),
+        (["--at", "0.2 s"], "a time needs regimes"),
         (["--at", "10", "--columns", "B.vz"], "or 'B.vx'?"),
         (["--at", "10", "--set", "input.lenght=3 mm"], "did you mean 'input.length'"),
         (["--at", "10", "--set", "input.length=3 kg"], "expected a length"),
         (["--at", "10", "--set", "input.length"], "PATH=VALUE"),
         (["--at", "10", "--set", "input.length=-3 mm"], "input.length"),
-        (["--set", "input.length=3 mm"], "go with --at"),
+        (["--set", "input.length=3 mm"], "require --at"),
     ],
 )
 def test_show_at__refuses_in_one_sentence(arguments, words, press_folder):
@@ -93,7 +93,7 @@ def test_show_at__refuses_in_one_sentence(arguments, words, press_folder):
 
 def test_reading__outside_the_range_of_the_input_is_refused():
     scene = Scene.model_validate(PRESS.model_dump() | {"input": PRESS.input.model_dump() | {"start": 0, "stop": 1}})
-    with pytest.raises(InputError, match="outside the range"):
+    with pytest.raises(InputError, match="outside the input range"):
         readings_at(scene, [1.5])
     assert readings_at(scene, [0.25], ["B.y"]).values["B.y"][0] == pytest.approx(slide(0.25), abs=4 * ROUNDING)
 
@@ -130,7 +130,7 @@ def test_number_that_varies__is_not_set_anew(press_folder):
     ("arguments", "words"),
     [
         (["--positions", "7"], "an even number of at least 8"),
-        (["--accuracy", "2"], "a share between 0 and 1"),
+        (["--accuracy", "2"], "must be between 0 and 1"),
         (["--accuracy", "1 mm"], "expected a number"),
     ],
 )

@@ -32,8 +32,8 @@ interpolation = "linear"
 
 # Name | what stands in the press | what stands there instead | words of the message.
 SLIPS = cases(r"""
-no quotes | "50 mm" | 50 mm | line 13 | 50 mm has a unit | in quotes: "50 mm"
-no quotes in a table | length = "200 mm" | length = 200 mm | in quotes: "200 mm"
+no quotes | "50 mm" | 50 mm | line 13 | 50 mm has a unit | needs quotes: "50 mm"
+no quotes in a table | length = "200 mm" | length = 200 mm | needs quotes: "200 mm"
 decimal comma | "50 mm" | 50,5 mm | a decimal comma | "50.5 mm"
 text without quotes | type = "crank" | type = crank | crank is a text
 nothing after = | pivot = "O" | pivot = | no value
@@ -98,7 +98,7 @@ def test_friction_beyond_all_experience__is_asked_about(press_folder):
         PRESS + '\n[friction]\np = {pair = "slide.inner", coefficient = 8, diameter = "3 mm"}\n'
     )
     assert (
-        "friction.p.coefficient = 8: coefficients of friction hardly exceed 1.5" in said("check", "press.toml").stdout
+        "friction.p.coefficient = 8: coefficients of friction rarely exceed 1.5" in said("check", "press.toml").stdout
     )
 
 
@@ -155,14 +155,14 @@ def test_device_as_a_table__is_refused(press_folder):
 @pytest.mark.parametrize("command", ["check", "run", "plot", "show", "quantities"])
 def test_name_that_no_file_may_have__is_refused_and_not_repeated(command, press_folder):
     text = refused(command, "(" * 3000)
-    assert "is too long a name for a file" in text
+    assert "is too long for a file name" in text
     assert len(text) < 200
 
 
 def test_huge_file__is_refused_at_once(press_folder):
     with Path("huge.toml").open("wb") as file:
         file.truncate(10**11)
-    assert "100000 MB, more than the 16 MB" in refused("check", "huge.toml")
+    assert "100000 MB, more than the allowed 16 MB" in refused("check", "huge.toml")
 
 
 def test_contents_of_other_files__are_not_quoted(press_folder):

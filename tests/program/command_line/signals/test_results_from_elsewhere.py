@@ -64,7 +64,7 @@ def test_edited_record__is_told_by_every_command(name, press_result):
 def test_edited_scene__is_told_by_what_needs_it(press_result):
     reworked(press_result, with_input)
     message = refused("export", press_result, "--variant", "0", "--to", "o.toml")
-    assert "holds a scene that is none" in message
+    assert "has an invalid scene" in message
 
 
 @pytest.mark.parametrize("text", [None, "", "{", "[]", "7", "null"])
@@ -105,22 +105,22 @@ def test_missing_layout__is_told(press_result):
 
 def test_verify__tells_sound_damaged_and_unfinished_files_apart(press_result):
     answer = said("verify", press_result)
-    assert (answer.exit_code, answer.stdout) == (0, f"{press_result}: 8 variants as they were written\n")
+    assert (answer.exit_code, answer.stdout) == (0, f"{press_result}: 8 variants intact\n")
     shutil.copy(press_result, "copy.h5")
     with h5py.File("copy.h5", "r+") as file:
         file["ram.stroke"][1] += 1e-3
     answer = said("verify", "copy.h5")
     assert answer.exit_code == 1
-    assert "copy.h5: numbers of variants 0 … 7 changed" in answer.stderr
-    assert "copy.h5 is damaged: numbers of variants 0 … 7 changed" in refused("show", "copy.h5")
+    assert "copy.h5: variants 0 … 7 are damaged" in answer.stderr
+    assert "copy.h5 is damaged (variants 0 … 7)" in refused("show", "copy.h5")
     shutil.copy(press_result, "text.h5")
     with h5py.File("text.h5", "r+") as file:
         file.attrs["question"] = "What?"
     answer = said("verify", "text.h5")
     assert answer.exit_code == 1
-    assert "its question isn't as it was written" in answer.stderr
+    assert "question was modified" in answer.stderr
     Path("notes.h5").write_text("my notes")
-    assert "no HDF5 file" in refused("verify", "notes.h5")
+    assert "not an HDF5 file" in refused("verify", "notes.h5")
 
 
 def test_flipped_bytes_anywhere__never_a_traceback(press_result):

@@ -38,7 +38,7 @@ def test_long_wait__is_told_with_its_seconds_and_taken_back(terminal):
     waiting = Waiting()
     for now in (10.0, 11.0, 13.0):
         waiting.look(True, now)
-    assert terminal.getvalue().endswith("once for all times: 3 s")
+    assert terminal.getvalue().endswith("(once only): 3 s")
     waiting.look(False, 13.2)
     assert terminal.getvalue().endswith("\r\x1b[K")
     before = terminal.getvalue()
@@ -60,7 +60,7 @@ def test_task__is_told_but_for_what_is_compiled_for_it(terminal):
     for busy, now in ((False, 0.0), (False, 1.5), (True, 1.7), (True, 3.7), (False, 4.0), (False, 4.8)):
         waiting.look(busy, now)
     said = [line.rstrip() for line in terminal.getvalue().split("\r\x1b[K") if line]
-    assert said == ["Drawing: 2 s", "Compiling this kind of machine, once for all times: 2 s"]
+    assert said == ["Drawing: 2 s", "Compiling this type of machine (once only): 2 s"]
     waiting.look(False, 5.0)
     assert terminal.getvalue().endswith("Drawing: 1 s")
     waiting.name("")
@@ -94,7 +94,7 @@ def test_command__names_its_task_while_it_is_done(terminal, impatient):
 def test_compiling__is_seen_in_the_engine(terminal, impatient):
     with compiling(), waiting_told():
         wait_for_words(terminal)
-    assert "Compiling this kind of machine" in terminal.getvalue()
+    assert "Compiling this type of machine" in terminal.getvalue()
     assert terminal.getvalue().endswith("\r\x1b[K")
 
 

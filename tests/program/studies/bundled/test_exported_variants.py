@@ -77,7 +77,7 @@ plot FILE --variant 1 -y upper.angle --out p.png"""
 def test_variant_whose_mode_is_not_reached__is_no_machine_for_any_command(command, unreached):
     """Put together by the scene's own near it would be another machine than the one that the sweep refuses."""
     for file in ("r.h5", "study.toml"):
-        assert "assembly mode isn't reached" in refused(*command.replace("FILE", file).split())
+        assert "can't be assembled in the scene's assembly mode" in refused(*command.replace("FILE", file).split())
     assert {path.name for path in Path().iterdir()} == {"r.h5", "study.toml", "triad.toml"}
 
 

@@ -48,7 +48,7 @@ def beside(result, variant, name, step):
 
 
 def within(columns, name, expected):
-    """Whether a column is within its error figures, and rounding, of what it should be."""
+    """Whether a column is within its error estimates, and rounding, of what it should be."""
     room = columns[f"{name}_error"] + 1e-9 * np.abs(expected)
     return bool((np.abs(columns[name] - expected) <= room).all())
 
@@ -140,7 +140,7 @@ def test_press_start__goes_as_an_integration_over_time(table):
     found = done(table("press_start"))
     for k in range(0, found["status"].size, 73):
         time, angle = press_start(*(found[n][k] for n in ("moments.motor.power", "rated_slip", "flywheel.inertia")))
-        # Tolerance: some ten steps of 1e-10 each, and the error figure.
+        # Tolerance: some ten steps of 1e-10 each, and the error estimate.
         assert found["start.time"][k] == pytest.approx(time, rel=1e-7, abs=2 * found["start.time_error"][k])
         assert found["start.angle"][k] == pytest.approx(angle, rel=1e-7, abs=2 * found["start.angle_error"][k])
 
@@ -388,7 +388,7 @@ def test_engine_idling__answers_with_the_lightest_flywheel_that_is_even_enough_a
 def test_emergency_stop__heats_the_drum_with_moment_times_angle(table):
     found = done(table("emergency_stop"))
     moment = 2 * found["moments.brake.friction"] * found["moments.brake.force"] * 0.150 * 20
-    # Both have an error figure.
+    # Both have an error estimate.
     room = found["stop.brake_heat_error"] + moment * found["stop.angle_error"] + 1e-9 * found["stop.brake_heat"]
     assert (np.abs(found["stop.brake_heat"] - moment * found["stop.angle"]) <= room).all()
 

@@ -52,7 +52,7 @@ FIELDS = {
 
 @functools.cache
 def template(name):
-    """All summaries of a template but where bearings are loaded, with error figures; its fields, and its scene."""
+    """All summaries of a template but where bearings are loaded, with error estimates; its fields, and its scene."""
     scene = read_scene(bundled_templates()[name])
     # Eight of each bearing: more than all others together, and a compiler's time grows faster than their number.
     of_bearings = ("load_direction_of", "load_spread_of", "unloaded_arc_of", "unloaded_middle_of")
@@ -64,7 +64,7 @@ def template(name):
 
 
 def close(value, exact, relative=1e-12):
-    """Whether a summary lies within its own error figure, and rounding, of what it should be."""
+    """Whether a summary lies within its own error estimate, and rounding, of what it should be."""
     return abs(value[0] - exact) <= value[1] + relative * abs(exact)
 
 
@@ -275,13 +275,13 @@ def sample(name, count=12, places=4):
 
 
 def variants(name):
-    """Parameters, summaries and error figures of sampled variants."""
+    """Parameters, summaries and error estimates of sampled variants."""
     s = sample(name)
     return s.values, *({k: v[:-1] for k, v in table.items()} for table in (s.summaries, s.errors))
 
 
 def as_it_is(name):
-    """Summaries with their error figures, and fields, of a study's scene."""
+    """Summaries with their error estimates, and fields, of a study's scene."""
     s = sample(name)
     return {k: (v[-1], s.errors[k][-1]) for k, v in s.summaries.items()}, {k: v[-1] for k, v in s.fields.items()}
 

@@ -90,5 +90,5 @@ def test_commands__draw_export_and_list_them(folder):
     assert lines[0] == "variant,bodies.eccentric.inertia [kg m2],go.instant [s],go.speed [rad s-1],go.turned [rad]"
     assert len(lines) == 1 + 5 * 31
     words = refused("export", path, "--columns", "go.speed,reduced_inertia", "--to", rows)
-    assert "run along go.instant and phi" in words
+    assert "have different axes (go.instant and phi)" in words
     assert "did you mean 'go.speed'" in refused("export", path, "--columns", "go.sped", "--to", rows)

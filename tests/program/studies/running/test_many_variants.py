@@ -68,7 +68,7 @@ def test_verdicts_piece_by_piece__are_told_as_those_of_all_at_once(tmp_path, mon
     alone = missed & (missed.sum(axis=0) == 1)
     for condition, fails, only in zip(("free < 2.5", "free * input.length"), missed, alone, strict=True):
         told = next(line for line in whole.splitlines() if line.strip().startswith(condition))
-        assert told.endswith(f": {fails.sum()}, {only.sum()} by this condition only")
+        assert told.endswith(f": {fails.sum()}, {only.sum()} only by this condition")
     counts = dict(zip(*np.unique(columns["status"], return_counts=True), strict=True))
     monkeypatch.setattr(sweep_result, "VARIANTS_AT_A_TIME", 7)
     result = SweepResult(path)

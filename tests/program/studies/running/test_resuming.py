@@ -82,7 +82,7 @@ def evaluated(monkeypatch, study_text: str, folder: Path, **options: object) -> 
 
 
 def same_numbers(path: Path, text: str, folder: Path) -> None:
-    """A file holds what a run from nothing gives, to its error figures."""
+    """A file holds what a run from nothing gives, to its error estimates."""
     (folder / "anew").mkdir()
     whole, found = SweepResult(run(folder / "anew", text)), SweepResult(path)
     assert found.columns.keys() == whole.columns.keys()
@@ -157,7 +157,7 @@ def test_interrupted_run_then_edited__takes_over_what_is_done(monkeypatch, tmp_p
     count, told = evaluated(monkeypatch, longer, tmp_path)
     assert count == 400 - 80
     assert len(told) == 1
-    assert "set aside as" in told[0]
+    assert "renamed to" in told[0]
     assert [p.name for p in tmp_path.glob("*.h5")] == ["study.h5"]
     same_numbers(tmp_path / "study.h5", longer, tmp_path)
 
@@ -173,7 +173,7 @@ def test_damaged_block__alone_is_computed_again(monkeypatch, tmp_path):
     path.write_bytes(content)
     count, told = evaluated(monkeypatch, DISTINCT, tmp_path)
     assert count == 40
-    assert "variants 80 … 119 are computed again" in told[0]
+    assert "variants 80 … 119 are recomputed" in told[0]
     assert contents(path) == whole
     assert [p.name for p in tmp_path.glob("*.h5")] == ["study.h5"]
 
@@ -184,7 +184,7 @@ def test_file_of_another_version__stands_while_nothing_is_to_be_computed(monkeyp
     count, told = evaluated(monkeypatch, GOOD.replace("How", "But how"), tmp_path)
     assert count == 0
     assert "was made by machine-sweeps" in told[0]
-    assert "its numbers stand" in told[0]
+    assert "its numbers are valid" in told[0]
     assert SweepResult(path).question == "But how short?"
     count, told = evaluated(monkeypatch, ADDED["variants"][0], tmp_path)
     assert count == 8

@@ -23,15 +23,15 @@ SCHEMA = {
     "phi": ("<f8", ("phi",), "rad", "crank angle"),
     "input.length": ("<f8", ("variant",), "m", "input.length"),
     "bodies.ram.mass": ("<f8", ("variant",), "kg", "bodies.ram.mass"),
-    "status": ("|u1", ("variant",), "1", "verdict on the variant"),
-    "status_group": ("<i2", ("variant",), "1", "number of the structural group to blame, -1 if none"),
+    "status": ("|u1", ("variant",), "1", "verdict"),
+    "status_group": ("<i2", ("variant",), "1", "number of the failing structural group, -1 if none"),
     "status_at": ("<f8", ("variant",), "rad", "input position at which the variant fails"),
     "ram.stroke": ("<f8", ("variant",), "m", "stroke of slider ram"),
-    "ram.stroke_error": ("<f8", ("variant",), "m", "error figure of: stroke of slider ram"),
+    "ram.stroke_error": ("<f8", ("variant",), "m", "error estimate of: stroke of slider ram"),
     "rocker.swing": ("<f8", ("variant",), "rad", "swing of link rocker"),
-    "rocker.swing_error": ("<f8", ("variant",), "rad", "error figure of: swing of link rocker"),
+    "rocker.swing_error": ("<f8", ("variant",), "rad", "error estimate of: swing of link rocker"),
     "excess_work": ("<f8", ("variant",), "J", "excess work"),
-    "excess_work_error": ("<f8", ("variant",), "J", "error figure of: excess work"),
+    "excess_work_error": ("<f8", ("variant",), "J", "error estimate of: excess work"),
     "ram.slide": ("<f8", ("variant", "phi"), "m", "displacement of slider ram"),
     "reduced_moment": ("<f8", ("variant", "phi"), "N m", "reduced moment of all actions but the driver"),
 }
@@ -105,7 +105,7 @@ def test_file__opens_as_a_dataset_without_help(result):
         np.testing.assert_allclose(data["phi"], np.arange(48) * 2 * np.pi / 48, rtol=4e-16)
         assert data["input.length"].values.tolist() == [0.04, 0.04, 0.05, 0.05]
         assert data["bodies.ram.mass"].values.tolist() == [50.0, 100.0, 50.0, 100.0]
-        # In line, the stroke is twice the crank; error figures are true bounds here.
+        # In line, the stroke is twice the crank; error estimates are true bounds here.
         assert (abs(data["ram.stroke"] - 2 * data["input.length"]) <= data["ram.stroke_error"]).all()
         slide = 0.04 * np.cos(data["phi"]) + np.sqrt(0.04 - (0.04 * np.sin(data["phi"])) ** 2)
         # A dozen operations on numbers below 0.25.
