@@ -137,7 +137,13 @@ def inertia(phi: float) -> tuple[float, float]:
     return fixed + RAM_MASS * rate**2, 2 * RAM_MASS * rate * curve
 
 
-def reference(capacity: float, engagement: float, until: float, shaft_speed: float) -> dict:
+def no_load(_: float) -> float:
+    return 0.0
+
+
+def reference(
+    capacity: float, engagement: float, until: float, shaft_speed: float, load: Callable[[float], float] = no_load
+) -> dict:
     """The slider-crank from rest by SciPy, phase by phase: time, both speeds, heat, slip time, and phases."""
     own, motor = RATIO**2 * SHAFT_INERTIA, MOMENTS["dc"]
     oil, fan = MOMENTS["oil"]["coefficient"], MOMENTS["fan"]["coefficient"]
@@ -147,7 +153,7 @@ def reference(capacity: float, engagement: float, until: float, shaft_speed: flo
 
     def sides(y: np.ndarray) -> tuple[float, float, float]:
         whole, slope = inertia(y[0])
-        crank = -oil * y[1] - fan * y[1] ** 2 - 0.5 * y[1] ** 2 * slope
+        crank = load(y[1]) - oil * y[1] - fan * y[1] ** 2 - 0.5 * y[1] ** 2 * slope
         drive = RATIO * motor["stall_moment"] * (1 - RATIO * y[2] / motor["no_load_speed"])
         return whole, crank, drive
 
@@ -214,6 +220,27 @@ def test_start_of_a_slider_crank__goes_as_an_independent_simulation_does():
     assert max(phases) > 4
     assert np.abs(found.values["go.work_residual"]).max() < 1e-9
     assert (found.values["go.clutch_moment_peak"] <= capacities * (1 + 1e-9)).all()
+
+
+def test_load_of_any_law_of_the_speed__acts_beside_a_clutch():
+    """A moment −0.2 (1 − e^(−ω/4)), that no powers of the speed make."""
+    scene = slider_crank({"go": run("dc oil fan", from_speed=0.0, from_shaft_speed=90.0, time=1.2)})
+    resists = "-0.2 N m * (1 - exp(-omega / (4 rad/s)))"
+    scene["moments"]["resists"] = {"type": "formula", "on": "crank", "moment": resists}
+    scene = coupled(scene)
+    scene["couplings"]["clutch"]["engagement"] = 0.3
+    capacities = np.array([0.2, 3.0])
+    names = "angle final_speed motor_shaft_final_speed clutch_heat clutch_slip_time work_residual"
+    found = ask(scene, of("go", names), varied={"couplings.clutch.capacity": capacities})
+    assert found.status == [Verdict.OK] * 2
+    for i, capacity in enumerate(capacities):
+        known = reference(capacity, 0.3, 1.2, 90.0, lambda w: -0.2 * (1.0 - math.exp(-w / 4.0)))
+        known.pop("phases")
+        for key, value in known.items():
+            # As above.
+            allowed = found.errors[f"go.{key}"][i] + 1e-8 * abs(value)
+            assert abs(found.values[f"go.{key}"][i] - value) <= allowed, (key, capacity)
+    assert np.abs(found.values["go.work_residual"]).max() < 1e-9
 
 
 def test_jumps_of_moments__leave_the_works_in_balance():

@@ -133,27 +133,6 @@ def test_wrong_number__is_answered(tmp_path, numbers, words):
 REGIMES = '[regimes.work]\ntype = "{}"\noff = []\n'
 
 
-COUPLED = """
-[shafts.motor_shaft]
-geared_to = "crank"
-ratio = 5.0
-inertia = "0.1 kg m2"
-[couplings.clutch]
-type = "friction_clutch"
-shaft = "motor_shaft"
-capacity = "1 N m"
-"""
-
-
-def test_couplings__take_powers_of_the_speed_alone(tmp_path):
-    stribeck, steady = "-1 N * sign(v) * (1 + exp(-abs(v) / (1 m/s)))", REGIMES.format("steady")
-    read(tmp_path, force=stribeck, regimes=steady)
-    message = refused(tmp_path, force=stribeck, regimes=steady + COUPLED)
-    assert "otherwise than by fixed powers of it, which couplings and elastic drives can't take" in message
-    assert "switch 'cut' off in regimes.work" in message
-    read(tmp_path, force=stribeck, regimes=steady.replace("[]", '["cut"]') + COUPLED)
-
-
 @pytest.mark.parametrize("jump", ["v > 2 m/s", "abs(v) > 2 m/s and v > 0", "sign(v - 1 m/s) > 0", "2 N <= 1 N s/m * v"])
 def test_regimes__take_no_jump_at_a_speed(tmp_path, jump):
     force = f"-5 N if {jump} else 0 N"
