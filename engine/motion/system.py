@@ -127,7 +127,7 @@ class StateMoments(NamedTuple):
         return self.motors + sum(self.channels.values())
 
 
-def inertia_of(mechanics: Mechanics) -> tuple[Node, Given]:
+def inertia_with_flywheel(mechanics: Mechanics) -> tuple[Node, Given]:
     """Reduced inertia with the flywheel of a motion, and the latter [kg·m²]."""
     wheel = mechanics.graph.given("flywheel of a motion", Stage.VARIANT)
     return mechanics.reduced.inertia + wheel, wheel
@@ -135,7 +135,7 @@ def inertia_of(mechanics: Mechanics) -> tuple[Node, Given]:
 
 def sizes_of(mechanics: Mechanics, speed: Node, side: str = "") -> tuple[Loads, Given, Sizes]:
     """Loads of a machine, or of one side of it, at a speed; the time they depend on; and the numbers given to them."""
-    graph, (_, wheel) = mechanics.graph, inertia_of(mechanics)
+    graph, (_, wheel) = mechanics.graph, inertia_with_flywheel(mechanics)
     clock = graph.given("time of a state", Stage.STATE)
     # A step that ends at rest looks a little beyond it.
     loads = Loads(mechanics.scene, mechanics.kinematics, clock, abs(speed))
@@ -207,7 +207,7 @@ def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tup
     """
     graph = mechanics.graph
     energy = graph.given("kinetic energy", Stage.STATE)
-    inverse = 2.0 / inertia_of(mechanics)[0]
+    inverse = 2.0 / inertia_with_flywheel(mechanics)[0]
     speed = graph.function("sqrt", energy * inverse)
     loads, clock, sizes = sizes_of(mechanics, speed)
     moments = moments_of(mechanics, loads, sizes, speed, works)
@@ -235,7 +235,7 @@ def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str], rubs: b
     """The equation of motion over time; parameters as in `along_angle`, and whether there is friction in pairs."""
     graph = mechanics.graph
     turned, speed = (graph.given(label, Stage.STATE) for label in ("angle turned", "speed of a state"))
-    (loads, clock, sizes), (inertia, _) = sizes_of(mechanics, speed), inertia_of(mechanics)
+    (loads, clock, sizes), (inertia, _) = sizes_of(mechanics, speed), inertia_with_flywheel(mechanics)
     moments, unknown = moments_of(mechanics, loads, sizes, speed, works), ()
     # Motors make a step stiff; friction doesn't, and its derivative is as long as all reactions.
     smooth = (moments.total - (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)) / inertia

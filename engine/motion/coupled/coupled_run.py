@@ -298,10 +298,10 @@ class CoupledRuns:
         counts = (crank_moves, shaft_moves & ~holds, slips, slips, holds & crank_moves, stands)
         limits = {sizes.crank.above: np.where(faced[0] > 0.0, self.above[who], -self.below[who])}
         limits |= {sizes.crank.below: np.where(faced[0] > 0.0, self.below[who], -self.above[who])}
-        joint = sizes.joint
-        limits |= {joint.holds: holds, joint.sense: np.where(slips, joined.mode, 0), joint.moves: crank_moves}
-        limits |= {joint.shaft_moves: shaft_moves, joint.engaged: joined.clock - joined.engaged}
-        limits |= {node: np.where(some, 0.0, np.inf) for node, some in zip(joint.never, counts, strict=True)}
+        joining = sizes.joining
+        limits |= {joining.holds: holds, joining.sense: np.where(slips, joined.mode, 0), joining.moves: crank_moves}
+        limits |= {joining.shaft_moves: shaft_moves, joining.engaged: joined.clock - joined.engaged}
+        limits |= {node: np.where(some, 0.0, np.inf) for node, some in zip(joining.never, counts, strict=True)}
         numbers = system.limited(self.sides.numbers(self.joined)[:, who], limits)
         edges = np.concatenate(edges_of(own.direction, own.breaks, self.cycle, sides.crank.start))
         new = np.isinf(self.pace[who])

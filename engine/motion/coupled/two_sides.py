@@ -194,7 +194,7 @@ class CoupledSides(NamedTuple):
         return self._replace(crank=self.crank.some(who), shaft=shaft, coupling=self.coupling.some(who))
 
     def numbers(self, joined: Joined) -> np.ndarray:
-        """Numbers of the motion at two speeds, (numbers, variants), but for the joint's and for what ends it."""
+        """Numbers of the motion at two speeds, (numbers, variants), but for the joining's and for what ends it."""
         faced = faced_ways(joined)
         found = np.empty((len(self.two.system.functions.rows), self.count))
         for way in (1.0, -1.0):
@@ -209,10 +209,10 @@ class CoupledSides(NamedTuple):
         key, kept = ("two speeds", way, other), self.crank.variants.kept
         if key not in kept:
             system, variants = self.two.system, self.crank.variants
-            sizes, joint, own = system.sizes, system.sizes.joint, self.coupling
-            given = {joint.shaft_inertia: self.shaft.inertia, joint.fluid: 0.0 if self.open else own.fluid}
-            given |= dict(zip(joint.times, own.times, strict=True))
-            given |= {node: 0.0 if self.open else row for node, row in zip(joint.capacity, own.capacity, strict=True)}
+            sizes, joining, own = system.sizes, system.sizes.joining, self.coupling
+            given = {joining.shaft_inertia: self.shaft.inertia, joining.fluid: 0.0 if self.open else own.fluid}
+            given |= dict(zip(joining.times, own.times, strict=True))
+            given |= {node: 0.0 if self.open else row for node, row in zip(joining.capacity, own.capacity, strict=True)}
             every = (self.two.crank, sizes.crank, way), (self.two.crank, sizes.crank_back, -way)
             every += (self.two.shaft, sizes.shaft, other), (self.two.shaft, sizes.shaft_back, -other)
             for dynamics, side, facing in every:

@@ -15,7 +15,7 @@ from engine.graph.nodes import Given, Node, Stage
 from engine.laws.kinematics.closure import greater
 from engine.laws.tables import in_memory, make_table, table_segment
 from engine.mechanism.mechanics import Mechanics
-from engine.motion.system import SLOPES, Guard, Sizes, StateMoments, System, inertia_of, moments_of, sizes_of
+from engine.motion.system import SLOPES, Guard, Sizes, StateMoments, System, inertia_with_flywheel, moments_of, sizes_of
 from engine.parts.couplings import Coupling, FluidCoupling
 
 # Share of the moments by which they exceed what holds a standing side, where it sets off.
@@ -51,8 +51,8 @@ def ramp(x: float, begin: float, end: float) -> float:
     return 0.0 if x <= begin else 1.0 if share >= 1.0 else share
 
 
-class Joint(NamedTuple):
-    """Numbers that tell a walk how both sides are joined.
+class Joining(NamedTuple):
+    """Numbers that say how the sides are joined.
 
     Attributes
     ----------
@@ -87,16 +87,16 @@ class Joint(NamedTuple):
 
 
 class TwoSizes(NamedTuple):
-    """Numbers given to the system: of both sides, of both if they faced the other way, and of the joint."""
+    """Numbers given to the system: of both sides, of both if they faced the other way, and of the joining."""
 
     crank: Sizes
     shaft: Sizes
     crank_back: Sizes
     shaft_back: Sizes
-    joint: Joint
+    joining: Joining
 
 
-def _joint(mechanics: Mechanics, guards: tuple[str, ...], knots: int) -> Joint:
+def _joining(mechanics: Mechanics, guards: tuple[str, ...], knots: int) -> Joining:
     def number(label: str) -> Given:
         return mechanics.graph.given(f"coupling: {label}", Stage.VARIANT)
 
@@ -106,7 +106,7 @@ def _joint(mechanics: Mechanics, guards: tuple[str, ...], knots: int) -> Joint:
     names = ("holds", "sense", "crank moves", "shaft moves", "fluid", "engaged")
     rows = numbers("time", knots), numbers("capacity", knots)
     never = tuple(number(f"never {name}") for name in guards)
-    return Joint(*(number(name) for name in names), *rows, number("inertia of the shaft"), never)
+    return Joining(*(number(name) for name in names), *rows, number("inertia of the shaft"), never)
 
 
 # What ends a walk besides speeds, in the order of its guards.
@@ -134,7 +134,7 @@ def at_two_speeds(
     works : bool
         Whether the works of useful and harmful loads, … are told apart.
     """
-    graph, inertia = mechanics.graph, inertia_of(mechanics)[0]
+    graph, inertia = mechanics.graph, inertia_with_flywheel(mechanics)[0]
     labels = ("angle turned", "speed of a state", "angle turned by the shaft", "speed of the shaft")
     states = tuple(graph.given(label, Stage.STATE) for label in labels)
     _, speed, _, shaft_speed = states
@@ -147,17 +147,12 @@ def at_two_speeds(
     shaft, of_shaft, _ = side("shaft: ", shaft_speed, elsewhere, works)
     crank_back, of_crank_back, _ = side("back: ", speed, on_shaft, False)
     shaft_back, of_shaft_back, _ = side("shaft, back: ", shaft_speed, elsewhere, False)
-    joint = _joint(mechanics, ENDINGS, knots)
-    capacity = sum(
-        (
-            (high - low) * graph.apply(ramp, clock - joint.engaged, begin, end)
-            for begin, end, low, high in zip(
-                joint.times, joint.times[1:], joint.capacity, joint.capacity[1:], strict=False
-            )
-        ),
-        joint.capacity[0] if knots else graph.zero,
-    )
-    own, other = joint.shaft_inertia, shaft.facing
+    joining = _joining(mechanics, ENDINGS, knots)
+    capacity = joining.capacity[0] if knots else graph.zero
+    for i in range(1, knots):
+        rise = graph.apply(ramp, clock - joining.engaged, *joining.times[i - 1 : i + 1])
+        capacity = capacity + (joining.capacity[i] - joining.capacity[i - 1]) * rise
+    own, other = joining.shaft_inertia, shaft.facing
     m1 = of_crank.total - (0.5 * speed * speed) * (crank.way * mechanics.reduced.slope)
     m2 = of_shaft.total
     # Sides that hold face the same way.
@@ -166,15 +161,15 @@ def at_two_speeds(
     slip = shaft_ahead - ahead
     if isinstance(coupling, FluidCoupling):
         table = graph.store(in_memory(make_table(coupling.slip, coupling.coefficient, coupling.interpolation)))
-        apart = graph.apply(fluid_moment, graph.memory, table, joint.fluid, ahead, shaft_ahead)
+        apart = graph.apply(fluid_moment, graph.memory, table, joining.fluid, ahead, shaft_ahead)
         held = moment = apart
         rises = (m1 + crank.facing * apart) / inertia, (m2 - other * apart) / own
     else:
-        held, apart = other * (m2 - own * together), joint.sense * capacity
-        moment = joint.holds * held + (1.0 - joint.holds) * apart
+        held, apart = other * (m2 - own * together), joining.sense * capacity
+        moment = joining.holds * held + (1.0 - joining.holds) * apart
         free = (m1 + crank.facing * apart) / inertia, (m2 - other * apart) / own
-        rises = tuple(joint.holds * together + (1.0 - joint.holds) * alone for alone in free)
-    rises = rises[0] * joint.moves, rises[1] * joint.shaft_moves
+        rises = tuple(joining.holds * together + (1.0 - joining.holds) * alone for alone in free)
+    rises = rises[0] * joining.moves, rises[1] * joining.shaft_moves
     motors = of_crank.motors + of_shaft.motors
     powers = {
         name: of_crank.channels[name] * speed + of_shaft.channels[name] * shaft_speed for name in of_crank.channels
@@ -184,12 +179,12 @@ def at_two_speeds(
     endings = (
         speed,
         shaft_speed,
-        joint.sense * slip,
-        joint.sense * slip + ASTRAY * (speed + shaft_speed),
+        joining.sense * slip,
+        joining.sense * slip + ASTRAY * (speed + shaft_speed),
         capacity * (1.0 + GRIP) - abs(held),
-        _held_back(joint, capacity, apart, (m1, of_crank_back.total), (m2, of_shaft_back.total)),
+        _held_back(joining, capacity, apart, (m1, of_crank_back.total), (m2, of_shaft_back.total)),
     )
-    named = zip(ENDINGS, endings, joint.never, strict=True)
+    named = zip(ENDINGS, endings, joining.never, strict=True)
     guards = [Guard("above", crank.above - speed), Guard("below", speed - crank.below)]
     guards += [Guard(name, value + never) for name, value, never in named]
     slopes = [[derivative(rise, by, SLOPES) for by in (speed, shaft_speed)] for rise in rises]
@@ -199,10 +194,12 @@ def at_two_speeds(
     system = System(
         "time", states, (), rates, gathered, speed, graph.zero, steepness, rises[0], solved, (), tuple(guards), clock
     )
-    return system, TwoSizes(crank, shaft, crank_back, shaft_back, joint)
+    return system, TwoSizes(crank, shaft, crank_back, shaft_back, joining)
 
 
-def _held_back(joint: Joint, capacity: Node, moment: Node, crank: tuple[Node, Node], shaft: tuple[Node, Node]) -> Node:
+def _held_back(
+    joining: Joining, capacity: Node, moment: Node, crank: tuple[Node, Node], shaft: tuple[Node, Node]
+) -> Node:
     """By how much what holds standing sides exceeds the moments that would set one off, either way."""
     (m1, m1_back), (m2, m2_back) = crank, shaft
     graph = m1.graph
@@ -218,10 +215,10 @@ def _held_back(joint: Joint, capacity: Node, moment: Node, crank: tuple[Node, No
     alone = most(m1 + moment, m1_back - moment), most(m2 - moment, m2_back + moment)
     stands = [
         graph.apply(unless, moves, value, never)
-        for moves, value in zip((joint.moves, joint.shaft_moves), alone, strict=True)
+        for moves, value in zip((joining.moves, joining.shaft_moves), alone, strict=True)
     ]
     both = most(m1 + m2, m1_back + m2_back, most(m1, m1_back, m2, m2_back) - capacity)
-    held_apart = graph.apply(unless, joint.holds, most(*stands), both)
+    held_apart = graph.apply(unless, joining.holds, most(*stands), both)
     return SURELY * most(abs(m1), abs(m2), abs(moment)) - held_apart
 
 

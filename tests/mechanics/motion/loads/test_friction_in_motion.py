@@ -137,9 +137,7 @@ def test_friction_beside_a_coupling__is_refused_where_regimes_are_asked():
     scene["moments"]["dc"] = scene["moments"]["dc"] | {"on": "motor_shaft"}
     scene["shafts"]["motor_shaft"]["inertia"] = 0.01
     scene["couplings"] = {"clutch": {"type": "friction_clutch", "shaft": "motor_shaft", "capacity": 5.0}}
-    with pytest.raises(
-        SceneError, match=r"friction: regimes don't know it beside \[couplings\].*leave one of them out"
-    ):
+    with pytest.raises(SceneError, match=r"friction: not available in regimes with \[couplings\].*remove one of them"):
         Machine(Scene.model_validate(scene), ["go.time"])
 
 
