@@ -26,7 +26,6 @@ def read_steps(
     columns: np.ndarray,
     turned: np.ndarray,
     off: bool,
-    slopes: np.ndarray,
     found: np.ndarray,
 ) -> None:
     """Energy, time and moment at angles turned, each of one of the variants, from what was recorded of their steps.
@@ -34,7 +33,7 @@ def read_steps(
     Where they are `off`, by what they may be off by at the begin of each step. Source: J.-P. Berrut and
     L. N. Trefethen, Barycentric Lagrange interpolation, SIAM Review 46 (2004).
     """
-    shown = slopes.shape[0]
+    shown = SLOPES.shape[0]
     for p in range(begin, end):
         v, low, high = columns[p], 0, max(int(steps[columns[p]]) - 1, 0)
         while low < high:
@@ -56,7 +55,7 @@ def read_steps(
             weight = weight / apart if at < 0 else 1.0 if j == at else 0.0
             slope = 0.0
             for i in range(shown):
-                slope += slopes[i, j] * recorded[low, 3 + i, v]
+                slope += SLOPES[i, j] * recorded[low, 3 + i, v]
             total += weight
             energy += weight * recorded[low, 3 + j, v]
             time += weight * recorded[low, 4 + shown + j, v]

@@ -12,10 +12,10 @@ import numpy as np
 from numba import types
 
 from engine.compiling.blocks import gather, hand_out, in_lanes
-from engine.compiling.decorators import driver, inlined
+from engine.compiling.decorators import driver
 from engine.compiling.running import prepare, spread
 from engine.compiling.widths import LANES
-from engine.cycle.panels.lanes import Memory, rows
+from engine.cycle.panels.lanes import rows
 from engine.laws.elementary import power
 from engine.laws.motor_characteristics import induction_motor, induction_motor_slope
 
@@ -61,73 +61,6 @@ class Drive(NamedTuple):
         return Drive(*(np.ascontiguousarray(part[..., chosen]) for part in self))
 
 
-@inlined
-def straight_motors(drive: Memory, lane: int, speed: float) -> float:
-    """Moment of the motors with a straight characteristic."""
-    return drive[LEVEL, lane] + drive[FALL, lane] * speed
-
-
-@inlined
-def polynomial(loads: Memory, begin: int, lane: int, speed: float) -> float:
-    """Moment of loads over ω⁰, ω¹ and ω², whose rows follow each other from `begin` on."""
-    return loads[begin, lane] + speed * (loads[begin + 1, lane] + speed * loads[begin + 2, lane])
-
-
-@inlined
-def polynomial_slope(loads: Memory, begin: int, lane: int, speed: float) -> float:
-    """Derivative of `polynomial` by the speed."""
-    return loads[begin + 1, lane] + 2.0 * speed * loads[begin + 2, lane]
-
-
-@inlined
-def add_induction_motors(wide: int, drive: Memory, motors: int, speed: Memory, moment: Memory) -> None:
-    """Add the moments of induction motors at a speed of each lane.
-
-    Parameters
-    ----------
-    wide : int
-        In how many lanes.
-    drive : rows (2 + 5 motors, LANES)
-    motors : int
-        How many there are.
-    speed, moment : row (LANES,)
-    """
-    for motor in range(motors):
-        k = KLOSS + PER_MOTOR * motor
-        for lane in range(wide):
-            ratio = drive[k + 4, lane]
-            moment[lane] += ratio * induction_motor(
-                drive[k, lane], drive[k + 1, lane], drive[k + 2, lane], drive[k + 3, lane], ratio * speed[lane]
-            )
-
-
-@inlined
-def add_induction_slopes(wide: int, drive: Memory, motors: int, speed: Memory, slope: Memory) -> None:
-    """Add their derivatives by the speed; parameters as of `add_induction_motors`."""
-    for motor in range(motors):
-        k = KLOSS + PER_MOTOR * motor
-        for lane in range(wide):
-            ratio = drive[k + 4, lane]
-            slope[lane] += (ratio * ratio) * induction_motor_slope(
-                drive[k, lane], drive[k + 1, lane], drive[k + 2, lane], drive[k + 3, lane], ratio * speed[lane]
-            )
-
-
-@inlined
-def add_power(wide: int, load: Memory, exponent: Memory, speed: Memory, moment: Memory) -> None:
-    """Add the moment of a load over a power of the speed; all are rows, (LANES,)."""
-    for lane in range(wide):
-        moment[lane] += load[lane] * power(abs(speed[lane]), exponent[lane])
-
-
-@inlined
-def add_power_slope(wide: int, load: Memory, exponent: Memory, speed: Memory, slope: Memory) -> None:
-    """Add its derivative by the speed; parameters as of `add_power`."""
-    for lane in range(wide):
-        w, n = speed[lane], exponent[lane]
-        slope[lane] += n * (load[lane] * power(abs(w), n)) / w
-
-
 class Moments(NamedTuple):
     """Moment of the motors, of each channel of loads [N·m], and ∂M/∂ω of all of them [N·m·s]."""
 
@@ -161,11 +94,11 @@ def moments_at(
     found = np.empty((2 + loads.shape[0], *omega.shape))
     if omega.size:
         parts = (drive.rows, drive.exponents, channel_of, loads, powers, omega)
-        given = [part if part.flags.carray else np.array(part, order="C") for part in parts]
-        count = len(given[0]) + len(given[1]) + POLYNOMIAL + 1 + len(found)
+        given = AtSpeed(*(part if part.flags.carray else np.array(part, order="C") for part in parts), found)
+        count = len(drive.rows) + len(drive.exponents) + POLYNOMIAL + 1 + len(found)
 
         def arguments() -> tuple:
-            return (*given, rows(count), found)
+            return given, rows(count)
 
         if not moments_of_blocks.overloads:
             prepare(moments_of_blocks, [types.intp, types.intp, *(numba.typeof(part) for part in arguments())])
@@ -173,48 +106,62 @@ def moments_at(
     return Moments(found[0], found[2:], found[1])
 
 
-@driver
-def moments_of_blocks(
-    begin: int,
-    end: int,
-    drives: np.ndarray,
-    every_exponent: np.ndarray,
-    channel_of: np.ndarray,
-    loads: np.ndarray,
-    powers: np.ndarray,
-    omega: np.ndarray,
-    room: np.ndarray,
-    found: np.ndarray,
-) -> None:
-    """Moments of the motors, ∂M/∂ω, and moments of each channel into `found`, for blocks begin … end − 1 of variants.
+class AtSpeed(NamedTuple):
+    """Arguments of `moments_at`, and what is found: moments of the motors, ∂M/∂ω, moments of each channel."""
 
-    Arguments are those of `moments_at`, and memory for a block.
-    """
+    drives: np.ndarray
+    exponents: np.ndarray
+    channel_of: np.ndarray
+    loads: np.ndarray
+    powers: np.ndarray
+    omega: np.ndarray
+    found: np.ndarray
+
+
+@driver
+def moments_of_blocks(begin: int, end: int, given: AtSpeed, room: np.ndarray) -> None:
+    """Moments of the blocks begin … end − 1 of variants; `room` is memory for a block."""
+    drives, loads, powers, omega = given.drives, given.loads, given.powers, given.omega
+    channel_of, found = given.channel_of, given.found
     drive, exponents = in_lanes(room), in_lanes(room[drives.shape[0] :])
-    after = room[drives.shape[0] + every_exponent.shape[0] :]
+    after = room[drives.shape[0] + given.exponents.shape[0] :]
     place, speeds, moments = in_lanes(after), in_lanes(after[POLYNOMIAL:]), in_lanes(after[POLYNOMIAL + 1 :])
     motors, speed, of_motors, slope = (drives.shape[0] - KLOSS) // PER_MOTOR, speeds[0], moments[0], moments[1]
     for b in range(begin, end):
         first = b * LANES
         gather(drives, first, drive)
-        gather(every_exponent, first, exponents)
+        gather(given.exponents, first, exponents)
         for j in range(omega.shape[0]):
             at = j if loads.shape[2] > 1 else 0
             gather(omega[j : j + 1], first, speeds)
             for lane in range(LANES):
-                of_motors[lane] = straight_motors(drive, lane, speed[lane])
+                of_motors[lane] = drive[LEVEL, lane] + drive[FALL, lane] * speed[lane]
                 slope[lane] = drive[FALL, lane]
-            add_induction_motors(LANES, drive, motors, speed, of_motors)
-            add_induction_slopes(LANES, drive, motors, speed, slope)
+            for motor in range(motors):
+                k = KLOSS + PER_MOTOR * motor
+                for lane in range(LANES):
+                    a, b, c, d, ratio = (
+                        drive[k, lane],
+                        drive[k + 1, lane],
+                        drive[k + 2, lane],
+                        drive[k + 3, lane],
+                        drive[k + 4, lane],
+                    )
+                    of_motors[lane] += ratio * induction_motor(a, b, c, d, ratio * speed[lane])
+                    slope[lane] += (ratio * ratio) * induction_motor_slope(a, b, c, d, ratio * speed[lane])
             for channel in range(loads.shape[0]):
                 gather(loads[channel, :, at], first, place)
                 for lane in range(LANES):
-                    moments[2 + channel, lane] = polynomial(place, 0, lane, speed[lane])
-                    slope[lane] += polynomial_slope(place, 0, lane, speed[lane])
+                    w = speed[lane]
+                    moments[2 + channel, lane] = place[0, lane] + w * (place[1, lane] + w * place[2, lane])
+                    slope[lane] += place[1, lane] + 2.0 * w * place[2, lane]
             for law in range(powers.shape[0]):
                 gather(powers[law, at : at + 1], first, place)
-                add_power(LANES, place[0], exponents[law], speed, moments[2 + channel_of[law]])
-                add_power_slope(LANES, place[0], exponents[law], speed, slope)
+                for lane in range(LANES):
+                    w, n = speed[lane], exponents[law, lane]
+                    moment = place[0, lane] * power(abs(w), n)
+                    moments[2 + channel_of[law], lane] += moment
+                    slope[lane] += n * moment / w
             hand_out(moments, first, found[:, j])
 
 

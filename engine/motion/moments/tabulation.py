@@ -8,6 +8,7 @@ it fills in is added up as it is asked for.
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
+import numba
 import numpy as np
 from numba import types
 
@@ -158,18 +159,61 @@ class Tabulation:
         given = given or {}
         given_rows = np.array([self.functions.rows[node] for node in given], np.int64)
         every = np.array([np.broadcast_to(values, q.shape) for values in given.values()]).reshape(-1, *q.shape)
-        asked = rows, sums.target, sums.turned, sums.direction
-        machine = self.function(function), parameters, self.functions.memory
-        given = *machine, np.require(q, requirements="CW"), every, given_rows
+        at = np.require(q, requirements="CW")
+        batch = FilledPlaces(
+            parameters,
+            self.functions.memory,
+            at,
+            every,
+            given_rows,
+            rows,
+            sums.target,
+            sums.turned,
+            sums.direction,
+            out,
+        )
         count = len(parameters) + rows + sums.count + _ALSO
 
         def arguments() -> tuple:
-            return (*given, *asked, lane_rows(count), out)
+            return self.function(function), batch, lane_rows(count)
 
         if not fill_places.overloads:
-            prepare(fill_places, _TYPES)
+            prepare(fill_places, [types.intp, types.intp, FILLS_TILE, *map(numba.typeof, arguments()[1:])])
         spread(fill_places, -(-variants // LANES), arguments)
         return out
+
+
+class FilledPlaces(NamedTuple):
+    """What is filled at a number of places, (places, variants), and what it is filled from.
+
+    Attributes
+    ----------
+    parameters : ndarray (numbers, variants)
+    memory : ndarray
+        All tables.
+    q : ndarray (places, variants)
+        Crank angles [rad].
+    given : ndarray (given, places, variants)
+        Numbers that take the place of parameters.
+    given_rows : ndarray (given,) of int
+        Rows of these.
+    rows : int
+        How many curves the printed function fills.
+    target, turned, direction
+        As in `Sums`.
+    out : ndarray (sums, places, variants)
+    """
+
+    parameters: np.ndarray
+    memory: np.ndarray
+    q: np.ndarray
+    given: np.ndarray
+    given_rows: np.ndarray
+    rows: int
+    target: np.ndarray
+    turned: np.ndarray
+    direction: np.ndarray
+    out: np.ndarray
 
 
 # Rows of a block besides numbers, curves and sums: position with cosine and sine, and both ways of turning.
@@ -177,58 +221,33 @@ _ALSO = 5
 
 
 @driver
-def fill_places(
-    begin: int,
-    end: int,
-    fill: Callable,
-    parameters: np.ndarray,
-    memory: np.ndarray,
-    q: np.ndarray,
-    given: np.ndarray,
-    given_rows: np.ndarray,
-    rows: int,
-    target: np.ndarray,
-    turned: np.ndarray,
-    direction: np.ndarray,
-    room: np.ndarray,
-    out: np.ndarray,
-) -> None:
-    """Fill `out` (sums, places, variants) for the blocks begin … end − 1 of variants, place by place.
-
-    `fill` fills so many `rows` for one position of each lane; `given` (numbers, places, variants) goes to `given_rows`
-    of the parameters before; `room` is memory for a block.
-    """
-    places, variants = q.shape
-    count = parameters.shape[0]
+def fill_places(begin: int, end: int, fill: Callable, batch: FilledPlaces, room: np.ndarray) -> None:
+    """Fill the blocks begin … end − 1 of variants, place by place; `room` is memory for a block."""
+    (places, variants), rows = batch.q.shape, batch.rows
+    given, given_rows, direction, out = batch.given, batch.given_rows, batch.direction, batch.out
+    count = batch.parameters.shape[0]
     block, place, rest = room[:count], room[count : count + 3], room[count + 3 :]
     tile = rest[2 : rows + 2].reshape(rows, 1, LANES)
     numbers, position, ways = in_lanes(block), in_lanes(place), in_lanes(rest)
     filled, sums = in_lanes(rest[2:]), in_lanes(rest[rows + 2 :])
     for b in range(begin, end):
         first = b * LANES
-        gather(parameters, first, numbers)
+        gather(batch.parameters, first, numbers)
         for lane in range(LANES):
             ways[0, lane], ways[1, lane] = 1.0, direction[min(first + lane, variants - 1)]
         for j in range(places):
-            gather(q[j : j + 1], first, position)
+            gather(batch.q[j : j + 1], first, position)
             for lane in range(LANES):
                 position[1, lane], position[2, lane] = direction_of(position[0, lane])
             for i in range(given_rows.shape[0]):
                 for lane in range(LANES):
                     numbers[given_rows[i], lane] = given[i, j, min(first + lane, variants - 1)]
-            fill(block, memory, place[0:1], place[1:2], place[2:3], tile)
+            fill(block, batch.memory, place[0:1], place[1:2], place[2:3], tile)
             for i in range(out.shape[0]):
                 for lane in range(LANES):
                     sums[i, lane] = 0.0
             for row in range(rows):
-                into, way = target[row], 1 if turned[row] else 0
+                into, way = batch.target[row], 1 if batch.turned[row] else 0
                 for lane in range(LANES if into >= 0 else 0):
                     sums[into, lane] += filled[row, lane] * ways[way, lane]
             hand_out(sums, first, out[:, j])
-
-
-_ROWS, _CUBE = types.float64[:, ::1], types.float64[:, :, ::1]
-_TYPES = (
-    *(types.intp, types.intp, FILLS_TILE, _ROWS, types.float64[::1], _ROWS, _CUBE, types.int64[::1]),
-    *(types.intp, types.int64[::1], types.boolean[::1], types.float64[::1], _ROWS, _CUBE),
-)

@@ -6,7 +6,7 @@ import numpy as np
 
 from engine.motion.methods import EIGHT, FOUR, NINE
 from engine.motion.moments.grid import edges_of
-from engine.motion.recorded import SLOPES, read_steps
+from engine.motion.recorded import read_steps
 from engine.motion.runs.run_progress import Progress, State, gathered
 from engine.motion.runs.settled_runs import Carry, pass_mark
 from engine.motion.runs.watching import BetweenNodes, Piece
@@ -162,7 +162,7 @@ def _piece_of(runs: Progress, who: np.ndarray, before: State, gone: Walks, impli
     def at(columns: np.ndarray, turned: np.ndarray) -> tuple[np.ndarray, ...]:
         found = np.empty((3, turned.size))
         asked = turned.size, gone.recorded, gone.steps, columns.ravel(), turned.ravel()
-        read_steps(*asked, runs.half, SLOPES, found)
+        read_steps(*asked, runs.half, found)
         energy, time, moment = found.reshape(3, *turned.shape)
         own = runs.variants.some(who[columns[-1]])
         inertia = runs.dynamics.rows(own, begin[columns[-1]] + own.direction * turned).inertia

@@ -4,7 +4,7 @@ import numpy as np
 
 from engine.motion.methods import EIGHT
 from engine.motion.moments.grid import JUMP, edges_of
-from engine.motion.recorded import SLOPES, read_steps
+from engine.motion.recorded import read_steps
 from engine.motion.runs.run_in_angle import TIMES_TO_THE_END
 from engine.motion.runs.run_progress import Progress, State, gathered
 from engine.motion.runs.settled_runs import Carry, pass_mark
@@ -271,7 +271,7 @@ def _piece_of(runs: Progress, who: np.ndarray, before: State, gone: Walks) -> Pi
 
     def read(columns: np.ndarray, time: np.ndarray) -> np.ndarray:
         found = np.empty((3, time.size))
-        read_steps(time.size, gone.recorded, gone.steps, columns, time, False, SLOPES, found)
+        read_steps(time.size, gone.recorded, gone.steps, columns, time, False, found)
         return found[:2]
 
     facing = runs.facing[who]

@@ -14,7 +14,7 @@ from engine.motion.closed_cycle import TOO_STEEP
 from engine.motion.methods import EIGHT, NINE
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.grid import edges_of
-from engine.motion.recorded import SLOPES, read_steps
+from engine.motion.recorded import read_steps
 from engine.motion.system import Closed, Walks
 from engine.motion.walk import Why
 from engine.verdicts import Verdict
@@ -228,7 +228,7 @@ class _Motion:
         turned = np.minimum(wanted[over], gone.turned[columns])
         found, doubtful = np.empty((2, 3, turned.size))
         for doubts, rows in ((False, found), (True, doubtful)):
-            read_steps(turned.size, gone.recorded, gone.steps, columns, turned, doubts, SLOPES, rows)
+            read_steps(turned.size, gone.recorded, gone.steps, columns, turned, doubts, rows)
         record[:, nodes, who[columns]], off[:, nodes, who[columns]] = found, doubtful - found
 
 
