@@ -28,11 +28,11 @@ from engine.elements.elastic_drives.elastic_cycle import (
 from engine.elements.elastic_drives.elastic_shaft import drive_shaft
 from engine.elements.elastic_drives.machine_drive import RESULTS, RUN_RESULTS, VERDICT_KEY, MachineDrive, machine_keys
 from engine.mechanism.mechanics import Mechanics
+from engine.motion.coupled.elastic_run import FINEST, ElasticRun, run_on_shaft, steps_on_shaft
+from engine.motion.coupled.two_sides import OnElasticShaft
 from engine.motion.moments.dynamics import Dynamics, Variants
-from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.moments.grid import GAP
 from engine.motion.regimes_in_order import TOLERANCE, Schedule
-from engine.motion.runs.elastic_run import FINEST, ElasticRun, run_on_shaft, steps_on_shaft
 from engine.motion.settled.steady import steady_motion
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.verdicts import Verdict
@@ -69,7 +69,7 @@ class ElasticDrives:
         }
         self.dynamics = made
         runs = {name: drive.run for name, drive in self.drives.items() if drive.run is not None}
-        self.runs = {name: Dynamics(reduction, frozenset(run.off)) for name, run in runs.items()}
+        self.runs = {name: OnElasticShaft(reduction, frozenset(run.off)) for name, run in runs.items()}
         self.nodes = reduction.nodes
 
     def numbers(self, numbers: Numbers, sound: np.ndarray) -> dict[str, np.ndarray]:
@@ -129,7 +129,7 @@ class ElasticDrives:
         if not well.size:
             return
         part = ready.some(well)
-        fine, coarse = (self._run(name, part, steady[:, part.which], coarser) for coarser in (1.0, 2.0))
+        fine, coarse = (self._run(name, part, steady[:, part.which], loose) for loose in (False, True))
         rows, rough = (
             np.stack([run.greatest, run.greatest_at, run.state[1], run.state[3], run.state[2], run.stops, run.closings])
             for run in (fine, coarse)
@@ -179,7 +179,7 @@ class ElasticDrives:
         name: str,
         ready: "Ready",
         steady: np.ndarray,
-        coarser: float = 1.0,
+        loose: bool = False,
         record: bool = False,
         duration: np.ndarray | None = None,
     ) -> ElasticRun:
@@ -187,9 +187,9 @@ class ElasticDrives:
         run = self.drives[name].run
         angle, whole, backlash = (self._of_run(name, ready, key) for key in ("angle", "time", "backlash"))
         duration = whole if duration is None else duration
-        form = EquationOfMotion(self.runs[name], self.runs[name].driven(ready.bare), angle)
+        sides = self.runs[name].of(ready.bare, angle, ready.given.T, backlash)
         begin = steady if run.begin == "steady" else np.zeros_like(steady)
-        return run_on_shaft(form, ready.given.T, ready.frequency, begin, duration, backlash, coarser, record)
+        return run_on_shaft(sides, ready.frequency, begin, duration, loose, record)
 
     def _ready(self, name: str, variants: Variants) -> "tuple[Ready, np.ndarray, np.ndarray]":
         """Those of some variants that have a steady motion with a rigid shaft; their steps, and verdicts on all."""

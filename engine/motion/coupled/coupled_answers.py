@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.motion.coupled.coupled_run import CoupledEnds, CoupledRuns, greatest_between
+from engine.motion.coupled.coupled_run import CoupledEnds, CoupledRuns
 from engine.motion.coupled.two_sides import CoupledSides, TwoSides, coupling_numbers
 from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, SHAFT_TURNED, TURNED
 from engine.motion.moments.at_speed import greatest_moment
@@ -116,7 +116,7 @@ def run_coupled(
         "shaft_mean_speed": ratio * mean,
     }
     most = np.maximum(np.maximum(started, ended), begun + after + np.abs(heat))
-    history = None if not runs.notes else np.stack(runs.notes, axis=1)[:, :, 0]
+    history = None if not runs.notes else np.stack(runs.notes, axis=1)[[0, 1, 2, 4, 5], :, 0]
     return CoupledOutcome(
         runs.verdict,
         state[TURNED],
@@ -166,5 +166,22 @@ def held_moment(
     own = shaft.moments(omega, np.ones(variants.count)).total
     steps = np.diff(places, axis=0)
     even = np.isclose(steps[1:], steps[:-1], rtol=EVEN, atol=0.0)
-    peak = greatest_between(np.abs(own - shaft.inertia * change), even)
+    peak = _greatest_between(np.abs(own - shaft.inertia * change), even)
     return peak / coupling.ratio, coupling.capacity[-1] / coupling.ratio
+
+
+def _greatest_between(values: np.ndarray, even: np.ndarray) -> np.ndarray:
+    """Greatest of values at some places, the first axis, with the tops of parabolas through three of them.
+
+    Parameters
+    ----------
+    values : ndarray (places, variants)
+    even : ndarray (places - 2, variants) of bool
+        Whether a place, the first and the last left out, is as far from the one before as from the one after it.
+    """
+    low, middle, high = values[:-2], values[1:-1], values[2:]
+    bend = low - 2.0 * middle + high
+    inside = (middle >= low) & (middle >= high) & (bend < 0.0) & even
+    with np.errstate(all="ignore"):
+        tops = np.where(inside, middle - (high - low) ** 2 / (8.0 * bend), middle)
+    return np.maximum(tops.max(axis=0), np.maximum(values[0], values[-1]))

@@ -36,12 +36,18 @@ RECORDED, MOST_WALKS = 64, 100_000
 # Speeds that change by no more in a cycle stay as they are; a share of the greatest speed that counts as rest where
 # nothing stops a machine; swings that differ by no more are the same [rad].
 SETTLED, FADED, SAME_SWING = 1e-8, 1e-9, 1e-6
+# A peak that is higher by a smaller share is the same as the one before it.
+SAME_PEAK = 1e-12
+# Newton's steps to the top of a quartic.
+NEWTONS = 5
 # Share of a cycle within which an angle is its end.
 NEARLY = 1e-9
 # A standing machine is looked at so many times until something changes.
 WAITS = 4
 # Why a walk ends besides those of every walk, in the order of the guards of the system.
-ABOVE, BELOW, CRANK_RESTS, SHAFT_RESTS, LOCKS_UP, ASTRAY, BREAKS_LOOSE, SETS_OFF = (Why.GUARD + i for i in range(8))
+ABOVE, BELOW, CRANK_RESTS, SHAFT_RESTS, LOCKS_UP, ASTRAY, BREAKS_LOOSE, SETS_OFF, TOUCH = (
+    Why.GUARD + i for i in range(9)
+)
 
 
 class CoupledEnds(NamedTuple):
@@ -95,14 +101,16 @@ class CoupledRuns:
         Least and greatest speeds of the crank and of the shaft [rad/s].
     covered : ndarray (2, variants)
         Least and greatest angle turned by the crank [rad].
-    peak : ndarray
-        Greatest moment of the coupling by magnitude [N·m].
+    peak, peak_at : ndarray
+        Greatest moment of the coupling by magnitude [N·m], and when [s].
+    stops, closings : ndarray
+        How often the crank came to rest, and how often a backlash closed.
     slip_time : ndarray
         For how long a clutch slipped [s].
     lock_time, lock_speed : ndarray
         When it held last, and how fast the crank turned then; NaN where it never did.
     notes : list of ndarray or None
-        Time, angle of the crank, both speeds and moment of the coupling, where they are kept.
+        Time, state of motion and moment of the coupling, where they are kept.
     """
 
     def __init__(
@@ -123,11 +131,12 @@ class CoupledRuns:
         self.state[CRANK_SPEED], self.state[SHAFT_SPEED] = speeds
         self.time, zero = np.zeros(count), np.zeros(count)
         self.pace = np.full(count, np.inf)
-        self.joined = Joined(np.zeros(count, int), zero.copy(), zero.copy(), clock, engaged)
+        self.joined = Joined(np.zeros(count, int), zero.copy(), zero.copy(), clock, engaged, np.ones(count))
         self.verdict, self.done = np.full(count, Verdict.OK, np.uint8), np.zeros(count, bool)
         self.lows, self.highs = np.array(speeds), np.array(speeds)
         self.covered = np.zeros((2, count))
-        self.peak, self.slip_time = np.zeros(count), np.zeros(count)
+        self.peak, self.peak_at, self.slip_time = np.zeros(count), np.zeros(count), np.zeros(count)
+        self.stops, self.closings = np.zeros(count), np.zeros(count)
         self.lock_time, self.lock_speed = np.full(count, np.nan), np.full(count, np.nan)
         self.above = np.where(ends.speed > speeds[0], ends.speed, np.inf)
         self.below = np.where(ends.speed < speeds[0], ends.speed, -np.inf)
@@ -174,7 +183,7 @@ class CoupledRuns:
         moving[TURNED] += np.sign(moving[CRANK_SPEED]) * sides.beside(moving[TURNED])
         ways = np.sign(moving[CRANK_SPEED]), np.sign(moving[SHAFT_SPEED])
         mode = np.full(who.size, APART if sides.open else FLUID)
-        if not (sides.open or sides.is_fluid):
+        if not (sides.open or sides.is_fluid or sides.is_elastic):
             mode = self._holding(sides, joined, moving, self.time[who], ways)
         ways = self._ways(sides, joined, moving, self.time[who], mode, ways)
         self.joined.mode[who], self.joined.crank_way[who], self.joined.shaft_way[who] = mode, *ways
@@ -286,7 +295,13 @@ class CoupledRuns:
         speed = np.maximum(np.abs(moving[CRANK_SPEED]), np.abs(moving[SHAFT_SPEED]))
         change = np.maximum(np.abs(found.crank[0]), np.abs(found.shaft[0]))
         # A hundredth of the time that a radian takes; moments that pull speeds together leave less.
-        return 0.01 / np.maximum(np.maximum(speed, np.sqrt(change)), found.rate[0])
+        first = 0.01 / np.maximum(np.maximum(speed, np.sqrt(change)), found.rate[0])
+        if not sides.is_elastic:
+            return first
+        # Within a backlash, less than it takes to cross it.
+        gap, rise = sides.coupling.backlash, np.abs(found.shaft[0] - found.crank[0])
+        crossing = gap / (np.abs(moving[SHAFT_SPEED] - moving[CRANK_SPEED]) + np.sqrt(gap * rise))
+        return np.where(joined.touch == 0.0, np.minimum(first, 0.25 * crossing), first)
 
     def _walk(self, who: np.ndarray, method: int, faced: np.ndarray, goal: np.ndarray, longest: np.ndarray) -> Walks:
         """Walk by a method, at most for a time [s] and up to an angle turned."""
@@ -296,11 +311,13 @@ class CoupledRuns:
         holds, slips = joined.mode == TOGETHER, np.abs(joined.mode) == FORWARDS
         stands = ~crank_moves | ~shaft_moves
         counts = (crank_moves, shaft_moves & ~holds, slips, slips, holds & crank_moves, stands)
+        counts += (sides.coupling.backlash > 0.0 if sides.is_elastic else np.zeros(who.size, bool),)
         limits = {sizes.crank.above: np.where(faced[0] > 0.0, self.above[who], -self.below[who])}
         limits |= {sizes.crank.below: np.where(faced[0] > 0.0, self.below[who], -self.above[who])}
         joining = sizes.joining
         limits |= {joining.holds: holds, joining.sense: np.where(slips, joined.mode, 0), joining.moves: crank_moves}
         limits |= {joining.shaft_moves: shaft_moves, joining.engaged: joined.clock - joined.engaged}
+        limits |= {joining.forwards: joined.touch > 0.0, joining.backwards: joined.touch < 0.0}
         limits |= {node: np.where(some, 0.0, np.inf) for node, some in zip(joining.never, counts, strict=True)}
         numbers = system.limited(self.sides.numbers(self.joined)[:, who], limits)
         edges = np.concatenate(edges_of(own.direction, own.breaks, self.cycle, sides.crank.start))
@@ -354,17 +371,29 @@ class CoupledRuns:
         time = before[column] + at + LOOKS[:, None] * length
         mine = who[column]
         for row, speeds in enumerate((moving[CRANK_SPEED], moving[SHAFT_SPEED])):
-            np.fmin.at(self.lows[row], mine, -greatest_between(-speeds))
-            np.fmax.at(self.highs[row], mine, greatest_between(speeds))
+            np.fmin.at(self.lows[row], mine, -highest(-speeds)[0])
+            np.fmax.at(self.highs[row], mine, highest(speeds)[0])
         moment = self._moments(mine, seen, moving, time)
-        np.fmax.at(self.peak, mine, greatest_between(np.abs(moment)))
+        self._see_peaks(mine, np.abs(moment), time)
         if self.notes is not None:
-            notes = np.stack((time, moving[TURNED], moving[CRANK_SPEED], moving[SHAFT_SPEED], moment))
-            self.notes.extend(notes.transpose(2, 1, 0).reshape(-1, 5, 1))
+            notes = np.concatenate((time[None], moving, moment[None]))
+            self.notes.extend(notes.transpose(2, 1, 0).reshape(-1, 6, 1))
+
+    def _see_peaks(self, mine: np.ndarray, size: np.ndarray, time: np.ndarray) -> None:
+        """Take in the greatest moments of steps of some variants, by their sizes at instants, (instants, steps)."""
+        tops, share = highest(size)
+        when, before = time[0] + share * (time[-1] - time[0]), self.peak[mine]
+        np.fmax.at(self.peak, mine, tops)
+        higher = np.flatnonzero((tops > before * (1.0 + SAME_PEAK)) & (tops == self.peak[mine]))
+        # Of steps with the same peak the first one counts.
+        self.peak_at[mine[higher[::-1]]] = when[higher[::-1]]
 
     def _moments(self, who: np.ndarray, joined: Joined, moving: np.ndarray, time: np.ndarray) -> np.ndarray:
         """Moments of the coupling at instants of the steps of some variants, (instants, steps)."""
         holds = (joined.mode == TOGETHER) & (joined.crank_way != 0.0)
+        if self.sides.is_elastic:
+            slip = moving[SHAFT_SPEED] - moving[CRANK_SPEED]
+            return self.sides.coupling.some(who).moment(joined.touch, moving[SHAFT_TURNED], slip)
         if self.sides.is_fluid:
             return self.sides.coupling.some(who).fluid_moment(moving[CRANK_SPEED], moving[SHAFT_SPEED])
         if self.sides.open:
@@ -408,6 +437,14 @@ class CoupledRuns:
             found = coupling_pull(self.sides.some(torn), self.joined.some(torn), moving[:, None], self.time[torn][None])
             self.joined.mode[torn] = np.where(found.moment[0] > 0.0, FORWARDS, BACKWARDS)
             self.lock_time[torn] = self.lock_speed[torn] = np.nan
+        self.stops[rest] += 1.0
+        touching = met(TOUCH)
+        if touching.size:
+            touch, coupling = self.joined.touch[touching], self.sides.coupling.some(touching)
+            sides = np.where(self.state[SHAFT_TURNED, touching] > -0.5 * coupling.backlash, 1.0, -1.0)
+            self.closings[touching] += touch == 0.0
+            self.joined.touch[touching] = np.where(touch == 0.0, sides, 0.0)
+            self.pace[touching] = np.inf
         self.done[met(ABOVE, BELOW)] = True
         self.done[rest] |= self.ends.reversal
         arrived = why == Why.OTHER_GOAL
@@ -455,18 +492,31 @@ def _grip(sides: CoupledSides, engaged: np.ndarray) -> np.ndarray:
     return sides.coupling.capacity_at(engaged) * (1.0 + GRIP)
 
 
-def greatest_between(values: np.ndarray, even: bool | np.ndarray = True) -> np.ndarray:
-    """Greatest of values at some places, the first axis, with the tops of parabolas through three of them.
+def highest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Greatest of values at equal distances, the first axis, with the top of the quartic about it; and its place.
 
     Parameters
     ----------
-    values : ndarray (places, variants)
-    even : bool or ndarray (places - 2, variants) of bool
-        Whether a place, the first and the last left out, is as far from the one before as from the one after it.
+    values : ndarray (places, steps)
+
+    Returns
+    -------
+    value, share : ndarray (steps,)
+        The share of the way from the first place to the last.
     """
-    low, middle, high = values[:-2], values[1:-1], values[2:]
-    bend = low - 2.0 * middle + high
-    inside = (middle >= low) & (middle >= high) & (bend < 0.0) & even
-    with np.errstate(all="ignore"):
-        tops = np.where(inside, middle - (high - low) ** 2 / (8.0 * bend), middle)
-    return np.maximum(tops.max(axis=0), np.maximum(values[0], values[-1]))
+    last, column = len(values) - 1, np.arange(values.shape[1])
+    k = values.argmax(axis=0)
+    centre = np.clip(k, 2, last - 2)
+    a, b, c, d, e = (values[centre + way, column] for way in (-2, -1, 0, 1, 2))
+    # Derivatives of the quartic in its middle, over their factorials.
+    first, second = (a - 8.0 * b + 8.0 * d - e) / 12.0, (-a + 16.0 * b - 30.0 * c + 16.0 * d - e) / 24.0
+    third, fourth = (e - 2.0 * d + 2.0 * b - a) / 12.0, (e - 4.0 * d + 6.0 * c - 4.0 * b + a) / 24.0
+    begin = (k - centre).astype(float)
+    x = begin.copy()
+    for _ in range(NEWTONS):
+        slope = first + x * (2.0 * second + x * (3.0 * third + x * 4.0 * fourth))
+        x = x - slope / (2.0 * second + x * (6.0 * third + x * 12.0 * fourth))
+    top = c + x * (first + x * (second + x * (third + x * fourth)))
+    sound = (np.abs(x - begin) <= 1.0) & (x + centre >= 0.0) & (x + centre <= last) & (top >= values[k, column])
+    place = np.where(sound, x, begin) + centre
+    return np.where(sound, top, values[k, column]), place / last

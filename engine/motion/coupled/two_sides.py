@@ -72,6 +72,28 @@ class CouplingNumbers(NamedTuple):
         return np.where(shaft_drives, 1.0, -1.0) * np.sign(fast) * moment
 
 
+class ElasticNumbers(NamedTuple):
+    """Numbers of an elastic shaft between both sides, (variants,): stiffness, damping, backlash."""
+
+    stiffness: np.ndarray
+    damping: np.ndarray
+    backlash: np.ndarray
+
+    @property
+    def times(self) -> np.ndarray:
+        """Nothing about it changes by itself."""
+        return np.zeros((0, self.stiffness.size))
+
+    def some(self, who: np.ndarray) -> "ElasticNumbers":
+        """Of some of the variants, by index."""
+        return ElasticNumbers(*(row[who] for row in self))
+
+    def moment(self, touch: np.ndarray, twist: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        """Moment of the shaft [N·m]."""
+        twist = twist + np.where(touch < 0.0, self.backlash, 0.0)
+        return np.where(touch == 0.0, 0.0, self.stiffness * twist + self.damping * slip)
+
+
 def coupling_numbers(scene: Scene, numbers: Numbers, count: int) -> CouplingNumbers:
     """Numbers of a scene's coupling.
 
@@ -146,6 +168,8 @@ class Joined(NamedTuple):
         Time of moments over time, at the begin of the run [s].
     engaged : ndarray
         For how long the coupling has been engaged, at the begin of the run [s].
+    touch : ndarray
+        Where an elastic shaft is in touch: +1 forwards, −1 backwards, 0 nowhere.
     """
 
     mode: np.ndarray
@@ -153,6 +177,7 @@ class Joined(NamedTuple):
     shaft_way: np.ndarray
     clock: np.ndarray
     engaged: np.ndarray
+    touch: np.ndarray
 
     def some(self, who: np.ndarray) -> "Joined":
         """Of some of the variants, by index."""
@@ -166,17 +191,17 @@ class CoupledSides(NamedTuple):
     ----------
     crank : EquationOfMotion
     shaft : ShaftSide
-    coupling : CouplingNumbers
+    coupling : CouplingNumbers or ElasticNumbers
     open : bool
         Whether the coupling is open, and transmits nothing.
-    two : TwoSides
+    two : TwoSides or OnElasticShaft
     """
 
     crank: EquationOfMotion
     shaft: ShaftSide
-    coupling: CouplingNumbers
+    coupling: CouplingNumbers | ElasticNumbers
     open: bool
-    two: "TwoSides"
+    two: "TwoSides | OnElasticShaft"
 
     @property
     def count(self) -> int:
@@ -184,9 +209,14 @@ class CoupledSides(NamedTuple):
         return self.crank.variants.count
 
     @property
+    def is_elastic(self) -> bool:
+        """Whether the coupling is an elastic shaft."""
+        return isinstance(self.coupling, ElasticNumbers)
+
+    @property
     def is_fluid(self) -> bool:
         """Whether it is a fluid coupling that is not open."""
-        return self.coupling.coefficient is not None and not self.open
+        return not (self.is_elastic or self.open) and self.coupling.coefficient is not None
 
     def some(self, who: np.ndarray) -> "CoupledSides":
         """Of some of the variants, by index."""
@@ -210,9 +240,14 @@ class CoupledSides(NamedTuple):
         if key not in kept:
             system, variants = self.two.system, self.crank.variants
             sizes, joining, own = system.sizes, system.sizes.joining, self.coupling
-            given = {joining.shaft_inertia: self.shaft.inertia, joining.fluid: 0.0 if self.open else own.fluid}
-            given |= dict(zip(joining.times, own.times, strict=True))
-            given |= {node: 0.0 if self.open else row for node, row in zip(joining.capacity, own.capacity, strict=True)}
+            given = {joining.shaft_inertia: self.shaft.inertia}
+            if self.is_elastic:
+                given |= dict(zip((joining.stiffness, joining.damping, joining.backlash), own, strict=True))
+            else:
+                given |= {joining.fluid: 0.0 if self.open else own.fluid}
+                given |= dict(zip(joining.times, own.times, strict=True))
+                capacity = zip(joining.capacity, own.capacity, strict=True)
+                given |= {node: 0.0 if self.open else row for node, row in capacity}
             every = (self.two.crank, sizes.crank, way), (self.two.crank, sizes.crank_back, -way)
             every += (self.two.shaft, sizes.shaft, other), (self.two.shaft, sizes.shaft_back, -other)
             for dynamics, side, facing in every:
@@ -272,7 +307,9 @@ def coupling_pull(sides: CoupledSides, joined: Joined, moving: np.ndarray, time:
     of_shaft, inertia, own = sides.shaft.moments(w2, faced[1]), rows.inertia, sides.shaft.inertia
     crank, shaft = of_crank.total - 0.5 * w1 * w1 * rows.inertia_phi, of_shaft.total
     together, holds = (crank + shaft) / (inertia + own), joined.mode == TOGETHER
-    if sides.is_fluid:
+    if sides.is_elastic:
+        moment = sides.coupling.moment(joined.touch, moving[2], w2 - w1)
+    elif sides.is_fluid:
         moment = sides.coupling.fluid_moment(w1, w2)
     elif sides.open:
         moment = np.zeros_like(w1)
@@ -283,6 +320,52 @@ def coupling_pull(sides: CoupledSides, joined: Joined, moving: np.ndarray, time:
     second = np.where(holds, together, (shaft - moment) / own) * (joined.shaft_way != 0.0)
     rate = np.abs(of_crank.slope - w1 * rows.inertia_phi) / inertia + np.abs(of_shaft.slope) / own
     return Pull(moment, first, second, rate)
+
+
+class OnElasticShaft:
+    """What acts on either side of an elastic shaft: loads on the machine, motors at the other end.
+
+    Parameters
+    ----------
+    reduction : Reduction
+    off : frozenset of str
+        Actions that don't act.
+
+    Attributes
+    ----------
+    crank, shaft : Dynamics
+    """
+
+    def __init__(self, reduction: Reduction, off: frozenset[str]) -> None:
+        self._motors = frozenset(reduction.loads.motors)
+        self._loads = frozenset(load.action for load in reduction.loads.terms)
+        self.crank = Dynamics(reduction, off | self._motors)
+        self.shaft = Dynamics(reduction, off | self._loads)
+
+    @cached_property
+    def system(self) -> PrintedSystem:
+        """The equation of motion of both sides, its functions printed."""
+        mechanics = self.crank.reduction.mechanics
+        return PrintedSystem(*at_two_speeds(mechanics, None, 0, self._motors, self._loads, False), mechanics)
+
+    def of(self, bare: Variants, start: np.ndarray, shaft: np.ndarray, backlash: np.ndarray) -> CoupledSides:
+        """Both sides of a number of variants.
+
+        Parameters
+        ----------
+        bare : Variants
+            Without what turns at the motors' end.
+        start : ndarray (variants,)
+            Crank angle where the angle turned is 0 [rad].
+        shaft : ndarray (3, variants)
+            Stiffness, damping, inertia at the motors' end.
+        backlash : ndarray (variants,)
+            [rad].
+        """
+        stiffness, damping, own = shaft
+        motors = ShaftSide(EquationOfMotion(self.shaft, self.shaft.driven(bare), np.zeros(bare.count)), own)
+        crank = EquationOfMotion(self.crank, self.crank.driven(bare), start)
+        return CoupledSides(crank, motors, ElasticNumbers(stiffness, damping, backlash), False, self)
 
 
 class TwoSides:

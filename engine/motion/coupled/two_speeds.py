@@ -1,8 +1,11 @@
 """The equation of motion of a machine at two speeds: those of the crank and of the shaft behind a coupling.
 
 I ε₁ + ½ω₁² dI/dφ = M₁ + T and J ε₂ = M₂ − T, with the coupling's moment T on the crank; a clutch that holds makes both
-sides one, (I + J) ε + ½ω² dI/dφ = M₁ + M₂. Everything is reduced to the crank. Each side has a speed that is never
-negative, and faces the way it goes: its moments count that way, T in the direction of motion.
+sides one, (I + J) ε + ½ω² dI/dφ = M₁ + M₂. An elastic shaft has T = k q + b q̇ with its twist q = φ₂ − φ₁, counted from
+where it is just in touch forwards; with a backlash Δ, T = k (q + Δ) + b q̇ in touch backwards, and none between.
+
+Everything is reduced to the crank. Each side has a speed that is never negative, and faces the way it goes: its moments
+count that way, T in the direction of motion.
 """
 
 from typing import NamedTuple
@@ -24,7 +27,8 @@ SURELY = 1e-11
 GRIP = 1e-11
 # A clutch that slips against its sense by more than this share of the speeds is joined anew.
 ASTRAY = 1e-9
-# States, and what is gathered besides the works of the motors and of each channel.
+# States, and what is gathered besides the works of the motors and of each channel; behind an elastic shaft the third
+# state is its twist.
 TURNED, CRANK_SPEED, SHAFT_TURNED, SHAFT_SPEED = range(4)
 GATHERED = ("heat", "slipped", "squares", "motors")
 
@@ -70,6 +74,12 @@ class Joining(NamedTuple):
         From then on [s], and the moment that a clutch transmits there [N·m].
     shaft_inertia : Given
         Reduced to the crank [kg·m²].
+    stiffness, damping : Given
+        Of an elastic shaft [N·m/rad, N·m·s/rad].
+    backlash : Given
+        Of it [rad].
+    forwards, backwards : Given
+        1 where it is in touch that way, else 0.
     never : tuple of Given
         Infinite for guards that don't count, in their order, else 0.
     """
@@ -83,6 +93,11 @@ class Joining(NamedTuple):
     times: tuple[Given, ...]
     capacity: tuple[Given, ...]
     shaft_inertia: Given
+    stiffness: Given
+    damping: Given
+    backlash: Given
+    forwards: Given
+    backwards: Given
     never: tuple[Given, ...]
 
 
@@ -106,16 +121,18 @@ def _joining(mechanics: Mechanics, guards: tuple[str, ...], knots: int) -> Joini
     names = ("holds", "sense", "crank moves", "shaft moves", "fluid", "engaged")
     rows = numbers("time", knots), numbers("capacity", knots)
     never = tuple(number(f"never {name}") for name in guards)
-    return Joining(*(number(name) for name in names), *rows, number("inertia of the shaft"), never)
+    elastic = (number(name) for name in ELASTIC)
+    return Joining(*(number(name) for name in names), *rows, *elastic, never)
 
 
+ELASTIC = ("inertia of the shaft", "stiffness", "damping", "backlash", "forwards", "backwards")
 # What ends a walk besides speeds, in the order of its guards.
-ENDINGS = ("crank rests", "shaft rests", "locks up", "astray", "breaks loose", "sets off")
+ENDINGS = ("crank rests", "shaft rests", "locks up", "astray", "breaks loose", "sets off", "touch")
 
 
 def at_two_speeds(
     mechanics: Mechanics,
-    coupling: Coupling,
+    coupling: Coupling | None,
     knots: int,
     on_shaft: frozenset[str],
     elsewhere: frozenset[str],
@@ -126,7 +143,8 @@ def at_two_speeds(
     Parameters
     ----------
     mechanics : Mechanics
-    coupling : Coupling
+    coupling : Coupling or None
+        None for an elastic shaft.
     knots : int
         How many instants a clutch's capacity goes by.
     on_shaft, elsewhere : frozenset of str
@@ -137,7 +155,7 @@ def at_two_speeds(
     graph, inertia = mechanics.graph, inertia_with_flywheel(mechanics)[0]
     labels = ("angle turned", "speed of a state", "angle turned by the shaft", "speed of the shaft")
     states = tuple(graph.given(label, Stage.STATE) for label in labels)
-    _, speed, _, shaft_speed = states
+    _, speed, twist, shaft_speed = states
 
     def side(label: str, speed: Node, off: frozenset[str], works: bool) -> tuple[Sizes, StateMoments, Given]:
         loads, clock, sizes = sizes_of(mechanics, speed, label)
@@ -159,7 +177,12 @@ def at_two_speeds(
     together = (m1 + m2) / (inertia + own)
     ahead, shaft_ahead = crank.facing * speed, other * shaft_speed
     slip = shaft_ahead - ahead
-    if isinstance(coupling, FluidCoupling):
+    touch = graph.zero
+    if coupling is None:
+        apart, touch = _elastic(joining, twist, slip)
+        held = moment = apart
+        rises = (m1 + crank.facing * apart) / inertia, (m2 - other * apart) / own
+    elif isinstance(coupling, FluidCoupling):
         table = graph.store(in_memory(make_table(coupling.slip, coupling.coefficient, coupling.interpolation)))
         apart = graph.apply(fluid_moment, graph.memory, table, joining.fluid, ahead, shaft_ahead)
         held = moment = apart
@@ -183,18 +206,32 @@ def at_two_speeds(
         joining.sense * slip + ASTRAY * (speed + shaft_speed),
         capacity * (1.0 + GRIP) - abs(held),
         _held_back(joining, capacity, apart, (m1, of_crank_back.total), (m2, of_shaft_back.total)),
+        touch,
     )
     named = zip(ENDINGS, endings, joining.never, strict=True)
     guards = [Guard("above", crank.above - speed), Guard("below", speed - crank.below)]
     guards += [Guard(name, value + never) for name, value, never in named]
     slopes = [[derivative(rise, by, SLOPES) for by in (speed, shaft_speed)] for rise in rises]
     steepness = graph.apply(greater, *(abs(a) + abs(b) for a, b in slopes))
-    rates = (ahead, rises[0], shaft_ahead, rises[1])
-    solved = tuple(slope for row in slopes for slope in row)
+    rates = (ahead, rises[0], slip if coupling is None else shaft_ahead, rises[1])
+    # A shaft's stiffness isn't among the slopes.
+    solved = () if coupling is None else tuple(slope for row in slopes for slope in row)
     system = System(
         "time", states, (), rates, gathered, speed, graph.zero, steepness, rises[0], solved, (), tuple(guards), clock
     )
     return system, TwoSizes(crank, shaft, crank_back, shaft_back, joining)
+
+
+def _elastic(joining: Joining, twist: Node, slip: Node) -> tuple[Node, Node]:
+    """Moment of an elastic shaft, and what is positive until touch is lost or made."""
+    graph, k = twist.graph, joining.stiffness
+    behind, pull = k * (twist + joining.backlash), joining.damping * slip
+    moment = joining.forwards * (k * twist + pull) + joining.backwards * (behind + pull)
+    # Pressed together, and the damper not pulling.
+    apart = [-graph.apply(greater, -x, -(x + way * pull)) for x, way in ((k * twist, 1.0), (-behind, -1.0))]
+    touch = joining.forwards - joining.backwards
+    parted = -graph.apply(greater, *apart)
+    return moment, graph.apply(unless, joining.forwards + joining.backwards, parted, touch * moment)
 
 
 def _held_back(
