@@ -45,8 +45,8 @@ NEARLY = 1e-9
 # A standing machine is looked at so many times until something changes.
 WAITS = 4
 # Why a walk ends besides those of every walk, in the order of the guards of the system.
-ABOVE, BELOW, CRANK_RESTS, SHAFT_RESTS, LOCKS_UP, ASTRAY, BREAKS_LOOSE, SETS_OFF, TOUCH = (
-    Why.GUARD + i for i in range(9)
+ABOVE, BELOW, CRANK_RESTS, SHAFT_RESTS, LOCKS_UP, ASTRAY, BREAKS_LOOSE, SETS_OFF, TOUCH, TURNS = (
+    Why.GUARD + i for i in range(10)
 )
 
 
@@ -105,6 +105,9 @@ class CoupledRuns:
         Greatest moment of the coupling by magnitude [N·m], and when [s].
     stops, closings : ndarray
         How often the crank came to rest, and how often a backlash closed.
+    growing : ndarray
+        +1 or −1: whether the moment of a shaft with backlash, or out of touch its twist, rises or falls. No step goes
+        beyond an extreme of it, so that none passes over a short touch.
     slip_time : ndarray
         For how long a clutch slipped [s].
     lock_time, lock_speed : ndarray
@@ -137,6 +140,7 @@ class CoupledRuns:
         self.covered = np.zeros((2, count))
         self.peak, self.peak_at, self.slip_time = np.zeros(count), np.zeros(count), np.zeros(count)
         self.stops, self.closings = np.zeros(count), np.zeros(count)
+        self.growing = np.full(count, np.nan)
         self.lock_time, self.lock_speed = np.full(count, np.nan), np.full(count, np.nan)
         self.above = np.where(ends.speed > speeds[0], ends.speed, np.inf)
         self.below = np.where(ends.speed < speeds[0], ends.speed, -np.inf)
@@ -303,6 +307,16 @@ class CoupledRuns:
         crossing = gap / (np.abs(moving[SHAFT_SPEED] - moving[CRANK_SPEED]) + np.sqrt(gap * rise))
         return np.where(joined.touch == 0.0, np.minimum(first, 0.25 * crossing), first)
 
+    @staticmethod
+    def _growing(sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> np.ndarray:
+        """Whether the moment of an elastic shaft, or out of touch its twist, rises or falls."""
+        found = coupling_pull(sides, joined, moving[:, None], time[None])
+        slip = moving[SHAFT_SPEED] - moving[CRANK_SPEED]
+        change = found.shaft[0] - found.crank[0]
+        rate = sides.coupling.stiffness * slip + sides.coupling.damping * change
+        rate = np.where(joined.touch == 0.0, slip, rate)
+        return np.sign(np.where(rate == 0.0, change, rate))
+
     def _walk(self, who: np.ndarray, method: int, faced: np.ndarray, goal: np.ndarray, longest: np.ndarray) -> Walks:
         """Walk by a method, at most for a time [s] and up to an angle turned."""
         sides, joined, system = self.sides.some(who), self.joined.some(who), self.sides.two.system
@@ -311,13 +325,18 @@ class CoupledRuns:
         holds, slips = joined.mode == TOGETHER, np.abs(joined.mode) == FORWARDS
         stands = ~crank_moves | ~shaft_moves
         counts = (crank_moves, shaft_moves & ~holds, slips, slips, holds & crank_moves, stands)
-        counts += (sides.coupling.backlash > 0.0 if sides.is_elastic else np.zeros(who.size, bool),)
+        loose = sides.coupling.backlash > 0.0 if sides.is_elastic else np.zeros(who.size, bool)
+        counts += (loose, loose)
+        if loose.any():
+            growing = self._growing(sides, joined, state[: SHAFT_SPEED + 1], time)
+            self.growing[who] = np.where(np.isnan(self.growing[who]), growing, self.growing[who])
         limits = {sizes.crank.above: np.where(faced[0] > 0.0, self.above[who], -self.below[who])}
         limits |= {sizes.crank.below: np.where(faced[0] > 0.0, self.below[who], -self.above[who])}
         joining = sizes.joining
         limits |= {joining.holds: holds, joining.sense: np.where(slips, joined.mode, 0), joining.moves: crank_moves}
         limits |= {joining.shaft_moves: shaft_moves, joining.engaged: joined.clock - joined.engaged}
         limits |= {joining.forwards: joined.touch > 0.0, joining.backwards: joined.touch < 0.0}
+        limits |= {joining.growing: self.growing[who]}
         limits |= {node: np.where(some, 0.0, np.inf) for node, some in zip(joining.never, counts, strict=True)}
         numbers = system.limited(self.sides.numbers(self.joined)[:, who], limits)
         edges = np.concatenate(edges_of(own.direction, own.breaks, self.cycle, sides.crank.start))
@@ -438,6 +457,8 @@ class CoupledRuns:
             self.joined.mode[torn] = np.where(found.moment[0] > 0.0, FORWARDS, BACKWARDS)
             self.lock_time[torn] = self.lock_speed[torn] = np.nan
         self.stops[rest] += 1.0
+        turns = np.isin(who, met(TURNS))
+        self.growing[who] = np.where(turns, -self.growing[who], np.where(why == Why.FULL, self.growing[who], np.nan))
         touching = met(TOUCH)
         if touching.size:
             touch, coupling = self.joined.touch[touching], self.sides.coupling.some(touching)
@@ -451,7 +472,7 @@ class CoupledRuns:
         self.done[who[arrived & (goal == self.ends.turned[who])]] = True
         far = who[arrived & (np.abs(goal) == self.ends.most_turned[who])]
         self._give_up(far[~self.done[far]])
-        self.unsettled[who[(why != Why.FULL) & (why != BREAKS_LOOSE) & (why != Why.STEEP)]] = True
+        self.unsettled[who[~np.isin(why, (Why.FULL, Why.STEEP, BREAKS_LOOSE, TURNS))]] = True
         at_mark = who[arrived]
         self._tell_endless(rest, at_mark, who)
 

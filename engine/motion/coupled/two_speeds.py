@@ -80,6 +80,8 @@ class Joining(NamedTuple):
         Of it [rad].
     forwards, backwards : Given
         1 where it is in touch that way, else 0.
+    growing : Given
+        +1 or −1: whether its moment, or out of touch its twist, rises or falls.
     never : tuple of Given
         Infinite for guards that don't count, in their order, else 0.
     """
@@ -98,6 +100,7 @@ class Joining(NamedTuple):
     backlash: Given
     forwards: Given
     backwards: Given
+    growing: Given
     never: tuple[Given, ...]
 
 
@@ -125,9 +128,9 @@ def _joining(mechanics: Mechanics, guards: tuple[str, ...], knots: int) -> Joini
     return Joining(*(number(name) for name in names), *rows, *elastic, never)
 
 
-ELASTIC = ("inertia of the shaft", "stiffness", "damping", "backlash", "forwards", "backwards")
+ELASTIC = ("inertia of the shaft", "stiffness", "damping", "backlash", "forwards", "backwards", "growing")
 # What ends a walk besides speeds, in the order of its guards.
-ENDINGS = ("crank rests", "shaft rests", "locks up", "astray", "breaks loose", "sets off", "touch")
+ENDINGS = ("crank rests", "shaft rests", "locks up", "astray", "breaks loose", "sets off", "touch", "turns")
 
 
 def at_two_speeds(
@@ -177,7 +180,7 @@ def at_two_speeds(
     together = (m1 + m2) / (inertia + own)
     ahead, shaft_ahead = crank.facing * speed, other * shaft_speed
     slip = shaft_ahead - ahead
-    touch = graph.zero
+    touch = turns = graph.zero
     if coupling is None:
         apart, touch = _elastic(joining, twist, slip)
         held = moment = apart
@@ -193,6 +196,9 @@ def at_two_speeds(
         free = (m1 + crank.facing * apart) / inertia, (m2 - other * apart) / own
         rises = tuple(joining.holds * together + (1.0 - joining.holds) * alone for alone in free)
     rises = rises[0] * joining.moves, rises[1] * joining.shaft_moves
+    if coupling is None:
+        rate = joining.stiffness * slip + joining.damping * (other * rises[1] - crank.facing * rises[0])
+        turns = joining.growing * graph.apply(unless, joining.forwards + joining.backwards, slip, rate)
     motors = of_crank.motors + of_shaft.motors
     powers = {
         name: of_crank.channels[name] * speed + of_shaft.channels[name] * shaft_speed for name in of_crank.channels
@@ -207,6 +213,7 @@ def at_two_speeds(
         capacity * (1.0 + GRIP) - abs(held),
         _held_back(joining, capacity, apart, (m1, of_crank_back.total), (m2, of_shaft_back.total)),
         touch,
+        turns,
     )
     named = zip(ENDINGS, endings, joining.never, strict=True)
     guards = [Guard("above", crank.above - speed), Guard("below", speed - crank.below)]
