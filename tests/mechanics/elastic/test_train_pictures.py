@@ -53,4 +53,4 @@ def test_table_of_equal_branches__says_that_modes_are_open():
     masses = {"hub": {"inertia": 5.0}, "a": {"inertia": 1.0}, "b": {"inertia": 1.0}, "c": {"inertia": 1.0}}
     shafts = {f"to_{x}": {"between": ["hub", x], "stiffness": 1e4} for x in "abc"}
     text = train_table(element({"type": "torsional_train", "masses": masses, "shafts": shafts}), {})
-    assert text.count("not determined") == 2
+    assert text.count("undetermined") == 2

@@ -238,7 +238,7 @@ def test_sweep__follows_the_mode_of_its_scene():
 
 
 def test_place_that_tells_the_mode__is_not_varied():
-    with pytest.raises(AskError, match=r"near\.C\.x tells the scene's assembly mode"):
+    with pytest.raises(AskError, match=r"near\.C\.x selects the scene's assembly mode"):
         Machine(free_link_scene("three bars"), varied=["near.C.x"])
 
 

@@ -86,7 +86,7 @@ def test_plate_on_legs_of_every_kind__is_in_equilibrium_and_its_proof_holds(legs
 def test_group_without_a_point__is_told_to_have_one():
     data = plate_on(("RP", "RP", "RP"))
     del data["points"]["M"]
-    with pytest.raises(SceneError, match=r"2 assembly modes .* no point that could tell which: give them points\.NAME"):
+    with pytest.raises(SceneError, match=r"2 assembly modes .* no point to select one: give them points\.NAME"):
         ReactionValues(data)(["leg0.A.reaction"], np.zeros(1))
 
 

@@ -56,7 +56,7 @@ GOOD = [0.05, 0.06]
         ({TWO[0]: [GOOD, GOOD], TWO[1]: [0.2, 0.2]}, "'input.length' has 2 × 2 values"),
         ({TWO[0]: np.full((2, 1), 0.05), TWO[1]: [0.2, 0.2]}, "'input.length' has 2 × 1 values"),
         ({TWO[0]: [GOOD, [0.05]], TWO[1]: [0.2, 0.2]}, "'input.length': rows differ in length"),
-        ({TWO[0]: ["50 mm", "60 mm"], TWO[1]: [0.2, 0.2]}, "values that are no numbers, such as '50 mm'"),
+        ({TWO[0]: ["50 mm", "60 mm"], TWO[1]: [0.2, 0.2]}, "non-numeric values, such as '50 mm'"),
         ({TWO[0]: [None, 0.05], TWO[1]: [0.2, 0.2]}, "'input.length'"),
         ({TWO[0]: GOOD}, "varied must hold exactly"),
     ],

@@ -139,7 +139,7 @@ def test_worker_with_other_sources__is_left_out(tmp_path):
     with worker_in(tmp_path, cwd=other, env=strangers) as client:
         with (
             crew_on(client, study_of(tmp_path, DISTINCT)) as crew,
-            pytest.raises(ClusterError, match=r"it has machine-sweeps .*, and here"),
+            pytest.raises(ClusterError, match=r"it has machine-sweeps .*, this machine has"),
         ):
             crew.assemble()
         with processes(worker_of(address_in(tmp_path))):
@@ -147,7 +147,7 @@ def test_worker_with_other_sources__is_left_out(tmp_path):
             study = study_of(tmp_path, DISTINCT)
             path = run_study(study, tmp_path / "study.h5", client=client, tell=told.append)
     assert len(told) == 1
-    assert told[0].startswith("Left out: worker tcp://127.0.0.1:")
+    assert told[0].startswith("Excluded: worker tcp://127.0.0.1:")
     assert describe_result(path).attributes["outcome"].startswith("computed by 1 worker, 1 threads")
 
 

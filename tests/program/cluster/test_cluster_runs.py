@@ -186,7 +186,7 @@ def test_commands__compute_on_the_cluster(client, press_folder):
     assert answer.exit_code == 0, answer.output
     told = answer.output.partition("\nCluster\n")[2]
     kinds = r"  workers: \S+ variants a second\n  network: \S+ variants a second\n  disk: \S+ variants a second\n"
-    assert re.fullmatch(rf"  2 workers, .*\n{kinds}  limit: (workers|network|disk); about \S+ s\n", told)
+    assert re.fullmatch(rf"  2 workers, .*\n{kinds}  bottleneck: (workers|network|disk); about \S+ s\n", told)
     assert sorted(path.name for path in press_folder.iterdir()) == ["press.toml", "study.toml"]
     done("run", "study.toml", "--no-plots", "--cluster", address)
     done("run", "study.toml", "--no-plots", "--out", "alone.h5")

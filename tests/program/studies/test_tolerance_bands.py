@@ -92,7 +92,9 @@ def test_units__of_the_summary_over_those_of_the_number(result):
     assert result.units["ram.stroke_high.by.ratio"] == "m"
     assert result.units["reduced_inertia.mean.by.bodies.ram_body.mass"] == "m2"
     assert result.units["ram.stroke.tolerance_worst_case"] == "m"
-    assert result.long_names["ram.stroke_high.by.ratio"].startswith("derivative by ratio of: high end of the stroke")
+    assert result.long_names["ram.stroke_high.by.ratio"].startswith(
+        "derivative with respect to ratio: high end of the stroke"
+    )
 
 
 def test_bands__worst_case_and_root_of_the_sum_of_squares(result):
@@ -235,7 +237,7 @@ number | derivatives = ["ram.stroke by input.lenght"] | line 14: outputs.derivat
 mode | derivatives = ["ram.stroke by groups.drive.mode"] | line 14: outputs.derivatives:
     | 'groups.drive.mode' is one of [1, -1]: there is no derivative by it
 place | derivatives = ["ram.slide.max_at by input.length"] | line 14: outputs.derivatives:
-    | is the place of an extreme, which may jump
+    | is the position of an extreme, which may jump
 tolerance | [tolerances]\n"input.lenght" = "1 mm" | tolerances.input.lenght: is not a number
 unit | [tolerances]\n"input.length" = "1 kg" | line 15: tolerances.input.length:
 """)

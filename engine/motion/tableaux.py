@@ -1,15 +1,50 @@
-"""Radau IIA, as data: of order nine for motors so steep that explicit steps would be as short as their time constant.
+"""Methods besides that of order eight, as data.
 
-The collocation polynomial is the one within the step. The method is L-stable, and its last stage is the end of the
-step.
+The classical method of Runge and Kutta, of order four, goes by steps of one length, without an estimated error; within
+a step the cubic follows the motion that has the values and the slopes of its ends. Radau IIA, of order nine, is for
+motors and couplings so steep that explicit steps would be as short as their time constant: it is L-stable, its last
+stage is the end of the step, and its collocation polynomial is the one within it.
 
-Source: E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, section IV.5.
+Sources: W. Kutta, Beitrag zur näherungsweisen Integration totaler Differentialgleichungen, Z. Math. Phys. 46 (1901);
+E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, section IV.5.
 """
 
 import numpy as np
 from numpy.polynomial import Polynomial
 
 from engine.laws.runge_kutta import DENSE_PARTS, Method, Tableau, part_at
+
+_FOUR_WEIGHTS = np.array([1.0, 2.0, 2.0, 1.0]) / 6.0
+_FOUR_MATRIX = np.zeros((5, 5))
+_FOUR_MATRIX[1, 0] = _FOUR_MATRIX[2, 1] = 0.5
+_FOUR_MATRIX[3, 2] = 1.0
+# The slope at the end.
+_FOUR_MATRIX[4, :4] = _FOUR_WEIGHTS
+
+
+def _parts_of_cubic() -> np.ndarray:
+    """Weights of the parts of the cubic: from values and slopes at both ends."""
+    parts, whole = np.zeros((DENSE_PARTS, 5)), np.append(_FOUR_WEIGHTS, 0.0)
+    first, last = np.eye(5)[0], np.eye(5)[4]
+    parts[:3] = whole, first - whole, 2.0 * whole - first - last
+    return parts
+
+
+ORDER_FOUR = Method(
+    implicit=False,
+    stages=4,
+    dense_stages=5,
+    matrix=_FOUR_MATRIX,
+    inverse=np.zeros((0, 0)),
+    weights=_FOUR_WEIGHTS,
+    shares=np.array([0.0, 0.5, 0.5, 1.0]),
+    place_of=np.array([0, 1, 2, 3, 3]),
+    # No other formula is there to compare: its error follows from steps of twice the length.
+    fine=np.zeros((1, 4)),
+    coarse=np.zeros((1, 4)),
+    parts=_parts_of_cubic(),
+    looked_at=np.array([0, 1, 3]),
+)
 
 FIVE_NODES = np.array(
     [
