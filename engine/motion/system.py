@@ -24,6 +24,7 @@ from engine.laws.elementary import exponential, power
 from engine.laws.kinematics.closure import greater
 from engine.laws.loads import sized
 from engine.laws.motor_characteristics import induction_motor, induction_motor_curvature, induction_motor_slope
+from engine.laws.senses import sense, side
 from engine.mechanism.actions.motors import motor_ratio
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.loads import Loads
@@ -49,7 +50,12 @@ SLOPES = {
     induction_motor_slope: {4: lambda *operands: operands[-1].graph.apply(induction_motor_curvature, *operands)},
     exponential: {0: lambda x: x.graph.apply(exponential, x)},
     power: {0: lambda x, n: n * x.graph.apply(power, x, n) / x},
+    # What switches with a speed is what it is on either side.
+    sense: {0: lambda x: x.graph.zero},
+    side: {0: lambda x: x.graph.zero},
 }
+# A speed that is none, but has a sign [rad/s].
+AT_REST = 1e-150
 # Share of its energy that a machine may lose before it is near to rest, however steep its motor.
 MUCH = 0.5
 
@@ -137,8 +143,8 @@ def sizes_of(mechanics: Mechanics, speed: Node, side: str = "") -> tuple[Loads, 
     """Loads of a machine, or of one side of it, at a speed; the time they depend on; and the numbers given to them."""
     graph, (_, wheel) = mechanics.graph, inertia_with_flywheel(mechanics)
     clock = graph.given("time of a state", Stage.STATE)
-    # A step that ends at rest looks a little beyond it.
-    loads = Loads(mechanics.scene, mechanics.kinematics, clock, abs(speed))
+    # A step that ends at rest looks a little beyond it, and what is at rest resists the way that it faces.
+    loads = Loads(mechanics.scene, mechanics.kinematics, clock, abs(speed) + AT_REST)
 
     def number(label: str) -> Given:
         return graph.given(side + label, Stage.VARIANT)

@@ -121,10 +121,10 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
             start = standing.angle[0] if angle is None else angle
             if name in schedule.steady:
                 _, gone, standing = schedule.settled_at_two_speeds(name, variants, standing, record=True)
-                if gone.history is None:
-                    break
             else:
                 gone, standing = schedule.run_at_two_speeds(name, variants, standing, record=True)
+            if gone.history is None:
+                break
             sides = schedule.sides[off].of(variants, np.full(1, start))
             time, turned, omega, *shaft = gone.history
             course = np.array([time + begun, start + variants.direction * turned, omega])

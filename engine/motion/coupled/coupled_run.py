@@ -175,6 +175,10 @@ class CoupledRuns:
         free = np.isinf(self.ends.time[who]) & np.isinf(self._longest(who))
         return free & (not self.sides.crank.dynamics.changing)
 
+    def _fades(self, who: np.ndarray) -> np.ndarray:
+        """Of which variants the crank only slows down and never comes to rest, as all that acts vanishes with speed."""
+        return self._never_changes(who) & self.sides.crank.dynamics.fades
+
     # How the sides are joined
 
     def _settle(self, who: np.ndarray) -> None:
@@ -337,6 +341,9 @@ class CoupledRuns:
         limits |= {joining.shaft_moves: shaft_moves, joining.engaged: joined.clock - joined.engaged}
         limits |= {joining.forwards: joined.touch > 0.0, joining.backwards: joined.touch < 0.0}
         limits |= {joining.growing: self.growing[who]}
+        if stands.any():
+            _, _, *ways = self._free(sides, joined, state[: SHAFT_SPEED + 1], time)
+            limits |= {joining.resists: ways[0] - ways[2], joining.shaft_resists: ways[1] - ways[3]}
         limits |= {node: np.where(some, 0.0, np.inf) for node, some in zip(joining.never, counts, strict=True)}
         numbers = system.limited(self.sides.numbers(self.joined)[:, who], limits)
         edges = np.concatenate(edges_of(own.direction, own.breaks, self.cycle, sides.crank.start))
@@ -346,7 +353,7 @@ class CoupledRuns:
             self.pace[who] = np.where(new, first, self.pace[who])
         waits = ~crank_moves & ~shaft_moves
         # What nothing stops comes to rest in no time.
-        floor = np.where(self._never_changes(who), FADED * self.highs[0, who], 0.0)
+        floor = np.where(self._fades(who), FADED * self.highs[0, who], 0.0)
         lanes = {"start": sides.crank.start, "direction": own.direction, "facing": faced[0]}
         lanes |= {"clock": joined.clock + time, "goal": longest, "other_goal": goal, "tolerance": self.tolerance}
         lanes |= {"farthest": self.farthest, "longest": np.where(waits, longest / WAITS, np.inf), "floor": floor}
@@ -492,7 +499,7 @@ class CoupledRuns:
         self._give_up(rest[again])
         speeds, moves = np.abs(self.state[[CRANK_SPEED, SHAFT_SPEED]]), self.joined.crank_way != 0.0
         faded = who[moves[who] & (speeds[0, who] > 0.0) & (speeds[0, who] < FADED * self.highs[0, who])]
-        self._give_up(faded[~self.done[faded] & self._never_changes(faded)])
+        self._give_up(faded[~self.done[faded] & self._fades(faded)])
         stands = who[~moves[who]]
         passed = np.floor(self.state[SHAFT_TURNED, stands] / self.cycle) != np.floor(self.marks[2, stands] / self.cycle)
         for some in (at_mark[moves[at_mark] & np.isinf(self.ends.turned[at_mark])], stands[passed]):

@@ -248,8 +248,7 @@ class CoupledSides(NamedTuple):
                 given |= dict(zip(joining.times, own.times, strict=True))
                 capacity = zip(joining.capacity, own.capacity, strict=True)
                 given |= {node: 0.0 if self.open else row for node, row in capacity}
-            every = (self.two.crank, sizes.crank, way), (self.two.crank, sizes.crank_back, -way)
-            every += (self.two.shaft, sizes.shaft, other), (self.two.shaft, sizes.shaft_back, -other)
+            every = (self.two.crank, sizes.crank, way), (self.two.shaft, sizes.shaft, other)
             for dynamics, side, facing in every:
                 given |= dynamics.sized(side, variants.numbers, facing * variants.direction)
                 given |= {side.facing: facing, side.way: facing * variants.direction, side.wheel: variants.flywheel}

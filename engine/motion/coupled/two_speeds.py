@@ -82,6 +82,9 @@ class Joining(NamedTuple):
         1 where it is in touch that way, else 0.
     growing : Given
         +1 or −1: whether its moment, or out of touch its twist, rises or falls.
+    resists, shaft_resists : Given
+        Sum of the moments on a standing side, forwards and backwards, each the way it would go: twice what resists
+        there, below zero [N·m].
     never : tuple of Given
         Infinite for guards that don't count, in their order, else 0.
     """
@@ -101,16 +104,16 @@ class Joining(NamedTuple):
     forwards: Given
     backwards: Given
     growing: Given
+    resists: Given
+    shaft_resists: Given
     never: tuple[Given, ...]
 
 
 class TwoSizes(NamedTuple):
-    """Numbers given to the system: of both sides, of both if they faced the other way, and of the joining."""
+    """Numbers given to the system: of both sides, and of the joining."""
 
     crank: Sizes
     shaft: Sizes
-    crank_back: Sizes
-    shaft_back: Sizes
     joining: Joining
 
 
@@ -124,11 +127,12 @@ def _joining(mechanics: Mechanics, guards: tuple[str, ...], knots: int) -> Joini
     names = ("holds", "sense", "crank moves", "shaft moves", "fluid", "engaged")
     rows = numbers("time", knots), numbers("capacity", knots)
     never = tuple(number(f"never {name}") for name in guards)
-    elastic = (number(name) for name in ELASTIC)
-    return Joining(*(number(name) for name in names), *rows, *elastic, never)
+    others = (number(name) for name in (*ELASTIC, *STANDING))
+    return Joining(*(number(name) for name in names), *rows, *others, never)
 
 
 ELASTIC = ("inertia of the shaft", "stiffness", "damping", "backlash", "forwards", "backwards", "growing")
+STANDING = ("resists", "shaft resists")
 # What ends a walk besides speeds, in the order of its guards.
 ENDINGS = ("crank rests", "shaft rests", "locks up", "astray", "breaks loose", "sets off", "touch", "turns")
 
@@ -166,8 +170,6 @@ def at_two_speeds(
 
     crank, of_crank, clock = side("", speed, on_shaft, works)
     shaft, of_shaft, _ = side("shaft: ", shaft_speed, elsewhere, works)
-    crank_back, of_crank_back, _ = side("back: ", speed, on_shaft, False)
-    shaft_back, of_shaft_back, _ = side("shaft, back: ", shaft_speed, elsewhere, False)
     joining = _joining(mechanics, ENDINGS, knots)
     capacity = joining.capacity[0] if knots else graph.zero
     for i in range(1, knots):
@@ -211,7 +213,7 @@ def at_two_speeds(
         joining.sense * slip,
         joining.sense * slip + ASTRAY * (speed + shaft_speed),
         capacity * (1.0 + GRIP) - abs(held),
-        _held_back(joining, capacity, apart, (m1, of_crank_back.total), (m2, of_shaft_back.total)),
+        _held_back(joining, capacity, apart, m1, m2),
         touch,
         turns,
     )
@@ -226,7 +228,7 @@ def at_two_speeds(
     system = System(
         "time", states, (), rates, gathered, speed, graph.zero, steepness, rises[0], solved, (), tuple(guards), clock
     )
-    return system, TwoSizes(crank, shaft, crank_back, shaft_back, joining)
+    return system, TwoSizes(crank, shaft, joining)
 
 
 def _elastic(joining: Joining, twist: Node, slip: Node) -> tuple[Node, Node]:
@@ -241,12 +243,10 @@ def _elastic(joining: Joining, twist: Node, slip: Node) -> tuple[Node, Node]:
     return moment, graph.apply(unless, joining.forwards + joining.backwards, parted, touch * moment)
 
 
-def _held_back(
-    joining: Joining, capacity: Node, moment: Node, crank: tuple[Node, Node], shaft: tuple[Node, Node]
-) -> Node:
+def _held_back(joining: Joining, capacity: Node, moment: Node, m1: Node, m2: Node) -> Node:
     """By how much what holds standing sides exceeds the moments that would set one off, either way."""
-    (m1, m1_back), (m2, m2_back) = crank, shaft
-    graph = m1.graph
+    # What resists doesn't change with the way, and all else changes sign.
+    graph, m1_back, m2_back = m1.graph, joining.resists - m1, joining.shaft_resists - m2
 
     def most(*nodes: Node) -> Node:
         first, *others = nodes
@@ -263,7 +263,8 @@ def _held_back(
     ]
     both = most(m1 + m2, m1_back + m2_back, most(m1, m1_back, m2, m2_back) - capacity)
     held_apart = graph.apply(unless, joining.holds, most(*stands), both)
-    return SURELY * most(abs(m1), abs(m2), abs(moment)) - held_apart
+    # Where nothing acts at first, what lends the shaft 1 rad/s² is something.
+    return SURELY * (most(abs(m1), abs(m2), abs(moment)) + joining.shaft_inertia) - held_apart
 
 
 @scalar

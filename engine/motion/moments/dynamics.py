@@ -21,7 +21,7 @@ from engine.motion.moments.breaks import Breaks, instants_of
 from engine.motion.moments.grid import Grid, make_grid
 from engine.motion.moments.landmarks import Landmarks
 from engine.motion.moments.tabulation import Ends, Sums, Tabulation
-from engine.motion.system import CHANNELS, POLYNOMIAL_ORDERS, PrintedSystem, Sizes, along_angle, along_time
+from engine.motion.system import AT_REST, CHANNELS, POLYNOMIAL_ORDERS, PrintedSystem, Sizes, along_angle, along_time
 from engine.parts.actions import Brake, DCMotor
 from engine.parts.motor_constants import kloss_constants, stall_moment
 from engine.scene.load_formulas import load_formulas
@@ -424,7 +424,7 @@ class Dynamics:
             Time [s], and speed [rad/s].
         """
         given = {} if clock is None else {self.reduction.time: clock}
-        given |= {} if omega is None else {self.reduction.speed: np.abs(omega)}
+        given |= {} if omega is None else {self.reduction.speed: np.abs(omega) + AT_REST}
         channels = len(self.channels)
         sums = Sums(self.target, 2 + 3 * channels + len(self.laws), self._turned, variants.direction)
         out = self.reduction.curves(variants, places, given, sums)

@@ -9,6 +9,7 @@ from motion_scenes import (
     CRANK_INERTIA,
     ECCENTRIC_MASS,
     ECCENTRICITY,
+    INERTIA,
     MOMENTS,
     RADIUS,
     RAM_MASS,
@@ -20,7 +21,7 @@ from motion_scenes import (
     slider_crank,
     steady,
 )
-from scipy.integrate import solve_ivp
+from scipy.integrate import quad, solve_ivp
 
 from engine import Scene, Verdict, history
 
@@ -241,6 +242,41 @@ def test_load_of_any_law_of_the_speed__acts_beside_a_clutch():
             allowed = found.errors[f"go.{key}"][i] + 1e-8 * abs(value)
             assert abs(found.values[f"go.{key}"][i] - value) <= allowed, (key, capacity)
     assert np.abs(found.values["go.work_residual"]).max() < 1e-9
+
+
+def test_crank_without_loads__is_taken_along_from_the_begin_on():
+    """At its no-load speed the motor has no moment either: at the begin nothing acts at all. I ε = r C t/τ."""
+    motor = MOMENTS["dc"]["no_load_speed"]
+    scene = coupled(rotor({"go": run("dc", from_speed=0.0, from_shaft_speed=motor, time=0.1)}), capacity=2.0)
+    scene["couplings"]["clutch"]["engagement"] = 0.3
+    found = ask(scene, of("go", "angle final_speed"))
+    rate = RATIO * 2.0 / 0.3 / INERTIA
+    assert found["go.angle"] == pytest.approx(rate * 0.1**3 / 6.0, rel=1e-9)
+    assert found["go.final_speed"] == pytest.approx(rate * 0.1**2 / 2.0, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "formula", ["-0.5 N m * sign(omega)", "-(0.2 N m + 0.3 N m * exp(-abs(omega) / (2 rad/s))) * sign(omega)"]
+)
+def test_friction_by_formula__holds_the_crank_until_the_clutch_overcomes_it(formula):
+    go, stop = run("", from_speed=0.0, from_shaft_speed=400.0, time=0.2), run("", rest=True)
+    scene = rotor({"go": go, "stop": stop})
+    scene["moments"]["rubs"] = {"type": "formula", "on": "crank", "moment": formula}
+    scene = coupled(scene, capacity=2.0, open_in="stop")
+    scene["couplings"]["clutch"]["engagement"] = 0.3
+    found = ask(scene, of("go", "angle final_speed") + " stop.time")
+    rate = RATIO * 2.0 / 0.3
+    fades = 0.3 if "exp" in formula else 0.0
+
+    def rates(t: float, y: np.ndarray) -> list[float]:
+        return [y[1], (rate * t - (0.5 - fades) - fades * math.exp(-y[1] / 2.0)) / INERTIA]
+
+    gone = solve_ivp(rates, (0.5 / rate, 0.2), [0.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
+    assert found["go.angle"] == pytest.approx(gone[0], rel=1e-8)
+    assert found["go.final_speed"] == pytest.approx(gone[1], rel=1e-8)
+    # Alone it comes to rest in finite time, ∫ I dω/M.
+    slows = lambda w: INERTIA / (0.5 - fades + fades * math.exp(-w / 2.0))  # noqa: E731
+    assert found["stop.time"] == pytest.approx(quad(slows, 0.0, gone[1], epsabs=0.0, epsrel=1e-12)[0], rel=1e-8)
 
 
 def test_jumps_of_moments__leave_the_works_in_balance():

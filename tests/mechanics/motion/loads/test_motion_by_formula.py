@@ -119,6 +119,32 @@ def test_run_under_a_formula__goes_as_a_general_integrator_does(name):
         assert abs(found[quantity] - expected) <= rough * abs(expected) + errors[quantity]
 
 
+def test_friction_by_formula__holds_what_is_at_rest_and_lets_go():
+    """From rest under Stribeck's friction of 7 N·m, 2 N·m when fast: 9 N·m set a drum going, 6 N·m don't."""
+    friction = moment("-sign(omega) * (2 N m + 5 N m * exp(-abs(omega) / (15 rad/s)))")
+    machine = Machine(
+        crank({"rubs": friction, "push": moment("9 N m")}, {"go": {"type": "run", "from_speed": 0.0, "time": 0.8}}),
+        ["go.final_speed", "go.angle"],
+    )
+    found = machine.evaluate({})
+    rates = lambda t, y: [y[1], (7.0 - 5.0 * math.exp(-y[1] / 15.0)) / INERTIA]  # noqa: E731
+    turned, speed = solve_ivp(rates, (0.0, 0.8), [0.0, 0.0], method="DOP853", rtol=RTOL, atol=1e-14).y[:, -1]
+    assert found.status[0] == Verdict.OK
+    for name, value in (("go.angle", turned), ("go.final_speed", speed)):
+        assert abs(found.summaries[name][0] - value) <= found.errors[name][0] + 1e-10 * value
+    held = crank({"rubs": friction, "push": moment("6 N m")}, {"go": {"type": "run", "from_speed": 0.0, "speed": 2.0}})
+    assert Machine(held, ["go.angle"]).evaluate({}).status[0] == Verdict.STALLS
+    # From 20 rad/s it comes to rest under 6 N·m within finite time, and stays.
+    stops = {"go": {"type": "run", "from_speed": 20.0, "rest": True}}
+    rest = crank({"rubs": moment("-sign(omega) * (7 N m + 5 N m * exp(-abs(omega) / (15 rad/s)))")}, stops)
+    stopped = Machine(rest, ["go.time"]).evaluate({})
+    ended = lambda t, y: y[0]  # noqa: E731
+    ended.terminal = True
+    by_hand = lambda t, y: [-(7.0 + 5.0 * math.exp(-y[0] / 15.0)) / INERTIA]  # noqa: E731
+    gone = solve_ivp(by_hand, (0.0, 5.0), [20.0], events=ended, method="DOP853", rtol=RTOL, atol=1e-14)
+    assert stopped.summaries["go.time"][0] == pytest.approx(gone.t[-1], rel=1e-9)
+
+
 # What is restated: as it is built in, and by formula.
 ON_RAM = {"on": "B", "angle": 0.0}
 LOADS = {
