@@ -47,8 +47,9 @@ from engine.verdicts import Verdict
 
 # What may be left of each curve beyond its series, as a share of its greatest magnitude, unless an accuracy is asked.
 CLOSELY = 1e-9
-# What may be left of the quality of force transmission: near a dead centre all else depends on how small it is.
-FINELY = 1e-12
+# What may be left of the quality of force transmission is so many times less, or this where that is less still: near a
+# dead centre all else depends on how small it is.
+FINER, FINELY = 1e3, 1e-12
 # What may be left of a margin against jamming, unless an accuracy is asked: three digits of it say all.
 LOOSELY = 1e-4
 # Errors of accelerations and forces at a transmission angle of 90°, relative to their greatest: a few roundings.
@@ -57,6 +58,8 @@ ROUNDING_OF_RATES = 8.0 * np.finfo(float).eps
 NEGLIGIBLE = 1e-9
 # Positions at which curves that switch something are looked at over a cycle of up to two turns, and in each turn more.
 SCANNED, SCANNED_PER_TURN = 36, 18
+# From which accuracy asked on panels of a quarter turn are tried: more often than not they are short enough.
+COARSELY = 1e-4
 # Tolerance of curves that panels needn't be made shorter for.
 ANY = 1e30
 
@@ -206,6 +209,7 @@ class Measuring:
             spaced=[self._place_of(s) for s in self._spaced],
             scan=SCANNED + SCANNED_PER_TURN * max(0, turns - 2),
             turns=turns,
+            longest=0.25 * FULL_TURN if accuracy is not None and accuracy >= COARSELY else cycle.Plan.longest,
             period=FULL_TURN * self.mechanics.scene.input.revolutions if closes else math.inf,
             turn=FULL_TURN if closes else math.inf,
             intervals=self._grid[0],
@@ -249,7 +253,7 @@ class Measuring:
         if accuracy is None and any(m.curve is curve and m.verdict == Verdict.JAMS for m in self.margins):
             return LOOSELY
         asked = CLOSELY if accuracy is None else min(1e-2 * accuracy, 1e-4)
-        return min(asked, FINELY) if curve in self._sines else asked
+        return min(asked, max(FINELY, asked / FINER)) if curve in self._sines else asked
 
     @cached_property
     def machine(self) -> cycle.CycleMachine:

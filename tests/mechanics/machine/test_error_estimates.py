@@ -5,7 +5,7 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from machines import crank, frame, rpp, rrp, rrr
+from machines import crank, frame, rpp, rrp, rrr, slider_crank
 
 from engine import Machine, Scene
 from engine.compiling.running import mean_of_rows, sum_of_rows
@@ -121,6 +121,35 @@ def test_what_vanishes_by_nature__reaches_the_accuracy():
         assert found.summaries["accuracy_reached"][0] == 1.0
         zeros = [name for name in names if not name.endswith("stroke_low")]
         assert all(abs(found.summaries[name][0]) < 1e-9 for name in zeros)
+
+
+def true_slider_motion(rods):
+    """Position of a slider-crank's slider with two derivatives, by Fourier series of the closed formula; by summary."""
+    q = np.arange(4096) * (TURN / 4096)
+    x = np.cos(q) + np.sqrt(rods[:, None] ** 2 - np.sin(q) ** 2)
+    order = np.arange(2049)
+    found = {}
+    for power, name in enumerate(("B.x", "B.x_phi", "B.x_phiphi")):
+        # Finer, so that the greatest of the values is the greatest of all to 1e-9.
+        values = np.fft.irfft((1j * order) ** power * np.fft.rfft(x), 2**17) * 32.0
+        found |= {f"{name}.max": values.max(axis=1), f"{name}.min": values.min(axis=1)}
+        found[f"{name}.rms"] = np.sqrt((values**2).mean(axis=1))
+    return found
+
+
+@pytest.mark.parametrize("accuracy", [1e-2, 1e-4])
+def test_coarse_accuracy__takes_fewer_positions_and_covers_the_true_errors(accuracy):
+    rods = np.random.default_rng(5).uniform(1.2, 6.0, 128)
+    true, path = true_slider_motion(rods), "groups.g.first.length"
+    scene = Scene.model_validate(slider_crank(length=1.0, rod=2.0))
+    asked = [*true, "positions_used"]
+    by_default = Machine(scene, asked, (), [path]).evaluate({path: rods})
+    found = Machine(scene, asked, (), [path], accuracy=accuracy).evaluate({path: rods})
+    assert (found.summaries["positions_used"] < by_default.summaries["positions_used"]).all()
+    for name, exact in true.items():
+        off = np.abs(found.summaries[name] - exact)
+        assert (off <= found.errors[name] + 1e-8 * np.abs(exact)).all()
+        assert (off <= accuracy * np.abs(exact)).all()
 
 
 def test_sums_over_rows__are_the_same_for_one_variant_as_for_many():
