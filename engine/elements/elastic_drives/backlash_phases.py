@@ -16,6 +16,7 @@ Source: K. V. Frolov et al., Theory of Mechanisms and Machines (drives with elas
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -67,23 +68,38 @@ def _closing(k: float, b: float, e: float, v: float, a: float) -> float:
     return stops if stops < parts else closes
 
 
+class _Vibration(NamedTuple):
+    """A vibration about a constant twist: frequency and decay [rad/s], deviation and its rate at first [rad, rad/s]."""
+
+    w: float
+    beta: float
+    u: float
+    v: float
+
+
 @inlined
-def _moment_at(time: float, w: float, beta: float, u: float, v: float, k: float, b: float, twist: float) -> float:
-    deviation, rate = damped_vibration(w, beta, u, v, time)
+def _deviation_at(vibration: _Vibration, time: float) -> tuple[float, float]:
+    return damped_vibration(vibration.w, vibration.beta, vibration.u, vibration.v, time)
+
+
+@inlined
+def _moment_at(time: float, vibration: _Vibration, k: float, b: float, twist: float) -> float:
+    deviation, rate = _deviation_at(vibration, time)
     return k * (twist + deviation) + b * rate
 
 
 @routine
 def _when_moment(
-    level: float, begin: float, end: float, w: float, beta: float, u: float, v: float, k: float, b: float, twist: float
+    level: float, begin: float, end: float, vibration: _Vibration, k: float, b: float, twist: float
 ) -> float:
     """When T is at a level, on a stretch on which it passes it once: Newton's method between bounds."""
     low, high = begin, end
-    rises = _moment_at(end, w, beta, u, v, k, b, twist) > _moment_at(begin, w, beta, u, v, k, b, twist)
+    rises = _moment_at(end, vibration, k, b, twist) > _moment_at(begin, vibration, k, b, twist)
     time = 0.5 * (begin + end)
     for _ in range(MOST_TURNS):
-        deviation, rate = damped_vibration(w, beta, u, v, time)
+        deviation, rate = _deviation_at(vibration, time)
         over = k * (twist + deviation) + b * rate - level
+        w, beta = vibration.w, vibration.beta
         slope = k * rate - b * (2.0 * beta * rate + w * w * deviation)
         time, low, high, settled = newton_between(time, over, slope, rises, low, high)
         if settled:
@@ -92,42 +108,24 @@ def _when_moment(
 
 
 @inlined
-def _speed_at(
-    time: float,
-    momentum: float,
-    push: float,
-    first: float,
-    both: float,
-    w: float,
-    beta: float,
-    u: float,
-    v: float,
-) -> float:
+def _speed_at(time: float, momentum: float, push: float, first: float, both: float, vibration: _Vibration) -> float:
     """Speed of the moving load in touch, from the momentum of both masses."""
-    _, rate = damped_vibration(w, beta, u, v, time)
+    _, rate = _deviation_at(vibration, time)
     return (momentum + push * time - first * rate) / both
 
 
 @routine
 def _when_stops(
-    begin: float,
-    end: float,
-    momentum: float,
-    push: float,
-    first: float,
-    both: float,
-    w: float,
-    beta: float,
-    u: float,
-    v: float,
+    begin: float, end: float, momentum: float, push: float, first: float, both: float, vibration: _Vibration
 ) -> float:
     """When the load stops, on a stretch on which its speed passes 0 once: Newton's method between bounds."""
     low, high = begin, end
-    rises = _speed_at(end, momentum, push, first, both, w, beta, u, v) > 0.0
+    rises = _speed_at(end, momentum, push, first, both, vibration) > 0.0
     time = 0.5 * (begin + end)
     for _ in range(MOST_TURNS):
-        deviation, rate = damped_vibration(w, beta, u, v, time)
+        deviation, rate = _deviation_at(vibration, time)
         speed = (momentum + push * time - first * rate) / both
+        w, beta = vibration.w, vibration.beta
         slope = (push + first * (2.0 * beta * rate + w * w * deviation)) / both
         time, low, high, settled = newton_between(time, speed, slope, rises, low, high)
         if settled:
@@ -201,6 +199,7 @@ def follow_drives(begin: int, end: int, given: np.ndarray, found: np.ndarray, ph
                 push = moment / first + moves * load / second
                 w, beta, twist = math.sqrt(k * mobility), 0.5 * b * mobility, push / (k * mobility)
                 u = e + behind - twist
+                vibration = _Vibration(w, beta, u, v)
                 momentum, both = first * (v + speed) + second * speed, first + second
                 gain = moment - moves * load
                 bound = touch if backlash > 0.0 else 0
@@ -214,16 +213,16 @@ def follow_drives(begin: int, end: int, given: np.ndarray, found: np.ndarray, ph
                     greatest, greatest_at = abs(at_start), now
                 while True:
                     stop = min(turn, left)
-                    at_stop = _moment_at(stop, w, beta, u, v, k, b, twist)
+                    at_stop = _moment_at(stop, vibration, k, b, twist)
                     what, took = 0, stop
                     if bound != 0 and bound * at_stop < 0.0:
                         what = 1
-                        took = _when_moment(0.0, start, stop, w, beta, u, v, k, b, twist)
+                        took = _when_moment(0.0, start, stop, vibration, k, b, twist)
                     if moves == 0 and abs(at_stop) > load:
                         level = load if at_stop > 0.0 else -load
                         passed = start
                         if abs(at_start) <= load:
-                            passed = _when_moment(level, start, stop, w, beta, u, v, k, b, twist)
+                            passed = _when_moment(level, start, stop, vibration, k, b, twist)
                         if what == 0 or passed < took:
                             what, took, towards = 2, passed, 1 if at_stop > 0.0 else -1
                     if moves != 0 and load > 0.0:
@@ -231,20 +230,20 @@ def follow_drives(begin: int, end: int, given: np.ndarray, found: np.ndarray, ph
                         split = stop
                         resists = moves * load
                         if (at_start - resists) * (at_stop - resists) < 0.0:
-                            split = _when_moment(resists, start, stop, w, beta, u, v, k, b, twist)
+                            split = _when_moment(resists, start, stop, vibration, k, b, twist)
                             if (split - start) * w < _SHORT:
                                 split = stop
                         piece = start
                         for part in range(2):
                             until = split if part == 0 else stop
-                            ends = moves * _speed_at(until, momentum, gain, first, both, w, beta, u, v)
+                            ends = moves * _speed_at(until, momentum, gain, first, both, vibration)
                             if until > piece and ends < 0.0:
-                                stopped = _when_stops(piece, until, momentum, gain, first, both, w, beta, u, v)
+                                stopped = _when_stops(piece, until, momentum, gain, first, both, vibration)
                                 if what == 0 or stopped < took:
                                     what, took = 2, stopped
                                 break
                             piece = until
-                    reached = abs(_moment_at(took, w, beta, u, v, k, b, twist))
+                    reached = abs(_moment_at(took, vibration, k, b, twist))
                     # Of peaks that are the same but for rounding, the first.
                     if reached > greatest * _HIGHER:
                         greatest, greatest_at = reached, now + took
@@ -252,7 +251,7 @@ def follow_drives(begin: int, end: int, given: np.ndarray, found: np.ndarray, ph
                         break
                     start, at_start = stop, at_stop
                     turn = turn + half
-                deviation, rate = damped_vibration(w, beta, u, v, took)
+                deviation, rate = _deviation_at(vibration, took)
                 if moves != 0:
                     speed = (momentum + gain * took - first * rate) / both
                 e, v = twist + deviation - behind, rate

@@ -25,6 +25,7 @@ from engine.elements.elastic_drives.elastic_cycle import (
     STATE,
     TURNS_BACK,
     UNKNOWNS,
+    CyclesToClose,
     close_cycles,
 )
 from engine.verdicts import Verdict
@@ -104,11 +105,11 @@ def elastic_cycle(machine: DrivenMachine, given: np.ndarray, guess: np.ndarray) 
     states, nodes = guess.copy(), np.empty((variants, count + 1, STATE))
     monodromy, sums = np.empty((variants, STATE, STATE)), np.empty((variants, FOUND))
     parts = [given, machine.drives, machine.exponents, machine.steps, machine.places, states, nodes, monodromy, sums]
-    parts = [np.require(part, requirements="C") for part in parts]
+    batch = CyclesToClose(*(np.require(part, requirements="C") for part in parts))
 
     def arguments() -> tuple:
         memory = np.empty((count, UNKNOWNS, COLUMNS)), np.empty((count, UNKNOWNS)), np.empty((2, UNKNOWNS, UNKNOWNS))
-        return (*parts, *memory)
+        return batch, *memory
 
     prepare(close_cycles, [types.intp, types.intp, *(numba.typeof(a) for a in arguments())])
     spread(close_cycles, variants, arguments)

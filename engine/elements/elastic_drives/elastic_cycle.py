@@ -17,6 +17,7 @@ R. M. M. Mattheij and R. D. Russell, Numerical Solution of Boundary Value Proble
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -142,28 +143,11 @@ def _solve(matrix: np.ndarray, right: np.ndarray, size: int, columns: int) -> No
             right[i, c] = total / matrix[i, i]
 
 
-@driver
-def close_cycles(
-    begin: int,
-    end: int,
-    given: np.ndarray,
-    drives: np.ndarray,
-    exponents: np.ndarray,
-    steps: np.ndarray,
-    places: np.ndarray,
-    states: np.ndarray,
-    nodes: np.ndarray,
-    monodromy: np.ndarray,
-    found: np.ndarray,
-    maps: np.ndarray,
-    slopes: np.ndarray,
-    room: np.ndarray,
-) -> None:
-    """Find the steady motion of drives `begin` … `end` − 1.
+class CyclesToClose(NamedTuple):
+    """Drives whose cycles are to be closed, and what is found.
 
-    Parameters
+    Attributes
     ----------
-    begin, end : int
     given : ndarray (drives, 3)
         STIFFNESS, DAMPING, MOTOR_INERTIA.
     drives : ndarray (drives, 2 + 5 motors)
@@ -179,11 +163,35 @@ def close_cycles(
         The motion at the ends of steps.
     monodromy : ndarray (drives, STATE, STATE)
     found : ndarray (drives, FOUND)
+    """
+
+    given: np.ndarray
+    drives: np.ndarray
+    exponents: np.ndarray
+    steps: np.ndarray
+    places: np.ndarray
+    states: np.ndarray
+    nodes: np.ndarray
+    monodromy: np.ndarray
+    found: np.ndarray
+
+
+@driver
+def close_cycles(
+    begin: int, end: int, batch: CyclesToClose, maps: np.ndarray, slopes: np.ndarray, room: np.ndarray
+) -> None:
+    """Find the steady motion of drives `begin` … `end` − 1.
+
+    Parameters
+    ----------
+    begin, end : int
+    batch : CyclesToClose
     maps, slopes : ndarray (steps, UNKNOWNS, COLUMNS), (steps, UNKNOWNS)
         Memory.
     room : ndarray (2, UNKNOWNS, UNKNOWNS)
         Memory.
     """
+    given, drives, exponents, steps, places, states, nodes, monodromy, found = batch
     matrix, small = room[0], room[1]
     rates, jacobian, turned = small[0], small[1:4], small[4:8]
     whole, moved, other = small[8:11], small[11], matrix[0]

@@ -26,7 +26,7 @@ from engine.elements.governors.governed_engine import (
 )
 from engine.elements.governors.governor_curves import governor_panels
 from engine.elements.governors.places import GEOMETRY_NUMBERS, Holding, Throttling
-from engine.elements.governors.transients import ANSWERS, FINE, MOTION_ROOM, follow_changes
+from engine.elements.governors.transients import ANSWERS, FINE, MOTION_ROOM, Followed, follow_changes
 from engine.elements.panels import Panel
 from engine.laws.tables import Table
 from engine.parts.actions import Force
@@ -92,7 +92,8 @@ CYCLE = "cycle."
 # Variants whose motion is followed on one thread before the next piece of work is asked for.
 TOGETHER = 32
 _ROW, _TABLE = types.float64[::1], types.float64[:, ::1]
-_TYPES = (types.intp, types.intp, _TABLE, _ROW, types.float64, _TABLE, _TABLE, _TABLE, types.uint8[::1], _ROW)
+_FOLLOWED = types.NamedTuple((_TABLE, _TABLE, _TABLE, types.uint8[::1]), Followed)
+_TYPES = (types.intp, types.intp, _TABLE, _ROW, types.float64, _FOLLOWED, _ROW)
 
 
 # Positions follow from the numbers by roots and directions of arms, which round as much again as the numbers do.
@@ -199,7 +200,8 @@ class Governor(Element):
             rows = np.concatenate([g.rows, cycle.T], axis=1) if cycle.size else g.rows
             tables, room = governor_memory(self), np.empty(MOTION_ROOM)
             kind, throttle = int(self.holding), int(self.throttling)
-            follow_changes(kind, throttle, rows, *tables, answers, coarse, marks.of_motion, verdicts, room)
+            followed = Followed(answers, coarse, marks.of_motion, verdicts)
+            follow_changes(kind, throttle, rows, *tables, followed, room)
             off = np.abs(answers - coarse) + ROUNDING * np.abs(answers) * FINE
             for result, row, missed in zip(_TRANSIENT, answers.T, off.T, strict=True):
                 found[result.name], errors[result.name] = row, missed

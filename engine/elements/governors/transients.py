@@ -11,6 +11,7 @@ Source of the method: J. R. Dormand and P. J. Prince, A family of embedded Runge
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -58,6 +59,47 @@ from engine.laws.governors.motion import (
 from engine.verdicts import Verdict
 
 State = tuple[float, float, float, float]
+
+
+class Governed(NamedTuple):
+    """An engine with its governor.
+
+    Attributes
+    ----------
+    kind, throttle : int
+        `Holding`, `Throttling`.
+    p : Memory (NUMBERS,)
+        With curves of a mechanism behind, where the engine is one.
+    memory : Memory
+    offset : float
+        Where the throttle's table begins in it.
+    """
+
+    kind: int
+    throttle: int
+    p: Memory
+    memory: Memory
+    offset: float
+
+
+class Followed(NamedTuple):
+    """What is written of a set of variants, and what it begins from.
+
+    Attributes
+    ----------
+    answers, coarse : ndarray (variants, ANSWERS)
+        Of NaN, to be written to, with the tolerances FINE and COARSE.
+    kept : ndarray (variants, 6)
+        INNER to MEAN_KEPT.
+    verdicts : ndarray (variants,) of uint8
+        Those without a complaint are followed.
+    """
+
+    answers: np.ndarray
+    coarse: np.ndarray
+    kept: np.ndarray
+    verdicts: np.ndarray
+
 
 _OK, _STALLS, _NO_END = int(Verdict.OK), int(Verdict.STALLS), int(Verdict.NO_END)
 _NOT_FINITE = int(Verdict.NOT_FINITE)
@@ -140,54 +182,41 @@ def cycle_at(p: Memory, held: Memory, angle: float) -> tuple[float, float, float
 
 
 @inlined
-def moment_at(
-    throttle: int,
-    p: Memory,
-    memory: Memory,
-    offset: float,
-    held: Memory,
-    lift: float,
-    speed: float,
-    driving: float,
-) -> float:
+def moment_at(engine: Governed, held: Memory, lift: float, speed: float, driving: float) -> float:
     """M_d − M_c at a lift and a speed of the engine [N·m], with M_d over its mean at the crank's angle."""
-    if throttle == _FULL_AND_SHUT:
+    p = engine.p
+    if engine.throttle == _FULL_AND_SHUT:
         given = p[FULL] if held[OPEN] > 0.0 else p[CLOSED]
     else:
-        given = throttle_at(throttle, p, memory, offset, lift, held[WHOLE])[0]
+        given = throttle_at(engine.throttle, p, engine.memory, engine.offset, lift, held[WHOLE])[0]
     return given * driving - p[SELF_REGULATION] * (speed - held[MEAN] / p[RATIO]) - held[NOW]
 
 
 @routine
-def rates_at(kind: int, throttle: int, p: Memory, memory: Memory, offset: float, held: Memory, y: State) -> State:
+def rates_at(engine: Governed, held: Memory, y: State) -> State:
     """Rates of a state.
 
     Parameters
     ----------
-    kind, throttle : int
-        `Holding`, `Throttling`.
-    p : Memory (NUMBERS,)
-        With curves of a mechanism behind, where the engine is one.
-    memory : Memory
-    offset : float
-        Where the throttle's table begins in it.
+    engine : Governed
     held : Memory (9,)
         What stays the same.
     y : tuple of 4 floats
     """
     x, velocity, speed, angle = y
-    link = linkage_at(kind, p, x)
+    p = engine.p
+    link = linkage_at(engine.kind, p, x)
     r, r1, r2, h1, h2, z, z1, z2 = link
     square = p[RATIO] * p[RATIO]
     whirl_rate = 4.0 * p[BALL] * r * r1
     change, slope, driving, other = cycle_at(p, held, angle)
-    moment = moment_at(throttle, p, memory, offset, held, z - held[ZERO], speed, driving)
+    moment = moment_at(engine, held, z - held[ZERO], speed, driving)
     moment += other - 0.5 * slope * speed * speed
     whole = p[INERTIA] + change + square * 2.0 * p[BALL] * r * r
     turning = engine_acceleration(moment, whole, square * whirl_rate, velocity, speed)
     if held[RESTS] > 0.0:
         return 0.0, 0.0, turning, speed
-    held_by, _, _ = held_at(kind, p, memory, x, link, held[ZERO])
+    held_by, _, _ = held_at(engine.kind, p, engine.memory, x, link, held[ZERO])
     hindered = z1 * (p[DAMPING] * z1 * velocity + p[FRICTION] * held[SENSE])
     pull = 0.5 * square * speed * speed * whirl_rate - held_by - hindered
     inertia = moving_inertia(p[BALL], p[SLEEVE], r1, h1, z1)
@@ -203,21 +232,13 @@ def plus(y: State, share: float, rates: State) -> State:
 
 @routine
 def governor_step(
-    kind: int,
-    throttle: int,
-    p: Memory,
-    memory: Memory,
-    offset: float,
-    held: Memory,
-    scales: Memory,
-    y: State,
-    h: float,
+    engine: Governed, held: Memory, scales: Memory, y: State, h: float
 ) -> tuple[State, float, float, float]:
     """A step of Dormand's and Prince's method.
 
     Parameters
     ----------
-    kind, throttle, p, memory, offset, held
+    engine, held
         As for `rates_at`.
     scales : Memory (3,)
         What errors are measured by.
@@ -234,19 +255,19 @@ def governor_step(
     first, last : float
         Rate of the speed before and after.
     """
-    k1 = rates_at(kind, throttle, p, memory, offset, held, y)
-    k2 = rates_at(kind, throttle, p, memory, offset, held, plus(y, h * _A2[0], k1))
+    k1 = rates_at(engine, held, y)
+    k2 = rates_at(engine, held, plus(y, h * _A2[0], k1))
     at = plus(plus(y, h * _A3[0], k1), h * _A3[1], k2)
-    k3 = rates_at(kind, throttle, p, memory, offset, held, at)
+    k3 = rates_at(engine, held, at)
     at = plus(plus(plus(y, h * _A4[0], k1), h * _A4[1], k2), h * _A4[2], k3)
-    k4 = rates_at(kind, throttle, p, memory, offset, held, at)
+    k4 = rates_at(engine, held, at)
     at = plus(plus(plus(plus(y, h * _A5[0], k1), h * _A5[1], k2), h * _A5[2], k3), h * _A5[3], k4)
-    k5 = rates_at(kind, throttle, p, memory, offset, held, at)
+    k5 = rates_at(engine, held, at)
     at = plus(plus(plus(y, h * _A6[0], k1), h * _A6[1], k2), h * _A6[2], k3)
-    k6 = rates_at(kind, throttle, p, memory, offset, held, plus(plus(at, h * _A6[3], k4), h * _A6[4], k5))
+    k6 = rates_at(engine, held, plus(plus(at, h * _A6[3], k4), h * _A6[4], k5))
     end = plus(plus(plus(y, h * _A7[0], k1), h * _A7[2], k3), h * _A7[3], k4)
     end = plus(plus(end, h * _A7[4], k5), h * _A7[5], k6)
-    k7 = rates_at(kind, throttle, p, memory, offset, held, end)
+    k7 = rates_at(engine, held, end)
     off = plus(plus(plus((0.0, 0.0, 0.0, 0.0), h * _E[0], k1), h * _E[2], k3), h * _E[3], k4)
     off = plus(plus(plus(off, h * _E[4], k5), h * _E[5], k6), h * _E[6], k7)
     error = 0.0
@@ -293,26 +314,14 @@ def watched(what: int, kind: int, p: Memory, held: Memory, limits: Memory, y: St
 
 
 @routine
-def locate(
-    what: int,
-    kind: int,
-    throttle: int,
-    p: Memory,
-    memory: Memory,
-    offset: float,
-    held: Memory,
-    scales: Memory,
-    limits: Memory,
-    y: State,
-    h: float,
-) -> float:
+def locate(what: int, engine: Governed, held: Memory, scales: Memory, limits: Memory, y: State, h: float) -> float:
     """Length of the step at whose end an event has just come about, by regula falsi (Illinois).
 
     Parameters
     ----------
     what : int
         Of `watched`.
-    kind, throttle, p, memory, offset, held, scales
+    engine, held, scales
         As for `governor_step`.
     limits : Memory (7,)
         As for `watched`.
@@ -326,16 +335,16 @@ def locate(
     float
         [s]; 0 where the event is there from the begin.
     """
-    end, _, first, last = governor_step(kind, throttle, p, memory, offset, held, scales, y, h)
-    a, at_a = 0.0, watched(what, kind, p, held, limits, y, first)
-    b, at_b = h, watched(what, kind, p, held, limits, end, last)
+    end, _, first, last = governor_step(engine, held, scales, y, h)
+    a, at_a = 0.0, watched(what, engine.kind, engine.p, held, limits, y, first)
+    b, at_b = h, watched(what, engine.kind, engine.p, held, limits, end, last)
     while at_a <= 0.0:
         # It begins on the very edge: on from where it is well off it.
         shorter = 0.5 * b
         if shorter < 1e-12 * h:
             return 0.0
-        end, _, _, last = governor_step(kind, throttle, p, memory, offset, held, scales, y, shorter)
-        value = watched(what, kind, p, held, limits, end, last)
+        end, _, _, last = governor_step(engine, held, scales, y, shorter)
+        value = watched(what, engine.kind, engine.p, held, limits, end, last)
         if value > 0.0:
             a, at_a = shorter, value
         else:
@@ -346,8 +355,8 @@ def locate(
             break
         # Half of what is near enough beside an end: then the other side of the event is soon near, too.
         c = min(max(b - at_b * (b - a) / (at_b - at_a), a + 0.5 * near), b - 0.5 * near)
-        end, _, _, last = governor_step(kind, throttle, p, memory, offset, held, scales, y, c)
-        value = watched(what, kind, p, held, limits, end, last)
+        end, _, _, last = governor_step(engine, held, scales, y, c)
+        value = watched(what, engine.kind, engine.p, held, limits, end, last)
         if value > 0.0:
             a, at_a = c, value
             at_b = 0.5 * at_b if side > 0 else at_b
@@ -396,11 +405,7 @@ def note(t: float, lift: float, speed: float, history: np.ndarray, count: int) -
 
 @routine
 def follow_change(
-    kind: int,
-    throttle: int,
-    p: Memory,
-    memory: Memory,
-    offset: float,
+    engine: Governed,
     kept: Memory,
     tolerance: float,
     most_step: float,
@@ -413,12 +418,7 @@ def follow_change(
 
     Parameters
     ----------
-    kind, throttle : int
-        `Holding`, `Throttling`.
-    p : Memory (NUMBERS,)
-    memory : Memory
-    offset : float
-        Where the throttle's table begins in it.
+    engine : Governed
     kept : Memory (6,)
         Positions, from `find_equilibria`.
     tolerance : float
@@ -443,6 +443,7 @@ def follow_change(
     instants : int
         How many are written.
     """
+    kind, throttle, p, memory, _ = engine
     low, high, duration = kept[INNER], kept[OUTER], p[DURATION]
     held, scales, limits = room
     held[ZERO] = linkage_at(kind, p, low)[5]
@@ -482,7 +483,7 @@ def follow_change(
         before = speed
         if resting:
             falls, rises, lift, inertia = thresholds(kind, p, memory, held, x)
-            moment = moment_at(throttle, p, memory, offset, held, lift, before, 1.0)
+            moment = moment_at(engine, held, lift, before, 1.0)
             may_rise, may_fall = x < high, x > low
             up = may_rise and (before > rises or (before == rises and moment > 0.0 and cycle == 0.0))
             down = may_fall and (before < falls or (before == falls and moment < 0.0 and cycle == 0.0))
@@ -518,7 +519,7 @@ def follow_change(
             if pause > 0.0:
                 h = min(h, pause)
             trial = min(h, mark - t)
-            end, error, first, last = governor_step(kind, throttle, p, memory, offset, held, scales, y, trial)
+            end, error, first, last = governor_step(engine, held, scales, y, trial)
             error /= tolerance
             if not error <= 1.0:
                 h = trial * max(0.2, 0.9 * error**-0.2)
@@ -537,7 +538,7 @@ def follow_change(
                 if resting and what >= RISES and pause > 0.0:
                     continue
                 if watched(what, kind, p, held, limits, end, last) < 0.0:
-                    at = locate(what, kind, throttle, p, memory, offset, held, scales, limits, y, trial)
+                    at = locate(what, engine, held, scales, limits, y, trial)
                     if event < 0 or at < length:
                         event, length = what, at
             if length == 0.0 and event <= AT_OUTER:
@@ -546,14 +547,14 @@ def follow_change(
                 continue
             pause = 0.0
             if event >= 0:
-                end, _, _, _ = governor_step(kind, throttle, p, memory, offset, held, scales, y, length)
+                end, _, _, _ = governor_step(engine, held, scales, y, length)
             else:
                 h = trial * min(5.0, 0.9 * max(error, 1e-10) ** -0.2)
             x, velocity, speed, angle = end
             if not abs(speed - steady) <= band:
                 settled = math.nan
             elif not abs(before - steady) <= band:
-                settled = t + locate(LEAVES_BAND, kind, throttle, p, memory, offset, held, scales, limits, y, length)
+                settled = t + locate(LEAVES_BAND, engine, held, scales, limits, y, length)
             t = mark if event < 0 and trial == mark - t else t + length
             if event == EXTREME:
                 limits[2] = -limits[2]
@@ -591,10 +592,7 @@ def follow_changes(
     numbers: np.ndarray,
     memory: np.ndarray,
     offset: float,
-    answers: np.ndarray,
-    coarse: np.ndarray,
-    kept: np.ndarray,
-    verdicts: np.ndarray,
+    found: Followed,
     room: np.ndarray,
 ) -> None:
     """What a change of load does in a set of variants, by two runs each.
@@ -608,25 +606,19 @@ def follow_changes(
     memory : ndarray
     offset : float
         Where the throttle's table begins in it.
-    answers, coarse : ndarray (variants, ANSWERS)
-        Of NaN, to be written to, with the tolerances FINE and COARSE.
-    kept : ndarray (variants, 6)
-        INNER to MEAN_KEPT.
-    verdicts : ndarray (variants,) of uint8
-        Those without a complaint are followed.
+    found : Followed
     room : ndarray (MOTION_ROOM,)
     """
+    verdicts, answers = found.verdicts, found.answers
     nothing, tables, parts = answers[:0], lane_of(memory), (lane_of(room), lane_of(room[9:]), lane_of(room[12:]))
     for v in range(numbers.shape[0]):
-        p, marks = lane_of(numbers[v]), lane_of(kept[v])
+        engine, marks = Governed(kind, throttle, lane_of(numbers[v]), tables, offset), lane_of(found.kept[v])
         cycle = numbers[v, CYCLE_LENGTH] if numbers.shape[1] > NUMBERS else 0.0
         if verdicts[v] == _OK:
-            verdicts[v], _ = follow_change(
-                kind, throttle, p, tables, offset, marks, FINE, math.inf, cycle, lane_of(answers[v]), nothing, parts
-            )
+            verdicts[v], _ = follow_change(engine, marks, FINE, math.inf, cycle, lane_of(answers[v]), nothing, parts)
         if verdicts[v] == _OK:
             verdicts[v], _ = follow_change(
-                kind, throttle, p, tables, offset, marks, COARSE, math.inf, cycle, lane_of(coarse[v]), nothing, parts
+                engine, marks, COARSE, math.inf, cycle, lane_of(found.coarse[v]), nothing, parts
             )
 
 
@@ -652,17 +644,5 @@ def follow_one(
     parts = (lane_of(room), lane_of(room[9:]), lane_of(room[12:]))
     most_step = 2.0 * p[DURATION] / history.shape[0]
     answers, cycle = lane_of(room[MOTION_ROOM:]), p[CYCLE_LENGTH] if p.size > NUMBERS else 0.0
-    follow_change(
-        kind,
-        throttle,
-        lane_of(p),
-        lane_of(memory),
-        offset,
-        lane_of(kept),
-        FINE,
-        most_step,
-        cycle,
-        answers,
-        history,
-        parts,
-    )
+    engine = Governed(kind, throttle, lane_of(p), lane_of(memory), offset)
+    follow_change(engine, lane_of(kept), FINE, most_step, cycle, answers, history, parts)
