@@ -245,9 +245,8 @@ def test_load_of_any_law_of_the_speed__acts_beside_a_clutch():
 
 
 def test_crank_without_loads__is_taken_along_from_the_begin_on():
-    """At its no-load speed the motor has no moment either: at the begin nothing acts at all. I ε = r C t/τ."""
-    motor = MOMENTS["dc"]["no_load_speed"]
-    scene = coupled(rotor({"go": run("dc", from_speed=0.0, from_shaft_speed=motor, time=0.1)}), capacity=2.0)
+    """At the begin nothing acts at all, then the clutch alone: I ε = r C t/τ."""
+    scene = coupled(rotor({"go": run("", from_speed=0.0, from_shaft_speed=400.0, time=0.1)}), capacity=2.0)
     scene["couplings"]["clutch"]["engagement"] = 0.3
     found = ask(scene, of("go", "angle final_speed"))
     rate = RATIO * 2.0 / 0.3 / INERTIA
