@@ -52,18 +52,14 @@ class Method(NamedTuple):
         That of A, of an implicit method.
     weights : ndarray (stages,)
         b.
-    shares : ndarray (places,)
-        Where the places of stages lie, shares of the step.
-    place_of : ndarray (dense stages,) of int
-        The place of each stage.
+    nodes : ndarray (dense stages,)
+        Shares of the step.
     fine, coarse : ndarray (formulas, stages)
         Formulas that vanish up to some order, and up to a lower one: their sizes tell how much what they find fades
         from order to order.
     parts : ndarray (DENSE_PARTS, dense stages)
         Weights of the parts of the polynomial p within the step,
         p(θ) = p₀θ + p₁θ(1−θ) + p₂θ²(1−θ) + p₃θ²(1−θ)² + …
-    looked_at : ndarray of int
-        Some of the places, in order from the begin to the end, between which extremes are searched.
     """
 
     implicit: bool
@@ -72,12 +68,10 @@ class Method(NamedTuple):
     matrix: np.ndarray
     inverse: np.ndarray
     weights: np.ndarray
-    shares: np.ndarray
-    place_of: np.ndarray
+    nodes: np.ndarray
     fine: np.ndarray
     coarse: np.ndarray
     parts: np.ndarray
-    looked_at: np.ndarray
 
 
 # Parts of the polynomial within a step.
@@ -128,11 +122,8 @@ ORDER_EIGHT = Method(
     matrix=MATRIX,
     inverse=np.zeros((0, 0)),
     weights=DORMAND_PRINCE.weights.copy(),
-    # The last stage of the step and the first of the polynomial share a place.
-    shares=np.delete(NODES, STAGES),
-    place_of=np.array([s - (s >= STAGES) for s in range(DENSE_STAGES)]),
+    nodes=NODES,
     fine=np.array([ERRORS[0], _SECOND_ERROR]),
     coarse=SHARE_OF_COARSE * ERRORS[1:],
     parts=_parts(),
-    looked_at=np.array([0, 3, 5, 9, 10, 11]),
 )

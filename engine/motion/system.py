@@ -366,7 +366,7 @@ class PrintedSystem:
             solved=math.isqrt(len(system.slopes)),
             slopes=RESPONSES + len(system.responses),
             solves=bool(system.unknown),
-            nodes=made.shares[made.place_of],
+            nodes=made.nodes,
             matrix=made.matrix,
             inverse=made.inverse,
             parts=np.ascontiguousarray(made.parts),

@@ -37,13 +37,11 @@ ORDER_FOUR = Method(
     matrix=_FOUR_MATRIX,
     inverse=np.zeros((0, 0)),
     weights=_FOUR_WEIGHTS,
-    shares=np.array([0.0, 0.5, 0.5, 1.0]),
-    place_of=np.array([0, 1, 2, 3, 3]),
+    nodes=np.array([0.0, 0.5, 0.5, 1.0, 1.0]),
     # No other formula is there to compare: its error follows from steps of twice the length.
     fine=np.zeros((1, 4)),
     coarse=np.zeros((1, 4)),
     parts=_parts_of_cubic(),
-    looked_at=np.array([0, 1, 3]),
 )
 
 FIVE_NODES = np.array(
@@ -99,13 +97,10 @@ def _method(tableau: Tableau, fine: np.ndarray, coarse: np.ndarray) -> Method:
         matrix=tableau.matrix,
         inverse=np.linalg.inv(tableau.matrix),
         weights=tableau.weights,
-        # Its begin is no stage, but looked at.
-        shares=np.array([*tableau.nodes, 0.0]),
-        place_of=np.arange(count),
+        nodes=tableau.nodes,
         fine=fine,
         coarse=coarse,
         parts=parts,
-        looked_at=np.array([count, *range(count)]),
     )
 
 

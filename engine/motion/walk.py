@@ -1011,7 +1011,7 @@ def shorten(lane: int, task: WalkTask, room: Room) -> None:
     least = SHORTEST * (abs(own.at[lane]) + (LEAST_TIME if task.along_time else own.farthest[lane]))
     worth_solving = fades > STEEPEST and task.solved > 0 and is_short(length * share, lane, task, room)
     if worth_solving or not length * share > least:
-        own.why[lane] = STEEP if fades > STEEPEST else LOST
+        own.why[lane] = STEEP if fades > STEEPEST and task.solved > 0 else LOST
 
 
 @routine

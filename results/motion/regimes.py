@@ -1,19 +1,21 @@
-"""What regimes cost: a settled press in many variants, and one machine under a moment over time; writes regimes.md.
+"""What regimes cost: a settled press, a machine under a moment over time, machines at two speeds; writes regimes.md.
 
 python results/motion/regimes.py
 """
 
 import time
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 from cases import CASES, sample
 
-from engine import Machine, Scene
+from engine import Machine, Scene, scene_numbers
 from engine.compiling.threads import set_threads
 from engine.parts.actions import TableMoment
 from engine.parts.regimes import RunRegime, SteadyRegime
+from sweeps.text.templates import template_text
 
 HERE = Path(__file__).parent
 VARIANTS, ROUNDS, CYCLES = 2000, 5, 20.0
@@ -67,6 +69,56 @@ def machine_over_time() -> str:
     return f"{seconds * 1e3:.0f} ms for {CYCLES:g} turns of the slider-crank; figure of its final speed {figure:.0e}."
 
 
+CLUTCH = {"type": "friction_clutch", "shaft": "motor_shaft", "capacity": "4 N m", "engagement": "0.1 s"}
+FLUID = {
+    "type": "fluid_coupling",
+    "shaft": "motor_shaft",
+    "diameter": "200 mm",
+    "density": "860 kg/m3",
+    "slip": [0, 0.03, 0.1, 1],
+    "coefficient": [0, 0.002, 0.005, 0.008],
+    "interpolation": "linear",
+}
+START = {"type": "run", "from_speed": "0 rad/s", "from_shaft_speed": "240 rad/s", "time": "2 s"}
+
+
+def coupled_feeder(coupling: dict[str, object], regime: dict[str, object]) -> Scene:
+    """The slider-crank behind a coupling, its motor on a shaft that turns four times as fast."""
+    given = CASES["slider_crank"].scene.model_dump(exclude_none=True, mode="json")
+    motor = given["moments"]["motor"] | {"on": "motor_shaft", "stall_moment": 5.0, "no_load_speed": 240.0}
+    given["shafts"] = {"motor_shaft": {"geared_to": "crank", "ratio": 4.0, "inertia": 0.02}}
+    given["moments"] |= {"motor": motor}
+    return Scene.model_validate(given | {"couplings": {"coupling": coupling}, "regimes": {"go": regime}})
+
+
+def elastic_pump(backlash: bool) -> Scene:
+    """The template of a pump on an elastic shaft, started from rest."""
+    given = tomllib.loads(template_text("driven_machine"))
+    run = given["elements"]["coupling"]["run"]
+    if not backlash:
+        del run["backlash"]
+    return Scene.model_validate(given)
+
+
+def two_speeds() -> list[str]:
+    """Lines of a table: machine, variants, time a variant."""
+    path, asked = "moments.motor.stall_moment", ("go.time", "go.coupling_heat", "go.final_speed")
+    cases = (
+        ("start through a clutch, 2 s", coupled_feeder(CLUTCH, START), asked, 512),
+        ("start through a fluid coupling, 2 s", coupled_feeder(FLUID, START), asked, 512),
+        ("steady motion behind a fluid coupling", coupled_feeder(FLUID, {"type": "steady"}), ("go.mean_speed",), 64),
+        ("start on an elastic shaft, 0.3 s", elastic_pump(backlash=False), ("coupling.run_greatest_moment",), 128),
+        ("the same through a backlash of 1°", elastic_pump(backlash=True), ("coupling.run_greatest_moment",), 128),
+    )
+    lines = ["| machine | variants | µs a variant |", "|---|---|---|"]
+    for title, scene, names, count in cases:
+        varied = {path: scene_numbers(scene)[path].value * np.linspace(0.7, 1.4, count)}
+        machine = Machine(scene, names, varied=(path,))
+        seconds = least_time(lambda machine=machine, varied=varied: machine.evaluate(varied)) / count
+        lines.append(f"| {title} | {count} | {seconds * 1e6:.0f} |")
+    return lines
+
+
 def main() -> None:
     set_threads(1)
     lines = [
@@ -82,6 +134,10 @@ def main() -> None:
         "## One machine under a moment over time",
         "",
         machine_over_time(),
+        "",
+        "## Two speeds",
+        "",
+        *two_speeds(),
         "",
     ]
     (HERE / "regimes.md").write_text("\n".join(lines), encoding="utf8")

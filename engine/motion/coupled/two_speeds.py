@@ -25,7 +25,7 @@ from engine.parts.couplings import Coupling, FluidCoupling
 SURELY = 1e-11
 # By this share of its capacity a clutch holds more than it transmits slipping: less than any step misses.
 GRIP = 1e-11
-# A clutch that slips against its sense by more than this share of the speeds is joined anew.
+# A clutch that slips against its sense by more than this share of the speeds is judged again.
 ASTRAY = 1e-9
 # States, and what is gathered besides the works of the motors and of each channel; behind an elastic shaft the third
 # state is its twist.
@@ -74,10 +74,8 @@ class Joining(NamedTuple):
         From then on [s], and the moment that a clutch transmits there [N·m].
     shaft_inertia : Given
         Reduced to the crank [kg·m²].
-    stiffness, damping : Given
-        Of an elastic shaft [N·m/rad, N·m·s/rad].
-    backlash : Given
-        Of it [rad].
+    stiffness, damping, backlash : Given
+        Of an elastic shaft [N·m/rad, N·m·s/rad, rad].
     forwards, backwards : Given
         1 where it is in touch that way, else 0.
     growing : Given
@@ -124,15 +122,11 @@ def _joining(mechanics: Mechanics, guards: tuple[str, ...], knots: int) -> Joini
     def numbers(label: str, count: int) -> tuple[Given, ...]:
         return tuple(number(f"{label} {i}") for i in range(count))
 
-    names = ("holds", "sense", "crank moves", "shaft moves", "fluid", "engaged")
-    rows = numbers("time", knots), numbers("capacity", knots)
-    never = tuple(number(f"never {name}") for name in guards)
-    others = (number(name) for name in (*ELASTIC, *STANDING))
-    return Joining(*(number(name) for name in names), *rows, *others, never)
+    several = {"times": numbers("time", knots), "capacity": numbers("capacity", knots)}
+    several["never"] = tuple(number(f"never {name}") for name in guards)
+    return Joining(**several, **{name: number(name) for name in Joining._fields if name not in several})
 
 
-ELASTIC = ("inertia of the shaft", "stiffness", "damping", "backlash", "forwards", "backwards", "growing")
-STANDING = ("resists", "shaft resists")
 # What ends a walk besides speeds, in the order of its guards.
 ENDINGS = ("crank rests", "shaft rests", "locks up", "astray", "breaks loose", "sets off", "touch", "turns")
 
@@ -185,18 +179,17 @@ def at_two_speeds(
     touch = turns = graph.zero
     if coupling is None:
         apart, touch = _elastic(joining, twist, slip)
-        held = moment = apart
-        rises = (m1 + crank.facing * apart) / inertia, (m2 - other * apart) / own
     elif isinstance(coupling, FluidCoupling):
         table = graph.store(in_memory(make_table(coupling.slip, coupling.coefficient, coupling.interpolation)))
         apart = graph.apply(fluid_moment, graph.memory, table, joining.fluid, ahead, shaft_ahead)
-        held = moment = apart
-        rises = (m1 + crank.facing * apart) / inertia, (m2 - other * apart) / own
     else:
-        held, apart = other * (m2 - own * together), joining.sense * capacity
+        apart = joining.sense * capacity
+    held = moment = apart
+    rises = (m1 + crank.facing * apart) / inertia, (m2 - other * apart) / own
+    if knots:
+        held = other * (m2 - own * together)
         moment = joining.holds * held + (1.0 - joining.holds) * apart
-        free = (m1 + crank.facing * apart) / inertia, (m2 - other * apart) / own
-        rises = tuple(joining.holds * together + (1.0 - joining.holds) * alone for alone in free)
+        rises = tuple(joining.holds * together + (1.0 - joining.holds) * alone for alone in rises)
     rises = rises[0] * joining.moves, rises[1] * joining.shaft_moves
     if coupling is None:
         rate = joining.stiffness * slip + joining.damping * (other * rises[1] - crank.facing * rises[0])

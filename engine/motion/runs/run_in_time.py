@@ -131,7 +131,7 @@ def stretch_over_time(runs: Progress, who: np.ndarray, carry: Carry) -> tuple[np
     _take(runs, who, state, gone, goal)
     runs.pace[who] = gone.pace
     # Reactions aren't finite where friction leaves no equilibrium.
-    lost = np.isin(why, (Why.LOST, Why.STEEP))
+    lost = why == Why.LOST
     runs.give_up(who[lost], Verdict.NOT_FINITE if runs.dynamics.friction is None else Verdict.JAMS)
     runs.done[who[np.isin(why, (Why.GOAL, ABOVE, BELOW))]] = True
     met = (why == Why.OTHER_GOAL) & forward

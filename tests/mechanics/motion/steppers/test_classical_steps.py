@@ -23,7 +23,7 @@ def gone(steps: int | None, **changes: dict):
 def test_tableau__meets_the_eight_conditions_of_order_four():
     # Butcher's conditions: Σb, Σbc, Σbc², Σb A c, Σbc³, Σb c A c, Σb A c², Σb A A c.
     b, a = ORDER_FOUR.weights, ORDER_FOUR.matrix[:4, :4]
-    c = ORDER_FOUR.shares[ORDER_FOUR.place_of[:4]]
+    c = ORDER_FOUR.nodes[:4]
     assert a.sum(axis=1) == pytest.approx(c, abs=1e-16)
     found = [b.sum(), b @ c, b @ c**2, b @ a @ c, b @ c**3, b @ (c * (a @ c)), b @ a @ c**2, b @ a @ a @ c]
     assert found == pytest.approx([1, 1 / 2, 1 / 3, 1 / 6, 1 / 4, 1 / 8, 1 / 12, 1 / 24], abs=1e-15)

@@ -137,7 +137,7 @@ def test_estimated_error__hardly_vanishes_at_any_length_of_a_step():
 @pytest.mark.parametrize("theta", [0.1, 0.37, 0.5, 0.9, 1.0])
 @pytest.mark.parametrize(("method", "order"), [(ORDER_EIGHT, 7), (ORDER_NINE, 5)], ids=["DP8", "Radau"])
 def test_polynomial_within_the_step__has_its_order(method: Method, order: int, theta: float):
-    assert np.abs(method.matrix.sum(axis=1) - method.shares[method.place_of]).max() < ROUNDED
+    assert np.abs(method.matrix.sum(axis=1) - method.nodes).max() < ROUNDED
     weights = sum(part * part_at(i, theta) for i, part in enumerate(method.parts))
     assert missed(method.matrix, weights, order, theta) < ROUNDED
 
