@@ -69,7 +69,7 @@ def machine_over_time() -> str:
     return f"{seconds * 1e3:.0f} ms for {CYCLES:g} turns of the slider-crank; figure of its final speed {figure:.0e}."
 
 
-CLUTCH = {"type": "friction_clutch", "shaft": "motor_shaft", "capacity": "4 N m", "engagement": "0.1 s"}
+CLUTCH = {"type": "friction_clutch", "shaft": "motor_shaft", "capacity": "20 N m", "engagement": "0.1 s"}
 FLUID = {
     "type": "fluid_coupling",
     "shaft": "motor_shaft",
