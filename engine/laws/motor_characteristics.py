@@ -1,8 +1,7 @@
 """Motors: torque as a function of speed, and its constants from what a nameplate says.
 
 The speed omega and the torque have the same positive direction; a motor that turns clockwise has negative
-speeds and a negative torque throughout. `dc_motor` and `induction_motor` are per-position functions (floats
-in and out); the set-up works on whole arrays of variants.
+speeds and a negative torque throughout. Scalar functions take a speed; the set-up works on whole arrays of variants.
 
 Sources: R. Fischer, Elektrische Maschinen (Kloss' formula, nameplate data); A. E. Fitzgerald, C. Kingsley
 and S. D. Umans, Electric Machinery (equivalent circuit, DC motors).
@@ -11,31 +10,26 @@ and S. D. Umans, Electric Machinery (equivalent circuit, DC motors).
 import numpy as np
 from numpy.typing import ArrayLike
 
-from engine.compiling.decorators import scalar
+from engine.compiling.decorators import routine, scalar
+from engine.compiling.instructions import chosen
 
 # Two numbers of a nameplate that agree to this are not told apart.
 NAMEPLATE_TOLERANCE = 1e-12
+# Rows of a drive: the straight characteristics together, then each bend of one, then constants of induction motors.
+LEVEL, FALL, BENDS = range(3)
+PER_BEND, PER_MOTOR = 2, 5
 
 
 @scalar
-def dc_motor(stall_torque: float, no_load_speed: float, omega: float) -> float:
-    """Torque of a DC motor with constant excitation: the straight line from stall to no load.
+def bend_of(x: float) -> float:
+    """A number above zero, else zero: by so much what bends at zero leaves its straight line."""
+    return chosen(x > 0.0, x, 0.0)
 
-    Parameters
-    ----------
-    stall_torque : float
-        Torque at standstill [N·m].
-    no_load_speed : float
-        Speed without load [rad/s]; beyond it the motor brakes.
-    omega : float
-        Speed [rad/s].
 
-    Returns
-    -------
-    float
-        Torque [N·m].
-    """
-    return stall_torque * (no_load_speed - omega) / no_load_speed
+@scalar
+def bend_slope(x: float) -> float:
+    """Derivative of `bend_of`; at the bend that below it."""
+    return chosen(x > 0.0, 1.0, 0.0)
 
 
 @scalar
@@ -107,6 +101,35 @@ def induction_motor_curvature(
     return -2.0 * factor * per_slip * bend / synchronous_speed / synchronous_speed
 
 
+@routine
+def motors_at(drives: np.ndarray, k: int, rows: tuple[int, int], speed: float) -> tuple[float, float]:
+    """Moment of the motors of a variant at a speed, and ∂M/∂ω.
+
+    Parameters
+    ----------
+    drives : ndarray (2 + 2 bends + 5 induction motors, variants)
+        Level and slope of the straight characteristics together; by how much they bend, and at which speed; of each
+        induction motor breakdown torque and slip, rotor ratio, synchronous speed, and its speed over the crank's.
+    k : int
+        Which variant.
+    rows : tuple of two ints
+        How many there are before the induction motors, and altogether.
+    speed : float
+        Of the crank [rad/s].
+    """
+    moment, slope = drives[LEVEL, k] + drives[FALL, k] * speed, drives[FALL, k]
+    for row in range(BENDS, rows[0], PER_BEND):
+        bend, over = drives[row, k], speed - drives[row + 1, k]
+        moment += bend * bend_of(over)
+        slope += bend * bend_slope(over)
+    for row in range(rows[0], rows[1], PER_MOTOR):
+        most, slip, rotor, synchronous = drives[row, k], drives[row + 1, k], drives[row + 2, k], drives[row + 3, k]
+        ratio = drives[row + 4, k]
+        moment += ratio * induction_motor(most, slip, rotor, synchronous, ratio * speed)
+        slope += (ratio * ratio) * induction_motor_slope(most, slip, rotor, synchronous, ratio * speed)
+    return moment, slope
+
+
 def dc_motor_from_nameplate(power: ArrayLike, rated_speed: ArrayLike, no_load_speed: ArrayLike) -> np.ndarray:
     """Stall torque of a DC motor from its nameplate.
 
@@ -120,7 +143,7 @@ def dc_motor_from_nameplate(power: ArrayLike, rated_speed: ArrayLike, no_load_sp
     Returns
     -------
     numpy.ndarray
-        Stall torque [N·m] for `dc_motor`; NaN where the nameplate isn't a motor's.
+        Stall torque [N·m]; NaN where the nameplate isn't a motor's.
     """
     power, rated_speed, no_load_speed = _floats(power, rated_speed, no_load_speed)
     with np.errstate(all="ignore"):

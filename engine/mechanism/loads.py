@@ -45,8 +45,7 @@ class Loads:
     ) -> None:
         self.scene, self.kinematics = scene, kinematics
         self._time, self._speed = uniform_time(kinematics) if time is None else time, speed
-        motors = (actions.DCMotor, actions.InductionMotor)
-        self.motors = tuple(n for n, m in scene.moments.items() if isinstance(m, motors))
+        self.motors = tuple(n for n, m in scene.moments.items() if isinstance(m, actions.Motor))
         self.terms: list[Load] = [
             *self._gravity(),
             *(load for name in scene.forces for load in self._force(name)),

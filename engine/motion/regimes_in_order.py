@@ -17,7 +17,7 @@ from engine.graph.nodes import Node
 from engine.mechanism.actions.motors import motor_ratio
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.coupled.coupled_answers import CoupledOutcome, CoupledStanding, held_moment, run_coupled
-from engine.motion.coupled.coupled_run import CoupledEnds
+from engine.motion.coupled.coupled_run import CoupledEnds, Precision
 from engine.motion.coupled.coupled_steady import CoupledSteady, one_cycle, settled_at_two_speeds
 from engine.motion.coupled.two_sides import TwoSides, coupling_of
 from engine.motion.loads import PairLoads
@@ -453,13 +453,17 @@ class Schedule:
         ends = CoupledEnds(
             turned, time, speed, regime.rest is True, regime.lock_up is True, most, regime.reversal is True
         )
-        gone = run_coupled(sides, (omega, shaft), clock, engaged, ends, loose, record).over_all(ready, variants.count)
+        gone = run_coupled(sides, (omega, shaft), clock, engaged, ends, self._precision(loose), record)
+        gone = gone.over_all(ready, variants.count)
         verdict = np.where(standing.verdict == Verdict.OK, gone.verdict, standing.verdict).astype(np.uint8)
         since = np.full(variants.count, np.nan)
         since[ready] = engaged
         after = CoupledStanding(gone.shaft_omega, zero if two.open else since + gone.time)
         angle = angle + variants.direction * gone.turned
         return gone, Standing(angle, gone.omega, standing.clock + gone.time, verdict, after)
+
+    def _precision(self, coarser: bool) -> Precision:
+        return Precision(self._run_tolerance[0], coarser)
 
     def at_two_speeds(self, name: str) -> bool:
         """Whether both sides of a coupling have speeds of their own in a regime: but for a clutch that holds."""
@@ -472,10 +476,11 @@ class Schedule:
         two, count, zero = self.sides[frozenset(self.regimes[name].off)], variants.count, np.zeros(variants.count)
         ready = np.flatnonzero(standing.verdict == Verdict.OK)
         sides = two.of(variants.some(ready), zero[ready])
-        steady = settled_at_two_speeds(sides, loose)
+        precision = self._precision(loose)
+        steady = settled_at_two_speeds(sides, precision)
         good = np.flatnonzero(steady.verdict == Verdict.OK)
         # Numbers of those that have one, and NaN for the others.
-        gone = one_cycle(sides.some(good), steady.speeds[:, good], loose, record).over_all(ready[good], count)
+        gone = one_cycle(sides.some(good), steady.speeds[:, good], precision, record).over_all(ready[good], count)
         verdict = standing.verdict.astype(np.uint8).copy()
         verdict[ready] = np.where(steady.verdict == Verdict.OK, gone.verdict[ready], steady.verdict)
         speeds, multiplier, residual = (_of_all(row, ready, count) for row in steady[1:])

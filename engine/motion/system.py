@@ -23,9 +23,15 @@ from engine.graph.nodes import Given, Node, Stage
 from engine.laws.elementary import exponential, power
 from engine.laws.kinematics.closure import greater
 from engine.laws.loads import sized
-from engine.laws.motor_characteristics import induction_motor, induction_motor_curvature, induction_motor_slope
+from engine.laws.motor_characteristics import (
+    bend_of,
+    bend_slope,
+    induction_motor,
+    induction_motor_curvature,
+    induction_motor_slope,
+)
 from engine.laws.senses import sense, side
-from engine.mechanism.actions.motors import motor_ratio
+from engine.mechanism.actions.motors import motor_at_speed
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.loads import Loads
 from engine.mechanism.mechanics import Mechanics
@@ -34,8 +40,6 @@ from engine.motion.closed_cycle import TOLD, CycleBatch, CycleRoom, find_cycles,
 from engine.motion.methods import EIGHT, METHODS
 from engine.motion.moments.tabulation import Tabulation
 from engine.motion.walk import FOUND, GIVEN, RESPONSES, Room, WalkBatch, WalkTask, new_room, walk
-from engine.parts.actions import DCMotor
-from engine.parts.motor_constants import kloss_constants, stall_moment
 
 # Sorts of work that are told apart where works are asked.
 CHANNELS = ("driving", "useful", "harmful", "braking", "other")
@@ -48,6 +52,8 @@ SLOPES = {
     sized: {1: lambda size, value: value.graph.apply(sized, size, 1.0)},
     induction_motor: {4: lambda *operands: operands[-1].graph.apply(induction_motor_slope, *operands)},
     induction_motor_slope: {4: lambda *operands: operands[-1].graph.apply(induction_motor_curvature, *operands)},
+    bend_of: {0: lambda x: x.graph.apply(bend_slope, x)},
+    bend_slope: {0: lambda x: x.graph.zero},
     exponential: {0: lambda x: x.graph.apply(exponential, x)},
     power: {0: lambda x, n: n * x.graph.apply(power, x, n) / x},
     # What switches with a speed is what it is on either side.
@@ -178,26 +184,9 @@ def moments_of(
         # What depends on the position alone is added up there.
         parts = [(sizes.way * sum(terms, graph.zero)) * at_speed for at_speed, terms in orders.items()]
         channels[channel] = sum(parts, graph.zero)
-    motors = [_motor(mechanics, name, on, sizes.facing, speed) for on, name in sizes.motors.items() if name not in off]
+    acting = {name: on for on, name in sizes.motors.items() if name not in off}
+    motors = [motor_at_speed(mechanics.kinematics, name, on, sizes.facing, speed) for name, on in acting.items()]
     return StateMoments(sum(motors, graph.zero), channels)
-
-
-def _motor(mechanics: Mechanics, name: str, on: Given, facing: Node, speed: Node) -> Node:
-    """Moment of a motor, reduced to the input, in the direction of motion; it drives the way it is meant to turn."""
-    graph, scene, at = mechanics.graph, mechanics.scene, f"moments.{name}"
-    motor = scene.moments[name]
-    ratio = facing * graph.derived(f"ratio of {at}", lambda n: np.abs(motor_ratio(scene, motor, n)))
-    if isinstance(motor, DCMotor):
-        # Its straight characteristic, without a division in every state.
-        stall = graph.derived(f"stall moment of {at}", lambda n: stall_moment(motor, at, n))
-        fall = graph.derived(f"fall of {at}", lambda n: stall_moment(motor, at, n) / n[f"{at}.no_load_speed"])
-        moment = stall - fall * (ratio * speed)
-    else:
-        constants = [
-            graph.derived(f"constant {i} of {at}", lambda n, i=i: kloss_constants(motor, at, n)[i]) for i in range(4)
-        ]
-        moment = graph.apply(induction_motor, *constants, ratio * speed)
-    return ratio * graph.apply(sized, on, moment)
 
 
 def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tuple[System, Sizes]:

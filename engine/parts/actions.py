@@ -10,6 +10,7 @@ counter-clockwise. `acts` limits an action to the part of the cycle in which its
 """
 
 import math
+from itertools import pairwise
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, field_validator, model_validator
@@ -426,14 +427,19 @@ class DCCharacteristic(Part):
         return self
 
 
-class DCMotor(DCCharacteristic):
+class Motor(Part):
+    """A motor on the crank or a shaft geared to it: its moment follows from its speed alone."""
+
+    on: LinkRef
+
+
+class DCMotor(Motor, DCCharacteristic):
     """A DC motor, M = stall_moment (1 − ω/no_load_speed), on the crank or a shaft geared to it.
 
     Instead of the stall moment, the nameplate's power and rated speed may be given.
     """
 
     type: Literal["dc_motor"]
-    on: LinkRef
 
 
 class InductionCharacteristic(Part):
@@ -466,11 +472,61 @@ class InductionCharacteristic(Part):
         )
 
 
-class InductionMotor(InductionCharacteristic):
+class InductionMotor(Motor, InductionCharacteristic):
     """An induction motor by Kloss or by its nameplate, on the crank or a shaft geared to it."""
 
     type: Literal["induction_motor"]
-    on: LinkRef
+
+
+class TableCharacteristic(Part):
+    """The characteristic of a motor by a table of its moment over its speed, with straight lines between.
+
+    The outermost lines go on. All moments are multiplied by `scale`.
+    """
+
+    speed: list[AngularSpeed]
+    moment: list[Moment]
+    scale: Annotated[Number, Field(gt=0)] = 1.0
+
+    @model_validator(mode="after")
+    def _table_is_sound(self) -> "TableCharacteristic":
+        try:
+            make_table(self.speed, self.moment, "linear", outside="hold", names=("speed", "moment"))
+        except TableError as error:
+            raise ValueError(str(error)) from None
+        if any(after <= before for before, after in pairwise(self.speed)):
+            raise ValueError("speed: every row must lie above the one before; a motor's torque doesn't jump")
+        return self
+
+
+class TableMotor(Motor, TableCharacteristic):
+    """A motor by a table of its torque over its speed, on the crank or a shaft geared to it.
+
+    Straight lines join the rows, and the outermost ones go on; above some speed it must no longer drive. All torques
+    are multiplied by `scale`.
+    """
+
+    type: Literal["table_motor"]
+
+    @model_validator(mode="after")
+    def _stops_driving(self) -> "TableMotor":
+        before, last = self.moment[-2:]
+        if before < last or before == last > 0.0:
+            raise ValueError(
+                "moment: the last rows must fall, as a motor stops driving at its no-load speed; for a torque that "
+                "doesn't depend on the speed use type = 'constant' with role = 'driving'"
+            )
+        if not max(self.moment) > 0.0:
+            raise ValueError("moment: no row is above 0: a motor drives at some speed")
+        return self
+
+    @property
+    def no_load_speed(self) -> float:
+        """The greatest speed at which its torque vanishes [rad/s]."""
+        rows = list(zip(self.speed, self.moment, strict=True))
+        drives = max(i for i, moment in enumerate(self.moment) if moment > 0.0)
+        (low, driving), (high, beyond) = rows[min(drives, len(rows) - 2) :][:2]
+        return low + (high - low) * driving / (driving - beyond)
 
 
 ForceAction = Annotated[
@@ -499,7 +555,8 @@ MomentAction = Annotated[
     | VehicleMoment
     | ConveyorMoment
     | DCMotor
-    | InductionMotor,
+    | InductionMotor
+    | TableMotor,
     Field(discriminator="type"),
 ]
 

@@ -1,21 +1,51 @@
-"""Constants of motors: as given, or from a nameplate."""
+"""Characteristics of motors, torque by speed, in the form that everything evaluates: a line, bends of it, Kloss."""
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 
 from engine.laws.motor_characteristics import dc_motor_from_nameplate, kloss_from_nameplate
-from engine.parts.actions import DCCharacteristic, InductionCharacteristic
+from engine.parts.actions import DCCharacteristic, InductionCharacteristic, TableCharacteristic
+
+Value = float | np.ndarray
 
 
-def stall_moment(motor: DCCharacteristic, at: str, numbers: Mapping[str, float | np.ndarray]) -> float | np.ndarray:
+class MotorCurve(NamedTuple):
+    """Torque by speed: level + slope ω + Σ bend (ω − speed), of those speeds that it has passed, + Kloss' formula.
+
+    Attributes
+    ----------
+    level, slope : float or ndarray
+        [N·m], [N·m·s].
+    bends : tuple of (float or ndarray, float or ndarray)
+        By how much the slope changes [N·m·s], and at which speed [rad/s].
+    kloss : tuple or None
+        Breakdown torque and slip, rotor ratio and synchronous speed, as `induction_motor` takes them.
+    no_load_speed : float or ndarray
+        Beyond it the motor doesn't drive [rad/s].
+    """
+
+    level: Value
+    slope: Value
+    bends: tuple[tuple[Value, Value], ...]
+    kloss: tuple | None
+    no_load_speed: Value
+
+
+def bends_of(motor: DCCharacteristic | InductionCharacteristic | TableCharacteristic) -> int:
+    """How often the characteristic of a motor bends."""
+    return len(motor.speed) - 2 if isinstance(motor, TableCharacteristic) else 0
+
+
+def stall_moment(motor: DCCharacteristic, at: str, numbers: Mapping[str, Value]) -> Value:
     """Stall moment of a DC motor, as given or from its nameplate."""
     if motor.stall_moment is not None:
         return numbers[f"{at}.stall_moment"]
     return dc_motor_from_nameplate(*(numbers[f"{at}.{key}"] for key in ("power", "rated_speed", "no_load_speed")))
 
 
-def kloss_constants(motor: InductionCharacteristic, at: str, numbers: Mapping[str, float | np.ndarray]) -> tuple:
+def kloss_constants(motor: InductionCharacteristic, at: str, numbers: Mapping[str, Value]) -> tuple:
     """Breakdown moment and slip, rotor ratio and synchronous speed, as given or from the motor's nameplate."""
     synchronous = numbers[f"{at}.synchronous_speed"]
     if motor.breakdown_moment is not None:
@@ -23,3 +53,29 @@ def kloss_constants(motor: InductionCharacteristic, at: str, numbers: Mapping[st
     keys = ["power", "rated_speed", "synchronous_speed", "breakdown_ratio"]
     keys += ["starting_ratio"] if motor.starting_ratio is not None else []
     return *kloss_from_nameplate(*(numbers[f"{at}.{key}"] for key in keys)), synchronous
+
+
+def motor_curve(
+    motor: DCCharacteristic | InductionCharacteristic | TableCharacteristic, at: str, numbers: Mapping[str, Value]
+) -> MotorCurve:
+    """Characteristic of a motor by its own speed.
+
+    Parameters
+    ----------
+    motor : DCCharacteristic, InductionCharacteristic or TableCharacteristic
+    at : str
+        Its path in the scene.
+    numbers : mapping of str to float or ndarray
+        By their paths.
+    """
+    if isinstance(motor, DCCharacteristic):
+        stall, no_load = stall_moment(motor, at, numbers), numbers[f"{at}.no_load_speed"]
+        return MotorCurve(stall, -stall / no_load, (), None, no_load)
+    if isinstance(motor, InductionCharacteristic):
+        kloss = kloss_constants(motor, at, numbers)
+        return MotorCurve(0.0, 0.0, (), kloss, kloss[-1])
+    scale, speed, moment = numbers[f"{at}.scale"], np.array(motor.speed), np.array(motor.moment)
+    slopes = np.diff(moment) / np.diff(speed)
+    bends = tuple((scale * change, knot) for change, knot in zip(np.diff(slopes), speed[1:-1], strict=True))
+    level = moment[0] - slopes[0] * speed[0]
+    return MotorCurve(scale * level, scale * slopes[0], bends, None, motor.no_load_speed)

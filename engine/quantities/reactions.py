@@ -7,7 +7,7 @@ import numpy as np
 
 from engine.cycle.measured import Measured, atan2
 from engine.mechanism.mechanics import Mechanics
-from engine.parts.actions import Brake, DCMotor, InductionMotor
+from engine.parts.actions import Brake, Motor
 from engine.quantities.expressions import (
     Angle,
     Expression,
@@ -89,7 +89,7 @@ def acting_fields(scene: Scene) -> list[Quantity]:
     for name in (*scene.forces, *scene.springs, *scene.cylinders):
         on = f" on point {scene.springs[name].between[1]}" if name in scene.springs else ""
         found += [Quantity(f"{name}.force_{axis}", f"{axis} component of the force {name}{on}", "N") for axis in "xy"]
-    driving = (Brake, DCMotor, InductionMotor)
+    driving = (Brake, Motor)
     acting = {name: moment.on for name, moment in scene.moments.items() if not isinstance(moment, driving)}
     return found + [Quantity(f"{n}.acting_moment", f"moment {n} on link {on}", "N m") for n, on in acting.items()]
 

@@ -5,7 +5,7 @@ import math
 from collections.abc import Iterable
 
 from engine.laws.tables import TableError, make_table
-from engine.parts.actions import Carried, DCMotor, InductionMotor, Tabled, TorsionSpring
+from engine.parts.actions import Carried, Motor, Tabled, TorsionSpring
 from engine.parts.regimes import OF_CRANK, OF_SLIDER, Regime, run_keys
 from engine.parts.skeleton import FRAME, CrankInput, SliderInput, Sliding, Yoke
 from engine.parts.wanted_motion import wrong_angles
@@ -235,7 +235,7 @@ def _wrong_inputs(scene: Scene) -> list[Problem]:
     alone = f"counts on one drive, and {own[0]!r} has its own, which gives what moment its law needs: leave this out, "
     alone += f"or let gears or cams move it, inputs.{own[0]}.drive = 'crank'"
     problems += [(f"{table}.{n}", alone) for table in ("regimes", "couplings") for n in getattr(scene, table)]
-    problems += [(f"moments.{n}", alone) for n, m in scene.moments.items() if isinstance(m, (DCMotor, InductionMotor))]
+    problems += [(f"moments.{n}", alone) for n, m in scene.moments.items() if isinstance(m, Motor)]
     problems += [("flywheel", alone)] if scene.flywheel is not None else []
     for name, element in scene.elements.items():
         if any(element.machine_needed()):
@@ -369,7 +369,7 @@ def _wrong_moments(scene: Scene) -> list[Problem]:
     driven = turning | _geared_to_input(scene)
     for name, moment in scene.moments.items():
         path = f"moments.{name}.on"
-        if isinstance(moment, (DCMotor, InductionMotor)) and moment.on not in driven:
+        if isinstance(moment, Motor) and moment.on not in driven:
             allowed = ", ".join(sorted(driven)) or "none, as the input slides"
             problems.append(
                 (path, f"a motor drives the crank or a shaft geared to it, not {moment.on!r}; allowed: {allowed}")
@@ -500,9 +500,9 @@ def _wrong_drives(scene: Scene) -> list[Problem]:
         if scene.friction or any(part.efficiency is not None for part in toothed.values()):
             lost = "friction in pairs and losses of teeth aren't counted on an elastic shaft; leave these or this out"
             problems.append((at, lost))
-        motors = {n for n, moment in scene.moments.items() if isinstance(moment, (DCMotor, InductionMotor))}
+        motors = {n for n, moment in scene.moments.items() if isinstance(moment, Motor)}
         if not motors:
-            problems.append((at, "no motor drives it: add one to [moments], of type 'dc_motor' or 'induction_motor'"))
+            problems.append((at, "no motor drives it: add one to [moments], such as type = 'dc_motor'"))
         elif not motors - off:
             problems.append((f"{at}.off", "every motor is off; leave one on"))
         geared = _geared_to_input(scene)
@@ -519,8 +519,8 @@ def _wrong_drives(scene: Scene) -> list[Problem]:
 
 # Moments that depend on nothing but the speed of the shaft that they are on.
 _BY_SPEED_ALONE = (
-    *("constant", "against_motion", "linear_drag", "quadratic_drag", "power_drag", "dc_motor", "induction_motor"),
-    *("block_brake", "disc_brake", "band_brake"),
+    *("constant", "against_motion", "linear_drag", "quadratic_drag", "power_drag"),
+    *("dc_motor", "induction_motor", "table_motor", "block_brake", "disc_brake", "band_brake"),
 )
 
 
@@ -553,7 +553,7 @@ def _wrong_couplings(scene: Scene) -> list[Problem]:
             for n, moment in on_shaft.items()
             if moment.type not in _BY_SPEED_ALONE
         ]
-        sides = {n in on_shaft for n, m in scene.moments.items() if isinstance(m, (DCMotor, InductionMotor))}
+        sides = {n in on_shaft for n, m in scene.moments.items() if isinstance(m, Motor)}
         if len(sides) == 2:
             problems.append((f"couplings.{name}", "motors are on both of its sides; put them on one"))
     return problems

@@ -46,10 +46,12 @@ class DrivenMachine(NamedTuple):
         Inertia [kg·m²], moments over ω⁰, ω¹, ω² and of power laws.
     node_inertia : ndarray (variants, steps + 1)
         At the ends of steps [kg·m²].
-    drives : ndarray (variants, 2 + 5 motors)
-        Characteristics of the motors.
+    drives : ndarray (rows, variants)
+        Characteristics of the motors, as in `engine.laws.motor_characteristics`.
     exponents : ndarray (variants, laws)
         Of the power laws.
+    bent : int
+        How many bends the characteristics have.
     """
 
     steps: np.ndarray
@@ -57,6 +59,7 @@ class DrivenMachine(NamedTuple):
     node_inertia: np.ndarray
     drives: np.ndarray
     exponents: np.ndarray
+    bent: int
 
 
 class ElasticCycle(NamedTuple):
@@ -105,7 +108,7 @@ def elastic_cycle(machine: DrivenMachine, given: np.ndarray, guess: np.ndarray) 
     states, nodes = guess.copy(), np.empty((variants, count + 1, STATE))
     monodromy, sums = np.empty((variants, STATE, STATE)), np.empty((variants, FOUND))
     parts = [given, machine.drives, machine.exponents, machine.steps, machine.places, states, nodes, monodromy, sums]
-    batch = CyclesToClose(*(np.require(part, requirements="C") for part in parts))
+    batch = CyclesToClose(*(np.require(part, requirements="C") for part in parts), machine.bent)
 
     def arguments() -> tuple:
         memory = np.empty((count, UNKNOWNS, COLUMNS)), np.empty((count, UNKNOWNS)), np.empty((2, UNKNOWNS, UNKNOWNS))

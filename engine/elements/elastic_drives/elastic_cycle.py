@@ -23,7 +23,7 @@ import numpy as np
 
 from engine.compiling.decorators import driver, routine
 from engine.laws.elementary import power
-from engine.laws.motor_characteristics import induction_motor, induction_motor_slope
+from engine.laws.motor_characteristics import BENDS, PER_BEND, motors_at
 
 # Of each variant: stiffness, damping, inertia of the motor.
 STIFFNESS, DAMPING, MOTOR_INERTIA = range(3)
@@ -47,8 +47,6 @@ _SETTLED = 1e-7
 _ROUNDED = 1e-13
 # In an iteration the energy at a place changes by no more than these factors.
 _LEAST, _MOST = 0.2, 5.0
-# Rows of a straight characteristic, then of each induction motor.
-_LINE, _PER_MOTOR = 2, 5
 
 
 def _gauss() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -61,18 +59,6 @@ def _gauss() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 POINTS, WEIGHTS, _MATRIX = _gauss()
-
-
-@routine
-def _motors(drive: np.ndarray, w: float) -> tuple[float, float]:
-    """Moment of the motors at a speed, and its derivative."""
-    moment, slope = drive[0] + drive[1] * w, drive[1]
-    for motor in range((drive.shape[0] - _LINE) // _PER_MOTOR):
-        k = _LINE + _PER_MOTOR * motor
-        ratio = drive[k + 4]
-        moment += ratio * induction_motor(drive[k], drive[k + 1], drive[k + 2], drive[k + 3], ratio * w)
-        slope += ratio * ratio * induction_motor_slope(drive[k], drive[k + 1], drive[k + 2], drive[k + 3], ratio * w)
-    return moment, slope
 
 
 @routine
@@ -90,7 +76,7 @@ def _loads(place: np.ndarray, exponents: np.ndarray, w: float) -> tuple[float, f
 @routine
 def _rates(
     own: np.ndarray,
-    drive: np.ndarray,
+    motors: tuple[np.ndarray, int, tuple[int, int]],
     exponents: np.ndarray,
     place: np.ndarray,
     state: np.ndarray,
@@ -101,7 +87,7 @@ def _rates(
     k, b, first = own[STIFFNESS], own[DAMPING], own[MOTOR_INERTIA]
     speed = math.sqrt(2.0 * state[ENERGY] / place[INERTIA])
     by_energy = 1.0 / (place[INERTIA] * speed)
-    motor, motor_slope = _motors(drive, state[MOTOR_SPEED])
+    motor, motor_slope = motors_at(*motors, state[MOTOR_SPEED])
     load, load_slope = _loads(place, exponents, speed)
     moment = state[ELASTIC] + b * (state[MOTOR_SPEED] - speed)
     rates[0] = k * (state[MOTOR_SPEED] - speed) / speed
@@ -150,8 +136,8 @@ class CyclesToClose(NamedTuple):
     ----------
     given : ndarray (drives, 3)
         STIFFNESS, DAMPING, MOTOR_INERTIA.
-    drives : ndarray (drives, 2 + 5 motors)
-        Characteristics of the motors, as in `engine.motion.moments.at_speed`.
+    drives : ndarray (rows, drives)
+        Characteristics of the motors, as in `engine.laws.motor_characteristics`.
     exponents : ndarray (drives, laws)
     steps : ndarray (drives, steps)
         [rad].
@@ -163,6 +149,8 @@ class CyclesToClose(NamedTuple):
         The motion at the ends of steps.
     monodromy : ndarray (drives, STATE, STATE)
     found : ndarray (drives, FOUND)
+    bent : int
+        How many bends the characteristics have.
     """
 
     given: np.ndarray
@@ -174,6 +162,7 @@ class CyclesToClose(NamedTuple):
     nodes: np.ndarray
     monodromy: np.ndarray
     found: np.ndarray
+    bent: int
 
 
 @driver
@@ -191,13 +180,13 @@ def close_cycles(
     room : ndarray (2, UNKNOWNS, UNKNOWNS)
         Memory.
     """
-    given, drives, exponents, steps, places, states, nodes, monodromy, found = batch
+    given, drives, exponents, steps, places, states, nodes, monodromy, found = batch[:9]
     matrix, small = room[0], room[1]
     rates, jacobian, turned = small[0], small[1:4], small[4:8]
     whole, moved, other = small[8:11], small[11], matrix[0]
-    count = steps.shape[1]
+    count, rows = steps.shape[1], (BENDS + PER_BEND * batch.bent, drives.shape[0])
     for i in range(begin, end):
-        own, drive, powers = given[i], drives[i], exponents[i]
+        own, motors, powers = given[i], (drives, i, rows), exponents[i]
         for n in range(count + 1):
             for c in range(STATE):
                 nodes[i, n, c] = 0.0
@@ -213,7 +202,7 @@ def close_cycles(
                 h, right = steps[i, n], maps[n]
                 for s in range(STAGES):
                     at = STATE * s
-                    _rates(own, drive, powers, places[i, n, s], states[i, n, s], rates, jacobian)
+                    _rates(own, motors, powers, places[i, n, s], states[i, n, s], rates, jacobian)
                     for r in range(STATE):
                         rest = rates[r] - slopes[n, at + r]
                         for c in range(STATE):
@@ -301,7 +290,7 @@ def close_cycles(
                 slip = state[MOTOR_SPEED] - speed
                 time = steps[i, n] * WEIGHTS[s] / speed
                 found[i, PERIOD] += time
-                found[i, MOTOR_WORK] += time * _motors(drive, state[MOTOR_SPEED])[0] * state[MOTOR_SPEED]
+                found[i, MOTOR_WORK] += time * motors_at(*motors, state[MOTOR_SPEED])[0] * state[MOTOR_SPEED]
                 found[i, LOAD_WORK] += time * _loads(place, powers, speed)[0] * speed
                 found[i, DAMPING_WORK] += time * given[i, DAMPING] * slip * slip
                 found[i, MOMENT_TIME] += time * (state[ELASTIC] + given[i, DAMPING] * slip)

@@ -28,6 +28,7 @@ from engine.elements.elastic_drives.elastic_cycle import (
 from engine.elements.elastic_drives.elastic_shaft import drive_shaft
 from engine.elements.elastic_drives.machine_drive import RESULTS, RUN_RESULTS, VERDICT_KEY, MachineDrive, machine_keys
 from engine.mechanism.mechanics import Mechanics
+from engine.motion.coupled.coupled_run import FINE, Precision
 from engine.motion.coupled.elastic_run import FINEST, ElasticRun, run_on_shaft, steps_on_shaft
 from engine.motion.coupled.two_sides import OnElasticShaft
 from engine.motion.moments.dynamics import Dynamics, Variants
@@ -129,7 +130,7 @@ class ElasticDrives:
         if not well.size:
             return
         part = ready.some(well)
-        fine, coarse = (self._run(name, part, steady[:, part.which], loose) for loose in (False, True))
+        fine, coarse = (self._run(name, part, steady[:, part.which], Precision(coarser=c)) for c in (False, True))
         rows, rough = (
             np.stack([run.greatest, run.greatest_at, run.state[1], run.state[3], run.state[2], run.stops, run.closings])
             for run in (fine, coarse)
@@ -179,7 +180,7 @@ class ElasticDrives:
         name: str,
         ready: "Ready",
         steady: np.ndarray,
-        loose: bool = False,
+        precision: Precision = FINE,
         record: bool = False,
         duration: np.ndarray | None = None,
     ) -> ElasticRun:
@@ -189,7 +190,7 @@ class ElasticDrives:
         duration = whole if duration is None else duration
         sides = self.runs[name].of(ready.bare, angle, ready.given.T, backlash)
         begin = steady if run.begin == "steady" else np.zeros_like(steady)
-        return run_on_shaft(sides, ready.frequency, begin, duration, loose, record)
+        return run_on_shaft(sides, ready.frequency, begin, duration, precision, record)
 
     def _ready(self, name: str, variants: Variants) -> "tuple[Ready, np.ndarray, np.ndarray]":
         """Those of some variants that have a steady motion with a rigid shaft; their steps, and verdicts on all."""
@@ -414,7 +415,6 @@ def _machine_over_cycle(ready: Ready, count: int) -> tuple[DrivenMachine, np.nda
     guess[..., ELASTIC], guess[..., MOTOR_SPEED] = rigid.moment[..., 1:-1], rigid.speed[..., 1:-1]
     guess[..., ENERGY] = 0.5 * places[..., INERTIA] * guess[..., MOTOR_SPEED] ** 2
     drive = ready.rigid.drive
-    machine = DrivenMachine(
-        np.ascontiguousarray(steps.T), places, rows.inertia[:: STAGES + 1].T, drive.rows.T, drive.exponents.T
-    )
+    nodes = rows.inertia[:: STAGES + 1].T
+    machine = DrivenMachine(np.ascontiguousarray(steps.T), places, nodes, drive.rows, drive.exponents.T, drive.bent)
     return machine, guess, rigid

@@ -1,31 +1,70 @@
 """The motors of a scene: their moment reduced to the input link."""
 
+from collections.abc import Callable
+
 import numpy as np
 
-from engine.laws.motor_characteristics import dc_motor, induction_motor
-from engine.parts.actions import DCMotor, InductionMotor
-from engine.parts.motor_constants import kloss_constants, stall_moment
+from engine.graph.nodes import Node
+from engine.laws.loads import sized
+from engine.laws.motor_characteristics import bend_of, induction_motor
+from engine.mechanism.kinematics import Kinematics
+from engine.parts.actions import InductionCharacteristic, Motor
+from engine.parts.motor_constants import MotorCurve, bends_of, motor_curve
 from engine.scene.scene import Numbers, Scene
+
+_by_kloss = np.vectorize(induction_motor, otypes=[float])
 
 
 def motor_moment(scene: Scene, motors: tuple[str, ...], numbers: Numbers) -> float | np.ndarray:
     """Moment of the motors at the input's speed, reduced to the input link [N·m], for every variant."""
     total: float | np.ndarray = 0.0
     for name in motors:
-        motor, at = scene.moments[name], f"moments.{name}"
+        motor = scene.moments[name]
         ratio = motor_ratio(scene, motor, numbers)
         # A motor drives its shaft the way it is meant to turn.
-        speed = np.abs(numbers["input.speed"] * ratio)
-        if isinstance(motor, DCMotor):
-            law = np.vectorize(dc_motor, otypes=[float])
-            moment = law(stall_moment(motor, at, numbers), numbers[f"{at}.no_load_speed"], speed)
-        else:
-            law = np.vectorize(induction_motor, otypes=[float])
-            moment = law(*kloss_constants(motor, at, numbers), speed)
+        speed, curve = np.abs(numbers["input.speed"] * ratio), motor_curve(motor, f"moments.{name}", numbers)
+        moment = curve.level + curve.slope * speed
+        moment = moment + sum(bend * np.maximum(speed - at, 0.0) for bend, at in curve.bends)
+        moment = moment if curve.kloss is None else moment + _by_kloss(*curve.kloss, speed)
         total = total + moment * np.abs(ratio) * np.sign(numbers["input.speed"])
     return total
 
 
-def motor_ratio(scene: Scene, motor: DCMotor | InductionMotor, numbers: Numbers) -> float | np.ndarray:
+def motor_at_speed(kinematics: Kinematics, name: str, on: Node, facing: Node, speed: Node) -> Node:
+    """Moment of a motor at the speed of a state, reduced to the input, in the direction of motion [N·m].
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+    name : str
+        Of a motor of the scene.
+    on : Node
+        1 where it acts, 0 where it is off.
+    facing : Node
+        +1 or −1: the way of the motion. The motor drives the way that it is meant to turn.
+    speed : Node
+        In the direction of motion [rad/s].
+    """
+    graph, scene, path = kinematics.graph, kinematics.scene, f"moments.{name}"
+    motor = scene.moments[name]
+
+    def number(label: str, pick: Callable[[MotorCurve], float | np.ndarray]) -> Node:
+        return graph.derived(f"{label} of {path}", lambda n: pick(motor_curve(motor, path, n)))
+
+    ratio = facing * graph.derived(f"ratio of {path}", lambda n: np.abs(motor_ratio(scene, motor, n)))
+    turns = ratio * speed
+    if isinstance(motor, InductionCharacteristic):
+        constants = (number(f"constant {i}", lambda curve, i=i: curve.kloss[i]) for i in range(4))
+        moment = graph.apply(induction_motor, *constants, turns)
+    else:
+        moment = number("stall moment", lambda curve: curve.level) + number("slope", lambda curve: curve.slope) * turns
+    for i in range(bends_of(motor)):
+        bend = number(f"bend {i}", lambda curve, i=i: curve.bends[i][0])
+        knot = number(f"speed of bend {i}", lambda curve, i=i: curve.bends[i][1])
+        moment = moment + bend * graph.apply(bend_of, turns - knot)
+    return ratio * graph.apply(sized, on, moment)
+
+
+def motor_ratio(scene: Scene, motor: Motor, numbers: Numbers) -> float | np.ndarray:
     """Speed of a motor over that of the input link, with its sign."""
     return 1.0 if motor.on == scene.input.link else numbers[f"shafts.{motor.on}.ratio"]

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.motion.coupled.coupled_run import CoupledEnds, CoupledRuns
+from engine.motion.coupled.coupled_run import CoupledEnds, CoupledRuns, Precision
 from engine.motion.coupled.two_sides import CoupledSides, TwoSides, coupling_numbers
 from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, SHAFT_TURNED, TURNED
 from engine.motion.moments.at_speed import greatest_moment
@@ -85,11 +85,11 @@ def run_coupled(
     clock: np.ndarray,
     engaged: np.ndarray,
     ends: CoupledEnds,
-    loose: bool = False,
+    precision: Precision,
     record: bool = False,
 ) -> CoupledOutcome:
     """Carry runs to their end; parameters are those of `CoupledRuns`."""
-    runs = CoupledRuns(sides, speeds, clock, engaged, ends, loose, record)
+    runs = CoupledRuns(sides, speeds, clock, engaged, ends, precision, record)
     started, begun = _energy(sides, runs.state, np.zeros_like(clock), clock)
     runs.go_to_end()
     state, ratio = runs.state, sides.coupling.ratio

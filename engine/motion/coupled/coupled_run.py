@@ -50,6 +50,24 @@ ABOVE, BELOW, CRANK_RESTS, SHAFT_RESTS, LOCKS_UP, ASTRAY, BREAKS_LOOSE, SETS_OFF
 )
 
 
+class Precision(NamedTuple):
+    """How exactly runs are followed.
+
+    Attributes
+    ----------
+    tolerance : float
+        What a step may miss, as a share.
+    coarser : bool
+        Whether steps are nearly twice as long and looked at half as often, for comparison.
+    """
+
+    tolerance: float = TOLERANCE
+    coarser: bool = False
+
+
+FINE = Precision()
+
+
 class CoupledEnds(NamedTuple):
     """Where runs end, (variants,): angle turned [rad], time [s], speed of the crank [rad/s]; infinite for never.
 
@@ -82,8 +100,7 @@ class CoupledRuns:
     clock, engaged : ndarray (variants,)
         Time at the begin, and since the coupling is engaged [s].
     ends : CoupledEnds
-    loose : bool
-        Whether steps may miss more, for comparison.
+    precision : Precision
     record : bool
         Whether to keep the history (of a single variant).
 
@@ -123,13 +140,14 @@ class CoupledRuns:
         clock: np.ndarray,
         engaged: np.ndarray,
         ends: CoupledEnds,
-        loose: bool = False,
+        precision: Precision = FINE,
         record: bool = False,
     ) -> None:
         self.sides, self.ends, count = sides, ends, sides.count
         self.cycle = sides.crank.dynamics.cycle
-        # For comparison, steps of nearly twice the length.
-        self.tolerance, self.farthest = TOLERANCE * (2.0**6 if loose else 1.0), FARTHEST_TURN * (2.0 if loose else 1.0)
+        longer = 2 if precision.coarser else 1
+        self.looks = slice(None, None, longer)
+        self.tolerance, self.farthest = precision.tolerance * longer**6, FARTHEST_TURN * longer
         self.state = np.zeros((len(sides.two.system.rates), count))
         self.state[CRANK_SPEED], self.state[SHAFT_SPEED] = speeds
         self.time, zero = np.zeros(count), np.zeros(count)
@@ -391,10 +409,11 @@ class CoupledRuns:
         made, shown = gone.steps.astype(int), SHOWN.size
         step, column = np.nonzero(np.arange(made.max())[:, None] < made)
         at, length, _, *rows = gone.recorded[step, :, column].T
-        moving = np.stack([AT_LOOKS @ np.array(rows[i * (shown + 1) : i * (shown + 1) + shown]) for i in range(4)])
+        looks, at_looks = LOOKS[self.looks, None], AT_LOOKS[self.looks]
+        moving = np.stack([at_looks @ np.array(rows[i * (shown + 1) : i * (shown + 1) + shown]) for i in range(4)])
         seen, faced = joined.some(column), np.array(faced_ways(joined))[:, column]
         moving[[CRANK_SPEED, SHAFT_SPEED]] *= faced[:, None]
-        time = before[column] + at + LOOKS[:, None] * length
+        time = before[column] + at + looks * length
         mine = who[column]
         for row, speeds in enumerate((moving[CRANK_SPEED], moving[SHAFT_SPEED])):
             np.fmin.at(self.lows[row], mine, -highest(-speeds)[0])

@@ -11,7 +11,7 @@ import numpy as np
 
 from engine.compiling.running import mean_of_rows
 from engine.motion.coupled.coupled_answers import CoupledOutcome, run_coupled
-from engine.motion.coupled.coupled_run import CoupledEnds
+from engine.motion.coupled.coupled_run import CoupledEnds, Precision
 from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.settled.steady import no_load_speed
 from engine.verdicts import Verdict
@@ -49,15 +49,14 @@ class CoupledSteady(NamedTuple):
     residual: np.ndarray
 
 
-def settled_at_two_speeds(sides: CoupledSides, loose: bool) -> CoupledSteady:
+def settled_at_two_speeds(sides: CoupledSides, precision: Precision) -> CoupledSteady:
     """Find the steady motion of machines with a fluid coupling.
 
     Parameters
     ----------
     sides : CoupledSides
         From φ = 0 on.
-    loose : bool
-        Whether steps may miss more, for comparison.
+    precision : Precision
     """
     count = sides.count
     # A cycle from the speeds themselves, and from either of them a little higher and lower.
@@ -73,7 +72,7 @@ def settled_at_two_speeds(sides: CoupledSides, loose: bool) -> CoupledSteady:
             break
         who = (pending + count * np.arange(ways)[:, None]).ravel()
         start = (begun[:, :, None] * x[:, None, pending]).reshape(2, -1)
-        gone = one_cycle(every.some(who), start, loose)
+        gone = one_cycle(every.some(who), start, precision)
         after = np.array([gone.omega, gone.shaft_omega]).reshape(2, ways, -1)
         went = (gone.verdict == Verdict.OK).reshape(ways, -1)
         here = x[:, pending]
@@ -99,7 +98,7 @@ def settled_at_two_speeds(sides: CoupledSides, loose: bool) -> CoupledSteady:
     return CoupledSteady(verdict, x, multiplier, residual)
 
 
-def one_cycle(sides: CoupledSides, speeds: np.ndarray, loose: bool, record: bool = False) -> CoupledOutcome:
+def one_cycle(sides: CoupledSides, speeds: np.ndarray, precision: Precision, record: bool = False) -> CoupledOutcome:
     """A cycle of the crank from φ = 0 on.
 
     Parameters
@@ -107,13 +106,13 @@ def one_cycle(sides: CoupledSides, speeds: np.ndarray, loose: bool, record: bool
     sides : CoupledSides
     speeds : ndarray (2, variants)
         Of the crank and of the shaft at its begin, reduced to the crank [rad/s].
-    loose, record
+    precision, record
         As of `run_coupled`.
     """
     zero, never = np.zeros(sides.count), np.full(sides.count, np.inf)
     cycle = np.full(sides.count, sides.crank.dynamics.cycle)
     ends = CoupledEnds(cycle, never, never, False, False, never)
-    return run_coupled(sides, (speeds[0], speeds[1]), zero, zero, ends, loose, record)
+    return run_coupled(sides, (speeds[0], speeds[1]), zero, zero, ends, precision, record)
 
 
 def _newton(slopes: np.ndarray, off: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.motion.coupled.coupled_run import CoupledEnds, CoupledRuns
+from engine.motion.coupled.coupled_run import FINE, CoupledEnds, CoupledRuns, Precision
 from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, SHAFT_TURNED, TURNED
 from engine.verdicts import Verdict
@@ -63,7 +63,7 @@ def run_on_shaft(
     frequency: np.ndarray,
     begin: np.ndarray,
     duration: np.ndarray,
-    loose: bool = False,
+    precision: Precision = FINE,
     record: bool = False,
 ) -> ElasticRun:
     """Follow machines on their shafts.
@@ -78,15 +78,14 @@ def run_on_shaft(
         State at the begin, the twist without backlash; a shaft that begins at rest has to close all of it.
     duration : ndarray (variants,)
         [s].
-    loose : bool
-        Whether steps may miss more, for comparison.
+    precision : Precision
     record : bool
         Whether to keep the history of the first variant.
     """
     twist, motor, turned, machine = begin
     backlash, never, zero = sides.coupling.backlash, np.full_like(duration, np.inf), np.zeros_like(duration)
     ends = CoupledEnds(never, duration, never, False, False, never)
-    runs = CoupledRuns(sides, (machine, motor), zero, zero, ends, loose, record)
+    runs = CoupledRuns(sides, (machine, motor), zero, zero, ends, precision, record)
     at_rest = (twist == 0.0) & (motor == 0.0) & (machine == 0.0)
     touch = np.where(backlash > 0.0, np.where(at_rest, 0.0, np.where(twist < 0.0, -1.0, 1.0)), 1.0)
     runs.joined.touch[:] = touch

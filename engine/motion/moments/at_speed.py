@@ -17,11 +17,8 @@ from engine.compiling.running import prepare, spread
 from engine.compiling.widths import LANES
 from engine.cycle.panels.lanes import rows
 from engine.laws.elementary import power
-from engine.laws.motor_characteristics import induction_motor, induction_motor_slope
+from engine.laws.motor_characteristics import BENDS, PER_BEND, PER_MOTOR, motors_at
 
-# Rows of a block's drive: the motors with a straight characteristic together, then constants of each induction motor.
-LEVEL, FALL, KLOSS = range(3)
-PER_MOTOR = 5
 # Rows of loads in a block: over ω⁰, ω¹ and ω².
 POLYNOMIAL = 3
 
@@ -35,30 +32,42 @@ class Drive(NamedTuple):
 
     Attributes
     ----------
-    rows : ndarray (2 + 5 motors, variants)
-        Moment of the motors with a straight characteristic, reduced, rows[0] + rows[1]·ω; then of each induction motor
-        breakdown moment, breakdown slip, rotor ratio, synchronous speed, and speed ratio to the crank.
+    rows : ndarray (2 + 2 bends + 5 induction motors, variants)
+        Moment of the motors with a straight characteristic, reduced, rows[0] + rows[1]·ω; by how much it bends, and at
+        which speed; then of each induction motor breakdown moment, breakdown slip, rotor ratio, synchronous speed, and
+        speed ratio to the crank.
     exponents : ndarray (laws, variants)
         Powers of ω of the power laws.
+    no_load_speeds : ndarray (motors, variants)
+        Of every motor, reduced to the crank [rad/s].
+    bent : int
+        How many bends there are.
     """
 
     rows: np.ndarray
     exponents: np.ndarray
+    no_load_speeds: np.ndarray
+    bent: int
 
     @property
     def line(self) -> np.ndarray:
         """Of the straight characteristic, (2, variants)."""
-        return self.rows[:KLOSS]
+        return self.rows[:BENDS]
+
+    @property
+    def bends(self) -> np.ndarray:
+        """By how much it bends and at which speeds, (bends, 2, variants)."""
+        return self.rows[BENDS:][: PER_BEND * self.bent].reshape(self.bent, PER_BEND, self.rows.shape[1])
 
     @property
     def kloss(self) -> np.ndarray:
         """Constants of the induction motors, (motors, 5, variants)."""
-        motors = (self.rows.shape[0] - KLOSS) // PER_MOTOR
-        return self.rows[KLOSS:].reshape(motors, PER_MOTOR, self.rows.shape[1])
+        rows = self.rows[BENDS + PER_BEND * self.bent :]
+        return rows.reshape(len(rows) // PER_MOTOR, PER_MOTOR, self.rows.shape[1])
 
     def some(self, chosen: np.ndarray) -> "Drive":
         """Of some of the variants, by index."""
-        return Drive(*(np.ascontiguousarray(part[..., chosen]) for part in self))
+        return Drive(*(np.ascontiguousarray(part[..., chosen]) for part in self[:3]), self.bent)
 
 
 class Moments(NamedTuple):
@@ -94,7 +103,8 @@ def moments_at(
     found = np.empty((2 + loads.shape[0], *omega.shape))
     if omega.size:
         parts = (drive.rows, drive.exponents, channel_of, loads, powers, omega)
-        given = AtSpeed(*(part if part.flags.carray else np.array(part, order="C") for part in parts), found)
+        arrays = (part if part.flags.carray else np.array(part, order="C") for part in parts)
+        given = AtSpeed(*arrays, found, drive.bent)
         count = len(drive.rows) + len(drive.exponents) + POLYNOMIAL + 1 + len(found)
 
         def arguments() -> tuple:
@@ -107,7 +117,7 @@ def moments_at(
 
 
 class AtSpeed(NamedTuple):
-    """Arguments of `moments_at`, and what is found: moments of the motors, ∂M/∂ω, moments of each channel."""
+    """Arguments of `moments_at`; what is found: moments of the motors, ∂M/∂ω, of each channel; how many bends."""
 
     drives: np.ndarray
     exponents: np.ndarray
@@ -116,6 +126,7 @@ class AtSpeed(NamedTuple):
     powers: np.ndarray
     omega: np.ndarray
     found: np.ndarray
+    bent: int
 
 
 @driver
@@ -126,7 +137,8 @@ def moments_of_blocks(begin: int, end: int, given: AtSpeed, room: np.ndarray) ->
     drive, exponents = in_lanes(room), in_lanes(room[drives.shape[0] :])
     after = room[drives.shape[0] + given.exponents.shape[0] :]
     place, speeds, moments = in_lanes(after), in_lanes(after[POLYNOMIAL:]), in_lanes(after[POLYNOMIAL + 1 :])
-    motors, speed, of_motors, slope = (drives.shape[0] - KLOSS) // PER_MOTOR, speeds[0], moments[0], moments[1]
+    speed, of_motors, slope = speeds[0], moments[0], moments[1]
+    rows = BENDS + PER_BEND * given.bent, drives.shape[0]
     for b in range(begin, end):
         first = b * LANES
         gather(drives, first, drive)
@@ -135,20 +147,7 @@ def moments_of_blocks(begin: int, end: int, given: AtSpeed, room: np.ndarray) ->
             at = j if loads.shape[2] > 1 else 0
             gather(omega[j : j + 1], first, speeds)
             for lane in range(LANES):
-                of_motors[lane] = drive[LEVEL, lane] + drive[FALL, lane] * speed[lane]
-                slope[lane] = drive[FALL, lane]
-            for motor in range(motors):
-                k = KLOSS + PER_MOTOR * motor
-                for lane in range(LANES):
-                    a, b, c, d, ratio = (
-                        drive[k, lane],
-                        drive[k + 1, lane],
-                        drive[k + 2, lane],
-                        drive[k + 3, lane],
-                        drive[k + 4, lane],
-                    )
-                    of_motors[lane] += ratio * induction_motor(a, b, c, d, ratio * speed[lane])
-                    slope[lane] += (ratio * ratio) * induction_motor_slope(a, b, c, d, ratio * speed[lane])
+                of_motors[lane], slope[lane] = motors_at(drive, lane, rows, speed[lane])
             for channel in range(loads.shape[0]):
                 gather(loads[channel, :, at], first, place)
                 for lane in range(LANES):
@@ -178,6 +177,7 @@ def greatest_moment(drive: Drive, low: np.ndarray, high: np.ndarray) -> np.ndarr
     several = len(drive.kloss) + drive.line.any() > 1
     share = np.linspace(0.0, 1.0, SPEEDS_BETWEEN if several else 2)[:, None]
     speeds = [low + share * (high - low)]
+    speeds += [np.clip(at, low, high)[None] for _, at in drive.bends]
     for _, slip, _, synchronous, ratio in drive.kloss:
         # Motor and generator are strongest at the breakdown slip.
         speeds += [np.clip(synchronous / ratio * (1.0 + way * slip), low, high)[None] for way in (-1.0, 1.0)]

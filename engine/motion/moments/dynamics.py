@@ -22,8 +22,8 @@ from engine.motion.moments.grid import Grid, make_grid
 from engine.motion.moments.landmarks import Landmarks
 from engine.motion.moments.tabulation import Ends, Sums, Tabulation
 from engine.motion.system import AT_REST, CHANNELS, POLYNOMIAL_ORDERS, PrintedSystem, Sizes, along_angle, along_time
-from engine.parts.actions import Brake, DCMotor
-from engine.parts.motor_constants import kloss_constants, stall_moment
+from engine.parts.actions import Brake
+from engine.parts.motor_constants import motor_curve
 from engine.scene.load_formulas import load_formulas
 from engine.scene.pairs import contact_pairs, lossy_meshes, pairs
 from engine.scene.scene import Numbers
@@ -388,19 +388,23 @@ class Dynamics:
         return found
 
     def _drive(self, numbers: Numbers, count: int) -> Drive:
-        scene, line, kloss = self.reduction.mechanics.scene, np.zeros((2, count)), []
+        scene, line, bends, kloss, idle = self.reduction.mechanics.scene, np.zeros((2, count)), [], [], []
+
+        def of_all(*values: float | np.ndarray) -> list[np.ndarray]:
+            return [np.broadcast_to(value, count) for value in values]
+
         for name in self.motors:
-            motor, at = scene.moments[name], f"moments.{name}"
-            ratio = np.abs(motor_ratio(scene, motor, numbers))
-            if isinstance(motor, DCMotor):
-                stall = stall_moment(motor, at, numbers)
-                line[0] += ratio * stall
-                line[1] -= ratio * ratio * stall / numbers[f"{at}.no_load_speed"]
-            else:
-                constants = (*kloss_constants(motor, at, numbers), ratio)
-                kloss.append(np.array([np.broadcast_to(c, count) for c in constants]))
+            motor = scene.moments[name]
+            curve, ratio = motor_curve(motor, f"moments.{name}", numbers), np.abs(motor_ratio(scene, motor, numbers))
+            line[0] += ratio * curve.level
+            line[1] += ratio * ratio * curve.slope
+            for bend, at in curve.bends:
+                bends += of_all(ratio * ratio * bend, at / ratio)
+            kloss += [] if curve.kloss is None else of_all(*curve.kloss, ratio)
+            idle += of_all(curve.no_load_speed / ratio)
         exponents = [np.broadcast_to(numbers[n] if isinstance(n, str) else n, count) for _, _, n in self.laws]
-        return Drive(np.concatenate((line, *kloss)), np.array(exponents).reshape(len(exponents), count))
+        laws, speeds = (np.array(rows).reshape(len(rows), count) for rows in (exponents, idle))
+        return Drive(np.array([*line, *bends, *kloss]), laws, speeds, len(bends) // 2)
 
     def grid(self, variants: Variants, start: np.ndarray, length: float | np.ndarray, steps: int) -> Grid:
         """Grid from a start angle, with a node at every break."""

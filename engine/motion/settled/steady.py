@@ -248,8 +248,5 @@ def _joined(whole: Walks, who: np.ndarray, gone: Walks) -> Walks:
 def no_load_speed(variants: Variants) -> tuple[np.ndarray, np.ndarray]:
     """Speed beyond which no motor drives, and whether there is a motor at all; else the scene's own speed."""
     drive, own = variants.drive, np.abs(np.broadcast_to(variants.numbers["input.speed"], (variants.count,)))
-    with np.errstate(all="ignore"):
-        speeds = [np.where(drive.line[1] < 0.0, -drive.line[0] / drive.line[1], 0.0)]
-    speeds += [constants[3] / constants[4] for constants in drive.kloss]
-    top = np.max(speeds, axis=0)
+    top = np.max(drive.no_load_speeds, axis=0, initial=0.0)
     return np.where(top > 0.0, top, own), top > 0.0

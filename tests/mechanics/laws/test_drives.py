@@ -1,5 +1,6 @@
 """Motors against the equivalent circuit, mpmath's solution of the nameplate equations and energy."""
 
+import itertools
 import math
 
 import mpmath
@@ -8,16 +9,19 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
+from pydantic import TypeAdapter, ValidationError
 
 from engine.laws.motor_characteristics import (
-    dc_motor,
     dc_motor_from_nameplate,
     induction_motor,
     induction_motor_curvature,
     induction_motor_slope,
     kloss_from_nameplate,
+    motors_at,
     nameplate_trouble,
 )
+from engine.parts.actions import MomentAction
+from engine.parts.motor_constants import motor_curve
 
 EPS = np.finfo(float).eps
 SYNCHRONOUS = 157.07963267948966
@@ -108,12 +112,53 @@ def test_kloss_between_its_poles__is_nan_not_a_driving_generator():
     assert torque[3] < 0.0
 
 
+def torque_of(motor: dict, speed: float) -> float:
+    made = TypeAdapter(MomentAction).validate_python({"on": "crank"} | motor)
+    numbers = {f"m.{key}": value for key, value in made.model_dump().items()}
+    level, slope, bends, _, _ = motor_curve(made, "m", numbers)
+    rows = np.array([[level, slope, *itertools.chain(*bends)]]).T
+    return motors_at.py_func(rows, 0, (len(rows), len(rows)), speed)[0]
+
+
 def test_dc_motor__does_the_power_of_its_line():
     # M = M0 (1 - w/w0) has its greatest power M0 w0/4 at half speed; halves and quarters are exact.
-    assert dc_motor(8.0, 64.0, 32.0) * 32.0 == 8.0 * 64.0 / 4
-    assert dc_motor(8.0, 64.0, 0.0) == 8.0
-    assert dc_motor(8.0, 64.0, 64.0) == 0.0
-    assert dc_motor(8.0, 64.0, 80.0) == -2.0
+    motor = {"type": "dc_motor", "stall_moment": 8.0, "no_load_speed": 64.0}
+    assert torque_of(motor, 32.0) * 32.0 == 8.0 * 64.0 / 4
+    assert [torque_of(motor, speed) for speed in (0.0, 64.0, 80.0)] == [8.0, 0.0, -2.0]
+
+
+def test_motor_by_a_table__goes_through_its_rows_and_on():
+    motor = {"type": "table_motor", "speed": [0, 8, 16, 24], "moment": [10, 6, 12, 0], "scale": 2.0}
+    speeds = np.array([-8.0, 0.0, 4.0, 8.0, 12.0, 16.0, 20.0, 24.0, 32.0])
+    # Straight lines, the outermost going on; halves and quarters are exact.
+    expected = [28.0, 20.0, 16.0, 12.0, 18.0, 24.0, 12.0, 0.0, -24.0]
+    assert [torque_of(motor, speed) for speed in speeds] == expected
+
+
+@pytest.mark.parametrize(
+    ("moment", "no_load"),
+    [([10, 12, 6], 6.0), ([10, 12, -4], 3.5), ([10, 0, -1], 2.0), ([10, 0, 0], 2.0), ([-1, 4, -12], 2.5)],
+)
+def test_motor_by_a_table__does_not_drive_above_its_no_load_speed(moment, no_load):
+    motor = {"type": "table_motor", "on": "crank", "speed": [0, 2, 4], "moment": moment}
+    assert TypeAdapter(MomentAction).validate_python(motor).no_load_speed == no_load
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"moment": [1, 2, 2]}, "the last rows must fall"),
+        ({"moment": [1, -2, -1]}, "the last rows must fall"),
+        ({"moment": [0, -2, -3]}, "no row is above 0"),
+        ({"speed": [0, 2, 2]}, "every row must lie above the one before"),
+        ({"speed": [0, 2]}, "one moment for every speed"),
+        ({"scale": 0.0}, "greater than 0"),
+    ],
+)
+def test_motor_by_a_table_that_is_none__is_refused(change, message):
+    motor = {"type": "table_motor", "on": "crank", "speed": [0, 2, 4], "moment": [3, 4, 0]} | change
+    with pytest.raises(ValidationError, match=message):
+        TypeAdapter(MomentAction).validate_python(motor)
 
 
 @settings(deadline=None, max_examples=60)
@@ -122,7 +167,7 @@ def test_dc_nameplate__runs_through_the_rated_point(power, rated, droop, turn):
     no_load = rated / (1.0 - droop)
     stall = dc_motor_from_nameplate(power, turn * rated, turn * no_load)
     # The same difference of speeds enters both ways; ten roundings remain.
-    assert_allclose(dc_motor(float(stall), turn * no_load, turn * rated) * turn * rated, power, rtol=10 * EPS)
+    assert_allclose(float(stall) * (no_load - rated) / no_load * turn * rated, power, rtol=10 * EPS)
 
 
 def test_dc_nameplate__is_nan_where_it_is_no_motor():
@@ -238,5 +283,5 @@ def test_nameplates__broadcast_over_variants():
 
 
 def test_unknown_speed__gives_nan():
-    assert math.isnan(dc_motor(1.0, 1.0, math.nan))
+    assert math.isnan(motors_at.py_func(np.array([[1.0, -1.0, 0.5, 1.0]]).T, 0, (4, 4), math.nan)[0])
     assert math.isnan(induction_motor(1.0, 0.2, 0.5, 1.0, math.nan))

@@ -1,0 +1,108 @@
+"""Motors by a table of their torque over their speed: in every regime, against formulas, closed forms and phases."""
+
+import math
+
+import machines
+import numpy as np
+import pytest
+from element_samples import asked
+from motion_scenes import INERTIA, RATIO, ask, rotor, run, slider_crank, steady
+from scipy.integrate import quad, solve_ivp
+
+# Rises to a hump, falls through zero, and brakes on the line of its last rows.
+SPEED, MOMENT = [0.0, 20.0, 60.0, 90.0, 100.0], [8.0, 6.0, 12.0, 7.5, 0.0]
+TABLE = {"type": "table_motor", "speed": SPEED, "moment": MOMENT}
+# The same on the crank, in steps of its slope.
+SLOPES = (np.diff(MOMENT) / np.diff(SPEED)).tolist()
+FORMULA = f"{RATIO} * (8 N m + ({SLOPES[0]!r} N m s) * {RATIO} * omega"
+for change, knot in zip(np.diff(SLOPES).tolist(), SPEED[1:-1], strict=True):
+    FORMULA += f" + ({change!r} N m s) * max({RATIO} * omega - {knot} rad/s, 0 rad/s)"
+FORMULA += ")"
+
+
+def torque(speed: float) -> float:
+    """By hand, the last line going on."""
+    return float(np.interp(speed, SPEED, MOMENT)) + min(100.0 - speed, 0.0) * 0.75
+
+
+def driven(scene: dict, on: str = "motor_shaft", formula: bool = False) -> dict:
+    """A sample machine with the motor by the table, or with the formula of it on the crank."""
+    by_formula = {"type": "formula", "on": "crank", "role": "driving", "moment": FORMULA}
+    scene["moments"]["dc"] = by_formula if formula else TABLE | {"on": on}
+    return scene
+
+
+REGIMES = {"start": run("dc rub cut", from_speed=1.0, cycles=3.0), "work": steady("dc rub oil cut")}
+ASKED = "start.time start.final_speed start.speed_min start.driving_work start.motor_work "
+ASKED += "work.mean_speed work.speed_min work.speed_max work.multiplier"
+
+
+def test_regimes_under_a_table__are_those_under_its_formula():
+    table, formula = (ask(driven(slider_crank(REGIMES), formula=f), ASKED) for f in (False, True))
+    for name in ASKED.split():
+        # What the formula does is no motor's work, though that of a driving moment.
+        if name in ("start.driving_work", "start.motor_work"):
+            continue
+        room = table.figure(name) + formula.figure(name) + 1e-13 * abs(formula[name])
+        assert abs(table[name] - formula[name]) <= room, name
+        assert table.figure(name) <= 1e-5 * abs(table[name])
+    room = table.figure("start.motor_work") + formula.figure("start.driving_work")
+    assert abs(table["start.motor_work"] - formula["start.driving_work"]) <= room
+
+
+def test_start_of_a_rotor__takes_the_integral_of_its_acceleration():
+    found = ask(driven(rotor({"start": run("dc", speed=13.0)})), "start.time start.angle start.motor_moment_peak")
+    knots = [knot / RATIO for knot in SPEED if knot < 13.0 * RATIO]
+    pieces = zip(knots, [*knots[1:], 13.0], strict=True)
+    time = sum(quad(lambda w: INERTIA / (RATIO * torque(RATIO * w)), *piece, epsrel=1e-12)[0] for piece in pieces)
+    assert abs(found["start.time"] - time) <= found.figure("start.time") + 1e-12 * time
+    # At the hump, reduced to the crank: more than at both ends.
+    assert found["start.motor_moment_peak"] == pytest.approx(RATIO * 12.0, rel=1e-12)
+
+
+def test_torque_at_the_speed_of_the_scene__is_that_of_the_table():
+    for speed in (1.0, 7.0, 14.0):
+        found = ask(driven(rotor({}, speed)), "motor_moment")
+        induction = ask({**rotor({}, speed), "moments": {"dc": rotor({})["moments"]["induction"]}}, "motor_moment")
+        both = RATIO * torque(RATIO * speed) + induction["motor_moment"]
+        assert found["motor_moment"] == pytest.approx(both, rel=1e-13)
+
+
+def test_start_through_a_clutch__goes_as_a_general_integrator_does():
+    own, capacity, load = 0.004, 1.5, 0.4
+    scene = driven(rotor({"start": run("dc rub", from_speed=0.0, from_shaft_speed=80.0, time=0.4)}))
+    scene["shafts"]["motor_shaft"]["inertia"] = own
+    scene["couplings"] = {"clutch": {"type": "friction_clutch", "shaft": "motor_shaft", "capacity": capacity}}
+    found = ask(scene, "start.final_speed start.motor_shaft_final_speed start.clutch_heat")
+
+    def rates(_: float, y: np.ndarray) -> list[float]:
+        return [(RATIO * capacity - load) / INERTIA, (torque(y[1]) - capacity) / own]
+
+    gone = solve_ivp(rates, (0.0, 0.4), [0.0, 80.0], method="DOP853", rtol=1e-12, atol=1e-12, max_step=1e-3)
+    # Bends cost the general integrator some of its digits.
+    for name, value in zip(("final_speed", "motor_shaft_final_speed"), gone.y[:, -1], strict=True):
+        assert abs(found[f"start.{name}"] - value) <= found.figure(f"start.{name}") + 1e-9 * value
+
+
+def test_start_on_an_elastic_shaft__is_that_of_two_masses():
+    shaft = {"stiffness": 400.0, "damping": 0.4}
+    table = {"speed": [0.0, 2.0, 5.0, 20.0], "moment": [80.0, 60.0, 140.0, 0.0]}
+    two = {"type": "two_mass_drive", "motor_inertia": 0.2, "load_inertia": INERTIA, "time": 0.3, **shaft}
+    names = ("greatest_moment", "greatest_moment_at", "motor_speed", "load_speed")
+    values, phases = asked({"two": two | {"motor": {"type": "table"} | table}}, *(f"two.{name}" for name in names))
+    expected, room = [value[0] for value in values], [phases.errors[f"two.{name}"][0] for name in names]
+    scene = machines.slider_crank(0.05, 0.2, 12.0, "drive") | {"moments": {"m": {"type": "table_motor", **table}}}
+    scene["moments"]["m"]["on"] = "crank"
+    scene["bodies"] = {"wheel": {"link": "crank", "mass": 0.0, "x": 0.0, "inertia": INERTIA}}
+    # Steady motion, whose results go with those of the run, needs a load.
+    scene["moments"]["load"] = {"type": "linear_drag", "on": "crank", "coefficient": 1.0}
+    start = {"begin": "at rest", "time": 0.3, "off": ["load"]}
+    scene["elements"] = {"d": {"type": "machine_drive", "motor_inertia": 0.2, **shaft, "run": start}}
+    keys = ["d.run_greatest_moment", "d.run_greatest_at", "d.run_motor_speed", "d.run_machine_speed", "d.mean_speed"]
+    found = ask(scene, " ".join(keys))
+    for key, value, off in zip(keys, expected, room, strict=False):
+        assert abs(found[key] - value) <= found.figure(key) + off, key
+    # 1 N·m·s against a torque that falls from 140 N·m at 5 rad/s to nothing at 20 rad/s.
+    speed = 140.0 / 15.0 * 20.0 / (1.0 + 140.0 / 15.0)
+    assert found["d.mean_speed"] == pytest.approx(speed, rel=1e-9)
+    assert math.isfinite(found.figure("d.mean_speed"))
