@@ -39,7 +39,7 @@ from engine.mechanism.reactions import Reactions
 from engine.motion.closed_cycle import TOLD, CycleBatch, CycleRoom, find_cycles, new_cycle_room
 from engine.motion.methods import EIGHT, METHODS
 from engine.motion.moments.tabulation import Tabulation
-from engine.motion.walk import FOUND, GIVEN, RESPONSES, Room, WalkBatch, WalkTask, new_room, walk
+from engine.motion.walk import FOUND, GIVEN, LONGER, RESPONSES, STEEPEST, Room, WalkBatch, WalkTask, new_room, walk
 
 # Sorts of work that are told apart where works are asked.
 CHANNELS = ("driving", "useful", "harmful", "braking", "other")
@@ -342,7 +342,7 @@ class PrintedSystem:
         self.names = {name: len(system.states) + i for i, name in enumerate(system.gathered)}
         self.tabulation = Tabulation(self.functions)
 
-    def task(self, cycle: float, method: int = EIGHT, extremes: bool = False) -> WalkTask:
+    def task(self, cycle: float, method: int = EIGHT, extremes: bool = False, longer: float = 1.0) -> WalkTask:
         """What a walk is to do."""
         system, made, rows = self.system, METHODS[method], self.functions.rows
         timed = system.clock in rows
@@ -351,6 +351,8 @@ class PrintedSystem:
             method=method,
             stages=made.stages,
             fixed=not made.fine.any(),
+            longer=longer,
+            steepest=STEEPEST if system.along == "angle" else STEEPEST / LONGER * longer,
             implicit=made.implicit,
             solved=math.isqrt(len(system.slopes)),
             slopes=RESPONSES + len(system.responses),

@@ -32,8 +32,12 @@ MOST_STEPS = 1 << 13
 # A repeated step may miss so many times what a new one may.
 ROUGHLY = 100.0
 SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
-# How far a disturbance may fade or grow within an explicit step.
-STEEPEST = 5.0
+# How far a disturbance may fade or grow within an explicit step; what share of the way between two edges a step along
+# time goes at most.
+STEEPEST, AT_ONCE = 5.0, 0.25
+# Steps of a second walk may be so many times as long, and miss so many times as much, but for what tells nothing:
+# whatever limits them, all are others, and the difference of both walks tells what the first misses.
+LONGER, COARSER, COARSEST = 2.0, 2.0**7, 1e-2
 # An implicit method is worth its price where after so many steps they are shorter than this share of the farthest one
 # while disturbances fade within them by so much.
 MANY, WORTH_SOLVING, FADES = 100, 0.05, 0.3
@@ -60,6 +64,11 @@ MOST_PARTS = 1e6
 TOO_FAR = 2.0
 # Steps shorter than this share of what they go along miss whatever is tried; at the begin, of this time [s].
 SHORTEST, LEAST_TIME = 1e-13, 1e-7
+
+
+def coarser(tolerance: float) -> float:
+    """What a step of a second walk may miss, for comparison."""
+    return max(tolerance, min(COARSER * tolerance, COARSEST))
 
 
 class Why(IntEnum):
@@ -100,6 +109,10 @@ class WalkTask(NamedTuple):
         Number of the method, and its stages.
     fixed : bool
         Whether steps have fixed lengths.
+    longer : float
+        1, or LONGER of a second walk, for comparison.
+    steepest : float
+        How far a disturbance may fade or grow within an explicit step.
     nodes, parts : ndarray
         Of the method.
     implicit : bool
@@ -135,6 +148,8 @@ class WalkTask(NamedTuple):
     method: int
     stages: int
     fixed: bool
+    longer: float
+    steepest: float
     implicit: bool
     solved: int
     slopes: int
@@ -711,7 +726,7 @@ def judge_steps(task: WalkTask, room: Room) -> None:
             back = begin[q, lane] <= 0.0 and after[q, lane] <= 0.0 and k[q, lane] != 0.0
             own.missed[lane] = math.inf if back else own.missed[lane]
     for lane in range(LANES):
-        steep, end = abs(own.length[lane] * watched[STEEPNESS, lane]) > STEEPEST, watched[count + SLOPE, lane]
+        steep, end = abs(own.length[lane] * watched[STEEPNESS, lane]) > task.steepest, watched[count + SLOPE, lane]
         sound = own.missed[lane] == own.missed[lane] and end == end
         sound = sound and not (steep and not (task.fixed or task.implicit))
         own.missed[lane] = own.missed[lane] if sound else math.inf
@@ -812,14 +827,18 @@ def choose(edges: int, instants: int, most_steps: int, task: WalkTask, room: Roo
         if task.along_time:
             if instants > 0:
                 until = min(until, next_instant(lane, instants, room) - own.clock[lane])
-            speed = abs(state[1, lane])
-            most = most if most * speed < own.farthest[lane] else own.farthest[lane] / speed
+            speed, between = abs(state[1, lane]), AT_ONCE * task.longer * (own.high[lane] - own.low[lane])
+            farthest = own.farthest[lane] if own.farthest[lane] < between else between
+            most = most if most * speed < farthest else farthest / speed
             most = most if most < own.longest[lane] else own.longest[lane]
         else:
             until, most = min(until, edge_ahead(lane, room)), min(most, own.farthest[lane])
         rest = until - own.at[lane]
         # Nobody counts the steps of a way without an end.
         parts = math.ceil(rest / most * (1.0 - 1e-9)) if rest < MOST_PARTS * most else 0
+        if task.along_time and task.longer == 1.0 and own.steps[lane] == 0.0:
+            # A walk that a single step could make is made in two.
+            parts = parts if parts != 1 else 2
         own.length[lane] = most if parts == 0 else (rest / parts if parts > 1 else rest)
         if not own.length[lane] > 0.0:
             # From a state that isn't finite no step leads on.
@@ -1005,13 +1024,14 @@ def shorten(lane: int, task: WalkTask, room: Room) -> None:
         share = SAFETY / math.sqrt(math.sqrt(math.sqrt(own.missed[lane])))
         share = share if share > SHRINK else SHRINK
     fades = 0.0 if task.implicit else abs(length * watched[STEEPNESS, lane])
-    if fades > STEEPEST:
-        share = max(SHRINK, SAFETY * STEEPEST / fades)
+    steepest = task.steepest
+    if fades > steepest:
+        share = max(SHRINK, SAFETY * steepest / fades)
     own.pace[lane], own.trials[lane] = length * share, 0.0
     least = SHORTEST * (abs(own.at[lane]) + (LEAST_TIME if task.along_time else own.farthest[lane]))
-    worth_solving = fades > STEEPEST and task.solved > 0 and is_short(length * share, lane, task, room)
+    worth_solving = fades > steepest and task.solved > 0 and is_short(length * share, lane, task, room)
     if worth_solving or not length * share > least:
-        own.why[lane] = STEEP if fades > STEEPEST and task.solved > 0 else LOST
+        own.why[lane] = STEEP if fades > steepest and task.solved > 0 else LOST
 
 
 @routine

@@ -24,7 +24,7 @@ from engine.motion.methods import EIGHT, NINE
 from engine.motion.moments.breaks import JUMP
 from engine.motion.moments.grid import edges_of
 from engine.motion.system import SHOWN, Walks
-from engine.motion.walk import Why
+from engine.motion.walk import LONGER, Why, coarser
 from engine.verdicts import Verdict
 
 TOLERANCE, FARTHEST_TURN = 1e-10, 0.25 * np.pi
@@ -58,7 +58,7 @@ class Precision(NamedTuple):
     tolerance : float
         What a step may miss, as a share.
     coarser : bool
-        Whether steps are nearly twice as long and looked at half as often, for comparison.
+        Whether steps are longer and looked at half as often, for comparison.
     """
 
     tolerance: float = TOLERANCE
@@ -145,9 +145,10 @@ class CoupledRuns:
     ) -> None:
         self.sides, self.ends, count = sides, ends, sides.count
         self.cycle = sides.crank.dynamics.cycle
-        longer = 2 if precision.coarser else 1
-        self.looks = slice(None, None, longer)
-        self.tolerance, self.farthest = precision.tolerance * longer**6, FARTHEST_TURN * longer
+        self.looks = slice(None, None, 2 if precision.coarser else 1)
+        self.longer = LONGER if precision.coarser else 1.0
+        self.tolerance = coarser(precision.tolerance) if precision.coarser else precision.tolerance
+        self.farthest = FARTHEST_TURN * self.longer
         self.state = np.zeros((len(sides.two.system.rates), count))
         self.state[CRANK_SPEED], self.state[SHAFT_SPEED] = speeds
         self.time, zero = np.zeros(count), np.zeros(count)
@@ -368,7 +369,7 @@ class CoupledRuns:
         new = np.isinf(self.pace[who])
         if new.any():
             first = self._first_pace(sides, joined, state[: SHAFT_SPEED + 1], time)
-            self.pace[who] = np.where(new, first, self.pace[who])
+            self.pace[who] = np.where(new, self.longer * first, self.pace[who])
         waits = ~crank_moves & ~shaft_moves
         # What nothing stops comes to rest in no time.
         floor = np.where(self._fades(who), FADED * self.highs[0, who], 0.0)
@@ -377,7 +378,7 @@ class CoupledRuns:
         lanes |= {"farthest": self.farthest, "longest": np.where(waits, longest / WAITS, np.inf), "floor": floor}
         lanes |= {"turned": state[TURNED], "pace": np.where(waits, longest, self.pace[who])}
         state[CRANK_SPEED], state[SHAFT_SPEED] = np.abs(state[[CRANK_SPEED, SHAFT_SPEED]])
-        task, nothing = system.task(self.cycle, method), np.zeros((0, who.size))
+        task, nothing = system.task(self.cycle, method, longer=self.longer), np.zeros((0, who.size))
         return system.run(task, numbers, edges, nothing, lanes, state, recorded=RECORDED)
 
     def _advance(self, who: np.ndarray, method: int) -> None:

@@ -179,19 +179,19 @@ def _walk(runs: Progress, who: np.ndarray, goal: np.ndarray, floor: np.ndarray) 
     extremes = (runs.extremes and not runs.observers) or bool(np.isfinite(runs.ends.speed).any())
     farthest = runs.farthest_step * runs.reach[who]
     if runs.observers:
-        farthest = np.fmin(farthest, CLOSELY * (2.0 if runs.half else 1.0) * runs.reach[who])
+        farthest = np.fmin(farthest, CLOSELY * runs.longer * runs.reach[who])
     longest = STRIDE * _span(runs, who) / WAITS if dynamics.changing else np.inf
     pace, new = runs.pace[who], np.isinf(runs.pace[who])
     if new.any():
         first = runs.equation(who).first_step(state.turned, state.omega, now, facing, runs.spacing[who])
-        pace = np.where(new, first, pace)
+        pace = np.where(new, runs.longer * first, pace)
     lanes = {"start": runs.start[who], "direction": part.direction, "facing": facing, "clock": now}
     lanes |= {"goal": runs.ends.time[who] - state.time, "other_goal": goal, "tolerance": runs.tolerance}
     lanes |= {"farthest": farthest, "longest": longest, "floor": floor, "turned": state.turned, "pace": pace}
     states = np.zeros((len(system.rates), who.size))
     states[TURNED], states[SPEED] = state.turned, np.abs(state.omega)
     recorded = RECORDED if runs.observers else 0
-    task = system.task(dynamics.cycle, EIGHT, extremes)
+    task = system.task(dynamics.cycle, EIGHT, extremes, runs.longer)
     return system.run(task, numbers, edges, runs.variants.instants[:, who], lanes, states, recorded=recorded)
 
 

@@ -9,12 +9,11 @@ from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.runs.watching import Observer, Piece
 from engine.motion.system import PrintedSystem
+from engine.motion.walk import LONGER, coarser
 from engine.verdicts import Verdict
 
 # What a step in time may miss, and one over the angle, whose errors add up over many cycles; how far they may turn.
 TOLERANCE, OVER_ANGLE, FARTHEST_STEP = 1e-10, 3e-12, 0.25 * np.pi
-# For comparison, steps of nearly twice the length.
-COARSER = 2.0**6
 # So much of a cycle before a mark it is passed: all that rounding leaves.
 AT_MARK = 1e-9
 
@@ -293,8 +292,9 @@ class Progress:
         self.classical, self.extremes = stepping.classical, stepping.extremes
         self.to_the_end = not (stepping.classical or observers)
         # Steps that may miss more are compared with others only where they are longer.
-        self.farthest_step = stepping.farthest * (2.0 if half else 1.0)
-        self.tolerance, self.over_angle = ((COARSER if half else 1.0) * share for share in stepping[:2])
+        self.longer = LONGER if half else 1.0
+        self.farthest_step = stepping.farthest * self.longer
+        self.tolerance, self.over_angle = (coarser(share) if half else share for share in stepping[:2])
         self.done = np.zeros(count, bool)
         # A speed to be reached lies above or below the first.
         self.above = np.where(ends.speed > omega, ends.speed, np.inf)
