@@ -38,7 +38,7 @@ def type_checking(node: ast.AST) -> bool:
 
 def imports_in(node: ast.AST, module: str, typed: bool = False) -> set[str]:
     """Modules imported by a piece of code, inside functions too; `typed`: also those for type checkers alone."""
-    found: set[str] = set()
+    found: set[str] = used_of_rooms(node) if isinstance(node, ast.Module) else set()
     for child in ast.iter_child_nodes(node):
         if type_checking(child) and not typed:
             continue
@@ -48,6 +48,35 @@ def imports_in(node: ast.AST, module: str, typed: bool = False) -> set[str]:
             found.update(imported(child, module))
         found |= imports_in(child, module, typed)
     return found
+
+
+def used_of_rooms(tree: ast.Module) -> set[str]:
+    """Modules that rooms load on use: `mechanism.friction.rubbing_pairs` after `from engine import mechanism`.
+
+    What is chosen by its name, as in `getattr(mechanism.groups, name)`, may be any module of the room.
+    """
+    rooms = {
+        alias.asname or alias.name: f"{node.module}.{alias.name}"
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+        if is_room(f"{node.module}.{alias.name}")
+    }
+
+    def module_of(node: ast.AST) -> str:
+        if isinstance(node, ast.Name):
+            return rooms.get(node.id, "")
+        return f"{module_of(node.value)}.{node.attr}" if isinstance(node, ast.Attribute) else ""
+
+    found = {module_of(node) for node in ast.walk(tree) if isinstance(node, ast.Attribute)} & set(FILES)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and ast.unparse(node.func) == "getattr" and is_room(module_of(node.args[0])):
+            found.update(name for name in FILES if name.rpartition(".")[0] == module_of(node.args[0]))
+    return found
+
+
+def is_room(module: str) -> bool:
+    return module in FILES and FILES[module].name == "__init__.py"
 
 
 def imported(node: ast.ImportFrom, module: str) -> set[str]:
@@ -318,9 +347,10 @@ def test_described_parameters__exist():
     assert wrong == []
 
 
-# Each chapter of the quantities declares its own, under the one name that the register calls. Roots and the greatest or
-# least of some numbers are the same algebra twice: of measured values, and of expressions that are yet to be measured.
-SHARED = {"declare", "maximum", "minimum", "sqrt"}
+# Each chapter of the quantities declares its own, under the one name that the register calls; each dyad has its motion
+# and its statics, under those that mechanisms call. Roots and the maximum or minimum of some numbers are the same
+# algebra twice: of measured values, and of expressions that are yet to be measured.
+SHARED = {"add_dyad", "declare", "dyad_statics", "maximum", "minimum", "sqrt"}
 
 
 def test_public_names__are_given_once():

@@ -6,8 +6,8 @@ flywheels.
 
 from functools import partial
 
+from engine import mechanism
 from engine.graph.nodes import Node
-from engine.mechanism.actions.motors import motor_moment
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.skeleton import OF_FLUCTUATION
 from engine.quantities.expressions import (
@@ -62,7 +62,8 @@ def declare(mechanics: Mechanics) -> Declared:
         symbol="I_0",
     )
     if m.loads.motors:
-        number = graph.derived("motor moment", lambda n: motor_moment(scene, m.loads.motors, n))
+        moment_of = mechanism.actions.motors.motor_moment
+        number = graph.derived("motor moment", lambda n: moment_of(scene, m.loads.motors, n))
         yield Summary(
             "motor_moment",
             "torque of the motors at the input's speed, reduced to the input",

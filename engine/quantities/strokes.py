@@ -6,9 +6,9 @@ from functools import partial
 
 import numpy as np
 
+from engine import mechanism
 from engine.cycle.measured import Measured
 from engine.graph.nodes import Node, reached
-from engine.mechanism.higher_pairs.rack_motion import angle_of_link
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.skeleton import FRAME
 from engine.quantities.expressions import (
@@ -47,7 +47,8 @@ def _swing_end(mechanics: Mechanics, name: str, which: str) -> Expression:
     link = mechanics.kinematics.links[name]
     scene = mechanics.scene
     if name in {*scene.pinions, *scene.inputs} and root_of(scene, name) == FRAME and net_turns(scene, name) == 0.0:
-        return StrokeEnd(angle_of_link(mechanics.kinematics, name), link.w, which)
+        angle = mechanism.higher_pairs.rack_motion.angle_of_link(mechanics.kinematics, name)
+        return StrokeEnd(angle, link.w, which)
     angle, sense = Angle(link.u), "least" if which.startswith("low") else "greatest"
     found = ExtremePosition(angle, sense) if which.endswith("_at") else Extreme(angle, sense)
     return Formula(_unless_turning, (found, Integral(link.w))) if mechanics.has_cycle else found

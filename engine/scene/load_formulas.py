@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from engine.elements.elastic_drives.machine_drive import MachineDrive
+from engine import parts
 from engine.parts.actions import FormulaForce, FormulaMoment
 from engine.parts.dimensions import described
 from engine.parts.formulas.expressions import (
@@ -157,7 +157,7 @@ def formula_problems(scene: Scene) -> list[Problem]:
 def _timed_where_motion_repeats(scene: Scene) -> list[Problem]:
     """Loads that depend on time, and are on in what motion settles to."""
     settled = {f"regimes.{n}": regime for n, regime in scene.regimes.items() if not isinstance(regime, RunRegime)}
-    settled |= {f"elements.{n}": e for n, e in scene.elements.items() if isinstance(e, MachineDrive)}
+    settled |= {f"elements.{n}": e for n, e in scene.elements.items() if e.type == "machine_drive"}
     governing = [n for n, e in scene.elements.items() if e.machine_needed()[0] == ".engine.machine" and e.is_followed]
     found = []
     for name in time_dependent(scene):
@@ -170,9 +170,7 @@ def _timed_where_motion_repeats(scene: Scene) -> list[Problem]:
 
 
 def _problems(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem]:
-    # Units are checked by what only texts need otherwise.
-    from engine.parts.formulas.dimension_check import check_yields, dimension_of_unit
-
+    check = parts.formulas.dimension_check
     units = units_of_names(scene, formula)
     taken = [n for n in formula.action.numbers if n in {"phi", "v", "omega", TIME, "pi", "gravity"}]
     for number in taken:
@@ -184,9 +182,9 @@ def _problems(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem
     if taken or unknown:
         return
     try:
-        known: Mapping[str, UnitsContainer] = {n: dimension_of_unit(units[n]) for n in expression.names}
-        wanted = dimension_of_unit("N" if isinstance(formula.action, FormulaForce) else "N m")
-        check_yields(expression, wanted, known)
+        known: Mapping[str, UnitsContainer] = {n: check.dimension_of_unit(units[n]) for n in expression.names}
+        wanted = check.dimension_of_unit("N" if isinstance(formula.action, FormulaForce) else "N m")
+        check.check_yields(expression, wanted, known)
         _check_curves(expression)
         _check_finite(expression, expression.tree)
         _check_turns(scene, formula)

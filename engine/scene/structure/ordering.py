@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from engine.parts.driving_gears import Pinion, Rack
 from engine.parts.skeleton import FRAME, Sliding, Yoke
+from engine.scene import structure
 from engine.scene.load_formulas import formula_problems
 from engine.scene.masses import replacement_problems
 from engine.scene.names import (
@@ -93,13 +94,6 @@ def _in_mesh(
     return held and {driver, riding} - {None} <= set(links)
 
 
-def _next_free_group(scene: Scene, known: set[str]) -> FreeGroup | None:
-    # What few machines have is loaded for these alone.
-    from engine.scene.structure.free_matching import next_free_group
-
-    return next_free_group(scene, known)
-
-
 def _ordered(scene: Scene) -> _Ordering:
     elements = [OrderedPart("input", scene.input.link)]
     known_links = {FRAME, scene.input.link}
@@ -157,7 +151,7 @@ def _ordered(scene: Scene) -> _Ordering:
                 if hasattr(group, "inner"):
                     points[group.inner] = group.first.link
                 grown = True
-        found = None if grown or not scene.links else _next_free_group(scene, known_links)
+        found = None if grown or not scene.links else structure.free_matching.next_free_group(scene, known_links)
         if found is not None:
             free_groups[found.name] = found
             elements.append(OrderedPart("free group", found.name))
@@ -313,9 +307,7 @@ def order(scene: Scene) -> Structure:
     ordering = _ordered(scene)
     problems = _why_unordered(scene, ordering.elements, ordering.points, ordering.guides)
     if scene.links:
-        from engine.scene.structure.free_matching import why_not_grouped
-
-        problems += why_not_grouped(scene, ordering.links)
+        problems += structure.free_matching.why_not_grouped(scene, ordering.links)
     if not problems:
         problems = _check_movable(scene, ordering.points, ordering.guides) + misplaced(scene)
         problems += _free_problems(scene, ordering) + _sliding_loops(scene, ordering)
