@@ -12,7 +12,6 @@ from engine.compiling.threads import threads
 from engine.cycle.measured import UNKNOWN_ROOT, Measured
 from engine.graph.nodes import Found, Node, reached
 from engine.machine.checks import check_names, check_positions, given_numbers
-from engine.machine.computed import all_levels, computed_levels
 from engine.machine.elements.asked_elements import AskedElements, element_summaries
 from engine.machine.first_failure import (
     Failures,
@@ -292,12 +291,12 @@ class Machine:
     @property
     def computed(self) -> dict[str, list[str]]:
         """Which levels (position, velocity, …) of which points, links and groups are computed at a position."""
-        return computed_levels(self.mechanics, [*self.measuring.curves, *self._moving])
+        return machine.computed.computed_levels(self.mechanics, [*self.measuring.curves, *self._moving])
 
     @property
     def left_out(self) -> dict[str, list[str]]:
         """Levels that nothing asked needs."""
-        everything, kept = all_levels(self.mechanics), self.computed
+        everything, kept = machine.computed.all_levels(self.mechanics), self.computed
         missing = {s: [level for level in levels if level not in kept.get(s, ())] for s, levels in everything.items()}
         return {subject: levels for subject, levels in missing.items() if levels}
 

@@ -16,8 +16,8 @@ from engine import mechanism
 from engine.graph.nodes import Graph, Node
 from engine.mechanism.vectors import Vector, named
 from engine.parts.skeleton import FRAME, CrankInput
+from engine.scene import structure
 from engine.scene.scene import Scene
-from engine.scene.structure.meshes import net_turns
 
 # The law of the reactions in a dyad, and the geometry that it takes after the loads on its two links.
 DyadStatics = tuple[Callable, tuple]
@@ -147,7 +147,7 @@ class Assembly:
         """Turns of a link over the cycle, against that which its angle is known against; 0 where there is no cycle."""
         if not self.has_cycle:
             return self.graph.zero
-        scene, revolutions = self.scene, self.scene.input.revolutions
+        scene, revolutions, net_turns = self.scene, self.scene.input.revolutions, structure.meshes.net_turns
         return self.graph.derived(f"turns of {link}", lambda n: revolutions * net_turns(scene, link, n))
 
     def at_rest(self, r: Vector) -> MovingPoint:

@@ -12,11 +12,10 @@ from engine.mechanism.assembly import Assembly, GuideLine, MovingPoint, Slide, T
 from engine.mechanism.input_motion import input_span
 from engine.mechanism.vectors import Vector, named
 from engine.parts.skeleton import FRAME, CrankInput
+from engine.scene import structure
 from engine.scene.masses import LinkMass, resultant_masses, whole_body
 from engine.scene.names import turning_evenly
 from engine.scene.scene import Scene
-from engine.scene.structure.free_groups import FreeGroup
-from engine.scene.structure.meshes import has_known_angle
 from engine.scene.structure.ordering import Structure
 
 
@@ -128,7 +127,7 @@ class Kinematics(Assembly):
         self.links[name] = Turning(point, guide.u, g.zero, g.zero)
         self.slides[name] = Slide(g.q, g.one, g.zero)
 
-    def _free_group(self, group: FreeGroup) -> None:
+    def _free_group(self, group: "structure.free_groups.FreeGroup") -> None:
         span = input_span(self.scene, self.graph)
         self.free[group.name] = mechanism.groups.free.add_free_group(self, group, span, self.has_cycle)
 
@@ -159,7 +158,7 @@ class Kinematics(Assembly):
         carrier = self.links[shaft.carrier or FRAME]
         if name in turning_evenly(self.scene):
             self.angles[name] = w * self.graph.q + phase
-        elif has_known_angle(self.scene, name):
+        elif structure.meshes.has_known_angle(self.scene, name):
             angle_of = mechanism.higher_pairs.rack_motion.angle_of_link
             driver, carried = (angle_of(self, link) for link in (shaft.geared_to, shaft.carrier or FRAME))
             self.angles[name] = carried + self.number(f"shafts.{name}.ratio") * (driver - carried) + phase

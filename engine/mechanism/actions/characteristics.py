@@ -14,7 +14,6 @@ from engine.laws.elementary import power
 from engine.laws.loads import acts_in_direction, constant_against_motion
 from engine.mechanism.acting import Characteristic
 from engine.mechanism.actions.paths import Along, input_sense
-from engine.mechanism.actions.tables import tabled
 from engine.mechanism.kinematics import Kinematics
 from engine.parts import actions
 from engine.scene.load_formulas import LoadFormula
@@ -62,7 +61,8 @@ def _characteristic(
         case "constant":
             return Characteristic(graph.number(value), graph.held(acts))
         case "table":
-            return Characteristic(graph.number(f"{at}.scale"), tabled(kinematics, action, acts, time))
+            value = mechanism.actions.tables.tabled(kinematics, action, acts, time)
+            return Characteristic(graph.number(f"{at}.scale"), value)
         case "against_motion":
             force = graph.derived(f"{at} at speed", lambda n: n[value] * _sense(n))
             return Characteristic(force, _against(along, acts))

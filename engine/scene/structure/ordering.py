@@ -24,9 +24,6 @@ from engine.scene.names import (
 )
 from engine.scene.pairs import friction_problems, pairs
 from engine.scene.scene import Scene, SceneError, once
-from engine.scene.structure.free_groups import FreeGroup
-from engine.scene.structure.meshes import mesh_problems, rides_along
-from engine.scene.structure.trains import train_problems
 
 
 class OrderedPart(NamedTuple):
@@ -58,7 +55,7 @@ class Structure(NamedTuple):
     elements: tuple[OrderedPart, ...]
     links: tuple[str, ...]
     sliders: tuple[str, ...]
-    free_groups: dict[str, FreeGroup]
+    free_groups: dict[str, "structure.free_groups.FreeGroup"]
 
 
 def group_links(scene: Scene, name: str) -> tuple[str, str]:
@@ -80,7 +77,7 @@ class _Ordering(NamedTuple):
     points: dict[str, str]
     guides: dict[str, str]
     links: set[str]
-    free_groups: dict[str, FreeGroup]
+    free_groups: dict[str, "structure.free_groups.FreeGroup"]
 
 
 def _in_mesh(
@@ -90,7 +87,7 @@ def _in_mesh(
     driver = part.pinion if isinstance(part, Rack) else part.rack
     guide = part.guide or guide_of(scene, driver)
     held = part.pivot in points and (guide is None or guide in guides)
-    riding = None if guide is None else rides_along(scene, part.pivot, guide)
+    riding = None if guide is None else structure.meshes.rides_along(scene, part.pivot, guide)
     return held and {driver, riding} - {None} <= set(links)
 
 
@@ -99,7 +96,7 @@ def _ordered(scene: Scene) -> _Ordering:
     known_links = {FRAME, scene.input.link}
     points = {input_point(scene): scene.input.link}
     guides: dict[str, str] = {}
-    free_groups: dict[str, FreeGroup] = {}
+    free_groups: dict[str, structure.free_groups.FreeGroup] = {}
     owners = joint_owners(scene)
     grown = True
     while grown:
@@ -311,7 +308,10 @@ def order(scene: Scene) -> Structure:
     if not problems:
         problems = _check_movable(scene, ordering.points, ordering.guides) + misplaced(scene)
         problems += _free_problems(scene, ordering) + _sliding_loops(scene, ordering)
-        problems = problems or train_problems(scene) or mesh_problems(scene)
+        if scene.shafts:
+            problems = problems or structure.trains.train_problems(scene)
+        if scene.noncircular_wheels or scene.racks or scene.pinions:
+            problems = problems or structure.meshes.mesh_problems(scene)
     if not problems:
         problems = replacement_problems(scene) + friction_problems(scene) + formula_problems(scene)
     if problems:
