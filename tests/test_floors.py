@@ -161,6 +161,52 @@ def test_start__loads_nothing_slow(start):
     assert (done.returncode, done.stderr.strip()) == (0, "[]")
 
 
+# What a slider-crank needs
+
+SLIDER_CRANK = """
+import sys, tomllib
+from pathlib import Path
+from engine import Machine, Scene
+scene = Scene.model_validate(tomllib.loads(Path("sweeps/templates/linkages/slider_crank.toml").read_text("utf8")))
+Machine(scene, ["piston.stroke"]).evaluate({})
+print(*(module for module in sys.modules if module.partition(".")[0] == "engine"))
+"""
+# Of about 380; it may fall, and grows only for what every machine needs.
+MOST_FOR_A_SLIDER_CRANK = 131
+# All elements start from `element` and its `panels`; of a room that loads on use there is the room itself.
+NOT_FOR_A_SLIDER_CRANK = (
+    r"engine\.elements\.(?!element$|panels$)",
+    r"engine\.motion\.",
+    r"engine\.mechanism\.(friction|higher_pairs)",
+    r"engine\.mechanism\.actions\.(?!characteristics$|paths$)",
+    r"engine\.mechanism\.groups\.(?!rrp$)",
+    r"engine\.machine\.(balancing|drives|one_machine)",
+    r"engine\.laws\.(cams|governors)",
+)
+
+
+def test_slider_crank__loads_no_chapter_that_it_has_not():
+    done = subprocess.run([sys.executable, "-c", SLIDER_CRANK], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    loaded = done.stdout.split()
+    assert [m for m in loaded if re.match("|".join(NOT_FOR_A_SLIDER_CRANK), m)] == []
+    assert len(loaded) <= MOST_FOR_A_SLIDER_CRANK, "\n".join(sorted(loaded))
+
+
+def test_room__loads_its_modules_on_use_and_has_no_others():
+    code = "import sys; from engine import mechanism; before = 'engine.mechanism.vectors' in sys.modules; "
+    code += "print(before, mechanism.vectors.Vector.__name__, hasattr(mechanism, 'vektors'))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
+    assert (done.returncode, done.stdout.strip()) == (0, "False Vector False"), done.stderr
+
+
+def test_finder_of_imports__sees_what_rooms_load_on_use():
+    tree = ast.parse("from engine import mechanism\nmechanism.friction.Rub\ngetattr(mechanism.groups, name).add_dyad")
+    found = imports_in(tree, "engine.machine.machine")
+    assert {"engine.mechanism.friction", "engine.mechanism.groups.rrp", "engine.mechanism.groups.free"} <= found
+    assert "engine.mechanism.inertia" not in found
+
+
 # The engine's door
 
 
