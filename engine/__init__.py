@@ -9,6 +9,7 @@ import ast
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 
 
 def door(file: str, names: dict[str, object]) -> tuple[list[str], Callable[[str], object]]:
@@ -39,6 +40,32 @@ def door(file: str, names: dict[str, object]) -> tuple[list[str], Callable[[str]
         return names[name]
 
     return sorted(homes), load
+
+
+def on_use(room: str) -> Callable[[str], ModuleType]:
+    """The `__getattr__` of a package that loads each of its modules with the first use of a name in it.
+
+    What few machines have is reached by its full name, `mechanism.higher_pairs.cam_motion.add_cam`, after an import of
+    the room alone, `from engine import mechanism`: such an import loads nothing, and the module is loaded for the first
+    scene with a cam. What most machines have is imported by name as usual.
+
+    Parameters
+    ----------
+    room : str
+        Name of the package.
+    """
+
+    def load(name: str) -> ModuleType:
+        module = f"{room}.{name}"
+        if not name.startswith("_"):
+            try:
+                return import_module(module)
+            except ModuleNotFoundError as missing:
+                if missing.name != module:
+                    raise
+        raise AttributeError(f"module {room!r} has no attribute {name!r}")
+
+    return load
 
 
 __all__, __getattr__ = door(__file__, globals())

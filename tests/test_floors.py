@@ -38,7 +38,7 @@ def type_checking(node: ast.AST) -> bool:
 
 def imports_in(node: ast.AST, module: str, typed: bool = False) -> set[str]:
     """Modules imported by a piece of code, inside functions too; `typed`: also those for type checkers alone."""
-    found: set[str] = set()
+    found: set[str] = used_of_rooms(node) if isinstance(node, ast.Module) else set()
     for child in ast.iter_child_nodes(node):
         if type_checking(child) and not typed:
             continue
@@ -48,6 +48,35 @@ def imports_in(node: ast.AST, module: str, typed: bool = False) -> set[str]:
             found.update(imported(child, module))
         found |= imports_in(child, module, typed)
     return found
+
+
+def used_of_rooms(tree: ast.Module) -> set[str]:
+    """Modules that rooms load on use: `mechanism.friction.rubbing_pairs` after `from engine import mechanism`.
+
+    What is chosen by its name, as in `getattr(mechanism.groups, name)`, may be any module of the room.
+    """
+    rooms = {
+        alias.asname or alias.name: f"{node.module}.{alias.name}"
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+        if is_room(f"{node.module}.{alias.name}")
+    }
+
+    def module_of(node: ast.AST) -> str:
+        if isinstance(node, ast.Name):
+            return rooms.get(node.id, "")
+        return f"{module_of(node.value)}.{node.attr}" if isinstance(node, ast.Attribute) else ""
+
+    found = {module_of(node) for node in ast.walk(tree) if isinstance(node, ast.Attribute)} & set(FILES)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and ast.unparse(node.func) == "getattr" and is_room(module_of(node.args[0])):
+            found.update(name for name in FILES if name.rpartition(".")[0] == module_of(node.args[0]))
+    return found
+
+
+def is_room(module: str) -> bool:
+    return module in FILES and FILES[module].name == "__init__.py"
 
 
 def imported(node: ast.ImportFrom, module: str) -> set[str]:
@@ -130,6 +159,52 @@ def test_start__loads_nothing_slow(start):
     code = f"{start}; import sys; print([m for m in {SLOW!r} if m in sys.modules], file=sys.stderr)"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
     assert (done.returncode, done.stderr.strip()) == (0, "[]")
+
+
+# What a slider-crank needs
+
+SLIDER_CRANK = """
+import sys, tomllib
+from pathlib import Path
+from engine import Machine, Scene
+scene = Scene.model_validate(tomllib.loads(Path("sweeps/templates/linkages/slider_crank.toml").read_text("utf8")))
+Machine(scene, ["piston.stroke"]).evaluate({})
+print(*(module for module in sys.modules if module.partition(".")[0] == "engine"))
+"""
+# Of about 380; it may fall, and grows only for what every machine needs.
+MOST_FOR_A_SLIDER_CRANK = 131
+# All elements start from `element` and its `panels`; of a room that loads on use there is the room itself.
+NOT_FOR_A_SLIDER_CRANK = (
+    r"engine\.elements\.(?!element$|panels$)",
+    r"engine\.motion\.",
+    r"engine\.mechanism\.(friction|higher_pairs)",
+    r"engine\.mechanism\.actions\.(?!characteristics$|paths$)",
+    r"engine\.mechanism\.groups\.(?!rrp$)",
+    r"engine\.machine\.(balancing|drives|one_machine)",
+    r"engine\.laws\.(cams|governors)",
+)
+
+
+def test_slider_crank__loads_no_chapter_that_it_has_not():
+    done = subprocess.run([sys.executable, "-c", SLIDER_CRANK], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    loaded = done.stdout.split()
+    assert [m for m in loaded if re.match("|".join(NOT_FOR_A_SLIDER_CRANK), m)] == []
+    assert len(loaded) <= MOST_FOR_A_SLIDER_CRANK, "\n".join(sorted(loaded))
+
+
+def test_room__loads_its_modules_on_use_and_has_no_others():
+    code = "import sys; from engine import mechanism; before = 'engine.mechanism.vectors' in sys.modules; "
+    code += "print(before, mechanism.vectors.Vector.__name__, hasattr(mechanism, 'vektors'))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
+    assert (done.returncode, done.stdout.strip()) == (0, "False Vector False"), done.stderr
+
+
+def test_finder_of_imports__sees_what_rooms_load_on_use():
+    tree = ast.parse("from engine import mechanism\nmechanism.friction.Rub\ngetattr(mechanism.groups, name).add_dyad")
+    found = imports_in(tree, "engine.machine.machine")
+    assert {"engine.mechanism.friction", "engine.mechanism.groups.rrp", "engine.mechanism.groups.free"} <= found
+    assert "engine.mechanism.inertia" not in found
 
 
 # The engine's door
@@ -318,9 +393,10 @@ def test_described_parameters__exist():
     assert wrong == []
 
 
-# Each chapter of the quantities declares its own, under the one name that the register calls. Roots and the greatest or
-# least of some numbers are the same algebra twice: of measured values, and of expressions that are yet to be measured.
-SHARED = {"declare", "maximum", "minimum", "sqrt"}
+# Each chapter of the quantities declares its own, under the one name that the register calls; each dyad has its motion
+# and its statics, under those that mechanisms call. Roots and the maximum or minimum of some numbers are the same
+# algebra twice: of measured values, and of expressions that are yet to be measured.
+SHARED = {"add_dyad", "declare", "dyad_statics", "maximum", "minimum", "sqrt"}
 
 
 def test_public_names__are_given_once():

@@ -18,19 +18,19 @@ _ROOT = Path(__file__).parents[2]
 _VERSIONS = f"{numba.__version__} {llvmlite.__version__} {platform.python_version()}"
 
 
-def _files_of(module: str) -> Iterator[Path]:
-    """The source of a module; of a package all that lies in it."""
+@cache
+def _files_of(module: str) -> tuple[Path, ...]:
+    """The source of a module; of a room all that lies in it, as a room loads its modules when they are used."""
     path = _ROOT.joinpath(*module.split("."))
-    if path.is_dir():
-        yield from sorted(path.glob("*.py"))
-    elif (file := path.with_suffix(".py")).exists():
-        yield file
+    return tuple(path.rglob("*.py")) if path.is_dir() else tuple(p for p in (path.with_suffix(".py"),) if p.exists())
 
 
 def _imported(text: str) -> Iterator[str]:
-    """Modules of the engine that a source imports, line by line; one too many does no harm."""
+    """Modules and rooms of the engine that a source imports, line by line; one too many does no harm."""
     for line in text.splitlines():
         match line.split(maxsplit=2):
+            case ["from", module, names] if module == _PACKAGE:
+                yield from (f"{_PACKAGE}.{name.strip()}" for name in names.removeprefix("import ").split(","))
             case ["from" | "import", module, *_] if module.startswith(f"{_PACKAGE}."):
                 yield module
 
@@ -38,6 +38,11 @@ def _imported(text: str) -> Iterator[str]:
 @cache
 def _read(path: Path) -> str:
     return path.read_text(encoding="utf8")
+
+
+@cache
+def _imports_of(path: Path) -> tuple[str, ...]:
+    return tuple(_imported(_read(path)))
 
 
 @cache
@@ -49,7 +54,7 @@ def _reached(module: str) -> frozenset[Path]:
         new = set(_files_of(pending.pop())) - found
         found |= new
         for path in new:
-            pending += _imported(_read(path))
+            pending += _imports_of(path)
     return frozenset(found)
 
 

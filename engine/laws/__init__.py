@@ -1,1 +1,5 @@
 """The ground floor: scalar functions that read like the textbook's equations."""
+
+from engine import on_use
+
+__getattr__ = on_use(__name__)

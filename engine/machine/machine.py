@@ -3,16 +3,15 @@
 import math
 from collections.abc import Iterable, Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 import numpy as np
 
+from engine import elements, machine, motion
 from engine.compiling.threads import threads
 from engine.cycle.measured import UNKNOWN_ROOT, Measured
-from engine.elements.governors.places import CYCLE_POSITIONS
 from engine.graph.nodes import Found, Node, reached
 from engine.machine.checks import check_names, check_positions, given_numbers
-from engine.machine.computed import all_levels, computed_levels
 from engine.machine.elements.asked_elements import AskedElements, element_summaries
 from engine.machine.first_failure import (
     Failures,
@@ -26,8 +25,6 @@ from engine.machine.kept_fields import NONE, KeptFields, field_node, fill_found
 from engine.machine.measuring import MeasuredCycles, Measuring
 from engine.machine.results import AskError, Outcome, asked_text, blank, field_room, front_of
 from engine.mechanism.mechanics import Mechanics
-from engine.motion.quantities import why_no_load
-from engine.motion.regimes import Regimes
 from engine.parts.skeleton import CrankInput
 from engine.quantities.expressions import Angle, Expression, Followed, Speed, Work
 from engine.quantities.machine import register_of
@@ -36,11 +33,6 @@ from engine.quantities.register import Field, Summary
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.scene.structure.input_laws import fixed_by_laws
 from engine.verdicts import Verdict
-
-if TYPE_CHECKING:
-    from engine.machine.drives.elastic_drives import ElasticDrives
-    from engine.machine.drives.governed_engines import GovernedEngines
-    from engine.motion.regimes_in_order import Schedule
 
 # Errors of what vanishes altogether: of differences of two roots.
 SURELY_NOTHING = 4.0 * UNKNOWN_ROOT
@@ -56,6 +48,17 @@ ACCURACY_REACHED = Quantity(
     "accuracy_reached", "1 where every error estimate is within the requested accuracy, else 0", "1"
 )
 OF_ACCURACY = (POSITIONS_USED.name, ACCURACY_REACHED.name)
+
+
+class _NoRegimes(NamedTuple):
+    """What is asked of the regimes of a scene without any; as `motion.regimes.Regimes`."""
+
+    summaries: Mapping[str, Quantity] = {}
+    fields: Mapping[str, Quantity] = {}
+    asked: tuple[str, ...] = ()
+    kept_at: Mapping[str, "motion.quantities.KeptAt"] = {}
+    schedule: None = None
+    nodes: tuple[Node, ...] = ()
 
 
 class Machine:
@@ -151,8 +154,11 @@ class Machine:
         self._trains = [name for name, element in of_machine.items() if element.type == "torsional_train"]
         drives = [name for name, element in of_machine.items() if element.type == "machine_drive"]
         self._governing = [name for name in of_machine if name not in (*self._trains, *drives)]
-        self._drives = self._elastic_drives(drives) if drives else None
-        self.regimes = Regimes(self.mechanics, (*self.asked_summaries, *self.asked_fields), positions, accuracy)
+        self._drives = machine.drives.elastic_drives.ElasticDrives(self.mechanics, drives) if drives else None
+        asked = (*self.asked_summaries, *self.asked_fields)
+        self.regimes = (
+            motion.regimes.Regimes(self.mechanics, asked, positions, accuracy) if scene.regimes else _NoRegimes()
+        )
         self._check_asked()
         others = {*self._elements.names, *OF_ACCURACY, *self.regimes.asked}
         measured = [name for name in self.asked_summaries if name not in others]
@@ -164,19 +170,13 @@ class Machine:
         self.fields_with_error = tuple(name for name in self.asked_fields if name in self.regimes.fields)
         self._spaced = [name for name in self.asked_fields if name not in self.kept_at]
 
-    def _elastic_drives(self, drives: list[str]) -> "ElasticDrives":
-        # What few machines have is loaded for these alone.
-        from engine.machine.drives.elastic_drives import ElasticDrives
-
-        return ElasticDrives(self.mechanics, drives)
-
     def __repr__(self) -> str:
         return asked_text(self)
 
     def _check_asked(self) -> None:
         """Refuse what doesn't exist, with the names that are near, and what isn't known at two speeds."""
         for name in (*self.asked_summaries, *self.asked_fields):
-            why = why_no_load(self.mechanics, name)
+            why = motion.quantities.why_no_load(self.mechanics, name) if self.scene.regimes else None
             if why is not None:
                 raise AskError(why)
         check_names(self.asked_fields, {**self.register.fields, **self.regimes.fields}, "field")
@@ -257,9 +257,7 @@ class Machine:
         """What the machine does to trains that it excites."""
         if not self._trains:
             return []
-        from engine.machine.drives.excited_trains import machine_harmonics
-
-        return machine_harmonics(self.mechanics)
+        return machine.drives.excited_trains.machine_harmonics(self.mechanics)
 
     @cached_property
     def measuring(self) -> Measuring:
@@ -293,17 +291,17 @@ class Machine:
     @property
     def computed(self) -> dict[str, list[str]]:
         """Which levels (position, velocity, …) of which points, links and groups are computed at a position."""
-        return computed_levels(self.mechanics, [*self.measuring.curves, *self._moving])
+        return machine.computed.computed_levels(self.mechanics, [*self.measuring.curves, *self._moving])
 
     @property
     def left_out(self) -> dict[str, list[str]]:
         """Levels that nothing asked needs."""
-        everything, kept = all_levels(self.mechanics), self.computed
+        everything, kept = machine.computed.all_levels(self.mechanics), self.computed
         missing = {s: [level for level in levels if level not in kept.get(s, ())] for s, levels in everything.items()}
         return {subject: levels for subject, levels in missing.items() if levels}
 
     @property
-    def schedule(self) -> "Schedule | None":
+    def schedule(self) -> "motion.regimes_in_order.Schedule | None":
         """The regimes, where anything of them is asked."""
         return self.regimes.schedule
 
@@ -383,12 +381,11 @@ class Machine:
         return numbers.with_values(engines.numbers(outcome, numbers))
 
     @cached_property
-    def _governed_engines(self) -> "tuple[GovernedEngines, Machine]":
+    def _governed_engines(self) -> "tuple[machine.drives.governed_engines.GovernedEngines, Machine]":
         """Engines that governors have in this machine, and the machine as it is asked for them."""
-        from engine.machine.drives.governed_engines import GovernedEngines
-
-        engines = GovernedEngines(self.scene, self._governing)
-        return engines, Machine(self.scene, engines.summaries, engines.fields, self.varied, CYCLE_POSITIONS)
+        engines = machine.drives.governed_engines.GovernedEngines(self.scene, self._governing)
+        positions = elements.governors.places.CYCLE_POSITIONS
+        return engines, Machine(self.scene, engines.summaries, engines.fields, self.varied, positions)
 
     def _measure(
         self, outcome: Outcome, room: np.ndarray, keep: np.ndarray, numbers: Numbers
@@ -435,9 +432,10 @@ class Machine:
         """What the machine does to trains that it excites; nothing where there are none."""
         if not self._trains:
             return {}
-        from engine.machine.drives.excited_trains import machine_numbers
-
-        return machine_numbers(numbers, self.mechanics, self._harmonics, answers.value_of, variants)
+        harmonics = self._harmonics
+        return machine.drives.excited_trains.machine_numbers(
+            numbers, self.mechanics, harmonics, answers.value_of, variants
+        )
 
     def numbers_for_trains(self) -> dict[str, np.ndarray]:
         """What the machine as it is does to torsional trains that it excites, as one variant: numbers by their keys.

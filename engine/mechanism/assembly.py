@@ -7,18 +7,20 @@ Positions are counted from the input's pivot, or from the point of its guide. So
 a machine far from the origin of the scene's coordinates is computed with as many digits as one at the origin.
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
+from engine import mechanism
 from engine.graph.nodes import Graph, Node
 from engine.mechanism.vectors import Vector, named
 from engine.parts.skeleton import FRAME, CrankInput
+from engine.scene import structure
 from engine.scene.scene import Scene
-from engine.scene.structure.meshes import net_turns
 
-if TYPE_CHECKING:
-    from engine.mechanism.groups.seed_tables import SeedTables
+# The law of the reactions in a dyad, and the geometry that it takes after the loads on its two links.
+DyadStatics = tuple[Callable, tuple]
 
 
 class MovingPoint(NamedTuple):
@@ -133,7 +135,7 @@ class Assembly:
         self.sines: dict[str, Node] = {}
         self.closures: dict[str, Node] = {}
         self.certificates: dict[str, Node] = {}
-        self.seed_tables: dict[str, SeedTables] = {}
+        self.seed_tables: dict[str, mechanism.groups.seed_tables.SeedTables] = {}
         self.solutions: dict[str, tuple[Node, ...]] = {}
 
     @property
@@ -145,7 +147,7 @@ class Assembly:
         """Turns of a link over the cycle, against that which its angle is known against; 0 where there is no cycle."""
         if not self.has_cycle:
             return self.graph.zero
-        scene, revolutions = self.scene, self.scene.input.revolutions
+        scene, revolutions, net_turns = self.scene, self.scene.input.revolutions, structure.meshes.net_turns
         return self.graph.derived(f"turns of {link}", lambda n: revolutions * net_turns(scene, link, n))
 
     def at_rest(self, r: Vector) -> MovingPoint:

@@ -23,10 +23,11 @@ from engine.laws.friction.settled import (
     unless_jammed,
 )
 from engine.laws.senses import sense
-from engine.mechanism.actions.characteristics import input_sense
+from engine.mechanism.actions.paths import input_sense
 from engine.mechanism.higher_pairs.rack_motion import rack_guide
 from engine.mechanism.input_motion import InputMotion
 from engine.mechanism.kinematics import Kinematics
+from engine.mechanism.link_loads import Components
 from engine.mechanism.vectors import named
 from engine.parts.pair_friction import MATERIALS, PairFriction
 from engine.parts.skeleton import FRAME
@@ -36,8 +37,6 @@ from engine.scene.scene import Numbers
 _SETTLED = {1: settled_one, 2: settled_two, 3: settled_three}
 # Passes over more pairs than these laws take; theirs are as many.
 _PASSES = 6
-# Components of a reaction: x and y of a journal's, normal force and moment of a guide's.
-Components = tuple[Node, Node]
 
 
 class Rub(NamedTuple):

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine import mechanism
 from engine.graph.nodes import Node
 from engine.laws.masses.inertia_forces import inertia_offset
-from engine.mechanism.actions.carried_masses import turning_inertia
 from engine.mechanism.kinematics import Kinematics, MovingPoint
 from engine.mechanism.vectors import Vector
 from engine.parts.skeleton import CrankInput
@@ -69,7 +69,7 @@ def reduced_inertia(kinematics: Kinematics) -> ReducedInertia:
             rotation(graph.derived(f"inertia of {name}", part.inertia), part.link)
     for name in scene.shafts:
         if name not in about_frame:
-            rotation(turning_inertia(kinematics, name), name)
+            rotation(mechanism.actions.carried_masses.turning_inertia(kinematics, name), name)
     first_kind = graph.derived("first kind inertia", lambda n: _first_kind(kinematics, n))
     return ReducedInertia(
         first_kind,
@@ -185,7 +185,7 @@ def shaking(
         if part.inertia is not None:
             twist = graph.derived(f"inertia moment of mass {name}", _by_square(part.inertia))
             moment.append((twist, turning(link)))
-    own = {name: turning_inertia(kinematics, name).compute for name in scene.shafts}
+    own = {name: mechanism.actions.carried_masses.turning_inertia(kinematics, name).compute for name in scene.shafts}
     if carried_on(scene, scene.input.link):
         own[scene.input.link] = partial(carried_inertia, scene, scene.input.link)
     for name, inertia in own.items():

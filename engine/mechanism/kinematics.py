@@ -3,25 +3,25 @@
 Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on the kinematics of structural groups.
 """
 
+from types import ModuleType
+
+from engine import laws, mechanism
 from engine.graph.nodes import Graph, Node, Return
 from engine.laws.elementary import direction_of
-from engine.laws.kinematics.geared_links import geared_turn
 from engine.mechanism.assembly import Assembly, GuideLine, MovingPoint, Slide, Turning
-from engine.mechanism.groups import GROUPS
-from engine.mechanism.groups.free import FreeMotion, add_free_group
-from engine.mechanism.higher_pairs.cam_motion import CamMotion, add_cam
-from engine.mechanism.higher_pairs.noncircular_motion import NoncircularMotion, add_noncircular_wheel
-from engine.mechanism.higher_pairs.rack_motion import add_pinion, add_rack, angle_of_link
-from engine.mechanism.higher_pairs.second_input_motion import add_second_input
 from engine.mechanism.input_motion import input_span
 from engine.mechanism.vectors import Vector, named
 from engine.parts.skeleton import FRAME, CrankInput
+from engine.scene import structure
 from engine.scene.masses import LinkMass, resultant_masses, whole_body
 from engine.scene.names import turning_evenly
 from engine.scene.scene import Scene
-from engine.scene.structure.free_groups import FreeGroup
-from engine.scene.structure.meshes import has_known_angle
 from engine.scene.structure.ordering import Structure
+
+
+def dyad_of(scene: Scene, name: str) -> ModuleType:
+    """The file of a group's type: how it is added to a mechanism, and its statics."""
+    return getattr(mechanism.groups, scene.groups[name].type.lower())
 
 
 class Kinematics(Assembly):
@@ -50,9 +50,9 @@ class Kinematics(Assembly):
         super().__init__(scene, graph)
         self.varied = varied
         self.masses: dict[str, LinkMass] = resultant_masses(scene, varied)
-        self.free: dict[str, FreeMotion] = {}
-        self.cams: dict[str, CamMotion] = {}
-        self.noncircular: dict[str, NoncircularMotion] = {}
+        self.free: dict[str, mechanism.groups.free.FreeMotion] = {}
+        self.cams: dict[str, mechanism.higher_pairs.cam_motion.CamMotion] = {}
+        self.noncircular: dict[str, mechanism.higher_pairs.noncircular_motion.NoncircularMotion] = {}
         # The input may stand before the frame's points in the order; its pivot or guide is on the frame.
         for name, point in scene.points.items():
             if point.link == FRAME:
@@ -62,13 +62,13 @@ class Kinematics(Assembly):
                 self._guide(name)
         add = {
             "input": self._input,
-            "second input": lambda name: add_second_input(self, name),
+            "second input": lambda name: mechanism.higher_pairs.second_input_motion.add_second_input(self, name),
             "shaft": self._shaft,
             "noncircular wheel": self._noncircular_wheel,
-            "rack": lambda name: add_rack(self, name),
-            "pinion": lambda name: add_pinion(self, name),
+            "rack": lambda name: mechanism.higher_pairs.rack_motion.add_rack(self, name),
+            "pinion": lambda name: mechanism.higher_pairs.rack_motion.add_pinion(self, name),
             "cam": self._cam,
-            "group": lambda name: GROUPS[scene.groups[name].type](self, name),
+            "group": lambda name: dyad_of(scene, name).add_dyad(self, name),
             "free group": lambda name: self._free_group(structure.free_groups[name]),
             "point": self._point,
             "guide": self._guide,
@@ -127,14 +127,15 @@ class Kinematics(Assembly):
         self.links[name] = Turning(point, guide.u, g.zero, g.zero)
         self.slides[name] = Slide(g.q, g.one, g.zero)
 
-    def _free_group(self, group: FreeGroup) -> None:
-        self.free[group.name] = add_free_group(self, group, input_span(self.scene, self.graph), self.has_cycle)
+    def _free_group(self, group: "structure.free_groups.FreeGroup") -> None:
+        span = input_span(self.scene, self.graph)
+        self.free[group.name] = mechanism.groups.free.add_free_group(self, group, span, self.has_cycle)
 
     def _noncircular_wheel(self, name: str) -> None:
-        self.noncircular[name] = add_noncircular_wheel(self, name)
+        self.noncircular[name] = mechanism.higher_pairs.noncircular_motion.add_noncircular_wheel(self, name)
 
     def _cam(self, name: str) -> None:
-        self.cams[name] = add_cam(self, name)
+        self.cams[name] = mechanism.higher_pairs.cam_motion.add_cam(self, name)
 
     def _shaft(self, name: str) -> None:
         shaft, driver = self.scene.shafts[name], self.links[self.scene.shafts[name].geared_to]
@@ -157,14 +158,15 @@ class Kinematics(Assembly):
         carrier = self.links[shaft.carrier or FRAME]
         if name in turning_evenly(self.scene):
             self.angles[name] = w * self.graph.q + phase
-        elif has_known_angle(self.scene, name):
-            driver, carried = (angle_of_link(self, link) for link in (shaft.geared_to, shaft.carrier or FRAME))
+        elif structure.meshes.has_known_angle(self.scene, name):
+            angle_of = mechanism.higher_pairs.rack_motion.angle_of_link
+            driver, carried = (angle_of(self, link) for link in (shaft.geared_to, shaft.carrier or FRAME))
             self.angles[name] = carried + self.number(f"shafts.{name}.ratio") * (driver - carried) + phase
         else:
             driver = self.links[shaft.geared_to].u
             swing = (carrier.u.dot(driver), carrier.u.cross(driver))
             numbers = (self.number(f"shafts.{name}.{key}") for key in ("ratio", "around"))
-            turned, clear = self.graph.apply(geared_turn, *swing, *numbers)
+            turned, clear = self.graph.apply(laws.kinematics.geared_links.geared_turn, *swing, *numbers)
             # Where what drives it has swung half a turn, its angle isn't known any more.
             self.sines[name] = named(clear, f"{name}_clear")
             self.solutions[name] = (clear, turned)

@@ -6,6 +6,9 @@ from engine.graph.nodes import Node
 from engine.mechanism.assembly import Assembly, MovingPoint
 from engine.mechanism.vectors import Vector
 
+# Components of a reaction: x and y in a joint, normal force and moment in a guide.
+Components = tuple[Node, Node]
+
 
 class LinkForce(NamedTuple):
     """A force or a moment on a link.

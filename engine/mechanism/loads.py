@@ -7,13 +7,11 @@ on the reduction of forces and masses.
 
 from collections.abc import Iterator
 
+from engine import mechanism
 from engine.graph.nodes import Node
 from engine.mechanism.acting import Characteristic, Grip, Load, load
 from engine.mechanism.actions.characteristics import characteristics
-from engine.mechanism.actions.cylinders import cylinder_load
-from engine.mechanism.actions.paths import about_link, along
-from engine.mechanism.actions.springs import spring_loads, torsion_spring
-from engine.mechanism.actions.tables import uniform_time
+from engine.mechanism.actions.paths import about_link, along, uniform_time
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.vectors import Vector
 from engine.parts import actions
@@ -50,8 +48,8 @@ class Loads:
             *self._gravity(),
             *(load for name in scene.forces for load in self._force(name)),
             *(load for name in scene.moments if name not in self.motors for load in self._moment(name)),
-            *(load for name in scene.springs for load in spring_loads(kinematics, name)),
-            *(cylinder_load(kinematics, name) for name in scene.cylinders),
+            *(load for name in scene.springs for load in mechanism.actions.springs.spring_loads(kinematics, name)),
+            *(mechanism.actions.cylinders.cylinder_load(kinematics, name) for name in scene.cylinders),
         ]
 
     @property
@@ -89,7 +87,8 @@ class Loads:
         on_frame = isinstance(moment, actions.TorsionSpring | actions.Brake)
         grip = Grip(moment.on, None, None, (FRAME, kinematics.links[FRAME].origin) if on_frame else None)
         if isinstance(moment, actions.TorsionSpring):
-            yield load(name, torsion_spring(kinematics, name), grip, motion.velocity, None)
+            spring = mechanism.actions.springs.torsion_spring(kinematics, name)
+            yield load(name, spring, grip, motion.velocity, None)
             return
         for size in characteristics(kinematics, moment, f"moments.{name}", motion, self._time, self._speed):
             yield load(name, size, grip, motion.velocity, moment.role)

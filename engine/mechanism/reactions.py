@@ -16,32 +16,17 @@ from functools import partial
 
 import numpy as np
 
+from engine import laws, mechanism
 from engine.graph.nodes import Node
-from engine.laws.friction.feedback import guide_pressing
-from engine.laws.friction.teeth import lost_share, shifted_contact
-from engine.laws.kinematics.noncircular_wheels import noncircular_tooth_force
-from engine.laws.kinematics.prp import prp_reactions
-from engine.laws.kinematics.rpp import rpp_reactions
-from engine.laws.kinematics.rpr import rpr_reactions
-from engine.laws.kinematics.rrp import rrp_reactions
-from engine.laws.kinematics.rrr import rrr_reactions
 from engine.laws.masses.inertia_forces import inertia_force, inertia_moment
 from engine.laws.senses import sense
 from engine.mechanism.acting import Grip, Load
-from engine.mechanism.actions.carried_masses import turning_inertia
-from engine.mechanism.actions.characteristics import input_sense
+from engine.mechanism.actions.paths import input_sense
 from engine.mechanism.assembly import MovingPoint, Turning
-from engine.mechanism.friction import Components, Settled, pressing_in_group, rolling_rate, rubbing_pairs
-from engine.mechanism.groups.free import FreeMotion
-from engine.mechanism.groups.free_reactions import free_reactions
-from engine.mechanism.higher_pairs.cam_forces import cam_forces
-from engine.mechanism.higher_pairs.mesh import mesh_of
-from engine.mechanism.higher_pairs.rack_motion import Toothing, toothing
-from engine.mechanism.higher_pairs.second_input_motion import rate_of_drive
 from engine.mechanism.inertia import inertia_forces
 from engine.mechanism.input_motion import InputMotion
-from engine.mechanism.kinematics import Kinematics
-from engine.mechanism.link_loads import LinkForce, LinkLoads, Wrench
+from engine.mechanism.kinematics import Kinematics, dyad_of
+from engine.mechanism.link_loads import Components, LinkForce, LinkLoads, Wrench
 from engine.mechanism.vectors import Vector, named
 from engine.parts.skeleton import FRAME, CrankInput
 from engine.scene.inertia import body_mass, carried_inertia, carried_on
@@ -102,11 +87,11 @@ class Reactions:
         self.scene, self.graph = kinematics.scene, kinematics.graph
         self.variables: dict[str, Node] = {}
         self.in_axes: dict[tuple[str, str], Vector] = {}
-        self.settlings: dict[str, Settled] = {}
+        self.settlings: dict[str, mechanism.friction.Settled] = {}
         self._pressing: dict[str, Node] = {}
         self._pairs = {pair.name: pair for pair in pairs(self.scene)}
         self._contacts = {pair.name: pair for pair in contact_pairs(self.scene)}
-        self._rubs = rubbing_pairs(kinematics, motion)
+        self._rubs = mechanism.friction.rubbing_pairs(kinematics, motion) if self.scene.friction else {}
         tables = ("shafts", "noncircular_wheels", "racks", "pinions")
         paths = {name: f"{table}.{name}" for table in tables for name in getattr(self.scene, table)}
         self._lossy = {name: paths[name] for name in lossy_meshes(self.scene)}
@@ -182,7 +167,8 @@ class Reactions:
             for name in self.kinematics.masses:
                 self._inertia(of_links, name)
             for name in self.scene.shafts:
-                moment = self._rotary_inertia(of_links, name, turning_inertia(self.kinematics, name))
+                inertia = mechanism.actions.carried_masses.turning_inertia(self.kinematics, name)
+                moment = self._rotary_inertia(of_links, name, inertia)
                 self._forces.append(LinkForce("inertia", name, name, None, moment=moment))
             crank = self.scene.input.link
             if carried_on(self.scene, crank):
@@ -314,11 +300,11 @@ class Reactions:
         links = (group.first.link, group.second.link)
         self._balanced(name, links, pairs_of_group(self.scene, name), lambda loads: self._solved(name, loads))
 
-    def _free_group(self, motion: FreeMotion) -> None:
+    def _free_group(self, motion: "mechanism.groups.free.FreeMotion") -> None:
         group = motion.closure.group
 
         def solved(loads: Mapping[str, Wrench]) -> list[Components]:
-            found = free_reactions(self.kinematics, motion, loads)
+            found = mechanism.groups.free_reactions.free_reactions(self.kinematics, motion, loads)
             return [found[pair.name] for pair in group.pairs]
 
         self._balanced(group.name, group.links, group.pairs, solved)
@@ -337,21 +323,7 @@ class Reactions:
 
     def _solved(self, name: str, loads: Mapping[str, Wrench]) -> list[Components]:
         """Reactions in the three pairs of a dyad, two components of each."""
-        group, k, number = self.scene.groups[name], self.kinematics, self.kinematics.number
-        one, two = k.links[group.first.link], k.links[group.second.link]
-        match group.type:
-            case "RRR":
-                lengths = [number(f"groups.{name}.{side}.length") for side in ("first", "second")]
-                law, geometry = rrr_reactions, ((lengths[0], *one.u), (lengths[1], *two.u), k.sines[name])
-            case "RRP":
-                law = rrp_reactions
-                geometry = ((number(f"groups.{name}.first.length"), *one.u), two.u, k.sines[name])
-            case "RPR":
-                law, geometry = rpr_reactions, (two.u, k.slides[group.first.link].d)
-            case "PRP":
-                law, geometry = prp_reactions, (one.u, two.u)
-            case "RPP":
-                law, geometry = rpp_reactions, (two.u, one.u, k.slides[group.first.link].d)
+        law, geometry = dyad_of(self.scene, name).dyad_statics(self.kinematics, name)
         given = [(*load.force, load.moment) for load in loads.values()]
         found = self.graph.apply(law, *given, *geometry)
         return [found[0:2], found[2:4], found[4:6]]
@@ -359,6 +331,7 @@ class Reactions:
     def _cam(self, name: str) -> None:
         """The contact of a cam holds up its follower against all that acts on it, and what guides it takes the rest."""
         cam, motion = self.scene.cams[name], self.kinematics.cams[name]
+        cam_forces = mechanism.higher_pairs.cam_forces.cam_forces
         links, load = (cam.follower.link,), self._loads.total(cam.follower.link)
         touching, holding = self._contacts[f"{name}.contact"], follower_pair(self.scene, name)
 
@@ -409,11 +382,11 @@ class Reactions:
 
     def _in_mesh(self, name: str, load: Wrench) -> None:
         """Teeth balance the moments on a shaft by a force at the pitch point, and push both wheels apart."""
-        shaft, found = self.scene.shafts[name], mesh_of(self.kinematics, name)
+        shaft, found = self.scene.shafts[name], mechanism.higher_pairs.mesh.mesh_of(self.kinematics, name)
         at, radius = found.pitch_point, found.radius
         if shaft.efficiency is not None:
             ratio, k = self.graph.number(f"shafts.{name}.ratio"), self._lost_share(name, -load.moment)
-            radius = self.graph.apply(shifted_contact, found.radius, ratio, k)
+            radius = self.graph.apply(laws.friction.teeth.shifted_contact, found.radius, ratio, k)
             at = at + (radius - found.radius) * found.along
         tangential = load.moment / radius
         self.graph.bends(tangential, load.moment)
@@ -437,11 +410,12 @@ class Reactions:
         """
         if name not in self._lossy:
             return self.graph.one
-        rate, slope = rolling_rate(self.kinematics, name)
+        rate, slope = mechanism.friction.rolling_rate(self.kinematics, name)
         self.graph.switches(rate, slope)
         sense_of_input = input_sense(self.kinematics)
         way = self.graph.held(self.graph.apply(sense, rate)) * sense_of_input
-        k = self.graph.apply(lost_share, way * taken, self.graph.number(f"{self._lossy[name]}.efficiency"))
+        efficiency = self.graph.number(f"{self._lossy[name]}.efficiency")
+        k = self.graph.apply(laws.friction.teeth.lost_share, way * taken, efficiency)
         self.graph.bends(k, taken)
         self.lost_in_teeth[name] = sense_of_input * ((k - 1.0) * (taken * rate))
         return k
@@ -461,13 +435,14 @@ class Reactions:
         place = found.pitch_point
         if wheel.efficiency is not None:
             k, along = self._lost_share(name, -load.moment), self._line_of_centres(name)
-            shifted = self.graph.apply(shifted_contact, -found.radius, -found.rate, k)
+            shifted = self.graph.apply(laws.friction.teeth.shifted_contact, -found.radius, -found.rate, k)
             place = place + (shifted + found.radius) * along
         arm = place - self.kinematics.links[name].origin.r
         path = f"noncircular_wheels.{name}.pressure_angle"
         slope = self.graph.derived(f"slope of the teeth of {name}", lambda n: np.tan(n[path]))
         levers = arm.cross(found.tangent), arm.cross(found.away)
-        tangential, apart = self.graph.apply(noncircular_tooth_force, load.moment, *levers, slope)
+        law = laws.kinematics.noncircular_wheels.noncircular_tooth_force
+        tangential, apart = self.graph.apply(law, load.moment, *levers, slope)
         self.graph.bends(tangential, load.moment)
         self.graph.bends(apart, load.moment)
         self._in_teeth(name, tangential, apart)
@@ -482,7 +457,8 @@ class Reactions:
 
     def _rack(self, name: str) -> None:
         """Teeth balance all that acts on a rack along its guide, which takes the rest."""
-        rack, found, load = self.scene.racks[name], toothing(self.kinematics, name), self._loads.total(name)
+        rack, load = self.scene.racks[name], self._loads.total(name)
+        found = mechanism.higher_pairs.rack_motion.toothing(self.kinematics, name)
         tangential = -load.force.dot(found.along)
         apart = self._apart(name, f"racks.{name}", tangential)
         force = tangential * found.along - apart * found.away
@@ -494,7 +470,8 @@ class Reactions:
 
     def _pinion(self, name: str) -> None:
         """Teeth balance the moments on a pinion; its pivot takes the rest, its rack bears the force."""
-        pinion, found, load = self.scene.pinions[name], toothing(self.kinematics, name), self._loads.total(name)
+        pinion, load = self.scene.pinions[name], self._loads.total(name)
+        found = mechanism.higher_pairs.rack_motion.toothing(self.kinematics, name)
         arm = found.radius if pinion.efficiency is None else found.radius / self._lost_share(name, -load.moment)
         tangential = -load.moment / arm
         apart = self._apart(name, f"pinions.{name}", tangential)
@@ -517,7 +494,9 @@ class Reactions:
         parts = {"tangential": tangential, "radial": apart, "normal": normal}
         self.variables |= {f"{name}.{part}_force": force for part, force in parts.items()}
 
-    def _between_teeth(self, found: Toothing, arm: Node, force: Vector, on: str, bearer: str) -> None:
+    def _between_teeth(
+        self, found: "mechanism.higher_pairs.rack_motion.Toothing", arm: Node, force: Vector, on: str, bearer: str
+    ) -> None:
         """Load a rack and its pinion by a force that has an arm about the pinion's axis, by losses not its radius."""
         place = found.pitch_point
         if arm is not found.radius:
@@ -554,7 +533,8 @@ class Reactions:
         if pair.name not in self._rubs:
             return self.graph.zero
         edge = self._rubs[pair.name].edge
-        friction = self._rubbed(pair, self.graph.apply(guide_pressing, normal, turning, edge), {pair.link})
+        pressing = self.graph.apply(laws.friction.feedback.guide_pressing, normal, turning, edge)
+        friction = self._rubbed(pair, pressing, {pair.link})
         self._kinks(pair, frozenset())
         return friction
 
@@ -570,7 +550,7 @@ class Reactions:
             self._loads.twist(base, total)
             self._between(LinkForce("drive", name, name, base, moment=-total))
         if self.scene.inputs[name].drive == "crank":
-            passed = total * rate_of_drive(self.kinematics, name)
+            passed = total * mechanism.higher_pairs.second_input_motion.rate_of_drive(self.kinematics, name)
             self._loads.twist(self.scene.input.link, passed)
             self._loads.twist(FRAME, -passed)
             self._forces.append(LinkForce("gears", name, self.scene.input.link, name, moment=passed))
@@ -582,12 +562,12 @@ class Reactions:
 
         What the crank drives has its share in the crank's own moment.
         """
-        reduced = (
-            self.variables[driving_field(self.scene, name)] * rate_of_drive(self.kinematics, name)
-            for name, second in self.scene.inputs.items()
-            if second.drive == "own"
-        )
-        return sum(reduced, self.variables["input_moment_by_equilibrium"])
+        total = self.variables["input_moment_by_equilibrium"]
+        for name, second in self.scene.inputs.items():
+            if second.drive == "own":
+                rate = mechanism.higher_pairs.second_input_motion.rate_of_drive(self.kinematics, name)
+                total = total + self.variables[driving_field(self.scene, name)] * rate
+        return total
 
     # Friction
 
@@ -605,7 +585,7 @@ class Reactions:
         if not rubbing:
             return free
         backs = [solved(self._for_a_newton(pair, links)) for _, pair in rubbing]
-        settled = pressing_in_group(
+        settled = mechanism.friction.pressing_in_group(
             [self._rubs[pair.name] for _, pair in rubbing],
             [free[i] for i, _ in rubbing],
             [[back[i] for back in backs] for i, _ in rubbing],

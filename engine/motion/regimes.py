@@ -1,10 +1,10 @@
 """The regimes of a machine: what may be asked of them, and the answers for many variants."""
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from engine import motion
 from engine.graph.nodes import Node
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.quantities import (
@@ -22,9 +22,6 @@ from engine.motion.quantities import (
 from engine.quantities.quantity import InputUnits, Quantity
 from engine.scene.scene import Numbers
 from engine.verdicts import Verdict
-
-if TYPE_CHECKING:
-    from engine.motion.regimes_in_order import RegimeAnswers, Schedule
 
 
 class Regimes:
@@ -64,13 +61,9 @@ class Regimes:
         asked = list(dict.fromkeys(asked))
         self.summaries |= self._statistics(asked)
         self.asked = tuple(name for name in asked if name in self.summaries or name in self.fields)
-        self.schedule = self._scheduled(mechanics, steps, accuracy) if self.asked else None
-
-    def _scheduled(self, mechanics: Mechanics, steps: int, accuracy: float | None) -> "Schedule":
-        # What few machines have is loaded for these alone.
-        from engine.motion.regimes_in_order import Schedule
-
-        return Schedule(mechanics, set(self.asked), steps, accuracy)
+        self.schedule: motion.regimes_in_order.Schedule | None = None
+        if self.asked:
+            self.schedule = motion.regimes_in_order.Schedule(mechanics, set(self.asked), steps, accuracy)
 
     def _statistics(self, names: Iterable[str]) -> dict[str, Quantity]:
         """The statistics of fields among some names."""
@@ -88,7 +81,7 @@ class Regimes:
         """All that the motion is computed from at a position."""
         return [] if self.schedule is None else self.schedule.nodes
 
-    def answers(self, numbers: Numbers, count: int) -> "RegimeAnswers":
+    def answers(self, numbers: Numbers, count: int) -> "motion.regimes_in_order.RegimeAnswers":
         """Everything asked, of a number of variants.
 
         Parameters

@@ -15,8 +15,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from engine.laws.motor_characteristics import nameplate_trouble
-from engine.laws.tables import TableError, make_table
+from engine import laws
 from engine.parts.formulas.by_formula import ByFormula, FormulaText
 from engine.parts.skeleton import (
     FRAME,
@@ -129,8 +128,9 @@ class Tabled(Part):
             raise ValueError(f"measured_from is of a stroke, and has no meaning with {given[0]}; leave it out")
         try:
             names = (given[0], "force" if hasattr(self, "force") else "moment")
-            make_table(self.abscissae, self.ordinates, self.interpolation, outside=self.outside, names=names)
-        except TableError as error:
+            rows = self.abscissae, self.ordinates
+            laws.tables.make_table(*rows, self.interpolation, outside=self.outside, names=names)
+        except laws.tables.TableError as error:
             raise ValueError(str(error)) from None
         return self
 
@@ -460,7 +460,7 @@ class InductionCharacteristic(Part):
         if None not in kloss and all(v is None for v in (*nameplate, self.starting_ratio)):
             return self
         if None not in nameplate and all(v is None for v in kloss):
-            trouble = nameplate_trouble(
+            trouble = laws.motor_characteristics.nameplate_trouble(
                 self.power, self.rated_speed, self.synchronous_speed, self.breakdown_ratio, self.starting_ratio
             )
             if trouble:

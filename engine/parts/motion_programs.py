@@ -10,7 +10,7 @@ from typing import Annotated, Literal, NamedTuple
 import numpy as np
 from pydantic import Field, model_validator
 
-from engine.laws.tables import TableError, make_table
+from engine import laws
 from engine.parts.skeleton import Angle, Length, Name, Part, Positive
 
 LawName = Literal[
@@ -75,9 +75,10 @@ class MotionTable(Part):
         if (self.lift is None) == (self.swing is None):
             raise ValueError("give lift for a slider or swing for a rotating link, not both")
         key = "lift" if self.swing is None else "swing"
+        names = ("over_angle", key)
         try:
-            make_table(self.over_angle, self.rows, self.interpolation, 2 * math.pi, names=("over_angle", key))
-        except TableError as error:
+            laws.tables.make_table(self.over_angle, self.rows, self.interpolation, 2 * math.pi, names=names)
+        except laws.tables.TableError as error:
             raise ValueError(str(error)) from None
         return self
 

@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
-from engine.laws.tables import TableError, make_table
+from engine import laws
 from engine.parts.actions import Interpolation
 from engine.parts.skeleton import Angle, CrankInput, Length, LinkRef, Part, PointRef, SliderInput
 
@@ -51,8 +51,8 @@ class _OverAngle(Part):
     @model_validator(mode="after")
     def _rows_make_a_table(self) -> "_OverAngle":
         try:
-            make_table(self.over_angle, self.wanted, self.interpolation, names=("over_angle", self.rows))
-        except TableError as error:
+            laws.tables.make_table(self.over_angle, self.wanted, self.interpolation, names=("over_angle", self.rows))
+        except laws.tables.TableError as error:
             raise ValueError(str(error)) from None
         return self
 

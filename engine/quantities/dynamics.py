@@ -6,8 +6,8 @@ flywheels.
 
 from functools import partial
 
+from engine import mechanism, quantities
 from engine.graph.nodes import Node
-from engine.mechanism.actions.motors import motor_moment
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.skeleton import OF_FLUCTUATION
 from engine.quantities.expressions import (
@@ -23,7 +23,6 @@ from engine.quantities.expressions import (
     share,
     unresolved_peak,
 )
-from engine.quantities.multiple_angles import multiple_angle
 from engine.quantities.quantity import drive_words
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
 from engine.scene.pairs import has_friction
@@ -62,7 +61,8 @@ def declare(mechanics: Mechanics) -> Declared:
         symbol="I_0",
     )
     if m.loads.motors:
-        number = graph.derived("motor moment", lambda n: motor_moment(scene, m.loads.motors, n))
+        moment_of = mechanism.actions.motors.motor_moment
+        number = graph.derived("motor moment", lambda n: moment_of(scene, m.loads.motors, n))
         yield Summary(
             "motor_moment",
             "torque of the motors at the input's speed, reduced to the input",
@@ -95,7 +95,7 @@ def input_moment_harmonic(m: Mechanics, k: int) -> tuple[Expression, Expression]
         At least 1.
     """
     half = VariantNumber(m.last - m.first) / 2.0
-    turned = multiple_angle(m, k, m.scene.input.revolutions)
+    turned = quantities.multiple_angles.multiple_angle(m, k, m.scene.input.revolutions)
     cosine, sine = (Integral(m.input_moment * part) / half for part in turned)
     return cosine, sine
 

@@ -2,12 +2,11 @@
 
 import numpy as np
 
+from engine import laws, quantities
 from engine.cycle.measured import Measured, where
-from engine.laws.masses.replacement_masses import inertia_error
 from engine.mechanism.inertia import moment_centre
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import Expression, Formula, Integral, VariantNumber, hypot
-from engine.quantities.multiple_angles import multiple_angle
 from engine.quantities.register import Declared, Field, Summary
 from engine.scene.inertia import body_inertia, inertia_from_swing
 from engine.scene.masses import CENTRE, count_points, replacement, replacement_mass
@@ -79,9 +78,10 @@ def _replacement(m: Mechanics, name: str) -> Declared:
             number = graph.derived(f"replacement {key} {i + 1} of {name}", compute)
             yield Summary(f"{name}.replacement_{key}_{i + 1}", words, unit, lambda number=number: VariantNumber(number))
     if count:
+        error_of = laws.masses.replacement_masses.inertia_error
         error = graph.derived(
             f"replacement error of {name}",
-            lambda n: inertia_error(replacement(m.scene, name, n), body_inertia(m.scene, name, n)),
+            lambda n: error_of(replacement(m.scene, name, n), body_inertia(m.scene, name, n)),
         )
         words = f"moment of inertia of the point masses that stand for body {name}, less its own"
         yield Summary(f"{name}.replacement_error", words, "kg m2", lambda: VariantNumber(error))
@@ -110,7 +110,7 @@ def order_of_force(m: Mechanics, n: int) -> Expression:
     With the complex force z = F_x + i F_y, order n is c₊ e^{inφ} + c₋ e^{−inφ}, c± = 1/T ∫ z e^{∓inφ} dφ, and the half
     axes are ||c₊| ± |c₋||.
     """
-    cosine, sine = multiple_angle(m, n)
+    cosine, sine = quantities.multiple_angles.multiple_angle(m, n)
     x, y = m.shaking.force
     xc, xs, yc, ys = (Integral(part * turn) for part in (x, y) for turn in (cosine, sine))
     length = VariantNumber(m.last - m.first)

@@ -2,8 +2,8 @@
 
 from collections.abc import Callable
 
+from engine import mechanism
 from engine.graph.nodes import Node
-from engine.mechanism.higher_pairs.noncircular_motion import NoncircularMotion
 from engine.mechanism.mechanics import Mechanics
 from engine.mechanism.vectors import Vector
 from engine.parts.skeleton import FRAME, CrankInput
@@ -61,7 +61,12 @@ def declare(mechanics: Mechanics) -> Declared:
         yield from _of_wheel(name, scene.noncircular_wheels[name].geared_to, motion, k.coordinates)
 
 
-def _of_wheel(name: str, driver: str, motion: NoncircularMotion, coordinates: Callable[[Vector], Vector]) -> Declared:
+def _of_wheel(
+    name: str,
+    driver: str,
+    motion: "mechanism.higher_pairs.noncircular_motion.NoncircularMotion",
+    coordinates: Callable[[Vector], Vector],
+) -> Declared:
     """Fields of a non-circular wheel."""
     words = f"ratio of the speed of {name} to that of {driver}, by magnitude"
     yield Field(f"{name}.ratio", words, "1", _known(motion.rate), "i")

@@ -1,12 +1,27 @@
 """All quantities of a machine, chapter by chapter."""
 
+from engine import quantities
 from engine.mechanism.mechanics import Mechanics
-from engine.quantities import cams, dynamics, friction, inertia, kinematics, loops, reactions, strokes, wanted, wheel
 from engine.quantities.register import Register
 
-CHAPTERS = (kinematics, cams, strokes, wanted, loops, dynamics, wheel, inertia, reactions, friction)
+# The chapters in their order, each with the parts of a scene that it is about: it is loaded for a scene with any of
+# them. Those without such parts are about every machine.
+CHAPTERS = {
+    "kinematics": (),
+    "cams": ("cams",),
+    "strokes": (),
+    "wanted": ("wanted",),
+    "loops": (),
+    "dynamics": (),
+    "wheel": ("flywheel",),
+    "inertia": (),
+    "reactions": (),
+    "friction": ("friction", "shafts", "noncircular_wheels", "racks", "pinions"),
+}
 
 
 def register_of(mechanics: Mechanics) -> Register:
     """The register of a machine: to add a quantity, declare it in the file of its chapter."""
-    return Register(mechanics, (quantity for chapter in CHAPTERS for quantity in chapter.declare(mechanics)))
+    scene = mechanics.scene
+    chapters = [name for name, parts in CHAPTERS.items() if not parts or any(getattr(scene, part) for part in parts)]
+    return Register(mechanics, (one for name in chapters for one in getattr(quantities, name).declare(mechanics)))

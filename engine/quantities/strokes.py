@@ -6,9 +6,9 @@ from functools import partial
 
 import numpy as np
 
+from engine import mechanism
 from engine.cycle.measured import Measured
 from engine.graph.nodes import Node, reached
-from engine.mechanism.higher_pairs.rack_motion import angle_of_link
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.skeleton import FRAME
 from engine.quantities.expressions import (
@@ -22,7 +22,7 @@ from engine.quantities.expressions import (
     StrokeEnd,
 )
 from engine.quantities.register import Declared, InputUnits, Summary
-from engine.scene.structure.meshes import net_turns, root_of
+from engine.scene import structure
 
 
 def declare(mechanics: Mechanics) -> Declared:
@@ -46,8 +46,10 @@ def _swing_end(mechanics: Mechanics, name: str, which: str) -> Expression:
     """End of the swing of a link, or the position there; undefined for a link that turns all the way round."""
     link = mechanics.kinematics.links[name]
     scene = mechanics.scene
-    if name in {*scene.pinions, *scene.inputs} and root_of(scene, name) == FRAME and net_turns(scene, name) == 0.0:
-        return StrokeEnd(angle_of_link(mechanics.kinematics, name), link.w, which)
+    geared, meshes = name in {*scene.pinions, *scene.inputs}, structure.meshes
+    if geared and meshes.root_of(scene, name) == FRAME and meshes.net_turns(scene, name) == 0.0:
+        angle = mechanism.higher_pairs.rack_motion.angle_of_link(mechanics.kinematics, name)
+        return StrokeEnd(angle, link.w, which)
     angle, sense = Angle(link.u), "least" if which.startswith("low") else "greatest"
     found = ExtremePosition(angle, sense) if which.endswith("_at") else Extreme(angle, sense)
     return Formula(_unless_turning, (found, Integral(link.w))) if mechanics.has_cycle else found

@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from engine import elements
 from engine.cycle.measured import Measured
-from engine.elements.flywheel_wheels import Wheel, make_wheel
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.dynamics import steady_cycle
 from engine.quantities.expressions import Expression, Formula, VariantNumber
@@ -54,8 +54,7 @@ def _made(form: object, paths: list[str], key: str) -> Callable[..., Measured]:
         known = {path: number.value for path, number in zip(paths, numbers, strict=True)}
 
         def made(of: np.ndarray, at: np.ndarray) -> np.ndarray:
-            wheel: Wheel = make_wheel(form, of, at, known)
-            return getattr(wheel, key)
+            return getattr(elements.flywheel_wheels.make_wheel(form, of, at, known), key)
 
         value = made(inertia.value, speed.value)
         heavier, faster = (

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from engine.elements.elastic_drives.machine_drive import MachineDrive
+from engine import parts
 from engine.parts.actions import FormulaForce, FormulaMoment
 from engine.parts.dimensions import described
 from engine.parts.formulas.expressions import (
@@ -31,8 +31,6 @@ from engine.parts.formulas.expressions import (
     parse,
     pointed_out,
 )
-from engine.parts.formulas.speed_powers import NoPowerError, jump_at_a_speed, powers_of_speed
-from engine.parts.formulas.switching import MOST_TURNS, compared, operations, turns
 from engine.parts.formulas.unknown_names import unknown_name_message
 from engine.parts.regimes import RunRegime
 from engine.parts.skeleton import FRAME, CrankInput
@@ -97,9 +95,9 @@ class LoadFormula(NamedTuple):
         """Times at which it switches because time by itself passes a number of the variants [s]."""
         known = {path: numbers[path] for path in numbers}
         known |= {name: numbers[f"{self.at}.numbers.{name}"] for name in self.action.numbers}
-        found = []
-        for tree in operations(self.expression.tree):
-            for one, other in compared(tree):
+        found, switching = [], parts.formulas.switching
+        for tree in switching.operations(self.expression.tree):
+            for one, other in switching.compared(tree):
                 for passing, passed in ((one, other), (other, one)):
                     if passing == TIME and known.keys() >= names_in_tree(passed).keys():
                         with np.errstate(all="ignore"):
@@ -157,7 +155,7 @@ def formula_problems(scene: Scene) -> list[Problem]:
 def _timed_where_motion_repeats(scene: Scene) -> list[Problem]:
     """Loads that depend on time, and are on in what motion settles to."""
     settled = {f"regimes.{n}": regime for n, regime in scene.regimes.items() if not isinstance(regime, RunRegime)}
-    settled |= {f"elements.{n}": e for n, e in scene.elements.items() if isinstance(e, MachineDrive)}
+    settled |= {f"elements.{n}": e for n, e in scene.elements.items() if e.type == "machine_drive"}
     governing = [n for n, e in scene.elements.items() if e.machine_needed()[0] == ".engine.machine" and e.is_followed]
     found = []
     for name in time_dependent(scene):
@@ -170,9 +168,7 @@ def _timed_where_motion_repeats(scene: Scene) -> list[Problem]:
 
 
 def _problems(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem]:
-    # Units are checked by what only texts need otherwise.
-    from engine.parts.formulas.dimension_check import check_yields, dimension_of_unit
-
+    check = parts.formulas.dimension_check
     units = units_of_names(scene, formula)
     taken = [n for n in formula.action.numbers if n in {"phi", "v", "omega", TIME, "pi", "gravity"}]
     for number in taken:
@@ -184,9 +180,9 @@ def _problems(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem
     if taken or unknown:
         return
     try:
-        known: Mapping[str, UnitsContainer] = {n: dimension_of_unit(units[n]) for n in expression.names}
-        wanted = dimension_of_unit("N" if isinstance(formula.action, FormulaForce) else "N m")
-        check_yields(expression, wanted, known)
+        known: Mapping[str, UnitsContainer] = {n: check.dimension_of_unit(units[n]) for n in expression.names}
+        wanted = check.dimension_of_unit("N" if isinstance(formula.action, FormulaForce) else "N m")
+        check.check_yields(expression, wanted, known)
         _check_curves(expression)
         _check_finite(expression, expression.tree)
         _check_turns(scene, formula)
@@ -221,24 +217,25 @@ def _unknown(name: str, units: Mapping[str, str], formula: LoadFormula) -> str:
 
 def _check_curves(expression: TextExpression) -> None:
     """Refuse comparisons that hold in single places."""
-    for tree in operations(expression.tree):
+    for tree in parts.formulas.switching.operations(expression.tree):
         if tree.name in ("==", "!="):
             raise _refused(expression, tree, f"{tree.name} holds in single places at most; compare by < or >")
 
 
 def _check_turns(scene: Scene, formula: LoadFormula) -> None:
     """Refuse what switches so often in a cycle, or nobody knows how often, that some of it would be missed."""
-    expression, cycles = formula.expression, dict.fromkeys([*formula.action.numbers, *scene_numbers(scene)], 0.0)
+    expression, switching = formula.expression, parts.formulas.switching
+    cycles = dict.fromkeys([*formula.action.numbers, *scene_numbers(scene)], 0.0)
     if isinstance(scene.input, CrankInput):
         cycles["phi"] = float(scene.input.revolutions)
         cycles[TIME] = scene.input.revolutions / abs(scene.input.speed)
     else:
         cycles[TIME] = abs((scene.input.stop - scene.input.start) / scene.input.speed) / (2.0 * np.pi)
-    for tree in operations(expression.tree):
-        if any(turns(part, cycles) > MOST_TURNS for pair in compared(tree) for part in pair):
+    for tree in switching.operations(expression.tree):
+        if any(switching.turns(part, cycles) > switching.MOST_TURNS for x in switching.compared(tree) for part in x):
             what = (
                 f"{tree.name} may switch oftener in a cycle than is looked for: take lower powers, and sines of phi "
-                f"(or t) times a number that is written out, up to {MOST_TURNS / 2:g} periods in a cycle"
+                f"(or t) times a number that is written out, up to {switching.MOST_TURNS / 2:g} periods in a cycle"
             )
             raise _refused(expression, tree, what)
 
@@ -261,7 +258,7 @@ def _check_finite(expression: TextExpression, tree: Tree) -> None:
 def _wrong_in_motion(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem]:
     """What true motion can't take: a jump at some speed; in elastic drives, a speed but by its powers."""
     regimes = {f"regimes.{n}": regime for n, regime in scene.regimes.items() if name not in regime.off}
-    jump = jump_at_a_speed(formula.expression.tree, formula.velocities) if regimes else None
+    jump = parts.formulas.speed_powers.jump_at_a_speed(formula.expression.tree, formula.velocities) if regimes else None
     if jump is not None:
         what = (
             f"{jump.name} jumps at a speed, about which a motion may hover for ever; switch {name!r} off in "
@@ -276,8 +273,8 @@ def _wrong_in_motion(scene: Scene, name: str, formula: LoadFormula) -> Iterator[
     if not at_work:
         return
     try:
-        powers_of_speed(formula.expression.tree, formula.velocities)
-    except NoPowerError as error:
+        parts.formulas.speed_powers.powers_of_speed(formula.expression.tree, formula.velocities)
+    except parts.formulas.speed_powers.NoPowerError as error:
         what = (
             "depends on the speed otherwise than by fixed powers of it, which elastic drives can't take; "
             f"switch {name!r} off in {', '.join(at_work)}, or write it by products, sums, powers, abs and sign"

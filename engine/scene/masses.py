@@ -5,18 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.laws.masses.replacement_masses import (
-    CONDITIONS,
-    PointMasses,
-    Vector,
-    coincident,
-    dynamic_four,
-    dynamic_in_line,
-    dynamic_three,
-    dynamic_two,
-    static_three,
-    static_two,
-)
+from engine import laws
 from engine.parts.skeleton import CrankInput, Hinged, Sliding, Yoke
 from engine.scene.inertia import body_inertia, body_mass, centre_along
 from engine.scene.names import Problem, did_you_mean
@@ -188,7 +177,7 @@ def count_points(scene: Scene, body: str) -> int:
     return len(replace.at) + (replace.type == "dynamic" and len(replace.at) < 3)
 
 
-def replacement(scene: Scene, name: str, numbers: Numbers) -> PointMasses:
+def replacement(scene: Scene, name: str, numbers: Numbers) -> "laws.masses.replacement_masses.PointMasses":
     """The point masses that stand for a body, for every variant.
 
     Parameters
@@ -201,26 +190,26 @@ def replacement(scene: Scene, name: str, numbers: Numbers) -> PointMasses:
     body = scene.bodies[name]
     x, y = centre_along(scene, name, numbers), numbers[f"bodies.{name}.y"]
     places = places_on(scene, body.link)
-    points: list[Vector] = []
+    points: list[laws.masses.replacement_masses.Vector] = []
     for at in body.replace.at:
         along, across = places.get(at, (None, None))
         place = (_number(along, numbers) - x, _number(across, numbers) - y)
         points.append((0.0, 0.0) if at == CENTRE else place)
-    mass = body_mass(scene, name, numbers)
+    mass, law = body_mass(scene, name, numbers), laws.masses.replacement_masses
     match _method(scene, name):
         case "static_two":
-            return static_two(mass, *points)
+            return law.static_two(mass, *points)
         case "static_three":
-            return static_three(mass, *points)
+            return law.static_three(mass, *points)
         case "dynamic_two":
-            return dynamic_two(mass, body_inertia(scene, name, numbers), *points)
+            return law.dynamic_two(mass, body_inertia(scene, name, numbers), *points)
         case "dynamic_three":
             first_mass = numbers[f"bodies.{name}.replace.mass"]
-            return dynamic_three(mass, body_inertia(scene, name, numbers), points[0], first_mass, points[1])
+            return law.dynamic_three(mass, body_inertia(scene, name, numbers), points[0], first_mass, points[1])
         case "dynamic_in_line":
-            return dynamic_in_line(mass, body_inertia(scene, name, numbers), *points)
+            return law.dynamic_in_line(mass, body_inertia(scene, name, numbers), *points)
         case _:
-            return dynamic_four(mass, body_inertia(scene, name, numbers), *points)
+            return law.dynamic_four(mass, body_inertia(scene, name, numbers), *points)
 
 
 def _number(path: str | None, numbers: Numbers) -> float | np.ndarray:
@@ -283,10 +272,10 @@ def replacement_problems(scene: Scene) -> list[Problem]:
             continue
         points = replacement(scene, name, Numbers(scene_numbers(scene), {}))
         chosen, named = len(body.replace.at), ", ".join(body.replace.at)
-        same = coincident(points.points[:chosen])
+        same = laws.masses.replacement_masses.coincident(points.points[:chosen])
         if same is not None:
             i, j = (body.replace.at[k] for k in same)
             found.append((f"{at}.at", f"{i!r} and {j!r} lie in one place; name points that lie apart"))
         elif not points.possible:
-            found.append((f"{at}.at", f"{named}: {CONDITIONS[_method(scene, name)]}"))
+            found.append((f"{at}.at", f"{named}: {laws.masses.replacement_masses.CONDITIONS[_method(scene, name)]}"))
     return found

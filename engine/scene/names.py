@@ -4,7 +4,7 @@ import difflib
 import math
 from collections.abc import Iterable
 
-from engine.laws.tables import TableError, make_table
+from engine import laws
 from engine.parts.actions import Carried, Motor, Tabled, TorsionSpring
 from engine.parts.regimes import OF_CRANK, OF_SLIDER, Regime, run_keys
 from engine.parts.skeleton import FRAME, CrankInput, SliderInput, Sliding, Yoke
@@ -431,8 +431,8 @@ def _open_tables(scene: Scene) -> list[Problem]:
                 try:
                     angles, period = [math.degrees(angle) for angle in action.over_angle], 360.0 * drive.revolutions
                     names = ("over_angle [deg]", ordinate)
-                    make_table(angles, action.ordinates, action.interpolation, period, names=names)
-                except TableError as error:
+                    laws.tables.make_table(angles, action.ordinates, action.interpolation, period, names=names)
+                except laws.tables.TableError as error:
                     problems.append((f"{table}.{name}.{ordinate}", str(error)))
     return problems
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+import engine
 from engine import (
     ElementsAlone,
     InputUnits,
@@ -19,7 +20,6 @@ from engine import (
     made_ready,
     order_groups,
     own_drives,
-    regime_text,
 )
 from sweeps.report import accuracy_words
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
@@ -156,7 +156,7 @@ def regimes_text(scene: Scene, positions: int) -> str:
     outcome = machine.evaluate({})
     asked = by_regime(scene, machine.asked_summaries)
     lines = []
-    for name, case, method in regime_text(machine.mechanics):
+    for name, case, method in engine.regime_text(machine.mechanics):
         lines += [f"{name}: {regime_words(scene, name)}", f"  {case}; {method}"]
         if outcome.status[0] == Verdict.OK:
             lines += table(_asked_rows(machine, outcome, asked[name]), "  ").splitlines()

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from engine import CrankInput, History, Scene, Verdict, history, sliding_quantity
+import engine
+from engine import CrankInput, Scene, Verdict, sliding_quantity
 from sweeps.report.readings import Readings
 from sweeps.report.regime_words import failure_text
 from sweeps.text.input_files import InputError
@@ -36,7 +37,7 @@ def readings_in_time(scene: Scene, at: Sequence[float]) -> Readings:
     if not scene.regimes:
         message = 'a time needs regimes; give an angle, or add [regimes.NAME] with type = "run"'
         raise InputError("--at", [(None, "", message)])
-    seen, times = history(scene), np.asarray(at, float)
+    seen, times = engine.history(scene), np.asarray(at, float)
     failed = "" if seen.verdict == Verdict.OK else failure_text(scene, seen.verdict, seen)
     if times.min() < 0 or times.max() > seen.time[-1]:
         message = f"the regimes last from 0 to {seen.time[-1]:.6g} s" + (f": {failed}" if failed else "")
@@ -54,7 +55,7 @@ def readings_in_time(scene: Scene, at: Sequence[float]) -> Readings:
     return Readings("time", times, values, units, long_names, failed)
 
 
-def _between(seen: History, times: np.ndarray) -> dict[str, np.ndarray]:
+def _between(seen: "engine.History", times: np.ndarray) -> dict[str, np.ndarray]:
     """Interpolate a history: angle and speed by cubic Hermite polynomials."""
     after = np.clip(np.searchsorted(seen.time, times, "right"), 1, seen.time.size - 1)
     before = after - 1

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from engine import History, InputUnits, RunRegime, Scene, Verdict, has_cycle, history, run_keys
+import engine
+from engine import InputUnits, RunRegime, Scene, Verdict, has_cycle, run_keys
 from sweeps.text.engineer_units import quantity_text
 
 # Verdicts of motion.
@@ -82,7 +83,7 @@ def _asked_speed(scene: Scene, regime: RunRegime) -> float | None:
 # Failures
 
 
-def failure_text(scene: Scene, verdict: Verdict, seen: History | None = None) -> str:
+def failure_text(scene: Scene, verdict: Verdict, seen: "engine.History | None" = None) -> str:
     """Which regime fails, where and how, with a remedy.
 
     Parameters
@@ -94,7 +95,7 @@ def failure_text(scene: Scene, verdict: Verdict, seen: History | None = None) ->
     seen : History, optional
         Its history, if known.
     """
-    seen = history(scene, STEPS) if seen is None else seen
+    seen = engine.history(scene, STEPS) if seen is None else seen
     if seen.verdict == Verdict.OK:
         # Near a limit the step count matters, and the variant may have a sized flywheel that the scene lacks.
         return f"{verdict.sentence} (with {STEPS} positions and the scene's flywheel it runs)"
@@ -110,7 +111,7 @@ def failure_text(scene: Scene, verdict: Verdict, seen: History | None = None) ->
     return f"regime {name}: {seen.verdict.sentence}"
 
 
-def _stands(scene: Scene, seen: History) -> str:
+def _stands(scene: Scene, seen: "engine.History") -> str:
     """Where a machine stalls, and the torques there."""
     way = math.copysign(1.0, scene.input.speed)
     drive = way * float(seen.motor_moment[-1] + seen.load_moments["driving"][-1])
@@ -124,7 +125,7 @@ def _stands(scene: Scene, seen: History) -> str:
     return f"the machine {after or f'does not start at {place}'}: {moments}; {mend}"
 
 
-def _no_end(scene: Scene, name: str, seen: History) -> str:
+def _no_end(scene: Scene, name: str, seen: "engine.History") -> str:
     """How a run fails to end."""
     regime, key, chosen = scene.regimes[name], f"regimes.{name}", seen.regime == name
     if not has_cycle(scene):
@@ -162,7 +163,7 @@ def _no_end(scene: Scene, name: str, seen: History) -> str:
     return f"{key}.at_most ends it early: {goes}; raise it"
 
 
-def _no_end_in_range(scene: Scene, regime: RunRegime, seen: History) -> str:
+def _no_end_in_range(scene: Scene, regime: RunRegime, seen: "engine.History") -> str:
     """How a run fails to end if the input doesn't turn fully."""
     units, drive = _units(scene), scene.input
     angle, at, speed = seen.angle[seen.regime == seen.regime[-1]], float(seen.angle[-1]), float(seen.speed[-1])

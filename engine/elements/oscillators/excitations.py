@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
+from engine import parts
 from engine.laws.tables import TableError, make_table
 from engine.parts.actions import Force, Time
 from engine.parts.dimensions import described
@@ -103,9 +104,7 @@ class OverTime(ByFormula):
             raise ValueError(f"{key} is 0 in all rows: nothing drives the mass; leave the excitation out")
 
     def _check_formula(self, unit: str) -> None:
-        # Units are checked by what only texts need otherwise.
-        from engine.parts.formulas.dimension_check import check_yields, dimension_of_unit
-
+        check = parts.formulas.dimension_check
         if self.time is None:
             raise ValueError("time is missing: a formula has no last row; say how long the motion is followed")
         if "t" in self.numbers:
@@ -116,7 +115,8 @@ class OverTime(ByFormula):
             if name not in units:
                 raise ValueError(f"formula: {unknown_name_message(name, units)}; it can use t and numbers")
         try:
-            check_yields(expression, dimension_of_unit(unit), {n: dimension_of_unit(u) for n, u in units.items()})
+            dimensions = {n: check.dimension_of_unit(u) for n, u in units.items()}
+            check.check_yields(expression, check.dimension_of_unit(unit), dimensions)
         except ExpressionError as error:
             raise ValueError(f"formula: {error}") from None
 

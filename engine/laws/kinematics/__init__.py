@@ -28,3 +28,7 @@ line at the distance moment/N. Pairs are without friction; masses and forces ent
 Source: any course of the theory of mechanisms, chapters on the kinematics and the kinetostatics of Assur groups of
 class II, e.g. I. I. Artobolevsky, Theory of Mechanisms and Machines.
 """
+
+from engine import on_use
+
+__getattr__ = on_use(__name__)

@@ -8,15 +8,12 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from engine import mechanism
 from engine.graph.nodes import Node
 from engine.laws.elementary import power
 from engine.laws.loads import acts_in_direction, constant_against_motion
 from engine.mechanism.acting import Characteristic
-from engine.mechanism.actions.brakes import braking_moment
-from engine.mechanism.actions.carried_masses import carried_characteristics
-from engine.mechanism.actions.formulas import formula_characteristics
 from engine.mechanism.actions.paths import Along, input_sense
-from engine.mechanism.actions.tables import tabled
 from engine.mechanism.kinematics import Kinematics
 from engine.parts import actions
 from engine.scene.load_formulas import LoadFormula
@@ -46,10 +43,11 @@ def characteristics(
     """
     acts = _acts(kinematics, action, along)
     if isinstance(action, (actions.FormulaForce, actions.FormulaMoment)):
-        factor = kinematics.graph.held(acts)
-        yield from formula_characteristics(kinematics, LoadFormula(action, at), along, factor, time, speed)
+        factor, formula = kinematics.graph.held(acts), LoadFormula(action, at)
+        by_formula = mechanism.actions.formulas.formula_characteristics
+        yield from by_formula(kinematics, formula, along, factor, time, speed)
     elif isinstance(action, actions.Carried):
-        yield from carried_characteristics(kinematics, action, at, along)
+        yield from mechanism.actions.carried_masses.carried_characteristics(kinematics, action, at, along)
     else:
         yield _characteristic(kinematics, action, at, along, acts, time)
 
@@ -63,7 +61,8 @@ def _characteristic(
         case "constant":
             return Characteristic(graph.number(value), graph.held(acts))
         case "table":
-            return Characteristic(graph.number(f"{at}.scale"), tabled(kinematics, action, acts, time))
+            value = mechanism.actions.tables.tabled(kinematics, action, acts, time)
+            return Characteristic(graph.number(f"{at}.scale"), value)
         case "against_motion":
             force = graph.derived(f"{at} at speed", lambda n: n[value] * _sense(n))
             return Characteristic(force, _against(along, acts))
@@ -81,7 +80,8 @@ def _characteristic(
             drag = graph.derived(f"{at} at speed", lambda n: _power_drag(n, at, value))
             return Characteristic(drag, _against(along, acts) * growth, exponent)
         case _:
-            moment = graph.derived(f"{at} at speed", lambda n: braking_moment(action, at, n) * _sense(n))
+            braking = mechanism.actions.brakes.braking_moment
+            moment = graph.derived(f"{at} at speed", lambda n: braking(action, at, n) * _sense(n))
             return Characteristic(moment, _against(along, acts))
 
 

@@ -17,8 +17,7 @@ from engine.laws.elementary import angle_of, direction_of, exponential, logarith
 from engine.laws.senses import angle_on_side, either, exceeds, kept_positive, quotient, sense, side
 from engine.laws.tables import cycles_before
 from engine.mechanism.acting import Characteristic
-from engine.mechanism.actions.paths import Along, input_sense
-from engine.mechanism.actions.tables import time_per_input, uniform_time
+from engine.mechanism.actions.paths import Along, input_sense, time_per_input, uniform_time
 from engine.mechanism.assembly import Slide
 from engine.mechanism.kinematics import Kinematics
 from engine.parts.formulas.expressions import TextOperation, TextQuantity, Tree, evaluate_tree, names_in_tree

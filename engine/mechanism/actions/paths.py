@@ -5,12 +5,13 @@ link turns back. There its speed |v| has a kink and its direction of motion jump
 sense of the motion held: smooth to the very end of its stroke, and beyond.
 """
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
-from engine.graph.nodes import Node, Stage
+from engine.graph.nodes import Node, Return, Stage
 from engine.laws.loads import direction_of_motion
 from engine.laws.senses import sense
 from engine.mechanism.assembly import Slide
@@ -18,6 +19,7 @@ from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.vectors import Vector
 from engine.parts.actions import ForceAction
 from engine.parts.skeleton import FRAME, SliderInput, Sliding, Yoke
+from engine.scene.load_formulas import TIME
 from engine.scene.scene import Scene
 
 
@@ -51,6 +53,31 @@ class Along(NamedTuple):
 def input_sense(kinematics: Kinematics) -> Node:
     """Sign of the input's speed: which way the cycle is run through."""
     return kinematics.graph.derived("sense of the input", lambda n: np.sign(n["input.speed"]) + 0.0)
+
+
+def uniform_time(kinematics: Kinematics) -> Node:
+    """Time since the begin of the cycle [s], in the direction in which the input moves, at uniform speed.
+
+    It goes on from cycle to cycle, so that what depends on it doesn't repeat itself.
+    """
+    full, drive = kinematics.has_cycle, kinematics.scene.input
+
+    def begin(numbers: dict) -> float | np.ndarray:
+        first = 0.0 if full else numbers["input.start"]
+        last = 2.0 * math.pi * drive.revolutions if full else numbers["input.stop"]
+        forward = np.asarray(numbers["input.speed"]) > 0.0
+        return np.where(forward, np.minimum(first, last), np.maximum(first, last))
+
+    graph = kinematics.graph
+    time = (graph.q - graph.derived("position at the begin", begin)) * time_per_input(kinematics)
+    if full:
+        graph.returns((time,), Return(TIME, graph.constant(math.nan)))
+    return time
+
+
+def time_per_input(kinematics: Kinematics) -> Node:
+    """Time that passes for each unit of the input's motion [s/rad or s/m]."""
+    return kinematics.graph.derived("time for the input's unit", lambda n: 1.0 / n["input.speed"])
 
 
 def about_link(kinematics: Kinematics, link: str) -> Along:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.graph.nodes import Alike, Constant, Graph, Node, Number, Return, value_of
+from engine.graph.nodes import Alike, Constant, Graph, Node, Number, value_of
 from engine.laws.tables import (
     HEAD,
     Table,
@@ -22,9 +22,9 @@ from engine.laws.tables import (
     sum_of_segments,
     table_segment,
 )
+from engine.mechanism.actions.paths import time_per_input
 from engine.mechanism.kinematics import Kinematics
 from engine.parts.actions import Tabled
-from engine.scene.load_formulas import TIME
 
 # A table with more pieces is searched by a law; fewer are told apart side by side, by a bounded number of lines, which
 # the stages of a motion do a sixth faster.
@@ -182,28 +182,3 @@ def _within_cycle(rows: list[tuple[float, int]], period: float) -> list[tuple[fl
         place = x % period
         kinks[place] = min(kink, kinks.get(place, kink))
     return sorted(kinks.items())
-
-
-def uniform_time(kinematics: Kinematics) -> Node:
-    """Time since the begin of the cycle [s], in the direction in which the input moves, at uniform speed.
-
-    It goes on from cycle to cycle, so that what depends on it doesn't repeat itself.
-    """
-    full, drive = kinematics.has_cycle, kinematics.scene.input
-
-    def begin(numbers: dict) -> float | np.ndarray:
-        first = 0.0 if full else numbers["input.start"]
-        last = 2.0 * math.pi * drive.revolutions if full else numbers["input.stop"]
-        forward = np.asarray(numbers["input.speed"]) > 0.0
-        return np.where(forward, np.minimum(first, last), np.maximum(first, last))
-
-    graph = kinematics.graph
-    time = (graph.q - graph.derived("position at the begin", begin)) * time_per_input(kinematics)
-    if full:
-        graph.returns((time,), Return(TIME, graph.constant(math.nan)))
-    return time
-
-
-def time_per_input(kinematics: Kinematics) -> Node:
-    """Time that passes for each unit of the input's motion [s/rad or s/m]."""
-    return kinematics.graph.derived("time for the input's unit", lambda n: 1.0 / n["input.speed"])

@@ -1,10 +1,5 @@
-"""The structural groups, each put together in a file of its own."""
+"""The structural groups: those of free links, and the dyads, each put together in the file of its type."""
 
-from engine.mechanism.groups.prp import add_prp
-from engine.mechanism.groups.rpp import add_rpp
-from engine.mechanism.groups.rpr import add_rpr
-from engine.mechanism.groups.rrp import add_rrp
-from engine.mechanism.groups.rrr import add_rrr
+from engine import on_use
 
-# What adds a group of each type to a mechanism.
-GROUPS = {"RRR": add_rrr, "RRP": add_rrp, "RPR": add_rpr, "PRP": add_prp, "RPP": add_rpp}
+__getattr__ = on_use(__name__)

@@ -13,15 +13,12 @@ from engine.graph.nodes import Node
 from engine.mechanism.assembly import Assembly, MovingPoint, Turning
 from engine.mechanism.groups.closure_of_free import ClosureOfFree, CutLink
 from engine.mechanism.groups.free import FreeMotion
-from engine.mechanism.link_loads import LinkLoads, Wrench
+from engine.mechanism.link_loads import Components, LinkLoads, Wrench
 from engine.mechanism.vectors import Vector
 from engine.scene.pairs import Pair, joint_of
 
-# Components of a reaction: x and y in a joint, normal force and moment in a guide.
-PairForce = tuple[Node, Node]
 
-
-def free_reactions(assembly: Assembly, motion: FreeMotion, loads: Mapping[str, Wrench]) -> dict[str, PairForce]:
+def free_reactions(assembly: Assembly, motion: FreeMotion, loads: Mapping[str, Wrench]) -> dict[str, Components]:
     """Reactions on the links that name the pairs, by the pairs' names.
 
     Parameters
@@ -44,7 +41,7 @@ class _Balance:
     def __init__(self, assembly: Assembly, motion: FreeMotion, loads: LinkLoads) -> None:
         self._links, self._motion, self._loads = assembly.links, motion, loads
         self._closure: ClosureOfFree = motion.closure
-        self.reactions: dict[str, PairForce] = {}
+        self.reactions: dict[str, Components] = {}
         closure = self._closure
         own = {cut.name: self._handed_on(cut) for cut in closure.cut_links}
         unknown = motion.linearised.inverse.transposed_times([self._work(unit) for unit in motion.linearised.units])

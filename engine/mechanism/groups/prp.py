@@ -1,11 +1,11 @@
 """The dyad PRP of two sliders, put together from nodes."""
 
-from engine.laws.kinematics.prp import prp_closure, prp_position, prp_rates
-from engine.mechanism.assembly import Assembly, MovingPoint, Slide
+from engine.laws.kinematics.prp import prp_closure, prp_position, prp_rates, prp_reactions
+from engine.mechanism.assembly import Assembly, DyadStatics, MovingPoint, Slide
 from engine.mechanism.vectors import Vector
 
 
-def add_prp(assembly: Assembly, name: str) -> None:
+def add_dyad(assembly: Assembly, name: str) -> None:
     """Add a group PRP of the scene to a mechanism."""
     group, apply = assembly.scene.groups[name], assembly.graph.apply
     one, two = assembly.guides[group.first.guide], assembly.guides[group.second.guide]
@@ -24,3 +24,9 @@ def add_prp(assembly: Assembly, name: str) -> None:
     assembly.slider(group.second.link, joint, two, Slide(d2, v2, a2))
     # Guides on one link never change their angle: the quality of transmission is then a number of the variant.
     assembly.transmits(name, one.u.cross(two.u), apply(prp_closure, *lines, b, d1, d2))
+
+
+def dyad_statics(assembly: Assembly, name: str) -> DyadStatics:
+    """The law of the reactions in a group PRP of the scene, and the geometry that it takes."""
+    group = assembly.scene.groups[name]
+    return prp_reactions, (assembly.links[group.first.link].u, assembly.links[group.second.link].u)

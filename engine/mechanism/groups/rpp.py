@@ -1,11 +1,11 @@
 """The dyad RPP of a pivoted block and a slotted link that slides (Scotch yoke), put together from nodes."""
 
-from engine.laws.kinematics.rpp import rpp_closure, rpp_position, rpp_rates
-from engine.mechanism.assembly import Assembly, MovingPoint, Slide, Turning
+from engine.laws.kinematics.rpp import rpp_closure, rpp_position, rpp_rates, rpp_reactions
+from engine.mechanism.assembly import Assembly, DyadStatics, MovingPoint, Slide, Turning
 from engine.mechanism.vectors import Vector
 
 
-def add_rpp(assembly: Assembly, name: str) -> None:
+def add_dyad(assembly: Assembly, name: str) -> None:
     """Add a group RPP of the scene to a mechanism."""
     group, apply = assembly.scene.groups[name], assembly.graph.apply
     a, guide = assembly.points[group.first.joint], assembly.guides[group.second.guide]
@@ -24,3 +24,10 @@ def add_rpp(assembly: Assembly, name: str) -> None:
     assembly.slides[group.first.link] = Slide(slide, slide_v, slide_a).called(group.first.link)
     # The slot's angle to the guide never changes: neither does the quality of transmission.
     assembly.transmits(name, beta.y, apply(rpp_closure, a.r, line, beta, crossing, slot, d, slide))
+
+
+def dyad_statics(assembly: Assembly, name: str) -> DyadStatics:
+    """The law of the reactions in a group RPP of the scene, and the geometry that it takes."""
+    group = assembly.scene.groups[name]
+    one, two = (assembly.links[link].u for link in (group.first.link, group.second.link))
+    return rpp_reactions, (two, one, assembly.slides[group.first.link].d)

@@ -8,10 +8,11 @@ position; every step is one that the theorem of Newton and Kantorovich proves, o
 import threading
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from engine import mechanism
 from engine.graph.nodes import Node, Number, reached
 from engine.graph.values import NodeValues
 from engine.laws.kinematics.seeds import LEAST_SHARE, PROVES
@@ -19,9 +20,6 @@ from engine.mechanism.vectors import Vector
 from engine.scene.scene import Numbers, Scene, SceneError, scene_numbers
 from engine.scene.structure.free_groups import FreeGroup
 from engine.verdicts import Verdict
-
-if TYPE_CHECKING:
-    from engine.mechanism.groups.seed_walk import SeedPaths, SeedWalk
 
 # Intervals of a table that there is room for, in each turn of the input and in addition, and the longest, as a share of
 # a turn: a few beside each place where two modes come near to each other, the more the nearer they come.
@@ -128,11 +126,10 @@ class SeedTables:
         self._of_thread = threading.local()
 
     @cached_property
-    def _walk(self) -> "SeedWalk":
+    def _walk(self) -> "mechanism.groups.seed_walk.SeedWalk":
         # Compiled code is loaded with the first table.
-        from engine.mechanism.groups.seed_walk import SeedWalk
-
-        return SeedWalk(f"One correction of the group {self.group.name}.", self._given, self._curves, self._span)
+        words = f"One correction of the group {self.group.name}."
+        return mechanism.groups.seed_walk.SeedWalk(words, self._given, self._curves, self._span)
 
     @property
     def _own(self) -> Numbers:
@@ -312,7 +309,7 @@ class SeedTables:
         paths.seeds[:, ~arrived] = np.nan
         return SeedAnswers(paths.seeds, verdict, at)
 
-    def walked(self, numbers: Numbers, start: np.ndarray, sines: np.ndarray) -> "SeedPaths":
+    def walked(self, numbers: Numbers, start: np.ndarray, sines: np.ndarray) -> "mechanism.groups.seed_walk.SeedPaths":
         """Paths from unknowns at the first position with their quality of transmission."""
         longest = _LONGEST_INTERVAL / self._revolutions
         return self._walk(numbers, start, sines, self.intervals, longest, self._turns)

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from engine.parts.driving_gears import Pinion, Rack
 from engine.parts.skeleton import FRAME, Sliding, Yoke
+from engine.scene import structure
 from engine.scene.load_formulas import formula_problems
 from engine.scene.masses import replacement_problems
 from engine.scene.names import (
@@ -23,9 +24,6 @@ from engine.scene.names import (
 )
 from engine.scene.pairs import friction_problems, pairs
 from engine.scene.scene import Scene, SceneError, once
-from engine.scene.structure.free_groups import FreeGroup
-from engine.scene.structure.meshes import mesh_problems, rides_along
-from engine.scene.structure.trains import train_problems
 
 
 class OrderedPart(NamedTuple):
@@ -57,7 +55,7 @@ class Structure(NamedTuple):
     elements: tuple[OrderedPart, ...]
     links: tuple[str, ...]
     sliders: tuple[str, ...]
-    free_groups: dict[str, FreeGroup]
+    free_groups: dict[str, "structure.free_groups.FreeGroup"]
 
 
 def group_links(scene: Scene, name: str) -> tuple[str, str]:
@@ -79,7 +77,7 @@ class _Ordering(NamedTuple):
     points: dict[str, str]
     guides: dict[str, str]
     links: set[str]
-    free_groups: dict[str, FreeGroup]
+    free_groups: dict[str, "structure.free_groups.FreeGroup"]
 
 
 def _in_mesh(
@@ -89,15 +87,8 @@ def _in_mesh(
     driver = part.pinion if isinstance(part, Rack) else part.rack
     guide = part.guide or guide_of(scene, driver)
     held = part.pivot in points and (guide is None or guide in guides)
-    riding = None if guide is None else rides_along(scene, part.pivot, guide)
+    riding = None if guide is None else structure.meshes.rides_along(scene, part.pivot, guide)
     return held and {driver, riding} - {None} <= set(links)
-
-
-def _next_free_group(scene: Scene, known: set[str]) -> FreeGroup | None:
-    # What few machines have is loaded for these alone.
-    from engine.scene.structure.free_matching import next_free_group
-
-    return next_free_group(scene, known)
 
 
 def _ordered(scene: Scene) -> _Ordering:
@@ -105,7 +96,7 @@ def _ordered(scene: Scene) -> _Ordering:
     known_links = {FRAME, scene.input.link}
     points = {input_point(scene): scene.input.link}
     guides: dict[str, str] = {}
-    free_groups: dict[str, FreeGroup] = {}
+    free_groups: dict[str, structure.free_groups.FreeGroup] = {}
     owners = joint_owners(scene)
     grown = True
     while grown:
@@ -157,7 +148,7 @@ def _ordered(scene: Scene) -> _Ordering:
                 if hasattr(group, "inner"):
                     points[group.inner] = group.first.link
                 grown = True
-        found = None if grown or not scene.links else _next_free_group(scene, known_links)
+        found = None if grown or not scene.links else structure.free_matching.next_free_group(scene, known_links)
         if found is not None:
             free_groups[found.name] = found
             elements.append(OrderedPart("free group", found.name))
@@ -313,13 +304,14 @@ def order(scene: Scene) -> Structure:
     ordering = _ordered(scene)
     problems = _why_unordered(scene, ordering.elements, ordering.points, ordering.guides)
     if scene.links:
-        from engine.scene.structure.free_matching import why_not_grouped
-
-        problems += why_not_grouped(scene, ordering.links)
+        problems += structure.free_matching.why_not_grouped(scene, ordering.links)
     if not problems:
         problems = _check_movable(scene, ordering.points, ordering.guides) + misplaced(scene)
         problems += _free_problems(scene, ordering) + _sliding_loops(scene, ordering)
-        problems = problems or train_problems(scene) or mesh_problems(scene)
+        if scene.shafts:
+            problems = problems or structure.trains.train_problems(scene)
+        if scene.noncircular_wheels or scene.racks or scene.pinions:
+            problems = problems or structure.meshes.mesh_problems(scene)
     if not problems:
         problems = replacement_problems(scene) + friction_problems(scene) + formula_problems(scene)
     if problems:

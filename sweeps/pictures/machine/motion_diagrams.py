@@ -11,7 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-from engine import History, InputUnits, Machine, Scene, SteadyRegime, Verdict, history, history_fields
+import engine
+from engine import InputUnits, Machine, Scene, SteadyRegime, Verdict
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, sheet
 from sweeps.report.regime_words import failure_text
@@ -62,7 +63,7 @@ class _Course(NamedTuple):
         return {key: row for key, row in self.moments.items() if np.any(row)}
 
 
-def courses(seen: History) -> list[_Course]:
+def courses(seen: "engine.History") -> list[_Course]:
     """A history by regime, with the nonzero torques and their work since the start.
 
     Parameters
@@ -99,7 +100,7 @@ def courses(seen: History) -> list[_Course]:
     return found
 
 
-def history_diagrams(scene: Scene, seen: History, target: Path | str | Figure) -> Figure:
+def history_diagrams(scene: Scene, seen: "engine.History", target: Path | str | Figure) -> Figure:
     """Speed, torques, power, energy, work and kept reactions against time.
 
     One column per regime.
@@ -206,7 +207,7 @@ def _legend(figure: Figure, axes: np.ndarray) -> None:
         figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=min(len(handles), 4))
 
 
-def cycle_diagrams(scene: Scene, seen: History, regime: str, target: Path | str | Figure) -> Figure:
+def cycle_diagrams(scene: Scene, seen: "engine.History", regime: str, target: Path | str | Figure) -> Figure:
     """Steady running over the crank angle: speed with its mean and δ, acceleration, torques and power.
 
     Parameters
@@ -276,7 +277,7 @@ def motion_pictures(scene: Scene, path: Path) -> list[Path]:
     list of Path
         Files written; regimes not reached are omitted.
     """
-    seen = history(scene, fields=[name for name in history_fields(scene) if name.endswith(".reaction")])
+    seen = engine.history(scene, fields=[name for name in engine.history_fields(scene) if name.endswith(".reaction")])
     made = [path.with_name(f"{path.stem}_history{path.suffix}")]
     history_diagrams(scene, seen, made[0])
     reached = {part.name for part in courses(seen)}

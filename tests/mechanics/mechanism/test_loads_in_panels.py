@@ -17,7 +17,7 @@ from machines import crank, four_bar, frame, on, rpr, rrp, slider_crank
 
 from engine import Scene
 from engine.graph.nodes import Graph, Node
-from engine.mechanism.actions.tables import uniform_time
+from engine.mechanism.actions.paths import uniform_time
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.loads import Loads
 from engine.scene.structure.ordering import order
