@@ -33,8 +33,8 @@ MOST_STEPS = 1 << 13
 ROUGHLY = 100.0
 SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
 # How far a disturbance may fade or grow within an explicit step; what share of the way between two edges a step along
-# time goes at most.
-STEEPEST, AT_ONCE = 5.0, 0.25
+# time goes at most, where that isn't as narrow a share of the farthest step.
+STEEPEST, AT_ONCE, NARROW = 5.0, 0.25, 1e-3
 # Steps of a second walk may be so many times as long, and miss so many times as much, but for what tells nothing:
 # whatever limits them, all are others, and the difference of both walks tells what the first misses.
 LONGER, COARSER, COARSEST = 2.0, 2.0**7, 1e-2
@@ -828,7 +828,9 @@ def choose(edges: int, instants: int, most_steps: int, task: WalkTask, room: Roo
             if instants > 0:
                 until = min(until, next_instant(lane, instants, room) - own.clock[lane])
             speed, between = abs(state[1, lane]), AT_ONCE * task.longer * (own.high[lane] - own.low[lane])
-            farthest = own.farthest[lane] if own.farthest[lane] < between else between
+            # Edges may be as close as rounding.
+            freely = between < NARROW * own.farthest[lane] or own.farthest[lane] < between
+            farthest = own.farthest[lane] if freely else between
             most = most if most * speed < farthest else farthest / speed
             most = most if most < own.longest[lane] else own.longest[lane]
         else:

@@ -491,8 +491,8 @@ class TableCharacteristic(Part):
     @model_validator(mode="after")
     def _table_is_sound(self) -> "TableCharacteristic":
         try:
-            make_table(self.speed, self.moment, "linear", outside="hold", names=("speed", "moment"))
-        except TableError as error:
+            laws.tables.make_table(self.speed, self.moment, "linear", outside="hold", names=("speed", "moment"))
+        except laws.tables.TableError as error:
             raise ValueError(str(error)) from None
         if any(after <= before for before, after in pairwise(self.speed)):
             raise ValueError("speed: every row must lie above the one before; a motor's torque doesn't jump")
