@@ -12,8 +12,8 @@ from engine import (
     Scene,
     Verdict,
     has_cycle,
+    quantity_text,
 )
-from sweeps.text.engineer_units import quantity_text
 from sweeps.text.input_files import InputError
 from sweeps.text.tables import table
 

@@ -5,8 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from engine import History, InputUnits, RunRegime, Scene, Verdict, has_cycle, history, run_keys
-from sweeps.text.engineer_units import quantity_text
+from engine import History, InputUnits, RunRegime, Scene, Verdict, has_cycle, history, quantity_text, run_keys
 
 # Verdicts of motion.
 MOTION_VERDICTS = (

@@ -7,12 +7,12 @@ from pydantic import Field, model_validator
 
 from engine.laws.tables import TableError, make_table
 from engine.parts.actions import Force, Time
-from engine.parts.dimensions import described
 from engine.parts.formulas.by_formula import ByFormula, FormulaText
 from engine.parts.formulas.expressions import ExpressionError, TextExpression, parse
 from engine.parts.formulas.unknown_names import unknown_name_message
 from engine.parts.skeleton import AngularSpeed, Length, Mass, Part, Positive, Speed, quantity
-from engine.parts.units import any_quantity
+from engine.units.dimensions import described
+from engine.units.reading import any_quantity
 
 AngularAcceleration = quantity("angular_acceleration")
 Modulus = Annotated[quantity("pressure"), Field(gt=0)]
