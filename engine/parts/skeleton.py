@@ -35,6 +35,7 @@ from pydantic import (
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
+from engine.units.display import quantity_text
 from engine.units.reading import in_text, to_si
 
 FRAME = "frame"
@@ -481,7 +482,8 @@ class CompoundPendulum(Swinging):
         if self.period < least:
             raise ValueError(
                 f"period = {self.period:g} s: no body swings faster than a point mass at distance = "
-                f"{self.distance:g} m, in {least:.4g} s; give a longer period (there and back) or a shorter distance"
+                f"{quantity_text(self.distance, 'm')}, in {least:.4g} s; give a longer period "
+                f"(there and back) or a shorter distance"
             )
         return self
 

@@ -12,6 +12,7 @@ from engine.parts.formulas.expressions import ExpressionError, TextExpression, p
 from engine.parts.formulas.unknown_names import unknown_name_message
 from engine.parts.skeleton import AngularSpeed, Length, Mass, Part, Positive, Speed, quantity
 from engine.units.dimensions import described
+from engine.units.display import quantity_text
 from engine.units.reading import any_quantity
 
 AngularAcceleration = quantity("angular_acceleration")
@@ -30,7 +31,10 @@ class CantileverSpring(Part):
     @model_validator(mode="after")
     def _has_a_wall(self) -> "CantileverSpring":
         if self.bore >= self.diameter:
-            raise ValueError(f"bore = {self.bore:g} m: it must be less than the diameter, {self.diameter:g} m")
+            raise ValueError(
+                f"bore = {quantity_text(self.bore, 'm')}: it must be less than the diameter, "
+                f"{quantity_text(self.diameter, 'm')}"
+            )
         return self
 
 

@@ -82,7 +82,7 @@ def force_plan(pose: Pose, of: str, ax: Axes) -> list[DrawnLoad]:
     for start, side, load in zip(corners, sides, loads, strict=False):
         paper.arrow(start, side, load.text, colour_of(load))
     paper.letter()
-    paper.scale(f"{20 * paper.per_mm:g} {unit}", rf"$\mu_F$ = {paper.per_mm:g} {unit}/mm")
+    paper.scale_of("F", unit)
     return loads
 
 
