@@ -146,7 +146,7 @@ def test_everything_about_a_machine__is_in_its_units(press, written):
 @pytest.mark.parametrize("press", ["US"], indirect=True)
 def test_numbers_in_american_units__are_those_of_the_machine(press):
     shown = done("run", "press.toml", "--no-plots")
-    # In line, the stroke is twice the crank; the punch does 4 in · 20 kip a second, and a horsepower is 550 · 12 lbf·in/s.
+    # In line, the stroke is twice the crank; the punch does 4 in · 20 kip a second; a horsepower is 550 · 12 lbf·in/s.
     assert re.search(r"ram\.stroke\s*→\s*4 .*in\b", shown)
     power = re.search(r"required_power\s*→\s*([\d.]+).* hp", shown)
     assert float(power[1]) == pytest.approx(80_000 / 6600, rel=1e-4)
