@@ -45,7 +45,6 @@ def cam_csv(cam: CamElement, out: Path, points: int) -> None:
     for name, line in (("profile", c.profile), ("pitch", c.pitch), ("cutter", c.cutter)):
         columns |= {f"{name}_x": (line.real, "m"), f"{name}_y": (line.imag, "m")}
     rows = np.array([row for row, _ in columns.values()])
-    rows = np.array([*columns.values()])
     # Adjacent pieces without a jump share a row; rounding duplicates it.
     scale = np.abs(rows).max(axis=1, where=np.isfinite(rows), initial=0.0)
     with np.errstate(invalid="ignore"):
