@@ -85,8 +85,6 @@ from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import regime_text
 from engine.motion.quantities import of_sliding as sliding_quantity
 from engine.parts.actions import Brake, DCMotor, InductionMotor, TorsionSpring
-from engine.parts.dimensions import DIMENSIONS, common_units
-from engine.parts.dimensions import described as described_dimension
 from engine.parts.driving_cams import DrivingCam
 from engine.parts.driving_gears import NoncircularWheel, Pinion, Rack
 from engine.parts.formulas.by_formula import FormulaNumber
@@ -125,17 +123,6 @@ from engine.parts.skeleton import (
 )
 from engine.parts.skeleton import Number as PlainNumber
 from engine.parts.skeleton import Part as ScenePart
-from engine.parts.units import (
-    UnitError,
-    any_quantity,
-    base_powers,
-    column_in_text,
-    even_steps,
-    first_last_count,
-    in_text,
-    recognised,
-    unit_in,
-)
 from engine.quantities.quantity import STATISTICS, InputUnits, Quantity, has_cycle
 from engine.scene.masses import places_on
 from engine.scene.names import did_you_mean, guide_of
@@ -154,6 +141,31 @@ from engine.scene.structure.ordering import group_links
 from engine.scene.structure.ordering import order as order_groups
 from engine.scene.structure.ordering import sliders as sliders_of
 from engine.scene.structure.trains import mesh_axis
+from engine.units.dimensions import DIMENSIONS, common_units
+from engine.units.dimensions import described as described_dimension
+from engine.units.display import (
+    UnitSystem,
+    display_unit,
+    figure_text,
+    quantity_text,
+    show_units,
+    show_units_of,
+    table_unit,
+    unit_label,
+    units_shown,
+)
+from engine.units.reading import (
+    UnitError,
+    any_quantity,
+    base_powers,
+    column_in_text,
+    comma_advice,
+    even_steps,
+    first_last_count,
+    in_text,
+    recognised,
+    unit_in,
+)
 from engine.verdicts import Verdict
 
 __version__: str
@@ -254,6 +266,7 @@ __all__ = [
     "TorsionalTrain",
     "TurningMoment",
     "UnitError",
+    "UnitSystem",
     "VelocityPicture",
     "Verdict",
     "Yoke",
@@ -268,6 +281,7 @@ __all__ = [
     "cam_curves",
     "check_yields",
     "column_in_text",
+    "comma_advice",
     "common_units",
     "corrected_unbalance",
     "crank_radius",
@@ -278,6 +292,7 @@ __all__ = [
     "dimension_of",
     "dimension_of_unit",
     "dimensions_by_unit",
+    "display_unit",
     "drive_cycle",
     "drive_run",
     "element_kinds",
@@ -286,6 +301,7 @@ __all__ = [
     "evaluate_tree",
     "even_firing_order",
     "even_steps",
+    "figure_text",
     "firing_angles",
     "firing_intervals",
     "firing_sums",
@@ -324,6 +340,7 @@ __all__ = [
     "permissible_unbalance",
     "piston_harmonics",
     "places_on",
+    "quantity_text",
     "radial_engine",
     "recognised",
     "reduced_train",
@@ -336,12 +353,15 @@ __all__ = [
     "scene_numbers",
     "set_threads",
     "shaken",
+    "show_units",
+    "show_units_of",
     "slider_tilts",
     "sliders_of",
     "sliding_quantity",
     "sources_digest",
     "split_on_neighbours",
     "stability_point",
+    "table_unit",
     "threads",
     "tolerance_shares",
     "torque_orders",
@@ -351,8 +371,10 @@ __all__ = [
     "turning_moment_from_table",
     "unbalance_in_two_planes",
     "unit_in",
+    "unit_label",
     "unit_of_dimension",
     "unit_over",
+    "units_shown",
     "unknown_name_message",
     "usual_throws",
     "v_engine",

@@ -159,7 +159,7 @@ def fluctuation(excess_work: float, inertia: float, speed: float) -> float:
 
 def _check(speed: float, speed_fluctuation: float, inertia: float) -> None:
     if not (math.isfinite(speed) and speed != 0.0):
-        raise TableError(f"speed = {speed}: give the mean speed in rad/s, not 0")
+        raise TableError(f"speed = {speed}: the mean speed must not be 0")
     if not 0.0 < speed_fluctuation < 2.0:
         raise TableError(f"speed_fluctuation = {speed_fluctuation}: give δ between 0 and 2, such as 0.02")
     if not (math.isfinite(inertia) and inertia >= 0.0):

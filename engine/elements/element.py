@@ -23,8 +23,8 @@ from pydantic_core.core_schema import ErrorType
 from engine.cycle.measured import Measured
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, bounded
 from engine.laws.rounding import EPS, NUDGE
-from engine.parts.dimensions import described
 from engine.parts.skeleton import Part
+from engine.units.dimensions import described
 from engine.verdicts import Verdict
 
 Numbers = Mapping[str, np.ndarray]

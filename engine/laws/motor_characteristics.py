@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from engine.compiling.decorators import routine, scalar
 from engine.compiling.instructions import chosen
+from engine.units.display import quantity_text
 
 # Two numbers of a nameplate that agree to this are not told apart.
 NAMEPLATE_TOLERANCE = 1e-12
@@ -229,12 +230,12 @@ def nameplate_trouble(
         The reason and the remedy in words; None where there is an answer.
     """
     if not power > 0.0:
-        return f"power = {power} W: a motor's rated power is positive"
+        return f"power = {quantity_text(float(power), 'W')}: a motor's rated power is positive"
     rated_slip = (synchronous_speed - rated_speed) / synchronous_speed if synchronous_speed else np.nan
     if not 0.0 < rated_slip < 1.0:
         return (
-            f"rated_speed = {rated_speed} rad/s: it lies between 0 and the synchronous speed"
-            f" ({synchronous_speed} rad/s), usually 1 to 8 % below it"
+            f"rated_speed = {quantity_text(float(rated_speed), 'rad s-1')}: it lies between 0 and the synchronous speed"
+            f" ({quantity_text(float(synchronous_speed), 'rad s-1')}), usually 1 to 8 % below it"
         )
     if not 1.0 < breakdown_ratio < np.inf:
         return f"breakdown_ratio = {breakdown_ratio}: it is above 1, usually 2 to 3.5 times the rated torque"
@@ -248,7 +249,8 @@ def nameplate_trouble(
     slip = float(_simple_breakdown_slip(rated_slip, breakdown_ratio))
     if not slip < 1.0:
         return (
-            f"rated_speed = {rated_speed} rad/s: with breakdown_ratio = {breakdown_ratio} this slip puts the"
+            f"rated_speed = {quantity_text(float(rated_speed), 'rad s-1')}: with breakdown_ratio = "
+            f"{breakdown_ratio} this slip puts the"
             f" breakdown at or below standstill (slip {slip:.3g}); leave starting_ratio out"
         )
     least = float(_simple_starting_ratio(slip, breakdown_ratio))

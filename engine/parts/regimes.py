@@ -30,7 +30,7 @@ from engine.parts.skeleton import (
     SliderInput,
     Speed,
 )
-from engine.parts.units import even_steps, first_last_count, in_text
+from engine.units.reading import even_steps, first_last_count, in_text
 
 ENDS = ("cycles", "time", "speed", "velocity", "rest", "reversal", "end_of_range", "lock_up")
 MOST_INSTANTS = 100_000

@@ -35,7 +35,8 @@ from pydantic import (
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
-from engine.parts.units import in_text, to_si, unit_in
+from engine.units.display import quantity_text
+from engine.units.reading import in_text, to_si
 
 FRAME = "frame"
 # What a coefficient of speed fluctuation is: relative to the mean of both speeds, not to that over time.
@@ -86,7 +87,7 @@ class NonZero(AfterValidator):
 
 
 class DimensionMark(str):
-    """Marks a number of a scene with its dimension, a key of `engine.parts.dimensions.DIMENSIONS`."""
+    """Marks a number of a scene with its dimension, a key of `engine.units.dimensions.DIMENSIONS`."""
 
 
 def quantity(dimension: str) -> type:
@@ -94,8 +95,6 @@ def quantity(dimension: str) -> type:
 
     def read(value: object, info: ValidationInfo) -> float:
         from_text = bool(info.context and info.context.get("text"))
-        if from_text and isinstance(value, str):
-            info.context.setdefault("units", []).append((dimension, unit_in(value)))
         return in_text(value, dimension) if from_text else to_si(value, dimension)
 
     return Annotated[float, BeforeValidator(read), DimensionMark(dimension)]
@@ -483,7 +482,8 @@ class CompoundPendulum(Swinging):
         if self.period < least:
             raise ValueError(
                 f"period = {self.period:g} s: no body swings faster than a point mass at distance = "
-                f"{self.distance:g} m, in {least:.4g} s; give a longer period (there and back) or a shorter distance"
+                f"{quantity_text(self.distance, 'm')}, in {least:.4g} s; give a longer period "
+                f"(there and back) or a shorter distance"
             )
         return self
 

@@ -20,7 +20,6 @@ import numpy as np
 
 from engine import parts
 from engine.parts.actions import FormulaForce, FormulaMoment
-from engine.parts.dimensions import described
 from engine.parts.formulas.expressions import (
     ExpressionError,
     TextExpression,
@@ -34,9 +33,10 @@ from engine.parts.formulas.expressions import (
 from engine.parts.formulas.unknown_names import unknown_name_message
 from engine.parts.regimes import RunRegime
 from engine.parts.skeleton import FRAME, CrankInput
-from engine.parts.units import UNIT_NAMES, any_quantity
 from engine.scene.names import Problem, definitions, sliders
 from engine.scene.scene import Numbers, Scene, scene_numbers
+from engine.units.dimensions import described
+from engine.units.reading import UNIT_NAMES, any_quantity
 
 if TYPE_CHECKING:
     from pint.util import UnitsContainer

@@ -40,6 +40,7 @@ from engine.parts.skeleton import (
     SliderInput,
 )
 from engine.parts.wanted_motion import WantedMotion
+from engine.units.display import UnitSystem
 
 
 class SceneError(ValueError):
@@ -51,7 +52,7 @@ class SceneError(ValueError):
 
 
 # What a scene of machine elements alone may have.
-_ALONE = {"title", "source", "elements"}
+_ALONE = {"title", "source", "units", "elements"}
 
 
 _SINGULAR = {"bodies": "body"}
@@ -63,11 +64,13 @@ class Scene(Part):
     Groups may stand in any order; free `links` make up groups of any class, whose assembly mode `near` tells. `gravity`
     acts along −y, and the `base` may be accelerated. Without `inertia_in_reactions`, for slow machines, reactions are
     those of the acting forces alone; what else is computed keeps its inertia. `source` says where the numbers come
-    from. What is `wanted` of the motion is compared with it. A scene of machine elements alone has no input.
+    from. Numbers are shown in `units`, whatever the scene is written in. What is `wanted` of the motion is compared
+    with it. A scene of machine elements alone has no input.
     """
 
     title: PlainText = ""
     source: PlainText = ""
+    units: UnitSystem = "mm"
     gravity: Acceleration = 0.0
     base: AcceleratedBase | None = None
     points: dict[Name, Point] = {}

@@ -16,12 +16,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import AskError, Machine, Verdict, made_ready, scene_numbers
+from engine import AskError, Machine, Verdict, made_ready, quantity_text, scene_numbers
 from sweeps.report.files.exports import scene_toml
 from sweeps.study.bundled import bundled_studies
 from sweeps.study.study import Study
 from sweeps.study.study_reader import read_study
-from sweeps.text.engineer_units import quantity_text
 from sweeps.text.templates import bundled_templates
 
 # Variants that are computed together, those of them that are written, and by how much a template's numbers vary.

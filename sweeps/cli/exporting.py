@@ -30,7 +30,6 @@ TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
     default="",
     help="Comma-separated: columns or fields of a result, fields of a machine, loads for --history.",
 )
-@click.option("--as-written", is_flag=True, help="Tables in the scene's own units instead of SI.")
 @click.option("--overwrite", is_flag=True, help="Overwrite an existing scene.")
 @POSITIONS
 @SET
@@ -44,41 +43,33 @@ def export(
     history: bool,
     element: str | None,
     columns: str,
-    as_written: bool,
     overwrite: bool,
     positions: int | None,
     settings: tuple[str, ...],
 ) -> None:
     """Write results, positions or a history as a table, a drawing as SVG or DXF, or one variant as a scene (TOML).
 
-    The drawing shows the mechanism, or the cam of a scene that has only a cam. A scene keeps its author's comments and
-    units; only the variant's numbers change. Fields of a result (--columns) get one row per variant and position.
+    Tables are in the scene's units. The drawing shows the mechanism, or the cam of a scene that has only a cam. A scene
+    keeps its author's comments and units; only the variant's numbers change. Fields of a result (--columns) get one row
+    per variant and position.
     """
     from sweeps.cli.named_machine import is_result, machine_of, numbers_replaced, positions_of, read_at, scene_text_of
     from sweeps.pictures import picture_files
     from sweeps.pictures.elements.cam_drawing import cam_named, export_cam
     from sweeps.report.files import exports
-    from sweeps.report.files.data_files import Table, in_units
-    from sweeps.report.files.data_files import write_table as write
-    from sweeps.text.engineer_units import units_written
+    from sweeps.report.files.data_files import write_table
     from sweeps.text.input_files import InputError
     from sweeps.text.scene_text import with_values
 
     if to.suffix not in (*TABLES, *DRAWINGS, ".toml"):
         allowed = ", ".join((*TABLES, *DRAWINGS, ".toml"))
         raise InputError(str(to), [(None, "--to", f"ending {to.suffix!r}: allowed are {allowed}")])
-    if as_written and to.suffix not in TABLES:
-        message = f"applies to tables ({', '.join(TABLES)}), not {to.suffix!r}"
-        raise InputError(str(to), [(None, "--as-written", message)])
     if history and to.suffix not in TABLES:
         message = f"writes a table, {', '.join(TABLES)}, not {to.suffix!r}"
         raise InputError(str(to), [(None, "--history", message)])
 
     if is_result(file):
         tell_altered(file)
-
-    def write_table(out: Path, table: Table) -> None:
-        write(out, in_units(table, units_written()) if as_written else table)
 
     if to.suffix in TABLES and is_result(file) and variant is None and not (at or history or settings or element):
         make_folder(to)

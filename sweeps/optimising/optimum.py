@@ -4,10 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import Verdict, any_quantity, parse_expression
+from engine import Verdict, any_quantity, display_unit, parse_expression, quantity_text
 from sweeps.report.sweep_result import SweepResult
 from sweeps.text.conditions import Condition
-from sweeps.text.engineer_units import engineer_unit, quantity_text
 from sweeps.text.tables import table
 
 # Closer to a bound or limit than this share of the range counts as on it.
@@ -125,7 +124,7 @@ def _value(result: SweepResult, name: str, variant: int) -> str:
     if f"{name}.tolerance" not in column:
         return text
     # In the value's unit, for comparison.
-    factor, label = engineer_unit(units, np.array([value]))
+    factor, label = display_unit(units, np.array([value]))
     return f"{text}, σ {factor * column[f'{name}.tolerance'][variant]:.2g}{'' if label == '1' else f' {label}'}"
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from engine import Verdict
+from engine import Verdict, quantity_text
 from sweeps.optimising.pareto import pareto_front
 from sweeps.optimising.searching import STEPS, descend, way_of
 from sweeps.optimising.spread import spread_columns, spreads
@@ -36,7 +36,6 @@ from sweeps.store.creating import remove_unlocked
 from sweeps.study.search_task import GENETIC, LOCAL, SearchTask, search_record, task_of
 from sweeps.study.study import Study
 from sweeps.study.study_text import Best
-from sweeps.text.engineer_units import quantity_text
 
 if TYPE_CHECKING:
     from distributed import Client

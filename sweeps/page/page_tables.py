@@ -6,11 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import spearmanr
 
-from engine import Verdict
+from engine import Verdict, display_unit, figure_text, quantity_text
 from sweeps.page.digest import Digest
 from sweeps.report.regime_words import by_regime, regime_words
 from sweeps.study.sensitivity import RSS, WORST_CASE
-from sweeps.text.engineer_units import engineer_unit, figure_text, quantity_text
 
 MOST_ROWS = 20
 # Relative distance from a limit below which a variant counts as on it.
@@ -178,7 +177,7 @@ def leaders_table(digest: Digest) -> PageTable:
     # A printed page has room for the first ones only.
     names = list(dict.fromkeys([*decisive, *result.varied, *asked, *result.parameters, *result.summaries]))
     places = [digest.place(variant) for variant in shown]
-    scales = {name: engineer_unit(result.units[name], digest.rows[name][places]) for name in names}
+    scales = {name: display_unit(result.units[name], digest.rows[name][places]) for name in names}
     head = ["variant", *(name if unit in ("", "1") else f"{name}, {unit}" for name, (_, unit) in scales.items())]
     rows = []
     for place, variant in zip(places, shown, strict=True):

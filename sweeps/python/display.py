@@ -8,12 +8,21 @@ from io import StringIO
 
 import numpy as np
 
-from engine import ElementsAlone, Machine, Outcome, Scene, Verdict, described_dimension, scene_numbers
+from engine import (
+    ElementsAlone,
+    Machine,
+    Outcome,
+    Scene,
+    Verdict,
+    described_dimension,
+    figure_text,
+    quantity_text,
+    scene_numbers,
+)
 from sweeps.pictures.drawing import mechanism_figure
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import house_style
 from sweeps.study.study import Study
-from sweeps.text.engineer_units import figure_text, quantity_text
 from sweeps.text.visible import visible
 
 # Longer tables are folded.

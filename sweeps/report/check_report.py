@@ -20,6 +20,7 @@ from engine import (
     made_ready,
     order_groups,
     own_drives,
+    quantity_text,
 )
 from sweeps.report import accuracy_words
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
@@ -30,7 +31,6 @@ from sweeps.run.cost import on_shafts_text, probe
 from sweeps.run.runner import crew_of, layout_of
 from sweeps.study.default_summaries import telling_summaries
 from sweeps.study.study import Study
-from sweeps.text.engineer_units import quantity_text
 from sweeps.text.tables import table
 
 if TYPE_CHECKING:

@@ -6,10 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from engine import Scene, Verdict, described_dimension, scene_numbers
+from engine import Scene, Verdict, described_dimension, quantity_text, scene_numbers
 from sweeps.report.sweep_result import SweepResult
 from sweeps.store import variant_keys
-from sweeps.text.engineer_units import quantity_text
 from sweeps.text.input_files import InputError
 from sweeps.text.tables import table
 

@@ -1,7 +1,6 @@
 """Table of the assembly modes of groups of free links."""
 
-from engine import AssemblyMode, Scene
-from sweeps.text.engineer_units import quantity_text
+from engine import AssemblyMode, Scene, quantity_text
 from sweeps.text.tables import table
 
 

@@ -12,8 +12,8 @@ from engine import (
     Scene,
     Verdict,
     has_cycle,
+    quantity_text,
 )
-from sweeps.text.engineer_units import quantity_text
 from sweeps.text.input_files import InputError
 from sweeps.text.tables import table
 
@@ -90,7 +90,8 @@ def _in_range(scene: Scene, at: np.ndarray) -> np.ndarray:
     shares = (at - drive.start) / (drive.stop - drive.start)
     if ((shares < -_ROUNDING) | (shares > 1 + _ROUNDING)).any():
         kind = "crank angle" if isinstance(drive, CrankInput) else "displacement"
-        ends = f"input.start = {drive.start:g} and input.stop = {drive.stop:g} (SI)"
+        unit = InputUnits.of(scene).q
+        ends = " and ".join(f"input.{key} = {quantity_text(getattr(drive, key), unit)}" for key in ("start", "stop"))
         raise InputError("--at", [(None, "", f"a {kind} is outside the input range, {ends}")])
     return np.clip(at, *sorted((drive.start, drive.stop)))
 

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 import engine
-from engine import InputUnits, RunRegime, Scene, Verdict, has_cycle, run_keys
-from sweeps.text.engineer_units import quantity_text
+from engine import InputUnits, RunRegime, Scene, Verdict, has_cycle, quantity_text, run_keys
 
 # Verdicts of motion.
 MOTION_VERDICTS = (

@@ -9,12 +9,14 @@ from engine import (
     InputUnits,
     Scene,
     Verdict,
+    display_unit,
+    figure_text,
     has_cycle,
+    quantity_text,
 )
 from sweeps.report import accuracy_words
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
 from sweeps.report.sweep_result import SweepResult, drop_counts
-from sweeps.text.engineer_units import engineer_unit, figure_text, quantity_text
 from sweeps.text.scene_text import with_values
 from sweeps.text.tables import table
 
@@ -113,7 +115,7 @@ def _blame(result: SweepResult, verdict: Verdict) -> list[str]:
 def variants_text(result: SweepResult, variants: Iterable[int], names: Sequence[str] = ()) -> str:
     """Table of some variants: parameters and summaries with error estimates."""
     shown, variants = [*result.parameters, *(names or result.summaries)], list(variants)
-    units = {name: engineer_unit(result.units[name], result.columns[name][variants]) for name in shown}
+    units = {name: display_unit(result.units[name], result.columns[name][variants]) for name in shown}
     rows = [["variant", *shown], ["", *(label if label != "1" else "" for _, label in units.values())]]
     for variant in variants:
         cells = [str(variant)]

@@ -17,6 +17,7 @@ from engine import (
     dimensions_by_unit,
     parse_expression,
     scene_numbers,
+    show_units,
     unknown_name_message,
 )
 from sweeps.report.recorded_study import recorded_scene, recorded_study
@@ -24,7 +25,6 @@ from sweeps.store import Description, FieldAxis, MappedResult, describe_result, 
 from sweeps.study.study import Requirements, Study
 from sweeps.study.study_text import Best
 from sweeps.text.conditions import Condition, Judgement
-from sweeps.text.engineer_units import show_units
 from sweeps.text.input_files import InputError, check_file
 
 # Variants per part in sequential passes.
@@ -184,8 +184,8 @@ class SweepResult:
         return None if self.study is None or self.scene.input is None else self.study.machine().mechanics
 
     def show_own_units(self) -> None:
-        """Display the scene's non-SI units, as for `show_units`."""
-        show_units(self.record.get("units", {}), self.record.get("units_written", {}))
+        """Display the scene's units, as for `show_units`."""
+        show_units(self.record.get("units", {}))
 
     def variant_values(self, variant: int) -> dict[str, float]:
         """Numbers (SI) of a variant that replace the scene's.

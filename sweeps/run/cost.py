@@ -7,10 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import ElementsAlone, Machine, Outcome, threads
+from engine import ElementsAlone, Machine, Outcome, quantity_text, threads
 from sweeps.run.blocks import evaluate_variants, most_at_once
 from sweeps.study.study import Study
-from sweeps.text.engineer_units import quantity_text
 
 # Time limit of the trials [s].
 LONG_ENOUGH = 0.3

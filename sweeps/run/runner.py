@@ -12,7 +12,7 @@ import llvmlite
 import numba
 import numpy as np
 
-from engine import ElementsAlone, Machine, Verdict, threads
+from engine import ElementsAlone, Machine, Verdict, threads, units_shown
 from sweeps.run.blocks import block_size, largest_block
 from sweeps.run.carrying import Blocks, Earlier, Excerpt, excerpts_of, filled_in
 from sweeps.run.cluster.cluster_errors import UnfinishedError
@@ -30,7 +30,6 @@ from sweeps.store import (
 )
 from sweeps.study.study import Study
 from sweeps.study.study_record import numbers_record, study_record
-from sweeps.text.engineer_units import units_shown, units_written
 from sweeps.text.scene_text import write_scene
 from sweeps.text.versions import own_version
 
@@ -69,13 +68,12 @@ def layout_of(study: Study, machine: Machine) -> FileLayout:
 
 def _attributes(study: Study, machine: Machine) -> dict[str, str]:
     versions = {"machine-sweeps": own_version(), "numba": numba.__version__, "llvmlite": llvmlite.__version__}
-    units = {"units": units_shown(), "units_written": units_written()}
     versions |= {"numpy": np.__version__, "h5py": h5py.__version__, "python": platform.python_version()}
     return {
         "title": study.title or study.name,
         "question": study.question,
         "study": study.text,
-        "study_json": json.dumps(study_record(study) | {"groups": list(machine.groups)} | units),
+        "study_json": json.dumps(study_record(study) | {"groups": list(machine.groups), "units": units_shown()}),
         "scene": write_scene(study.scene),
         "scene_text": study.scene_text,
         "study_hash": study.digest,

@@ -20,6 +20,7 @@ from engine import (
     in_text,
     made_ready,
     parse_expression,
+    quantity_text,
     recognised,
     scene_numbers,
     unit_of_dimension,
@@ -30,7 +31,6 @@ from sweeps.study.study import Study
 from sweeps.study.study_text import Optimise
 from sweeps.study.tolerances import Tolerance, read_tolerances
 from sweeps.text.conditions import Condition
-from sweeps.text.engineer_units import quantity_text
 from sweeps.text.input_files import InputError
 from sweeps.text.toml_text import line_of
 

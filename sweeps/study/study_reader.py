@@ -94,15 +94,16 @@ class StudyReader:
 
     def _scene(self) -> Scene:
         self.scene_text = ""
+        own = {"units": self.raw.units} if self.raw.units else {}
         if isinstance(self.raw.scene, dict):
-            return scene_from(self.raw.scene, self.text, self.path.name, self.folder, ("scene",))
+            return scene_from(self.raw.scene | own, self.text, self.path.name, self.folder, ("scene",))
         path = self.folder / self.raw.scene
         try:
             text = read_text(path)
         except InputError as error:
             raise InputError(self.path.name, [(line_of(self.text, ["scene"]), "scene", str(error))]) from None
         self.scene_text = text
-        return scene_from(parse_toml(text, path.name), text, path.name, path.parent)
+        return scene_from(parse_toml(text, path.name) | own, text, path.name, path.parent)
 
     def content(self) -> dict[str, Any]:
         """The content, by the names of `Study`'s attributes.

@@ -14,7 +14,7 @@ from sweeps.study.study_content import StudyContent
 # The part that results depend on.
 _DECISIVE = ("vary", "derive", "require", "outputs", "positions", "field_precision", "accuracy", "tolerances")
 _OF_A_VARIANT = ("derive", "positions", "accuracy")
-_WORDS = ("title", "source")
+_WORDS = ("title", "source", "units")
 
 
 def study_record(study: StudyContent) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from engine import PlainNumber, PlainText, Scene, ScenePart, first_last_count
+from engine import PlainNumber, PlainText, Scene, ScenePart, UnitSystem, first_last_count
 
 
 class Range(ScenePart):
@@ -153,13 +153,14 @@ class StudyText(ScenePart):
     `derive` computes further numbers from those; `require` drops variants that don't meet a condition.
     `optimise` is the task of `sweeps optimise`; `tolerances` are manufacturing tolerances of numbers. `accuracy` is the
     relative tolerance of every summary, which sets the positions per variant; `positions` is the number of field
-    positions.
+    positions. `units` replaces that of the scene.
     `field_precision` is the storage precision of fields; everything is computed in float64.
     """
 
     title: PlainText = ""
     question: PlainText = ""
     source: PlainText = ""
+    units: UnitSystem | None = None
     scene: str | dict[str, Any]
     positions: int = 720
     accuracy: Annotated[PlainNumber, Field(gt=0, lt=1)] | None = None

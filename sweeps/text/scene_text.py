@@ -16,6 +16,7 @@ from engine import (
     near_of_variant,
     order_groups,
     scene_numbers,
+    show_units_of,
 )
 from sweeps.text.csv_text import read_csv
 from sweeps.text.input_files import InputError, read_text
@@ -53,6 +54,8 @@ def scene_from(data: dict[str, Any], text: str, source: str, folder: Path, prefi
     prefix : tuple of str
         Keys of the table that contains the scene.
     """
+    if (system := show_units_of(data)) != Scene.model_fields["units"].default:
+        data = {"units": system} | data
     for table in ("forces", "moments", "wanted"):
         actions = data.get(table)
         for name, action in actions.items() if isinstance(actions, dict) else ():

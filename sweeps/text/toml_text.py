@@ -8,8 +8,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, Tag, ValidationError
 
-from engine import Element, element_kinds, in_text, nearest_names
-from sweeps.text.engineer_units import show_in_units
+from engine import Element, comma_advice, element_kinds, in_text, nearest_names
 from sweeps.text.input_files import InputError
 
 # Maximum problems per message.
@@ -65,8 +64,7 @@ def _slip(text: str, line: int | None, source: str) -> str:
             value = slip["value"].strip()
             return f'{value} has a unit, so it needs quotes: "{value}"'
         if (slip := _BARE_COMMA.search(written)) is not None:
-            value = slip["value"].strip()
-            return f'{value} has a decimal comma: use a point, "{value.replace(",", ".")}"'
+            return comma_advice(slip["value"].strip())
         if (slip := _BARE_WORD.search(written)) is not None:
             value = slip["value"].strip()
             return f'{value} is a text, so it needs quotes: "{value}"'
@@ -95,15 +93,11 @@ def validate(model: type[BaseModel], data: dict[str, Any], text: str, source: st
     InputError
         All problems.
     """
-    context: dict[str, Any] = {"text": True}
     try:
-        made = model.model_validate(data, context=context)
+        return model.model_validate(data, context={"text": True})
     except ValidationError as error:
         told = error.errors()[:MOST_PROBLEMS]
         raise InputError(source, [_problem(model, data, text, e, prefix) for e in told]) from None
-    if "units" in context:
-        show_in_units(context["units"])
-    return made
 
 
 def _problem(

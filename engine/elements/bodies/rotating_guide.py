@@ -21,6 +21,7 @@ from engine.cycle.regula_falsi import regula_falsi
 from engine.elements.element import Columns, Element, ElementResult, Numbers
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, path, plan
 from engine.parts.skeleton import AngularSpeed, Length, Mass, Number, Speed
+from engine.units.display import quantity_text
 
 _ROUNDS = 60
 # Instants of curves; at how many of them the lever is drawn.
@@ -60,7 +61,8 @@ class RotatingGuide(Element):
     def _has_a_way(self) -> "RotatingGuide":
         if not self.start_radius < self.length:
             raise ValueError(
-                f"length = {self.length:g} m is not above start_radius = {self.start_radius:g} m: the body slides out"
+                f"length = {quantity_text(self.length, 'm')} is not above start_radius = "
+                f"{quantity_text(self.start_radius, 'm')}: the body slides out"
             )
         return self
 

@@ -27,6 +27,7 @@ from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.elements.sampled_peak import sampled_peak
 from engine.laws.masses.moments_of_inertia import ring_inertia
 from engine.parts.skeleton import AngularSpeed, Number, Positive, Pressure, quantity
+from engine.units.display import quantity_text
 
 _PLACES, _SHOWN = 65, 721
 
@@ -71,8 +72,9 @@ class WoundFlywheel(Element):
     def _from_inside_out(self) -> "WoundFlywheel":
         if not self.bore < self.winding_diameter < self.diameter:
             raise ValueError(
-                f"bore = {self.bore:g} m, winding_diameter = {self.winding_diameter:g} m, diameter = "
-                f"{self.diameter:g} m: give them ascending, the winding lies outside the ring"
+                f"bore = {quantity_text(self.bore, 'm')}, winding_diameter = "
+                f"{quantity_text(self.winding_diameter, 'm')}, diameter = "
+                f"{quantity_text(self.diameter, 'm')}: give them ascending, the winding lies outside the ring"
             )
         if self.strength is not None and not self.winding_stress < self.strength:
             raise ValueError("winding_stress must be below strength: the tape would tear while it is wound")

@@ -12,6 +12,7 @@ from engine.elements.element import Columns, Element, ElementResult, Numbers
 from engine.elements.panels import Curve, Panel, PanelAxis
 from engine.parts.actions import Moment
 from engine.parts.skeleton import Name, quantity
+from engine.units.display import quantity_text
 
 
 class ComplianceElement(Element):
@@ -72,10 +73,12 @@ class ComplianceElement(Element):
         own = self.own_values()
         shares = {name.removesuffix(".share"): value for name, value in own.items() if name.endswith(".share")}
         parts = sorted(shares, key=shares.get)
-        names = [f"{part.replace('.', ' · ')}\n{own[f'{part}.stiffness']:.4g} N·m/rad" for part in parts]
-        title = f"whole line: {own['stiffness']:.4g} N·m/rad"
+        names = [
+            f"{part.replace('.', ' · ')}\n{quantity_text(own[f'{part}.stiffness'], 'N m rad-1')}" for part in parts
+        ]
+        title = f"whole line: {quantity_text(own['stiffness'], 'N m rad-1')}"
         if "twist" in own:
-            title += f", {math.degrees(own['twist']):.3g}° under {self.moment:g} N·m"
+            title += f", {math.degrees(own['twist']):.3g}° under {quantity_text(self.moment, 'N m')}"
         x, y = PanelAxis("", "1"), PanelAxis("share of the energy", "%")
         bars = Curve("", np.array([100.0 * shares[part] for part in parts]))
         return (Panel(x, y, np.arange(float(len(parts))), (bars,), title=title, kind="bars", names=names),)

@@ -6,6 +6,7 @@ from pydantic import Field, model_validator
 
 from engine.parts.actions import Stiffness, TorsionalDamping, TorsionalStiffness
 from engine.parts.skeleton import Area, Length, Name, Number, Part, Positive, quantity
+from engine.units.display import quantity_text
 
 PartModulus = Annotated[quantity("pressure"), Field(gt=0)]
 
@@ -40,7 +41,10 @@ class ShaftPart(_TurningPart):
     @model_validator(mode="after")
     def _has_a_wall(self) -> "ShaftPart":
         if self.bore >= self.diameter:
-            raise ValueError(f"bore = {self.bore:g} m: it must be less than the diameter, {self.diameter:g} m")
+            raise ValueError(
+                f"bore = {quantity_text(self.bore, 'm')}: it must be less than the diameter, "
+                f"{quantity_text(self.diameter, 'm')}"
+            )
         return self
 
 

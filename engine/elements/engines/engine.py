@@ -44,6 +44,7 @@ from engine.elements.engines.shaking import EngineShaking, engine_shaking
 from engine.elements.panels import Panel
 from engine.laws.rounding import EPS
 from engine.parts.skeleton import Angle, AngularSpeed, Inertia, Length, Mass, Number, Part, Positive, quantity
+from engine.units.display import quantity_text
 
 MassOrNone = Annotated[Mass, Field(ge=0)]
 Pressure = Annotated[quantity("pressure"), Field(gt=0)]
@@ -133,10 +134,13 @@ class EngineElement(Element):
     def _check_rods(self) -> None:
         aside = abs(self.gudgeon_offset or 0.0)
         if self.rod <= math.hypot(self.stroke / 2, aside):
-            least = f"half the stroke, {self.stroke / 2:g} m"
+            least = f"half the stroke, {quantity_text(self.stroke / 2, 'm')}"
             if aside:
-                least = f"{math.hypot(self.stroke / 2, aside):g} m, for half the stroke and gudgeon_offset across it"
-            raise ValueError(f"rod = {self.rod:g} m: it must be longer than {least}")
+                least = (
+                    f"{quantity_text(math.hypot(self.stroke / 2, aside), 'm')}, for half the "
+                    f"stroke and gudgeon_offset across it"
+                )
+            raise ValueError(f"rod = {quantity_text(self.rod, 'm')}: it must be longer than {least}")
         if (self.knuckle_radius is None) != (self.link_rod is None):
             raise ValueError("knuckle_radius and link_rod belong together: give both, or neither")
         if self.knuckle_radius is None:

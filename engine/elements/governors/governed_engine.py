@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 from engine.laws.tables import TableError, make_table
 from engine.parts.actions import Moment
 from engine.parts.skeleton import ActionRef, Inertia, Length, Number, Part, Positive, quantity
+from engine.units.display import quantity_text
 
 
 class LinearThrottle(Part):
@@ -35,7 +36,8 @@ class TableThrottle(Part):
         rises = next((i for i in range(1, len(self.moment)) if self.moment[i] > self.moment[i - 1]), None)
         if rises is not None:
             raise ValueError(
-                f"moment rises in row {rises + 1}, from {self.moment[rises - 1]:g} to {self.moment[rises]:g} N m: a "
+                f"moment rises in row {rises + 1}, from "
+                f"{quantity_text(self.moment[rises - 1], 'N m')} to {quantity_text(self.moment[rises], 'N m')}: a "
                 "governor closes the throttle as it lifts the sleeve; sort the rows so that the moment falls"
             )
         return self
@@ -60,7 +62,8 @@ Throttle = Annotated[LinearThrottle | TableThrottle | FullAndShutThrottle, Field
 def _closing(throttle: "LinearThrottle | FullAndShutThrottle") -> "LinearThrottle | FullAndShutThrottle":
     if not throttle.full > throttle.closed:
         raise ValueError(
-            f"full = {throttle.full:g} N m is not above closed = {throttle.closed:g} N m: a governor closes the "
+            f"full = {quantity_text(throttle.full, 'N m')} is not above closed = "
+            f"{quantity_text(throttle.closed, 'N m')}: a governor closes the "
             "throttle as it lifts the sleeve"
         )
     return throttle

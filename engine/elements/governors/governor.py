@@ -31,6 +31,7 @@ from engine.elements.panels import Panel
 from engine.laws.tables import Table
 from engine.parts.actions import Force
 from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Length, Mass, Number, Positive, quantity
+from engine.units.display import quantity_text
 from engine.verdicts import Verdict
 
 _FLAG = {"units": "1", "exact": True}
@@ -125,7 +126,8 @@ class Governor(Element):
     def _has_a_range(self) -> "Governor":
         if not self.least_radius < self.greatest_radius:
             raise ValueError(
-                f"greatest_radius = {self.greatest_radius:g} m is not above least_radius = {self.least_radius:g} m: "
+                f"greatest_radius = {quantity_text(self.greatest_radius, 'm')} is not above "
+                f"least_radius = {quantity_text(self.least_radius, 'm')}: "
                 "give the radii of the balls at the inner and the outer stop"
             )
         if self.engine is None and self.gives("damping"):

@@ -12,6 +12,7 @@ from engine.elements.governors.equilibria import governor_marks, governor_memory
 from engine.elements.governors.governed_engine import GovernedEngine
 from engine.elements.governors.transients import ANSWERS, MOTION_ROOM, follow_one
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
+from engine.units.display import quantity_text
 from engine.verdicts import Verdict
 
 # Margins nearer to 0 than this are drawn as stable: sweeps tell them apart, a line can't.
@@ -228,7 +229,7 @@ def _change(change: LoadChange, engine: GovernedEngine) -> tuple[Panel, Panel]:
     """Speed of the engine and lift of the sleeve after a change of load."""
     x, y = PanelAxis("time after the change of load", "s"), PanelAxis("speed of the engine", "rad s-1")
     band = [Mark(words, None, change.after * (1.0 + side * engine.settling_band)) for words, side in _BAND]
-    title = f"Load from {engine.load:g} to {engine.new_load:g} N·m"
+    title = f"Load from {quantity_text(engine.load, 'N m')} to {quantity_text(engine.new_load, 'N m')}"
     lift = Panel(x, PanelAxis("lift of the sleeve", "m"), change.time, (Curve("", change.lift),))
     return Panel(x, y, change.time, (Curve("", change.speed),), band, title), lift
 

@@ -9,6 +9,7 @@ from engine.elements.governors.governor import Governor
 from engine.elements.governors.places import Holding
 from engine.laws.tables import Table, make_table
 from engine.parts.skeleton import Length, Number, quantity
+from engine.units.display import quantity_text
 
 
 class TableGovernor(Governor):
@@ -37,7 +38,8 @@ class TableGovernor(Governor):
         needed = (0.0, lift) if self.over_radius is None else (self.least_radius, self.greatest_radius)
         if not (rows[0] <= needed[0] and needed[1] <= rows[-1] * (1 + 1e-12)):
             raise ValueError(
-                f"{key} spans {rows[0]:g} to {rows[-1]:g} m, the stops lie at {needed[0]:g} and {needed[1]:g} m: give "
+                f"{key} spans {quantity_text(rows[0], 'm')} to {quantity_text(rows[-1], 'm')}, the "
+                f"stops lie at {quantity_text(needed[0], 'm')} and {quantity_text(needed[1], 'm')}: give "
                 "rows up to both stops, or move these"
             )
         return self

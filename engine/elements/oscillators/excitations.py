@@ -8,12 +8,13 @@ from pydantic import Field, model_validator
 from engine import parts
 from engine.laws.tables import TableError, make_table
 from engine.parts.actions import Force, Time
-from engine.parts.dimensions import described
 from engine.parts.formulas.by_formula import ByFormula, FormulaText
 from engine.parts.formulas.expressions import ExpressionError, TextExpression, parse
 from engine.parts.formulas.unknown_names import unknown_name_message
 from engine.parts.skeleton import AngularSpeed, Length, Mass, Part, Positive, Speed, quantity
-from engine.parts.units import any_quantity
+from engine.units.dimensions import described
+from engine.units.display import quantity_text
+from engine.units.reading import any_quantity
 
 AngularAcceleration = quantity("angular_acceleration")
 Modulus = Annotated[quantity("pressure"), Field(gt=0)]
@@ -31,7 +32,10 @@ class CantileverSpring(Part):
     @model_validator(mode="after")
     def _has_a_wall(self) -> "CantileverSpring":
         if self.bore >= self.diameter:
-            raise ValueError(f"bore = {self.bore:g} m: it must be less than the diameter, {self.diameter:g} m")
+            raise ValueError(
+                f"bore = {quantity_text(self.bore, 'm')}: it must be less than the diameter, "
+                f"{quantity_text(self.diameter, 'm')}"
+            )
         return self
 
 

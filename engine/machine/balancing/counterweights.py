@@ -27,6 +27,7 @@ from engine.parts.skeleton import Body
 from engine.quantities.quantity import has_cycle
 from engine.scene.names import did_you_mean
 from engine.scene.scene import Scene
+from engine.units.display import quantity_text
 from engine.verdicts import Verdict
 
 # What is left of a full balance by rounding, over what it is summed of; kinematics near dead centres lose digits.
@@ -194,7 +195,8 @@ def _check_full(found: Optimum, rows: np.ndarray, effects: np.ndarray, names: Se
     terms = np.abs(rows).mean() + np.abs(effects * found.unknowns[:, None, None]).sum(axis=0).mean()
     if found.value > FULL * terms:
         raise BalanceError(
-            f"counterweights on {', '.join(names)} don't balance this machine fully: {found.value:.4g} N are left at "
+            f"counterweights on {', '.join(names)} don't balance this machine fully: "
+            f"{quantity_text(found.value, 'N')} are left at "
             "best, root mean square; allow counterweights on more links, or take criterion 'rms' or 'peak'"
         )
 

@@ -19,6 +19,7 @@ from engine.laws.kinematics.seeds import LEAST_SHARE, PROVES
 from engine.mechanism.vectors import Vector
 from engine.scene.scene import Numbers, Scene, SceneError, scene_numbers
 from engine.scene.structure.free_groups import FreeGroup
+from engine.units.display import quantity_text
 from engine.verdicts import Verdict
 
 # Intervals of a table that there is room for, in each turn of the input and in addition, and the longest, as a share of
@@ -268,7 +269,10 @@ class SeedTables:
                 mend = f'points.NAME = {{ link = "{self.group.links[0]}", x = "…", y = "…" }}, away from its joints'
                 raise ModeNotTold([("near", f"{words}, and they have no point to select one: give them {mend}")])
             point = max(self._points, key=lambda name: _least_distance([m.points[name] for m in self.modes]))
-            listed = "; ".join(f"({x:.4g} m, {y:.4g} m)" for x, y in (mode.points[point] for mode in self.modes))
+            listed = "; ".join(
+                f"({quantity_text(x, 'm')}, {quantity_text(y, 'm')})"
+                for x, y in (mode.points[point] for mode in self.modes)
+            )
             mend = f'near.{point} = {{ x = "…", y = "…" }}'
             pointed = any(name in self.scene.near for name in self._points)
             told = "and near is equally far from two of them" if pointed else "and the mode is ambiguous"

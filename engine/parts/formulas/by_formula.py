@@ -8,7 +8,7 @@ from pydantic import AfterValidator, ValidationInfo, model_validator
 
 from engine.parts.formulas.expressions import ExpressionError, parse
 from engine.parts.skeleton import Name, Part, SceneNumber
-from engine.parts.units import any_quantity, in_text, recognised
+from engine.units.reading import any_quantity, in_text, recognised
 
 
 def _readable(text: str) -> str:

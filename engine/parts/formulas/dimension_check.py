@@ -11,7 +11,6 @@ from fractions import Fraction
 
 from pint.util import UnitsContainer
 
-from engine.parts.dimensions import DIMENSIONS, common_units
 from engine.parts.formulas.expressions import (
     ExpressionError,
     TextExpression,
@@ -21,7 +20,8 @@ from engine.parts.formulas.expressions import (
     is_zero,
     pointed_out,
 )
-from engine.parts.units import base_powers, in_any_unit
+from engine.units.dimensions import DIMENSIONS, common_units
+from engine.units.reading import base_powers, in_any_unit
 
 _ANGLE = "[angle]"
 _BASES = {"[mass]": "kg", "[length]": "m", "[time]": "s"}

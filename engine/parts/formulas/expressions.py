@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.parts.formulas.unknown_names import unknown_name_message
-from engine.parts.units import UNIT_NAMES
+from engine.units.reading import UNIT_NAMES
 
 LONGEST = 2000
 DEEPEST = 50
@@ -276,6 +276,8 @@ _TOKEN = re.compile(
 )
 _UNIT_POWER = r"(?:(?:\^|\*\*)-?[1-9]|[1-9])?(?![\w.(])"
 _UNIT = re.compile(rf"([^\W\d_]+){_UNIT_POWER}")
+# Between other units a hyphen is a minus.
+_FOOT_POUND = re.compile(rf"(?:ft|in)-(lbf|lbs?){_UNIT_POWER}|(?:lbf|lbs?)-(ft|in){_UNIT_POWER}")
 # Brackets below a bar: "/(m s)".
 _UNITS_IN_BRACKETS = re.compile(rf"\(([^\W\d_]+{_UNIT_POWER}(?:[ *][^\W\d_]+{_UNIT_POWER})*)\)")
 
@@ -312,7 +314,11 @@ def _end_of_units(line: str, place: int) -> int:
             end = brackets.end()
             divided = True
             continue
-        unit = _UNIT.match(line, end + 1) if bar else _UNIT.match(line, _after_blanks(line, end))
+        begin = end + 1 if bar else _after_blanks(line, end)
+        if (pound := _FOOT_POUND.match(line, begin)) is not None and not divided:
+            end = pound.end()
+            continue
+        unit = _UNIT.match(line, begin)
         if not unit or unit[1] not in UNIT_NAMES or (unit[1] != "in" and keyword.iskeyword(unit[1])):
             return end
         if divided and not bar:

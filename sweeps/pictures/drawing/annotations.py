@@ -5,12 +5,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from engine import FRAME, LinkForce, NowhereDefinedError, did_you_mean
+from engine import FRAME, LinkForce, NowhereDefinedError, did_you_mean, quantity_text
 from sweeps.pictures.drawing.motion import DrawnMotion
 from sweeps.pictures.drawing.names import outline_points
 from sweeps.pictures.drawing.symbols import TIP, Primitive, arrow, polygon
 from sweeps.pictures.picture_error import PictureError
-from sweeps.text.engineer_units import quantity_text
 
 ANNOTATIONS = ("masses", "forces", "links")
 # Longest and shortest arrow, in hinge radii.

@@ -9,6 +9,7 @@ import numpy as np
 from engine import (
     FRAME,
     CrankInput,
+    InputUnits,
     Mechanics,
     MovingMachine,
     NowhereDefinedError,
@@ -21,6 +22,7 @@ from engine import (
     order_groups,
     pairs_of,
     places_on,
+    quantity_text,
 )
 from sweeps.pictures.picture_error import PictureError
 
@@ -104,15 +106,18 @@ class DrawnMotion:
         PictureError
             The position is outside the input's range, or the mechanism can't be assembled there.
         """
-        step = self.q[1] - self.q[0]
+        step, unit = self.q[1] - self.q[0], InputUnits.of(self.scene).q
         k = round((at - self.q[0]) / step)
         if has_cycle(self.scene):
             k %= self.q.size
         elif not 0 <= k < self.q.size:
-            raise PictureError(f"position {at:g} is outside the input's range {self.q[0]:g} to {self.q[-1]:g}")
+            told, *ends = (quantity_text(float(q), unit) for q in (at, self.q[0], self.q[-1]))
+            raise PictureError(f"position {told} is outside the input's range {' to '.join(ends)}")
         if not all(np.isfinite(p[k]) for p in self.points.values()):
             sentence = Verdict.CANNOT_ASSEMBLE.sentence
-            raise PictureError(f"position {at:g} can't be drawn: {sentence}; or choose another position")
+            raise PictureError(
+                f"position {quantity_text(at, unit)} can't be drawn: {sentence}; or choose another position"
+            )
         return k
 
     def axes(self, link: str) -> tuple[np.ndarray, np.ndarray]:

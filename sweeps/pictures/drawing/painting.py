@@ -12,12 +12,11 @@ from matplotlib.path import Path as Outline
 from matplotlib.patheffects import withStroke
 from matplotlib.textpath import TextPath
 
-from engine import Scene, has_cycle
+from engine import Scene, display_unit, has_cycle, quantity_text
 from sweeps.pictures.drawing.figures import USUAL_CRANK_ANGLE, default_position, figures
 from sweeps.pictures.drawing.motion import DrawnMotion
 from sweeps.pictures.drawing.symbols import Primitive
 from sweeps.pictures.style import BLUE, MM_PER_INCH, VERMILION, house_style, new_figure, save
-from sweeps.text.engineer_units import engineer_unit, quantity_text
 
 # Line width [pt] and darkness of each layer.
 WIDTHS = {
@@ -90,7 +89,7 @@ def bounds(drawn: Iterable[Primitive]) -> tuple[float, float, float, float]:
 
 def prepare_axes(ax: Axes, extent: tuple[float, float, float, float], radius: float) -> float:
     """Set equal scales, limits and labels; return the factor from metres to the displayed unit."""
-    factor, label = engineer_unit("m", np.array(extent))
+    factor, label = display_unit("m", np.array(extent))
     low_x, low_y, high_x, high_y = (factor * value for value in extent)
     margin = 2.5 * factor * radius
     ax.set(xlim=(low_x - margin, high_x + margin), ylim=(low_y - margin, high_y + margin))

@@ -6,9 +6,8 @@ from collections.abc import Iterable
 import numpy as np
 from matplotlib.axes import Axes
 
-from engine import SHOWN_ORDERS, EngineElement, Hodograph, shaken, torque_orders
+from engine import SHOWN_ORDERS, EngineElement, Hodograph, display_unit, shaken, torque_orders
 from sweeps.pictures.style import GREY, VERMILION
-from sweeps.text.engineer_units import engineer_unit
 from sweeps.text.tables import table
 
 TURN = 2 * math.pi
@@ -47,7 +46,7 @@ def _ellipse_text(vector: Hodograph, i: int, units: str) -> str:
     major, minor = float(vector.major[i]), float(vector.minor[i])
     if major == 0:
         return "0"
-    factor, unit = engineer_unit(units, np.array([major]))
+    factor, unit = display_unit(units, np.array([major]))
     turns = "↺" if abs(vector.forward[i]) > abs(vector.backward[i]) else "↻"
     if minor <= LINE * major:
         return f"{factor * major:.4g} {unit} line"
@@ -59,7 +58,7 @@ def _ellipse_text(vector: Hodograph, i: int, units: str) -> str:
 def _torque_text(engine: EngineElement) -> str:
     steps = np.arange(1, 13) / 2
     mean, parts = torque_orders(engine, steps)
-    factor, unit = engineer_unit("N m", np.array([mean]))
+    factor, unit = display_unit("N m", np.array([mean]))
     left = ", ".join(f"{n:g}: {factor * abs(part):.4g}" for n, part in zip(steps, parts, strict=True) if part)
     order = "-".join(map(str, engine.order_of_firing))
     return f"firing order {order}; mean torque {factor * mean:.4g} {unit}, torque orders [{unit}] {left or 'none'}"

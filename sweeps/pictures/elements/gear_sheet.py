@@ -12,6 +12,8 @@ from engine import (
     GearTrain,
     VelocityPicture,
     Verdict,
+    display_unit,
+    table_unit,
     train_results,
     velocity_picture,
 )
@@ -43,16 +45,18 @@ def gear_sheet(train: GearTrain, target: Path | str | Figure, title: str = "") -
     colours = {name: PALETTE[i % len(PALETTE)] for i, name in enumerate(picture.lines)}
     with sheet(target, 180, 105) as figure:
         scheme, linear, angular = figure.subplots(1, 3, width_ratios=(1, 1.25, 1.25))
-        unit, factor = ("mm", 1e3) if train.has_modules else ("modules", 1.0)
+        sizes = np.array([wheel.radius for wheel in picture.wheels.values()])
+        factor, unit = display_unit("m", sizes) if train.has_modules else (1.0, "modules")
         _scheme(scheme, train, picture, colours, factor)
-        _linear(linear, picture, colours, factor, train.has_modules)
+        pace = display_unit("m s-1", np.ones(1)) if train.has_modules else (1.0, "modules/s")
+        _linear(linear, picture, colours, factor, pace)
         top = max([w.axis + w.radius for w in picture.wheels.values()] + [1e-12])
         # The part below the lowest axis is a mirror image: half of it is enough.
         low = min([*picture.axes.values(), top])
         for ax in (scheme, linear, angular):
             ax.set_ylim(factor * (low - 0.25 * (top - low)), factor * (top + 0.32 * (top - low)))
         scheme.set_ylabel(f"line of centres, {unit}")
-        _angular(angular, linear, picture, colours, factor)
+        _angular(angular, linear, picture, colours, factor / pace[0])
         words = [title] if title else []
         if not picture.fits:
             words.append(Verdict.DOES_NOT_FIT.sentence)
@@ -131,21 +135,26 @@ def _ground(ax: Axes, x: float, y: float, size: float) -> None:
         ax.plot([x + k, x + k + 0.06], [y, y + 0.6 * size], color="black", linewidth=0.6)
 
 
-def _linear(ax: Axes, picture: VelocityPicture, colours: dict[str, str], factor: float, is_sized: bool) -> None:
+def _linear(
+    ax: Axes, picture: VelocityPicture, colours: dict[str, str], factor: float, pace: tuple[float, str]
+) -> None:
     """Velocities of each shaft's points along the line of centres."""
+    speed, unit = pace
     ax.axvline(0.0, color="black", linewidth=0.9)
     for name, line in picture.lines.items():
-        ax.plot(line.velocities, factor * np.array(line.heights), color=colours[name], label=name)
-        ax.plot(line.velocities, factor * np.array(line.heights), ".", color=colours[name], markersize=3)
+        ax.plot(speed * np.array(line.velocities), factor * np.array(line.heights), color=colours[name], label=name)
+        ax.plot(
+            speed * np.array(line.velocities), factor * np.array(line.heights), ".", color=colours[name], markersize=3
+        )
     for height, velocity in picture.contacts.values():
-        ax.plot([0, velocity], [factor * height] * 2, color=PALE, linewidth=0.8, zorder=0)
-        ax.plot(velocity, factor * height, "o", color="black", markersize=2.5, zorder=4)
-    values = [v for line in picture.lines.values() for v in line.velocities] + [0.0]
+        ax.plot([0, speed * velocity], [factor * height] * 2, color=PALE, linewidth=0.8, zorder=0)
+        ax.plot(speed * velocity, factor * height, "o", color="black", markersize=2.5, zorder=4)
+    values = [speed * v for line in picture.lines.values() for v in line.velocities] + [0.0]
     room = 0.12 * (max(values) - min(values)) or 1.0
     # A wider diagram steepens the rays of the angular one and leaves room for shaft names.
     ax.set_xlim(min(values) - room, max(values) + 4 * room)
     ax.legend(loc="best", fontsize=6.5)
-    ax.set(title="Linear velocities", xlabel="velocity, m/s" if is_sized else "velocity, modules/s")
+    ax.set(title="Linear velocities", xlabel=f"velocity, {unit}")
     ax.tick_params(labelleft=False)
 
 
@@ -186,10 +195,14 @@ def _angular(ax: Axes, linear: Axes, picture: VelocityPicture, colours: dict[str
 def gear_table(train: GearTrain) -> str:
     """Mobility of a train, and speed, torque and power by shaft, as text."""
     found = {result.name: float(known.value[0]) for result, known in train_results(train, train.own_numbers())[0]}
-    rows = [train.structure.words, f"{'shaft':<16}{'speed, rpm':>14}{'torque, N m':>16}{'power, W':>14}"]
+    (turn, rpm), (torque, moment), (work, power) = map(table_unit, ("rad s-1", "N m", "W"))
+    heads = f"{'shaft':<16}{f'speed, {rpm}':>14}{f'torque, {moment}':>16}{f'power, {power}':>14}"
+    rows = [train.structure.words, heads]
     for name in train.shafts:
-        cells = [RPM * found[f"{name}.speed"]]
+        cells = [found[f"{name}.speed"] / turn]
         if train.has_loads:
-            cells += [0.0 + found.get(f"{name}.{key}", 0.0) for key in ("moment", "power")]
+            cells += [
+                0.0 + found.get(f"{name}.{key}", 0.0) / size for key, size in (("moment", torque), ("power", work))
+            ]
         rows.append(f"{name:<16}" + "".join(f"{v:>{w}.6g}" for v, w in zip(cells, (14, 16, 14), strict=False)))
     return "\n".join(rows)

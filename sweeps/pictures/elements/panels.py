@@ -7,10 +7,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from engine import Element, Panel
+from engine import Element, Panel, display_unit
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import GREY, PALETTE, VERMILION, sheet
-from sweeps.text.engineer_units import engineer_unit
 
 # Draws an element to scale next to its diagrams.
 Layout = Callable[[Axes, Element], None]
@@ -80,8 +79,8 @@ def draw_panel(ax: Axes, panel: Panel, with_x: bool = True) -> None:
     """
     values = np.concatenate([np.ravel(c.values) for c in panel.curves])
     usual = values if panel.limits is None else np.array([max(np.abs(panel.limits))])
-    along, along_unit = engineer_unit(panel.x.unit, panel.places)
-    factor, unit = (along, along_unit) if panel.kind == "plan" else engineer_unit(panel.y.unit, usual)
+    along, along_unit = display_unit(panel.x.unit, panel.places)
+    factor, unit = (along, along_unit) if panel.kind == "plan" else display_unit(panel.y.unit, usual)
     colours = iter(PALETTE * len(panel.curves))
     for k, (words, row, beside, own) in enumerate(panel.curves):
         colour = GREY if beside else next(colours)

@@ -10,11 +10,10 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from PIL import Image
 
-from engine import Scene, has_cycle
+from engine import Scene, has_cycle, quantity_text
 from sweeps.pictures.drawing import FILLS, DrawnMotion, bounds, figures, names_of_points, paint, prepare_axes
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import VERMILION, house_style
-from sweeps.text.engineer_units import quantity_text
 from sweeps.text.whole_files import whole_file
 
 DOTS_PER_INCH = 100

@@ -9,10 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-from engine import FRAME, CrankInput, MovingMachine, Scene, Verdict, has_cycle, sliders_of
+from engine import FRAME, CrankInput, MovingMachine, Scene, Verdict, display_unit, has_cycle, sliders_of
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, GREEN, GREY, VERMILION, sheet
-from sweeps.text.engineer_units import engineer_unit
 
 # Larger values overflow the axis.
 LARGEST = 1e300
@@ -99,7 +98,7 @@ def input_axis(scene: Scene, q: np.ndarray) -> tuple[str, float]:
     """Label and factor of the input axis for crank angles [rad] or displacements [m]."""
     if isinstance(scene.input, CrankInput):
         return "crank angle φ, °", 180 / math.pi
-    factor, label = engineer_unit("m", q)
+    factor, label = display_unit("m", q)
     return f"displacement of {scene.input.link} q, {label}", factor
 
 
@@ -178,7 +177,7 @@ def _panel(ax: Axes, cycle: CycleCurves, name: str, title: str, symbol: str, mea
     if np.isfinite(row).sum() < 2 or np.nanmax(np.abs(row)) > LARGEST:
         _say(ax, f"{symbol}: infinite or undefined")
         return
-    factor, label = engineer_unit(cycle.units[name], row)
+    factor, label = display_unit(cycle.units[name], row)
     q, shown = cycle.q, factor * row
     if cycle.closed:
         # Close the cycle.
@@ -219,7 +218,7 @@ def _energy_loop(ax: Axes, moving: MovingMachine, cycle: CycleCurves) -> None:
     if not np.max(np.abs([span_i, span_w, *np.ravel(heights)])) < LARGEST:
         _say(ax, "Energy loop: infinite or undefined")
         return
-    (fi, unit_i), (fw, unit_w) = engineer_unit(cycle.units["reduced_inertia"], inertia), engineer_unit("J", work)
+    (fi, unit_i), (fw, unit_w) = display_unit(cycle.units["reduced_inertia"], inertia), display_unit("J", work)
     ax.plot(fi * np.append(inertia, inertia[0]), fw * np.append(work, work[0]), color=BLUE)
     _mark_quarters(ax, cycle, fi * inertia, fw * work)
     ax.xaxis.set_major_locator(MaxNLocator(4))
@@ -235,7 +234,7 @@ def _energy_loop(ax: Axes, moving: MovingMachine, cycle: CycleCurves) -> None:
     (steep, upper, _), (flat, lower, _) = tangents
     # δω² is half the difference of ω² at the two speeds.
     wheel = (upper - lower) / (steep - flat)
-    factor, unit = engineer_unit("kg m2", np.array([wheel]))
+    factor, unit = display_unit("kg m2", np.array([wheel]))
     ax.set_title(f"Energy loop: flywheel {factor * wheel:.4g} {unit}".replace("-", "\N{MINUS SIGN}"))
     # Inside the axes it would cover a tangent.
     ax.figure.legend(loc="outside lower right", ncols=2)

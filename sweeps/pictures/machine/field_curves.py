@@ -7,11 +7,10 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from engine import MovingMachine, Scene, has_cycle
+from engine import MovingMachine, Scene, display_unit, has_cycle
 from sweeps.pictures.machine.diagrams import input_axis
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, house_style, new_figure, save
-from sweeps.text.engineer_units import engineer_unit
 
 POSITIONS = 720
 # Panels that fit on a sheet.
@@ -55,7 +54,7 @@ def field_figure(scene: Scene, names: Sequence[str], x: str | None = None, posit
         if not np.isfinite(row).any():
             raise PictureError(f"{name} is infinite or undefined everywhere; `sweeps run` shows why")
     if x:
-        factor, label = engineer_unit(known[x].units, rows[x])
+        factor, label = display_unit(known[x].units, rows[x])
         places, title = rows[x] * factor, f"{x}{_comma(label)}"
     else:
         title, factor = input_axis(scene, machine.q)
@@ -65,7 +64,7 @@ def field_figure(scene: Scene, names: Sequence[str], x: str | None = None, posit
         figure = new_figure(180, 25 + 45 * len(names))
         axes = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
         for ax, name in zip(axes, names, strict=True):
-            factor, label = engineer_unit(known[name].units, rows[name])
+            factor, label = display_unit(known[name].units, rows[name])
             shown, at = rows[name] * factor, places
             if closed:
                 begin = shown[0] + (_turned(rows[name]) * factor if known[name].units == "rad" else 0.0)

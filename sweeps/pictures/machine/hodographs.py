@@ -8,10 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from engine import MovingMachine, Scene, Verdict, has_cycle
+from engine import MovingMachine, Scene, Verdict, display_unit, has_cycle
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import PALETTE, sheet
-from sweeps.text.engineer_units import engineer_unit
 
 ORDERS = np.arange(1, 9)
 POSITIONS = 720
@@ -33,7 +32,7 @@ def hodographs(scenes: Mapping[str, Scene], target: Path | str | Figure) -> Figu
         A machine can't be computed or its crank doesn't turn fully, or unknown picture format.
     """
     forces = {name: shaking_force(scene) for name, scene in scenes.items()}
-    factor, unit = engineer_unit("N", np.abs(np.concatenate(list(forces.values()))))
+    factor, unit = display_unit("N", np.abs(np.concatenate(list(forces.values()))))
     with sheet(target, 180, 85) as figure:
         left, right = figure.subplots(1, 2)
         _hodographs(left, forces, factor, unit)

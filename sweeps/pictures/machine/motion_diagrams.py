@@ -12,11 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 import engine
-from engine import InputUnits, Machine, Scene, SteadyRegime, Verdict
+from engine import InputUnits, Machine, Scene, SteadyRegime, Verdict, display_unit
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, sheet
 from sweeps.report.regime_words import failure_text
-from sweeps.text.engineer_units import engineer_unit
 
 _COLOURS = {
     "motors": BLUE,
@@ -145,9 +144,7 @@ def _history_sheet(figure: Figure, scene: Scene, parts: Sequence[_Course]) -> No
         ("R", "N", reactions),
     )[:count]
     for row, (symbol, units, columns) in zip(axes, rows, strict=True):
-        factor, label = engineer_unit(
-            units, np.concatenate([v for column in columns for v in column.values()] or [[0]])
-        )
+        factor, label = display_unit(units, np.concatenate([v for column in columns for v in column.values()] or [[0]]))
         for ax, part, column in zip(row, parts, columns, strict=True):
             _lines(ax, part.time, {key: factor * values for key, values in column.items()})
         row[0].set_ylabel(f"{symbol}, {label}")
@@ -243,7 +240,7 @@ def cycle_diagrams(scene: Scene, seen: "engine.History", regime: str, target: Pa
 
 
 def _panel(ax: Axes, part: _Course, title: str, symbol: str, units: str, rows: dict[str, np.ndarray]) -> None:
-    factor, label = engineer_unit(units, np.concatenate(list(rows.values()) or [np.zeros(1)]))
+    factor, label = display_unit(units, np.concatenate(list(rows.values()) or [np.zeros(1)]))
     phi = np.degrees(part.angle)
     _lines(ax, phi, {key: factor * row for key, row in rows.items()})
     turn = abs(phi[-1] - phi[0])
@@ -255,7 +252,7 @@ def _speed_panel(ax: Axes, scene: Scene, part: _Course) -> None:
     names = [f"{part.name}.{key}" for key in ("speed_min", "speed_max", "mean_speed", "speed_fluctuation")]
     found = Machine(scene, names).evaluate({}).summaries
     low, high, mean, delta = (float(found[name][0]) for name in names)
-    factor, label = engineer_unit("rad s-1", part.speed)
+    factor, label = display_unit("rad s-1", part.speed)
     _panel(ax, part, f"δ = {delta:.3g}, mean speed {factor * mean:.4g} {label}", "ω", "rad s-1", {"speed": part.speed})
     way = factor * math.copysign(1.0, part.speed[0])
     ax.axhline(way * mean, color=VERMILION, linewidth=0.9, linestyle=(0, (6, 2)))

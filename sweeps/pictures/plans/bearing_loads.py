@@ -8,13 +8,12 @@ from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
 
-from engine import FRAME, CrankInput, Pair, did_you_mean, pairs_of
+from engine import FRAME, CrankInput, Pair, did_you_mean, display_unit, pairs_of, quantity_text
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.plans.pose import MachineCycle
 from sweeps.pictures.plans.reaction_curves import reaction_panel
 from sweeps.pictures.plans.sheets import blank_sheet, heading, place, write
 from sweeps.pictures.style import BLUE, GREY, SKY, VERMILION, house_style
-from sweeps.text.engineer_units import engineer_unit
 
 SECTORS = 36
 # Arc over which the load is lowest, for the oil hole [deg].
@@ -128,7 +127,7 @@ def load_polar(load: BearingLoad, ax: PolarAxes) -> None:
     ax : PolarAxes
         Made with projection="polar".
     """
-    factor, unit = engineer_unit("N", np.abs(load.force))
+    factor, unit = display_unit("N", np.abs(load.force))
     z = factor * (np.append(load.force, load.force[0]) if load.closed else load.force)
     ax.plot(np.angle(z), np.abs(z), color=BLUE, linewidth=1.1)
     every = max(1, round(math.pi / 6 / (load.q[1] - load.q[0])) if load.turns else load.q.size // 12)
@@ -138,7 +137,7 @@ def load_polar(load: BearingLoad, ax: PolarAxes) -> None:
         ax.plot(np.angle(end), abs(end), "o", color=BLUE, markersize=2.5)
         if np.isfinite(end) and (np.abs(lettered - end) > CROWDED * top).all():
             lettered = np.append(lettered, end)
-            text = f"φ {np.degrees(load.q[k]):.0f}°" if load.turns else f"{1e3 * load.q[k]:.3g} mm"
+            text = f"φ {np.degrees(load.q[k]):.0f}°" if load.turns else quantity_text(float(load.q[k]), "m")
             ax.annotate(text, (np.angle(end), abs(end)), (2, 2), textcoords="offset points", fontsize=6)
     peak = factor * load.force[load.peak]
     ax.plot(np.angle(peak), abs(peak), "*", color=VERMILION, markersize=7)

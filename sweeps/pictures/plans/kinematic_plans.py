@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.axes import Axes
 
-from engine import FRAME
+from engine import FRAME, display_unit
 from sweeps.pictures.plans.lettering import image_name, subscript, symbol
 from sweeps.pictures.plans.paper import Paper
 from sweeps.pictures.plans.polygons import VectorPlan, accelerations, velocities
@@ -30,18 +30,20 @@ def velocity_plan(pose: Pose, ax: Axes) -> VectorPlan:
         The plan as numbers.
     """
     plan = velocities(pose)
-    _draw(plan, ax, "v", "m/s")
+    _draw(plan, ax, "v", "m s-1")
     return plan
 
 
 def acceleration_plan(pose: Pose, ax: Axes) -> VectorPlan:
     """Draw the acceleration plan at constant input speed; arguments as for `velocity_plan`."""
     plan = accelerations(pose)
-    _draw(plan, ax, "a", "m/s²")
+    _draw(plan, ax, "a", "m s-2")
     return plan
 
 
 def _draw(plan: VectorPlan, ax: Axes, letter: str, unit: str) -> None:
+    factor, label = display_unit(unit, np.abs([*plan.images.values(), 0j]))
+    plan = _scaled(plan, factor)
     paper = Paper(ax, [0j, *plan.images.values(), *_corners(plan)])
     for names in plan.links:
         outline = [plan.images.get(n, 0j) for n in names]
@@ -57,7 +59,16 @@ def _draw(plan: VectorPlan, ax: Axes, letter: str, unit: str) -> None:
             paper.arrow(at, step.vector, step.text, COLOURS[step.kind])
             at += step.vector
     paper.letter()
-    paper.scale(f"{20 * paper.per_mm:g} {unit}", rf"$\mu_{letter}$ = {paper.per_mm:g} ({unit})/mm")
+    paper.scale_of(letter, label)
+
+
+def _scaled(plan: VectorPlan, factor: float) -> VectorPlan:
+    """The plan with its vectors in the unit shown."""
+    legs = [
+        leg._replace(steps=type(leg.steps)(step._replace(vector=factor * step.vector) for step in leg.steps))
+        for leg in plan.legs
+    ]
+    return plan._replace(images={name: factor * image for name, image in plan.images.items()}, legs=legs)
 
 
 def _corners(plan: VectorPlan) -> list[complex]:
@@ -84,22 +95,27 @@ def _points(paper: Paper, plan: VectorPlan, letter: str) -> None:
 
 def velocity_lines(pose: Pose, plan: VectorPlan) -> list[str]:
     """Values of a velocity plan by line: points, then links."""
-    return [*_values(plan, "v", "m/s"), *_turns(pose, r"\omega", 0, "rad/s")]
+    return [*_values(plan, "v", "m s-1"), *_turns(pose, r"\omega", 0, "rad/s")]
 
 
 def acceleration_lines(pose: Pose, plan: VectorPlan) -> list[str]:
     """Values of an acceleration plan by line."""
     steps = [step for leg in plan.legs if len(leg.steps) > 1 for step in leg.steps]
     sizes = [(step.text, _size(plan, step.vector)) for step in steps if step.text]
-    parts = [f"{text} = {size:.4g} m/s²" for text, size in sizes if size]
-    return [*_values(plan, "a", "m/s²"), *parts, *_turns(pose, r"\varepsilon", 1, "rad/s²")]
+    parts = [f"{text} = {_shown(size, 'm s-2')}" for text, size in sizes if size]
+    return [*_values(plan, "a", "m s-2"), *parts, *_turns(pose, r"\varepsilon", 1, "rad/s²")]
 
 
 def _values(plan: VectorPlan, letter: str, unit: str) -> list[str]:
     images = [(symbol(letter, subscript(name)), image) for name, image in plan.images.items()]
     whole = [step for leg in plan.legs if len(leg.steps) == 1 and leg.start in plan.images for step in leg.steps]
     told = [*images, *((step.text, step.vector) for step in whole)]
-    return [f"{text} = {_size(plan, vector):.4g} {unit}" for text, vector in told]
+    return [f"{text} = {_shown(_size(plan, vector), unit)}" for text, vector in told]
+
+
+def _shown(size: float, unit: str) -> str:
+    factor, label = display_unit(unit, np.array([size]))
+    return f"{factor * size:.4g} {label}"
 
 
 def _size(plan: VectorPlan, vector: complex) -> float:

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
-from engine import FRAME
+from engine import FRAME, quantity_text
 from sweeps.pictures.drawing import bounds, figures
 from sweeps.pictures.drawing.racks import rack_bar
 from sweeps.pictures.plans.lettering import subscript
@@ -59,7 +59,7 @@ def mechanism_plan(
     pose.lettered[paper.size] = paper.letter(() if cloud else pose.lettered.get(paper.size, ()))
     scale = 1e3 * paper.per_mm
     ratio = f"1 : {scale:g}" if scale >= 1 else f"{1 / scale:g} : 1"
-    paper.scale(f"{20 * scale:g} mm", ratio)
+    paper.scale(quantity_text(20 * paper.per_mm, "m"), ratio)
     return paper
 
 

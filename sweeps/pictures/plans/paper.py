@@ -12,6 +12,7 @@ from matplotlib.patches import Circle, Polygon
 from matplotlib.text import Text
 from matplotlib.textpath import TextPath
 
+from engine import table_unit
 from sweeps.pictures.drawing import Primitive, paint
 from sweeps.pictures.style import GREY, MM_PER_INCH
 
@@ -185,6 +186,13 @@ class Paper:
         middle = (a + b) / 2
         self._text(middle + 0.8j * self.per_mm, bar, fontsize=6.5, ha="center", va="bottom")
         self._text(b + 3 * self.per_mm, note, fontsize=7, ha="left", va="bottom")
+
+    def scale_of(self, symbol: str, unit: str) -> None:
+        """Draw a scale bar of a quantity in a unit, and its size on a millimetre or inch of paper."""
+        per, paper = (1.0, "mm") if table_unit("m")[1] in ("mm", "m") else (MM_PER_INCH, "in")
+        bar = unit if "/" not in unit else f"({unit})"
+        note = rf"$\mu_{symbol}$ = {per * self.per_mm:.4g} {bar}/{paper}"
+        self.scale(f"{20 * self.per_mm:g} {unit}", note)
 
     def _text(self, at: complex, text: str, **look: object) -> None:
         self.ax.add_artist(Text(at.real, at.imag, text, transform=self.ax.transData, **look))

@@ -21,6 +21,7 @@ from engine import (
     has_cycle,
     order_groups,
     pairs_of,
+    quantity_text,
 )
 from sweeps.pictures.drawing import DrawnMotion
 from sweeps.pictures.drawing.figures import default_position
@@ -175,7 +176,7 @@ class Pose:
         q = self.motion.q[self.k]
         if isinstance(self.scene.input, CrankInput):
             return f"φ = {math.degrees(q):.4g}°".replace("-", "\N{MINUS SIGN}")
-        return f"q = {1e3 * q:.4g} mm".replace("-", "\N{MINUS SIGN}")
+        return f"q = {quantity_text(q, 'm')}".replace("-", "\N{MINUS SIGN}")
 
     def number(self, link: str) -> int:
         """Number of a link."""

@@ -6,11 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from engine import CrankInput, Pair, pairs_of
+from engine import CrankInput, Pair, display_unit, pairs_of
 from sweeps.pictures.plans.pose import MachineCycle
 from sweeps.pictures.plans.sheets import blank_sheet, heading, place
 from sweeps.pictures.style import BLUE, GREEN, ORANGE, PURPLE, house_style
-from sweeps.text.engineer_units import engineer_unit
 
 COLUMNS = 3
 # Sizes on paper [mm]: a panel with its labels, and its left, right, lower and upper margins.
@@ -32,7 +31,7 @@ def reaction_panel(cycle: MachineCycle, pair: Pair, ax: Axes) -> None:
     ax : matplotlib.axes.Axes
     """
     force = cycle.force(f"{pair.name}.reaction")
-    factor, unit = engineer_unit("N", np.abs(force))
+    factor, unit = display_unit("N", np.abs(force))
     q, label = _abscissa(cycle)
     ax.plot(q, factor * _closed(cycle, np.abs(force)), color=BLUE, label="R")
     ax.plot(q, factor * _closed(cycle, force.real), color=ORANGE, linewidth=0.8, label="$R_x$")
@@ -57,7 +56,7 @@ def _bears_moment(cycle: MachineCycle, pair: Pair) -> bool:
 def _moment(cycle: MachineCycle, pair: Pair, ax: Axes, q: np.ndarray) -> None:
     """Draw the moment of a prismatic pair on a second axis."""
     moment = cycle.forces[f"{pair.name}.reaction_moment"]
-    factor, unit = engineer_unit("N m", moment)
+    factor, unit = display_unit("N m", moment)
     right = ax.twinx()
     right.grid(False)
     right.plot(q, factor * _closed(cycle, moment), color=PURPLE, linewidth=0.8, linestyle=(0, (4, 2)))
@@ -73,7 +72,7 @@ def _abscissa(cycle: MachineCycle) -> tuple[np.ndarray, str]:
     if isinstance(cycle.scene.input, CrankInput):
         q = np.degrees(np.append(q, 2 * q[-1] - q[-2]) if cycle.is_closed else q)
         return q, "crank angle φ, °"
-    factor, unit = engineer_unit("m", q)
+    factor, unit = display_unit("m", q)
     return factor * q, f"displacement q, {unit}"
 
 
@@ -99,7 +98,7 @@ def reaction_sheet(cycle: MachineCycle) -> Figure:
 
 def _input_panel(cycle: MachineCycle, ax: Axes) -> None:
     row, crank = cycle.forces["input_moment_by_equilibrium"], isinstance(cycle.scene.input, CrankInput)
-    factor, unit = engineer_unit("N m" if crank else "N", row)
+    factor, unit = display_unit("N m" if crank else "N", row)
     q, label = _abscissa(cycle)
     ax.plot(q, factor * _closed(cycle, row), color=BLUE)
     letter = "M" if crank else "F"

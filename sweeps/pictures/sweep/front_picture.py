@@ -7,13 +7,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from engine import quantity_text
 from sweeps.optimising.optimum import Choice, choices, front, met, objectives
 from sweeps.pictures.drawing import DrawnMotion, draw
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, COLOURS, GREY, PALE, VERMILION, house_style, new_figure, save
 from sweeps.pictures.sweep.sweep_data import SweepData, wrapped
 from sweeps.report.sweep_result import SweepResult
-from sweeps.text.engineer_units import quantity_text
 
 WIDTH, HEIGHT, DRAWING = 180, 105, 72
 # Margin beyond the front, in front widths; distant candidates are cut off.

@@ -12,14 +12,13 @@ from matplotlib.legend_handler import HandlerPathCollection
 from matplotlib.patches import Patch
 from matplotlib.ticker import MultipleLocator
 
-from engine import Verdict
+from engine import Verdict, display_unit
 from sweeps.optimising.pareto import pareto_front
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, COLOURS, GREY, PALE, PALETTE, VERMILION, house_style, new_figure, save
 from sweeps.pictures.sweep.parallel_coordinates import chosen_columns, parallel
 from sweeps.pictures.sweep.sweep_data import SweepData, wrapped
 from sweeps.study.sensitivity import RSS, WORST_CASE
-from sweeps.text.engineer_units import engineer_unit
 
 VEIL = "#e9ebed"
 # Maximum total variation along a row or column, in ranges, for legible contour lines.
@@ -122,7 +121,7 @@ def field_band(ax: Axes, data: SweepData, name: str, best: int | None = None) ->
     sound = data.ok & (known.all(axis=1) if over_cycle else known.any(axis=1))
     if not sound.any():
         raise PictureError(f"{name!r}: no variant was computed successfully")
-    factor, unit = engineer_unit(axis.units, axis.values)
+    factor, unit = display_unit(axis.units, axis.values)
     position = factor * axis.values
     step = np.diff(position[:2]).sum()
     if over_cycle and unit == "°" and round((position[-1] + step) % 360, 6) in (0, 360):

@@ -6,10 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import Verdict
+from engine import Verdict, display_unit
 from sweeps.pictures.picture_error import PictureError
 from sweeps.store import FieldAxis
-from sweeps.text.engineer_units import engineer_unit
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
 LONGEST_LEGEND = 200
@@ -100,7 +99,7 @@ class SweepData(NamedTuple):
             known = ", ".join(n for n in self.arrays if not self._is_error(n))
             raise PictureError(f"{name!r} is not in this result; available: {known}")
         values = np.asarray(self.arrays[name], dtype=float)
-        factor, unit = engineer_unit(self.units.get(name, "1"), values)
+        factor, unit = display_unit(self.units.get(name, "1"), values)
         words = self.long_names.get(name, name) or name
         text = f"{words[0].upper()}{words[1:]}" if words != name else words
         text = "\n".join(wrapped(text, 42))

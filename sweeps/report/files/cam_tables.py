@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 
 from engine import CamElement, cam_curves
-from sweeps.report.files.exports import write_columns
+from sweeps.report.files.data_files import DataTable, write_table
 from sweeps.text.input_files import InputError
 
 
 def cam_csv(cam: CamElement, out: Path, points: int) -> None:
-    """Motion, pressure angle, curvature, forces and outlines of a cam over its turn as CSV, in SI units.
+    """Motion, pressure angle, curvature, forces and outlines of a cam over its turn as CSV.
 
     At a jump of a law its angle has two rows.
 
@@ -32,21 +32,22 @@ def cam_csv(cam: CamElement, out: Path, points: int) -> None:
         raise InputError(out.stem, [(None, "base_radius", message)])
     stroke = "m" if cam.translating else "rad"
     columns = {
-        "angle [rad]": c.angle,
-        f"displacement [{stroke}]": c.displacement,
-        f"displacement_phi [{stroke}]": c.first,
-        f"displacement_phiphi [{stroke}]": c.second,
-        f"displacement_phiphiphi [{stroke}]": c.third,
-        "pressure_angle [rad]": c.pressure_angle,
-        "curvature [m-1]": c.curvature,
+        "angle": (c.angle, "rad"),
+        "displacement": (c.displacement, stroke),
+        "displacement_phi": (c.first, f"{stroke} rad-1"),
+        "displacement_phiphi": (c.second, f"{stroke} rad-2"),
+        "displacement_phiphiphi": (c.third, f"{stroke} rad-3"),
+        "pressure_angle": (c.pressure_angle, "rad"),
+        "curvature": (c.curvature, "m-1"),
     }
     if cam.follower.moved is not None:
-        columns |= {"contact_force [N]": c.force, "moment [N m]": c.moment}
+        columns |= {"contact_force": (c.force, "N"), "moment": (c.moment, "N m")}
     for name, line in (("profile", c.profile), ("pitch", c.pitch), ("cutter", c.cutter)):
-        columns |= {f"{name}_x [m]": line.real, f"{name}_y [m]": line.imag}
-    rows = np.array([*columns.values()])
+        columns |= {f"{name}_x": (line.real, "m"), f"{name}_y": (line.imag, "m")}
+    rows = np.array([row for row, _ in columns.values()])
     # Adjacent pieces without a jump share a row; rounding duplicates it.
     scale = np.abs(rows).max(axis=1, where=np.isfinite(rows), initial=0.0)
     with np.errstate(invalid="ignore"):
         same = (np.abs(np.diff(rows)) <= 1e-12 * scale[:, None]).all(axis=0)
-    write_columns(out, columns, np.append(True, ~same))
+    kept, units = rows[:, np.append(True, ~same)], {name: unit for name, (_, unit) in columns.items()}
+    write_table(out, DataTable(dict(zip(columns, kept, strict=True)), units))

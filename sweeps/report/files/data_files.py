@@ -3,13 +3,14 @@
 import csv
 import json
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from engine import table_unit
 from sweeps.study.variant_tables import parquet_library
 from sweeps.text.input_files import InputError
 from sweeps.text.whole_files import whole_file
@@ -73,27 +74,21 @@ class PartedTable(NamedTuple):
 Table = DataTable | PartedTable
 
 
-def in_units(table: Table, units: Mapping[str, tuple[float, str]]) -> PartedTable:
-    """A table converted to other units.
-
-    Parameters
-    ----------
-    table : DataTable or PartedTable
-    units : mapping of str to (float, str)
-        Factor and new unit by old unit; other columns are unchanged.
-    """
-    taken = {name: units[unit] for name, unit in table.units.items() if unit in units}
+def _in_shown_units(table: Table) -> PartedTable:
+    """A table in the units shown, as from `table_unit`."""
+    units = {name: table_unit(unit) for name, unit in table.units.items()}
 
     def parts(names: Sequence[str]) -> Iterator[dict[str, np.ndarray]]:
         for part in table.parts(names):
-            yield {name: row * taken[name][0] if name in taken else row for name, row in part.items()}
+            # Whole numbers without units stay whole.
+            sizes = {name: units.get(name, (1.0, ""))[0] for name in part}
+            yield {name: row if sizes[name] == 1.0 else row / sizes[name] for name, row in part.items()}
 
-    named = dict(table.units) | {name: label for name, (_, label) in taken.items()}
-    return PartedTable(table.names, named, table.title, parts)
+    return PartedTable(table.names, {name: unit for name, (_, unit) in units.items()}, table.title, parts)
 
 
 def write_table(out: Path, table: Table) -> None:
-    """Write a table in the format of the file extension.
+    """Write a table in the format of the file extension, in the units shown.
 
     Parameters
     ----------
@@ -112,7 +107,7 @@ def write_table(out: Path, table: Table) -> None:
         raise InputError(str(out), [(None, "", message)])
     try:
         with whole_file(out) as draft:
-            _WRITERS[out.suffix](draft, table)
+            _WRITERS[out.suffix](draft, _in_shown_units(table))
     except _TooLongError as error:
         raise InputError(str(out), [(None, "", str(error))]) from None
     except OSError as error:
@@ -232,7 +227,7 @@ def _matlab_names(names: Iterable[str]) -> dict[str, str]:
     return found
 
 
-_WRITERS: dict[str, Callable[[Path, DataTable], None]] = {
+_WRITERS: dict[str, Callable[[Path, Table], None]] = {
     ".csv": _write_csv,
     ".json": _write_json,
     ".parquet": _write_parquet,

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from engine import InputUnits, MovingMachine, Scene, Verdict, did_you_mean, history, history_fields
-from sweeps.report.files.data_files import DataTable, PartedTable, write_table
+from sweeps.report.files.data_files import DataTable, PartedTable
 from sweeps.report.readings import Readings
 from sweeps.report.regime_words import failure_text
 from sweeps.report.sweep_result import SweepResult
@@ -216,28 +216,3 @@ def scene_toml(scene: Scene, values: Mapping[str, float], out: Path, text: str, 
             draft.write_text(edited_scene(scene, values, text, out.parent), encoding="utf8")
     except OSError as error:
         raise InputError(str(out), [(None, "", f"can't be written: {error.strerror}")]) from None
-
-
-def write_columns(out: Path, columns: Mapping[str, np.ndarray], kept: np.ndarray) -> None:
-    """Write some rows of columns with units in their names, in the format of the file extension.
-
-    Parameters
-    ----------
-    out : Path
-    columns : mapping of header to ndarray (rows,)
-    kept : ndarray (rows,) of bool
-        Which rows to write.
-
-    Raises
-    ------
-    InputError
-        As for `write_table`.
-    """
-    parts = {header: header.rstrip("]").partition(" [") for header in columns}
-    write_table(
-        out,
-        DataTable(
-            {parts[header][0]: np.asarray(column)[kept] for header, column in columns.items()},
-            {name: unit or "1" for name, _, unit in parts.values()},
-        ),
-    )

@@ -2,8 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
-from engine import STATISTICS, Quantity, Scene, made_ready, nearest_names
-from sweeps.text.engineer_units import unit_label
+from engine import STATISTICS, Quantity, Scene, made_ready, nearest_names, table_unit, unit_label
 from sweeps.text.input_files import InputError
 from sweeps.text.tables import table
 
@@ -52,8 +51,12 @@ def _holding(quantities: Iterable[Quantity], words: Sequence[str]) -> list[Quant
 
 
 def _everything_about(quantity: Quantity) -> str:
-    return " ".join((quantity.name, quantity.symbol, quantity.long_name, unit_label(quantity.units))).lower()
+    return " ".join((quantity.name, quantity.symbol, quantity.long_name, _unit(quantity))).lower()
+
+
+def _unit(quantity: Quantity) -> str:
+    return unit_label(table_unit(quantity.units)[1])
 
 
 def _listed(quantities: Iterable[Quantity]) -> str:
-    return table([(q.name, q.symbol, unit_label(q.units) or "–", q.long_name) for q in quantities], "  ")
+    return table([(q.name, q.symbol, _unit(q) or "–", q.long_name) for q in quantities], "  ")

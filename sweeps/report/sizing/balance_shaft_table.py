@@ -12,9 +12,9 @@ from engine import (
     crankshaft_counterweights,
     engine_shaking,
     made_engine,
+    quantity_text,
     remaining_shaking,
 )
-from sweeps.text.engineer_units import quantity_text
 from sweeps.text.numbers_in_row import numbers_in_row
 from sweeps.text.tables import table
 

@@ -3,8 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from engine import BalancedMachine, CounterweightPlace, Machine, Scene, balance, made_ready
-from sweeps.text.engineer_units import quantity_text
+from engine import BalancedMachine, CounterweightPlace, Machine, Scene, balance, made_ready, quantity_text
 from sweeps.text.input_files import InputError
 from sweeps.text.numbers_in_row import numbers_in_row
 from sweeps.text.tables import table

@@ -2,9 +2,8 @@
 
 from pathlib import Path
 
-from engine import TurningMoment, in_text, turning_moment_from_areas, turning_moment_from_table
+from engine import TurningMoment, in_text, quantity_text, turning_moment_from_areas, turning_moment_from_table
 from sweeps.text.csv_text import named_columns
-from sweeps.text.engineer_units import quantity_text
 from sweeps.text.numbers_in_row import numbers_in_row
 from sweeps.text.tables import table
 

@@ -150,7 +150,7 @@ def test_element_whose_crank_cannot_turn__has_a_verdict():
         ({"layout": "in-line"}, "bank_angle goes with layout = 'V' or 'W'; the layout is 'in-line'"),
         ({"cylinders": 3}, "3 cylinders can't stand in 2 banks of equal length"),
         ({"throws": [0.0, 1.0]}, "2 throws are given; this layout has 1"),
-        ({"rod": "30 mm"}, "it must be longer than half the stroke, 0.04 m"),
+        ({"rod": "30 mm"}, "it must be longer than half the stroke, 40 mm"),
         ({"layout": "radial", "bank_angle": None, "throws": [0.0]}, "a radial engine has one throw; leave throws out"),
     ],
 )

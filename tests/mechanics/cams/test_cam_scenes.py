@@ -127,8 +127,8 @@ def test_exported_outlines__are_the_profile(template):
         assert f"Wrote cam.{ending}" in said("export", template, "--to", f"cam.{ending}").output
     with Path("cam.csv").open(encoding="utf8") as file:
         rows = list(csv.DictReader(file))
-    profile = np.array([complex(float(r["profile_x [m]"]), float(r["profile_y [m]"])) for r in rows])
-    angles = [float(row["angle [rad]"]) for row in rows]
+    profile = np.array([complex(float(r["profile_x [mm]"]), float(r["profile_y [mm]"])) for r in rows]) / 1e3
+    angles = np.radians([float(row["angle [deg]"]) for row in rows])
     true = np.interp(angles, curves.angle, np.abs(curves.profile))
     np.testing.assert_allclose(np.abs(profile), true, rtol=1e-9)
     # Of the section ends, where nothing jumps but the jerk, each has one row or two.

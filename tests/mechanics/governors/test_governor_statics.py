@@ -295,8 +295,8 @@ def test_many_variants__are_each_what_they_are_alone(name):
 @pytest.mark.parametrize(
     ("governor", "changes", "words"),
     [
-        (PORTER, {"greatest_radius": 0.1}, r"greatest_radius = 0.1 m is not above least_radius = 0.15 m"),
-        (TABLE, {"greatest_radius": 0.2}, r"over_radius spans 0.1 to 0.15 m.*rows up to both stops"),
+        (PORTER, {"greatest_radius": 0.1}, r"greatest_radius = 100 mm is not above least_radius = 150 mm"),
+        (TABLE, {"greatest_radius": 0.2}, r"over_radius spans 100 mm to 150 mm.*rows up to both stops"),
         (TABLE, {"over_lift": [0.0, 0.1, 0.2, 0.3]}, "over_radius or over_lift, one of the two"),
         (TABLE, {"over_radius": [0.1, 0.12, 0.11, 0.15]}, r"over_radius = 0.11 is below row 2's"),
         (HARTNELL, {"stiffness": 0.0}, "greater than 0"),

@@ -241,10 +241,10 @@ def test_nameplate_with_the_simple_start__finds_no_stator_resistance(rated_slip,
 
 
 TROUBLES = [
-    ((-5.0, 150.0, 157.0, 2.5, None), "power = -5.0 W"),
-    ((7500.0, 160.0, 157.0, 2.5, None), "rated_speed = 160.0 rad/s"),
-    ((7500.0, 0.0, 157.0, 2.5, None), "rated_speed = 0.0"),
-    ((7500.0, 150.0, 0.0, 2.5, None), "synchronous speed (0.0 rad/s)"),
+    ((-5.0, 150.0, 157.0, 2.5, None), "power = -5 W"),
+    ((7500.0, 160.0, 157.0, 2.5, None), "rated_speed = 1527.9 rpm"),
+    ((7500.0, 0.0, 157.0, 2.5, None), "rated_speed = 0 rpm"),
+    ((7500.0, 150.0, 0.0, 2.5, None), "synchronous speed (0 rpm)"),
     ((7500.0, 150.0, 157.0, 1.0, None), "breakdown_ratio = 1.0"),
     ((7500.0, 150.0, 157.0, math.nan, None), "breakdown_ratio = nan"),
     ((7500.0, 150.0, 157.0, 2.5, 2.5), "starting_ratio = 2.5: the starting torque is below"),

@@ -160,7 +160,7 @@ SLIDING = PRESS.replace(
 @pytest.mark.parametrize(
     ("scene", "head", "first", "second"),
     # A full turn in 360 steps; 40 mm in 360 steps from 10 mm on.
-    [(PRESS, "phi [rad]", 0.0, 0.017453292519943295), (SLIDING, "q [m]", 0.01, 0.01 + 0.04 / 360)],
+    [(PRESS, "phi [deg]", 0.0, 1.0), (SLIDING, "q [mm]", 10.0, 10.0 + 40 / 360)],
 )
 def test_export_of_positions__begins_with_the_input_and_its_unit(scene, head, first, second, press_folder):
     Path("press.toml").write_text(scene)

@@ -25,12 +25,12 @@ positions = 16
 summaries = ["ram.stroke"]
 fields = ["B.y", "B.vy"]
 """
-HEADS = ["variant", "input.length [m]", "ram.stroke [m]", "phi [rad]", "B.y [m]"]
+HEADS = ["variant", "input.length [m]", "ram.stroke [m]", "phi [deg]", "B.y [m]"]
 
 
 @pytest.fixture
 def result(press_folder):
-    Path("s.toml").write_text(STUDY)
+    Path("s.toml").write_text(f'units = "SI"\n{STUDY}')
     done("run", "s.toml", "--no-plots", "--quiet", "--out", "r.h5")
     return "r.h5"
 
@@ -47,7 +47,8 @@ def test_table_of_fields__holds_the_closed_form(result):
     variant, crank, stroke, phi, y = np.array(rows, float).T
     # The machine of 250 mm, longer than its rod, can't be assembled and isn't listed.
     assert variant.tolist() == [v for v in (0, 1, 3) for _ in range(16)]
-    np.testing.assert_allclose(phi, np.tile(np.arange(16) * np.pi / 8, 3), rtol=1e-15)
+    np.testing.assert_allclose(phi, np.tile(np.arange(16) * 22.5, 3), rtol=1e-15)
+    phi = np.radians(phi)
     np.testing.assert_allclose(stroke, 2 * crank, rtol=1e-14)
     # Pin at crank (cos φ, sin φ), ram below it on x = 0; roundings of lengths of at most 0.3 m.
     closed = crank * np.sin(phi) - np.sqrt(0.2**2 - (crank * np.cos(phi)) ** 2)

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import done, refused, row, said
+from commands import done, row, said
 from press_texts import PRESS
 
-from sweeps.text.engineer_units import show_in_units
+from engine import show_units
 
 INCHES = (
     PRESS.replace('"0 mm"', '"0 in"')
@@ -22,7 +22,7 @@ INCHES = (
 def inches(press_folder):
     Path("inches.toml").write_text(INCHES)
     yield "inches.toml"
-    show_in_units([])
+    show_units({})
 
 
 def test_scene_in_inches__is_shown_in_inches(inches):
@@ -54,23 +54,21 @@ def table_of(path: str) -> dict[str, list[str]]:
     return dict(zip(header, zip(*rows, strict=True), strict=True))
 
 
-def test_tables__come_in_the_units_that_the_scene_is_written_in_where_that_is_wanted(inches, press_folder):
+def test_tables__come_in_the_units_shown(inches, press_folder):
     Path("study.toml").write_text('scene = "inches.toml"\n[vary]\n"input.length" = "50 mm to 4 in, 2"\n')
     done("run", "study.toml", "--no-plots")
-    show_in_units([])
-    done("export", "results/study.h5", "--to", "si.csv")
-    done("export", "results/study.h5", "--to", "own.csv", "--as-written")
+    Path("si.toml").write_text('units = "SI"\n' + Path("study.toml").read_text())
+    done("run", "si.toml", "--no-plots")
+    show_units({})
+    done("export", "results/study.h5", "--to", "own.csv")
+    done("export", "results/si.h5", "--to", "si.csv")
     si, own = table_of("si.csv"), table_of("own.csv")
     # In line, the stroke is twice the crank; one rounding of 1/0.0254, one of the product.
     assert [float(x) for x in own["ram.stroke [in]"]] == pytest.approx([100 / 25.4, 8.0], rel=1e-12)
     assert [float(x) for x in own["input.length [in]"]] == pytest.approx([50 / 25.4, 4.0], rel=4e-16)
     assert [float(x) for x in si["input.length [m]"]] == [0.05, 0.1016]
     assert own["ram.stroke_error [in]"] != si["ram.stroke_error [m]"]
-    done("export", "inches.toml", "--to", "own.csv", "--as-written", "--columns", "B.y")
+    done("export", "inches.toml", "--to", "own.csv", "--columns", "B.y")
     place, height = (np.array(column, float) for column in table_of("own.csv").values())
     assert list(table_of("own.csv")) == ["phi [deg]", "B.y [in]"]
     assert height[place == 90.0] == pytest.approx(-6.0, rel=1e-12)
-
-
-def test_units_as_written__are_for_tables(inches):
-    assert "--as-written" in refused("export", inches, "--to", "a.svg", "--as-written")

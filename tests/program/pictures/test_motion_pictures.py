@@ -10,7 +10,7 @@ import pytest
 from drawn_machines import slider_crank
 from matplotlib.figure import Figure
 
-from engine import Machine, Verdict, history
+from engine import Machine, Verdict, history, show_units
 from sweeps import InputError
 from sweeps.pictures.machine.motion_diagrams import MOST_INSTANTS, _thinned, courses, cycle_diagrams, history_diagrams
 from sweeps.pictures.picture_error import PictureError
@@ -189,9 +189,11 @@ def test_courses__begin_each_regime_at_zero_and_go_on_with_the_works():
 def test_table_of_the_history__holds_the_equation_of_motion(tmp_path):
     table, ended = history_table(SCENE, {})
     assert ended == ""
+    show_units({"system": "SI"})
     write_table(tmp_path / "h.csv", table)
+    show_units({})
     header, *rows = csv.reader((tmp_path / "h.csv").read_text(encoding="utf8").splitlines())
-    first = "regime,time [s],angle [rad],speed [rad s-1],acceleration [rad s-2],motor_moment [N m],driving_moment [N m]"
+    first = "regime,time [s],angle [deg],speed [rad s-1],acceleration [rad s-2],motor_moment [N m],driving_moment [N m]"
     assert ",".join(header).startswith(first)
     assert header[-1] == "energy [J]"
     assert list(dict.fromkeys(row[0] for row in rows)) == ["start", "work", "stop"]
@@ -199,6 +201,7 @@ def test_table_of_the_history__holds_the_equation_of_motion(tmp_path):
     moment = sum(values for name, values in number.items() if name.endswith("_moment [N m]"))
     chosen = np.array([row[0] == "work" for row in rows])
     omega, epsilon, phi = (number[n][chosen] for n in header[3:5] + header[2:3])
+    phi = np.radians(phi)
     # I and dI/dφ from the fields of the machine at uniform speed, at angles that the history shares with them.
     fields = ["reduced_inertia", "reduced_inertia_phi"]
     rows_of = Machine(SCENE, fields=fields, positions=360).evaluate({}).fields

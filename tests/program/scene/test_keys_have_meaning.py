@@ -56,7 +56,7 @@ NO_EFFECT = {
 }
 # What counts in regimes, or names something.
 IN_MOTION = {"RunRegime", "SteadyRegime", "Instants", "FrictionClutch", "FluidCoupling", "Balance"}
-OTHERWISE = {"title", "source", "type", "regimes", "elements"}
+OTHERWISE = {"units", "title", "source", "type", "regimes", "elements"}
 
 
 class Effects:

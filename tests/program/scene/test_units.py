@@ -18,8 +18,8 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from engine.parts.dimensions import DIMENSIONS
-from engine.parts.units import UnitError, column_in_text, in_any_unit, in_text, to_si
+from engine.units.dimensions import DIMENSIONS
+from engine.units.reading import UnitError, column_in_text, in_any_unit, in_text, to_si
 
 with mpmath.workdps(60):
     PI = Fraction(mpmath.nstr(+mpmath.pi, 55))
@@ -43,7 +43,7 @@ FACTORS = {
     "energy": {"J": 1, "kJ": 1000, "MJ": 10**6, "kWh": 3_600_000},
     "volume": {"l": "1e-3", "L": "1e-3"},
     "speed": {"mph": 5280 * FOOT / 3600},
-    "angular_speed": {"rpm": 2 * PI / 60, "1/min": 2 * PI / 60, "min-1": 2 * PI / 60},
+    "angular_speed": dict.fromkeys(("rpm", "RPM", "spm", "1/min", "min-1", "r/min", "rev/min"), 2 * PI / 60),
     "number": {"%": "0.01"},
 }
 FACTORS = {name: {unit: Fraction(factor) for unit, factor in units.items()} for name, units in FACTORS.items()}
@@ -116,11 +116,58 @@ def test_per_second_as_angular_speed__is_refused_as_ambiguous(text):
         to_si(text, "angular_speed")
 
 
+# Pounds that people write for forces, and hyphens, by what they mean in lbf, in and ft.
+HABITS = {
+    "moment": {
+        "ft-lb": LBF * FOOT,
+        "ft-lbf": LBF * FOOT,
+        "in-lb": LBF * INCH,
+        "in-lbs": LBF * INCH,
+        "lb-in": LBF * INCH,
+    }
+    | {"lb-ft": LBF * FOOT, "lbf-in": LBF * INCH, "lb in": LBF * INCH, "oz-in": LBF / 16 * INCH, "N-m": Fraction(1)}
+    | {"kip-ft": 1000 * LBF * FOOT, "tonf-ft": 2000 * LBF * FOOT},
+    "energy": {"ft-lb": LBF * FOOT, "in-lb": LBF * INCH},
+    "mass": {"lbs": POUND, "lb": POUND},
+    "force": {"lb": LBF, "lbs": LBF, "kips": 1000 * LBF, "klbf": 1000 * LBF, "tonf": 2000 * LBF},
+    "pressure": {"lb/in2": LBF / INCH**2},
+    "stiffness": {"lb/in": LBF / INCH},
+    "torsional_stiffness": {"in-lb/rad": LBF * INCH},
+    "inertia": {"lb-ft2": POUND * FOOT**2, "lb-in²": POUND * INCH**2, "lbf-ft-s2": LBF * FOOT, "kg-m2": Fraction(1)},
+}
+
+
+@pytest.mark.parametrize(("dimension", "unit"), [(name, unit) for name in HABITS for unit in HABITS[name]])
+def test_unit_as_people_type_it__is_what_they_mean(dimension, unit):
+    assert to_si(f"7.5 {unit}", dimension) == exact("7.5", HABITS[dimension][unit])
+
+
+def test_pounds_where_no_dimension_is_known__are_of_force_in_foot_pounds_alone():
+    energy = {"[length]": 2, "[mass]": 1, "[time]": -2}
+    for unit, size, powers in (
+        ("ft-lb", LBF * FOOT, energy),
+        ("lb-in", LBF * INCH, energy),
+        ("lb-in2", POUND * INCH**2, {"[mass]": 1, "[length]": 2}),
+        ("lb in", POUND * INCH, {"[mass]": 1, "[length]": 1}),
+        ("oz-in", POUND / 16 * INCH, {"[mass]": 1, "[length]": 1}),
+    ):
+        assert in_any_unit(f"3 {unit}") == (exact("3", size), powers)
+
+
 # Message, and texts that are taken for a dimension.
 TRAPS = {
     "expected a length such as '80 mm', got 'N m'": [("12 N m", "length")],
     "expected a stiffness such as '8 N/mm', got 'Nm'": [("7 Nm", "stiffness")],
-    "use a decimal point": [("1,5 mm", "length"), ("1,000.5 mm", "length")],
+    "use a decimal point, not a comma, as in 1.5": [("1,5 mm", "length")],
+    "use a decimal point, not a comma, as in 0.125": [("0,125 in", "length")],
+    r"ambiguous: 120000 or 120\.000\? Write it without": [("120,000 lbf", "force"), ("120,000", "number")],
+    "without commas, 1000.5": [("1,000.5 mm", "length")],
+    "without commas, 1200000": [("1,200,000 N", "force")],
+    "ambiguous: the short ton is 2000 lb, the long ton 2240 lb, the metric ton 1000 kg": [
+        ("2 ton", "mass"),
+        ("60 tons", "force"),
+        ("60 ton-ft", "moment"),
+    ],
     "in one piece, without gaps": [("1 000 mm", "length"), ("1 000", "number")],
     "unknown unit 'mmm': did you mean 'mm'": [("80 mmm", "length")],
     r"did you mean 'mm'\?": [("80 MM", "length")],
@@ -235,7 +282,7 @@ def test_unknown_dimension__is_a_key_error():
 
 
 def test_import__does_not_load_pint():
-    code = "import sys, engine.parts.units; sys.exit('pint' in sys.modules)"
+    code = "import sys, engine.units.reading; sys.exit('pint' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
@@ -330,7 +377,7 @@ def test_any_input__is_a_finite_float_or_a_unit_error(value, dimension):
         assert math.isfinite(number)
 
 
-@pytest.mark.parametrize("text", ["5 nm", "5 kn", "2 ton", "3 cal", "1 P"])
+@pytest.mark.parametrize("text", ["5 nm", "5 kn", "3 cal", "1 P"])
 def test_units_that_may_be_taken_for_others__are_not_known(text):
     with pytest.raises(UnitError, match="unknown unit"):
         in_any_unit(text)

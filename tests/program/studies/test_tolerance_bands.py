@@ -152,8 +152,8 @@ def test_result__is_listed_sorted_and_chosen_by_them(result):
     exported = result.path.with_suffix(".csv")
     done("export", path, "--to", str(exported))
     header = exported.read_text().splitlines()[0]
-    assert "ram.stroke_high.by.ratio [m]" in header
-    assert "ram.stroke.tolerance_worst_case [m]" in header
+    assert "ram.stroke_high.by.ratio [mm]" in header
+    assert "ram.stroke.tolerance_worst_case [mm]" in header
 
 
 def test_checked_study__names_what_is_asked_and_counts_it_in_its_blocks(tmp_path):

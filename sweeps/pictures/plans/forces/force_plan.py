@@ -6,13 +6,12 @@ from itertools import accumulate
 import numpy as np
 from matplotlib.axes import Axes
 
-from engine import did_you_mean
+from engine import did_you_mean, display_unit
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.plans.forces.loads import DrawnLoad, group_loads, loads_on_links
 from sweeps.pictures.plans.paper import Paper
 from sweeps.pictures.plans.pose import Pose
 from sweeps.pictures.style import BLUE, GREEN, ORANGE, PURPLE, VERMILION
-from sweeps.text.engineer_units import engineer_unit
 
 # By the letter of the force: reaction, weight, inertia force, force of the scene.
 COLOURS = {"R": BLUE, "G": GREEN, "U": ORANGE, "F": VERMILION, "M": VERMILION}
@@ -76,14 +75,14 @@ def force_plan(pose: Pose, of: str, ax: Axes) -> list[DrawnLoad]:
         ax.set_axis_off()
         ax.text(0.5, 0.5, "no forces", ha="center", va="center", transform=ax.transAxes)
         return loads
-    factor, unit = engineer_unit("N", np.array([abs(load.force) for load in loads]))
+    factor, unit = display_unit("N", np.array([abs(load.force) for load in loads]))
     sides = [factor * load.force for load in loads]
     corners = list(accumulate(sides, initial=0j))
     paper = Paper(ax, corners)
     for start, side, load in zip(corners, sides, loads, strict=False):
         paper.arrow(start, side, load.text, colour_of(load))
     paper.letter()
-    paper.scale(f"{20 * paper.per_mm:g} {unit}", rf"$\mu_F$ = {paper.per_mm:g} {unit}/mm")
+    paper.scale_of("F", unit)
     return loads
 
 
@@ -92,12 +91,12 @@ def force_lines(loads: Sequence[DrawnLoad]) -> list[str]:
     found = []
     for load in loads:
         value = load.moment if load.is_moment else abs(load.force)
-        factor, unit = engineer_unit("N m" if load.is_moment else "N", np.array([value]))
+        factor, unit = display_unit("N m" if load.is_moment else "N", np.array([value]))
         text = f"{load.text} = {factor * value:.4g} {unit}".replace("-", "\N{MINUS SIGN}")
         turned = "" if load.is_moment else f" ∠ {round(np.degrees(np.angle(load.force)), 1) % 360:.1f}°"
         found.append(text + turned)
         if load.rho:
-            factor, unit = engineer_unit("m", np.array([load.rho]))
+            factor, unit = display_unit("m", np.array([load.rho]))
             circle = load.text.replace("$R", r"$\rho")
             found.append(f"{circle} = {factor * load.rho:.4g} {unit}")
     return found

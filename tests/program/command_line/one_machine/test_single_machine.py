@@ -162,7 +162,7 @@ def test_table_of_positions__holds_every_field(press):
     done("export", "press.toml", "--to", "p.csv", "--positions", "8")
     header, *rows = csv.reader(Path("p.csv").read_text().splitlines())
     assert {name.partition(" ")[0] for name in header} == {"phi", *Machine(press).available_fields}
-    height = [float(row[header.index("B.y [m]")]) for row in rows]
+    height = [1e-3 * float(row[header.index("B.y [mm]")]) for row in rows]
     assert height == pytest.approx([slide(k * math.pi / 4) for k in range(8)], abs=4 * ROUNDING)
 
 

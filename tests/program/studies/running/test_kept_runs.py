@@ -87,7 +87,7 @@ def test_commands__draw_export_and_list_them(folder):
     assert (folder / "speed.png").stat().st_size > 10_000
     said("export", path, "--columns", "go.speed,go.turned", "--to", rows)
     lines = (folder / "rows.csv").read_text().splitlines()
-    assert lines[0] == "variant,bodies.eccentric.inertia [kg m2],go.instant [s],go.speed [rad s-1],go.turned [rad]"
+    assert lines[0] == "variant,bodies.eccentric.inertia [kg m2],go.instant [s],go.speed [rpm],go.turned [deg]"
     assert len(lines) == 1 + 5 * 31
     words = refused("export", path, "--columns", "go.speed,reduced_inertia", "--to", rows)
     assert "have different axes (go.instant and phi)" in words

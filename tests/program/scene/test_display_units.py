@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from sweeps.report.result_report import figure_text, quantity_text
-from sweeps.text.engineer_units import engineer_unit
+from engine import display_unit, figure_text, quantity_text
 
 
 @pytest.mark.parametrize(
@@ -27,7 +26,7 @@ from sweeps.text.engineer_units import engineer_unit
     ],
 )
 def test_engineer_unit__as_on_a_drawing(units, largest, factor, label):
-    found, text = engineer_unit(units, np.array([0.0, largest, np.nan]))
+    found, text = display_unit(units, np.array([0.0, largest, np.nan]))
     assert found == pytest.approx(factor)
     assert text == label
 

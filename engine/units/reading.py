@@ -21,7 +21,7 @@ from decimal import Context, Decimal, localcontext
 
 import numpy as np
 
-from engine.parts.dimensions import DIMENSIONS, common_units, described, in_words, with_example
+from engine.units.dimensions import DIMENSIONS, common_units, described, in_words, with_example
 
 __all__ = [
     "UNIT_NAMES",
@@ -29,6 +29,7 @@ __all__ = [
     "any_quantity",
     "base_powers",
     "column_in_text",
+    "comma_advice",
     "even_steps",
     "first_last_count",
     "in_any_unit",
@@ -36,6 +37,7 @@ __all__ = [
     "recognised",
     "to_si",
     "unit_in",
+    "units_in",
 ]
 
 
@@ -50,8 +52,9 @@ class UnitError(ValueError):
 _TWO_PI = "6.283185307179586476925286766559005768394"
 
 # hp is the mechanical horsepower, 550 ft lbf/s; PS the metric one, 75 kgf m/s. The pound is 0.45359237 kg, standard
-# gravity 9.80665 m/s². Left out is what may be taken for something else: nm and kn (N m and kN in small letters), ton
-# (three of them), cal (several), P, c and d.
+# gravity 9.80665 m/s², tonf the short ton-force, 2000 lbf. spm is strokes per minute, one a revolution. Left out is
+# what may be taken for something else: nm and kn (N m and kN in small letters), ton (three of them), cal (several), P,
+# c and d.
 _DEFINITIONS = f"""
 m = [length]
 um = 1e-6 m
@@ -86,11 +89,14 @@ Hz = 1 / s
 kHz = 1e3 / s
 rps = {_TWO_PI} rad / s
 rpm = {_TWO_PI} / 60 rad / s
+RPM = {_TWO_PI} / 60 rad / s
+spm = {_TWO_PI} / 60 rad / s
 kg = [mass]
 mg = 1e-6 kg
 g = 1e-3 kg
 t = 1e3 kg
 lb = 0.45359237 kg
+lbs = 0.45359237 kg
 lbm = 0.45359237 kg
 oz = 0.028349523125 kg
 slug = 4.4482216152605 / 0.3048 kg
@@ -102,6 +108,9 @@ daN = 10 N
 lbf = 4.4482216152605 N
 ozf = 0.27801385095378125 N
 kip = 4448.2216152605 N
+kips = 4448.2216152605 N
+klbf = 4448.2216152605 N
+tonf = 8896.443230521 N
 kgf = 9.80665 N
 kp = 9.80665 N
 gf = 9.80665e-3 N
@@ -151,6 +160,15 @@ _TOKEN = re.compile(rf"\s*({_FACTOR.pattern}(?![0-9A-Za-z^])|[*/()]|1(?=\s*/))\s
 # Characters of numbers in columns.
 _OF_NUMBERS = frozenset("0123456789+-.eE \t")
 _SYMBOLS = {"[mass]": "kg", "[length]": "m", "[time]": "s", "[angle]": "rad"}
+# Units of mass that people write for forces, and words between hyphens.
+_AS_FORCES = {"lb": "lbf", "lbs": "lbf", "oz": "ozf"}
+_HYPHEN = re.compile(r"(?<=[A-Za-z0-9])-(?=[A-Za-z])")
+_FOOT_POUND = re.compile(r"\b(?:(ft|in)-lbs?|lbs?-(ft|in))(?![\w^*²³-])")
+_REVOLUTIONS = re.compile(r"\br ?/ ?(?=min\b|s\b)")
+_TON = (
+    "{!r} is ambiguous: the short ton is 2000 lb, the long ton 2240 lb, the metric ton 1000 kg, '1 t'; of force they "
+    "are 2000 lbf ('1 tonf'), 2240 lbf and 9.80665 kN"
+)
 _SPELLINGS = str.maketrans(
     {"·": "*", "⋅": "*", "×": "*", "µ": "u", "μ": "u", "°": "deg", "%": "percent"}
     | dict(zip("⁻¹²³⁴⁵⁶⁷⁸⁹", "-123456789", strict=True))
@@ -296,10 +314,27 @@ def _number_and_unit(text: str, expected: str) -> tuple[Decimal, str]:
         raise UnitError(f"expected {expected}, got {text!r}, which does not begin with a number")
     unit = quantity[2]
     if unit.startswith(","):
-        raise UnitError(f"{text!r}: use a decimal point, not a comma, as in '1.5'")
+        raise UnitError(comma_advice(text))
     if re.match(r"[0-9.](?!\s*/)", unit):
         raise UnitError(f"{text!r}: write the number in one piece, without gaps, as in '1000'")
     return Decimal(quantity[1]), unit
+
+
+def comma_advice(text: str) -> str:
+    """What to write instead of a number with commas: "120,000 lbf" may be 120000 or 120.000, "1,5 mm" is 1.5 mm.
+
+    Parameters
+    ----------
+    text : str
+        A number that contains a comma, with or without a unit.
+    """
+    number = re.match(r"[+-]?[0-9.,]*", text)[0].rstrip(",.")
+    whole, point = number.replace(",", ""), number.replace(",", ".")
+    if re.fullmatch(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}", number):
+        return f"{text!r} is ambiguous: {whole} or {point}? Write it without the comma"
+    if re.fullmatch(r"[+-]?[1-9][0-9]{0,2}(,[0-9]{3})+(\.[0-9]*)?", number):
+        return f"{text!r}: write the number without commas, {whole}"
+    return f"{text!r}: use a decimal point, not a comma, as in {point if point.count('.') == 1 else '1.5'}"
 
 
 def _in_range(value: numbers.Real | Decimal, shown: str, words: str) -> float:
@@ -323,6 +358,11 @@ def _factor(unit: str, dimension: str) -> Decimal:
     _, wanted = _factor_and_kind(target)
     if kind == wanted:
         return factor
+    # "lb in" of torque, "lb/in" of a spring: nobody means a mass there.
+    if powers.keys() & _AS_FORCES.keys():
+        force, kind_of_force = _factor_and_kind({_AS_FORCES.get(name, name): p for name, p in powers.items()})
+        if kind_of_force == wanted:
+            return force
     if "[angle]" in wanted and kind == {base: power for base, power in wanted.items() if base != "[angle]"}:
         units = " or ".join(common_units(dimension))
         raise UnitError(f"{unit!r} is ambiguous for {in_words(dimension, article=True)}: write {units}")
@@ -364,7 +404,9 @@ def _units() -> dict[str, tuple[Decimal, dict[str, int]]]:
 
 def _read_unit(unit: str, expected: str) -> dict[str, int]:
     """Read "N m/rad" as {"N": 1, "m": 1, "rad": -1}."""
-    rest, tokens = unit.translate(_SPELLINGS), deque()
+    # A hyphen multiplies, and the pounds of "ft-lb" are of force.
+    rest, tokens = _REVOLUTIONS.sub("rev/", _FOOT_POUND.sub(r"\1\2 lbf", unit)), deque()
+    rest = _HYPHEN.sub(" ", rest).translate(_SPELLINGS)
     while rest:
         token = _TOKEN.match(rest)
         if token is None:
@@ -410,6 +452,8 @@ def _read_factor(tokens: deque[str], unit: str, expected: str) -> dict[str, int]
     if factor is None:
         raise _unreadable(unit, expected)
     name, power = factor.groups()
+    if name in ("ton", "tons"):
+        raise UnitError(_TON.format(name))
     if name not in UNIT_NAMES:
         raise UnitError(f"unknown unit {name!r}{_did_you_mean(name)} (expected {expected})")
     return {name: int(power or 1)}
@@ -433,6 +477,17 @@ def _no_unit(number: str, dimension: str) -> UnitError:
     return UnitError(f'{number} has no unit: write "{number} {common}"{other}')
 
 
+def units_in(unit: str) -> dict[str, int]:
+    """The units of a compound and their powers: "lb-in" as {"in": 1, "lbf": 1}.
+
+    Raises
+    ------
+    UnitError
+        The unit is not known.
+    """
+    return _read_unit(unit, "a unit such as 'N m'")
+
+
 def base_powers(unit: str) -> dict[str, int]:
     """Powers of length, mass, time and angle in a unit.
 
@@ -451,7 +506,7 @@ def base_powers(unit: str) -> dict[str, int]:
     UnitError
         The unit is not known.
     """
-    powers = {} if unit == "1" else _read_unit(unit, "a unit such as 'N m'")
+    powers = {} if unit == "1" else units_in(unit)
     return {base: int(power) for base, power in _factor_and_kind(powers)[1].items()}
 
 

@@ -1,0 +1,188 @@
+"""Whatever is written about a machine is in one system of units."""
+
+import re
+from pathlib import Path
+
+import matplotlib.figure
+import pytest
+from commands import done, refused, said
+from matplotlib.text import Text
+
+from engine import quantity_text, show_units, show_units_of
+from sweeps.pictures.plans.files import plan_pictures
+from sweeps.text.scene_text import read_scene
+
+# A press in the units that a designer in Ohio types; hardly any of its quantities is named in them.
+MACHINE = """\
+title = "Blanking press"
+gravity = "386.09 in/s2"
+
+[points]
+O = {x = "0 in", y = "0 in"}
+
+[guides]
+way = {angle = "-90 deg"}
+
+[input]
+type = "crank"
+pivot = "O"
+pin = "A"
+length = "2 in"
+speed = "60 RPM"
+
+[groups.slide]
+type = "RRP"
+inner = "B"
+first = {link = "rod", joint = "A", length = "10 in"}
+second = {link = "ram", guide = "way"}
+
+[bodies.rod]
+link = "rod"
+mass = "40 lbs"
+x = "3 in"
+inertia = "400 lb-in2"
+
+[bodies.ram]
+link = "ram"
+mass = "220 lb"
+
+[forces.punch]
+type = "constant"
+on = "B"
+angle = "90 deg"
+force = "20 kip"
+acts = "against"
+
+[flywheel]
+speed_fluctuation = "1/10"
+"""
+STUDY = """\
+scene = "press.toml"
+[vary]
+"input.length" = "2 in to 3 in, 3"
+[outputs]
+summaries = ["ram.stroke", "flywheel_wittenbauer", "excess_work", "required_power", "input_moment.peak", "B.ay.peak"]
+fields = ["reduced_inertia_phi"]
+[best]
+minimise = "excess_work"
+"""
+METRIC = "mm cm km µm kg g t N kN MN J kJ MJ W kW MW Pa kPa MPa GPa bar kp kgf m"
+AMERICAN = "in ft yd lb lbs oz slug lbf kip klbf tonf psi ksi hp"
+BANNED = {"US": METRIC, "mm": AMERICAN, "SI": f"{AMERICAN} mm kN kJ kW MPa rpm"}
+
+
+def units_of(words: str) -> re.Pattern[str]:
+    """A unit after a number, a comma or a gap, in brackets, or in a compound: "3 kN", "v, m/s", "[N m]", "N·m"."""
+    power, units = r"(?:-?[2-9]|[²³⁴])?", words.split()
+    plain = "|".join(unit for unit in units if unit not in ("in", "m", "t", "g"))
+    return re.compile(
+        rf"(?:(?<=\d )|(?<=, )|(?<=  )|(?<=[·/(])|^)(?:{'|'.join(units)}){power}(?=$|  |[;:,.)\]·/|])"
+        rf"|(?<=\d )(?:{plain}){power}(?= )|\[(?:[^\]]* )?(?:{'|'.join(units)})(?:-?\d)?(?: [^\]]*)?\]"
+    )
+
+
+@pytest.mark.parametrize(
+    ("shown", "system"),
+    [("torque, kN·m", "US"), ("x [m s-2]", "US"), ("3.1 kg", "US"), ("9 lbf/in", "mm"), ("2 hp", "SI"), ("5 kJ", "SI")],
+)
+def test_pattern__finds_units_of_another_system(shown, system):
+    assert units_of(BANNED[system]).search(shown)
+
+
+def foreign(text: str, system: str) -> list[str]:
+    """Lines with a unit that the system doesn't have."""
+    pattern = units_of(BANNED[system])
+    return [line for line in text.splitlines() if pattern.search(line)]
+
+
+@pytest.fixture
+def press(tmp_path, monkeypatch, request):
+    monkeypatch.chdir(tmp_path)
+    Path("press.toml").write_text(MACHINE if request.param == "US" else f'units = "{request.param}"\n{MACHINE}')
+    Path("study.toml").write_text(STUDY)
+    yield request.param
+    show_units({})
+
+
+@pytest.fixture
+def written(monkeypatch):
+    """Texts of all figures that are saved."""
+    found: list[str] = []
+    save = matplotlib.figure.Figure.savefig
+
+    def saved(self, *arguments, **options):
+        save(self, *arguments, **options)
+        found.extend(text.get_text() for text in self.findobj(Text) if text.get_text())
+
+    monkeypatch.setattr(matplotlib.figure.Figure, "savefig", saved)
+    return found
+
+
+@pytest.mark.parametrize("press", ["US", "mm", "SI"], indirect=True)
+def test_everything_about_a_machine__is_in_its_units(press, written):
+    texts = {
+        "run": done("run", "study.toml"),
+        # Name, symbol, unit and meaning; symbols are letters too.
+        "quantities": re.sub(r"(?m)^(  \S+ +)\S+", r"\1", done("quantities", "press.toml")),
+        "show": done("show", "results/study.h5"),
+        "at": done("show", "press.toml", "--at", "20,100"),
+        "machine": done("run", "press.toml", "--no-plots"),
+    }
+    done("plot", "results/study.h5", "--out", "study.svg")
+    done("plot", "press.toml", "--out", "press.svg")
+    done("report", "results/study.h5", "--out", "page.html")
+    done("export", "results/study.h5", "--to", "study.csv", "--columns", "excess_work,reduced_inertia_phi")
+    done("export", "press.toml", "--to", "press.csv")
+    page = re.sub(r"<(script|style|svg|pre)\b.*?</\1>", "", Path("page.html").read_text(encoding="utf8"), flags=re.S)
+    texts["page"] = re.sub(r"<[^>]+>", "\n", page)
+    texts["tables"] = "\n".join(Path(t).read_text().partition("\n")[0] for t in ("study.csv", "press.csv")).replace(
+        ",", "\n"
+    )
+    texts["pictures"] = "\n".join(written)
+    assert len(written) > 20
+    assert {name: found for name, text in texts.items() if (found := foreign(text, press))} == {}
+
+
+@pytest.mark.parametrize("press", ["US"], indirect=True)
+def test_numbers_in_american_units__are_those_of_the_machine(press):
+    shown = done("run", "press.toml", "--no-plots")
+    # In line, the stroke is twice the crank; the punch does 4 in · 20 kip a second; a horsepower is 550 · 12 lbf·in/s.
+    assert re.search(r"ram\.stroke\s*→\s*4 .*in\b", shown)
+    power = re.search(r"required_power\s*→\s*([\d.]+).* hp", shown)
+    assert float(power[1]) == pytest.approx(80_000 / 6600, rel=1e-4)
+
+
+@pytest.mark.parametrize("press", ["US"], indirect=True)
+def test_plan__is_in_american_units(press, written):
+    scene = read_scene(Path("press.toml"))
+    plan_pictures(scene, Path("plan.svg"))
+    assert any("lbf" in text for text in written)
+    assert foreign("\n".join(written), "US") == []
+
+
+def test_system__is_that_of_most_texts_or_the_one_named():
+    assert show_units_of({"a": "3 in", "b": {"c": ["1 lbf", "2 lbf"]}, "d": "30 deg", "e": "1 m"}) == "US"
+    assert show_units_of({"a": "3 in", "b": "2 mm", "c": "2 kg"}) == "mm"
+    assert show_units_of({"units": "SI", "a": "3 in"}) == "SI"
+    assert quantity_text(0.05, "m") == "0.05 m"
+    # A unit of the scene's own is kept, and so are those made of it.
+    assert show_units_of({"a": "3 ft", "b": "2 ft-lb"}) == "US"
+    assert [quantity_text(0.3048, unit) for unit in ("m", "m s-1")] == ["1 ft", "1 ft/s"]
+    assert quantity_text(1.3558179483314004, "N m") == "1 ft·lbf"
+    show_units({})
+
+
+@pytest.mark.parametrize("press", ["US"], indirect=True)
+def test_number_with_a_comma__is_refused_as_ambiguous(press):
+    Path("press.toml").write_text(MACHINE.replace('"20 kip"', '"120,000 lbf"'))
+    assert "forces.punch.force: '120,000 lbf' is ambiguous: 120000 or 120.000?" in refused("run", "press.toml")
+    Path("press.toml").write_text(MACHINE.replace('"20 kip"', "120,000"))
+    assert "ambiguous: 120000 or 120.000?" in refused("run", "press.toml")
+    Path("press.toml").write_text(MACHINE.replace('"20 kip"', '"60 ton"'))
+    assert "2000 lb" in refused("run", "press.toml")
+
+
+@pytest.mark.parametrize("press", ["US"], indirect=True)
+def test_system_that_there_is_not__is_refused_with_those_there_are(press):
+    Path("press.toml").write_text('units = "imperial"\n' + MACHINE)
+    assert "allowed: mm, SI, US" in said("check", "press.toml").output
