@@ -17,6 +17,7 @@ from engine.scene.scene import Scene
 
 _WORDS = {
     "dc_motor": "DC motor",
+    "table_motor": "motor by a table",
     "linear_drag": "viscous resistance",
     "quadratic_drag": "resistance by ω²",
     "power_drag": "resistance by a power of ω",
