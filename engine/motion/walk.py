@@ -58,6 +58,9 @@ FLAT, BEYOND, BEHIND = 1e-5, 1e-5, 0.2
 ROUNDED = 4.0 * float(np.finfo(float).eps)
 # A cycle that ends so near to the goal, as a share of it, ends there.
 NEARLY = 1e-12
+# What a step misses is rounding, of forces that are in balance and such, where it is no more than this and falls to no
+# smaller a share when the step is shortened; it counts as so much of what a step may miss, for steps shall grow again.
+NOISE, FALLS, FORGIVEN = 1e-11, 0.5, 0.05
 # A way is divided into equal steps where there are no more than so many.
 MOST_PARTS = 1e6
 # A step in time is refused that turns more than so many times the farthest that a step may.
@@ -229,6 +232,8 @@ class Lane(NamedTuple):
         What the first state may be off by at the begin of the step.
     ended : row
         Number of the guard that ends the step; −1: none.
+    refused : row
+        What the step missed, by what it may, that was refused last; infinite where none was since one was taken.
     """
 
     start: Row
@@ -277,6 +282,7 @@ class Lane(NamedTuple):
     worst: Row
     doubt: Row
     ended: Row
+    refused: Row
 
 
 GIVEN, FOUND = Lane._fields[:12], Lane._fields[10:20]
@@ -959,11 +965,22 @@ def decide_steps(task: WalkTask, room: Room) -> bool:
     for lane in range(LANES):
         own.taken[lane] = 0.0
         if own.length[lane] > 0.0:
-            if not own.missed[lane] <= 1.0:
+            if not own.missed[lane] <= 1.0 and not is_rounding(lane, room):
                 shorten(lane, task, room)
             elif (own.fired[lane] == 0.0 and own.trials[lane] == 0.0) or narrow(lane, task, room):
                 own.taken[lane], took = 1.0, True
     return took
+
+
+@inlined
+def is_rounding(lane: int, room: Room) -> bool:
+    """Whether rounding alone is what a step misses: so little, and no less than when a longer one was refused."""
+    own = rows_of(room.lane)
+    before, own.refused[lane] = own.refused[lane], own.missed[lane]
+    rounding = own.missed[lane] * own.tolerance[lane] <= NOISE and own.missed[lane] >= FALLS * before
+    if rounding:
+        own.missed[lane] = FORGIVEN
+    return rounding
 
 
 @inlined
@@ -1130,7 +1147,7 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
         speed = watched[task.watched + SPEED, lane]
         if task.along_time and own.why[lane] == GOING and 0.0 < speed < own.floor[lane]:
             own.why[lane] = FADED
-        own.trials[lane] = 0.0
+        own.trials[lane], own.refused[lane] = 0.0, math.inf
         if task.fixed:
             own.pace[lane] = own.farthest[lane]
         else:
@@ -1320,7 +1337,7 @@ def take_in(first: int, batch: WalkBatch, task: WalkTask, room: Room) -> None:
         own.slowest[lane], own.fastest[lane], own.slope[lane] = math.inf, -math.inf, math.nan
         own.slow_off[lane], own.fast_off[lane] = math.nan, math.nan
         own.steps[lane], own.scale[lane], own.trials[lane], own.free[lane] = 0.0, 0.0, 0.0, -math.inf
-        own.begins[lane], own.ends[lane] = -math.inf, math.inf
+        own.begins[lane], own.ends[lane], own.refused[lane] = -math.inf, math.inf, math.inf
         own.why[lane] = GOING if lane < last and own.at[lane] < own.goal[lane] else GOAL
         find_edge(lane, edges, task, room)
         look_ahead(lane, edges, room)

@@ -481,7 +481,7 @@ class InductionMotor(Motor, InductionCharacteristic):
 class TableCharacteristic(Part):
     """The characteristic of a motor by a table of its moment over its speed, with straight lines between.
 
-    The outermost lines go on. All moments are multiplied by `scale`.
+    The outermost lines continue. All moments are multiplied by `scale`.
     """
 
     speed: list[AngularSpeed]
@@ -502,7 +502,7 @@ class TableCharacteristic(Part):
 class TableMotor(Motor, TableCharacteristic):
     """A motor by a table of its torque over its speed, on the crank or a shaft geared to it.
 
-    Straight lines join the rows, and the outermost ones go on; above some speed it must no longer drive. All torques
+    Straight lines join the rows, and the outermost ones continue; above some speed it must no longer drive. All torques
     are multiplied by `scale`.
     """
 

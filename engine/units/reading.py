@@ -334,7 +334,8 @@ def comma_advice(text: str) -> str:
         return f"{text!r} is ambiguous: {whole} or {point}? Write it without the comma"
     if re.fullmatch(r"[+-]?[1-9][0-9]{0,2}(,[0-9]{3})+(\.[0-9]*)?", number):
         return f"{text!r}: write the number without commas, {whole}"
-    return f"{text!r}: use a decimal point, not a comma, as in {point if point.count('.') == 1 else '1.5'}"
+    written = text.replace(number, point, 1) if point.count(".") == 1 else "1.5"
+    return f"{text!r}: use a decimal point, not a comma, as in {written!r}"
 
 
 def _in_range(value: numbers.Real | Decimal, shown: str, words: str) -> float:

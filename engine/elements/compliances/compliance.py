@@ -80,5 +80,5 @@ class ComplianceElement(Element):
         if "twist" in own:
             title += f", {math.degrees(own['twist']):.3g}° under {quantity_text(self.moment, 'N m')}"
         x, y = PanelAxis("", "1"), PanelAxis("share of the energy", "%")
-        bars = Curve("", np.array([100.0 * shares[part] for part in parts]))
+        bars = Curve("", np.array([shares[part] for part in parts]))
         return (Panel(x, y, np.arange(float(len(parts))), (bars,), title=title, kind="bars", names=names),)

@@ -14,7 +14,7 @@ from engine.laws.brakes import axle_shares
 from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Angle, Number, Positive, Speed, Time
 
 # Speeds up to so many times the one given.
-_FASTEST, _KMH = 1.5, 3.6
+_FASTEST = 1.5
 
 
 @scalar
@@ -75,11 +75,11 @@ class CarElement(Element):
         for brakes in ("front", "rear", "all"):
             way = self.model_copy(update={"brakes": brakes}).over("speed", speed)["stopping_distance"]
             curves.append(Curve(f"brakes: {brakes}", way))
-        mark = Mark("as given", _KMH * self.speed, None)
-        over_speed = Panel(PanelAxis("speed", "km/h"), PanelAxis("way to rest", "m"), _KMH * speed, curves, (mark,))
+        mark = Mark("as given", self.speed, None)
+        over_speed = Panel(PanelAxis("speed", "m s-1"), PanelAxis("way to rest", "m"), speed, curves, (mark,))
         # The brakes begin to act when the reaction time is over; then the square of the speed falls evenly.
         left = np.linspace(self.speed, 0.0, PLACES)
         held = self.own_values()["deceleration"]
         way = [0.0, *(self.speed * self.reaction_time + (self.speed**2 - left**2) / (2 * held))]
-        along = Curve("as given", _KMH * np.array([self.speed, *left]))
-        return over_speed, Panel(PanelAxis("way", "m"), PanelAxis("speed", "km/h"), np.array(way), (along,))
+        along = Curve("as given", np.array([self.speed, *left]))
+        return over_speed, Panel(PanelAxis("way", "m"), PanelAxis("speed", "m s-1"), np.array(way), (along,))

@@ -258,7 +258,7 @@ def test_bank_angle_at_which_the_order_cannot_fire__has_no_torque_but_forces():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"gudgeon_offset": 0.14}, "longer than 0.145602 m, for half the stroke and gudgeon_offset across it"),
+        ({"gudgeon_offset": 0.14}, "longer than 145.6 mm, for half the stroke and gudgeon_offset across it"),
         ({"knuckle_radius": 0.05}, "knuckle_radius and link_rod belong together"),
         ({"link_rod_mass": 0.2}, "link rods need knuckle_radius and link_rod"),
         ({"knuckle_radius": 0.05, "link_rod": 0.1}, "goes with layout = 'radial'; the layout is 'in-line'"),

@@ -142,10 +142,10 @@ def test_valve_that_is_open_or_shut__has_no_equilibrium_but_its_switch():
 @pytest.mark.parametrize(
     ("engine", "words"),
     [
-        ({"throttle": {"type": "linear", "full": 0.0, "closed": 100.0}}, "full = 0 N m is not above closed = 100 N m"),
+        ({"throttle": {"type": "linear", "full": 0.0, "closed": 100.0}}, "full = 0 N·m is not above closed = 100 N·m"),
         (
             {"throttle": {"type": "table", "over_lift": [0, 0.1], "moment": [100, 200], "interpolation": "linear"}},
-            "moment rises in row 2, from 100 to 200 N m",
+            "moment rises in row 2, from 100 N·m to 200 N·m",
         ),
         ({"new_load": None, "duration": 3.0}, "give new_load, or leave duration out"),
         ({"inertia": 0.0}, "inertia is missing"),

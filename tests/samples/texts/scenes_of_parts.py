@@ -141,6 +141,7 @@ SCENES = {
     "lift": on_shaft(type="conveyor", load_mass=3.0, drum_radius=0.1, incline=0.1),
     "dc": on_shaft(type="dc_motor", no_load_speed=20.0, stall_moment=10.0),
     "induction": on_shaft(type="induction_motor", synchronous_speed=20.0, breakdown_moment=10.0, breakdown_slip=0.2),
+    "curve": on_shaft(type="table_motor", speed=[0.0, 8.0, 20.0], moment=[4.0, 6.0, 0.0]),
     "torsion": slider_crank(moments={"load": {"type": "torsion_spring", "on": "rod", "stiffness": 3.0}}),
     "spring": slider_crank(springs={"load": {"between": ["P", "B"], "stiffness": 100.0}}),
     "damper": slider_crank(springs={"load": {"between": ["P", "B"], "damping": 10.0}}),

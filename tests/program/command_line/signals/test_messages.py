@@ -34,7 +34,7 @@ interpolation = "linear"
 SLIPS = cases(r"""
 no quotes | "50 mm" | 50 mm | line 13 | 50 mm has a unit | needs quotes: "50 mm"
 no quotes in a table | length = "200 mm" | length = 200 mm | needs quotes: "200 mm"
-decimal comma | "50 mm" | 50,5 mm | a decimal comma | "50.5 mm"
+decimal comma | "50 mm" | 50,5 mm | use a decimal point | '50.5 mm'
 text without quotes | type = "crank" | type = crank | crank is a text
 nothing after = | pivot = "O" | pivot = | no value
 quote left open | pin = "A" | pin = "A | quotation mark
