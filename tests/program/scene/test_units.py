@@ -158,8 +158,8 @@ def test_pounds_where_no_dimension_is_known__are_of_force_in_foot_pounds_alone()
 TRAPS = {
     "expected a length such as '80 mm', got 'N m'": [("12 N m", "length")],
     "expected a stiffness such as '8 N/mm', got 'Nm'": [("7 Nm", "stiffness")],
-    "use a decimal point, not a comma, as in 1.5": [("1,5 mm", "length")],
-    "use a decimal point, not a comma, as in 0.125": [("0,125 in", "length")],
+    "use a decimal point, not a comma, as in '1.5 mm'": [("1,5 mm", "length")],
+    "use a decimal point, not a comma, as in '0.125 in'": [("0,125 in", "length")],
     r"ambiguous: 120000 or 120\.000\? Write it without": [("120,000 lbf", "force"), ("120,000", "number")],
     "without commas, 1000.5": [("1,000.5 mm", "length")],
     "without commas, 1200000": [("1,200,000 N", "force")],
