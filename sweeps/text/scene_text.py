@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args, get_origin
 
 import tomli_w
 from pydantic import ValidationError
 
 from engine import (
+    DimensionMark,
     FormulaNumber,
     Scene,
     SceneError,
@@ -133,7 +134,7 @@ def write_scene(scene: Scene, values: Mapping[str, float] | None = None) -> str:
             table = table.setdefault(key, {})
         if last in table or path in values:
             table[last] = int(number.value) if last == "mode" else number_text(number.value, number.dimension)
-    _label_tables(scene, data)
+    _with_units(scene, data)
     return tomli_w.dumps(data)
 
 
@@ -224,38 +225,32 @@ def _copied(part: ScenePart, changes: Mapping[str, Any] | float, path: str) -> S
         raise SceneError(told) from None
 
 
-# Units of governor tables.
-_ROWS = {"over_radius": "m", "over_lift": "m", "controlling_force": "N", "moment": "N m"}
+def _with_units(part: ScenePart, data: dict[str, Any]) -> None:
+    """Write the lists of a part and of all within it with their units, in place."""
+    for key, field in type(part).model_fields.items():
+        value, written = getattr(part, key), data.get(key)
+        if isinstance(value, ScenePart) and isinstance(written, dict):
+            _with_units(value, written)
+        elif isinstance(value, dict) and isinstance(written, dict):
+            for name, inner in value.items():
+                if isinstance(inner, ScenePart) and isinstance(written[name], dict):
+                    _with_units(inner, written[name])
+        elif isinstance(value, (list, tuple)) and isinstance(written, list):
+            dimension = _listed_dimension(field.annotation)
+            for k, inner in enumerate(value):
+                if isinstance(inner, ScenePart):
+                    _with_units(inner, written[k])
+                elif dimension is not None:
+                    written[k] = number_text(inner, dimension)
 
 
-def _label_tables(scene: Scene, data: dict[str, Any]) -> None:
-    """Write the columns of tables, the throws of engines, the rows of governors and motions with their units."""
-    for element in data.get("elements", {}).values():
-        for part in (element, element.get("engine", {})):
-            if "throws" in part:
-                part["throws"] = [f"{angle!r} rad" for angle in part["throws"]]
-        for part in (element, element.get("engine", {}).get("throttle", {})):
-            for key, unit in _ROWS.items():
-                if isinstance(part.get(key), list):
-                    part[key] = [f"{v!r} {unit}" for v in part[key]]
-    moved = [*data.get("cams", {}).values(), *data.get("inputs", {}).values()]
-    moved += [element for element in data.get("elements", {}).values() if element["type"] == "cam"]
-    rows = [part["table"] for part in moved if "table" in part]
-    for table in rows:
-        for key, unit in (("over_angle", "rad"), ("lift", "m"), ("swing", "rad")):
-            if key in table:
-                table[key] = [f"{v!r} {unit}" for v in table[key]]
-    for regime in data.get("regimes", {}).values():
-        for key, unit in (("times", "s"), ("angles", "rad")):
-            if key in regime.get("at", {}):
-                regime["at"][key] = [f"{v!r} {unit}" for v in regime["at"][key]]
-    for motion in data.get("wanted", {}).values():
-        for key, unit in (("x", "m"), ("y", "m"), ("over_angle", "rad"), ("slide", "m"), ("angle", "rad")):
-            if isinstance(motion.get(key), list):
-                motion[key] = [f"{v!r} {unit}" for v in motion[key]]
-    units = {"over_angle": "rad", "over_stroke": "m", "over_time": "s"}
-    for table, unit in (("forces", "N"), ("moments", "N m")):
-        for action in data.get(table, {}).values():
-            for key in (*units, "force", "moment"):
-                if isinstance(action.get(key), list):
-                    action[key] = [f"{v!r} {units.get(key, unit)}" for v in action[key]]
+def _listed_dimension(annotation: object) -> str | None:
+    """Dimension of the entries of a list by its type; None where they have none."""
+    for inner in get_args(annotation):
+        if get_origin(annotation) is list:
+            marks = [str(mark) for mark in get_args(inner) if isinstance(mark, DimensionMark)]
+            return marks[0] if marks else None
+        found = _listed_dimension(inner)
+        if found is not None:
+            return found
+    return None
