@@ -1,0 +1,74 @@
+"""Walks along time deliver the accuracy asked, and their figures cover what they miss, whatever limits their steps."""
+
+import numpy as np
+import pytest
+from motion_scenes import RATIO, rotor, run, slider_crank, steady
+
+from engine import Machine, Scene, Verdict
+
+CLUTCH = {"type": "friction_clutch", "shaft": "motor_shaft", "capacity": 4.0, "engagement": 0.1}
+# So stiff that stability limits the steps more than their errors do.
+FLUID = {
+    "type": "fluid_coupling",
+    "shaft": "motor_shaft",
+    "diameter": 0.4,
+    "density": 860.0,
+    "slip": [0.0, 0.03, 0.1, 1.0],
+    "coefficient": [0.0, 0.002, 0.005, 0.008],
+    "interpolation": "linear",
+}
+START = "dc rub by_angle"
+
+
+def coupled(coupling: dict, regime: dict, scene: dict | None = None) -> dict:
+    scene = slider_crank({"go": regime}) if scene is None else scene
+    scene["shafts"]["motor_shaft"]["inertia"] = 0.02
+    scene["couplings"] = {"coupling": coupling}
+    scene["moments"]["dc"] |= {"on": "motor_shaft", "stall_moment": 20.0 / RATIO, "no_load_speed": 100.0 * RATIO}
+    return scene
+
+
+CASES = {
+    "clutch": (coupled(CLUTCH, run(START, from_speed=1.0, from_shaft_speed=300.0, time=0.6)), "coupling_heat"),
+    "fluid coupling": (coupled(FLUID, run(START, from_speed=1.0, from_shaft_speed=300.0, time=0.6)), "coupling_heat"),
+    "steady fluid coupling": (coupled(FLUID, steady(START)), "mean_speed"),
+    "over time": (slider_crank({"go": run(START + " by_time", from_speed=5.0, time=0.6)}), "final_speed"),
+    "stop": (slider_crank({"go": run("rub nothing", from_speed=5.0, rest=True)}), "angle"),
+}
+VARIANTS, ACCURACIES = 12, (1e-11, 1e-6, 1e-4, 1e-2)
+
+
+@pytest.fixture(scope="module", params=CASES)
+def found(request: pytest.FixtureRequest) -> dict[float, tuple[np.ndarray, np.ndarray]]:
+    """A number of some machines and its figures, by the accuracy."""
+    data, name = CASES[request.param]
+    varied, answers = {"moments.rub.moment": np.linspace(0.2, 0.8, VARIANTS)}, {}
+    for accuracy in ACCURACIES:
+        machine = Machine(Scene.model_validate(data), [f"go.{name}"], varied=tuple(varied), accuracy=accuracy)
+        outcome = machine.evaluate(varied)
+        assert set(outcome.status) == {Verdict.OK}
+        answers[accuracy] = outcome.summaries[f"go.{name}"], outcome.errors[f"go.{name}"]
+    return answers
+
+
+@pytest.mark.parametrize("accuracy", ACCURACIES[1:])
+def test_what_a_walk_misses__is_covered_and_within_the_accuracy(found, accuracy):
+    (exact, least), (values, figures) = found[ACCURACIES[0]], found[accuracy]
+    off = np.abs(values - exact)
+    assert (off <= accuracy * np.abs(exact)).all()
+    # In a difference of two walks, errors of several stretches may cancel; they are next to nothing of what was asked.
+    assert (off <= 2.0 * figures + least + 1e-4 * accuracy * np.abs(exact)).all()
+    assert (off > figures + least + 1e-4 * accuracy * np.abs(exact)).sum() <= 1
+
+
+def test_accuracy__is_what_steps_are_made_for(found):
+    assert np.median(found[1e-11][1]) < 0.1 * np.median(found[1e-6][1])
+
+
+@pytest.mark.parametrize("accuracy", [1e-12, 1e-15])
+def test_accuracy_beyond_rounding__is_as_good_as_rounding_allows(accuracy):
+    # A heavy flywheel behind a stiff crank: what acts is in balance but for its last digits.
+    scene = rotor({"go": run("push rub by_time", from_speed=0.0, time=3.0)}, flywheel=1e4)
+    machine = Machine(Scene.model_validate(scene), ["go.final_speed"], accuracy=accuracy)
+    outcome = machine.evaluate({})
+    assert outcome.status[0] == Verdict.OK
