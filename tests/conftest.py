@@ -11,6 +11,7 @@ from hypothesis import settings
 from press_texts import PRESS, PRESS_WITH_FLYWHEEL
 
 from engine.compiling.threads import set_threads
+from engine.units.display import show_units_of
 
 # The same examples in every run of CI; others on every developer's machine.
 settings.register_profile("ci", derandomize=True)
@@ -21,6 +22,12 @@ if os.environ.get("CI"):
 for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
     if signal.getsignal(number) is signal.SIG_IGN:
         signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
+
+
+@pytest.fixture(autouse=True)
+def metric_units() -> None:
+    """Show numbers in metric units, whatever scene was read before."""
+    show_units_of({})
 
 
 @pytest.fixture

@@ -78,7 +78,7 @@ def run(
     """Run a study (a file, or the name of a bundled one) into an HDF5 file, resuming an interrupted run.
 
     Existing results are reused, so variants, summaries and fields can be added. A file with other or further results is
-    kept as NAME.1.h5.
+    kept as NAME.previous.h5.
 
     The exit code is 1 if no variant has a result.
     """

@@ -19,7 +19,7 @@ from sweeps.optimising.searching import STEPS, descend, way_of
 from sweeps.optimising.spread import spread_columns, spreads
 from sweeps.optimising.trials import Batch, Trials, joined
 from sweeps.run.blocks import LARGEST_BLOCK
-from sweeps.run.runner import WORDS, crew_of, layout_of, tell_all
+from sweeps.run.runner import WORDS, complete_text, crew_of, layout_of, tell_all
 from sweeps.store import (
     Column,
     DamagedError,
@@ -69,7 +69,7 @@ def optimise_study(
     progress : callable, optional
         Called before the first generation and after each one.
     replace_former : bool
-        Replace the file of another search instead of keeping it under a numbered name.
+        Replace the file of another search instead of keeping it as the previous one.
     tell : callable, optional
         Receives messages about earlier files.
     client : Client, optional
@@ -146,6 +146,7 @@ def _is_finished(path: Path, task: SearchTask, trials: Trials, tell: Callable[[s
         return False
     layout = _final_layout(task, trials, described.variants)
     reword(path, {name: layout.attributes[name] for name in WORDS})
+    tell(complete_text(path))
     return True
 
 

@@ -94,8 +94,8 @@ def run_study(
     """Run or resume a study into a result file.
 
     Results in an earlier file of that name are reused: of an interrupted run, or of a study that since got more
-    variants, summaries or fields, or another question, [best] or texts. A file with further results is kept under a
-    numbered name.
+    variants, summaries or fields, or another question, [best] or texts. A file with further results is kept as
+    the previous one.
 
     Parameters
     ----------
@@ -141,6 +141,7 @@ def run_study(
     ):
         tell_all(store, tell)
         if store.finished:
+            tell(complete_text(path))
             return path
         earlier = [Earlier(source, study, store.layout) for source in store.sources]
         pending = store.pending
@@ -228,6 +229,11 @@ def measured_block_size(study: Study, machine: Machine | ElementsAlone) -> int:
     if study.design.size <= FEW:
         return study.design.size
     return block_size(study, machine, seconds_of_variant(study, machine))
+
+
+def complete_text(path: Path) -> str:
+    """What is said of a result that needs no computing."""
+    return f"{path} is complete: nothing was computed. --restart recomputes it."
 
 
 def tell_all(store: Store, tell: Callable[[str], None]) -> None:

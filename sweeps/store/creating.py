@@ -47,6 +47,11 @@ def part_path(path: Path) -> Path:
     return path.with_name(f"{path.stem}.part{path.suffix}")
 
 
+def previous_name(path: Path) -> Path:
+    """Return the name of the result before the last one: `out.previous.h5` for `out.h5`."""
+    return path.with_name(f"{path.stem}.previous{path.suffix}")
+
+
 def numbered_name(path: Path) -> Path:
     """Return the first unused name `out.1.h5`, `out.2.h5`, … for `out.h5`."""
     names = (path.with_name(f"{path.stem}.{i}{path.suffix}") for i in itertools.count(1))

@@ -23,6 +23,7 @@ from .creating import (
     note_texts,
     numbered_name,
     part_path,
+    previous_name,
     remove_unlocked,
     unbuffered,
     write_final_text,
@@ -187,7 +188,7 @@ class Store:
         outcome : str
             Text for the root attribute `outcome`, such as counts and duration; cut at 2000 bytes.
         keep_former : bool
-            Keep an existing finished file under a numbered name.
+            Keep an existing finished file as its previous one, in place of an older one.
 
         Raises
         ------
@@ -208,9 +209,9 @@ class Store:
             with self.part.open("rb+") as plain:
                 os.fsync(plain.fileno())
             if keep_former and self.path.exists():
-                kept = numbered_name(self.path)
-                self.path.rename(kept)
-                self.notes.append(f"The former {self.path} is kept as {kept}.")
+                kept = previous_name(self.path)
+                self.path.replace(kept)
+                self.notes.append(f"The previous {self.path} is kept as {kept}.")
             self.part.replace(self.path)
         self.finished = True
         self.close()

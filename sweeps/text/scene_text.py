@@ -247,7 +247,7 @@ def _with_units(part: ScenePart, data: dict[str, Any]) -> None:
 def _listed_dimension(annotation: object) -> str | None:
     """Dimension of the entries of a list by its type; None where they have none."""
     for inner in get_args(annotation):
-        if get_origin(annotation) is list:
+        if get_origin(annotation) in (list, tuple):
             marks = [str(mark) for mark in get_args(inner) if isinstance(mark, DimensionMark)]
             return marks[0] if marks else None
         found = _listed_dimension(inner)

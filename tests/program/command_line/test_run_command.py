@@ -50,8 +50,8 @@ def test_run_of_a_changed_study__keeps_the_former_result(press_result):
     Path("study.toml").write_text(STUDY.replace('"50 kg"', '"55 kg"'))
     answer = said("run", "study.toml", "--no-plots", "--out", press_result)
     assert answer.exit_code == 0
-    former = Path(press_result).with_suffix(".1.h5")
-    assert answer.stderr == f"The former {press_result} is kept as {former}.\n"
+    former = Path(press_result).with_suffix(".previous.h5")
+    assert answer.stderr == f"The previous {press_result} is kept as {former}.\n"
     assert SweepResult(Path(press_result)).columns["bodies.ram.mass"][0] == 55
     assert SweepResult(former).columns["bodies.ram.mass"][0] == 50
 
@@ -282,3 +282,19 @@ def test_progress_into_a_pipe__is_plain_lines_now_and_then(press_folder, monkeyp
     assert lines[0].endswith(" s left")
     assert "\r" not in answer.stderr
     assert said("run", "study.toml", "--no-plots", "--restart", "--quiet").stderr == ""
+
+
+def test_run_of_a_finished_study__says_that_nothing_was_computed(press_result):
+    again = said("run", "study.toml", "--no-plots", "--out", press_result)
+    assert again.exit_code == 0
+    assert again.stderr == f"{press_result} is complete: nothing was computed. --restart recomputes it.\n"
+    assert "Which crank does the least work?" in again.stdout
+
+
+def test_study_that_is_changed_again_and_again__keeps_one_previous_result(press_result):
+    for mass in (55, 60):
+        Path("study.toml").write_text(STUDY.replace('"50 kg"', f'"{mass} kg"'))
+        assert said("run", "study.toml", "--no-plots", "--out", press_result).exit_code == 0
+    result = Path(press_result)
+    assert sorted(path.name for path in result.parent.glob("*.h5")) == [result.name, f"{result.stem}.previous.h5"]
+    assert SweepResult(result.with_suffix(".previous.h5")).columns["bodies.ram.mass"][0] == 55

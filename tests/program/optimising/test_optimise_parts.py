@@ -258,7 +258,7 @@ def test_command__goes_on_where_it_was_interrupted(folder):
     study_of(folder, ASKED.replace("= 8", "= 9"))
     another = said("optimise", "study.toml", "--no-plots", "--out", "r.h5", "--quiet")
     assert another.exit_code == 0
-    assert another.stderr == "The former r.h5 is kept as r.1.h5.\n"
+    assert another.stderr == "The previous r.h5 is kept as r.previous.h5.\n"
 
 
 def test_command__shows_a_front_from_its_first_objective_on(folder):

@@ -105,11 +105,11 @@ def test_finished_search__is_left_alone_and_kept_when_another_is_made(tmp_path):
     assert path.read_bytes() == before
     changed, told = study_of(tmp_path, ONE.replace("= 12", "= 13")), []
     optimise_study(changed, path, tell=told.append)
-    assert (tmp_path / "r.1.h5").read_bytes() == before
-    assert told == [f"The former {path} is kept as {tmp_path / 'r.1.h5'}."]
+    assert (tmp_path / "r.previous.h5").read_bytes() == before
+    assert told == [f"The previous {path} is kept as {tmp_path / 'r.previous.h5'}."]
     optimise_study(study, path, replace_former=True)
-    assert sorted(p.name for p in tmp_path.glob("r.*")) == ["r.1.h5", "r.h5"]
-    assert contents(path) == contents(tmp_path / "r.1.h5")
+    assert sorted(p.name for p in tmp_path.glob("r.*")) == ["r.h5", "r.previous.h5"]
+    assert contents(path) == contents(tmp_path / "r.previous.h5")
 
 
 def test_every_word_of_a_search__makes_another_one(tmp_path):

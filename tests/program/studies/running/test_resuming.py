@@ -120,8 +120,11 @@ def test_variants_left_out__keep_the_former_file(monkeypatch, tmp_path):
     path = run(tmp_path, GOOD)
     before = path.read_bytes()
     text = GOOD.replace("'40 mm', '50 mm'", "'50 mm'")
-    assert evaluated(monkeypatch, text, tmp_path) == (0, [f"The former {path} is kept as {tmp_path / 'study.1.h5'}."])
-    assert (tmp_path / "study.1.h5").read_bytes() == before
+    assert evaluated(monkeypatch, text, tmp_path) == (
+        0,
+        [f"The previous {path} is kept as {tmp_path / 'study.previous.h5'}."],
+    )
+    assert (tmp_path / "study.previous.h5").read_bytes() == before
     assert SweepResult(path).columns["input.length"].tolist() == [0.05, 0.05]
     same_numbers(path, text, tmp_path)
 
@@ -145,7 +148,7 @@ def test_edited_scene__runs_again_and_the_former_file_is_kept_or_replaced(replac
     if replaced:
         assert [p.name for p in tmp_path.glob("*.h5")] == ["study.h5"]
     else:
-        assert (tmp_path / "study.1.h5").read_bytes() == before
+        assert (tmp_path / "study.previous.h5").read_bytes() == before
         assert len(told) == 1
 
 
@@ -188,7 +191,7 @@ def test_file_of_another_version__stands_while_nothing_is_to_be_computed(monkeyp
     assert SweepResult(path).question == "But how short?"
     count, told = evaluated(monkeypatch, ADDED["variants"][0], tmp_path)
     assert count == 8
-    assert (tmp_path / "study.1.h5").exists()
+    assert (tmp_path / "study.previous.h5").exists()
 
 
 # Real processes
