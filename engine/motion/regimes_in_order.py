@@ -203,9 +203,6 @@ class Schedule:
         if accuracy is not None:
             self._run_tolerance = tuple(max(share * accuracy, LEAST_TOLERANCE) for share in SURER_IN_RUNS)
         scene = mechanics.scene
-        if has_friction(scene) and scene.couplings:
-            message = "not available in regimes with [couplings], where a machine has two speeds; remove one of them"
-            raise SceneError([("friction", message)])
         self.regimes = dict(scene.regimes)
         self.steady = {name for name, regime in self.regimes.items() if not isinstance(regime, RunRegime)}
         self.needed = self._needed()
@@ -226,7 +223,7 @@ class Schedule:
         gathered |= {"fading"} if self.steady & set(self.needed) else set()
         gathered |= {"squares"} if "motor_moment_rms" in summaries else set()
         self.dynamics = {off: Dynamics(self.reduction, off, works, friction, frozenset(gathered)) for off in sets}
-        self.sides = {off: TwoSides(self.reduction, off, works) for off in sets} if scene.couplings else {}
+        self.sides = {off: TwoSides(self.reduction, off, works, friction) for off in sets} if scene.couplings else {}
         self._refuse_equal_steps()
 
     @property

@@ -11,6 +11,7 @@ from engine.mechanism.mechanics import Mechanics
 from engine.motion.coupled.coupled_answers import CoupledStanding
 from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.moments.equation_of_motion import Beside
 from engine.motion.moments.grid import NODES
 from engine.motion.quantities import load_fields
 from engine.motion.regimes_in_order import Schedule, Standing
@@ -299,7 +300,8 @@ def _of_coupled(part: _CoupledPart, fields: Iterable[str]) -> Iterator[dict[str,
     way, none = part.variants.direction[0], np.full(time.size, np.nan)
     turned, speeds = way * (angle - sides.crank.start[0]), (omega[:, None], shaft[0][:, None])
     faced = (np.where(speed < 0.0, -1.0, 1.0) for speed in speeds)
-    rows, of_crank = sides.crank.along(turned[:, None], speeds[0], time[:, None], next(faced))
+    beside = Beside(shaft[1][:, None], 0.0)
+    rows, of_crank = sides.crank.along(turned[:, None], speeds[0], time[:, None], next(faced), beside)
     of_shaft = sides.shaft.moments(speeds[1], next(faced))
     both = [np.concatenate((m.motors[None], m.loads))[:, :, 0] for m in (of_crank, of_shaft)]
     motors, loads = both[0][0] + both[1][0], both[0][1:] + both[1][1:]

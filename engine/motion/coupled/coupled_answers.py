@@ -9,6 +9,7 @@ from engine.motion.coupled.two_sides import CoupledSides, TwoSides, coupling_num
 from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, SHAFT_TURNED, TURNED
 from engine.motion.moments.at_speed import greatest_moment
 from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.verdicts import Verdict
 
 # Steps of a grid that differ by no more are equal.
@@ -158,12 +159,13 @@ def held_moment(
     energy : ndarray (places, variants)
         Kinetic energy there [J].
     """
-    rows, shaft = dynamics.rows(variants, places), two.of(variants, np.zeros(variants.count)).shaft
-    coupling = coupling_numbers(two.scene, variants.numbers, variants.count)
-    omega = np.sqrt(2.0 * energy / rows.inertia)
-    total = dynamics.moments(variants, dynamics.rows(variants, places, omega=omega), omega).total
-    change = (total - 0.5 * omega**2 * rows.inertia_phi) / rows.inertia
-    own = shaft.moments(omega, np.ones(variants.count)).total
+    zero, forward, way = np.zeros(variants.count), np.ones(variants.count), variants.direction
+    coupling, shaft = coupling_numbers(two.scene, variants.numbers, variants.count), two.of(variants, zero).shaft
+    omega = np.sqrt(2.0 * energy / dynamics.rows(variants, places).inertia)
+    whole = EquationOfMotion(dynamics, variants, zero)
+    rows, moments = whole.along(way * places, omega, np.zeros_like(omega), forward)
+    change = (moments.total - 0.5 * omega**2 * rows.inertia_phi) / rows.inertia
+    own = shaft.moments(omega, forward).total
     steps = np.diff(places, axis=0)
     even = np.isclose(steps[1:], steps[:-1], rtol=EVEN, atol=0.0)
     peak = _greatest_between(np.abs(own - shaft.inertia * change), even)

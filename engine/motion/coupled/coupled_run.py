@@ -22,6 +22,7 @@ from engine.motion.coupled.two_sides import (
 from engine.motion.coupled.two_speeds import CRANK_SPEED, GRIP, SHAFT_SPEED, SHAFT_TURNED, TURNED
 from engine.motion.methods import EIGHT, NINE
 from engine.motion.moments.breaks import JUMP
+from engine.motion.moments.equation_of_motion import UNIFORM
 from engine.motion.moments.grid import edges_of
 from engine.motion.system import SHOWN, Walks
 from engine.motion.walk import LONGER, Why, coarser
@@ -258,7 +259,8 @@ class CoupledRuns:
         found = []
         for way in (forth, -forth):
             turned, w1, _, w2 = moving
-            rows, of_crank = sides.crank.at(turned, w1, joined.clock + time, way)
+            # At rest; of what moves these moments decide nothing.
+            rows, of_crank = sides.crank.at(turned, w1, joined.clock + time, way, UNIFORM)
             crank = of_crank.total[0] - 0.5 * w1 * w1 * rows.inertia_phi[0]
             found.append((crank, sides.shaft.moments(w2[None], way).total[0]))
         (a, b), (c, d) = found
@@ -401,7 +403,9 @@ class CoupledRuns:
         self.slip_time[who] += np.where(np.abs(joined.mode) == FORWARDS, gone.at, 0.0)
         lost = who[(why == Why.LOST) | ((why == Why.STEEP) & (method == NINE))]
         self.steep[who] |= why == Why.STEEP
-        self.verdict[lost], self.done[lost] = Verdict.NOT_FINITE, True
+        # Reactions aren't finite where friction leaves no equilibrium.
+        rubs = self.sides.crank.dynamics.friction is not None
+        self.verdict[lost], self.done[lost] = Verdict.JAMS if rubs else Verdict.NOT_FINITE, True
         self.done[who[ended]] = True
         self._after(who, why, goal)
 

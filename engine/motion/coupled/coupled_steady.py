@@ -13,6 +13,7 @@ from engine.compiling.running import mean_of_rows
 from engine.motion.coupled.coupled_answers import CoupledOutcome, run_coupled
 from engine.motion.coupled.coupled_run import CoupledEnds, Precision
 from engine.motion.coupled.two_sides import CoupledSides
+from engine.motion.moments.equation_of_motion import UNIFORM
 from engine.motion.settled.steady import no_load_speed
 from engine.verdicts import Verdict
 
@@ -136,7 +137,7 @@ def _in_balance(sides: CoupledSides) -> tuple[np.ndarray, np.ndarray]:
     of_shaft = sides.shaft.moments(speeds, np.ones(count)).total
     left, others = np.empty((SPEEDS, count)), np.empty((SPEEDS, count))
     for k, speed in enumerate(speeds):
-        of_crank = crank.along(turned, np.broadcast_to(speed, turned.shape), zero, np.ones(count))[1]
+        of_crank = crank.along(turned, np.broadcast_to(speed, turned.shape), zero, np.ones(count), UNIFORM)[1]
         mean = mean_of_rows(of_crank.total)
         passed = sides.coupling.fluid_moment(np.broadcast_to(speed, speeds.shape), speeds)
         others[k] = _highest_balance(speeds, of_shaft - passed)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from motion_scenes import Found, ask, run, slider_crank, steady
 
-from engine import AskError, Machine, Scene, SceneError, Verdict
+from engine import AskError, Machine, Scene, Verdict
 
 MASS, INERTIA, COEFFICIENT, DIAMETER, GRAVITY = 2.0, 0.05, 0.2, 0.04, 9.81
 # Radius of the friction circle: f r over the root of 1 + f².
@@ -130,15 +130,6 @@ def test_heavy_flywheel__needs_the_moment_of_uniform_speed():
 
 
 # What can't be
-
-
-def test_friction_beside_a_coupling__is_refused_where_regimes_are_asked():
-    scene = rubbing({"go": run("dc gravity", time=0.5)})
-    scene["moments"]["dc"] = scene["moments"]["dc"] | {"on": "motor_shaft"}
-    scene["shafts"]["motor_shaft"]["inertia"] = 0.01
-    scene["couplings"] = {"clutch": {"type": "friction_clutch", "shaft": "motor_shaft", "capacity": 5.0}}
-    with pytest.raises(SceneError, match=r"friction: not available in regimes with \[couplings\].*remove one of them"):
-        Machine(Scene.model_validate(scene), ["go.time"])
 
 
 @pytest.mark.parametrize("name", ["go.drive.inner.reaction.max", "go.input_moment_by_equilibrium.min"])
