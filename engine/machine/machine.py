@@ -174,11 +174,7 @@ class Machine:
         return asked_text(self)
 
     def _check_asked(self) -> None:
-        """Refuse what doesn't exist, with the names that are near, and what isn't known at two speeds."""
-        for name in (*self.asked_summaries, *self.asked_fields):
-            why = motion.quantities.why_no_load(self.mechanics, name) if self.scene.regimes else None
-            if why is not None:
-                raise AskError(why)
+        """Refuse what doesn't exist, with the names that are near."""
         check_names(self.asked_fields, {**self.register.fields, **self.regimes.fields}, "field")
         known = {*self._elements.names, *OF_ACCURACY, *self.regimes.asked}
         unknown = [n for n in self.asked_summaries if n not in known and self.register.summary(n) is None]

@@ -5,6 +5,7 @@ map are differences of cycles that begin a little faster and slower. It starts f
 over a cycle are in balance.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +15,7 @@ from engine.motion.coupled.coupled_answers import CoupledOutcome, run_coupled
 from engine.motion.coupled.coupled_run import CoupledEnds, Precision
 from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.moments.equation_of_motion import UNIFORM
+from engine.motion.runs.watching import Observer
 from engine.motion.settled.steady import no_load_speed
 from engine.verdicts import Verdict
 
@@ -99,7 +101,9 @@ def settled_at_two_speeds(sides: CoupledSides, precision: Precision) -> CoupledS
     return CoupledSteady(verdict, x, multiplier, residual)
 
 
-def one_cycle(sides: CoupledSides, speeds: np.ndarray, precision: Precision, record: bool = False) -> CoupledOutcome:
+def one_cycle(
+    sides: CoupledSides, speeds: np.ndarray, precision: Precision, observers: Sequence[Observer] = ()
+) -> CoupledOutcome:
     """A cycle of the crank from φ = 0 on.
 
     Parameters
@@ -107,13 +111,13 @@ def one_cycle(sides: CoupledSides, speeds: np.ndarray, precision: Precision, rec
     sides : CoupledSides
     speeds : ndarray (2, variants)
         Of the crank and of the shaft at its begin, reduced to the crank [rad/s].
-    precision, record
+    precision, observers
         As of `run_coupled`.
     """
     zero, never = np.zeros(sides.count), np.full(sides.count, np.inf)
     cycle = np.full(sides.count, sides.crank.dynamics.cycle)
     ends = CoupledEnds(cycle, never, never, False, False, never)
-    return run_coupled(sides, (speeds[0], speeds[1]), zero, zero, ends, precision, record)
+    return run_coupled(sides, (speeds[0], speeds[1]), zero, zero, ends, precision, observers)
 
 
 def _newton(slopes: np.ndarray, off: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -14,9 +14,8 @@ from engine.laws.couplings import fluid_coupling_moment, slip_of
 from engine.laws.tables import make_table
 from engine.motion.coupled.two_speeds import at_two_speeds
 from engine.motion.moments.at_speed import Moments
-from engine.motion.moments.breaks import JUMP
-from engine.motion.moments.dynamics import Dynamics, Reduction, Variants
-from engine.motion.moments.equation_of_motion import Beside, EquationOfMotion
+from engine.motion.moments.dynamics import Dynamics, Reduction, Rows, Variants
+from engine.motion.moments.equation_of_motion import Attached, EquationOfMotion
 from engine.motion.system import PrintedSystem
 from engine.parts.couplings import Coupling, FluidCoupling, FrictionClutch
 from engine.scene.scene import Numbers, Scene
@@ -259,13 +258,6 @@ class CoupledSides(NamedTuple):
             kept[key] = system.tabulation.parameters(variants.numbers, way_of_crank, variants.ends, given)
         return kept[key]
 
-    def beside(self, turned: np.ndarray) -> np.ndarray:
-        """How far from angles turned by the crank, (…, variants), its moments are taken [rad]: beside breaks."""
-        crank, cycle = self.crank, self.crank.dynamics.cycle
-        breaks = crank.variants.direction * (crank.variants.breaks.angles - crank.start)
-        apart = np.mod(breaks.reshape(len(breaks), *(1,) * (turned.ndim - 1), self.count) - turned, cycle)
-        return np.where((np.minimum(apart, cycle - apart) <= 2.0 * JUMP).any(axis=0), JUMP, 0.0)
-
 
 def faced_ways(joined: Joined) -> tuple[np.ndarray, np.ndarray]:
     """The way each side faces, +1 or −1; sides that stand face forward."""
@@ -281,14 +273,17 @@ class Pull(NamedTuple):
         Of the coupling on the crank [N·m]; of sides held together what it takes.
     crank, shaft : ndarray
         Accelerations [rad/s²].
-    rate : ndarray
-        How fast moments pull speeds together, about [1/s].
+    rows : Rows
+        Of the crank.
+    on_crank, on_shaft : Moments
     """
 
     moment: np.ndarray
     crank: np.ndarray
     shaft: np.ndarray
-    rate: np.ndarray
+    rows: Rows
+    on_crank: Moments
+    on_shaft: Moments
 
 
 def coupling_pull(sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> Pull:
@@ -316,15 +311,14 @@ def coupling_pull(sides: CoupledSides, joined: Joined, moving: np.ndarray, time:
     else:
         moment = joined.mode * sides.coupling.capacity_at(joined.engaged + time)
     added = np.where(joined.crank_way == 0.0, np.inf, np.where(holds, own, 0.0))
-    beside = Beside(np.where(holds, shaft, moment), added)
-    rows, of_crank = sides.crank.along(turned, w1, joined.clock + time, faced[0], beside)
+    attached = Attached(np.where(holds, shaft, moment), added)
+    rows, of_crank = sides.crank.along(turned, w1, joined.clock + time, faced[0], attached)
     inertia, crank = rows.inertia, of_crank.total - 0.5 * w1 * w1 * rows.inertia_phi
     together = (crank + shaft) / (inertia + own)
     moment = np.where(holds, shaft - own * together, moment)
     first = np.where(holds, together, (crank + moment) / inertia) * (joined.crank_way != 0.0)
     second = np.where(holds, together, (shaft - moment) / own) * (joined.shaft_way != 0.0)
-    rate = np.abs(of_crank.slope - w1 * rows.inertia_phi) / inertia + np.abs(of_shaft.slope) / own
-    return Pull(moment, first, second, rate)
+    return Pull(moment, first, second, rows, of_crank, of_shaft)
 
 
 class OnElasticShaft:

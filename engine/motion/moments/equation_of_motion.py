@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.motion.moments.at_speed import Moments
+from engine.motion.moments.breaks import beside
 from engine.motion.moments.dynamics import Dynamics, Rows, Variants
 from engine.motion.system import CHANNELS
 from engine.motion.walk import MOST_SECANTS, NEARLY_FOUND, SOLVED_TO
@@ -19,7 +20,7 @@ FRICTION_MOMENT = "friction_moment"
 STIFFEST, FINER = 1.0, 2.0
 
 
-class Beside(NamedTuple):
+class Attached(NamedTuple):
     """What turns with the crank behind a coupling, and moves it, reduced to it.
 
     Attributes
@@ -34,7 +35,7 @@ class Beside(NamedTuple):
     inertia: np.ndarray | float
 
 
-NOTHING, UNIFORM = Beside(0.0, 0.0), Beside(0.0, np.inf)
+ALONE, UNIFORM = Attached(0.0, 0.0), Attached(0.0, np.inf)
 
 
 class EquationOfMotion:
@@ -58,18 +59,18 @@ class EquationOfMotion:
         return EquationOfMotion(self.dynamics, self.variants.some(who), self.start[who])
 
     def at(
-        self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray, beside: Beside = NOTHING
+        self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray, attached: Attached = ALONE
     ) -> tuple[Rows, Moments]:
         """Rows and moments at an instant, (1, variants), as `along` gives them."""
-        return self.along(turned[None], omega[None], time[None], facing, beside)
+        return self.along(turned[None], omega[None], time[None], facing, attached)
 
     def along(
-        self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray, beside: Beside = NOTHING
+        self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray, attached: Attached = ALONE
     ) -> tuple[Rows, Moments]:
         """Rows and moments at instants, (instants, variants), the moment of friction among those of harmful loads.
 
         `facing` +1 or −1 is the way that resistances resist. Friction depends on the acceleration, and so on what is
-        beside the crank.
+        attached to the crank.
         """
         places = self.start + self.variants.direction * turned
         rows = self.dynamics.rows(self.variants, places, time, omega)
@@ -79,7 +80,7 @@ class EquationOfMotion:
         moments = self.dynamics.moments(self.variants, rows, omega)
         if self.dynamics.friction is not None:
             channel = CHANNELS.index("harmful") if self.dynamics.works else 0
-            moments.loads[channel] += self._friction(places, omega, time, facing, rows, moments.total, beside)
+            moments.loads[channel] += self._friction(places, omega, time, facing, rows, moments.total, attached)
         return rows, moments
 
     def _backwards(self, places: np.ndarray, time: np.ndarray, omega: np.ndarray) -> Rows:
@@ -106,7 +107,7 @@ class EquationOfMotion:
         facing: np.ndarray,
         rows: Rows,
         moment: np.ndarray,
-        beside: Beside,
+        attached: Attached,
     ) -> np.ndarray:
         """Moment of friction, in the direction of motion, at the ε that it leaves; `moment` is that of all else."""
         own, loads, way = self.variants, self.dynamics.friction, self.variants.direction
@@ -116,8 +117,8 @@ class EquationOfMotion:
             return way * loads(own, parameters, places, np.abs(omega), way * epsilon, time)[FRICTION_MOMENT]
 
         with np.errstate(all="ignore"):
-            inertia = rows.inertia + beside.inertia
-            free = (moment + beside.moment - 0.5 * omega * omega * rows.inertia_phi) / inertia
+            inertia = rows.inertia + attached.inertia
+            free = (moment + attached.moment - 0.5 * omega * omega * rows.inertia_phi) / inertia
             before, found = free, rubbed(free)
             # What is left over of I ε = I ε_free + M_f, over I.
             left_before = found / inertia
@@ -133,6 +134,11 @@ class EquationOfMotion:
                 here = np.where(pending & np.isfinite(secant), secant, here)
             nearly = np.abs(left) <= NEARLY_FOUND * (np.abs(free) + np.abs(found / inertia))
         return np.where(nearly, found, np.nan)
+
+    def beside(self, turned: np.ndarray) -> np.ndarray:
+        """How far from angles turned, (…, variants), the moments are taken [rad]: beside a break, else there."""
+        own = self.variants
+        return beside(own.direction * (own.breaks.angles - self.start), turned, self.dynamics.cycle)
 
     def acceleration(
         self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray

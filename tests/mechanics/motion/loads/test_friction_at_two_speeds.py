@@ -99,7 +99,8 @@ def test_clutch_that_holds__moves_a_rubbing_slider_crank_as_a_gear_does():
     geared["moments"]["dc"] = geared["moments"]["dc"] | {"on": "motor_shaft"}
     held = behind(CLUTCH | {"capacity": 1e5}, slider_crank(regimes), PAIRS)
     held["regimes"]["go"]["from_shaft_speed"] = 5.0 * RATIO
-    asked = f"{of('go', names)} on.mean_speed on.harmful_work"
+    loads = "drive.inner.reaction.max acceleration.min kinetic_energy.max frame.reaction_moment.min"
+    asked = f"{of('go', names)} {of('go', loads)} on.mean_speed on.harmful_work"
     one, two = ask(geared, asked), ask(held, asked)
     for name in asked.split():
         assert abs(one[name] - two[name]) <= one.figure(name) + two.figure(name), name
