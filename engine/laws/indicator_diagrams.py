@@ -126,6 +126,14 @@ def two_stroke_branch(travel: float, stroke: float, rate: float, port: float) ->
 
 
 @scalar
+def flows_in(branch: float) -> float:
+    """1 on the branch INFLOW of a diagram, 0 on any other; NaN for NaN."""
+    if math.isnan(branch):
+        return branch
+    return 1.0 if branch == INFLOW else 0.0
+
+
+@scalar
 def line_pressure(branch: float, inflow: float, outflow: float) -> float:
     """Pressure of the line that the cylinder is open to [Pa].
 

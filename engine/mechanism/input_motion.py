@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.graph.nodes import Graph, Node, Number
-from engine.laws.elementary import power
+from engine.laws.elementary import direction_of, power
 from engine.mechanism.vectors import Vector
 from engine.parts.skeleton import CrankInput
 from engine.scene.scene import Scene
@@ -69,3 +69,22 @@ class InputMotion(NamedTuple):
     def acceleration_of(self, second: Vector, first: Vector) -> Vector:
         """Acceleration ω² r″ + ε r′ of a point with the transfer functions r″ and r′."""
         return Vector(*(self.acceleration(a, v) for a, v in zip(second, first, strict=True)))
+
+
+def multiple_angle(graph: Graph, n: int, revolutions: int = 1) -> tuple[Node, Node]:
+    """Cosine and sine of n times the crank's angle over a number of revolutions.
+
+    Parameters
+    ----------
+    graph : Graph
+    n : int
+        At least 1.
+    revolutions : int
+    """
+    cosine, sine = graph.cos_q, graph.sin_q
+    if revolutions != 1:
+        cosine, sine = graph.apply(direction_of, graph.q * (1.0 / revolutions))
+    c, s = cosine, sine
+    for _ in range(n - 1):
+        c, s = c * cosine - s * sine, s * cosine + c * sine
+    return c, s

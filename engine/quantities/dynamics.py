@@ -6,8 +6,9 @@ flywheels.
 
 from functools import partial
 
-from engine import mechanism, quantities
+from engine import mechanism
 from engine.graph.nodes import Node
+from engine.mechanism.input_motion import multiple_angle
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.skeleton import OF_FLUCTUATION
 from engine.quantities.expressions import (
@@ -95,7 +96,7 @@ def input_moment_harmonic(m: Mechanics, k: int) -> tuple[Expression, Expression]
         At least 1.
     """
     half = VariantNumber(m.last - m.first) / 2.0
-    turned = quantities.multiple_angles.multiple_angle(m, k, m.scene.input.revolutions)
+    turned = multiple_angle(m.graph, k, m.scene.input.revolutions)
     cosine, sine = (Integral(m.input_moment * part) / half for part in turned)
     return cosine, sine
 

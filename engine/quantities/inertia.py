@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from engine import laws, quantities
+from engine import laws
 from engine.cycle.measured import Measured, where
 from engine.mechanism.inertia import moment_centre
+from engine.mechanism.input_motion import multiple_angle
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import Expression, Formula, Integral, VariantNumber, hypot
 from engine.quantities.register import Declared, Field, Summary
@@ -110,7 +111,7 @@ def order_of_force(m: Mechanics, n: int) -> Expression:
     With the complex force z = F_x + i F_y, order n is c₊ e^{inφ} + c₋ e^{−inφ}, c± = 1/T ∫ z e^{∓inφ} dφ, and the half
     axes are ||c₊| ± |c₋||.
     """
-    cosine, sine = quantities.multiple_angles.multiple_angle(m, n)
+    cosine, sine = multiple_angle(m.graph, n)
     x, y = m.shaking.force
     xc, xs, yc, ys = (Integral(part * turn) for part in (x, y) for turn in (cosine, sine))
     length = VariantNumber(m.last - m.first)

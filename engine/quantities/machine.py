@@ -9,6 +9,7 @@ from engine.quantities.register import Register
 CHAPTERS = {
     "kinematics": (),
     "cams": ("cams",),
+    "cylinders": ("cylinders",),
     "strokes": (),
     "wanted": ("wanted",),
     "loops": (),

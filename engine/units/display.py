@@ -29,7 +29,7 @@ _Row = Mapping[str, float]
 _ANGLES: dict[str, _Row] = {"rad": {"deg": 0, "rev": 10}, "rad s-1": {"rpm": 0}} | {
     units: {units: 0} for units in ("rad s-2", "rad rad-1", "rad rad-2")
 }
-_METRIC = ("m3", "m s-1", "m s-2", "N m-1", "N s m-1", "N s2 m-2", "kg m-1", "kg m-2", "kg m-3", "rad N-1 m-1")
+_METRIC = ("m s-1", "m s-2", "N m-1", "N s m-1", "N s2 m-2", "kg m-1", "kg m-2", "kg m-3", "rad N-1 m-1")
 _ROWS: dict[str, dict[str, _Row]] = {
     "SI": _ANGLES | {"rad": {"deg": 0}, "rad s-1": {"rad s-1": 0}},
     "mm": _ANGLES
@@ -37,6 +37,8 @@ _ROWS: dict[str, dict[str, _Row]] = {
         # Metres only from 10 m on: drawings of machines are in millimetres.
         "m": {"mm": 0, "m": 10},
         "m2": {"mm2": 0, "m2": 1},
+        "m3": {"cm3": 0, "L": 1, "m3": 1},
+        "m3 s-1": {"L min-1": 0, "m3 min-1": 10},
         "kg": {"kg": 1, "g": 0, "t": 1},
         "N": {"N": 0, "kN": 1, "MN": 1},
         "N m": {"N m": 0, "kN m": 1, "MN m": 1},
@@ -59,6 +61,7 @@ _ROWS: dict[str, dict[str, _Row]] = {
         "Pa": {"psi": 0, "ksi": 1000},
         "kg m2": {"lb ft2": 1, "lb in2": 0},
         "kg m": {"oz in": 0, "lb in": 100},
+        "m3 s-1": {"ft3 min-1": 0},
         "rad m-1": {"deg in-1": 0},
     },
 }

@@ -15,6 +15,7 @@ from engine.laws.indicator_diagrams import (
     compressor_branch,
     compressor_opening_travels,
     compressor_peak,
+    flows_in,
     four_stroke_branch,
     line_pressure,
     pump_branch,
@@ -42,13 +43,18 @@ def cylinder_load(kinematics: Kinematics, name: str) -> Load:
     cylinder = scene.cylinders[name]
     slide, piston = kinematics.slides[cylinder.piston], kinematics.links[cylinder.piston]
     from_head = -1.0 if cylinder.head == "high" else 1.0
-    area = graph.derived(f"{at}.area", lambda n: from_head * math.pi / 4 * n[f"{at}.bore"] ** 2)
-    gauge = _Diagram(kinematics, name).pressure() - graph.number(f"{at}.ambient")
+    area = graph.derived(f"{at}.area", lambda n: from_head * piston_area(n[f"{at}.bore"]))
+    gauge = Diagram(kinematics, name).pressure - graph.number(f"{at}.ambient")
     grip = Grip(cylinder.piston, piston.origin, piston.u, (bearer_of(scene, cylinder.piston), piston.origin))
     return load(name, Characteristic(area, gauge), grip, slide.v, cylinder.role)
 
 
-class _Diagram:
+def piston_area(bore: float | np.ndarray) -> float | np.ndarray:
+    """Area of a piston by its bore [m]."""
+    return math.pi / 4 * bore**2
+
+
+class Diagram:
     """The indicator diagram of one cylinder.
 
     Attributes
@@ -56,6 +62,10 @@ class _Diagram:
     travel, rate : Node
         Distance of the piston from its head-end dead centre, and its speed in the input's direction.
     stroke : Node
+    pressure : Node
+        Absolute, on the piston [Pa].
+    flows_in : Node
+        1 while gas or liquid flows in, else 0.
     """
 
     def __init__(self, kinematics: Kinematics, name: str) -> None:
@@ -69,13 +79,11 @@ class _Diagram:
         self.head = high if self.at_high else low
         self.travel = high - d if self.at_high else d - low
         self.rate = (-v if self.at_high else v) * input_sense(kinematics)
-
-    def pressure(self) -> Node:
-        """Absolute pressure on the piston [Pa]."""
         self.graph.switches(self.slide.v, self.slide.a)
-        return getattr(self, f"_{self.cylinder.type}")()
+        branch, self.pressure = getattr(self, f"_{self.cylinder.type}")()
+        self.flows_in = self.graph.held(self.graph.apply(flows_in, branch))
 
-    def _compressor(self) -> Node:
+    def _compressor(self) -> tuple[Node, Node]:
         def opening(which: int) -> Callable[[Mapping], np.ndarray]:
             return lambda n: compressor_opening_travels(*self._values(n, *_COMPRESSOR, "n_expansion"))[which]
 
@@ -85,26 +93,28 @@ class _Diagram:
         peak = self.graph.derived(f"{self.at}.peak", lambda n: compressor_peak(*self._values(n, *_COMPRESSOR)))
         return self._along(branch, (*self._numbers("suction", "discharge"), peak), self.graph.one)
 
-    def _pump(self) -> Node:
+    def _pump(self) -> tuple[Node, Node]:
         branch = self.graph.apply(pump_branch, self.rate)
-        return self.graph.held(self.graph.apply(line_pressure, branch, *self._numbers("suction", "discharge")))
+        pressure = self.graph.apply(line_pressure, branch, *self._numbers("suction", "discharge"))
+        return branch, self.graph.held(pressure)
 
-    def _four_stroke(self) -> Node:
+    def _four_stroke(self) -> tuple[Node, Node]:
         head_at = self.graph.found(*self.slide[:2], "high_at" if self.at_high else "low_at")
         turning = (head_at, *self._numbers("firing_angle"), input_sense(self.kinematics))
         branch = self.graph.apply(four_stroke_branch, self.rate, self.graph.q, *turning)
         return self._along(branch, tuple(self._numbers(*_ENGINE)), self.graph.one)
 
-    def _two_stroke(self) -> Node:
+    def _two_stroke(self) -> tuple[Node, Node]:
         port = self._opens_at("port", lambda n: n[f"{self.at}.port"])
         branch = self.graph.apply(two_stroke_branch, self.travel, self.stroke, self.rate, port)
         return self._along(branch, tuple(self._numbers(*_ENGINE)), port)
 
-    def _along(self, branch: Node, pressures: tuple[Node, Node, Node], port: Node) -> Node:
-        """Pressure along the branch that holds."""
+    def _along(self, branch: Node, pressures: tuple[Node, Node, Node], port: Node) -> tuple[Node, Node]:
+        """The branch, and the pressure along the one that holds."""
         cylinder = (self.stroke, *self._numbers("clearance"), port)
         exponents = tuple(self._numbers("n_compression", "n_expansion"))
-        return self.graph.apply(branch_pressure, self.graph.held(branch), self.travel, cylinder, pressures, exponents)
+        held = self.graph.held(branch)
+        return branch, self.graph.apply(branch_pressure, held, self.travel, cylinder, pressures, exponents)
 
     def _opens_at(self, key: str, share: Callable[[Mapping], float | np.ndarray], kink: int = 0) -> Node:
         """A travel at which a valve or port opens, as a share of the stroke; something switches there."""
