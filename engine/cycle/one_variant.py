@@ -52,6 +52,10 @@ class Panels(NamedTuple):
         series[0] += np.cumsum(whole, axis=1) - whole
         return Panels(self.ends, series)
 
+    def derivatives(self) -> "Panels":
+        """Derivatives of the curves by the position."""
+        return Panels(self.ends, chebyshev.chebder(self.series) / (0.5 * np.diff(self.ends)))
+
     def at(self, q: np.ndarray) -> np.ndarray:
         """Values of the curves at positions, (curves, positions)."""
         panel = np.clip(np.searchsorted(self.ends, q, "right") - 1, 0, self.ends.size - 2)
@@ -152,6 +156,10 @@ class OneVariant:
     def integral(self, curve: Node) -> float:
         """Integral of a curve over the range of the input."""
         return float(self.panels([curve]).integrals().at(np.array([self.last]))[0, 0])
+
+    def slope(self, curve: Node, q: np.ndarray) -> np.ndarray:
+        """Derivative of a curve at some positions (positions,)."""
+        return self.panels([curve]).derivatives().at(q)[0]
 
     def work(self, moment: Node, q: np.ndarray) -> np.ndarray:
         """Work of a moment about its mean, from the first position to some positions (positions,)."""

@@ -30,6 +30,8 @@ Cylinder = tuple[float, float, float]
 Pressures = tuple[float, float, float]
 # Polytropic exponents of compression and expansion.
 Exponents = tuple[float, float]
+# Share of a turn within which an angle is that of a dead centre.
+_SAME_TURN = 1e-6
 # Branches of a diagram, numbered as the strokes of a four-stroke engine follow each other.
 EXPANSION, OUTFLOW, INFLOW, COMPRESSION = 0.0, 1.0, 2.0, 3.0
 
@@ -93,8 +95,10 @@ def four_stroke_branch(rate: float, phi: float, head_at: float, firing: float, f
         return math.nan
     turn = 2.0 * math.pi
     # A dead centre within rounding of the firing angle is meant, not the one a whole turn later.
-    turns_to_fire = math.ceil(forward * (firing - head_at) / turn - 1e-6)
+    turns_to_fire = math.ceil(forward * (firing - head_at) / turn - _SAME_TURN)
     since = forward * (phi - head_at) / turn - turns_to_fire
+    # At a dead centre itself the stroke that the rate tells: the one before, or the one after.
+    since += -_SAME_TURN if rate < 0.0 else _SAME_TURN
     if math.floor(since) % 2 == 0:
         return OUTFLOW if rate < 0.0 else EXPANSION
     return COMPRESSION if rate < 0.0 else INFLOW

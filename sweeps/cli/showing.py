@@ -137,6 +137,11 @@ def _show_at(
 @click.option(
     "--bearings", default="", help="Also the loads of these bearings: input, GROUP.first and so on, comma-separated."
 )
+@click.option(
+    "--motion",
+    default="",
+    help="Also displacement, velocity, acceleration and jerk of these sliders and links, comma-separated.",
+)
 @click.option("--hodograph", is_flag=True, help="Also the hodograph of the shaking force, and its orders.")
 @click.option("--beside", help="With --hodograph: scene, study or result to compare with.")
 @click.option("-x", help="x axis: a column (results), or a field instead of the crank angle.")
@@ -155,6 +160,7 @@ def plot(
     shown: str,
     plans: bool,
     bearings: str,
+    motion: str,
     hodograph: bool,
     beside: str | None,
     x: str | None,
@@ -165,9 +171,9 @@ def plot(
 ) -> None:
     """Plot a scene (machine and diagrams), a sweep, or the machine of one variant.
 
-    Mechanisms: drawing and diagrams over the cycle. Rotors and engines: unbalance plans and order sheets with a table.
-    Governors: controlling force. Torsional trains: modes, Campbell diagram, torques over speed, Holzer tables. Gear
-    trains: velocity diagrams with a table.
+    Mechanisms: drawing and diagrams over the cycle, indicator diagrams of cylinders. Rotors and engines: unbalance
+    plans and order sheets with a table. Governors: controlling force. Torsional trains: modes, Campbell diagram,
+    torques over speed, Holzer tables. Gear trains: velocity diagrams with a table.
     """
     from sweeps.cli.named_machine import is_result, machine_of, positions_of
     from sweeps.pictures import picture_files
@@ -178,7 +184,7 @@ def plot(
     tables = ""
     if is_result(file):
         tell_altered(file)
-    if is_result(file) and variant is None and not (plans or bearings or hodograph or beside or settings):
+    if is_result(file) and variant is None and not (plans or bearings or motion or hodograph or beside or settings):
         from sweeps.pictures.sweep.result_pictures import result_pictures
         from sweeps.report.sweep_result import SweepResult
 
@@ -191,7 +197,8 @@ def plot(
     else:
         scene, values, name = machine_of(file, variant, settings)
         stem, places = out or Path(f"{name}.png"), positions_of(scene, at)
-        made = picture_files.machine_pictures(scene, values, stem, places, names_in(paths), names_in(shown))
+        asked = places, names_in(paths), names_in(shown)
+        made = picture_files.machine_pictures(scene, values, stem, *asked, parts=names_in(motion))
         if plans or bearings:
             from sweeps.pictures.plans import bearing_pictures, plan_pictures
 

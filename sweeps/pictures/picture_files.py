@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from engine import Mechanics, Scene
+from engine import Mechanics, MovingMachine, Scene
 from sweeps.pictures.drawing import DrawnMotion, picture
 from sweeps.pictures.drawing.figures import default_position
 from sweeps.pictures.machine.diagrams import diagrams
@@ -23,6 +23,7 @@ def machine_pictures(
     paths: Sequence[str] = (),
     shown: Sequence[str] = (),
     known: Mechanics | None = None,
+    parts: Sequence[str] = (),
 ) -> list[Path]:
     """Draw a machine and its diagrams, regimes and elements to separate files.
 
@@ -41,6 +42,8 @@ def machine_pictures(
         Optional items: from `ANNOTATIONS`, and `SCALE`.
     known : Mechanics, optional
         As for `MovingMachine`.
+    parts : sequence of str
+        Sliders and links whose motion is drawn, up to their jerk.
 
     Returns
     -------
@@ -58,6 +61,7 @@ def machine_pictures(
         motion = DrawnMotion(scene, values, known)
         picture(motion, path, at, paths, shown)
         diagrams(motion.machine, made[1])
+        made += cycle_pictures(motion.machine, path, parts)
     # Rarely needed modules are imported on demand.
     if scene.regimes:
         from sweeps.pictures.machine.motion_diagrams import motion_pictures
@@ -67,6 +71,21 @@ def machine_pictures(
         from sweeps.pictures.elements.element_pictures import element_pictures
 
         made += element_pictures(whole, path)
+    return made
+
+
+def cycle_pictures(machine: MovingMachine, path: Path, parts: Sequence[str] = ()) -> list[Path]:
+    """Draw the indicator diagrams of a machine with cylinders, and the motion of some parts, to files beside `path`."""
+    made = []
+    if machine.scene.cylinders or parts:
+        from sweeps.pictures.machine.cycle_sheets import indicator_diagrams, motion_of_part
+
+        if machine.scene.cylinders:
+            made.append(path.with_name(f"{path.stem}_cylinders{path.suffix}"))
+            indicator_diagrams(machine, made[-1])
+        for part in parts:
+            made.append(path.with_name(f"{path.stem}_motion_of_{part}{path.suffix}"))
+            motion_of_part(machine, part, made[-1])
     return made
 
 

@@ -6,11 +6,12 @@ from io import BytesIO
 from pathlib import Path
 
 from matplotlib import rc_context
+from matplotlib.axis import Axis
 from matplotlib.cbook import is_math_text
 from matplotlib.figure import Figure
 from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
-from matplotlib.ticker import FuncFormatter, ScalarFormatter
+from matplotlib.ticker import FuncFormatter, MultipleLocator, ScalarFormatter
 
 from sweeps.pictures.picture_error import PictureError
 from sweeps.text.visible import visible
@@ -136,6 +137,11 @@ def _legible(text: str) -> str:
     except ValueError:
         return text.replace("$", r"\$")
     return text
+
+
+def degree_ticks(axis: Axis, span: float) -> None:
+    """Tick an axis of angles at parts of a turn that a drawing board has, by its length [deg]."""
+    axis.set_major_locator(MultipleLocator(next(s for s in (10, 30, 60, 90, 180) if span <= 6 * s or s == 180)))
 
 
 def save(figure: Figure, path: Path | str) -> None:

@@ -211,6 +211,18 @@ class MovingMachine:
         with np.errstate(all="ignore"):
             return {name: self._row(curve) for name, curve in curves}
 
+    def rate(self, name: str) -> np.ndarray:
+        """Derivative by time of a field at constant speed of the input; that of its series, beside what jumps.
+
+        Parameters
+        ----------
+        name : str
+            Of a field that is no integral over the cycle.
+        """
+        (curve,) = self._curves([name]).values()
+        with np.errstate(all="ignore"):
+            return self._variant.number(self.mechanics.speed) * self._variant.slope(curve, self.q)
+
     def summary(self, name: str) -> float:
         """Mean of a field, or the end of a stroke or its position, by its name."""
         with np.errstate(all="ignore"):

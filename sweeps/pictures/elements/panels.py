@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from engine import Element, Panel, display_unit
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import GREY, PALETTE, VERMILION, sheet
+from sweeps.pictures.style import GREY, PALETTE, VERMILION, degree_ticks, sheet
 
 # Draws an element to scale next to its diagrams.
 Layout = Callable[[Axes, Element], None]
@@ -110,6 +110,8 @@ def draw_panel(ax: Axes, panel: Panel, with_x: bool = True) -> None:
     elif panel.kind == "curves" and not panel.names:
         every = np.concatenate([panel.places, *(curve.places for curve in panel.curves if curve.places is not None)])
         ax.set_xlim(along * every.min(), along * every.max())
+        if along_unit == "°":
+            degree_ticks(ax.xaxis, abs(along) * np.ptp(every))
     if panel.limits is not None:
         ax.set(ylim=[factor * x for x in panel.limits], yscale="log" if panel.limits[0] > 0.0 else "linear")
     if panel.names:

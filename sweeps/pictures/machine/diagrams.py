@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator, MultipleLocator
+from matplotlib.ticker import MaxNLocator
 
 from engine import FRAME, CrankInput, MovingMachine, Scene, Verdict, display_unit, has_cycle, sliders_of
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, GREEN, GREY, VERMILION, sheet
+from sweeps.pictures.style import BLUE, GREEN, GREY, VERMILION, degree_ticks, sheet
 
 # Larger values overflow the axis.
 LARGEST = 1e300
@@ -192,8 +192,7 @@ def _panel(ax: Axes, cycle: CycleCurves, name: str, title: str, symbol: str, mea
     _show_range(ax, shown)
     ax.set(title=title, xlabel=cycle.q_label, ylabel=f"{symbol}, {label}", xlim=(q[0], q[-1]))
     if "°" in cycle.q_label:
-        turn = q[-1] - q[0]
-        ax.xaxis.set_major_locator(MultipleLocator(next(s for s in (10, 30, 60, 90, 180) if turn <= 6 * s or s == 180)))
+        degree_ticks(ax.xaxis, q[-1] - q[0])
 
 
 def _show_range(ax: Axes, shown: np.ndarray) -> None:

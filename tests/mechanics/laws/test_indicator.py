@@ -295,3 +295,18 @@ def test_a_loop_over_positions_of_all_branches__is_compiled_to_packed_instructio
     # Sums of products may be fused in one of the two.
     assert_allclose(out, alone, rtol=ROUNDINGS)
     assert_packed(loop, 1)
+
+
+@given(st.floats(-4.0, 10.0), st.floats(-10.0, 10.0), st.sampled_from([1.0, -1.0]), st.integers(-3, 3))
+def test_four_stroke_at_a_dead_centre__is_on_the_stroke_before_or_after(head_at, firing, forward, turns):
+    """Whichever sign rounding gives to the rate there, and to the angle's distance from it."""
+    centre = head_at + 2.0 * math.pi * turns
+
+    def branch(apart: float, rate: float) -> float:
+        return four_stroke_branch(rate, centre + forward * apart, head_at, firing, forward)
+
+    before, after = branch(-1e-3, -1.0), branch(1e-3, 1.0)
+    assert {before, after} in ({COMPRESSION, EXPANSION}, {OUTFLOW, INFLOW})
+    for apart in (-1e-14, 0.0, 1e-14):
+        assert branch(apart, -1e-17) == before
+        assert branch(apart, 1e-17) == after
