@@ -66,7 +66,7 @@ ENDINGS = {".py", ".pyi", ".md", ".toml", ".html"}
 EXCEPTIONS = {
     ("sweeps/synthesis/paths.py", "rms, greatest : float"): "name of an attribute",
     ("engine/mechanism/reactions.py", "inertia of what"): "name of a node that nobody sees",
-    ("engine/quantities/dynamics.py", "motor moment"): "name of a node that nobody sees",
+    ("engine/quantities/chapters/dynamics.py", "motor moment"): "name of a node that nobody sees",
 }
 
 

@@ -1,14 +1,17 @@
-"""Loads on a point or a link: resistances that follow the velocity, and springs.
+"""Loads on a point or a link: resistances that follow the velocity, springs; moments of fluid couplings.
 
 A load is a force (or a moment) along a direction of its own. It is positive along that direction, and v is
 the velocity [m/s, or rad/s for a moment] of the loaded point along the same direction: a resistance is
 negative for v > 0. Per-position functions: floats in and out, float32 or float64, NaN for NaN.
 
 Sources: any textbook of machine dynamics; Coulomb's resistance has no value at rest, which is taken as 0
-here (the middle of what it may be).
+here (the middle of what it may be). VDI 2153, hydrodynamic power transmission: the moment λ ρ ω² D⁵ of a coupling of
+the diameter D, by its performance coefficient λ.
 """
 
 import math
+
+import numpy as np
 
 from engine.compiling.decorators import scalar
 
@@ -127,3 +130,37 @@ def acts_in_direction(direction: float, v: float) -> float:
 def sized(size: float, value: float) -> float:
     """Size times value; nothing where the size is 0, whatever the value."""
     return size * value if size != 0.0 else 0.0
+
+
+def fluid_coupling_moment(
+    coefficient: float | np.ndarray,
+    density: float | np.ndarray,
+    speed: float | np.ndarray,
+    diameter: float | np.ndarray,
+) -> float | np.ndarray:
+    """Moment of a fluid coupling, λ ρ ω² D⁵ [N·m]; arrays too.
+
+    Parameters
+    ----------
+    coefficient : float or ndarray
+        Performance coefficient λ at the slip.
+    density : float or ndarray
+        Of the fluid, ρ [kg/m³].
+    speed : float or ndarray
+        Of the side that drives, ω [rad/s].
+    diameter : float or ndarray
+        Profile diameter D [m].
+    """
+    return coefficient * density * speed**2 * diameter**5
+
+
+def slip_of(driving: float | np.ndarray, driven: float | np.ndarray) -> float | np.ndarray:
+    """Slip of a coupling, 1 − ω₂/ω₁; 0 where the driving side stands; arrays too.
+
+    Parameters
+    ----------
+    driving, driven : float or ndarray
+        Speeds ω₁ and ω₂ [rad/s].
+    """
+    with np.errstate(all="ignore"):
+        return np.where(driving == 0.0, 0.0, 1.0 - driven / driving)

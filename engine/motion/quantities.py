@@ -8,7 +8,7 @@ from engine.mechanism.mechanics import Mechanics
 from engine.parts.actions import InductionMotor
 from engine.parts.regimes import Regime
 from engine.parts.skeleton import OF_FLUCTUATION, CrankInput, SliderInput
-from engine.quantities import inertia, reactions
+from engine.quantities.chapters import inertia, reactions
 from engine.quantities.quantity import STATISTICS, Quantity, has_cycle
 from engine.quantities.register import Field
 from engine.scene.pairs import has_friction

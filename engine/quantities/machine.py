@@ -1,7 +1,7 @@
 """All quantities of a machine, chapter by chapter."""
 
-from engine import quantities
 from engine.mechanism.mechanics import Mechanics
+from engine.quantities import chapters
 from engine.quantities.register import Register
 
 # The chapters in their order, each with the parts of a scene that it is about: it is loaded for a scene with any of
@@ -17,6 +17,7 @@ CHAPTERS = {
     "wheel": ("flywheel",),
     "inertia": (),
     "reactions": (),
+    "strength": ("pins", "struts"),
     "friction": ("friction", "shafts", "noncircular_wheels", "racks", "pinions"),
 }
 
@@ -24,5 +25,5 @@ CHAPTERS = {
 def register_of(mechanics: Mechanics) -> Register:
     """The register of a machine: to add a quantity, declare it in the file of its chapter."""
     scene = mechanics.scene
-    chapters = [name for name, parts in CHAPTERS.items() if not parts or any(getattr(scene, part) for part in parts)]
-    return Register(mechanics, (one for name in chapters for one in getattr(quantities, name).declare(mechanics)))
+    names = [name for name, parts in CHAPTERS.items() if not parts or any(getattr(scene, part) for part in parts)]
+    return Register(mechanics, (one for name in names for one in getattr(chapters, name).declare(mechanics)))

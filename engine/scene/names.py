@@ -90,7 +90,18 @@ def definitions(scene: Scene) -> tuple[dict[str, str], dict[str, str], dict[str,
                 define(points, joint, f"links.{name}.joints")
     for name in scene.guides:
         define(guides, name, f"guides.{name}")
-    for table in ("cams", "forces", "moments", "springs", "cylinders", "couplings", "wanted", "elements"):
+    for table in (
+        "cams",
+        "forces",
+        "moments",
+        "springs",
+        "cylinders",
+        "couplings",
+        "pins",
+        "struts",
+        "wanted",
+        "elements",
+    ):
         for name in getattr(scene, table):
             define({}, name, f"{table}.{name}")
     if problems:

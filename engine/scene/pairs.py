@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Literal, NamedTuple
 
 from engine.parts.pair_friction import PairFriction
-from engine.parts.skeleton import FRAME, CrankInput, Sliding, Yoke
+from engine.parts.skeleton import FRAME, CrankInput, Hinged, Sliding, Yoke
 from engine.scene.names import Problem, did_you_mean, guide_of, joint_owners
 from engine.scene.scene import Scene, once
 
@@ -213,6 +213,28 @@ def friction_problems(scene: Scene) -> list[Problem]:
         else:
             problems += _wrong_keys(path, friction, known[friction.pair])
     return problems
+
+
+def strength_problems(scene: Scene) -> Iterator[Problem]:
+    """Pins of pairs that don't exist or don't turn, struts that are no rods between two joints."""
+    turning = [pair.name for pair in pairs(scene) if pair.kind == "revolute"]
+    for name, pin in scene.pins.items():
+        if pin.pair not in turning:
+            message = f"{pin.pair!r} is not a revolute pair of this scene; {did_you_mean(pin.pair, turning)}"
+            yield f"pins.{name}.pair", message
+    rods = {link for link, _, _ in rods_of(scene)}
+    for name, strut in scene.struts.items():
+        if strut.link not in rods:
+            message = f"{strut.link!r} is not a rod between the two joints of a dyad; {did_you_mean(strut.link, rods)}"
+            yield f"struts.{name}.link", message
+
+
+@once
+def rods_of(scene: Scene) -> list[tuple[str, str, str]]:
+    """Rods between the outer and the inner joint of a dyad: link, group, and side "first" or "second"."""
+    sides = ((name, side) for name in scene.groups for side in ("first", "second"))
+    every = ((getattr(scene.groups[name], side), name, side) for name, side in sides)
+    return [(part.link, name, side) for part, name, side in every if isinstance(part, Hinged)]
 
 
 def _wrong_at_cam(path: str, friction: PairFriction, rolls: bool) -> Iterator[Problem]:

@@ -39,6 +39,7 @@ from engine.parts.skeleton import (
     Shaft,
     SliderInput,
 )
+from engine.parts.strength import Pin, Strut
 from engine.parts.wanted_motion import WantedMotion
 from engine.units.display import UnitSystem
 
@@ -93,6 +94,8 @@ class Scene(Part):
     cylinders: dict[Name, CylinderAction] = {}
     flywheel: Flywheel | None = None
     friction: dict[Name, PairFriction] = {}
+    pins: dict[Name, Pin] = {}
+    struts: dict[Name, Strut] = {}
     inertia_in_reactions: bool = True
     balance: Balance | None = None
     regimes: dict[Name, Regime] = {}

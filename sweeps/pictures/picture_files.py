@@ -75,7 +75,7 @@ def machine_pictures(
 
 
 def cycle_pictures(machine: MovingMachine, path: Path, parts: Sequence[str] = ()) -> list[Path]:
-    """Draw the indicator diagrams of a machine with cylinders, and the motion of some parts, to files next to `path`."""
+    """Draw indicator diagrams of cylinders, and the motion of some parts, to files next to `path`."""
     made = []
     if machine.scene.cylinders or parts:
         from sweeps.pictures.machine.cycle_sheets import indicator_diagrams, motion_of_part

@@ -7,7 +7,7 @@ import numpy as np
 from engine.cycle.measured import Measured
 from engine.elements.torsional_trains.excitation import MACHINE_HARMONICS
 from engine.mechanism.mechanics import Mechanics
-from engine.quantities.dynamics import input_moment_harmonic
+from engine.quantities.chapters.dynamics import input_moment_harmonic
 from engine.quantities.expressions import Expression
 from engine.quantities.register import mean
 from engine.scene.scene import Numbers

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from scipy.interpolate import PPoly
 
-from engine.laws.couplings import fluid_coupling_moment, slip_of
+from engine.laws.loads import fluid_coupling_moment, slip_of
 from engine.laws.tables import make_table
 from engine.motion.coupled.two_speeds import at_two_speeds
 from engine.motion.moments.at_speed import Moments

@@ -22,7 +22,7 @@ from engine.scene.names import (
     misplaced,
     sliders,
 )
-from engine.scene.pairs import friction_problems, pairs
+from engine.scene.pairs import friction_problems, pairs, strength_problems
 from engine.scene.scene import Scene, SceneError, once
 
 
@@ -313,7 +313,8 @@ def order(scene: Scene) -> Structure:
         if scene.noncircular_wheels or scene.racks or scene.pinions:
             problems = problems or structure.meshes.mesh_problems(scene)
     if not problems:
-        problems = replacement_problems(scene) + friction_problems(scene) + formula_problems(scene)
+        problems = [*replacement_problems(scene), *friction_problems(scene), *strength_problems(scene)]
+        problems += formula_problems(scene)
     if problems:
         raise SceneError(problems)
     return Structure(tuple(ordering.elements), _moving_links(scene), sliders(scene), ordering.free_groups)

@@ -10,7 +10,7 @@ from machines import crank, frame, on, rpr, rrp, rrr
 
 from engine import Machine, Scene, Verdict
 from engine.cycle.measured import Measured
-from engine.quantities.strokes import quick_return_ratio
+from engine.quantities.chapters.strokes import quick_return_ratio
 
 EPS = np.finfo(float).eps
 TURN = 2 * math.pi

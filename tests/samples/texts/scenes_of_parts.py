@@ -59,6 +59,11 @@ def wheel(**own: object) -> dict:
     return slider_crank() | {"flywheel": {"speed_fluctuation": 0.02, "wheel": own}}
 
 
+def loaded(**parts: dict) -> dict:
+    """A slider-crank with a load on its slider."""
+    return force(type="constant", on="B", angle=math.pi, force=100.0) | parts
+
+
 def force(**own: object) -> dict:
     return slider_crank(forces={"load": own})
 
@@ -182,6 +187,9 @@ SCENES = {
     "way": rubbing(pair="g.second"),
     "vee": rubbing(pair="g.second", form="vee", vee_angle=1.0),
     "stribeck": rubbing(pair="g.second", static_coefficient=0.2, stribeck_speed=0.1),
+    "pin": loaded(pins={"p": {"pair": "g.inner", "diameter": 0.02, "width": 0.03}}),
+    "tube": loaded(struts={"s": {"link": "rod", "diameter": 0.02, "inner_diameter": 0.01}}),
+    "flat_rod": loaded(struts={"s": {"link": "rod", "width": 0.02, "thickness": 0.004, "material": "E335"}}),
     "yoke": yoke(0.3, 0.1),
     "two_guides": TWO_GUIDES,
     "four_stroke": cylinder(type="four_stroke"),

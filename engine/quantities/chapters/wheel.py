@@ -7,7 +7,7 @@ import numpy as np
 from engine import elements
 from engine.cycle.measured import Measured
 from engine.mechanism.mechanics import Mechanics
-from engine.quantities.dynamics import steady_cycle
+from engine.quantities.chapters.dynamics import steady_cycle
 from engine.quantities.expressions import Expression, Formula, VariantNumber
 from engine.quantities.register import Declared, Summary
 from engine.scene.scene import scene_numbers

@@ -1,0 +1,46 @@
+"""Pins and rods of a mechanism with the sizes that their stresses follow from, `[pins.NAME]` and `[struts.NAME]`."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from engine.parts.skeleton import LinkRef, Number, Part, Positive
+
+# Those of `engine.laws.buckling`.
+StrutMaterialName = Literal["S235", "E335", "grey cast iron"]
+
+
+class Pin(Part):
+    """The pin of a revolute pair, by its `diameter` and the `width` of its bearing.
+
+    `pair` is GROUP.first, GROUP.inner or GROUP.second, LINK.JOINT of a free link, input, or a shaft with a pivot.
+    """
+
+    pair: str
+    diameter: Positive
+    width: Positive
+
+
+class Strut(Part):
+    """A rod of a dyad that may buckle: a round one of a `diameter`, a tube, or a flat one of a `width` and `thickness`.
+
+    `end_fixity` is the effective length over the distance of its joints, 1 between two pins. Its `material` may be
+    S235 (mild structural steel), E335 (harder machine steel) or grey cast iron.
+    """
+
+    link: LinkRef
+    material: StrutMaterialName = "S235"
+    diameter: Positive | None = None
+    inner_diameter: Positive | None = None
+    width: Positive | None = None
+    thickness: Positive | None = None
+    end_fixity: Annotated[Number, Field(gt=0)] = 1.0
+
+    @model_validator(mode="after")
+    def _section_is_known(self) -> "Strut":
+        round_one, flat_one = self.diameter is not None, self.width is not None and self.thickness is not None
+        if round_one == flat_one or (round_one and (self.width or self.thickness)):
+            raise ValueError("give the diameter of a round rod, or width and thickness of a flat one")
+        if self.inner_diameter is not None and not (round_one and self.inner_diameter < self.diameter):
+            raise ValueError("inner_diameter belongs to a tube: give a larger diameter with it")
+        return self

@@ -1,0 +1,92 @@
+"""Strength of pins and rods: pressure in bearings, buckling of struts, by the reactions in the pairs."""
+
+import numpy as np
+
+from engine.cycle.measured import Measured
+from engine.graph.nodes import Node
+from engine.laws.buckling import MATERIALS, critical_stress, flat, solid
+from engine.mechanism.mechanics import Mechanics
+from engine.parts.strength import Strut
+from engine.quantities.expressions import Expression, Formula, VariantNumber, greatest, maximum
+from engine.quantities.register import Declared, Field, Summary
+from engine.scene.pairs import pairs, rods_of
+from engine.scene.scene import Numbers
+
+
+def declare(mechanics: Mechanics) -> Declared:
+    """Pressure of every pin, and what every strut bears."""
+    m = mechanics
+    for name, pin in m.scene.pins.items():
+        at = f"pins.{name}"
+        area = m.graph.derived(f"{at}.area", lambda n, at=at: n[f"{at}.diameter"] * n[f"{at}.width"])
+        words = f"bearing pressure of pin {name}: force in {pin.pair} over its projected area"
+        pair = f"{pin.pair}.reaction"
+        yield Field(f"{name}.pressure", words, "Pa", lambda p=pair, a=area: m.reactions.variables[p] / a, "p")
+    for name, strut in m.scene.struts.items():
+        yield from _of_strut(m, name, strut)
+
+
+def _of_strut(m: Mechanics, name: str, strut: Strut) -> Declared:
+    at, graph = f"struts.{name}", m.graph
+    slenderness = graph.derived(f"{at}.slenderness", lambda n: _slenderness(m, name, n))
+    critical = graph.derived(f"{at}.critical force", lambda n: _critical_force(m, name, n))
+
+    def compression() -> Expression:
+        """Greatest thrust at either end, 0 of a rod that is only pulled."""
+        found = maximum(*(greatest(thrust) for thrust in _thrusts(m, strut.link)))
+        return maximum(found, found * 0.0)
+
+    words = f"slenderness of strut {name}"
+    yield Summary(f"{name}.slenderness", words, "1", lambda: VariantNumber(slenderness), symbol="λ")
+    words = f"peak compressive force in strut {name}"
+    yield Summary(f"{name}.compression", words, "N", compression, symbol="F")
+    words = f"critical force of strut {name}, by Euler or Tetmajer"
+    yield Summary(f"{name}.critical_force", words, "N", lambda: VariantNumber(critical), symbol="F_K")
+    words = f"buckling safety of strut {name}: critical force over peak compressive force"
+    yield Summary(
+        f"{name}.buckling_safety",
+        words,
+        "1",
+        lambda: Formula(_safety, (VariantNumber(critical), compression())),
+        True,
+        "S_K",
+    )
+
+
+def _thrusts(m: Mechanics, link: str) -> tuple[Node, Node]:
+    """Compressive force in a rod of a dyad at its outer and at its inner joint."""
+    group, side = _rod(m, link)
+    inner = next(pair for pair in pairs(m.scene) if pair.name == f"{group}.inner")
+    along = m.reactions.force_in(inner.name).dot(m.kinematics.links[link].u)
+    outer = m.reactions.variables[f"{group}.{side}.reaction_along"]
+    return outer, along if inner.link != link else -along
+
+
+def _rod(m: Mechanics, link: str) -> tuple[str, str]:
+    """Group and side of a rod."""
+    return next((group, side) for rod, group, side in rods_of(m.scene) if rod == link)
+
+
+def _section(m: Mechanics, name: str, n: Numbers) -> tuple[float, float]:
+    at = f"struts.{name}"
+    if m.scene.struts[name].diameter is None:
+        return flat(n[f"{at}.width"], n[f"{at}.thickness"])
+    return solid(n[f"{at}.diameter"], n.get(f"{at}.inner_diameter", 0.0))
+
+
+def _slenderness(m: Mechanics, name: str, n: Numbers) -> float | np.ndarray:
+    group, side = _rod(m, m.scene.struts[name].link)
+    return n[f"struts.{name}.end_fixity"] * n[f"groups.{group}.{side}.length"] / _section(m, name, n)[1]
+
+
+def _critical_force(m: Mechanics, name: str, n: Numbers) -> np.ndarray:
+    material = MATERIALS[m.scene.struts[name].material]
+    return _section(m, name, n)[0] * critical_stress(_slenderness(m, name, n), material)
+
+
+def _safety(critical: Measured, compression: Measured) -> Measured:
+    """Undefined of a rod that is only pulled."""
+    with np.errstate(all="ignore"):
+        found = critical / compression
+    pulled = compression.value <= 0.0
+    return Measured(np.where(pulled, np.nan, found.value), np.where(pulled, np.nan, found.error))
