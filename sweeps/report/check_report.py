@@ -22,7 +22,6 @@ from engine import (
     order_groups,
     own_drives,
     quantity_text,
-    warnings_from_numbers,
 )
 from sweeps.report import accuracy_words
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
@@ -209,8 +208,7 @@ def check_text(
         moving = Machine(study.scene, telling_summaries(study.scene), positions=study.positions)
         outcome = moving.evaluate({})
         regimes, known = regimes_text(moving, outcome), known_summaries(outcome)
-    warned = warnings_from_numbers(study.scene) if uncompiled else machine_warnings(study.scene, known)
-    warned = "\n".join([*warned, *filter(None, [between])])
+    warned = "\n".join([*machine_warnings(study.scene, known), *filter(None, [between])])
     sections = [
         ("Study", "\n".join(t for t in (study.title or study.name, study.question) if t)),
         ("Mechanism", structure_text(study.scene)),

@@ -51,7 +51,4 @@ def _of_variant(result: SweepResult, variant: int) -> list[str]:
     if columns["status"][variant] != Verdict.OK:
         return warnings_from_numbers(result.scene, values)
     known = {n: (float(columns[n][variant]), float(columns[f"{n}_error"][variant])) for n in result.summaries}
-    # Groups of free links would be compiled a second time, which may take minutes.
-    if not result.scene.links:
-        known = {**summaries_for_warnings(result.scene, values, known), **known}
-    return warnings_in_words(result.scene, values, known)
+    return warnings_in_words(result.scene, values, {**summaries_for_warnings(result.scene, values, known), **known})

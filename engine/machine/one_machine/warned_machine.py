@@ -2,14 +2,11 @@
 
 from collections.abc import Iterable, Mapping
 
-import numpy as np
-
 from engine.cycle.measured import Measured
 from engine.machine.checks import given_numbers
-from engine.machine.elements.elements_alone import made_ready
+from engine.machine.one_machine.moving_machine import MovingMachine
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.verdicts import Verdict
-from engine.warnings.asked_warnings import computable_rules
 from engine.warnings.kinds import rules_by_kind
 
 
@@ -64,13 +61,17 @@ def summaries_for_warnings(
     without : iterable of str
         Summaries that are known already.
     """
-    values, known = dict(values or {}), set(without)
-    has = made_ready(scene).has_summary if scene.input else known.__contains__
-    reads = dict.fromkeys(s for rules in computable_rules(scene, has).values() for rule in rules for s in rule.reads)
-    names = [s for s in reads if s not in known and s.partition(".")[0] not in scene.regimes]
-    if not names:
+    if scene.input is None:
         return {}
-    outcome = made_ready(scene, names, varied=values).evaluate({path: np.array([v]) for path, v in values.items()})
-    if outcome.status[0] != Verdict.OK:
+    machine, known = MovingMachine(scene, values), set(without)
+    register = machine.register
+
+    def has(name: str) -> bool:
+        return register.summary(name) is not None and register.why_not(name) is None
+
+    reads = dict.fromkeys(s for rules in rules_by_kind(scene).values() for rule in rules for s in rule.reads)
+    names = [name for name in reads if name not in known and has(name)]
+    if not names or machine.verdict_on([register.summary(name).expression() for name in names]) != Verdict.OK:
         return {}
-    return {name: (float(outcome.summaries[name][0]), float(outcome.errors[name][0])) for name in names}
+    found = machine.summaries(names)
+    return {name: (float(one.value), float(one.error)) for name, one in found.items()}
