@@ -38,9 +38,8 @@ def discharge_rules(scene: Scene) -> Iterator[Rule]:
 
 def _compressed(at: str) -> object:
     def judge(n: Numbers) -> tuple[object, object]:
-        peak = laws.indicator_diagrams.compressor_peak
-        reached = peak(n[f"{at}.clearance"], n[f"{at}.suction"], np.inf, n[f"{at}.n_compression"])
-        return reached, n[f"{at}.discharge"]
+        numbers = (n[f"{at}.{key}"] for key in ("clearance", "suction", "discharge", "n_compression"))
+        return laws.indicator_diagrams.compressor_peak(*numbers), n[f"{at}.discharge"]
 
     return judge
 
