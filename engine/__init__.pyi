@@ -77,6 +77,7 @@ from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine
 from engine.machine.machine import OF_ACCURACY as ACCURACY_SUMMARIES
 from engine.machine.one_machine.history import History, history, history_fields
 from engine.machine.one_machine.moving_machine import Motions, MovingMachine, NowhereDefinedError
+from engine.machine.one_machine.warned_machine import summaries_for_warnings, warnings_from_numbers, warnings_in_words
 from engine.machine.results import AskError, Outcome
 from engine.mechanism.assembly import MovingPoint
 from engine.mechanism.groups.seed_tables import AssemblyMode
@@ -167,6 +168,8 @@ from engine.units.reading import (
     unit_in,
 )
 from engine.verdicts import Verdict
+from engine.warnings import is_warning
+from engine.warnings.kinds import KINDS as WARNING_KINDS
 
 __version__: str
 
@@ -184,6 +187,7 @@ __all__ = [
     "SHAKING_ORDERS",
     "SHOWN_ORDERS",
     "STATISTICS",
+    "WARNING_KINDS",
     "AskError",
     "AssemblyMode",
     "BalanceError",
@@ -322,6 +326,7 @@ __all__ = [
     "influence_coefficients",
     "influence_correction",
     "is_compiling",
+    "is_warning",
     "joined_by_and",
     "joint_of",
     "load_change",
@@ -361,6 +366,7 @@ __all__ = [
     "sources_digest",
     "split_on_neighbours",
     "stability_point",
+    "summaries_for_warnings",
     "table_unit",
     "threads",
     "tolerance_shares",
@@ -380,5 +386,7 @@ __all__ = [
     "v_engine",
     "velocity_picture",
     "w_engine",
+    "warnings_from_numbers",
+    "warnings_in_words",
     "wound_stresses",
 ]

@@ -3,6 +3,7 @@
 Panels are those of compiled cycles: cut where something switches, halved until the series of all curves end.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -69,6 +70,26 @@ class Panels(NamedTuple):
         k = int(np.argmax(found.values))
         left, right = self.ends[k], self.ends[k + 1]
         return float(found.values[k]), float(left + 0.5 * (right - left) * (1.0 + found.places[k]))
+
+
+class WheelCycle(NamedTuple):
+    """The steady cycle of a variant with a flywheel.
+
+    Attributes
+    ----------
+    whole : Panels
+        Work about its mean since the first position, and reduced moment of inertia.
+    wheel, exact : float
+        Inertia of the flywheel, and that of the asked speed fluctuation, which may be negative; NaN if none is asked.
+    fluctuation, energy : float
+        Coefficient of speed fluctuation, and kinetic energy at the first position; NaN where the machine would stop.
+    """
+
+    whole: Panels
+    wheel: float
+    exact: float
+    fluctuation: float
+    energy: float
 
 
 class OneVariant:
@@ -161,6 +182,11 @@ class OneVariant:
         """Derivative of a curve at some positions (positions,)."""
         return self.panels([curve]).derivatives().at(q)[0]
 
+    def extreme(self, curve: Node, sense: str) -> float:
+        """Minimum ("least") or maximum ("greatest") of a curve."""
+        panels, sign = self.panels([curve]), -1.0 if sense == "least" else 1.0
+        return sign * Panels(panels.ends, sign * panels.series).greatest(0)[0]
+
     def work(self, moment: Node, q: np.ndarray) -> np.ndarray:
         """Work of a moment about its mean, from the first position to some positions (positions,)."""
         return _about_mean(self.panels([moment])).at(q)[0]
@@ -182,6 +208,13 @@ class OneVariant:
         ndarray (positions,)
             NaN where the machine would stop within the cycle.
         """
+        found = self.steady(moment, inertia, omega, flywheel)
+        works, inertias = found.whole.at(q)
+        with np.errstate(invalid="ignore"):
+            return np.sqrt(2.0 * (found.energy + works) / (inertias + found.wheel))
+
+    def steady(self, moment: Node, inertia: Node, omega: float, flywheel: WheelNumbers) -> "WheelCycle":
+        """The steady cycle with a flywheel; parameters as for `speed`."""
         panels = self.panels([moment, inertia])
         work = _about_mean(panels)
         whole = Panels(
@@ -196,9 +229,11 @@ class OneVariant:
             value, at = Panels(whole.ends, series[:, None]).greatest(0)
             return sign * value + slope * first, float(whole.at(np.array([at]))[1, 0]) - first
 
-        wheel, delta = flywheel.inertia, flywheel.fluctuation
+        wheel, delta, exact = flywheel.inertia, flywheel.fluctuation, math.nan
+        if delta is not None:
+            exact = (extreme(1.0, delta)[0] - extreme(-1.0, delta)[0]) / (delta * square) - first
         if wheel is None:
-            wheel = max((extreme(1.0, delta)[0] - extreme(-1.0, delta)[0]) / (delta * square) - first, 0.0)
+            wheel = max(exact, 0.0)
         if flywheel.inertia is not None or wheel == 0.0:
             delta = 0.0
             for _ in range(_MOST_STEPS):
@@ -206,14 +241,12 @@ class OneVariant:
                 turning = (1.0 + 0.5 * delta) * fast + (1.0 - 0.5 * delta) * slow
                 step = (high - low - delta * square * (first + wheel)) / (square * (0.5 * turning + first + wheel))
                 if delta == _MOST and step > 0.0:
-                    return np.full(q.shape, np.nan)
+                    return WheelCycle(whole, wheel, exact, math.nan, math.nan)
                 delta, before = min(max(delta + step, 0.0), _MOST), delta
                 if abs(delta - before) <= _FOUND * delta:
                     break
         energy = 0.5 * square * (1.0 + 0.5 * delta) ** 2 * (first + wheel) - extreme(1.0, delta)[0]
-        works, inertias = whole.at(q)
-        with np.errstate(invalid="ignore"):
-            return np.sqrt(2.0 * (energy + works) / (inertias + wheel))
+        return WheelCycle(whole, wheel, exact, delta, energy)
 
 
 def _about_mean(panels: Panels) -> Panels:

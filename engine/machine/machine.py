@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import elements, machine, motion
+from engine import elements, machine, motion, warnings
 from engine.compiling.threads import threads
 from engine.cycle.measured import UNKNOWN_ROOT, Measured
 from engine.graph.nodes import Found, Node, reached
@@ -149,19 +149,23 @@ class Machine:
         """Take what is asked by name."""
         scene, positions, accuracy = self.scene, self.positions, self.accuracy
         self.asked_summaries, self.asked_fields = list(summaries), list(fields)
-        self._elements = AskedElements(scene, self.asked_summaries)
+        # Warnings require summaries that nobody may have asked for.
+        self._warnings = self._asked_warnings()
+        required = self._warnings.reads if self._warnings else ()
+        self._computed = list(dict.fromkeys((*self.asked_summaries, *required)))
+        self._elements = AskedElements(scene, self._computed)
         of_machine = {n: e for n, e in self._elements.elements.items() if any(e.machine_needed())}
         self._trains = [name for name, element in of_machine.items() if element.type == "torsional_train"]
         drives = [name for name, element in of_machine.items() if element.type == "machine_drive"]
         self._governing = [name for name in of_machine if name not in (*self._trains, *drives)]
         self._drives = machine.drives.elastic_drives.ElasticDrives(self.mechanics, drives) if drives else None
-        asked = (*self.asked_summaries, *self.asked_fields)
+        asked = (*self._computed, *self.asked_fields)
         self.regimes = (
             motion.regimes.Regimes(self.mechanics, asked, positions, accuracy) if scene.regimes else _NoRegimes()
         )
         self._check_asked()
-        others = {*self._elements.names, *OF_ACCURACY, *self.regimes.asked}
-        measured = [name for name in self.asked_summaries if name not in others]
+        others = {*self._elements.names, *OF_ACCURACY, *self.regimes.asked, *self._warning_names}
+        measured = [name for name in self._computed if name not in others]
         self._summaries: dict[str, Summary] = {name: self.register.summary(name) for name in measured}
         self._fields: dict[str, Field] = {
             name: self.register.fields[name] for name in self.asked_fields if name not in others
@@ -176,7 +180,7 @@ class Machine:
     def _check_asked(self) -> None:
         """Refuse what doesn't exist, with the names that are near."""
         check_names(self.asked_fields, {**self.register.fields, **self.regimes.fields}, "field")
-        known = {*self._elements.names, *OF_ACCURACY, *self.regimes.asked}
+        known = {*self._elements.names, *OF_ACCURACY, *self.regimes.asked, *self._warning_names}
         unknown = [n for n in self.asked_summaries if n not in known and self.register.summary(n) is None]
         if unknown:
             check_names(unknown, self.available_summaries, "summary")
@@ -201,7 +205,24 @@ class Machine:
         own = {name: summary.quantity for name, summary in summaries.items() if summary is not None}
         elements = {q.name: q for q in element_summaries(self.scene)}
         of_accuracy = {q.name: q for q in (POSITIONS_USED, ACCURACY_REACHED)}
-        return own | self.regimes.summaries | elements | of_accuracy
+        of_warnings = {q.name: q for q in warnings.asked_warnings.warning_summaries(self.scene, self.has_summary)}
+        return own | self.regimes.summaries | elements | of_accuracy | of_warnings
+
+    def has_summary(self, name: str) -> bool:
+        """Whether a summary of the cycle or of a regime exists."""
+        if self.register.summary(name) is not None:
+            return self.register.why_not(name) is None
+        return bool(self.scene.regimes) and name in {q.name for q in motion.quantities.motion_summaries(self.scene)}
+
+    def _asked_warnings(self) -> "warnings.asked_warnings.AskedWarnings | None":
+        """Warnings among the asked summaries; None without any."""
+        if not any(map(warnings.is_warning, self.asked_summaries)):
+            return None
+        return warnings.asked_warnings.AskedWarnings(self.scene, self.asked_summaries, self.has_summary)
+
+    @property
+    def _warning_names(self) -> list[str]:
+        return self._warnings.names if self._warnings else []
 
     # Positions of the kept fields
 
@@ -340,10 +361,12 @@ class Machine:
         spaced = dict(zip(self._spaced, room, strict=True))
         instants = {n: np.full((variants, at.values.size), np.nan, self.dtype) for n, at in self.kept_at.items()}
         fields = {name: spaced[name] if name in spaced else instants[name] for name in self.asked_fields}
-        outcome = blank(status, self.asked_summaries, fields, self.fields_with_error)
+        outcome = blank(status, self._computed, fields, self.fields_with_error)
         if keep.size:
             self._fill(outcome, room, keep, whole if keep.size == variants else whole.of_variants(keep))
-        return outcome
+        if self._warnings:
+            self._warnings.fill(outcome.status, outcome.summaries, outcome.errors, whole)
+        return outcome.with_summaries(self.asked_summaries)
 
     def _fill(self, outcome: Outcome, room: np.ndarray, keep: np.ndarray, numbers: Numbers) -> None:
         """Evaluate the variants `keep`, and write their summaries, fields and verdicts."""

@@ -39,6 +39,19 @@ class Outcome(NamedTuple):
     errors: dict[str, np.ndarray]
     fields: dict[str, np.ndarray]
 
+    def with_summaries(self, names: Iterable[str]) -> "Outcome":
+        """The same with these summaries only.
+
+        Parameters
+        ----------
+        names : iterable of str
+        """
+        left_out = self.summaries.keys() - set(names)
+        if not left_out:
+            return self
+        kept = ({n: row for n, row in rows.items() if n not in left_out} for rows in (self.summaries, self.errors))
+        return self._replace(**dict(zip(("summaries", "errors"), kept, strict=True)))
+
     def __repr__(self) -> str:
         codes, counts = np.unique(self.status, return_counts=True)
         verdicts = ", ".join(f"{n} {Verdict(code).name.lower()}" for code, n in zip(codes, counts, strict=True))

@@ -41,6 +41,7 @@ from engine.parts.skeleton import (
 )
 from engine.parts.strength import Pin, Strut
 from engine.parts.wanted_motion import WantedMotion
+from engine.parts.warning_limits import WarningLimits
 from engine.units.display import UnitSystem
 
 
@@ -53,7 +54,7 @@ class SceneError(ValueError):
 
 
 # What a scene of machine elements alone may have.
-_ALONE = {"title", "source", "units", "elements"}
+_ALONE = {"title", "source", "units", "limits", "elements"}
 
 
 _SINGULAR = {"bodies": "body"}
@@ -66,7 +67,7 @@ class Scene(Part):
     acts along −y, and the `base` may be accelerated. Without `inertia_in_reactions`, for slow machines, reactions are
     those of the acting forces alone; what else is computed keeps its inertia. `source` says where the numbers come
     from. Numbers are shown in `units`, whatever the scene is written in. What is `wanted` of the motion is compared
-    with it. A scene of machine elements alone has no input.
+    with it. Beyond its `limits` the program warns. A scene of machine elements alone has no input.
     """
 
     title: PlainText = ""
@@ -99,6 +100,7 @@ class Scene(Part):
     inertia_in_reactions: bool = True
     balance: Balance | None = None
     regimes: dict[Name, Regime] = {}
+    limits: WarningLimits | None = None
     wanted: dict[Name, WantedMotion] = {}
     elements: dict[Name, MachineElement] = {}
 

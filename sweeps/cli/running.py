@@ -84,9 +84,9 @@ def run(
     """
     from sweeps.report.check_report import between_positions_text
     from sweeps.report.files.result_data import result_data
-    from sweeps.report.remarks import remarks_on
     from sweeps.report.result_report import answer_text, counts_text
     from sweeps.report.sweep_result import SweepResult
+    from sweeps.report.variant_warnings import answer_warnings
     from sweeps.run.progress import ProgressBar
     from sweeps.run.runner import run_study
     from sweeps.study.bundled import find_study
@@ -95,8 +95,6 @@ def run(
 
     started = time.perf_counter()
     found = changed_study(read_study(find_study(study)), settings, positions, accuracy)
-    for remark in remarks_on(found.scene):
-        tell(f"Warning: {remark}", err=True)
     out = out or Path("results") / f"{found.name}.h5"
     make_folder(out)
     use_threads(jobs)
@@ -114,13 +112,16 @@ def run(
             best = result.best()
             told = [best] if best is not None else range(min(found.design.size, 1))
             made = [out, *([] if no_plots else plots_of(result))]
-            tell_data(result_data(result, told) | {"files": [str(path) for path in made]})
+            warned = {"warnings": answer_warnings(result)}
+            tell_data(result_data(result, told) | warned | {"files": [str(path) for path in made]})
             stop_if_all_failed(result.columns["status"])
             return
         plural = "" if found.design.size == 1 else "s"
         tell(f"{found.title or found.name}: {found.design.size} variant{plural}")
         tell(counts_text(result))
         tell(answer_text(result))
+        for warning in answer_warnings(result):
+            tell(f"Warning: {warning}")
         if hidden := between_positions_text(found):
             tell(hidden)
         tell_files([out, *([] if no_plots else plots_of(result))], started)
@@ -142,10 +143,11 @@ def optimise(
     quiet: bool,
 ) -> None:
     """Optimise a study over its variables by its [optimise] or [best], resuming an interrupted search."""
-    from sweeps.optimising.optimum import optimum_text
+    from sweeps.optimising.optimum import choices, optimum_text
     from sweeps.optimising.runner import optimise_study
     from sweeps.report.result_report import counts_text
     from sweeps.report.sweep_result import SweepResult
+    from sweeps.report.variant_warnings import result_warnings
     from sweeps.run.progress import ProgressBar
     from sweeps.study.bundled import find_study
     from sweeps.study.search_task import task_of
@@ -169,5 +171,7 @@ def optimise(
         tell(f"{found.title or found.name}: {result.description.variants} candidates")
         tell(counts_text(result))
         tell(optimum_text(result))
+        for warning in result_warnings(result, [choice.variant for choice in choices(result)]):
+            tell(f"Warning: {warning}")
         tell_files([out, *([] if no_plots else plots_of(result))], started)
     stop_if_all_failed(result.columns["status"])

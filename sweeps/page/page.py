@@ -19,6 +19,7 @@ from sweeps.page.page_tables import (
     verdicts_table,
 )
 from sweeps.report.regime_words import MOTION_VERDICTS, failure_text
+from sweeps.report.variant_warnings import result_warnings
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import with_values
 from sweeps.text.visible import visible
@@ -132,7 +133,8 @@ def _sample_words(digest: Digest) -> str:
 
 def _warnings(digest: Digest) -> list[str]:
     result = digest.result
-    found = list(result.altered)
+    best = [0] if digest.is_one else [] if digest.best is None else [digest.best]
+    found = [*result.altered, *result_warnings(result, best)]
     if waiting := digest.counts[Verdict.NOT_COMPUTED]:
         found.append(f"{waiting} variants are not computed yet: run the study again to resume.")
     if digest.undecided:

@@ -17,6 +17,7 @@ from engine import (
     Verdict,
     assembly_ranges,
     group_links,
+    is_warning,
     made_ready,
     order_groups,
     own_drives,
@@ -24,12 +25,12 @@ from engine import (
 )
 from sweeps.report import accuracy_words
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
-from sweeps.report.remarks import remarks_on
 from sweeps.report.result_report import drop_lines
+from sweeps.report.variant_warnings import known_summaries, machine_warnings
 from sweeps.run.blocks import LARGEST_BLOCK, block_size, bytes_of_fields
 from sweeps.run.cost import on_shafts_text, probe
 from sweeps.run.runner import crew_of, layout_of
-from sweeps.study.default_summaries import telling_summaries
+from sweeps.study.default_summaries import default_summaries, telling_summaries
 from sweeps.study.study import Study
 from sweeps.text.tables import table
 
@@ -108,7 +109,7 @@ def nominal_text(study: Study) -> str:
     """Characteristic numbers of the unmodified scene."""
     if study.scene.input is None:
         return _elements_text(study.scene)
-    available = Machine(study.scene).available_summaries
+    available = [name for name in Machine(study.scene).available_summaries if not is_warning(name)]
     wanted = [n for n in available if n.endswith((".stroke", ".swing", "_time_ratio", ".transmission_angle"))]
     machine = Machine(study.scene, wanted)
     outcome = machine.evaluate({})
@@ -143,18 +144,16 @@ def between_positions_text(study: Study) -> str:
 
 def _elements_text(scene: Scene) -> str:
     """Results of the unmodified machine elements."""
-    machine = made_ready(scene, made_ready(scene).available_summaries)
+    machine = made_ready(scene, default_summaries(scene))
     outcome = machine.evaluate({})
     rows = _asked_rows(machine, outcome, machine.asked_summaries)
     verdict = Verdict(outcome.status[0])
     return table(rows) if verdict == Verdict.OK else f"{verdict.sentence}\n{table(rows)}"
 
 
-def regimes_text(scene: Scene, positions: int) -> str:
-    """Each regime: description, method, and the outcome for the unmodified machine."""
-    machine = Machine(scene, telling_summaries(scene), positions=positions)
-    outcome = machine.evaluate({})
-    asked = by_regime(scene, machine.asked_summaries)
+def regimes_text(machine: Machine, outcome: Outcome) -> str:
+    """Each regime of the unmodified machine: description, method, and the outcome."""
+    scene, asked = machine.scene, by_regime(machine.scene, machine.asked_summaries)
     lines = []
     for name, case, method in engine.regime_text(machine.mechanics):
         lines += [f"{name}: {regime_words(scene, name)}", f"  {case}; {method}"]
@@ -204,13 +203,18 @@ def check_text(
     if on_shafts := "" if uncompiled else on_shafts_text(study, machine):
         tell(on_shafts)
     between = "" if uncompiled else between_positions_text(study)
-    warned = "\n".join([*remarks_on(study.scene), *filter(None, [between])])
+    regimes, known = "", {}
+    if study.scene.regimes and not uncompiled:
+        moving = Machine(study.scene, telling_summaries(study.scene), positions=study.positions)
+        outcome = moving.evaluate({})
+        regimes, known = regimes_text(moving, outcome), known_summaries(outcome)
+    warned = "\n".join([*machine_warnings(study.scene, known), *filter(None, [between])])
     sections = [
         ("Study", "\n".join(t for t in (study.title or study.name, study.question) if t)),
         ("Mechanism", structure_text(study.scene)),
         ("Unmodified machine", uncompiled or nominal_text(study)),
-        *([("Regimes", regimes_text(study.scene, study.positions))] if study.scene.regimes and not uncompiled else []),
-        *([("Warning", warned)] if warned else []),
+        *([("Regimes", regimes)] if regimes else []),
+        *([("Warnings", warned)] if warned else []),
         ("Variants", f"{study.design.size} = {_design_text(study)}"),
         ("Asked", "\n".join((*study.summaries, *study.fields, *(q.name for q in study.sensitivity.quantities)))),
         *_plan_sections(machine),

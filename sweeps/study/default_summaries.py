@@ -9,6 +9,7 @@ from engine import (
     RunRegime,
     Scene,
     has_cycle,
+    is_warning,
     made_ready,
     run_keys,
 )
@@ -17,10 +18,11 @@ from engine import (
 def default_summaries(scene: Scene) -> tuple[str, ...]:
     """Default summaries: cycle, flywheel, strokes and regimes."""
     if scene.input is None:
-        return tuple(made_ready(scene).available_summaries)
+        return tuple(n for n in made_ready(scene).available_summaries if not is_warning(n))
     left_out = {"first_kind_inertia", "power_balance_residual", "conservative_work_residual", "loop_closure_residual"}
     left_out |= set(ACCURACY_SUMMARIES)
-    names = {n: n.partition(".")[0] for n in Machine(scene).available_summaries if n not in left_out}
+    available = (n for n in Machine(scene).available_summaries if n not in left_out and not is_warning(n))
+    names = {n: n.partition(".")[0] for n in available}
     telling = (".stroke", "_angle", ".deviation_max")
     kept = (
         name

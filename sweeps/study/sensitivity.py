@@ -22,6 +22,7 @@ from engine import (
     Quantity,
     Verdict,
     derivatives_along,
+    is_warning,
     made_ready,
     scale_of,
     scene_numbers,
@@ -57,7 +58,8 @@ class Sensitivity:
         self.study = study
         self.tolerances, _ = read_tolerances(study.scene, study.tolerances)
         left_out = (*PLACE_STATISTICS, *ACCURACY_SUMMARIES)
-        self._summaries = [name for name in study.summaries if not name.endswith(left_out)] if self.tolerances else []
+        smooth = [n for n in study.summaries if not n.endswith(left_out) and not is_warning(n)]
+        self._summaries = smooth if self.tolerances else []
         for asked in study.derivatives:
             self._check(asked)
 

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
+from engine import warnings
 from engine.machine.checks import given_numbers
 from engine.machine.elements.asked_elements import AskedElements, element_summaries
 from engine.machine.machine import Machine
@@ -98,6 +99,7 @@ class ElementsAlone:
                 hint = did_you_mean(name, known)
                 raise AskError(f"{name!r} is not a summary of this scene, which has only machine elements; {hint}")
         self._asked = AskedElements(scene, self.asked_summaries)
+        self._warnings = warnings.asked_warnings.AskedWarnings(scene, self.asked_summaries, _has_nothing)
 
     def __repr__(self) -> str:
         return asked_text(self)
@@ -110,7 +112,8 @@ class ElementsAlone:
     @property
     def available_summaries(self) -> dict[str, Quantity]:
         """Every summary one may ask."""
-        return {q.name: q for q in element_summaries(self.scene)}
+        of_warnings = warnings.asked_warnings.warning_summaries(self.scene, _has_nothing)
+        return {q.name: q for q in (*element_summaries(self.scene), *of_warnings)}
 
     @property
     def numbers_kept(self) -> int:
@@ -148,4 +151,10 @@ class ElementsAlone:
         keep, outcome = np.flatnonzero(status == Verdict.OK), blank(status, self.asked_summaries, {})
         numbers = Numbers(self._limits, arrays).of_variants(keep)
         self._asked.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
+        self._warnings.fill(outcome.status, outcome.summaries, outcome.errors, Numbers(self._limits, arrays))
         return outcome
+
+
+def _has_nothing(name: str) -> bool:
+    """Warnings on machine elements read numbers of the scene only."""
+    return False

@@ -4,6 +4,7 @@ Values have the shapes of the graph's own records, with arrays in place of nodes
 the input, as in the graph. All is computed by NumPy, without compiled code.
 """
 
+import dataclasses
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
@@ -12,8 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from engine.cycle.measured import Measured
-from engine.cycle.one_variant import OneVariant, WheelNumbers
-from engine.graph.nodes import Node
+from engine.cycle.one_variant import OneVariant, WheelCycle, WheelNumbers
+from engine.graph.nodes import Node, Stage
 from engine.laws.elementary import angle_or_zero
 from engine.machine.checks import check_names, check_positions, given_numbers
 from engine.machine.conditions import (
@@ -34,10 +35,14 @@ from engine.parts.skeleton import FRAME
 from engine.quantities.expressions import (
     Angle,
     Evaluation,
+    Expression,
+    Extreme,
     Followed,
     Integral,
+    LeastMagnitude,
     Measurement,
     Speed,
+    SteadyCycle,
     StrokeEnd,
     VariantNumber,
     Work,
@@ -49,6 +54,16 @@ from engine.verdicts import Verdict
 
 # Positions by which angles are followed, and among which failures are looked for.
 _LOOKED_AT = 720
+# Relative error of what series give.
+_SERIES = 1e-9
+# Results of a steady cycle, from that and its mean speed.
+_OF_STEADY: dict[str, Callable[[WheelCycle, float], float]] = {
+    "flywheel_used": lambda found, _: found.wheel,
+    "flywheel_wittenbauer": lambda found, _: found.exact,
+    "speed_fluctuation": lambda found, _: found.fluctuation,
+    "speed_min": lambda found, mean: mean * (1.0 - 0.5 * found.fluctuation),
+    "speed_max": lambda found, mean: mean * (1.0 + 0.5 * found.fluctuation),
+}
 # Verdicts on margins, the first one that applies being given.
 _ON_MARGINS = (Verdict.UNDERCUT, Verdict.JAMS, Verdict.LIFTS_OFF)
 
@@ -141,6 +156,7 @@ class MovingMachine:
         fits = known is not None and known.scene is scene and known.varied.issuperset(self.values)
         m = self.mechanics = known if fits else Mechanics(scene, frozenset(self.values))
         self.register = register_of(m)
+        self._known_cycles: dict[SteadyCycle, WheelCycle] = {}
         self._variant = OneVariant(m.graph, self.numbers, (m.first, m.last), getattr(scene.input, "revolutions", 1))
         if np.ndim(positions) == 0:
             check_positions(positions)
@@ -224,13 +240,27 @@ class MovingMachine:
             return self._variant.number(self.mechanics.speed) * self._variant.slope(curve, self.q)
 
     def summary(self, name: str) -> float:
-        """Mean of a field, or the end of a stroke or its position, by its name."""
+        """A summary by its name: see `summaries`."""
+        return float(self.summaries([name])[name].value)
+
+    def summaries(self, names: Iterable[str]) -> dict[str, Measured]:
+        """Summaries by their names: means and extremes of fields, ends of strokes, results of the steady cycle.
+
+        Their error estimates are those of the series that stand for the curves.
+        """
+        # An evaluation caches by identity, so all expressions have to outlive it.
+        expressions = {name: self.register.summary(name).expression() for name in names}
+        value_of = Evaluation(self._measured)
         with np.errstate(all="ignore"):
-            return float(Evaluation(self._measured)(self.register.summary(name).expression()).value)
+            return {name: value_of(expression) for name, expression in expressions.items()}
 
     def verdict(self, names: Iterable[str]) -> Verdict:
         """Whether some fields are defined over the cycle, and if not, why."""
         return self._verdict(nodes_of(tuple(self._curves(names).values())))
+
+    def verdict_on(self, expressions: Iterable[Expression]) -> Verdict:
+        """Whether some expressions are defined, as `verdict` for fields."""
+        return self._verdict(node for node in nodes_of(tuple(expressions)) if node.stage > Stage.VARIANT)
 
     def _curves(self, names: Iterable[str]) -> dict[str, Node | Followed]:
         names = list(names)
@@ -268,7 +298,23 @@ class MovingMachine:
                 return Measured(self._variant.integral(curve))
             case StrokeEnd(coordinate, rate, which):
                 return Measured(self._variant.number(self.mechanics.graph.found(coordinate, rate, which)))
+            case Extreme(Node() as curve, sense):
+                return _of_series(self._variant.extreme(curve, sense))
+            case LeastMagnitude(curve):
+                ends = [self._variant.extreme(curve, sense) for sense in ("least", "greatest")]
+                return _of_series(max(ends[0], -ends[1], 0.0))
+            case SteadyCycle(result=result) if result in _OF_STEADY:
+                mean = abs(self._variant.number(asked.speed))
+                return _of_series(_OF_STEADY[result](self._steady(dataclasses.replace(asked, result="")), mean))
         raise TypeError(f"{asked!r} is measured by compiled code alone")
+
+    def _steady(self, asked: SteadyCycle) -> WheelCycle:
+        """The steady cycle, kept for its further results."""
+        if asked not in self._known_cycles:
+            of = self._variant
+            flywheel = WheelNumbers(*(n and of.number(n) for n in (asked.wheel, asked.fluctuation)))
+            self._known_cycles[asked] = of.steady(asked.moment, asked.inertia, of.number(asked.speed), flywheel)
+        return self._known_cycles[asked]
 
     def _seen(self, point: MovingPoint) -> MovingPoint:
         """A point by the scene's coordinates."""
@@ -306,6 +352,10 @@ class MovingMachine:
             return Verdict.DOES_NOT_CLOSE
         finite = all(np.isfinite(row).all() for row in of.values(nodes, q))
         return Verdict.OK if finite else Verdict.NOT_FINITE
+
+
+def _of_series(value: float) -> Measured:
+    return Measured(value, _SERIES * abs(value))
 
 
 def _nodes(shape: Any) -> Iterator[Node]:

@@ -10,12 +10,20 @@ from governor_samples import ENGINE, EVERY_GOVERNOR, PORTER, PROELL, TABLE, gove
 from machines import slider_crank
 from numpy.testing import assert_allclose
 
-from engine import Scene, Verdict, governed_scene, governor_curves, made_ready, scene_numbers, stability_point
+from engine import (
+    Scene,
+    Verdict,
+    governed_scene,
+    governor_curves,
+    made_ready,
+    scene_numbers,
+    stability_point,
+    warnings_from_numbers,
+)
 from sweeps import InputError, SweepResult, read_study, run_study
 from sweeps.pictures.elements.element_pictures import element_pictures, element_sheet
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import new_figure
-from sweeps.report.remarks import remarks_on
 from sweeps.study.bundled import bundled_studies
 from sweeps.text.scene_text import scene_from, write_scene
 from sweeps.text.toml_text import parse_toml
@@ -228,4 +236,4 @@ def test_commands__on_a_governor(tmp_path, monkeypatch):
 
 
 def test_friction_at_the_sleeve__is_a_force_and_no_coefficient():
-    assert remarks_on(Scene.model_validate({"elements": {"it": PORTER | {"friction": 20.0}}})) == []
+    assert warnings_from_numbers(Scene.model_validate({"elements": {"it": PORTER | {"friction": 20.0}}})) == []

@@ -234,7 +234,7 @@ def test_command__tells_the_best_what_holds_it_and_its_files(folder):
     assert "differential evolution, seed 0: " in answer
     assert "results/study_optimised.h5" in answer
     shown = said("show", "results/study_optimised.h5", "--columns", "ram.stroke", "--limit", "2").stdout
-    assert answer.split("Files")[0].split("Answer")[1] in shown
+    assert answer.split("Warning")[0].split("Answer")[1] in shown
     done("export", "results/study_optimised.h5", "--to", "best.toml")
     # Twice the crank, to the clearance of 1e-9 and seven digits or so of text.
     assert read_study("best.toml").scene.input.length == pytest.approx(0.045, rel=1e-6)

@@ -54,9 +54,9 @@ NO_EFFECT = {
     ("Near", "x"): "as long as the same mode is nearest",
     ("Near", "y"): "as long as the same mode is nearest",
 }
-# What counts in regimes, or names something.
-IN_MOTION = {"RunRegime", "SteadyRegime", "Instants", "FrictionClutch", "FluidCoupling", "Balance"}
-OTHERWISE = {"units", "title", "source", "type", "regimes", "elements"}
+# What counts in regimes or in warnings, or names something.
+IN_MOTION = {"RunRegime", "SteadyRegime", "Instants", "FrictionClutch", "FluidCoupling", "Balance", "WarningLimits"}
+OTHERWISE = {"units", "title", "source", "type", "regimes", "limits", "elements"}
 
 
 class Effects:

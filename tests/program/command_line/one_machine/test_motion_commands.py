@@ -142,7 +142,7 @@ def test_run_of_a_scene__groups_its_answers_by_regime(folder):
     text = said("run", "press.toml", "--no-plots").stdout
     heads = [line for line in text.splitlines() if line and not line.startswith(" ")]
     cycle = "cycle at 60 rpm, constant drive torque, all loads except brakes"
-    before = ["Crank press", "1  ok", cycle, "start", "work", "stop"]
+    before = ["Crank press", "1  ok", cycle, "start", "work", "stop", "Warning"]
     assert [line.partition(":")[0] for line in heads[:-1]] == before
     assert heads[-1].startswith("Files (")
     rows = [line.split()[0] for line in indented_under(text, "work: ")]

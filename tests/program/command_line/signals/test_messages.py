@@ -98,7 +98,8 @@ def test_friction_beyond_all_experience__is_asked_about(press_folder):
         PRESS + '\n[friction]\np = {pair = "slide.inner", coefficient = 8, diameter = "3 mm"}\n'
     )
     assert (
-        "friction.p.coefficient = 8: coefficients of friction rarely exceed 1.5" in said("check", "press.toml").stdout
+        "friction.p.coefficient: 8 exceeds limits.friction = 1.5; is it a percentage?"
+        in said("check", "press.toml").stdout
     )
 
 

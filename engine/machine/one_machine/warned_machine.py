@@ -1,0 +1,77 @@
+"""Warnings on one machine in words."""
+
+from collections.abc import Iterable, Mapping
+
+from engine.cycle.measured import Measured
+from engine.machine.checks import given_numbers
+from engine.machine.one_machine.moving_machine import MovingMachine
+from engine.scene.scene import Numbers, Scene, scene_numbers
+from engine.verdicts import Verdict
+from engine.warnings.kinds import rules_by_kind
+
+
+def warnings_from_numbers(scene: Scene, values: Mapping[str, float] | None = None) -> list[str]:
+    """Warnings that follow from the numbers of a scene, without any computation of its motion.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : mapping of path to float, optional
+        Numbers (SI) that replace the scene's.
+    """
+    return warnings_in_words(scene, values, {})
+
+
+def warnings_in_words(
+    scene: Scene, values: Mapping[str, float] | None, known: Mapping[str, tuple[float, float]]
+) -> list[str]:
+    """Warnings that follow from the numbers of a scene and from known summaries; others are omitted.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : mapping of path to float or None
+        Numbers (SI) that replace the scene's.
+    known : mapping of str to (float, float)
+        Summaries with their error estimates.
+    """
+    limits, values = scene_numbers(scene), dict(values or {})
+    numbers = Numbers(limits, given_numbers(limits, tuple(values), values, None)[0])
+    found = {name: Measured([value], [error]) for name, (value, error) in known.items()}
+    return [
+        rule.words(numbers, found)
+        for rules in rules_by_kind(scene).values()
+        for rule in rules
+        if all(name in found for name in rule.reads) and rule.broken(numbers, found).value.any()
+    ]
+
+
+def summaries_for_warnings(
+    scene: Scene, values: Mapping[str, float] | None = None, without: Iterable[str] = ()
+) -> dict[str, tuple[float, float]]:
+    """Summaries that warnings on one machine require, with their error estimates; none if the machine fails.
+
+    Those of regimes are omitted, as they cost much more than the cycle.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : mapping of path to float, optional
+        Numbers (SI) that replace the scene's.
+    without : iterable of str
+        Summaries that are known already.
+    """
+    if scene.input is None:
+        return {}
+    machine, known = MovingMachine(scene, values), set(without)
+    register = machine.register
+
+    def has(name: str) -> bool:
+        return register.summary(name) is not None and register.why_not(name) is None
+
+    reads = dict.fromkeys(s for rules in rules_by_kind(scene).values() for rule in rules for s in rule.reads)
+    names = [name for name in reads if name not in known and has(name)]
+    if not names or machine.verdict_on([register.summary(name).expression() for name in names]) != Verdict.OK:
+        return {}
+    found = machine.summaries(names)
+    return {name: (float(one.value), float(one.error)) for name, one in found.items()}

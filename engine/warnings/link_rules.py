@@ -1,0 +1,151 @@
+"""Rules for links and wheels: transmission angles, slender rods, missing masses, undercut teeth."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from engine.cycle.measured import Measured
+from engine.elements.gears.tooth_laws import transverse_angle
+from engine.parts.actions import Motor
+from engine.parts.skeleton import FRAME, Hinged
+from engine.scene.inertia import body_mass
+from engine.scene.pairs import holder_of
+from engine.scene.scene import Numbers, Scene
+from engine.warnings.rule import ABOVE_ZERO, Rule, limit_of
+
+
+def transmission_rules(scene: Scene) -> Iterator[Rule]:
+    """Transmission angles of dyads of two bars, or of a bar and a slider."""
+    for name, group in scene.groups.items():
+        if group.type in ("RRR", "RRP"):
+            sentence = (
+                "its transmission angle falls to {value}, below limits.transmission_angle = {limit} (40° is usual, 30° "
+                "serves slow machines): large forces, and jamming with little friction; change its lengths or the "
+                "places of its joints"
+            )
+            yield Rule(
+                f"groups.{name}",
+                "below",
+                "rad",
+                sentence,
+                lambda n, angle: (angle, limit_of(scene, "transmission_angle", n)),
+                (f"{name}.transmission_angle",),
+            )
+
+
+def slenderness_rules(scene: Scene) -> Iterator[Rule]:
+    """Rods of dyads in compression, where the shape of a body gives the section: a round rod, or a plate."""
+    rods = {
+        part.link: f"{name}.{side}"
+        for name, group in scene.groups.items()
+        for side, part in (("first", group.first), ("second", group.second))
+        if isinstance(part, Hinged)
+    }
+    for name, body in scene.bodies.items():
+        shape = None if body.shape is None else body.shape.type
+        if body.link not in rods or not (shape == "plate" or (shape == "rod" and body.shape.area is not None)):
+            continue
+        sentence = (
+            "{value} is the slenderness of this rod, above limits.slenderness = {limit}, and it is compressed: it may "
+            "buckle; make it thicker or shorter"
+        )
+        rod = rods[body.link]
+        # The force at the outer joint, the rod's origin, along the rod compresses it.
+        reads = (f"{rod}.reaction_along.max",)
+        yield Rule(f"bodies.{name}", "above", "1", sentence, _slenderness(scene, name, f"groups.{rod}.length"), reads)
+
+
+def _slenderness(scene: Scene, name: str, length: str) -> object:
+    """Length over the least radius of gyration of the section, where the rod is ever compressed."""
+    shape, at = scene.bodies[name].shape, f"bodies.{name}.shape"
+
+    def judge(n: Numbers, thrust: Measured) -> tuple[object, object]:
+        if shape.type == "rod":
+            # Of a round section, A = πd²/4, the radius of gyration is d/4.
+            radius = np.sqrt(n[f"{at}.area"] / (4.0 * math.pi))
+        else:
+            side = n[f"{at}.width"]
+            if shape.thickness is not None:
+                side = np.minimum(side, n[f"{at}.thickness"])
+            radius = side / math.sqrt(12.0)
+        slender = n[length] / radius
+        return np.where(thrust.value > thrust.error, slender, 0.0), limit_of(scene, "slenderness", n)
+
+    return judge
+
+
+def _loaded(scene: Scene) -> dict[str, list[str]]:
+    """Links on which forces act, each with the paths of these."""
+    acting = [(force.on, f"forces.{name}") for name, force in scene.forces.items()]
+    acting += [(end, f"springs.{name}") for name, spring in scene.springs.items() for end in spring.between]
+    on = [(holder_of(scene, point), path) for point, path in acting]
+    on += [(cylinder.piston, f"cylinders.{name}") for name, cylinder in scene.cylinders.items()]
+    found: dict[str, list[str]] = {}
+    for link, path in on:
+        # At constant speed the mass of the input link plays no part.
+        if link not in (FRAME, scene.input.link):
+            found.setdefault(link, []).append(path)
+    return found
+
+
+def _has_loads(scene: Scene) -> bool:
+    """Whether anything acts on the machine but its motors."""
+    moments = any(not isinstance(moment, Motor) for moment in scene.moments.values())
+    return bool(scene.input and (scene.forces or scene.springs or scene.cylinders or moments))
+
+
+def _has_masses(scene: Scene) -> bool:
+    return bool(scene.bodies or any(shaft.inertia for shaft in scene.shafts.values()))
+
+
+def massless_link_rules(scene: Scene) -> Iterator[Rule]:
+    """Links on which forces act, but that have no mass while others have."""
+    if not _has_loads(scene) or not scene.bodies or not scene.inertia_in_reactions:
+        return
+    for link, paths in _loaded(scene).items():
+        bodies = [name for name, body in scene.bodies.items() if body.link == link]
+
+        def judge(n: Numbers, bodies: list[str] = bodies) -> tuple[object, object]:
+            return sum((body_mass(scene, name, n) for name in bodies), 0.0), ABOVE_ZERO
+
+        sentence = f"acts on link {link}, whose mass is {{value}}: its inertia forces are missing; add it to [bodies]"
+        yield Rule(paths[0], "below", "kg", sentence, judge)
+
+
+def no_masses_rules(scene: Scene) -> Iterator[Rule]:
+    """Loaded machines without any mass."""
+    if not _has_loads(scene) or _has_masses(scene) or not scene.inertia_in_reactions:
+        return
+    sentence = (
+        "{value} masses in a machine with loads: inertia forces, reduced inertia and flywheel are those of massless "
+        "links; add [bodies], or set inertia_in_reactions = false if it runs slowly"
+    )
+    yield Rule("bodies", "below", "1", sentence, lambda n: (0.0, ABOVE_ZERO))
+
+
+def undercut_rules(scene: Scene) -> Iterator[Rule]:
+    """Wheels of gear trains with fewer teeth than a rack cutter makes whole: z < 2 (1 − x) cos β/sin² α_t."""
+    for name, train in scene.elements.items():
+        if train.type != "gear_train":
+            continue
+        at, rings = f"elements.{name}", {m.between[1] for m in train.meshes.values() if m.type == "internal"}
+        for wheel in train.wheels:
+            meshes = [mesh for mesh, part in train.meshes.items() if wheel in part.between]
+            if wheel in rings or not meshes:
+                continue
+            sentence = (
+                "{value} teeth, below {limit}: a rack-type cutter undercuts them; choose more teeth, a larger "
+                "profile_shift or pressure_angle"
+            )
+            yield Rule(f"{at}.wheels.{wheel}", "below", "1", sentence, _teeth(at, wheel, meshes[0]))
+
+
+def _teeth(at: str, wheel: str, mesh: str) -> object:
+    def judge(n: Numbers) -> tuple[object, object]:
+        helix = n[f"{at}.meshes.{mesh}.helix_angle"]
+        angle = transverse_angle(n[f"{at}.meshes.{mesh}.pressure_angle"], helix)
+        shift = n[f"{at}.wheels.{wheel}.profile_shift"]
+        return n[f"{at}.wheels.{wheel}.teeth"], 2.0 * (1.0 - shift) * np.cos(helix) / np.sin(angle) ** 2
+
+    return judge

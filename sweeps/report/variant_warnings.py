@@ -1,0 +1,54 @@
+"""Warnings on the unmodified machine of a study, and on variants of a result."""
+
+from collections.abc import Iterable, Mapping
+
+from engine import Outcome, Scene, Verdict, summaries_for_warnings, warnings_from_numbers, warnings_in_words
+from sweeps.report.sweep_result import SweepResult
+
+
+def known_summaries(outcome: Outcome) -> dict[str, tuple[float, float]]:
+    """Summaries of the first variant with their error estimates; none if it failed."""
+    if outcome.status[0] != Verdict.OK:
+        return {}
+    return {name: (float(row[0]), float(outcome.errors[name][0])) for name, row in outcome.summaries.items()}
+
+
+def machine_warnings(scene: Scene, known: Mapping[str, tuple[float, float]]) -> list[str]:
+    """Warnings on the unmodified machine of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    known : mapping of str to (float, float)
+        Summaries that are known already, with their error estimates; cheap ones are added.
+    """
+    return warnings_in_words(scene, None, {**summaries_for_warnings(scene, without=known), **known})
+
+
+def answer_warnings(result: SweepResult) -> list[str]:
+    """Warnings on the best variant of a result, or on its only one."""
+    best = 0 if result.description.variants == 1 else result.best()
+    return result_warnings(result, [] if best is None else [best])
+
+
+def result_warnings(result: SweepResult, variants: Iterable[int]) -> list[str]:
+    """Warnings on some variants of a result; on the numbers of its scene if there are none.
+
+    Parameters
+    ----------
+    result : SweepResult
+    variants : iterable of int
+    """
+    found = {variant: _of_variant(result, variant) for variant in variants}
+    if not found:
+        return warnings_from_numbers(result.scene)
+    several = len(found) > 1
+    return [f"variant {variant}: {text}" if several else text for variant, texts in found.items() for text in texts]
+
+
+def _of_variant(result: SweepResult, variant: int) -> list[str]:
+    values, columns = result.variant_values(variant), result.columns
+    if columns["status"][variant] != Verdict.OK:
+        return warnings_from_numbers(result.scene, values)
+    known = {n: (float(columns[n][variant]), float(columns[f"{n}_error"][variant])) for n in result.summaries}
+    return warnings_in_words(result.scene, values, {**summaries_for_warnings(result.scene, values, known), **known})
