@@ -162,7 +162,7 @@ dimension | minimise = "ram.stroke + excess_work" |  |  | optimise.minimise: add
 no number | minimise = "ram.stroke < 1" |  |  | is a condition; a number is needed here
 no condition | minimise = "ram.stroke"\nsubject_to = "excess_work" |  |  | is a number; a condition such as
 no unit | minimise = "ram.stroke"\nsubject_to = "ram.stroke < 80" |  |  | 80 has no unit: write '80 m' or
-syntax | minimise = "ram.stroke +" |  |  | optimise.minimise: invalid syntax
+syntax | minimise = "ram.stroke +" |  |  | optimise.minimise: something is missing after '+'
 nothing varies | minimise = "ram.stroke" | nothing |  | vary: nothing varies; give ranges
 one value | minimise = "ram.stroke" | one |  | vary: nothing varies
 lists and local | minimise = "ram.stroke"\nmethod = "local" | lists
