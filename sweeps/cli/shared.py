@@ -116,6 +116,13 @@ SET = click.option(
     metavar="PATH=VALUE",
     help="Set a number of the scene, input.length='55 mm'; repeatable.",
 )
+WHERE = click.option(
+    "--where",
+    multiple=True,
+    metavar="CONDITION",
+    help="Only variants of a result that meet this condition, such as 'wheel_mass < 900 kg and input.length > 40 mm'; "
+    "repeatable.",
+)
 POSITIONS = click.option("--positions", type=int, help="Number of field positions per cycle, even.")
 ACCURACY = click.option("--accuracy", help="Tolerance of every summary, such as '0.1 %'.")
 JSON = click.option("--json", "as_json", is_flag=True, help="JSON output in SI units.")
@@ -124,6 +131,20 @@ JSON = click.option("--json", "as_json", is_flag=True, help="JSON output in SI u
 def study_options(command: Command) -> Command:
     """Options of commands that read a study: scene numbers, positions, accuracy."""
     return SET(POSITIONS(ACCURACY(command)))
+
+
+def variants_only(where: tuple[str, ...], is_sweep: bool) -> None:
+    """Check that --where has variants to choose from.
+
+    Raises
+    ------
+    InputError
+        There is one machine only.
+    """
+    from sweeps.text.input_files import InputError
+
+    if where and not is_sweep:
+        raise InputError("--where", [(None, "", "chooses variants of a whole result file; here there is one machine")])
 
 
 def tell_data(data: object) -> None:

@@ -9,19 +9,21 @@ from sweeps.cli.shared import (
     JSON,
     POSITIONS,
     SET,
+    WHERE,
     errors_as_messages,
     make_folder,
     names_in,
     tell,
     tell_altered,
     tell_data,
+    variants_only,
 )
 from sweeps.cli.waiting import doing
 
 
 @click.command()
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--where", help="Only variants that meet this condition, such as \"wheel_mass < '900 kg'\".")
+@WHERE
 @click.option("--sort", help="Column to sort by.")
 @click.option("--descending", is_flag=True, help="Descending order.")
 @click.option("--limit", type=click.IntRange(min=1), default=10, show_default=True, help="Number of variants to list.")
@@ -35,7 +37,7 @@ from sweeps.cli.waiting import doing
 @errors_as_messages
 def show(
     file: Path,
-    where: str | None,
+    where: tuple[str, ...],
     sort: str | None,
     descending: bool,
     limit: int,
@@ -94,7 +96,7 @@ def show(
     tell(counts_text(result))
     tell(f"{meeting_text(result, condition)}; the first {chosen.size}:")
     tell(variants_text(result, chosen, names))
-    if where is None:
+    if not where:
         tell((optimum_text if is_search(result) else answer_text)(result))
 
 
@@ -142,6 +144,7 @@ def _show_at(
 @click.option("-x", help="x axis: a column (results), or a field instead of the crank angle.")
 @click.option("-y", help="y axis: a column (results), or fields of one machine such as B.vx, comma-separated.")
 @click.option("--colour", help="Column shown as colour (results).")
+@WHERE
 @POSITIONS
 @SET
 @errors_as_messages
@@ -160,6 +163,7 @@ def plot(
     x: str | None,
     y: str | None,
     colour: str | None,
+    where: tuple[str, ...],
     positions: int | None,
     settings: tuple[str, ...],
 ) -> None:
@@ -178,11 +182,13 @@ def plot(
     tables = ""
     if is_result(file):
         tell_altered(file)
-    if is_result(file) and variant is None and not (plans or bearings or hodograph or beside or settings):
+    is_sweep = is_result(file) and variant is None and not (plans or bearings or hodograph or beside or settings)
+    variants_only(where, is_sweep)
+    if is_sweep:
         from sweeps.pictures.sweep.result_pictures import result_pictures
         from sweeps.report.sweep_result import SweepResult
 
-        made = result_pictures(SweepResult(Path(file)), out, x, y, colour)
+        made = result_pictures(SweepResult(Path(file), where=where), out, x, y, colour)
     elif x or y:
         scene, values, name = machine_of(file, variant, settings)
         fields = names_in(y or "")

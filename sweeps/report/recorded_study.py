@@ -30,7 +30,7 @@ class _Range(BaseModel):
 
 class _Search(BaseModel):
     objectives: list[_Objective]
-    subject_to: list[str]
+    where: list[str]
     ranges: list[_Range]
     method: str
     seed: int
@@ -111,8 +111,8 @@ def _mismatch(record: _Record, described: Description) -> str:
             return f"names {name}, which has no column"
     if record.vary and not record.search and math.prod(axis.size for axis in record.vary) != described.variants:
         return f"has a number of variants other than the file's {described.variants}"
-    texts = [*record.require, *(record.search.subject_to if record.search else [])]
-    for condition in [*texts, *([record.best.where] if record.best and record.best.where else [])]:
+    judges = [judge for judge in (record.search, record.best) if judge]
+    for condition in [*record.require, *(text for judge in judges for text in judge.where)]:
         try:
             parse_expression(condition, any_quantity)
         except ExpressionError:

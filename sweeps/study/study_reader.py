@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -12,9 +13,7 @@ import numpy as np
 from engine import (
     ACCURACY_SUMMARIES,
     AskError,
-    ElementsAlone,
     ExpressionError,
-    Machine,
     Scene,
     SceneError,
     TextExpression,
@@ -25,8 +24,8 @@ from engine import (
     described_dimension,
     dimension_of,
     dimension_of_unit,
-    dimensions_by_unit,
     in_text,
+    made_ready,
     parse_expression,
     recognised,
     scene_numbers,
@@ -36,8 +35,8 @@ from engine import (
 from sweeps.study.default_summaries import default_summaries
 from sweeps.study.sampling import Axis, Columns, Design, Linear, Listed, Logarithmic, Sampled, SamplingError
 from sweeps.study.search_task import task_of
-from sweeps.study.sensitivity import RSS, WORST_CASE, refusals
-from sweeps.study.study import Study
+from sweeps.study.sensitivity import refusals
+from sweeps.study.study import KnownNames, Study
 from sweeps.study.study_content import AskedDerivative
 from sweeps.study.study_text import (
     AXIS_KEYS,
@@ -54,7 +53,7 @@ from sweeps.study.variant_tables import read_variant_table
 from sweeps.text.conditions import Condition, UnknownNameError
 from sweeps.text.input_files import InputError, read_text
 from sweeps.text.scene_text import scene_from, with_numbers
-from sweeps.text.toml_text import MOST_PROBLEMS, line_of, parse_toml, problems_in, validate
+from sweeps.text.toml_text import MOST_PROBLEMS, line_of, line_of_entry, parse_toml, problems_in, validate
 
 # Larger results fit on no disk.
 MOST_VARIANTS = 10**12
@@ -124,8 +123,6 @@ class StudyReader:
         summaries = tuple(dict.fromkeys(outputs.summaries))
         if not summaries and not outputs.fields:
             summaries = default_summaries(self.scene)
-        if self.raw.best:
-            summaries = tuple(dict.fromkeys([*summaries, *self._asked_for(self.raw.best.goal, derivatives)]))
         if self.raw.accuracy is not None:
             summaries = tuple(dict.fromkeys((*summaries, *ACCURACY_SUMMARIES)))
         free = (name for name in (*names, *derived) if name not in self.numbers)
@@ -150,13 +147,6 @@ class StudyReader:
             "tolerances": self.raw.tolerances,
             "free_units": {name: unit_of_dimension(self.dimensions[name]) for name in free},
         }
-
-    def _asked_for(self, goal: str, derivatives: Iterable[AskedDerivative]) -> tuple[str, ...]:
-        """Summaries required by a goal: itself, that of its tolerance band, or none for a requested derivative."""
-        if goal in [asked.name for asked in derivatives]:
-            return ()
-        summary, _, ending = goal.rpartition(".")
-        return (summary if self.raw.tolerances and ending in (WORST_CASE, RSS) else goal,)
 
     def _derivatives(self) -> tuple[AskedDerivative, ...]:
         found = []
@@ -349,10 +339,20 @@ class StudyReader:
         try:
             return Condition.read(text, self.dimensions)
         except ExpressionError as error:
-            start = line_of(self.text, ["require"])
-            within = (n for n, line in enumerate(self.text.splitlines(), 1) if n >= (start or 1) and text in line)
-            self._problem(["require"], f"entry {entry + 1}, {error}", next(within, start))
+            message, number = str(error), f"entry {entry + 1}, " if len(self.raw.require) > 1 else ""
+            if isinstance(error, UnknownNameError) and (result := self._result_in(text)):
+                message = f"{result!r} is a result; require drops variants before they are computed, so write where"
+            self._problem(["require"], f"{number}{message}", line_of_entry(self.text, ["require"], text))
             return None
+
+    def _result_in(self, text: str) -> str:
+        """A result that a condition names, or ""."""
+        for name in Condition.parse(text).names:
+            if name not in self.dimensions:
+                with suppress(AskError, SceneError):
+                    made_ready(self.scene, [name])
+                    return name
+        return ""
 
     def _expression(self, text: str, keys: list[str], known: Iterable[str]) -> TextExpression | None:
         try:
@@ -401,35 +401,37 @@ def read_study(path: Path | str) -> Study:
     return _checked(study, path)
 
 
-def _check_where(study: Study, machine: Machine | ElementsAlone, where: str) -> None:
-    """Check that a condition uses available results."""
-    units = {name: study.unit(name) for name in study.parameters}
-    units |= {name: machine.available_summaries[name].units for name in study.summaries}
-    units |= {quantity.name: quantity.units for quantity in study.sensitivity.quantities}
+def _with_best(study: Study, source: str) -> Study:
+    """The study, with the results requested that its [best] names."""
+    best, names, problems = study.best, KnownNames(study), []
     try:
-        Condition.read(where, dimensions_by_unit(units))
-    except UnknownNameError as error:
-        raise ExpressionError(f"{error}; add it to outputs.summaries") from None
+        names.request_goal(best.goal)
+    except ExpressionError as error:
+        problems += problems_in(study.text, [(f"best.{best.key}", str(error))])
+    for text in best.where:
+        try:
+            names.condition(text)
+        except ExpressionError as error:
+            problems.append((line_of_entry(study.text, ["best", "where"], text), "best.where", str(error)))
+    if problems:
+        raise InputError(source, problems)
+    return study if names.summaries == study.summaries else replace(study, summaries=names.summaries)
 
 
 def _checked(study: Study, path: Path) -> Study:
     """The study, if all requested outputs exist."""
     try:
-        machine = study.machine()
+        study.machine()
         if found := refusals(study):
             raise InputError(path.name, problems_in(study.text, found))
-        if study.best and study.best.where:
-            _check_where(study, machine, study.best.where)
+        if study.best:
+            study = _with_best(study, path.name)
     except AskError as error:
         named = [key for key in ("accuracy", "positions", "vary") if key in str(error)]
         key = min(named, key=str(error).index, default="outputs")
-        if study.best and str(error).startswith(repr(study.best.goal)):
-            key = f"best.{'maximise' if study.best.minimise is None else 'minimise'}"
         raise InputError(path.name, problems_in(study.text, [(key, str(error))])) from None
     except SceneError as error:
         raise InputError(path.name, problems_in(study.text, error.problems)) from None
-    except ExpressionError as error:
-        raise InputError(path.name, problems_in(study.text, [("best.where", str(error))])) from None
     if study.optimise is not None:
         task_of(study)
     return study
