@@ -1,14 +1,12 @@
 """Reading a study: scene, variables, expressions with dimensions; problems with their lines."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from engine import (
     ACCURACY_SUMMARIES,
@@ -20,7 +18,6 @@ from engine import (
     UnitError,
     any_quantity,
     check_yields,
-    column_in_text,
     described_dimension,
     dimension_of,
     dimension_of_unit,
@@ -51,6 +48,7 @@ from sweeps.study.study_text import (
 )
 from sweeps.study.variant_tables import read_variant_table
 from sweeps.text.conditions import Condition, UnknownNameError
+from sweeps.text.csv_text import TableColumn
 from sweeps.text.input_files import InputError, read_text
 from sweeps.text.scene_text import scene_from, with_numbers
 from sweeps.text.toml_text import MOST_PROBLEMS, line_of, line_of_entry, parse_toml, problems_in, validate
@@ -270,23 +268,23 @@ class StudyReader:
             self._problem(["variants"], str(error))
             return
         table = [
-            self._column(path, values, unit)
-            for path, (unit, values) in columns.items()
+            self._column(path, column)
+            for path, column in columns.items()
             if self._is_variable(path, ["variants"], columns)
         ]
         if len(table) == len(columns) and None not in table:
             axes.append(Columns(tuple(columns), tuple(table)))
 
-    def _column(self, path: str, cells: Sequence[str] | np.ndarray, unit: str) -> list[float] | None:
+    def _column(self, path: str, column: TableColumn) -> list[float] | None:
         """Values of a table column in SI units; None if invalid."""
         try:
             if path in self.numbers:
-                return column_in_text(cells, unit, self.numbers[path].dimension)
-            dimension = recognised(f"1 {unit}".strip())[1]
+                return column.numbers(self.numbers[path].dimension)
+            dimension = column.dimension
             self.dimensions[path] = dimension_of_unit(described_dimension(dimension).unit)
-            return column_in_text(cells, unit, dimension)
-        except UnitError as error:
-            self._problem(["variants"], f"column {path}: {error}")
+            return column.numbers(dimension)
+        except InputError as error:
+            self._problem(["variants"], str(error))
             return None
 
     def _add_sampled(self, axes: list[Axis], sampled: dict[str, Between]) -> None:

@@ -82,7 +82,7 @@ def _table_columns(folder: Path, name: object, source: str, where: tuple[int | N
         columns = read_csv(folder / str(name))
     except InputError as error:
         raise InputError(source, [(*where, str(error))]) from None
-    return {key: [f"{value} {unit}".strip() for value in values] for key, (unit, values) in columns.items()}
+    return {key: column.texts for key, column in columns.items()}
 
 
 # Scene texts use CF units, except for plain numbers.

@@ -221,8 +221,11 @@ def _message(model: type[BaseModel], error: dict, keys: list[str | int]) -> str:
             return f"has too few entries: {context['actual_length']}, at least {context['min_length']}"
         case "too_long":
             return f"has too many entries: {context['actual_length']}, at most {context['max_length']}"
+        case _ if "url" not in error:
+            # Errors of the project's own, not of the validator.
+            return f"{error['msg']}, got {_shown(value)}"
         case _:
-            return f"expected {error['expected'] or 'something else'}, got {_shown(value)}"
+            return f"expected {error['expected'] or 'another value'}, got {_shown(value)}"
 
 
 # Units of limits; other limits are 0.

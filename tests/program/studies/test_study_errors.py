@@ -130,8 +130,9 @@ def test_slip__is_refused_with_line_key_and_mend(slip, study_folder):
     [
         ("input.lenght [mm]\n40\n", ("'input.length'",)),
         ("input.length\n40\n", ("no unit",)),
-        ("input.length [kg]\n40\n", ("a length such as",)),
-        ("input.length [mm]\n40\nfifty\n", ("line 3", "'fifty' is not a number")),
+        ("input.length [kg]\n40\n", ("choice.csv, line 1: column input.length: expected a length such as",)),
+        ("input.length\n40 mm\n4 kg\n", ("choice.csv, line 3: column input.length: expected a length such as",)),
+        ("input.length [mm]\n40\nfifty\n", ("choice.csv, line 3: column input.length: 'fifty' is not a number",)),
         ("input.length [mm],input.length [mm]\n40,40\n", ("input.length",)),
         ("input.length [mm]\n", ("at least one row",)),
     ],
