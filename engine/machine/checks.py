@@ -13,6 +13,8 @@ from engine.verdicts import Verdict
 
 # Kernels keep rows at a fixed distance.
 MOST_POSITIONS = 1_048_576
+# Known names in a message on an unknown one.
+MOST_LISTED = 8
 # Lengths that are all this many times the scene's are likely millimetres without their unit.
 OUT_OF_SCALE = 100.0
 
@@ -89,8 +91,11 @@ def check_names(names: Iterable[str], known: Iterable[str], kind: str) -> None:
     known = list(known)
     for name in names:
         if name not in known:
-            near = nearest(name, known, 3)
+            near, owner = nearest(name, known, 3), name.partition(".")[0]
             hint = f"; did you mean {' or '.join(repr(n) for n in near)}?" if near else ""
+            if not near:
+                own = [n for n in known if n.startswith(f"{owner}.")] or sorted(known)
+                hint = f"; known are {', '.join(own[:MOST_LISTED])}{', ...' if len(own) > MOST_LISTED else ''}"
             raise AskError(f"{name!r} is not a {kind} of this scene{hint}")
 
 

@@ -186,7 +186,15 @@ class Machine:
             why = motion.quantities.why_no_load(self.mechanics, name) if self.scene.regimes else None
             if why is not None:
                 raise AskError(why)
-        check_names(self.asked_fields, {**self.register.fields, **self.regimes.fields}, "field")
+        fields = {**self.register.fields, **self.regimes.fields}
+        for name in self.asked_summaries:
+            if name in fields and self.register.summary(name) is None:
+                statistics = ", ".join(f"{name}.{statistic}" for statistic in STATISTICS)
+                raise AskError(f"{name!r} is a field, a curve: ask for it as a field, or for its {statistics}")
+        for name in self.asked_fields:
+            if name not in fields and self.register.summary(name) is not None:
+                raise AskError(f"{name!r} is a summary, a single number: ask for it as a summary")
+        check_names(self.asked_fields, fields, "field")
         known = {*self._elements.names, *OF_ACCURACY, *self.regimes.asked}
         unknown = [n for n in self.asked_summaries if n not in known and self.register.summary(n) is None]
         if unknown:

@@ -8,6 +8,7 @@ from sweeps.cli.shared import (
     POSITIONS,
     SET,
     WHERE,
+    WholeNumber,
     errors_as_messages,
     make_folder,
     names_in,
@@ -28,7 +29,7 @@ TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
     required=True,
     help="File to write: .csv, .json, .parquet, .mat, .svg, .dxf or .toml.",
 )
-@click.option("--variant", type=int, help="One variant of a result file.")
+@click.option("--variant", type=WholeNumber(0), help="One variant of a result file.")
 @click.option(
     "--at", default="", help="Crank angles [deg], displacements such as '20 mm', or instants such as '0.2 s'."
 )

@@ -10,6 +10,7 @@ from sweeps.cli.shared import (
     POSITIONS,
     SET,
     WHERE,
+    WholeNumber,
     errors_as_messages,
     make_folder,
     names_in,
@@ -26,12 +27,12 @@ from sweeps.cli.waiting import doing
 @WHERE
 @click.option("--sort", help="Column to sort by.")
 @click.option("--descending", is_flag=True, help="Descending order.")
-@click.option("--limit", type=click.IntRange(min=1), default=10, show_default=True, help="Number of variants to list.")
+@click.option("--limit", type=WholeNumber(1), default=10, show_default=True, help="Number of variants to list.")
 @click.option("--columns", help="Summaries to show, or fields with --at, comma-separated (default: all).")
 @click.option(
     "--at", help="Fields of one machine at crank angles ('37 deg') or displacements, or its motion at '0.2 s'."
 )
-@click.option("--variant", type=int, help="With --at: one variant of a result file.")
+@click.option("--variant", type=WholeNumber(0), help="With --at: one variant of a result file.")
 @SET
 @JSON
 @errors_as_messages
@@ -122,7 +123,7 @@ def _show_at(
 @click.command()
 @click.argument("file")
 @click.option("--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf); default: next to FILE.")
-@click.option("--variant", type=int, help="Variant of a result file to use.")
+@click.option("--variant", type=WholeNumber(0), help="Variant of a result file to use.")
 @click.option(
     "--at", default="", help="Crank angles of the drawing [deg], or displacements such as '20 mm', comma-separated."
 )
@@ -218,7 +219,7 @@ def plot(
 @click.command()
 @click.argument("file", required=False)
 @click.option("--out", type=click.Path(path_type=Path), help="Also draw the orders to this file (.png, .svg, .pdf).")
-@click.option("--variant", type=int, help="Variant of a result file to use.")
+@click.option("--variant", type=WholeNumber(0), help="Variant of a result file to use.")
 @errors_as_messages
 def orders(file: str | None, out: Path | None, variant: int | None) -> None:
     """Show the unbalanced orders of force, couple and torque of common engines, or of those in a scene or result."""
@@ -243,9 +244,9 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
 @click.command()
 @click.argument("file")
 @click.option("--out", type=click.Path(path_type=Path), help="GIF file; default: NAME.gif.")
-@click.option("--variant", type=int, help="Variant of a result file to use.")
+@click.option("--variant", type=WholeNumber(0), help="Variant of a result file to use.")
 @click.option("--paths", default="", help="Points whose paths are drawn, comma-separated.")
-@click.option("--frames", type=click.IntRange(4, 1000), default=60, show_default=True)
+@click.option("--frames", type=WholeNumber(4, 1000), default=60, show_default=True)
 @SET
 @errors_as_messages
 @doing("Drawing the frames")

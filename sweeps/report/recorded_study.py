@@ -9,6 +9,7 @@ from pydantic import BaseModel, ValidationError
 from engine import ExpressionError, Scene, any_quantity, parse_expression
 from sweeps.store import DamagedError, Description
 from sweeps.study.study_text import Best
+from sweeps.text.toml_text import errors_in_words
 from sweeps.text.versions import origin_text
 
 
@@ -69,9 +70,8 @@ def recorded_study(described: Description) -> dict[str, Any]:
         data = json.loads(text)
         record = _Record.model_validate(data)
     except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(map(str, first["loc"])) or "it"
-        raise _wrong(described, f"has an invalid {place} ({first['msg']})") from None
+        place, words = errors_in_words(_Record, error)[0]
+        raise _wrong(described, f"has an invalid {place or 'it'} ({words})") from None
     except (ValueError, TypeError, RecursionError):
         raise _wrong(described, "can't be read") from None
     if wrong := _mismatch(record, described):
@@ -97,7 +97,8 @@ def recorded_scene(record: dict[str, Any], described: Description) -> Scene:
     try:
         return Scene.model_validate(record["scene"])
     except (ValueError, TypeError, KeyError) as error:
-        words = error.errors()[0]["msg"] if isinstance(error, ValidationError) else str(error).splitlines()[0]
+        known = isinstance(error, ValidationError)
+        words = errors_in_words(Scene, error)[0][1] if known else str(error).splitlines()[0]
         raise _wrong(described, f"has an invalid scene ({words})") from None
 
 

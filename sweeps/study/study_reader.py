@@ -1,6 +1,7 @@
 """Reading a study: scene, variables, expressions with dimensions; problems with their lines."""
 
 import math
+import re
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import replace
@@ -99,8 +100,11 @@ class StudyReader:
             text = read_text(path)
         except InputError as error:
             raise InputError(self.path.name, [(line_of(self.text, ["scene"]), "scene", str(error))]) from None
-        self.scene_text = text
-        return scene_from(parse_toml(text, path.name) | own, text, path.name, path.parent)
+        self.scene_text, data = text, parse_toml(text, path.name)
+        if "scene" in data:
+            message = f"{path.name} is a study; name the file of a scene, one with a table [input]"
+            raise InputError(self.path.name, [(line_of(self.text, ["scene"]), "scene", message)])
+        return scene_from(data | own, text, path.name, path.parent)
 
     def content(self) -> dict[str, Any]:
         """The content, by the names of `Study`'s attributes.
@@ -190,16 +194,18 @@ class StudyReader:
         return design
 
     def _is_variable(self, path: str, keys: list[str], others: Iterable[str] = ()) -> bool:
+        if message := self._why_no_variable(path, others):
+            self._problem(keys, message)
+        return not message
+
+    def _why_no_variable(self, path: str, others: Iterable[str] = ()) -> str:
+        """Why a name can't vary, or ""."""
         if path in self.numbers:
             refusal = self._refusal(path, others)
-            if refusal:
-                self._problem(keys, f"can't vary in this scene: {refusal}")
-            return not refusal
+            return refusal and f"can't vary in this scene: {refusal}"
         if path.isidentifier() and path in self._names_used:
-            return True
-        message = unknown_name_message(path, self.numbers)
-        self._problem(keys, f"is not a number of the scene. {message}")
-        return False
+            return ""
+        return f"is not a number of the scene. {unknown_name_message(path, self.numbers)}"
 
     def _refusal(self, path: str, others: Iterable[str]) -> str:
         """Why a number of the scene can't vary (it has no effect), or "".
@@ -222,11 +228,13 @@ class StudyReader:
 
     @cached_property
     def _names_used(self) -> set[str]:
-        """Names used by all expressions; invalid ones are reported later."""
+        """Names used by all expressions, at least; invalid ones are reported later."""
         found: set[str] = set()
         for text in (*self.raw.derive.values(), *self.raw.require):
-            with suppress(ExpressionError):
+            try:
                 found.update(parse_expression(text, any_quantity).names)
+            except ExpressionError:
+                found.update(re.findall(r"[^\W\d][\w.]*", text))
         return found
 
     def _quantities(self, path: str, values: Iterable[float | str], keys: list[str]) -> list[float] | None:
@@ -267,17 +275,15 @@ class StudyReader:
         except InputError as error:
             self._problem(["variants"], str(error))
             return
-        table = [
-            self._column(path, column)
-            for path, column in columns.items()
-            if self._is_variable(path, ["variants"], columns)
-        ]
+        table = [self._column(path, column, columns) for path, column in columns.items()]
         if len(table) == len(columns) and None not in table:
             axes.append(Columns(tuple(columns), tuple(table)))
 
-    def _column(self, path: str, column: TableColumn) -> list[float] | None:
+    def _column(self, path: str, column: TableColumn, others: Iterable[str]) -> list[float] | None:
         """Values of a table column in SI units; None if invalid."""
         try:
+            if message := self._why_no_variable(path, others):
+                raise column.problem(0, message)
             if path in self.numbers:
                 return column.numbers(self.numbers[path].dimension)
             dimension = column.dimension

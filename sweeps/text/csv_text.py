@@ -174,8 +174,9 @@ def _columns(path: Path, numbers: Sequence[int], lines: Sequence[str], delimiter
     rows = []
     try:
         rows.extend(reader)
-    except csv.Error as error:
-        raise InputError(path.name, [(numbers[reader.line_num - 1], "", f"is not CSV: {error}")]) from None
+    except csv.Error:
+        message = "a cell's quotation marks don't match, or it is too long"
+        raise InputError(path.name, [(numbers[reader.line_num - 1], "", message)]) from None
     if len(rows) != len(lines):
         raise InputError(path.name, [(None, "", "a quoted cell spans several lines")])
     for line, row in zip(numbers, rows, strict=True):
@@ -197,6 +198,9 @@ def _header(path: Path, line: int, cells: Sequence[str]) -> tuple[list[str], lis
         message = f"header{shown}: write a name and a unit for each column, such as 'force [kN]'"
         raise InputError(path.name, [(line, "", message)])
     names = [header["key"] for header in headers]
+    if any(map(_is_number, names)):
+        message = "the first line must name the columns, such as 'input.length [mm]'; it has numbers"
+        raise InputError(path.name, [(line, "", message)])
     if len(set(names)) < len(names):
         raise InputError(path.name, [(line, "", f"a column is given twice: {', '.join(names)}")])
     return names, [header["unit"] or "" for header in headers]
@@ -221,7 +225,7 @@ _WITH_UNIT = re.compile(r"\s*[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+
 
 def _has_unit(cell: str) -> bool:
     """Whether a cell looks like a number with a unit."""
-    return len(cell) <= _LONGEST and _WITH_UNIT.fullmatch(cell) is not None
+    return len(cell) <= _LONGEST and not _is_number(cell) and _WITH_UNIT.fullmatch(cell) is not None
 
 
 def _is_number(cell: str) -> bool:

@@ -47,12 +47,12 @@ _NOT_TOML = {
     "Cannot overwrite|Duplicate": "appears twice in its table: remove one",
     "Cannot mutate": "belongs to a table in braces above: write it there",
     "Expected '='": "write KEY = VALUE",
-    r"Expected '\]": "a ] is missing after the name of the table",
+    r"Expected '\]": "a ] is missing after the name of the table, or the name has a blank or a sign in it",
     "array": "the list is never closed: a ] is missing",
     "inline table": "the table is never closed: a } is missing",
     "[Uu]nescaped|Escaped|hex": "in double quotes write \\\\ for a backslash, or use single quotes",
     "Unterminated|Illegal": "the quotation mark is never closed, or the text has a control character",
-    "newline": "an operator, a comma or a quotation mark is missing, or a line break",
+    "newline": "a line holds one KEY = VALUE, and something follows the value",
     "date": "dates and times aren't used; write texts in quotes",
 }
 
@@ -95,6 +95,10 @@ def _slip(text: str, line: int | None, source: str) -> str:
         if (slip := _BARE_WORD.search(written)) is not None:
             value = slip["value"].strip()
             return f'{value} is a text, so it needs quotes: "{value}"'
+        if re.search("=\\s*[“”„‘’]", written):
+            return 'write straight quotation marks, ", not typographic ones'
+        if re.match(r"\s*[\w.]+\s*:", written):
+            return "write KEY = VALUE, not KEY: VALUE"
         if re.search(r"=\s*$", written):
             return "no value after ="
         if whole.count('"') % 2:
@@ -158,6 +162,18 @@ def _merged(errors: list[dict]) -> list[dict]:
     return found
 
 
+def errors_in_words(model: type[BaseModel], error: ValidationError) -> list[tuple[str, str]]:
+    """Key and message of each error of a validator, for values that are numbers in SI.
+
+    Parameters
+    ----------
+    model : type of BaseModel
+    error : ValidationError
+    """
+    found = [(".".join(map(str, e["loc"])), _message(model, e, [*e["loc"]])) for e in _merged(error.errors())]
+    return [(key, message.partition(", got ")[0]) for key, message in found]
+
+
 def _problem(
     model: type[BaseModel], data: dict, text: str, error: dict, prefix: tuple[str, ...]
 ) -> tuple[int | None, str, str]:
@@ -196,14 +212,16 @@ def _message(model: type[BaseModel], error: dict, keys: list[str | int]) -> str:
             return "unknown key" + _allowed(last, allowed) + explained
         case "missing" if last == "input" and len(keys) <= 2:
             return 'is missing: add a table [input] of type "crank" or "slider"; see `sweeps help input`'
+        case "missing" if keys == ["scene"]:
+            return 'is missing: name the file of the scene, scene = "press.toml"'
         case "missing":
-            return "is missing" if isinstance(error["loc"][-1], str) else "has too few entries"
+            return "is missing: add it" if isinstance(error["loc"][-1], str) else "has too few entries"
         case "union_tag_invalid":
             allowed = re.findall(r"'([^']+)'", context.get("expected_tags", ""))
             tag = str(context.get("tag"))
             return f"type {tag!r} is not known" + _allowed(tag, allowed)
         case "union_tag_not_found":
-            return "the key 'type' is missing"
+            return "the key 'type' is missing: add it"
         case "literal_error":
             allowed = re.findall(r"'([^']+)'", context["expected"])
             return f"{_shown(value)} is not allowed" + (
@@ -276,7 +294,10 @@ _SYNONYMS = {
     "masses": ("bodies",),
     "torques": ("moments",),
     "parameters": ("vary",),
-    "results": ("outputs",),
+    "variables": ("vary",),
+    "sweep": ("vary",),
+    "results": ("outputs", "summaries"),
+    "step": ("count",),
     "constraints": ("where", "require"),
     "subject_to": ("where", "require"),
     "condition": ("where", "require"),

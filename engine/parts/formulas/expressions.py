@@ -317,6 +317,8 @@ def _check_token(line: str, token: re.Match) -> None:
     is_name = "." in (line[token.start() - 1 : token.start()], line[token.end() : token.end() + 1])
     if token["word"] and not is_name and _JOINING.fullmatch(token[0]) and not token[0].islower():
         here = token[0].lower()
+    if token[0] == "=" and not line[: token.start()].strip():
+        raise _refusal(line, token.start(), "leave the leading = out")
     if here:
         raise _refusal(line, token.start(), f"write {here} instead of {token[0]}")
     if token["open"]:
