@@ -30,6 +30,14 @@ def metric_units() -> None:
     show_units_of({})
 
 
+@pytest.fixture(autouse=True)
+def silent_pictures(caplog: pytest.LogCaptureFixture) -> Iterator[None]:
+    """Matplotlib reports missing glyphs and the like in its log, not as warnings."""
+    yield
+    logged = [record.getMessage() for record in caplog.get_records("call") if record.name.startswith("matplotlib")]
+    assert not logged, logged
+
+
 @pytest.fixture
 def press_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """A folder with a press and its study, to give commands in."""

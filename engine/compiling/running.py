@@ -43,6 +43,13 @@ def spread(compiled: Callable, count: int, arguments: Callable) -> None:
     on_all_threads(lambda piece: compiled(*piece, *arguments()), pieces_of(count))
 
 
+def of_all(values: np.ndarray, who: np.ndarray, count: int) -> np.ndarray:
+    """Numbers of some variants, (…, variants), as those of so many, NaN for the others."""
+    whole = np.full((*values.shape[:-1], count), np.nan)
+    whole[..., who] = values
+    return whole
+
+
 def over_variants(function: Callable) -> Callable:
     """Compile a function over a range of variants; called with their number, it runs in pieces on all threads."""
     kernel = driver(function, makes_arrays=True)

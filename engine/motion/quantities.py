@@ -199,8 +199,7 @@ def motion_fields(mechanics: Mechanics, kind: str = "steady") -> list[Quantity]:
     found: list[Quantity] = []
     loads = load_fields(mechanics)
     for name, regime in mechanics.scene.regimes.items():
-        # At the two speeds of a coupling loads aren't known.
-        if regime.type == kind and not _at_two_speeds(mechanics.scene, regime):
+        if regime.type == kind:
             found += _made(mechanics.scene, name, FIELDS)
             if kind == "steady":
                 instant = {INSTANT: ("time since the crank angle 0 in {name}", "s")}
@@ -244,26 +243,6 @@ def load_fields(mechanics: Mechanics) -> dict[str, tuple[str, str]]:
     if has_friction(mechanics.scene):
         table["friction_moment"] = (f"{moment} on the input that stands for friction in pairs", unit)
     return {key: (f"{words} in {{name}}, at its true motion", unit) for key, (words, unit) in table.items()}
-
-
-def why_no_load(mechanics: Mechanics, name: str) -> str | None:
-    """Why a load that pairs have in other regimes isn't known under a name; None where it is no such name.
-
-    Parameters
-    ----------
-    mechanics : Mechanics
-    name : str
-        Of a field, or of a statistic of one.
-    """
-    asked, scene = Asked.of(name), mechanics.scene
-    regime = scene.regimes.get(asked.regime)
-    if regime is None or asked.field not in load_fields(mechanics) or not _at_two_speeds(scene, regime):
-        return None
-    coupling = next(iter(scene.couplings))
-    return (
-        f"{name!r}: at the two speeds of couplings.{coupling} loads on pairs aren't known; ask for "
-        f"{asked.field!r} at constant speed, or leave the coupling out"
-    )
 
 
 def cycle_statistics(field: Quantity) -> list[Quantity]:

@@ -12,12 +12,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.running import of_all
 from engine.compiling.threads import on_all_threads, threads
 from engine.graph.nodes import Node
 from engine.mechanism.actions.motors import motor_ratio
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.coupled.coupled_answers import CoupledOutcome, CoupledStanding, held_moment, run_coupled
-from engine.motion.coupled.coupled_run import CoupledEnds, Precision
+from engine.motion.coupled.coupled_fields import CoupledFields, CycleStates
+from engine.motion.coupled.coupled_run import FARTHEST_TURN, LOOKS, CoupledEnds, Precision
 from engine.motion.coupled.coupled_steady import CoupledSteady, one_cycle, settled_at_two_speeds
 from engine.motion.coupled.two_sides import TwoSides, coupling_of
 from engine.motion.loads import PairLoads
@@ -43,7 +45,7 @@ from engine.motion.runs.run_progress import TOLERANCE as RUN_TOLERANCE
 from engine.motion.runs.run_progress import Begin, Changed, Ends, Progress, RunOutcome, Stepping
 from engine.motion.runs.spread_errors import spread_errors
 from engine.motion.runs.watching import Observer, RunFields
-from engine.motion.settled.cycle import CycleAnswers, answers_of, cycle_of
+from engine.motion.settled.cycle import Cycle, CycleAnswers, answers_of, cycle_of
 from engine.motion.settled.rubbing_steady import settled_motion
 from engine.motion.settled.sizing import flywheel_for
 from engine.motion.settled.steady import Steady, steady_motion
@@ -69,6 +71,8 @@ TOGETHER = 4096
 WORTH_A_THREAD = 128
 # A line of the cache holds so many numbers.
 ODD = 8
+# How far apart a run at two speeds is looked at, at most [rad].
+BETWEEN_LOOKS = FARTHEST_TURN / (LOOKS.size - 1)
 ROUNDING = 16 * np.finfo(float).eps
 # So many steps round as much as everything else: each by half a unit in the last place.
 STEPS_OF_ROUNDING = 32
@@ -203,9 +207,6 @@ class Schedule:
         if accuracy is not None:
             self._run_tolerance = tuple(max(share * accuracy, LEAST_TOLERANCE) for share in SURER_IN_RUNS)
         scene = mechanics.scene
-        if has_friction(scene) and scene.couplings:
-            message = "not available in regimes with [couplings], where a machine has two speeds; remove one of them"
-            raise SceneError([("friction", message)])
         self.regimes = dict(scene.regimes)
         self.steady = {name for name, regime in self.regimes.items() if not isinstance(regime, RunRegime)}
         self.needed = self._needed()
@@ -226,7 +227,7 @@ class Schedule:
         gathered |= {"fading"} if self.steady & set(self.needed) else set()
         gathered |= {"squares"} if "motor_moment_rms" in summaries else set()
         self.dynamics = {off: Dynamics(self.reduction, off, works, friction, frozenset(gathered)) for off in sets}
-        self.sides = {off: TwoSides(self.reduction, off, works) for off in sets} if scene.couplings else {}
+        self.sides = {off: TwoSides(self.reduction, off, works, friction) for off in sets} if scene.couplings else {}
         self._refuse_equal_steps()
 
     @property
@@ -343,12 +344,17 @@ class Schedule:
             hindered = self.hindered(name, dynamics, variants)
             standing = standing._replace(verdict=np.where(standing.verdict, standing.verdict, hindered))
             if self.at_two_speeds(name) and name in self.steady:
-                going, standing, found, scale = self._steady_at_two_speeds(name, dynamics, variants, standing, half)
+                going, cycle, standing, found = self._steady_at_two_speeds(name, dynamics, variants, standing, half)
                 made, energy = float(steps), going.energy
+                found, scale = found | cycle.values, cycle.scales | {"speed_fluctuation": np.ones(count)}
+                gone.fields.update({f"{name}.{key}": row for key, row in cycle.fields.items()})
+                gone.missed.update({f"{name}.{key}": most for key, most in cycle.missed.items()})
             elif self.at_two_speeds(name):
-                going, standing = self.run_at_two_speeds(name, variants, standing, half)
+                going, extremes, standing = self.run_at_two_speeds(name, variants, standing, half)
                 made, energy = going.turned / dynamics.cycle * steps, going.energy
-                found, scale = self._at_two_speeds(name, dynamics, going), {"work_residual": np.ones(count)}
+                found = self._at_two_speeds(name, dynamics, going) | extremes.values
+                scale = extremes.scales | {"work_residual": np.ones(count)}
+                gone.missed.update({f"{name}.{key}": most for key, most in extremes.missed.items()})
                 gone.covered.append(_positions(variants, standing.angle, going.turned, going.covered))
             elif isinstance(self.regimes[name], RunRegime):
                 outcome, extremes, standing = self.run(name, dynamics, variants, standing, half)
@@ -413,8 +419,13 @@ class Schedule:
         return np.broadcast_to(value, (variants.count,)).astype(float)
 
     def run_at_two_speeds(
-        self, name: str, variants: Variants, standing: Standing, loose: bool = False, record: bool = False
-    ) -> tuple[CoupledOutcome, Standing]:
+        self,
+        name: str,
+        variants: Variants,
+        standing: Standing,
+        loose: bool = False,
+        record: Callable[[CoupledFields], Observer] | None = None,
+    ) -> tuple[CoupledOutcome, FieldAnswers, Standing]:
         """Run a regime of a machine with a coupling from where it stands.
 
         Parameters
@@ -425,8 +436,8 @@ class Schedule:
         standing : Standing
         loose : bool
             Whether steps may miss more, for comparison.
-        record : bool
-            Whether to keep the history (of a single variant).
+        record : callable, optional
+            What it makes looks at the run instead of what is asked.
         """
         regime, zero = self.regimes[name], np.zeros(variants.count)
         two, cycle = self.sides[frozenset(regime.off)], self.reduction.cycle
@@ -453,14 +464,21 @@ class Schedule:
         ends = CoupledEnds(
             turned, time, speed, regime.rest is True, regime.lock_up is True, most, regime.reversal is True
         )
-        gone = run_coupled(sides, (omega, shaft), clock, engaged, ends, self._precision(loose), record)
+        along, asked = CoupledFields(sides, clock, self.loads), self.fields[name]
+        watch = record or (lambda along: RunExtremes(along, [one.field for one in asked]))
+        observers = [watch(along)] if asked or record else []
+        gone = run_coupled(sides, (omega, shaft), clock, engaged, ends, self._precision(loose), observers)
+        extremes = FieldAnswers({}, {}, {}, {})
+        if asked and record is None:
+            extremes = observers[0].answers(asked, np.full(ready.size, BETWEEN_LOOKS))
+            extremes = extremes.over_all(ready, variants.count)
         gone = gone.over_all(ready, variants.count)
         verdict = np.where(standing.verdict == Verdict.OK, gone.verdict, standing.verdict).astype(np.uint8)
         since = np.full(variants.count, np.nan)
         since[ready] = engaged
         after = CoupledStanding(gone.shaft_omega, zero if two.open else since + gone.time)
         angle = angle + variants.direction * gone.turned
-        return gone, Standing(angle, gone.omega, standing.clock + gone.time, verdict, after)
+        return gone, extremes, Standing(angle, gone.omega, standing.clock + gone.time, verdict, after)
 
     def _precision(self, coarser: bool) -> Precision:
         return Precision(self._run_tolerance[0], coarser)
@@ -470,9 +488,17 @@ class Schedule:
         return bool(self.sides) and (name not in self.steady or self.sides[frozenset(self.regimes[name].off)].is_fluid)
 
     def settled_at_two_speeds(
-        self, name: str, variants: Variants, standing: Standing, loose: bool = False, record: bool = False
+        self,
+        name: str,
+        variants: Variants,
+        standing: Standing,
+        loose: bool = False,
+        record: Callable[[CoupledFields, np.ndarray], Observer] | None = None,
     ) -> tuple[CoupledSteady, CoupledOutcome, Standing]:
-        """Steady motion through a fluid coupling, and a cycle of it; parameters as of `run_at_two_speeds`."""
+        """Steady motion through a fluid coupling, and a cycle of it; parameters as of `run_at_two_speeds`.
+
+        `record` is given the variants, too, that have such a motion.
+        """
         two, count, zero = self.sides[frozenset(self.regimes[name].off)], variants.count, np.zeros(variants.count)
         ready = np.flatnonzero(standing.verdict == Verdict.OK)
         sides = two.of(variants.some(ready), zero[ready])
@@ -480,23 +506,47 @@ class Schedule:
         steady = settled_at_two_speeds(sides, precision)
         good = np.flatnonzero(steady.verdict == Verdict.OK)
         # Numbers of those that have one, and NaN for the others.
-        gone = one_cycle(sides.some(good), steady.speeds[:, good], precision, record).over_all(ready[good], count)
+        moving = sides.some(good)
+        watching = [] if record is None else [record(CoupledFields(moving, zero[good], self.loads), ready[good])]
+        gone = one_cycle(moving, steady.speeds[:, good], precision, watching).over_all(ready[good], count)
         verdict = standing.verdict.astype(np.uint8).copy()
         verdict[ready] = np.where(steady.verdict == Verdict.OK, gone.verdict[ready], steady.verdict)
-        speeds, multiplier, residual = (_of_all(row, ready, count) for row in steady[1:])
+        speeds, multiplier, residual = (of_all(row, ready, count) for row in steady[1:])
         after = Standing(zero, speeds[0], zero, verdict, CoupledStanding(speeds[1], np.full(count, np.inf)))
         return CoupledSteady(verdict, speeds, multiplier, residual), gone, after
 
     def _steady_at_two_speeds(
         self, name: str, dynamics: Dynamics, variants: Variants, standing: Standing, half: bool
-    ) -> tuple[CoupledOutcome, Standing, dict[str, np.ndarray], dict[str, np.ndarray]]:
-        steady, gone, after = self.settled_at_two_speeds(name, variants, standing, half)
+    ) -> tuple[CoupledOutcome, CycleAnswers, Standing, dict[str, np.ndarray]]:
+        asked, seen = self.fields[name], []
+
+        def record(along: CoupledFields, good: np.ndarray) -> CycleStates:
+            looks = LOOKS[:: 2 if half else 1].size
+            seen.append((along, good, CycleStates(good.size, looks)))
+            return seen[0][2]
+
+        steady, gone, after = self.settled_at_two_speeds(name, variants, standing, half, record if asked else None)
+        cycle = CycleAnswers({}, {}, {}, {})
+        if asked:
+            along, good, states = seen[0]
+            cycle = answers_of(self._fluid_cycle(along, states, half), asked, dynamics.cycle)
+            cycle = cycle.over_all(good, variants.count)
         found = self._at_two_speeds(name, dynamics, gone)
         low, high = found["speed_min"], found["speed_max"]
         found |= {"period": gone.time, "mean_speed": dynamics.cycle / gone.time, "multiplier": steady.multiplier}
         found |= {"return_residual": steady.residual, "speed_fluctuation": 2.0 * (high - low) / (high + low)}
         found |= self._slips(name, variants, found["mean_speed"], gone)
-        return gone, after, found, {"speed_fluctuation": np.ones(variants.count)}
+        return gone, cycle, after, found
+
+    def _fluid_cycle(self, along: CoupledFields, states: CycleStates, half: bool) -> Cycle:
+        """The settled cycle through a fluid coupling with its fields."""
+        variants, steps = along.variants, self.steps // 2 if half else self.steps
+        sided = variants._replace(breaks=variants.breaks.two_sided())
+        grid = along.dynamics.grid(sided, np.zeros(variants.count), along.dynamics.cycle, steps)
+        angle = grid.places[NODES]
+        rows = along(np.arange(variants.count), states.at(variants.direction * angle))
+        even = np.broadcast_to(np.arange(len(angle))[:, None], angle.shape) if grid.even is None else grid.even
+        return Cycle(angle, grid.steps, even, rows["speed"], variants.direction, rows)
 
     def _at_two_speeds(self, name: str, dynamics: Dynamics, gone: CoupledOutcome) -> dict[str, np.ndarray]:
         two = self.sides[frozenset(self.regimes[name].off)]
@@ -564,8 +614,7 @@ class Schedule:
             good = np.flatnonzero(outcome.verdict == Verdict.OK)
             chosen = ends.some(good)
             found = self._extremes(name, dynamics, part.some(good), begin.some(good), chosen, half)
-            *told, rows = ({k: _of_all(v.T, ready[good], count).T for k, v in own.items()} for own in found)
-            extremes = FieldAnswers(*told, rows)
+            extremes = found.over_all(ready[good], count)
         outcome = _over_all(outcome, ready, count)
         verdict = np.where(standing.verdict == Verdict.OK, outcome.verdict, standing.verdict)
         turned, time = outcome.state.turned, outcome.state.time
@@ -761,17 +810,10 @@ def _greatest_energy(dynamics: Dynamics, variants: Variants, angle: np.ndarray, 
 
 def _over_all(outcome: RunOutcome, ready: np.ndarray, count: int) -> RunOutcome:
     """An outcome of some variants as one of all, NaN for the others."""
-    state = type(outcome.state)(*(_of_all(x, ready, count) for x in outcome.state))
+    state = type(outcome.state)(*(of_all(x, ready, count) for x in outcome.state))
     verdict = np.full(count, Verdict.OK, np.uint8)
     verdict[ready] = outcome.verdict
-    changed = Changed(*(_of_all(x, ready, count) for x in outcome.changed))
+    changed = Changed(*(of_all(x, ready, count) for x in outcome.changed))
     names = ("slowest", "fastest", "started", "ended", "arrived", "known", "covered")
-    rest = {name: _of_all(getattr(outcome, name), ready, count) for name in names}
+    rest = {name: of_all(getattr(outcome, name), ready, count) for name in names}
     return RunOutcome(verdict, state, changed=changed, **rest)
-
-
-def _of_all(values: np.ndarray, ready: np.ndarray, count: int) -> np.ndarray:
-    """Numbers of some variants as those of all, NaN for the others."""
-    whole = np.full((*values.shape[:-1], count), np.nan)
-    whole[..., ready] = values
-    return whole

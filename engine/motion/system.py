@@ -80,8 +80,8 @@ class System(NamedTuple):
     ----------
     along : {"angle", "time"}
     states : tuple of Given
-    unknown : tuple of Given
-        The last state's rate, where it depends on itself; else none.
+    unknown : dict of Given to Given
+        The rate of a state that depends on itself, by that state; or none.
     rates : tuple of Node
         Of the states, along the way.
     gathered : dict of str to Node
@@ -100,7 +100,7 @@ class System(NamedTuple):
 
     along: str
     states: tuple[Given, ...]
-    unknown: tuple[Given, ...]
+    unknown: dict[Given, Given]
     rates: tuple[Node, ...]
     gathered: dict[str, Node]
     speed: Node
@@ -222,7 +222,7 @@ def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tup
     responses = tuple(derivative(node, energy, SLOPES) for node in gathered.values())
     rates = (total,)
     return System(
-        "angle", (energy,), (), rates, gathered, speed, size, steepness, slope, (steepness,), responses, guards, clock
+        "angle", (energy,), {}, rates, gathered, speed, size, steepness, slope, (steepness,), responses, guards, clock
     ), sizes
 
 
@@ -231,12 +231,12 @@ def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str], rubs: b
     graph = mechanics.graph
     turned, speed = (graph.given(label, Stage.STATE) for label in ("angle turned", "speed of a state"))
     (loads, clock, sizes), (inertia, _) = sizes_of(mechanics, speed), inertia_with_flywheel(mechanics)
-    moments, unknown = moments_of(mechanics, loads, sizes, speed, works), ()
+    moments, unknown = moments_of(mechanics, loads, sizes, speed, works), {}
     # Motors make a step stiff; friction doesn't, and its derivative is as long as all reactions.
     smooth = (moments.total - (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)) / inertia
     if rubs:
-        unknown = (graph.given("acceleration", Stage.STATE),)
-        moments.channels["harmful" if works else "all"] += _friction(mechanics, loads, sizes, speed, *unknown)
+        unknown[speed] = graph.given("acceleration", Stage.STATE)
+        moments.channels["harmful" if works else "all"] += friction_of(mechanics, loads, sizes, speed, unknown[speed])
     total = moments.total
     epsilon = (total - (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)) / inertia
     powers = {name: moment * speed for name, moment in moments.channels.items()}
@@ -256,7 +256,7 @@ def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str], rubs: b
     ), sizes
 
 
-def _friction(mechanics: Mechanics, loads: Loads, sizes: Sizes, speed: Node, epsilon: Node) -> Node:
+def friction_of(mechanics: Mechanics, loads: Loads, sizes: Sizes, speed: Node, epsilon: Node) -> Node:
     """Moment that stands for friction in the pairs, in the direction of motion."""
     motion = InputMotion(speed * speed, sizes.way * epsilon, speed)
     acting = [load._replace(coefficient=size) for size, load in zip(sizes.loads, loads.terms, strict=True)]
@@ -334,7 +334,7 @@ class PrintedSystem:
         guards = (guard.value for guard in system.guards)
         before = system.speed, system.size, system.steepness, system.slope
         self.watched = [*before, *system.responses, *system.slopes, *guards]
-        self.last = (*system.states, *system.unknown)
+        self.last = (*system.states, *system.unknown.values())
         title = f"A machine in motion, along {system.along}."
         self.functions: Functions = functions_in_motion(
             mechanics.graph, title, mechanics.first, mechanics.last, self.rates, self.watched, self.last
@@ -356,7 +356,7 @@ class PrintedSystem:
             implicit=made.implicit,
             solved=math.isqrt(len(system.slopes)),
             slopes=RESPONSES + len(system.responses),
-            solves=bool(system.unknown),
+            solves=next(map(system.states.index, system.unknown), -1),
             nodes=made.nodes,
             matrix=made.matrix,
             inverse=made.inverse,

@@ -124,8 +124,8 @@ class WalkTask(NamedTuple):
         How many states it solves for: the energy, or the speeds; 0 where it can't.
     slopes : int
         Row that `watch` fills with the first derivative of their rates by each of them.
-    solves : bool
-        Whether the last state's rate depends on itself; its row of P follows those of the states.
+    solves : int
+        The state whose rate depends on itself, −1: none; its row of P follows those of the states.
     matrix, inverse : ndarray
         Of an implicit method.
     states, width : int
@@ -156,7 +156,7 @@ class WalkTask(NamedTuple):
     implicit: bool
     solved: int
     slopes: int
-    solves: bool
+    solves: int
     nodes: np.ndarray
     matrix: np.ndarray
     inverse: np.ndarray
@@ -320,14 +320,14 @@ def new_room(task: WalkTask, numbers: int, edges: int, instants: int, repeats: b
         rows(len(Lane._fields)),
         rows(2 * edges),
         rows(max(instants, 1)),
-        rows(task.width * len(task.nodes), aside=ASIDE),
+        rows(task.width * max(len(task.nodes), task.stages + 1), aside=ASIDE),
         rows(2 * task.watched),
         rows(task.width),
         rows(task.width, aside=ASIDE),
         rows(task.width),
         rows(task.width),
         rows(task.width),
-        rows(unknown * (unknown + 1) + task.stages * task.states if task.implicit else 2),
+        rows((unknown * (unknown + 1) + task.stages * task.states if task.implicit else 0) + 2),
         rows(2 * (2 * task.width + 1)),
         rows(2 * (FIRST + task.guards)),
         rows(laid),
@@ -417,7 +417,7 @@ def stand(share: float, stage: int, slot: int, printed: Printed, task: WalkTask,
 @inlined
 def rate(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
     """Rates of a stage."""
-    if task.solves:
+    if task.solves >= 0:
         solve_rates(stage, printed, task, room)
     else:
         fill_rates(stage, printed, task, room)
@@ -425,14 +425,16 @@ def rate(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
 
 @routine
 def solve_rates(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
-    """Rates of a stage whose last state's rate depends on itself, as friction does on the acceleration; by secants.
+    """Rates of a stage where a state's rate depends on itself, as friction does on the acceleration; by secants.
 
     Where no rate is found, it is NaN, and the step is refused.
     """
-    own, row = rows_of(room.lane), task.first_place + task.places + task.states
-    here, state = in_lanes(room.numbers)[row], in_lanes(room.numbers)[row - 1]
-    found = in_lanes(room.rates)[stage * task.width + task.states - 1]
-    before, left_before = in_lanes(room.equations)[0], in_lanes(room.equations)[1]
+    own, row = rows_of(room.lane), task.first_place + task.places
+    here, state = in_lanes(room.numbers)[row + task.states], in_lanes(room.numbers)[row + task.solves]
+    found = in_lanes(room.rates)[stage * task.width + task.solves]
+    # Behind the equations of an implicit step.
+    last = room.equations.shape[0] - 1
+    before, left_before = in_lanes(room.equations)[last - 1], in_lanes(room.equations)[last]
     for lane in range(LANES):
         here[lane] = here[lane] if abs(here[lane]) < math.inf else 0.0
     for turn in range(MOST_SECANTS):
@@ -518,7 +520,7 @@ def attempt(kept: int, keeps: bool, printed: Printed, task: WalkTask, room: Room
         for lane in range(LANES):
             state[q, lane] = after[q, lane]
     stand(1.0, task.stages, kept, printed, task, room)
-    if task.solves:
+    if task.solves >= 0:
         rate(task.stages, printed, task, room)
     look(1, printed, task, room)
     if keeps:
@@ -539,6 +541,8 @@ def find_stages(printed: Printed, task: WalkTask, room: Room) -> None:
     count = stages * each
     found, slopes = count * (count + 1), task.watched + task.slopes
     stand(0.0, 0, -1, printed, task, room)
+    if task.solves >= 0:
+        rate(0, printed, task, room)
     look(0, printed, task, room)
     for lane in range(LANES):
         worst[lane] = math.inf

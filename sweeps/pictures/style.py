@@ -128,11 +128,13 @@ def _legible_texts_of(formatter: FuncFormatter) -> Callable[[float, int | None],
 def _legible(text: str) -> str:
     """A `visible` text without invalid formulas."""
     text = visible(text)
-    if is_math_text(text):
-        try:
-            MathTextParser("path").parse(text)
-        except ValueError:
-            return text.replace("$", r"\$")
+    try:
+        # Matplotlib sets each line by itself.
+        for line in text.splitlines():
+            if is_math_text(line):
+                MathTextParser("path").parse(line)
+    except ValueError:
+        return text.replace("$", r"\$")
     return text
 
 

@@ -29,11 +29,12 @@ from engine.elements.elastic_drives.elastic_shaft import drive_shaft
 from engine.elements.elastic_drives.machine_drive import RESULTS, RUN_RESULTS, VERDICT_KEY, MachineDrive, machine_keys
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.coupled.coupled_run import FINE, Precision
-from engine.motion.coupled.elastic_run import FINEST, ElasticRun, run_on_shaft, steps_on_shaft
+from engine.motion.coupled.elastic_run import FINEST, ElasticHistory, ElasticRun, run_on_shaft, steps_on_shaft
 from engine.motion.coupled.two_sides import OnElasticShaft
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.grid import GAP
 from engine.motion.regimes_in_order import TOLERANCE, Schedule
+from engine.motion.runs.watching import Observer
 from engine.motion.settled.steady import steady_motion
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.verdicts import Verdict
@@ -181,7 +182,7 @@ class ElasticDrives:
         ready: "Ready",
         steady: np.ndarray,
         precision: Precision = FINE,
-        record: bool = False,
+        observers: Sequence[Observer] = (),
         duration: np.ndarray | None = None,
     ) -> ElasticRun:
         """Follow a drive's run, from its own begin or out of a steady motion, (4, variants), or a part of it."""
@@ -190,7 +191,7 @@ class ElasticDrives:
         duration = whole if duration is None else duration
         sides = self.runs[name].of(ready.bare, angle, ready.given.T, backlash)
         begin = steady if run.begin == "steady" else np.zeros_like(steady)
-        return run_on_shaft(sides, ready.frequency, begin, duration, precision, record)
+        return run_on_shaft(sides, ready.frequency, begin, duration, precision, observers)
 
     def _ready(self, name: str, variants: Variants) -> "tuple[Ready, np.ndarray, np.ndarray]":
         """Those of some variants that have a steady motion with a rigid shaft; their steps, and verdicts on all."""
@@ -222,9 +223,13 @@ class ElasticDrives:
         return None if found.verdict[0] != Verdict.OK else (ready, found, machine, rigid)
 
     def history(self, name: str) -> np.ndarray | None:
-        """History of the run of the scene as it is, as in `ElasticRun`; None where there is none."""
+        """Time, state as in `ElasticRun` and moment along the run of the scene as it is; None where there is none."""
         found = self.as_is(name) if name in self.runs else None
-        return None if found is None else self._run(name, found[0], found[1].begin, record=True).history
+        if found is None:
+            return None
+        seen = ElasticHistory()
+        self._run(name, found[0], found[1].begin, observers=[seen])
+        return seen.rows
 
     @staticmethod
     def _judged(values: np.ndarray, errors: np.ndarray, verdict: np.ndarray) -> np.ndarray:

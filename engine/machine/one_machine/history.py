@@ -27,6 +27,8 @@ NOUGHT = np.zeros(1)
 MOST_TOGETHER = 50_000
 # What power comes from, and goes to.
 SOURCES = ("motors", *CHANNELS, "coupling")
+# What both sides of a coupling have by themselves.
+AT_TWO_SPEEDS = ("shaft_speed", "coupling_moment", *(f"{source} power" for source in SOURCES))
 
 
 class History(NamedTuple):
@@ -104,7 +106,7 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
     schedule, numbers = Schedule(mechanics, asked, steps), Numbers(scene_numbers(scene), {})
     every = schedule.variants(numbers, 1)
     zero, standing = np.zeros(1), schedule.at_begin(every)
-    parts: list[_Part | _CoupledPart] = []
+    parts: list[_Part] = []
     begun = 0.0
     for name in schedule.needed:
         off = frozenset(scene.regimes[name].off)
@@ -116,27 +118,23 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
             parts.append(_Part(name, begun, along, [_instant(standing)]))
             standing = standing._replace(verdict=hindered)
             break
+        records: list[_Record] = []
+
+        def record(along: RunFields, *_: object, records: list[_Record] = records) -> _Record:
+            records.append(_Record(along))
+            return records[-1]
+
         if schedule.at_two_speeds(name):
-            angle = getattr(scene.regimes[name], "from_angle", 0.0)
-            start = standing.angle[0] if angle is None else angle
             if name in schedule.steady:
-                _, gone, standing = schedule.settled_at_two_speeds(name, variants, standing, record=True)
+                _, _, standing = schedule.settled_at_two_speeds(name, variants, standing, record=record)
             else:
-                gone, standing = schedule.run_at_two_speeds(name, variants, standing, record=True)
-            if gone.history is None:
+                _, _, standing = schedule.run_at_two_speeds(name, variants, standing, record=record)
+            pieces = records[0].pieces
+            if not pieces:
                 break
-            sides = schedule.sides[off].of(variants, np.full(1, start))
-            time, turned, omega, *shaft = gone.history
-            course = np.array([time + begun, start + variants.direction * turned, omega])
-            parts.append(_CoupledPart(name, course, variants, sides, np.array(shaft)))
-            begun += time[-1]
+            parts.append(_Part(name, begun, records[0].along, pieces))
+            begun += pieces[-1].time[-1, 0]
         elif isinstance(scene.regimes[name], RunRegime):
-            records: list[_Record] = []
-
-            def record(along: RunFields, records: list[_Record] = records) -> _Record:
-                records.append(_Record(along))
-                return records[-1]
-
             outcome, _, standing = schedule.run(name, dynamics, variants, standing, record=record)
             pieces, state = records[0].pieces, outcome.state
             if state.time[0] > pieces[-1].time[-1, 0]:
@@ -190,16 +188,6 @@ class _Part(NamedTuple):
     sides: CoupledSides | None = None
 
 
-class _CoupledPart(NamedTuple):
-    """A run with a coupling: time, angle and speed of the crank by instants, its sides, and their speed and moment."""
-
-    name: str
-    course: np.ndarray
-    variants: Variants
-    sides: CoupledSides
-    shaft: np.ndarray
-
-
 def _instant(standing: Standing, time: np.ndarray = NOUGHT, turned: np.ndarray = NOUGHT) -> Piece:
     """Where a machine stands, some time and angle after its run began."""
     rows = [time[None], turned[None], standing.omega[None]]
@@ -218,10 +206,10 @@ def _one_cycle(dynamics: Dynamics, variants: Variants, steps: int, tolerance: fl
     return piece, Standing(zero, omega[0], zero, steady.verdict)
 
 
-def _gathered(parts: list[_Part | _CoupledPart], fields: Iterable[str], verdict: Verdict) -> History:
+def _gathered(parts: list[_Part], fields: Iterable[str], verdict: Verdict) -> History:
     columns: dict[str, list[np.ndarray]] = {}
     for part in parts:
-        for own in _of_coupled(part, fields) if isinstance(part, _CoupledPart) else _of_pieces(part, fields):
+        for own in _of_pieces(part, fields):
             for key, row in own.items():
                 columns.setdefault(key, []).append(row)
     whole = {key: np.concatenate(values) for key, values in columns.items()}
@@ -259,68 +247,31 @@ def _of_pieces(part: _Part, fields: Iterable[str]) -> Iterator[dict[str, np.ndar
             "regime": np.full(new.sum(), name),
             "time": begun + piece.time[new, 0],
             "angle": along.start[0] + way * piece.turned[new, 0],
-            "speed": way * rows["speed"],
             "shaft_speed": none if sides is None else sides.coupling.ratio * rows["speed"],
             "coupling_moment": none,
+            "coupling power": np.zeros(new.sum()),
         }
         moments = (rows["motor_moment"], *(rows[channel] for channel in CHANNELS))
         # The moment of what hinders a machine may be no number.
         with np.errstate(invalid="ignore"):
-            powers = [*(way * moment * rows["speed"] for moment in moments), np.zeros(new.sum())]
-        own |= {f"{source} power": power for source, power in zip(SOURCES, powers, strict=True)}
+            own |= {f"{name} power": way * m * rows["speed"] for name, m in zip(SOURCES, moments, strict=False)}
+        own |= {"speed": way * rows["speed"]} | {key: row for key, row in rows.items() if key in AT_TWO_SPEEDS}
         kept = ("acceleration", "motor_moment", *CHANNELS, *fields)
         yield own | {"energy": rows["kinetic_energy"]} | {key: rows[key] for key in kept}
 
 
 def _joined(pieces: list[Piece]) -> Iterator[tuple[Piece, np.ndarray]]:
-    """Pieces one after another, as many in one as go the same way, and which of their nodes are new."""
+    """Pieces of one variant one after another, as many in one as go alike, and which of their nodes are new."""
     news = (_new_nodes(piece, before) for before, piece in zip([None, *pieces], pieces, strict=False))
     own: list[Piece] = []
     new: list[np.ndarray] = []
     for piece, its in zip(pieces, news, strict=True):
-        if own and (piece.facing[0] != own[0].facing[0] or sum(each.size for each in new) + its.size > MOST_TOGETHER):
-            yield _as_one(own), np.concatenate(new)
+        if own and not (piece.goes_as(own[0]) and sum(each.size for each in new) + its.size <= MOST_TOGETHER):
+            yield type(piece).in_one(own), np.concatenate(new)
             own, new = [], []
         own.append(piece)
         new.append(its)
-    yield _as_one(own), np.concatenate(new)
-
-
-def _as_one(pieces: list[Piece]) -> Piece:
-    time, turned, omega, moment = (
-        np.concatenate(rows) for rows in zip(*((p.time, p.turned, p.omega, p.moment) for p in pieces), strict=True)
-    )
-    return Piece(time, turned, omega, pieces[0].facing, np.empty((0, 1)), moment)
-
-
-def _of_coupled(part: _CoupledPart, fields: Iterable[str]) -> Iterator[dict[str, np.ndarray]]:
-    """Columns of a run with a coupling; the loads on pairs aren't known there."""
-    (time, angle, omega), sides, shaft = part.course, part.sides, part.shaft
-    way, none = part.variants.direction[0], np.full(time.size, np.nan)
-    turned, speeds = way * (angle - sides.crank.start[0]), (omega[:, None], shaft[0][:, None])
-    faced = (np.where(speed < 0.0, -1.0, 1.0) for speed in speeds)
-    rows, of_crank = sides.crank.along(turned[:, None], speeds[0], time[:, None], next(faced))
-    of_shaft = sides.shaft.moments(speeds[1], next(faced))
-    both = [np.concatenate((m.motors[None], m.loads))[:, :, 0] for m in (of_crank, of_shaft)]
-    motors, loads = both[0][0] + both[1][0], both[0][1:] + both[1][1:]
-    powers, heat = both[0] * omega + both[1] * shaft[0], shaft[1] * (omega - shaft[0])
-    inertia, total = rows.inertia[:, 0], of_crank.total[:, 0] + shaft[1]
-    with np.errstate(all="ignore"):
-        epsilon = (total - 0.5 * omega**2 * rows.inertia_phi[:, 0]) / inertia
-    own = {
-        "regime": np.full(time.size, part.name),
-        "time": time,
-        "angle": angle,
-        "speed": way * omega,
-        "shaft_speed": sides.coupling.ratio * shaft[0],
-        "coupling_moment": way * shaft[1],
-        "acceleration": way * epsilon,
-        "motor_moment": way * motors,
-        "energy": 0.5 * inertia * omega**2 + 0.5 * sides.shaft.inertia * shaft[0] ** 2,
-    }
-    own |= {channel: way * moment for channel, moment in zip(CHANNELS, loads, strict=True)}
-    own |= {f"{source} power": power for source, power in zip(SOURCES, (*powers, heat), strict=True)}
-    yield own | dict.fromkeys(fields, none)
+    yield type(own[0]).in_one(own), np.concatenate(new)
 
 
 def _new_nodes(piece: Piece, before: Piece | None) -> np.ndarray:

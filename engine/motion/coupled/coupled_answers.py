@@ -1,14 +1,18 @@
 """What runs at two speeds are asked for: where they stand between two regimes, and the numbers of each."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
+from engine.compiling.running import of_all
 from engine.motion.coupled.coupled_run import CoupledEnds, CoupledRuns, Precision
 from engine.motion.coupled.two_sides import CoupledSides, TwoSides, coupling_numbers
 from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, SHAFT_TURNED, TURNED
 from engine.motion.moments.at_speed import greatest_moment
 from engine.motion.moments.dynamics import Dynamics, Variants
+from engine.motion.moments.equation_of_motion import EquationOfMotion
+from engine.motion.runs.watching import Observer
 from engine.verdicts import Verdict
 
 # Steps of a grid that differ by no more are equal.
@@ -48,8 +52,6 @@ class CoupledOutcome(NamedTuple):
         Least and greatest angle turned by the crank [rad].
     values : dict of str to ndarray
         By their names in a regime, without the coupling's and the shaft's.
-    history : ndarray (5, instants) or None
-        Time, angle of the crank, speeds of crank and shaft, moment of the coupling.
     """
 
     verdict: np.ndarray
@@ -63,20 +65,13 @@ class CoupledOutcome(NamedTuple):
     change: np.ndarray
     covered: np.ndarray
     values: dict[str, np.ndarray]
-    history: np.ndarray | None
 
     def over_all(self, ready: np.ndarray, count: int) -> "CoupledOutcome":
         """The outcome of some of so many variants as one of all, NaN for the others."""
-
-        def spread(values: np.ndarray) -> np.ndarray:
-            whole = np.full((*values.shape[:-1], count), np.nan)
-            whole[..., ready] = values
-            return whole
-
         verdict = np.full(count, Verdict.OK, np.uint8)
         verdict[ready] = self.verdict
-        rows = (spread(row) for row in self[1:-2])
-        return CoupledOutcome(verdict, *rows, {key: spread(row) for key, row in self.values.items()}, self.history)
+        rows = (of_all(row, ready, count) for row in self[1:-1])
+        return CoupledOutcome(verdict, *rows, {key: of_all(row, ready, count) for key, row in self.values.items()})
 
 
 def run_coupled(
@@ -86,10 +81,10 @@ def run_coupled(
     engaged: np.ndarray,
     ends: CoupledEnds,
     precision: Precision,
-    record: bool = False,
+    observers: Sequence[Observer] = (),
 ) -> CoupledOutcome:
     """Carry runs to their end; parameters are those of `CoupledRuns`."""
-    runs = CoupledRuns(sides, speeds, clock, engaged, ends, precision, record)
+    runs = CoupledRuns(sides, speeds, clock, engaged, ends, precision, observers)
     started, begun = _energy(sides, runs.state, np.zeros_like(clock), clock)
     runs.go_to_end()
     state, ratio = runs.state, sides.coupling.ratio
@@ -116,7 +111,6 @@ def run_coupled(
         "shaft_mean_speed": ratio * mean,
     }
     most = np.maximum(np.maximum(started, ended), begun + after + np.abs(heat))
-    history = None if not runs.notes else np.stack(runs.notes, axis=1)[[0, 1, 2, 4, 5], :, 0]
     return CoupledOutcome(
         runs.verdict,
         state[TURNED],
@@ -129,7 +123,6 @@ def run_coupled(
         ended - started,
         runs.covered,
         values,
-        history,
     )
 
 
@@ -158,12 +151,13 @@ def held_moment(
     energy : ndarray (places, variants)
         Kinetic energy there [J].
     """
-    rows, shaft = dynamics.rows(variants, places), two.of(variants, np.zeros(variants.count)).shaft
-    coupling = coupling_numbers(two.scene, variants.numbers, variants.count)
-    omega = np.sqrt(2.0 * energy / rows.inertia)
-    total = dynamics.moments(variants, dynamics.rows(variants, places, omega=omega), omega).total
-    change = (total - 0.5 * omega**2 * rows.inertia_phi) / rows.inertia
-    own = shaft.moments(omega, np.ones(variants.count)).total
+    zero, forward, way = np.zeros(variants.count), np.ones(variants.count), variants.direction
+    coupling, shaft = coupling_numbers(two.scene, variants.numbers, variants.count), two.of(variants, zero).shaft
+    omega = np.sqrt(2.0 * energy / dynamics.rows(variants, places).inertia)
+    whole = EquationOfMotion(dynamics, variants, zero)
+    rows, moments = whole.along(way * places, omega, np.zeros_like(omega), forward)
+    change = (moments.total - 0.5 * omega**2 * rows.inertia_phi) / rows.inertia
+    own = shaft.moments(omega, forward).total
     steps = np.diff(places, axis=0)
     even = np.isclose(steps[1:], steps[:-1], rtol=EVEN, atol=0.0)
     peak = _greatest_between(np.abs(own - shaft.inertia * change), even)

@@ -4,10 +4,12 @@ A walk in time goes on as long as the sides stay joined as they are. It ends whe
 loose, where a side comes to rest or sets off, where something changes by itself, and where the run is to end.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
+from engine.motion.coupled.coupled_fields import CoupledPiece
 from engine.motion.coupled.two_sides import (
     APART,
     BACKWARDS,
@@ -22,7 +24,9 @@ from engine.motion.coupled.two_sides import (
 from engine.motion.coupled.two_speeds import CRANK_SPEED, GRIP, SHAFT_SPEED, SHAFT_TURNED, TURNED
 from engine.motion.methods import EIGHT, NINE
 from engine.motion.moments.breaks import JUMP
+from engine.motion.moments.equation_of_motion import UNIFORM
 from engine.motion.moments.grid import edges_of
+from engine.motion.runs.watching import Observer, side_by_side
 from engine.motion.system import SHOWN, Walks
 from engine.motion.walk import LONGER, Why, coarser
 from engine.verdicts import Verdict
@@ -101,8 +105,8 @@ class CoupledRuns:
         Time at the begin, and since the coupling is engaged [s].
     ends : CoupledEnds
     precision : Precision
-    record : bool
-        Whether to keep the history (of a single variant).
+    observers : sequence of Observer
+        They see a `CoupledPiece` of each walk.
 
     Attributes
     ----------
@@ -129,8 +133,6 @@ class CoupledRuns:
         For how long a clutch slipped [s].
     lock_time, lock_speed : ndarray
         When it held last, and how fast the crank turned then; NaN where it never did.
-    notes : list of ndarray or None
-        Time, state of motion and moment of the coupling, where they are kept.
     """
 
     def __init__(
@@ -141,9 +143,9 @@ class CoupledRuns:
         engaged: np.ndarray,
         ends: CoupledEnds,
         precision: Precision = FINE,
-        record: bool = False,
+        observers: Sequence[Observer] = (),
     ) -> None:
-        self.sides, self.ends, count = sides, ends, sides.count
+        self.sides, self.ends, self.observers, count = sides, ends, observers, sides.count
         self.cycle = sides.crank.dynamics.cycle
         self.looks = slice(None, None, 2 if precision.coarser else 1)
         self.longer = LONGER if precision.coarser else 1.0
@@ -166,7 +168,6 @@ class CoupledRuns:
         self.done |= ends.speed == speeds[0]
         self.unsettled, self.steep = np.ones(count, bool), np.zeros(count, bool)
         self.marks, self.farthest_swing = np.full((4, count), np.nan), np.full(count, np.nan)
-        self.notes: list[np.ndarray] | None = [] if record else None
 
     def go_to_end(self) -> None:
         """Carry the runs to their end, in place."""
@@ -207,7 +208,7 @@ class CoupledRuns:
         self.unsettled[who] = self.steep[who] = False
         sides, joined, moving = self.sides.some(who), self.joined.some(who), self.state[: SHAFT_SPEED + 1, who].copy()
         # Behind a jump that lies just there.
-        moving[TURNED] += np.sign(moving[CRANK_SPEED]) * sides.beside(moving[TURNED])
+        moving[TURNED] += np.sign(moving[CRANK_SPEED]) * sides.crank.beside(moving[TURNED])
         ways = np.sign(moving[CRANK_SPEED]), np.sign(moving[SHAFT_SPEED])
         mode = np.full(who.size, APART if sides.open else FLUID)
         if not (sides.open or sides.is_fluid or sides.is_elastic):
@@ -258,7 +259,8 @@ class CoupledRuns:
         found = []
         for way in (forth, -forth):
             turned, w1, _, w2 = moving
-            rows, of_crank = sides.crank.at(turned, w1, joined.clock + time, way)
+            # At rest; of what moves these moments decide nothing.
+            rows, of_crank = sides.crank.at(turned, w1, joined.clock + time, way, UNIFORM)
             crank = of_crank.total[0] - 0.5 * w1 * w1 * rows.inertia_phi[0]
             found.append((crank, sides.shaft.moments(w2[None], way).total[0]))
         (a, b), (c, d) = found
@@ -321,8 +323,10 @@ class CoupledRuns:
         found = coupling_pull(sides, joined, moving[:, None], time[None])
         speed = np.maximum(np.abs(moving[CRANK_SPEED]), np.abs(moving[SHAFT_SPEED]))
         change = np.maximum(np.abs(found.crank[0]), np.abs(found.shaft[0]))
+        fading = np.abs(found.on_crank.slope - moving[CRANK_SPEED] * found.rows.inertia_phi)[0] / found.rows.inertia[0]
+        fading += np.abs(found.on_shaft.slope[0]) / sides.shaft.inertia
         # A hundredth of the time that a radian takes; moments that pull speeds together leave less.
-        first = 0.01 / np.maximum(np.maximum(speed, np.sqrt(change)), found.rate[0])
+        first = 0.01 / np.maximum(np.maximum(speed, np.sqrt(change)), fading)
         if not sides.is_elastic:
             return first
         # Within a backlash, less than it takes to cross it.
@@ -401,7 +405,9 @@ class CoupledRuns:
         self.slip_time[who] += np.where(np.abs(joined.mode) == FORWARDS, gone.at, 0.0)
         lost = who[(why == Why.LOST) | ((why == Why.STEEP) & (method == NINE))]
         self.steep[who] |= why == Why.STEEP
-        self.verdict[lost], self.done[lost] = Verdict.NOT_FINITE, True
+        # Reactions aren't finite where friction leaves no equilibrium.
+        rubs = self.sides.crank.dynamics.friction is not None
+        self.verdict[lost], self.done[lost] = Verdict.JAMS if rubs else Verdict.NOT_FINITE, True
         self.done[who[ended]] = True
         self._after(who, why, goal)
 
@@ -421,9 +427,14 @@ class CoupledRuns:
             np.fmax.at(self.highs[row], mine, highest(speeds)[0])
         moment = self._moments(mine, seen, moving, time)
         self._see_peaks(mine, np.abs(moment), time)
-        if self.notes is not None:
-            notes = np.concatenate((time[None], moving, moment[None]))
-            self.notes.extend(notes.transpose(2, 1, 0).reshape(-1, 6, 1))
+        if self.observers and step.size:
+            order = np.lexsort((step, column))
+            counts = len(looks) * made[made > 0]
+            along = np.concatenate((time[None], moving, moment[None]))[:, :, order]
+            whole = [side_by_side(row.T.ravel(), counts) for row in along]
+            piece = CoupledPiece(whole[0], np.array(whole[1:-1]), whole[-1], joined.some(np.flatnonzero(made)))
+            for observer in self.observers:
+                observer.see(who[made > 0], piece)
 
     def _see_peaks(self, mine: np.ndarray, size: np.ndarray, time: np.ndarray) -> None:
         """Take in the greatest moments of steps of some variants, by their sizes at instants, (instants, steps)."""
@@ -450,8 +461,8 @@ class CoupledRuns:
             sides, ways = self.sides.some(who[holds]), joined.crank_way[holds]
             there, moving = time[:, holds], moving[..., holds].copy()
             # Moments jump at the ends of a step, not within it.
-            moving[TURNED, 0] += ways * sides.beside(moving[TURNED, 0])
-            moving[TURNED, -1] -= ways * sides.beside(moving[TURNED, -1])
+            moving[TURNED, 0] += ways * sides.crank.beside(moving[TURNED, 0])
+            moving[TURNED, -1] -= ways * sides.crank.beside(moving[TURNED, -1])
             found[:, holds] = coupling_pull(sides, joined.some(holds), moving, there).moment
         return found
 

@@ -5,6 +5,7 @@ map are differences of cycles that begin a little faster and slower. It starts f
 over a cycle are in balance.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +14,8 @@ from engine.compiling.running import mean_of_rows
 from engine.motion.coupled.coupled_answers import CoupledOutcome, run_coupled
 from engine.motion.coupled.coupled_run import CoupledEnds, Precision
 from engine.motion.coupled.two_sides import CoupledSides
+from engine.motion.moments.equation_of_motion import UNIFORM
+from engine.motion.runs.watching import Observer
 from engine.motion.settled.steady import no_load_speed
 from engine.verdicts import Verdict
 
@@ -98,7 +101,9 @@ def settled_at_two_speeds(sides: CoupledSides, precision: Precision) -> CoupledS
     return CoupledSteady(verdict, x, multiplier, residual)
 
 
-def one_cycle(sides: CoupledSides, speeds: np.ndarray, precision: Precision, record: bool = False) -> CoupledOutcome:
+def one_cycle(
+    sides: CoupledSides, speeds: np.ndarray, precision: Precision, observers: Sequence[Observer] = ()
+) -> CoupledOutcome:
     """A cycle of the crank from φ = 0 on.
 
     Parameters
@@ -106,13 +111,13 @@ def one_cycle(sides: CoupledSides, speeds: np.ndarray, precision: Precision, rec
     sides : CoupledSides
     speeds : ndarray (2, variants)
         Of the crank and of the shaft at its begin, reduced to the crank [rad/s].
-    precision, record
+    precision, observers
         As of `run_coupled`.
     """
     zero, never = np.zeros(sides.count), np.full(sides.count, np.inf)
     cycle = np.full(sides.count, sides.crank.dynamics.cycle)
     ends = CoupledEnds(cycle, never, never, False, False, never)
-    return run_coupled(sides, (speeds[0], speeds[1]), zero, zero, ends, precision, record)
+    return run_coupled(sides, (speeds[0], speeds[1]), zero, zero, ends, precision, observers)
 
 
 def _newton(slopes: np.ndarray, off: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -136,7 +141,7 @@ def _in_balance(sides: CoupledSides) -> tuple[np.ndarray, np.ndarray]:
     of_shaft = sides.shaft.moments(speeds, np.ones(count)).total
     left, others = np.empty((SPEEDS, count)), np.empty((SPEEDS, count))
     for k, speed in enumerate(speeds):
-        of_crank = crank.along(turned, np.broadcast_to(speed, turned.shape), zero, np.ones(count))[1]
+        of_crank = crank.along(turned, np.broadcast_to(speed, turned.shape), zero, np.ones(count), UNIFORM)[1]
         mean = mean_of_rows(of_crank.total)
         passed = sides.coupling.fluid_moment(np.broadcast_to(speed, speeds.shape), speeds)
         others[k] = _highest_balance(speeds, of_shaft - passed)

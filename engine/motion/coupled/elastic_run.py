@@ -4,13 +4,16 @@ It is a run at two speeds, of the machine and of the motors' end. Where the mach
 back, or sticks until the shaft's moment overcomes what resists, whichever way; with a backlash, touch is lost and made.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
+from engine.motion.coupled.coupled_fields import CoupledPiece
 from engine.motion.coupled.coupled_run import FINE, CoupledEnds, CoupledRuns, Precision
 from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, SHAFT_TURNED, TURNED
+from engine.motion.runs.watching import Observer
 from engine.verdicts import Verdict
 
 # A run is forecast by steps of so many radians of the shaft's vibration, and refused where it needs too many.
@@ -31,8 +34,6 @@ class ElasticRun(NamedTuple):
     stops, closings : ndarray
         How often the machine came to a stop on the way, and how often the backlash closed.
     verdict : ndarray of uint8
-    history : ndarray (6, instants) or None
-        Time, state and moment of the shaft along the steps of the first variant, where it is recorded.
     """
 
     greatest: np.ndarray
@@ -41,7 +42,6 @@ class ElasticRun(NamedTuple):
     stops: np.ndarray
     closings: np.ndarray
     verdict: np.ndarray
-    history: np.ndarray | None
 
 
 def steps_on_shaft(frequency: np.ndarray, duration: np.ndarray) -> np.ndarray:
@@ -64,7 +64,7 @@ def run_on_shaft(
     begin: np.ndarray,
     duration: np.ndarray,
     precision: Precision = FINE,
-    record: bool = False,
+    observers: Sequence[Observer] = (),
 ) -> ElasticRun:
     """Follow machines on their shafts.
 
@@ -79,13 +79,13 @@ def run_on_shaft(
     duration : ndarray (variants,)
         [s].
     precision : Precision
-    record : bool
-        Whether to keep the history of the first variant.
+    observers : sequence of Observer
+        They see a `CoupledPiece` of each walk.
     """
     twist, motor, turned, machine = begin
     backlash, never, zero = sides.coupling.backlash, np.full_like(duration, np.inf), np.zeros_like(duration)
     ends = CoupledEnds(never, duration, never, False, False, never)
-    runs = CoupledRuns(sides, (machine, motor), zero, zero, ends, precision, record)
+    runs = CoupledRuns(sides, (machine, motor), zero, zero, ends, precision, observers)
     at_rest = (twist == 0.0) & (motor == 0.0) & (machine == 0.0)
     touch = np.where(backlash > 0.0, np.where(at_rest, 0.0, np.where(twist < 0.0, -1.0, 1.0)), 1.0)
     runs.joined.touch[:] = touch
@@ -95,5 +95,21 @@ def run_on_shaft(
     runs.done |= hopeless | (duration <= 0.0)
     runs.go_to_end()
     verdict = np.where(hopeless, Verdict.SHAFT_RIGID, runs.verdict).astype(np.uint8)
-    history = np.array(runs.notes)[:, [0, *(1 + row for row in STATE), 5], 0].T if runs.notes else None
-    return ElasticRun(runs.peak, runs.peak_at, runs.state[STATE], runs.stops, runs.closings, verdict, history)
+    return ElasticRun(runs.peak, runs.peak_at, runs.state[STATE], runs.stops, runs.closings, verdict)
+
+
+class ElasticHistory:
+    """Keeps what it sees of the first variant: time, state and moment of the shaft, (6, instants)."""
+
+    def __init__(self) -> None:
+        self._seen: list[np.ndarray] = []
+
+    def see(self, who: np.ndarray, piece: CoupledPiece) -> None:
+        """Keep a piece."""
+        if who[0] == 0:
+            self._seen.append(np.array([piece.time, *piece.moving[STATE], piece.moment])[:, :, 0])
+
+    @property
+    def rows(self) -> np.ndarray:
+        """All of it."""
+        return np.concatenate(self._seen, axis=1)

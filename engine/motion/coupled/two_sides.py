@@ -5,7 +5,7 @@ holds, both sides then turn alike.
 """
 
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from scipy.interpolate import PPoly
@@ -14,12 +14,14 @@ from engine.laws.couplings import fluid_coupling_moment, slip_of
 from engine.laws.tables import make_table
 from engine.motion.coupled.two_speeds import at_two_speeds
 from engine.motion.moments.at_speed import Moments
-from engine.motion.moments.breaks import JUMP
-from engine.motion.moments.dynamics import Dynamics, Reduction, Variants
-from engine.motion.moments.equation_of_motion import EquationOfMotion
+from engine.motion.moments.dynamics import Dynamics, Reduction, Rows, Variants
+from engine.motion.moments.equation_of_motion import Attached, EquationOfMotion
 from engine.motion.system import PrintedSystem
 from engine.parts.couplings import Coupling, FluidCoupling, FrictionClutch
 from engine.scene.scene import Numbers, Scene
+
+if TYPE_CHECKING:
+    from engine.motion.loads import PairLoads
 
 
 def coupling_of(scene: Scene) -> tuple[str, Coupling] | None:
@@ -256,13 +258,6 @@ class CoupledSides(NamedTuple):
             kept[key] = system.tabulation.parameters(variants.numbers, way_of_crank, variants.ends, given)
         return kept[key]
 
-    def beside(self, turned: np.ndarray) -> np.ndarray:
-        """How far from angles turned by the crank, (…, variants), its moments are taken [rad]: beside breaks."""
-        crank, cycle = self.crank, self.crank.dynamics.cycle
-        breaks = crank.variants.direction * (crank.variants.breaks.angles - crank.start)
-        apart = np.mod(breaks.reshape(len(breaks), *(1,) * (turned.ndim - 1), self.count) - turned, cycle)
-        return np.where((np.minimum(apart, cycle - apart) <= 2.0 * JUMP).any(axis=0), JUMP, 0.0)
-
 
 def faced_ways(joined: Joined) -> tuple[np.ndarray, np.ndarray]:
     """The way each side faces, +1 or −1; sides that stand face forward."""
@@ -278,14 +273,17 @@ class Pull(NamedTuple):
         Of the coupling on the crank [N·m]; of sides held together what it takes.
     crank, shaft : ndarray
         Accelerations [rad/s²].
-    rate : ndarray
-        How fast moments pull speeds together, about [1/s].
+    rows : Rows
+        Of the crank.
+    on_crank, on_shaft : Moments
     """
 
     moment: np.ndarray
     crank: np.ndarray
     shaft: np.ndarray
-    rate: np.ndarray
+    rows: Rows
+    on_crank: Moments
+    on_shaft: Moments
 
 
 def coupling_pull(sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> Pull:
@@ -301,11 +299,9 @@ def coupling_pull(sides: CoupledSides, joined: Joined, moving: np.ndarray, time:
         Since the begin of the run [s].
     """
     turned, w1, _, w2 = moving
-    faced = faced_ways(joined)
-    rows, of_crank = sides.crank.along(turned, w1, joined.clock + time, faced[0])
-    of_shaft, inertia, own = sides.shaft.moments(w2, faced[1]), rows.inertia, sides.shaft.inertia
-    crank, shaft = of_crank.total - 0.5 * w1 * w1 * rows.inertia_phi, of_shaft.total
-    together, holds = (crank + shaft) / (inertia + own), joined.mode == TOGETHER
+    faced, holds = faced_ways(joined), joined.mode == TOGETHER
+    of_shaft, own = sides.shaft.moments(w2, faced[1]), sides.shaft.inertia
+    shaft = of_shaft.total
     if sides.is_elastic:
         moment = sides.coupling.moment(joined.touch, moving[2], w2 - w1)
     elif sides.is_fluid:
@@ -314,11 +310,15 @@ def coupling_pull(sides: CoupledSides, joined: Joined, moving: np.ndarray, time:
         moment = np.zeros_like(w1)
     else:
         moment = joined.mode * sides.coupling.capacity_at(joined.engaged + time)
-        moment = np.where(holds, shaft - own * together, moment)
+    added = np.where(joined.crank_way == 0.0, np.inf, np.where(holds, own, 0.0))
+    attached = Attached(np.where(holds, shaft, moment), added)
+    rows, of_crank = sides.crank.along(turned, w1, joined.clock + time, faced[0], attached)
+    inertia, crank = rows.inertia, of_crank.total - 0.5 * w1 * w1 * rows.inertia_phi
+    together = (crank + shaft) / (inertia + own)
+    moment = np.where(holds, shaft - own * together, moment)
     first = np.where(holds, together, (crank + moment) / inertia) * (joined.crank_way != 0.0)
     second = np.where(holds, together, (shaft - moment) / own) * (joined.shaft_way != 0.0)
-    rate = np.abs(of_crank.slope - w1 * rows.inertia_phi) / inertia + np.abs(of_shaft.slope) / own
-    return Pull(moment, first, second, rate)
+    return Pull(moment, first, second, rows, of_crank, of_shaft)
 
 
 class OnElasticShaft:
@@ -345,7 +345,7 @@ class OnElasticShaft:
     def system(self) -> PrintedSystem:
         """The equation of motion of both sides, its functions printed."""
         mechanics = self.crank.reduction.mechanics
-        return PrintedSystem(*at_two_speeds(mechanics, None, 0, self._motors, self._loads, False), mechanics)
+        return PrintedSystem(*at_two_speeds(mechanics, None, 0, self._motors, self._loads, False, False), mechanics)
 
     def of(self, bare: Variants, start: np.ndarray, shaft: np.ndarray, backlash: np.ndarray) -> CoupledSides:
         """Both sides of a number of variants.
@@ -377,6 +377,8 @@ class TwoSides:
         Actions that don't act, and the coupling where it is open.
     works : bool
         Whether the works of useful and harmful loads, … are told apart.
+    friction : PairLoads, optional
+        The moment that stands for friction in the pairs, if any rub.
 
     Attributes
     ----------
@@ -385,14 +387,16 @@ class TwoSides:
         Whether the coupling is a fluid coupling that is not open.
     """
 
-    def __init__(self, reduction: Reduction, off: frozenset[str], works: bool) -> None:
+    def __init__(
+        self, reduction: Reduction, off: frozenset[str], works: bool, friction: "PairLoads | None" = None
+    ) -> None:
         self.scene = reduction.mechanics.scene
         self.name, self.coupling = coupling_of(self.scene)
         self.open = self.name in off
         self.is_fluid = isinstance(self.coupling, FluidCoupling) and not self.open
         on_shaft = {name for name, moment in self.scene.moments.items() if moment.on == self.coupling.shaft}
         elsewhere = {load.action for load in reduction.loads.terms} | set(reduction.loads.motors)
-        self.crank = Dynamics(reduction, off | on_shaft, works)
+        self.crank = Dynamics(reduction, off | on_shaft, works, friction)
         self.shaft = Dynamics(reduction, off | (elsewhere - on_shaft), works)
         self._on_shaft, self._elsewhere = frozenset(on_shaft), frozenset(elsewhere - on_shaft)
 
@@ -403,8 +407,8 @@ class TwoSides:
         knots = 0
         if isinstance(coupling, FrictionClutch):
             knots = len(coupling.over_time) if coupling.over_time is not None else 1 + (coupling.engagement is not None)
-        acting = self._on_shaft, self._elsewhere
-        return PrintedSystem(*at_two_speeds(mechanics, coupling, knots, *acting, self.crank.works), mechanics)
+        acting, rubs = (self._on_shaft, self._elsewhere), self.crank.friction is not None
+        return PrintedSystem(*at_two_speeds(mechanics, coupling, knots, *acting, self.crank.works, rubs), mechanics)
 
     def without_shaft(self, numbers: Numbers, count: int) -> Numbers:
         """Numbers of machines whose crank is rid of the coupled shaft's inertia."""

@@ -18,7 +18,7 @@ from engine.graph.nodes import Given, Node, Stage
 from engine.laws.kinematics.closure import greater
 from engine.laws.tables import in_memory, make_table, table_segment
 from engine.mechanism.mechanics import Mechanics
-from engine.motion.system import SLOPES, Guard, Sizes, StateMoments, System, inertia_with_flywheel, moments_of, sizes_of
+from engine.motion.system import SLOPES, Guard, Sizes, System, friction_of, inertia_with_flywheel, moments_of, sizes_of
 from engine.parts.couplings import Coupling, FluidCoupling
 
 # Share of the moments by which they exceed what holds a standing side, where it sets off.
@@ -138,6 +138,7 @@ def at_two_speeds(
     on_shaft: frozenset[str],
     elsewhere: frozenset[str],
     works: bool,
+    rubs: bool,
 ) -> tuple[System, TwoSizes]:
     """The equation of motion of both sides of a coupling.
 
@@ -152,28 +153,33 @@ def at_two_speeds(
         Actions on the coupled shaft, and all others.
     works : bool
         Whether the works of useful and harmful loads, … are told apart.
+    rubs : bool
+        Whether there is friction in pairs.
     """
     graph, inertia = mechanics.graph, inertia_with_flywheel(mechanics)[0]
     labels = ("angle turned", "speed of a state", "angle turned by the shaft", "speed of the shaft")
     states = tuple(graph.given(label, Stage.STATE) for label in labels)
     _, speed, twist, shaft_speed = states
 
-    def side(label: str, speed: Node, off: frozenset[str], works: bool) -> tuple[Sizes, StateMoments, Given]:
-        loads, clock, sizes = sizes_of(mechanics, speed, label)
-        return sizes, moments_of(mechanics, loads, sizes, speed, works, off), clock
-
-    crank, of_crank, clock = side("", speed, on_shaft, works)
-    shaft, of_shaft, _ = side("shaft: ", shaft_speed, elsewhere, works)
+    (loads, clock, crank), (shaft_loads, _, shaft) = (
+        sizes_of(mechanics, *side) for side in ((speed, ""), (shaft_speed, "shaft: "))
+    )
+    of_crank = moments_of(mechanics, loads, crank, speed, works, on_shaft)
+    of_shaft = moments_of(mechanics, shaft_loads, shaft, shaft_speed, works, elsewhere)
     joining = _joining(mechanics, ENDINGS, knots)
     capacity = joining.capacity[0] if knots else graph.zero
     for i in range(1, knots):
         rise = graph.apply(ramp, clock - joining.engaged, *joining.times[i - 1 : i + 1])
         capacity = capacity + (joining.capacity[i] - joining.capacity[i - 1]) * rise
     own, other = joining.shaft_inertia, shaft.facing
-    m1 = of_crank.total - (0.5 * speed * speed) * (crank.way * mechanics.reduced.slope)
-    m2 = of_shaft.total
-    # Sides that hold face the same way.
-    together = (m1 + m2) / (inertia + own)
+    of_inertia, unknown = (0.5 * speed * speed) * (crank.way * mechanics.reduced.slope), {}
+    # Motors and fluids make a step stiff; friction doesn't, and its derivative is as long as all reactions.
+    smooth, m2 = of_crank.total - of_inertia, of_shaft.total
+    if rubs:
+        unknown[speed] = graph.given("acceleration", Stage.STATE)
+        rubbed = friction_of(mechanics, loads, crank, speed, unknown[speed])
+        of_crank.channels["harmful" if works else "all"] += rubbed
+    m1 = of_crank.total - of_inertia
     ahead, shaft_ahead = crank.facing * speed, other * shaft_speed
     slip = shaft_ahead - ahead
     touch = turns = graph.zero
@@ -184,13 +190,19 @@ def at_two_speeds(
         apart = graph.apply(fluid_moment, graph.memory, table, joining.fluid, ahead, shaft_ahead)
     else:
         apart = joining.sense * capacity
-    held = moment = apart
-    rises = (m1 + crank.facing * apart) / inertia, (m2 - other * apart) / own
-    if knots:
-        held = other * (m2 - own * together)
-        moment = joining.holds * held + (1.0 - joining.holds) * apart
-        rises = tuple(joining.holds * together + (1.0 - joining.holds) * alone for alone in rises)
-    rises = rises[0] * joining.moves, rises[1] * joining.shaft_moves
+
+    def moved(m1: Node) -> tuple[Node, Node, Node]:
+        """Moment of a clutch that holds, and the accelerations of both sides."""
+        held, rises = apart, ((m1 + crank.facing * apart) / inertia, (m2 - other * apart) / own)
+        if knots:
+            # Sides that hold face the same way.
+            together = (m1 + m2) / (inertia + own)
+            held = other * (m2 - own * together)
+            rises = tuple(joining.holds * together + (1.0 - joining.holds) * alone for alone in rises)
+        return held, rises[0] * joining.moves, rises[1] * joining.shaft_moves
+
+    held, *rises = moved(m1)
+    moment = joining.holds * held + (1.0 - joining.holds) * apart if knots else apart
     if coupling is None:
         rate = joining.stiffness * slip + joining.damping * (other * rises[1] - crank.facing * rises[0])
         turns = joining.growing * graph.apply(unless, joining.forwards + joining.backwards, slip, rate)
@@ -213,13 +225,13 @@ def at_two_speeds(
     named = zip(ENDINGS, endings, joining.never, strict=True)
     guards = [Guard("above", crank.above - speed), Guard("below", speed - crank.below)]
     guards += [Guard(name, value + never) for name, value, never in named]
-    slopes = [[derivative(rise, by, SLOPES) for by in (speed, shaft_speed)] for rise in rises]
+    slopes = [[derivative(rise, by, SLOPES) for by in (speed, shaft_speed)] for rise in moved(smooth)[1:]]
     steepness = graph.apply(greater, *(abs(a) + abs(b) for a, b in slopes))
-    rates = (ahead, rises[0], slip if coupling is None else shaft_ahead, rises[1])
+    rates, none = (ahead, rises[0], slip if coupling is None else shaft_ahead, rises[1]), graph.zero
     # A shaft's stiffness isn't among the slopes.
     solved = () if coupling is None else tuple(slope for row in slopes for slope in row)
     system = System(
-        "time", states, (), rates, gathered, speed, graph.zero, steepness, rises[0], solved, (), tuple(guards), clock
+        "time", states, unknown, rates, gathered, speed, none, steepness, rises[0], solved, (), tuple(guards), clock
     )
     return system, TwoSizes(crank, shaft, joining)
 

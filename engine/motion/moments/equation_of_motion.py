@@ -4,9 +4,12 @@ The moment M_f that stands for friction in pairs follows from the reactions, and
 with it, by secants. Angles are turned in the direction of motion that the scene gives; ω may be negative.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from engine.motion.moments.at_speed import Moments
+from engine.motion.moments.breaks import beside
 from engine.motion.moments.dynamics import Dynamics, Rows, Variants
 from engine.motion.system import CHANNELS
 from engine.motion.walk import MOST_SECANTS, NEARLY_FOUND, SOLVED_TO
@@ -15,6 +18,24 @@ from engine.motion.walk import MOST_SECANTS, NEARLY_FOUND, SOLVED_TO
 FRICTION_MOMENT = "friction_moment"
 # Shares of a first step in time: of a time constant, in units of the angle it may turn, and of the breakdown slip.
 STIFFEST, FINER = 1.0, 2.0
+
+
+class Attached(NamedTuple):
+    """What turns with the crank behind a coupling, and moves it, reduced to it.
+
+    Attributes
+    ----------
+    moment : ndarray
+        In the direction of motion [N·m].
+    inertia : ndarray
+        [kg·m²]; infinite of a crank that stands, or turns uniformly.
+    """
+
+    moment: np.ndarray | float
+    inertia: np.ndarray | float
+
+
+ALONE, UNIFORM = Attached(0.0, 0.0), Attached(0.0, np.inf)
 
 
 class EquationOfMotion:
@@ -37,16 +58,19 @@ class EquationOfMotion:
         """Of some of the variants, by index."""
         return EquationOfMotion(self.dynamics, self.variants.some(who), self.start[who])
 
-    def at(self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray) -> tuple[Rows, Moments]:
+    def at(
+        self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray, attached: Attached = ALONE
+    ) -> tuple[Rows, Moments]:
         """Rows and moments at an instant, (1, variants), as `along` gives them."""
-        return self.along(turned[None], omega[None], time[None], facing)
+        return self.along(turned[None], omega[None], time[None], facing, attached)
 
     def along(
-        self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray
+        self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray, attached: Attached = ALONE
     ) -> tuple[Rows, Moments]:
         """Rows and moments at instants, (instants, variants), the moment of friction among those of harmful loads.
 
-        `facing` +1 or −1 is the way that resistances resist.
+        `facing` +1 or −1 is the way that resistances resist. Friction depends on the acceleration, and so on what is
+        attached to the crank.
         """
         places = self.start + self.variants.direction * turned
         rows = self.dynamics.rows(self.variants, places, time, omega)
@@ -56,7 +80,7 @@ class EquationOfMotion:
         moments = self.dynamics.moments(self.variants, rows, omega)
         if self.dynamics.friction is not None:
             channel = CHANNELS.index("harmful") if self.dynamics.works else 0
-            moments.loads[channel] += self._friction(places, omega, time, facing, rows, moments.total)
+            moments.loads[channel] += self._friction(places, omega, time, facing, rows, moments.total, attached)
         return rows, moments
 
     def _backwards(self, places: np.ndarray, time: np.ndarray, omega: np.ndarray) -> Rows:
@@ -83,6 +107,7 @@ class EquationOfMotion:
         facing: np.ndarray,
         rows: Rows,
         moment: np.ndarray,
+        attached: Attached,
     ) -> np.ndarray:
         """Moment of friction, in the direction of motion, at the ε that it leaves; `moment` is that of all else."""
         own, loads, way = self.variants, self.dynamics.friction, self.variants.direction
@@ -92,22 +117,28 @@ class EquationOfMotion:
             return way * loads(own, parameters, places, np.abs(omega), way * epsilon, time)[FRICTION_MOMENT]
 
         with np.errstate(all="ignore"):
-            free = (moment - 0.5 * omega * omega * rows.inertia_phi) / rows.inertia
+            inertia = rows.inertia + attached.inertia
+            free = (moment + attached.moment - 0.5 * omega * omega * rows.inertia_phi) / inertia
             before, found = free, rubbed(free)
             # What is left over of I ε = I ε_free + M_f, over I.
-            left_before = found / rows.inertia
+            left_before = found / inertia
             here = free + left_before
             for _ in range(MOST_SECANTS):
                 found = rubbed(here)
-                left = free + found / rows.inertia - here
-                pending = np.abs(left) > SOLVED_TO * (np.abs(free) + np.abs(found / rows.inertia))
+                left = free + found / inertia - here
+                pending = np.abs(left) > SOLVED_TO * (np.abs(free) + np.abs(found / inertia))
                 if not pending.any():
                     break
                 secant = here - left * (here - before) / (left - left_before)
                 before, left_before = here, left
                 here = np.where(pending & np.isfinite(secant), secant, here)
-            nearly = np.abs(left) <= NEARLY_FOUND * (np.abs(free) + np.abs(found / rows.inertia))
+            nearly = np.abs(left) <= NEARLY_FOUND * (np.abs(free) + np.abs(found / inertia))
         return np.where(nearly, found, np.nan)
+
+    def beside(self, turned: np.ndarray) -> np.ndarray:
+        """How far from angles turned, (…, variants), the moments are taken [rad]: beside a break, else there."""
+        own = self.variants
+        return beside(own.direction * (own.breaks.angles - self.start), turned, self.dynamics.cycle)
 
     def acceleration(
         self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray

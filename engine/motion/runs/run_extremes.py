@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.running import over_variants
+from engine.compiling.running import of_all, over_variants
 from engine.motion.moments.piecewise import peak_between
 from engine.motion.quantities import Asked
 from engine.motion.runs.watching import Piece, RunFields
@@ -29,6 +29,10 @@ class FieldAnswers(NamedTuple):
     missed: dict[str, np.ndarray]
     scales: dict[str, np.ndarray]
     rows: dict[str, np.ndarray]
+
+    def over_all(self, who: np.ndarray, count: int) -> "FieldAnswers":
+        """Answers of some of so many variants as those of all, NaN for the others."""
+        return FieldAnswers(*({key: of_all(row.T, who, count).T for key, row in rows.items()} for rows in self))
 
 
 class RunExtremes:

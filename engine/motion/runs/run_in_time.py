@@ -3,12 +3,13 @@
 import numpy as np
 
 from engine.motion.methods import EIGHT
-from engine.motion.moments.grid import JUMP, edges_of
+from engine.motion.moments.breaks import JUMP, beside
+from engine.motion.moments.grid import edges_of
 from engine.motion.recorded import read_steps
 from engine.motion.runs.run_in_angle import TIMES_TO_THE_END
 from engine.motion.runs.run_progress import Progress, State, gathered
 from engine.motion.runs.settled_runs import Carry, pass_mark
-from engine.motion.runs.watching import BetweenNodes, Piece
+from engine.motion.runs.watching import BetweenNodes, Piece, side_by_side
 from engine.motion.system import SHOWN, Walks
 from engine.motion.walk import Why
 from engine.verdicts import Verdict
@@ -277,20 +278,13 @@ def _piece_of(runs: Progress, who: np.ndarray, before: State, gone: Walks) -> Pi
     facing = runs.facing[who]
     turned, speed = read(columns, time)
     aside = np.where(reach > 4.0 * JUMP, 1.0, 0.0) * facing[column]
-    begins, ends = (aside * _beside(runs, who[column], at_end) for at_end in (first, last))
+    breaks = (runs.variants.direction * (runs.variants.breaks.angles - runs.start))[:, who[column]]
+    begins, ends = (aside * beside(breaks, at_end, runs.dynamics.cycle) for at_end in (first, last))
     turned = np.where(k == 0, first[of] + begins[of], np.where(k == looks[of], last[of] - ends[of], turned))
     counts = np.bincount(columns, minlength=who.size)
-    place = np.arange(of.size) - np.repeat(np.cumsum(counts) - counts, counts)
-
-    def spread(values: np.ndarray) -> np.ndarray:
-        # What ends before others repeats its last node.
-        whole = np.broadcast_to(values[np.cumsum(counts) - 1], (counts.max(), who.size)).copy()
-        whole[place, columns] = values
-        return whole
-
-    nodes = tuple(spread(row) for row in (before.time[columns] + time, turned, facing[columns] * speed))
-    steps = np.zeros_like(nodes[0])
-    steps[place, columns] = np.where(k < looks[of], (reach / looks)[of], 0.0)
+    steps = np.where(k < looks[of], (reach / looks)[of], 0.0)
+    every = before.time[columns] + time, turned, facing[columns] * speed, steps
+    *nodes, steps = (side_by_side(row, counts) for row in every)
 
     def within(columns: np.ndarray, nodes_at: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, ...]:
         now = nodes[0][nodes_at, columns] + lengths
@@ -298,11 +292,3 @@ def _piece_of(runs: Progress, who: np.ndarray, before: State, gone: Walks) -> Pi
         return now, turned, facing[columns] * speed, np.full_like(now, np.nan)
 
     return Piece(*nodes, facing, steps[:-1], np.full_like(nodes[0], np.nan), BetweenNodes(True, within))
-
-
-def _beside(runs: Progress, who: np.ndarray, turned: np.ndarray) -> np.ndarray:
-    """How far from angles turned the moments are taken, (variants,): beside a break, else there."""
-    cycle = runs.dynamics.cycle
-    apart = np.abs(runs.variants.direction[who] * (runs.variants.breaks.angles[:, who] - runs.start[who]) - turned)
-    apart = np.minimum(np.mod(apart, cycle), cycle - np.mod(apart, cycle)) if np.isfinite(cycle) else apart
-    return np.where((apart <= 2.0 * JUMP).any(axis=0), JUMP, 0.0)

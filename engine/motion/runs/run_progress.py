@@ -351,12 +351,12 @@ class Progress:
     def see_begin(self) -> None:
         """Let all observers look at where the runs begin; what stands is about to move forward."""
         if self.observers:
-            state = self.state
-            now = [x[None].copy() for x in (state.time, state.turned, state.omega)]
-            facing = np.where(self.facing < 0.0, -1.0, 1.0)
-            self.see(
-                np.arange(facing.size), Piece(*now, facing, np.empty((0, facing.size)), np.full_like(now[0], np.nan))
-            )
+            state, facing = self.state, np.where(self.facing < 0.0, -1.0, 1.0)
+            every = np.arange(facing.size)
+            # Where moments jump just there, what is behind the jump.
+            turned = state.turned + facing * self.equation(every).beside(state.turned)
+            now = [x[None].copy() for x in (state.time, turned, state.omega)]
+            self.see(every, Piece(*now, facing, np.empty((0, facing.size)), np.full_like(now[0], np.nan)))
 
     def give_up(self, who: np.ndarray, verdict: Verdict) -> None:
         """End the runs of some variants with a verdict."""

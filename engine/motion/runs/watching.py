@@ -4,7 +4,7 @@ A piece is smooth but where two nodes share a place, on either side of a jump. R
 them changes none.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -45,6 +45,18 @@ class Piece(NamedTuple):
     moment: np.ndarray
     within: "BetweenNodes | None" = None
 
+    def goes_as(self, other: "Piece") -> bool:
+        """Whether variants go the way that they go on another piece."""
+        return np.array_equal(self.facing, other.facing)
+
+    @staticmethod
+    def in_one(pieces: "Sequence[Piece]") -> "Piece":
+        """Pieces that go alike in one, to find fields at its nodes."""
+        every = ([getattr(piece, name) for piece in pieces] for name in ("time", "turned", "omega", "moment"))
+        time, turned, omega, moment = (np.concatenate(rows) for rows in every)
+        facing = pieces[0].facing
+        return Piece(time, turned, omega, facing, np.empty((0, facing.size)), moment)
+
 
 class BetweenNodes(NamedTuple):
     """How a place between two nodes of a piece is found, from what was recorded of its steps.
@@ -67,6 +79,20 @@ class Observer(Protocol):
 
     def see(self, who: np.ndarray, piece: Piece) -> None:
         """Look at a piece of the way of the variants `who`."""
+
+
+def side_by_side(values: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    """Values of some variants, one after another, as (nodes, variants); what ends before others repeats its last node.
+
+    Parameters
+    ----------
+    values : ndarray (all nodes,)
+    counts : ndarray (variants,) of int
+        How many of them each variant has, one at least.
+    """
+    begins = np.cumsum(counts) - counts
+    node = np.minimum(np.arange(counts.max())[:, None], counts - 1)
+    return values[begins + node]
 
 
 class RunFields:
@@ -115,18 +141,40 @@ class RunFields:
         rows["kinetic_energy"] = 0.5 * machine.inertia * piece.omega**2
         rows[INSTANT], rows[TURNED] = piece.time, piece.turned
         rows |= {key: own.direction * row for key, row in zip(self.dynamics.channels, moments.loads, strict=True)}
-        if self.loads is None:
-            return rows
         places = self.start[who] + own.direction * piece.turned
-        found = {name: np.empty(places.shape) for name in self.loads.names}
-        for facing in (1.0, -1.0):
-            those = np.flatnonzero(piece.facing == facing)
+        return rows | self.on_pairs(who, piece.facing, places, piece.omega, epsilon, clock)
+
+    def on_pairs(
+        self,
+        who: np.ndarray,
+        facing: np.ndarray,
+        places: np.ndarray,
+        omega: np.ndarray,
+        epsilon: np.ndarray,
+        clock: np.ndarray,
+    ) -> dict[str, np.ndarray]:
+        """Loads on the pairs of some variants, (nodes, variants), if any are to be found.
+
+        Parameters
+        ----------
+        who : ndarray (variants,)
+            The variants.
+        facing : ndarray (variants,)
+            +1 or −1: the way that each moves.
+        places, omega, epsilon, clock : ndarray (nodes, variants)
+            Crank angle [rad]; speed [rad/s] and acceleration [rad/s²] in the direction of motion; time [s].
+        """
+        if self.loads is None:
+            return {}
+        own, found = self.variants.some(who), {name: np.empty(places.shape) for name in self.loads.names}
+        for way in (1.0, -1.0):
+            those = np.flatnonzero(facing == way)
             if those.size:
-                whole = np.ascontiguousarray(self._numbers(facing)[:, who[those]])
-                at = (x[:, those] for x in (places, np.abs(piece.omega), own.direction * epsilon, clock))
+                whole = np.ascontiguousarray(self._numbers(way)[:, who[those]])
+                at = (x[:, those] for x in (places, np.abs(omega), own.direction * epsilon, clock))
                 for name, row in self.loads(own.some(those), whole, *at).items():
                     found[name][:, those] = row
-        return rows | found
+        return found
 
     def _numbers(self, facing: float) -> np.ndarray:
         """Numbers of the loads of all variants, moving forward or backwards."""

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.running import over_variants
+from engine.compiling.running import of_all, over_variants
 from engine.motion.loads import PairLoads
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion
@@ -116,7 +116,7 @@ def motion_rows(
     return rows | (power_rows(motors * omega, loads * omega) if len(loads) == len(CHANNELS) else {})
 
 
-def power_rows(motors: np.ndarray, loads: np.ndarray) -> dict[str, np.ndarray]:
+def power_rows(motors: np.ndarray, loads: np.ndarray, heat: np.ndarray | float = 0.0) -> dict[str, np.ndarray]:
     """Powers, and the efficiency of the instant η = 1 − P_lost/P_in.
 
     What is put in comes from whatever gives power just then: motors, driving actions, springs and weights, and the
@@ -129,10 +129,12 @@ def power_rows(motors: np.ndarray, loads: np.ndarray) -> dict[str, np.ndarray]:
         Power of the motors [W].
     loads : ndarray (channels, places, variants)
         Of all else, by `CHANNELS`; negative where it resists [W].
+    heat : ndarray (places, variants)
+        Power that a coupling turns into heat, negative [W].
     """
     driving, useful, harmful, braking, other = loads
-    lost = np.maximum(-harmful, 0.0) + np.maximum(-braking, 0.0)
-    released = -(motors + loads.sum(axis=0))
+    lost = np.maximum(-harmful, 0.0) + np.maximum(-braking, 0.0) - heat
+    released = -(motors + loads.sum(axis=0) + heat)
     put_in = sum(np.maximum(power, 0.0) for power in (motors, *loads, released))
     with np.errstate(all="ignore"):
         efficiency = 1.0 - lost / put_in
@@ -163,6 +165,10 @@ class CycleAnswers(NamedTuple):
     values: dict[str, np.ndarray]
     missed: dict[str, np.ndarray]
     scales: dict[str, np.ndarray]
+
+    def over_all(self, who: np.ndarray, count: int) -> "CycleAnswers":
+        """Answers of some of so many variants as those of all, NaN for the others."""
+        return CycleAnswers(*({key: of_all(row.T, who, count).T for key, row in rows.items()} for rows in self))
 
 
 def answers_of(cycle: Cycle, asked: Iterable[Asked], period: float) -> CycleAnswers:

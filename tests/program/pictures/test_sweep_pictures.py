@@ -13,7 +13,7 @@ from engine import Verdict
 from sweeps.optimising.pareto import pareto_front
 from sweeps.pictures.machine.diagrams import diagrams
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import PALE, new_figure
+from sweeps.pictures.style import PALE, new_figure, save
 from sweeps.pictures.sweep.maps import curves, field_band, map2d, plot_result, scatter
 from sweeps.pictures.sweep.parallel_coordinates import parallel
 from sweeps.pictures.sweep.sweep_data import SweepData
@@ -262,3 +262,9 @@ def test_legend_of_the_energy_loop__lies_beside_all_axes():
 def test_column_that_cannot_be_shown__refused(asked, words, tmp_path):
     with pytest.raises(PictureError, match=words):
         plot_result(grid_data((3, 3)), tmp_path / "a.png", **asked)
+
+
+def test_labels_of_two_lines__with_a_formula_log_nothing(tmp_path):
+    figure = new_figure(90, 60)
+    figure.subplots().set_xlabel("Flywheel inertia\nby Wittenbauer $I_F$")
+    save(figure, tmp_path / "label.png")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from motion_scenes import Found, ask, run, slider_crank, steady
 
-from engine import AskError, Machine, Scene, SceneError, Verdict
+from engine import Machine, Scene, Verdict
 
 MASS, INERTIA, COEFFICIENT, DIAMETER, GRAVITY = 2.0, 0.05, 0.2, 0.04, 9.81
 # Radius of the friction circle: f r over the root of 1 + f².
@@ -129,23 +129,12 @@ def test_heavy_flywheel__needs_the_moment_of_uniform_speed():
     assert given == pytest.approx(outcome.summaries["input_moment_with_friction.mean"][0], rel=0, abs=room)
 
 
-# What can't be
-
-
-def test_friction_beside_a_coupling__is_refused_where_regimes_are_asked():
-    scene = rubbing({"go": run("dc gravity", time=0.5)})
-    scene["moments"]["dc"] = scene["moments"]["dc"] | {"on": "motor_shaft"}
-    scene["shafts"]["motor_shaft"]["inertia"] = 0.01
-    scene["couplings"] = {"clutch": {"type": "friction_clutch", "shaft": "motor_shaft", "capacity": 5.0}}
-    with pytest.raises(SceneError, match=r"friction: not available in regimes with \[couplings\].*remove one of them"):
-        Machine(Scene.model_validate(scene), ["go.time"])
-
-
-@pytest.mark.parametrize("name", ["go.drive.inner.reaction.max", "go.input_moment_by_equilibrium.min"])
-def test_load_on_a_pair_at_two_speeds__is_refused_with_its_reason(name):
-    scene = slider_crank({"go": run("dc gravity", time=0.5)})
-    scene["moments"]["dc"] = scene["moments"]["dc"] | {"on": "motor_shaft"}
-    scene["shafts"]["motor_shaft"]["inertia"] = 0.01
-    scene["couplings"] = {"clutch": {"type": "friction_clutch", "shaft": "motor_shaft", "capacity": 5.0}}
-    with pytest.raises(AskError, match=r"two speeds of couplings.clutch loads on pairs aren't known; ask for"):
-        Machine(Scene.model_validate(scene), [name])
+def test_run_that_begins_where_friction_jumps__is_looked_at_behind_the_jump():
+    """At the dead centre itself the slider stands, and its guide doesn't rub."""
+    near, found, names = 1e-7, [], "go.acceleration.max go.drive.inner.reaction.max"
+    for begin in (0.0, near):
+        scene = rubbing({"go": run("dc gravity", from_angle=begin, from_speed=5.0, cycles=0.1)})
+        found.append(ask(scene, names))
+    for name in names.split():
+        # Curves change by a few times themselves, some hundred rad/s² and N, within a radian.
+        assert found[0][name] == pytest.approx(found[1][name], abs=1e4 * near), name

@@ -1,0 +1,182 @@
+"""Fields along runs at two speeds: those of the motion of both sides, and the loads on the pairs of the crank's."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from engine.cycle.regula_falsi import regula_falsi
+from engine.motion.coupled.two_sides import CoupledSides, Joined, coupling_pull, faced_ways
+from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, SHAFT_TURNED, TURNED
+from engine.motion.loads import WITH_FLYWHEEL, PairLoads
+from engine.motion.quantities import INSTANT
+from engine.motion.quantities import TURNED as ANGLE
+from engine.motion.runs.watching import RunFields
+from engine.motion.settled.cycle import motion_rows, power_rows
+from engine.motion.system import SHOWN
+
+STATES = (TURNED, CRANK_SPEED, SHAFT_TURNED, SHAFT_SPEED)
+# Of the polynomials that steps are recorded as.
+DEGREE = SHOWN.size - 1
+
+
+class CoupledPiece(NamedTuple):
+    """A piece of the way of some variants, whose sides stay joined as they are; arrays (nodes, variants).
+
+    What ends before others repeats its last node.
+
+    Attributes
+    ----------
+    time : ndarray
+        Since the begin of the run [s].
+    moving : ndarray (4, nodes, variants)
+        Angle and speed of the crank, and of the shaft or the twist of an elastic one.
+    moment : ndarray
+        Of the coupling, on the crank [N·m].
+    joined : Joined
+    """
+
+    time: np.ndarray
+    moving: np.ndarray
+    moment: np.ndarray
+    joined: Joined
+
+    @property
+    def turned(self) -> np.ndarray:
+        """Angle turned by the crank [rad]."""
+        return self.moving[TURNED]
+
+    @property
+    def omega(self) -> np.ndarray:
+        """Speed of the crank [rad/s]."""
+        return self.moving[CRANK_SPEED]
+
+    @property
+    def steps(self) -> np.ndarray:
+        """Distances of the nodes, none where two steps meet [s]."""
+        return np.diff(self.time, axis=0)
+
+    def goes_as(self, other: "CoupledPiece") -> bool:
+        """Whether sides are joined as they are on another piece."""
+        return all(np.array_equal(row, there) for row, there in zip(self.joined, other.joined, strict=True))
+
+    @staticmethod
+    def in_one(pieces: "Sequence[CoupledPiece]") -> "CoupledPiece":
+        """Pieces that go alike in one."""
+        every = ((piece.time, piece.moving, piece.moment) for piece in pieces)
+        time, moving, moment = (np.concatenate(rows, axis=-2) for rows in zip(*every, strict=True))
+        return CoupledPiece(time, moving, moment, pieces[0].joined)
+
+
+class CycleStates:
+    """Keeps the states along a cycle of variants whose sides stay joined as they are, and reads them at crank angles.
+
+    Parameters
+    ----------
+    count : int
+        How many variants.
+    looks : int
+        Equal looks at each step of a walk, its ends among them, more than the degree of what was recorded of it.
+    """
+
+    def __init__(self, count: int, looks: int) -> None:
+        self._looks = looks
+        self._seen: list[list[np.ndarray]] = [[] for _ in range(count)]
+        self._joined: Joined | None = None
+
+    def see(self, who: np.ndarray, piece: CoupledPiece) -> None:
+        """Keep a piece."""
+        if self._joined is None:
+            self._joined = piece.joined
+        along = np.array([piece.time, *piece.moving])
+        lengths = np.diff(piece.time, axis=0)
+        nodes = along.shape[1] - np.argmax(lengths[::-1] > 0.0, axis=0)
+        for column, variant in enumerate(who):
+            # What ends before others repeats its last node.
+            own = along[:, : nodes[column], column]
+            self._seen[variant].append(own.reshape(len(own), -1, self._looks))
+
+    def at(self, turned: np.ndarray) -> CoupledPiece:
+        """States at angles turned, (angles, variants)."""
+        count = turned.shape[1]
+        found = np.empty((1 + len(STATES), *turned.shape))
+        for variant, seen in enumerate(self._seen):
+            found[:, :, variant] = _read(np.concatenate(seen, axis=1), turned[:, variant])
+        joined = self._joined.some(np.zeros(count, int))
+        return CoupledPiece(found[0], found[1:], np.full_like(found[0], np.nan), joined)
+
+
+def _read(steps: np.ndarray, turned: np.ndarray) -> np.ndarray:
+    """Time and states, (rows, angles), at angles turned, from looks at steps, (rows, steps, looks)."""
+    nodes = np.linspace(-1.0, 1.0, steps.shape[2])
+    of = np.clip(np.searchsorted(steps[1 + TURNED, :, 0], turned, side="right") - 1, 0, steps.shape[1] - 1)
+    fitted = np.polynomial.polynomial.polyfit(nodes, steps.reshape(-1, nodes.size).T, DEGREE)
+    own = fitted.reshape(-1, *steps.shape[:2])[:, :, of]
+
+    def ahead(share: np.ndarray) -> np.ndarray:
+        return np.polynomial.polynomial.polyval(share, own[:, 1 + TURNED], tensor=False) - turned
+
+    share = regula_falsi(ahead, -np.ones_like(turned), np.ones_like(turned))
+    return np.polynomial.polynomial.polyval(share, own, tensor=False)
+
+
+def _inward(time: np.ndarray) -> np.ndarray:
+    """Which way leads into the step of each node, +1 at the begin of one and −1 at its end, where moments may jump."""
+    meet = np.diff(time, axis=0) == 0.0
+    edge = np.ones((1, time.shape[1]), bool)
+    begins, ends = np.concatenate((edge, meet)), np.concatenate((meet, edge))
+    return np.where(ends, -1.0, np.where(begins, 1.0, 0.0))
+
+
+class CoupledFields(RunFields):
+    """Fields along runs at two speeds.
+
+    Parameters
+    ----------
+    sides : CoupledSides
+    clock : ndarray (variants,)
+        Time at the begin [s].
+    loads : PairLoads or None
+    """
+
+    def __init__(self, sides: CoupledSides, clock: np.ndarray, loads: PairLoads | None) -> None:
+        crank = sides.crank
+        super().__init__(crank.dynamics, crank.variants, crank.start, clock, loads, crank.dynamics.off)
+        self.sides = sides
+
+    def __call__(self, who: np.ndarray, piece: CoupledPiece) -> dict[str, np.ndarray]:
+        """All fields on a piece of the way of some variants, as of runs at one speed.
+
+        With them are the speed of the shaft, the moment of the coupling, and the power of each channel.
+        """
+        sides, (time, moving, _, joined) = self.sides.some(who), piece
+        moving = moving.copy()
+        moving[TURNED] += joined.crank_way * _inward(time) * sides.crank.beside(moving[TURNED])
+        own, (omega, shaft_omega) = sides.crank.variants, moving[[CRANK_SPEED, SHAFT_SPEED]]
+        way, facing = own.direction, faced_ways(joined)[0]
+        with np.errstate(all="ignore"):
+            pull = coupling_pull(sides, joined, moving, time)
+            on_crank, on_shaft = pull.on_crank, pull.on_shaft
+            loads, motors = on_crank.loads + on_shaft.loads, on_crank.motors + on_shaft.motors
+            rows = motion_rows(own, omega, pull.crank, motors, loads)
+            power = on_crank.motors * omega + on_shaft.motors * shaft_omega
+            powers = on_crank.loads * omega + on_shaft.loads * shaft_omega
+            heat = pull.moment * (omega - shaft_omega)
+            if self.dynamics.works:
+                rows |= power_rows(power, powers, heat)
+        # The crank is driven by its own motors and the coupling.
+        rows["input_moment"] = (on_crank.motors + pull.moment - own.flywheel * pull.crank) * way
+        energy = pull.rows.inertia * omega**2 + sides.shaft.inertia * shaft_omega**2
+        rows |= {"kinetic_energy": 0.5 * energy, INSTANT: time, ANGLE: moving[TURNED]}
+        rows |= {"shaft_speed": sides.coupling.ratio * shaft_omega, "coupling_moment": way * pull.moment}
+        rows |= {key: way * row for key, row in zip(self.dynamics.channels, loads, strict=True)}
+        sources = zip(("motors", *self.dynamics.channels, "coupling"), (power, *powers, heat), strict=True)
+        rows |= {f"{source} power": row for source, row in sources}
+        clock = time + self.clock[who]
+        found = self.on_pairs(who, facing, self.start[who] + way * moving[TURNED], omega, pull.crank, clock)
+        for name in WITH_FLYWHEEL:
+            if name in found:
+                # The inertia of the shaft turns the frame, as a flywheel's does.
+                ratio = own.numbers[f"shafts.{sides.two.coupling.shaft}.ratio"]
+                found[name] = found[name] - sides.shaft.inertia / ratio * way * pull.shaft
+        return rows | found
