@@ -73,7 +73,7 @@ from engine.machine.derivatives import Derivatives, Move, derivatives_along, sca
 from engine.machine.drives.elastic_drives import DriveCycle, DriveRun, drive_cycle, drive_run
 from engine.machine.drives.governed_scene import governed_scene
 from engine.machine.elements.elements_alone import ElementsAlone, made_ready
-from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine
+from engine.machine.machine import ACCURACY_REACHED, POSITIONS_USED, Machine, numbers_for_trains, seconds_of_runs
 from engine.machine.machine import OF_ACCURACY as ACCURACY_SUMMARIES
 from engine.machine.one_machine.history import History, history, history_fields
 from engine.machine.one_machine.moving_machine import Motions, MovingMachine, NowhereDefinedError
@@ -338,6 +338,7 @@ __all__ = [
     "natural_vibration",
     "near_of_variant",
     "nearest_names",
+    "numbers_for_trains",
     "order_groups",
     "own_drives",
     "pairs_of",
@@ -356,6 +357,7 @@ __all__ = [
     "run_keys",
     "scale_of",
     "scene_numbers",
+    "seconds_of_runs",
     "set_threads",
     "shaken",
     "show_units",

@@ -5,12 +5,65 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from engine.machine.results import AskError
-from engine.scene.names import nearest
-from engine.scene.scene import SceneNumber, within_limits
+from engine.scene.names import did_you_mean, nearest
+from engine.scene.scene import Scene, SceneNumber, within_limits
+from engine.units.display import quantity_text
+from engine.units.reading import UnitError, in_text
 from engine.verdicts import Verdict
 
 # Kernels keep rows at a fixed distance.
 MOST_POSITIONS = 1_048_576
+# Known names in a message on an unknown one.
+MOST_LISTED = 8
+# Lengths that are all this many times the scene's are likely millimetres without their unit.
+OUT_OF_SCALE = 100.0
+
+
+def check_scene(scene: object) -> None:
+    """Check that a machine is made of a scene.
+
+    Raises
+    ------
+    AskError
+        It is something else, such as the name of a file.
+    """
+    if not isinstance(scene, Scene):
+        raise AskError(f"{scene!r} is not a scene; read one from a file by sweeps.read_scene('press.toml')")
+
+
+def names_of(names: str | Iterable[str]) -> tuple[str, ...]:
+    """Names as a tuple; a single text is one name."""
+    return (names,) if isinstance(names, str) else tuple(names)
+
+
+def allowed_share(accuracy: float | str | None) -> float | None:
+    """An accuracy as a share.
+
+    Raises
+    ------
+    AskError
+        It isn't between 0 and 1.
+    """
+    if accuracy is None:
+        return None
+    try:
+        share = in_text(accuracy, "number")
+    except UnitError as error:
+        raise AskError(f"accuracy: {error}") from None
+    if not 0.0 < share < 1.0:
+        raise AskError(f"accuracy = {accuracy!r}: a share between 0 and 1 is needed, such as 0.001 or '0.1 %'")
+    return share
+
+
+def size_remarks(limits: Mapping[str, SceneNumber], given: Mapping[str, np.ndarray]) -> tuple[str, ...]:
+    """Remarks on lengths that are far above those of the scene, as millimetres taken for metres are."""
+    found = []
+    for path, values in given.items():
+        size, own = np.abs(values), abs(limits[path].value)
+        if limits[path].dimension == "length" and own > 0 and size.size and size.min() >= OUT_OF_SCALE * own:
+            times = f"{size[0] / own:.3g} times the scene's {quantity_text(limits[path].value, 'm')}"
+            found.append(f"{path} = {values[0]:.6g} m is {times}: plain numbers are in SI, so write '{values[0]:g} mm'")
+    return tuple(found)
 
 
 def check_positions(positions: int) -> None:
@@ -38,15 +91,18 @@ def check_names(names: Iterable[str], known: Iterable[str], kind: str) -> None:
     known = list(known)
     for name in names:
         if name not in known:
-            near = nearest(name, known, 3)
+            near, owner = nearest(name, known, 3), name.partition(".")[0]
             hint = f"; did you mean {' or '.join(repr(n) for n in near)}?" if near else ""
+            if not near:
+                own = [n for n in known if n.startswith(f"{owner}.")] or sorted(known)
+                hint = f"; known are {', '.join(own[:MOST_LISTED])}{', ...' if len(own) > MOST_LISTED else ''}"
             raise AskError(f"{name!r} is not a {kind} of this scene{hint}")
 
 
 def given_numbers(
     limits: Mapping[str, SceneNumber], paths: tuple[str, ...], varied: Mapping[str, np.ndarray], drop: np.ndarray | None
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """What variants are given, as arrays (variants,), and the first verdicts on them, (variants,) of uint8.
+    """What variants are given (SI), as arrays (variants,), and the first verdicts on them, (variants,) of uint8.
 
     Parameters
     ----------
@@ -55,7 +111,7 @@ def given_numbers(
     paths : tuple of str
         Paths that vary.
     varied : mapping of path to ndarray (variants,)
-        Their values; without any there is one variant.
+        Their values, in SI or as texts with units; without any there is one variant.
     drop : ndarray (variants,) of bool, optional
         Variants not to evaluate.
 
@@ -64,9 +120,15 @@ def given_numbers(
     AskError
         The paths given are not these, or what is given for one is no row of real numbers as long as the others.
     """
-    if set(varied) != set(paths):
-        raise AskError(f"varied must hold exactly {list(paths)}, got {sorted(varied)}")
-    arrays = {path: _row(path, values) for path, values in varied.items()}
+    if not isinstance(varied, Mapping):
+        raise AskError(f"give values by path, such as {{{next(iter(paths), 'input.length')!r}: [...]}}, not {varied!r}")
+    for path in varied:
+        if path not in paths:
+            raise AskError(f"{path!r} is not varied by this machine; {did_you_mean(path, paths)}")
+    for path in paths:
+        if path not in varied:
+            raise AskError(f"no values are given for {path!r}, which this machine varies")
+    arrays = {path: _row(path, values, limits[path].dimension) for path, values in varied.items()}
     first = next(iter(arrays), None)
     count = 1 if first is None else arrays[first].size
     for path, values in arrays.items():
@@ -86,7 +148,7 @@ def given_numbers(
     return arrays, status
 
 
-def _row(path: str, values: object) -> np.ndarray:
+def _row(path: str, values: object, dimension: str) -> np.ndarray:
     """What is given for a path, as a row of float64."""
     if np.ma.is_masked(values):
         raise AskError(f"{path!r} has masked values: leave out the variants that have none")
@@ -99,6 +161,12 @@ def _row(path: str, values: object) -> np.ndarray:
     if row.ndim > 1:
         shape = " × ".join(map(str, row.shape))
         raise AskError(f"{path!r} has {shape} values: give one row of numbers, one for every variant")
-    if row.dtype.kind not in "biuf":
-        raise AskError(f"{path!r} has non-numeric values, such as {row.tolist()[0]!r}: give numbers in SI units")
+    if row.dtype.kind == "U":
+        try:
+            return np.array([in_text(text, dimension) for text in row.tolist()])
+        except UnitError as error:
+            raise AskError(f"{path!r}: {error}") from None
+    if row.dtype.kind not in "iuf":
+        words = "give numbers in SI units, or texts with units such as '50 mm'"
+        raise AskError(f"{path!r} has non-numeric values, such as {row.tolist()[0]!r}: {words}")
     return row.astype(np.float64)

@@ -11,7 +11,15 @@ from engine import elements, machine, motion, warnings
 from engine.compiling.threads import threads
 from engine.cycle.measured import UNKNOWN_ROOT, Measured
 from engine.graph.nodes import Found, Node, reached
-from engine.machine.checks import check_names, check_positions, given_numbers
+from engine.machine.checks import (
+    allowed_share,
+    check_names,
+    check_positions,
+    check_scene,
+    given_numbers,
+    names_of,
+    size_remarks,
+)
 from engine.machine.elements.asked_elements import AskedElements, element_summaries
 from engine.machine.first_failure import (
     Failures,
@@ -70,17 +78,17 @@ class Machine:
     Parameters
     ----------
     scene : Scene
-    summaries, fields : iterable of str
+    summaries, fields : str or iterable of str
         Names from `available_summaries` and `available_fields`.
-    varied : iterable of str
+    varied : str or iterable of str
         Paths of the scene's numbers that `evaluate` will be given.
     positions : int
         Intervals per cycle (or over the input's range) of the kept fields, even, at least 8.
     dtype : float64 or float32
         Of the kept fields; summaries are always computed in float64.
-    accuracy : float, optional
-        Allowed error of every summary, as a share of its magnitude; of a statistic of a field, of the field's peak.
-        Without it summaries are as accurate as they can be at next to no cost.
+    accuracy : float or str, optional
+        Allowed error of every summary, such as 0.001 or "0.1 %" of its magnitude; of a statistic of a field, of the
+        field's peak. Without it summaries are as accurate as they can be at next to no cost.
 
     Attributes
     ----------
@@ -120,13 +128,12 @@ class Machine:
         varied: Iterable[str] = (),
         positions: int = 720,
         dtype: type = np.float64,
-        accuracy: float | None = None,
+        accuracy: float | str | None = None,
     ) -> None:
-        if accuracy is not None and not 0.0 < accuracy < 1.0:
-            raise AskError(f"accuracy = {accuracy!r}: a share between 0 and 1 is needed, such as 0.001 or '0.1 %'")
+        check_scene(scene)
         check_positions(positions)
-        self.scene, self.positions, self.dtype, self.accuracy = scene, positions, np.dtype(dtype), accuracy
-        self.varied = tuple(varied)
+        self.scene, self.positions, self.dtype = scene, positions, np.dtype(dtype)
+        self.accuracy, self.varied = allowed_share(accuracy), names_of(varied)
         self._limits = scene_numbers(scene)
         check_names(self.varied, self._limits, "number of the scene")
         if isinstance(scene.input, CrankInput) and {"input.start", "input.stop"} & set(self.varied):
@@ -148,7 +155,7 @@ class Machine:
     def _ask(self, summaries: Iterable[str], fields: Iterable[str]) -> None:
         """Take what is asked by name."""
         scene, positions, accuracy = self.scene, self.positions, self.accuracy
-        self.asked_summaries, self.asked_fields = list(summaries), list(fields)
+        self.asked_summaries, self.asked_fields = [*names_of(summaries)], [*names_of(fields)]
         # Warnings require summaries that nobody may have asked for.
         self._warnings = self._asked_warnings()
         required = self._warnings.reads if self._warnings else ()
@@ -179,7 +186,15 @@ class Machine:
 
     def _check_asked(self) -> None:
         """Refuse what doesn't exist, with the names that are near."""
-        check_names(self.asked_fields, {**self.register.fields, **self.regimes.fields}, "field")
+        fields = {**self.register.fields, **self.regimes.fields}
+        for name in self.asked_summaries:
+            if name in fields and name not in self.available_summaries:
+                statistics = ", ".join(f"{name}.{statistic}" for statistic in STATISTICS)
+                raise AskError(f"{name!r} is a field, a curve: ask for it as a field, or for its {statistics}")
+        for name in self.asked_fields:
+            if name not in fields and self.register.summary(name) is not None:
+                raise AskError(f"{name!r} is a summary, a single number: ask for it as a summary")
+        check_names(self.asked_fields, fields, "field")
         known = {*self._elements.names, *OF_ACCURACY, *self.regimes.asked, *self._warning_names}
         unknown = [n for n in self.asked_summaries if n not in known and self.register.summary(n) is None]
         if unknown:
@@ -200,15 +215,20 @@ class Machine:
     @property
     def available_summaries(self) -> dict[str, Quantity]:
         """Every summary one may ask, besides the statistics of fields: FIELD.max, FIELD.rms, … (see STATISTICS)."""
+        of_warnings = warnings.asked_warnings.warning_summaries(self.scene, self._has_summary)
+        return self._computed_summaries | {q.name: q for q in of_warnings}
+
+    @property
+    def _computed_summaries(self) -> dict[str, Quantity]:
+        """All but the warnings, which are plain numbers."""
         names = [name for name in self.register.summaries if self.register.why_not(name) is None]
         summaries = {name: self.register.summary(name) for name in (*names, *self.asked_summaries)}
         own = {name: summary.quantity for name, summary in summaries.items() if summary is not None}
         elements = {q.name: q for q in element_summaries(self.scene)}
         of_accuracy = {q.name: q for q in (POSITIONS_USED, ACCURACY_REACHED)}
-        of_warnings = {q.name: q for q in warnings.asked_warnings.warning_summaries(self.scene, self.has_summary)}
-        return own | self.regimes.summaries | elements | of_accuracy | of_warnings
+        return own | self.regimes.summaries | elements | of_accuracy
 
-    def has_summary(self, name: str) -> bool:
+    def _has_summary(self, name: str) -> bool:
         """Whether a summary of the cycle or of a regime exists."""
         if self.register.summary(name) is not None:
             return self.register.why_not(name) is None
@@ -218,7 +238,7 @@ class Machine:
         """Warnings among the asked summaries; None without any."""
         if not any(map(warnings.is_warning, self.asked_summaries)):
             return None
-        return warnings.asked_warnings.AskedWarnings(self.scene, self.asked_summaries, self.has_summary)
+        return warnings.asked_warnings.AskedWarnings(self.scene, self.asked_summaries, self._has_summary)
 
     @property
     def _warning_names(self) -> list[str]:
@@ -267,7 +287,7 @@ class Machine:
 
     @cached_property
     def _kept(self) -> KeptFields:
-        return curves_of(self.measuring, list(self._kept_curves.values()), self.dtype)
+        return curves_of(self._measuring, list(self._kept_curves.values()), self.dtype)
 
     @cached_property
     def _harmonics(self) -> list[Expression]:
@@ -277,7 +297,7 @@ class Machine:
         return machine.drives.excited_trains.machine_harmonics(self.mechanics)
 
     @cached_property
-    def measuring(self) -> Measuring:
+    def _measuring(self) -> Measuring:
         """Functions and plan for all that is measured, and for whether the regimes' groups can be assembled."""
         expressions = [summary.expression() for summary in self._summaries.values()]
         expressions += self._harmonics
@@ -297,18 +317,18 @@ class Machine:
 
     def source(self) -> str:
         """The printed functions, to be read."""
-        text = self.measuring.functions.text
+        text = self._measuring.functions.text
         return f"{text}\n\n{self._kept.text}" if self._kept_curves else text
 
     @property
     def numbers_kept(self) -> int:
         """Numbers of each variant that are laid out for the printed functions."""
-        return len(self.measuring.functions.rows)
+        return len(self._measuring.functions.rows)
 
     @property
     def computed(self) -> dict[str, list[str]]:
         """Which levels (position, velocity, …) of which points, links and groups are computed at a position."""
-        return machine.computed.computed_levels(self.mechanics, [*self.measuring.curves, *self._moving])
+        return machine.computed.computed_levels(self.mechanics, [*self._measuring.curves, *self._moving])
 
     @property
     def left_out(self) -> dict[str, list[str]]:
@@ -318,9 +338,9 @@ class Machine:
         return {subject: levels for subject, levels in missing.items() if levels}
 
     @property
-    def schedule(self) -> "motion.regimes_in_order.Schedule | None":
-        """The regimes, where anything of them is asked."""
-        return self.regimes.schedule
+    def has_regimes(self) -> bool:
+        """Whether anything of a regime is asked, such as a run or steady running."""
+        return self.regimes.schedule is not None
 
     def new_buffer(self, variants: int) -> np.ndarray:
         """Memory for the asked fields of a number of variants; worth reusing from block to block."""
@@ -338,8 +358,8 @@ class Machine:
 
         Parameters
         ----------
-        varied : mapping of path to ndarray (variants,)
-            Values (SI) of the paths named as varied; empty for the scene as it is, one variant.
+        varied : mapping of path to ndarray (variants,), or to texts with units such as "50 mm"
+            Values of the paths named as varied, plain numbers in SI; empty for the scene as it is, one variant.
         drop : ndarray (variants,) of bool, optional
             Variants not to evaluate; their status is DROPPED.
         buffer : ndarray (fields over positions, at least variants, positions), optional
@@ -348,11 +368,11 @@ class Machine:
         Raises
         ------
         AskError
-            The paths are not those the machine was made for.
+            The paths are not those the machine was made for, or a value is wrong.
         """
         arrays, status = given_numbers(self._limits, self.varied, varied, drop)
         variants, whole = status.size, Numbers(self._limits, arrays)
-        closes = self.mechanics.closes(whole, [*self.measuring.curves, *self._moving])
+        closes = self.mechanics.closes(whole, [*self._measuring.curves, *self._moving])
         status[(status == Verdict.OK) & ~np.asarray(closes)] = Verdict.DOES_NOT_CLOSE
         keep = np.flatnonzero(status == Verdict.OK)
         room = front_of(self.new_buffer(variants) if buffer is None else buffer, variants)
@@ -366,7 +386,15 @@ class Machine:
             self._fill(outcome, room, keep, whole if keep.size == variants else whole.of_variants(keep))
         if self._warnings:
             self._warnings.fill(outcome.status, outcome.summaries, outcome.errors, whole)
-        return outcome.with_summaries(self.asked_summaries)
+        remarks = () if (status == Verdict.OK).any() else size_remarks(self._limits, arrays)
+        return outcome.with_summaries(self.asked_summaries)._replace(units=self._units, remarks=remarks)
+
+    @cached_property
+    def _units(self) -> dict[str, str]:
+        """SI unit of all that is asked."""
+        known = self._computed_summaries | self.available_fields
+        names = (*self.asked_summaries, *self.asked_fields)
+        return {name: known[name].units if name in known else "1" for name in names}
 
     def _fill(self, outcome: Outcome, room: np.ndarray, keep: np.ndarray, numbers: Numbers) -> None:
         """Evaluate the variants `keep`, and write their summaries, fields and verdicts."""
@@ -379,7 +407,7 @@ class Machine:
         if self._drives is not None:
             of_machine |= self._drives.numbers(numbers, outcome.status[keep] == Verdict.OK)
         self._fill_elements(outcome, keep, numbers.with_values(of_machine))
-        if self.schedule is not None:
+        if self.has_regimes:
             self._move(outcome, keep, numbers)
         self._note_accuracy(outcome, keep, np.concatenate(panels), np.concatenate(excess))
 
@@ -420,11 +448,11 @@ class Machine:
         of_trains : dict of str to ndarray
             What trains are given.
         """
-        table = self.measuring.numbers(numbers, keep.size)
-        answers = self.measuring(table)
+        table = self._measuring.numbers(numbers, keep.size)
+        answers = self._measuring(table)
         undefined, excess = np.zeros(keep.size, bool), np.zeros(keep.size)
         own = slice(keep[0], keep[-1] + 1) if keep[-1] - keep[0] == keep.size - 1 else keep
-        for (name, summary), expression in zip(self._summaries.items(), self.measuring.expressions, strict=False):
+        for (name, summary), expression in zip(self._summaries.items(), self._measuring.expressions, strict=False):
             # An overflow on the way to a number ends as a status, not as a warning.
             with np.errstate(all="ignore"):
                 found = answers.value_of(expression)
@@ -436,7 +464,7 @@ class Machine:
                 undefined |= nothing & (not summary.may_be_undefined)
                 value, error = np.where(nothing, np.nan, value), np.where(nothing, np.nan, error)
             outcome.summaries[name][own], outcome.errors[name][own] = value, error
-        fill_found(self.measuring.functions, table, answers.outcome.landmarks)
+        fill_found(self._measuring.functions, table, answers.outcome.landmarks)
         if self._fields:
             undefined |= ~self._keep(room, keep, table, answers)
         self._judge(outcome, keep, table, answers, undefined)
@@ -455,29 +483,6 @@ class Machine:
         return machine.drives.excited_trains.machine_numbers(
             numbers, self.mechanics, harmonics, answers.value_of, variants
         )
-
-    def numbers_for_trains(self) -> dict[str, np.ndarray]:
-        """What the machine as it is does to torsional trains that it excites, as one variant: numbers by their keys.
-
-        Something of a train must be asked; else there are none.
-        """
-        numbers = Numbers(self._limits, {})
-        return self._for_trains(self.measuring(self.measuring.numbers(numbers, 1)), numbers, 1)
-
-    def seconds_on_shafts(self, varied: Mapping[str, np.ndarray]) -> float:
-        """Forecast how long one variant's runs on elastic shafts take [s], the mean of some variants; 0 without runs.
-
-        Parameters
-        ----------
-        varied : mapping of path to ndarray (variants,)
-            As for `evaluate`.
-        """
-        if self._drives is None or not self._drives.runs:
-            return 0.0
-        arrays, status = given_numbers(self._limits, self.varied, varied, None)
-        well = np.flatnonzero(status == Verdict.OK)
-        numbers = Numbers(self._limits, arrays)
-        return self._drives.seconds_of_runs(numbers.of_variants(well), well.size) if well.size else 0.0
 
     def _move(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
         """Compute the regimes of those of the variants `keep` that have no complaint so far.
@@ -519,7 +524,7 @@ class Machine:
         outcome.status[clear], outcome.status_group[clear], outcome.status_at[clear] = verdict[~stays], -1, np.nan
         # The first run that fails gives the verdict.
         for positions in covered[::-1]:
-            failures = failures_within(self.measuring, numbers, positions)
+            failures = failures_within(self._measuring, numbers, positions)
             rounding = np.fmax(rounding, failures.rounding)
             self._blame_for(outcome, who, failures)
         return outcome.status[who], rounding
@@ -527,11 +532,11 @@ class Machine:
     @property
     def _runs_alone_count(self) -> bool:
         """Whether nothing that is asked depends on the cycle as a whole, be it by the ends of a stroke."""
-        schedule = self.schedule
+        schedule = self.regimes.schedule
         if schedule is None or self._summaries or self._fields or self._trains or self._governing or self._drives:
             return False
         strokes = any(isinstance(node, Found) for node in reached(self._moving))
-        return schedule.steady.isdisjoint(schedule.needed) and not strokes and not self.measuring.windings
+        return schedule.steady.isdisjoint(schedule.needed) and not strokes and not self._measuring.windings
 
     def _keep(self, room: np.ndarray, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles) -> np.ndarray:
         """Fill the kept fields; returns which variants have finite values alone."""
@@ -539,7 +544,7 @@ class Machine:
         rows, finite = [places[name] for name in self._kept_curves], np.ones(keep.size, bool)
         if rows:
             own = room if len(rows) == len(room) else np.empty((len(rows), *room.shape[1:]), self.dtype)
-            ends = ends_of(self.measuring) if self._ranges_vary else NONE
+            ends = ends_of(self._measuring) if self._ranges_vary else NONE
             finite = self._kept.fill(table, self._positions_kept, own, keep, ends)
             if own is not room:
                 room[rows] = own
@@ -567,10 +572,10 @@ class Machine:
         self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles, undefined: np.ndarray
     ) -> None:
         """Give every variant its verdict, and those that fail the group to blame and where it fails."""
-        self._blame_for(outcome, keep, failures_of(self.measuring, table, answers))
+        self._blame_for(outcome, keep, failures_of(self._measuring, table, answers))
         for verdict in (Verdict.UNDERCUT, Verdict.JAMS, Verdict.LIFTS_OFF):
             self._blame_margins(outcome, keep, table, answers, verdict)
-        for winding in self.measuring.windings:
+        for winding in self._measuring.windings:
             wound = np.abs(answers.value_of(winding).value) > math.pi
             outcome.status[keep[wound & (outcome.status[keep] == Verdict.OK)]] = Verdict.DOES_NOT_CLOSE
         blamed = keep[undefined & (outcome.status[keep] == Verdict.OK)]
@@ -579,7 +584,7 @@ class Machine:
     def _blame_modes(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
         """Give the verdict on variants in which a group of free links doesn't keep its assembly mode."""
         for group, tables in self.mechanics.kinematics.seed_tables.items():
-            if group not in self.measuring.groups:
+            if group not in self._measuring.groups:
                 continue
             found = tables(numbers)
             verdict, at = (np.broadcast_to(part, keep.shape) for part in (found.verdict, found.at))
@@ -597,14 +602,14 @@ class Machine:
         self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles, verdict: Verdict
     ) -> None:
         """Give a verdict on variants in which one of its margins doesn't stay positive."""
-        margins = [margin for margin in self.measuring.margins if margin.verdict == verdict]
+        margins = [margin for margin in self._measuring.margins if margin.verdict == verdict]
         least = [answers.least_of(margin) for margin in margins]
         fails = np.any([margin <= 0.0 for margin, _ in least], axis=0) if margins else np.zeros(keep.size, bool)
         fails = np.flatnonzero(fails & (outcome.status[keep] == Verdict.OK))
         if not fails.size:
             return
-        fields = curves_of(self.measuring, [margin.curve for margin in margins])
-        at, place = first_failure(fields, table[:, fails], ends_of(self.measuring), lambda values: ~(values > 0.0))
+        fields = curves_of(self._measuring, [margin.curve for margin in margins])
+        at, place = first_failure(fields, table[:, fails], ends_of(self._measuring), lambda values: ~(values > 0.0))
         for k, (margin, (value, least_at)) in enumerate(zip(margins, least, strict=True)):
             # One that fails between positions alone is known by the least margin.
             hidden = (at < 0) & (value[fails] <= 0.0)
@@ -615,7 +620,7 @@ class Machine:
 
     def _blame_for(self, outcome: Outcome, who: np.ndarray, failures: Failures) -> None:
         """Give the verdict on variants in which groups fail."""
-        order = np.array([self.groups.index(group) for group in self.measuring.groups], int)
+        order = np.array([self.groups.index(group) for group in self._measuring.groups], int)
         fails = failures.verdict != Verdict.OK
         outcome.status[who[fails]] = failures.verdict[fails]
         outcome.status_group[who[fails]] = order[failures.group[fails]]
@@ -657,3 +662,32 @@ class Machine:
             allowed = answers.allowed(expression, accuracy)
         share = np.where(found.error <= SURELY_NOTHING, 0.0, found.error / np.fmax(own, allowed))
         return np.where(np.isfinite(found.value), share, 0.0)
+
+
+def numbers_for_trains(made: Machine) -> dict[str, np.ndarray]:
+    """What a machine as it is does to torsional trains that it excites, as one variant: numbers by their keys.
+
+    Parameters
+    ----------
+    made : Machine
+        Something of a train must be asked; else there are none.
+    """
+    numbers = Numbers(made._limits, {})
+    return made._for_trains(made._measuring(made._measuring.numbers(numbers, 1)), numbers, 1)
+
+
+def seconds_of_runs(made: Machine, varied: Mapping[str, np.ndarray]) -> float:
+    """Forecast how long one variant's runs on elastic shafts take [s], the mean of some variants; 0 without runs.
+
+    Parameters
+    ----------
+    made : Machine
+    varied : mapping of path to ndarray (variants,)
+        As for `Machine.evaluate`.
+    """
+    if made._drives is None or not made._drives.runs:
+        return 0.0
+    arrays, status = given_numbers(made._limits, made.varied, varied, None)
+    well = np.flatnonzero(status == Verdict.OK)
+    numbers = Numbers(made._limits, arrays)
+    return made._drives.seconds_of_runs(numbers.of_variants(well), well.size) if well.size else 0.0

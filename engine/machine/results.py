@@ -1,7 +1,7 @@
 """What an evaluation gives back, and the memory of its fields."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -30,6 +30,10 @@ class Outcome(NamedTuple):
         Asked summaries and their error figures, SI; fields of regimes have one too, the greatest over their instants.
     fields : dict of str to ndarray (variants, positions)
         Asked fields, SI; of runs at their instants (see `Machine.kept_at`).
+    units : dict of str to str
+        SI unit of each summary and field.
+    remarks : tuple of str
+        What may be wrong with the numbers given, where no variant works.
     """
 
     status: np.ndarray
@@ -38,6 +42,8 @@ class Outcome(NamedTuple):
     summaries: dict[str, np.ndarray]
     errors: dict[str, np.ndarray]
     fields: dict[str, np.ndarray]
+    units: Mapping[str, str] = {}
+    remarks: tuple[str, ...] = ()
 
     def with_summaries(self, names: Iterable[str]) -> "Outcome":
         """The same with these summaries only.
@@ -54,11 +60,17 @@ class Outcome(NamedTuple):
 
     def __repr__(self) -> str:
         codes, counts = np.unique(self.status, return_counts=True)
-        verdicts = ", ".join(f"{n} {Verdict(code).name.lower()}" for code, n in zip(codes, counts, strict=True))
+        words = {code: Verdict(code).name.lower().replace("_", " ") for code in codes}
+        verdicts = ", ".join(f"{n} {words[code]}" for code, n in zip(codes, counts, strict=True))
         held = {"summaries": self.summaries, "fields": self.fields}
-        asked = "".join(f"; {kind} {', '.join(names)}" for kind, names in held.items() if names)
-        count = self.status.size
-        return f"<Outcome of {count} variant{'s' if count != 1 else ''}: {verdicts}{asked}>"
+        asked = "".join(f"; {kind} {self._names_text(names)}" for kind, names in held.items() if names)
+        count, remarks = self.status.size, "".join(f"; {remark}" for remark in self.remarks)
+        return f"<Outcome of {count} variant{'s' if count != 1 else ''}: {verdicts}{remarks}{asked}>"
+
+    def _names_text(self, names: Iterable[str]) -> str:
+        """Names with their units."""
+        units = {name: self.units.get(name, "1") for name in names}
+        return ", ".join(name if unit == "1" else f"{name} [{unit}]" for name, unit in units.items())
 
 
 def asked_text(machine: object) -> str:

@@ -9,6 +9,7 @@ Of numbers in even steps a text says the first, the last and how many: "40 mm to
 
 from __future__ import annotations
 
+import datetime
 import difflib
 import functools
 import math
@@ -146,6 +147,7 @@ percent = 0.01
 
 UNIT_NAMES = tuple(line.partition(" ")[0] for line in _DEFINITIONS)
 
+_LONGEST_SHOWN = 60
 # Every legitimate quantity is far shorter; the bound keeps hostile texts cheap.
 _LONGEST = 100
 # Decimal arithmetic keeps "9 mm" at 0.009, where binary 9 * 1e-3 gives 0.009000000000000001; 40 digits leave
@@ -203,7 +205,7 @@ def to_si(value: str | float | int, dimension: str) -> float:
     if isinstance(value, str):
         return _read_text(value, dimension)
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
-        raise UnitError(f"expected {with_example(dimension)}, got a value of type {type(value).__name__}")
+        raise UnitError(f"expected {with_example(dimension)}, got {_shown(value)}")
     return _in_range(value, "the number", in_words(dimension))
 
 
@@ -288,6 +290,14 @@ def _read_text(text: str, dimension: str) -> float:
             return _in_range(_evaluate(stripped, dimension), f"{text!r}", in_words(dimension))
         except ArithmeticError:
             raise UnitError(f"{text!r} is not a finite {in_words(dimension)}") from None
+
+
+def _shown(value: object) -> str:
+    """A value for a message, in the spelling of scenes."""
+    if isinstance(value, bool | np.bool_):
+        return str(value).lower()
+    shown = str(value) if isinstance(value, datetime.date | datetime.time) else repr(value)
+    return shown if len(shown) <= _LONGEST_SHOWN else f"{shown[:_LONGEST_SHOWN]}..."
 
 
 def _stripped(text: str, expected: str) -> str:

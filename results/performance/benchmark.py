@@ -190,7 +190,7 @@ def cycle_time(name: str) -> float:
     from engine.scene.scene import Numbers
 
     varied = geometry_and_loads(name)
-    measuring = Machine(CASES[name].scene, fields=FIELDS, varied=varied, positions=POSITIONS).measuring
+    measuring = Machine(CASES[name].scene, fields=FIELDS, varied=varied, positions=POSITIONS)._measuring
     table = measuring.numbers(Numbers(scene_numbers(CASES[name].scene), varied), VARIANTS)
     measuring(table)
     times = []

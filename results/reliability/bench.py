@@ -56,7 +56,7 @@ summaries = ["piston.stroke", "required_power", "excess_work"]
 
 [optimise]
 minimise = ["excess_work"]
-subject_to = ["piston.stroke >= '80 mm'"]
+where = ["piston.stroke >= '80 mm'"]
 population = 400
 generations = 24
 """

@@ -4,7 +4,18 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import POSITIONS, SET, errors_as_messages, make_folder, names_in, tell, tell_altered
+from sweeps.cli.shared import (
+    POSITIONS,
+    SET,
+    WHERE,
+    WholeNumber,
+    errors_as_messages,
+    make_folder,
+    names_in,
+    tell,
+    tell_altered,
+    variants_only,
+)
 from sweeps.cli.waiting import doing
 
 TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
@@ -18,11 +29,11 @@ TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
     required=True,
     help="File to write: .csv, .json, .parquet, .mat, .svg, .dxf or .toml.",
 )
-@click.option("--variant", type=int, help="One variant of a result file.")
+@click.option("--variant", type=WholeNumber(0), help="One variant of a result file.")
 @click.option(
     "--at", default="", help="Crank angles [deg], displacements such as '20 mm', or instants such as '0.2 s'."
 )
-@click.option("--where", help="Only variants that meet this condition (tables of a result).")
+@WHERE
 @click.option("--history", is_flag=True, help="Time history through the regimes (tables).")
 @click.option("--element", help="A cam element: its motion curves (CSV) or outlines (SVG, DXF).")
 @click.option(
@@ -39,7 +50,7 @@ def export(
     to: Path,
     variant: int | None,
     at: str,
-    where: str | None,
+    where: tuple[str, ...],
     history: bool,
     element: str | None,
     columns: str,
@@ -71,7 +82,10 @@ def export(
     if is_result(file):
         tell_altered(file)
 
-    if to.suffix in TABLES and is_result(file) and variant is None and not (at or history or settings or element):
+    of_one = variant is not None or at or history or settings or element
+    is_sweep = to.suffix in TABLES and is_result(file) and not of_one
+    variants_only(where, is_sweep)
+    if is_sweep:
         make_folder(to)
         asked, source = names_in(columns), Path(file)
         with doing("Writing the table"):

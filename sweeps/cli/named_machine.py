@@ -174,6 +174,8 @@ def read_at(scene: Scene, text: str, names: Sequence[str] = ()) -> Readings:
         There is no such field.
     """
     times = [_time(part) for part in text.split(",") if part.strip()]
+    if not times:
+        raise InputError("--at", [(None, "", "no positions; for example --at 0,60,120")])
     if None not in times and times:
         # Only regimes need compiled code.
         from sweeps.report.readings_in_time import readings_in_time

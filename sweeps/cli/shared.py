@@ -95,13 +95,37 @@ CLUSTER = click.option(
 )
 
 
+class WholeNumber(click.ParamType):
+    """Whole numbers within limits.
+
+    Parameters
+    ----------
+    least : int
+    most : int, optional
+    """
+
+    name = "number"
+
+    def __init__(self, least: int, most: int | None = None) -> None:
+        self.least, self.most = least, most
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        """The number, or click's way to refuse it."""
+        text = str(value).strip()
+        number = int(text) if re.fullmatch("-?[0-9]{1,18}", text) else None
+        if number is None or number < self.least or (self.most is not None and number > self.most):
+            limits = f"of at least {self.least}" if self.most is None else f"from {self.least} to {self.most}"
+            self.fail(f"{text!r} is not a whole number {limits}", param, ctx)
+        return number
+
+
 def run_options(out: str) -> Callable:
     """Options of commands that make a result file."""
     options = (
         click.option("--out", type=click.Path(path_type=Path), help=f"Result file (default: {out})."),
         click.option("--restart", is_flag=True, help="Discard earlier results and compute everything."),
         click.option("--replace", is_flag=True, help="Replace the former result of an edited study."),
-        click.option("--jobs", type=click.IntRange(min=1), help="Threads to use (default: all cores)."),
+        click.option("--jobs", type=WholeNumber(1), help="Threads to use (default: all cores)."),
         CLUSTER,
         click.option("--no-plots", is_flag=True, help="Skip the plots."),
         click.option("--quiet", is_flag=True, help="Hide progress."),
@@ -116,7 +140,14 @@ SET = click.option(
     metavar="PATH=VALUE",
     help="Set a number of the scene, input.length='55 mm'; repeatable.",
 )
-POSITIONS = click.option("--positions", type=int, help="Number of field positions per cycle, even.")
+WHERE = click.option(
+    "--where",
+    multiple=True,
+    metavar="CONDITION",
+    help="Only variants of a result that meet this condition, such as 'wheel_mass < 900 kg and input.length > 40 mm'; "
+    "repeatable.",
+)
+POSITIONS = click.option("--positions", type=WholeNumber(0), help="Number of field positions per cycle, even.")
 ACCURACY = click.option("--accuracy", help="Tolerance of every summary, such as '0.1 %'.")
 JSON = click.option("--json", "as_json", is_flag=True, help="JSON output in SI units.")
 
@@ -124,6 +155,20 @@ JSON = click.option("--json", "as_json", is_flag=True, help="JSON output in SI u
 def study_options(command: Command) -> Command:
     """Options of commands that read a study: scene numbers, positions, accuracy."""
     return SET(POSITIONS(ACCURACY(command)))
+
+
+def variants_only(where: tuple[str, ...], is_sweep: bool) -> None:
+    """Check that --where has variants to choose from.
+
+    Raises
+    ------
+    InputError
+        There is one machine only.
+    """
+    from sweeps.text.input_files import InputError
+
+    if where and not is_sweep:
+        raise InputError("--where", [(None, "", "chooses variants of a whole result file; here there is one machine")])
 
 
 def tell_data(data: object) -> None:

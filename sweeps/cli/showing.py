@@ -9,33 +9,36 @@ from sweeps.cli.shared import (
     JSON,
     POSITIONS,
     SET,
+    WHERE,
+    WholeNumber,
     errors_as_messages,
     make_folder,
     names_in,
     tell,
     tell_altered,
     tell_data,
+    variants_only,
 )
 from sweeps.cli.waiting import doing
 
 
 @click.command()
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--where", help="Only variants that meet this condition, such as \"wheel_mass < '900 kg'\".")
+@WHERE
 @click.option("--sort", help="Column to sort by.")
 @click.option("--descending", is_flag=True, help="Descending order.")
-@click.option("--limit", type=click.IntRange(min=1), default=10, show_default=True, help="Number of variants to list.")
+@click.option("--limit", type=WholeNumber(1), default=10, show_default=True, help="Number of variants to list.")
 @click.option("--columns", help="Summaries to show, or fields with --at, comma-separated (default: all).")
 @click.option(
     "--at", help="Fields of one machine at crank angles ('37 deg') or displacements, or its motion at '0.2 s'."
 )
-@click.option("--variant", type=int, help="With --at: one variant of a result file.")
+@click.option("--variant", type=WholeNumber(0), help="With --at: one variant of a result file.")
 @SET
 @JSON
 @errors_as_messages
 def show(
     file: Path,
-    where: str | None,
+    where: tuple[str, ...],
     sort: str | None,
     descending: bool,
     limit: int,
@@ -94,7 +97,7 @@ def show(
     tell(counts_text(result))
     tell(f"{meeting_text(result, condition)}; the first {chosen.size}:")
     tell(variants_text(result, chosen, names))
-    if where is None:
+    if not where:
         tell((optimum_text if is_search(result) else answer_text)(result))
 
 
@@ -120,7 +123,7 @@ def _show_at(
 @click.command()
 @click.argument("file")
 @click.option("--out", type=click.Path(path_type=Path), help="Picture file (.png, .svg, .pdf); default: next to FILE.")
-@click.option("--variant", type=int, help="Variant of a result file to use.")
+@click.option("--variant", type=WholeNumber(0), help="Variant of a result file to use.")
 @click.option(
     "--at", default="", help="Crank angles of the drawing [deg], or displacements such as '20 mm', comma-separated."
 )
@@ -147,6 +150,7 @@ def _show_at(
 @click.option("-x", help="x axis: a column (results), or a field instead of the crank angle.")
 @click.option("-y", help="y axis: a column (results), or fields of one machine such as B.vx, comma-separated.")
 @click.option("--colour", help="Column shown as colour (results).")
+@WHERE
 @POSITIONS
 @SET
 @errors_as_messages
@@ -166,6 +170,7 @@ def plot(
     x: str | None,
     y: str | None,
     colour: str | None,
+    where: tuple[str, ...],
     positions: int | None,
     settings: tuple[str, ...],
 ) -> None:
@@ -184,11 +189,14 @@ def plot(
     tables = ""
     if is_result(file):
         tell_altered(file)
-    if is_result(file) and variant is None and not (plans or bearings or motion or hodograph or beside or settings):
+    of_machine = plans or bearings or motion or hodograph or beside or settings
+    is_sweep = is_result(file) and variant is None and not of_machine
+    variants_only(where, is_sweep)
+    if is_sweep:
         from sweeps.pictures.sweep.result_pictures import result_pictures
         from sweeps.report.sweep_result import SweepResult
 
-        made = result_pictures(SweepResult(Path(file)), out, x, y, colour)
+        made = result_pictures(SweepResult(Path(file), where=where), out, x, y, colour)
     elif x or y:
         scene, values, name = machine_of(file, variant, settings)
         fields = names_in(y or "")
@@ -219,7 +227,7 @@ def plot(
 @click.command()
 @click.argument("file", required=False)
 @click.option("--out", type=click.Path(path_type=Path), help="Also draw the orders to this file (.png, .svg, .pdf).")
-@click.option("--variant", type=int, help="Variant of a result file to use.")
+@click.option("--variant", type=WholeNumber(0), help="Variant of a result file to use.")
 @errors_as_messages
 def orders(file: str | None, out: Path | None, variant: int | None) -> None:
     """Show the unbalanced orders of force, couple and torque of common engines, or of those in a scene or result."""
@@ -244,9 +252,9 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
 @click.command()
 @click.argument("file")
 @click.option("--out", type=click.Path(path_type=Path), help="GIF file; default: NAME.gif.")
-@click.option("--variant", type=int, help="Variant of a result file to use.")
+@click.option("--variant", type=WholeNumber(0), help="Variant of a result file to use.")
 @click.option("--paths", default="", help="Points whose paths are drawn, comma-separated.")
-@click.option("--frames", type=click.IntRange(4, 1000), default=60, show_default=True)
+@click.option("--frames", type=WholeNumber(4, 1000), default=60, show_default=True)
 @SET
 @errors_as_messages
 @doing("Drawing the frames")

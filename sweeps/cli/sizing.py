@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import errors_as_messages, names_in, tell, write_text
+from sweeps.cli.shared import WholeNumber, errors_as_messages, names_in, tell, write_text
 
 
 @click.command()
@@ -39,11 +39,13 @@ def flywheel(
 @click.option("--criterion", type=click.Choice(["rms", "peak", "full"]), default="rms", show_default=True)
 @click.option("--radius", help="Radius of the counterweights, '60 mm' (default: the crank's length).")
 @click.option("--most", help="Maximum mass of each counterweight, '8 kg'.")
-@click.option("--variant", type=int, help="Machine of one variant of a result file.")
+@click.option("--variant", type=WholeNumber(0), help="Machine of one variant of a result file.")
 @click.option("--out", type=click.Path(path_type=Path), help="Scene to write, with the counterweights (TOML).")
 @click.option("--trial-runs", type=click.Path(path_type=Path), help="CSV of a rotor's trial runs, instead of FILE.")
 @click.option("--noise", help="Standard deviation of its readings, '0.1 mm/s'.")
-@click.option("--holes", type=int, help="Number of equally spaced holes for the weights, the first at the mark.")
+@click.option(
+    "--holes", type=WholeNumber(1), help="Number of equally spaced holes for the weights, the first at the mark."
+)
 @click.option("--planes", help="Planes of an engine's balance shafts, '-80 mm, 80 mm'.")
 @errors_as_messages
 def balance_command(

@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from engine import Scene
 from sweeps.text.input_files import InputError
+from sweeps.text.toml_text import errors_in_words
 
 # Valid scene names.
 _UNALLOWED = re.compile("[^A-Za-z0-9]+")
@@ -118,7 +119,7 @@ class _Builder:
         try:
             return Scene.model_validate(self.data)
         except ValidationError as error:
-            raise chain.refused(error.errors()[0]["msg"]) from None
+            raise chain.refused(": ".join(errors_in_words(Scene, error)[0])) from None
 
     def _pin(self) -> str:
         """Crank joint that drives other links."""

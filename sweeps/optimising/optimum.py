@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import Verdict, any_quantity, display_unit, parse_expression, quantity_text
+from engine import Verdict, display_unit, quantity_text
 from sweeps.report.sweep_result import SweepResult
 from sweeps.text.conditions import Condition
 from sweeps.text.tables import table
@@ -53,7 +53,7 @@ def met(result: SweepResult) -> np.ndarray:
 
 def _conditions(result: SweepResult) -> list[Condition]:
     """Conditions on results, not on parameters."""
-    return [Condition(parse_expression(text, any_quantity)) for text in result.record["search"]["subject_to"]]
+    return [Condition.parse(text) for text in result.record["search"]["where"]]
 
 
 def choices(result: SweepResult) -> list[Choice]:
@@ -101,7 +101,7 @@ def _choices_text(result: SweepResult) -> str:
 
 def _best_text(result: SweepResult, best: int) -> str:
     (name, sign), *_ = objectives(result)
-    condition = f" where {result.goal.where}" if result.goal and result.goal.where else ""
+    condition = f" where {result.condition}" if result.condition else ""
     word = "minimum" if sign > 0 else "maximum"
     lines = [f"Answer: {word} {name}{condition}: {_value(result, name, best)}, variant {best}:"]
     ends = _ends(result, best)

@@ -298,9 +298,7 @@ def _goal(task: SearchTask) -> dict[str, Any] | None:
     if len(task.objectives) > 1:
         return None
     (objective,) = task.objectives
-    texts = [condition.text for condition in task.conditions]
-    whole = " and ".join(texts if len(texts) == 1 else (f"({text})" for text in texts))
-    return Best(**{objective.way: objective.name}, where=whole or None).model_dump()
+    return Best(**{objective.way: objective.name}, where=[c.text for c in task.conditions]).model_dump()
 
 
 def _versions() -> str:

@@ -8,7 +8,7 @@ import numpy as np
 from engine import Outcome, Verdict
 from sweeps.run.blocks import most_at_once
 from sweeps.study.search_task import Objective, SearchTask
-from sweeps.text.conditions import errors_in, value_with_error
+from sweeps.text.conditions import Values, value_with_error
 
 if TYPE_CHECKING:
     from sweeps.run.cluster.crew import Crew
@@ -95,7 +95,8 @@ class Trials:
         found |= outcome.summaries | {f"{name}_error": error for name, error in outcome.errors.items()}
         for objective in self.task.objectives:
             if not objective.is_column:
-                found[objective.name], found[f"{objective.name}_error"] = _with_error(objective, found)
+                known = study.requirements.known(found)
+                found[objective.name], found[f"{objective.name}_error"] = _with_error(objective, *known, count)
         return found
 
     def _shared_out(self, values: Mapping[str, np.ndarray], dropped: np.ndarray | None, count: int) -> Outcome:
@@ -124,9 +125,9 @@ def joined(parts: list[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
-def _with_error(objective: Objective, columns: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def _with_error(objective: Objective, values: Values, errors: Values, count: int) -> tuple[np.ndarray, np.ndarray]:
     """An objective and its error estimate."""
     with np.errstate(all="ignore"):
-        found = value_with_error(objective.expression.tree, columns, errors_in(columns))
-    value, error = (np.broadcast_to(part, columns["status"].shape).astype(float) for part in found)
+        found = value_with_error(objective.expression.tree, values, errors)
+    value, error = (np.broadcast_to(part, (count,)).astype(float) for part in found)
     return value, np.where(np.isfinite(value) & np.isfinite(error), error, np.nan)

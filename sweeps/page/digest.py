@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import Verdict, any_quantity, parse_expression, scene_numbers
+from engine import Verdict, scene_numbers
 from sweeps.report.sweep_result import SweepResult, drop_counts
 from sweeps.study.study_text import Best
 from sweeps.text.conditions import Condition
@@ -68,13 +68,13 @@ class Digest:
         self.aim = _aim_of(self.result)
 
     @property
-    def _where(self) -> str | None:
-        return self.aim.where if self.aim else None
+    def _where(self) -> str:
+        return self.aim.condition if self.aim else ""
 
     @property
     def condition(self) -> Condition | None:
         """The condition of the aim, if any."""
-        return Condition(parse_expression(self._where, any_quantity)) if self._where else None
+        return Condition.parse(self._where) if self._where else None
 
     # Over all variants
 
@@ -105,7 +105,7 @@ class Digest:
         """Number of variants that tie with the best within the error estimates."""
         return 0 if self.best is None else self.result.rivals(self.best, self.aim)
 
-    def _first(self, where: str | None, most: int) -> np.ndarray:
+    def _first(self, where: str, most: int) -> np.ndarray:
         """The best variants under a condition, best first."""
         if self.aim is None:
             return np.zeros(0, int)
@@ -131,7 +131,7 @@ class Digest:
         required = self.result.requirements
         for part in parts:
             others = " and ".join(f"({other.text})" for other in parts if other is not part)
-            without, margin = self._first(others or None, 1), np.nan
+            without, margin = self._first(others, 1), np.nan
             if self.best is not None:
                 here = self.result.rows(np.array([self.best]), required.behind(part.names))
                 margin = -float(part.margins(*required.known(here), 1).max())
@@ -240,8 +240,7 @@ def _aim_of(result: SweepResult) -> Best | None:
         return result.goal
     search = result.record["search"]
     objective = search["objectives"][0]
-    where = " and ".join(f"({text})" if " or " in text else text for text in search["subject_to"])
-    return Best(**{objective["way"]: objective["name"]}, where=where or None)
+    return Best(**{objective["way"]: objective["name"]}, where=search["where"])
 
 
 def _neighbours(result: SweepResult, best: int | None) -> tuple[Neighbour, ...]:

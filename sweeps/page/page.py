@@ -109,7 +109,7 @@ def _answer(digest: Digest) -> str:
         return "A single machine; its numbers are below." if verdict == Verdict.OK else f"No result: {verdict.sentence}"
     if aim is None:
         return "The study has no [best], so there is no best variant."
-    condition = f" where {aim.where}" if aim.where else ""
+    condition = f" where {aim.condition}" if aim.where else ""
     if digest.best is None:
         return "No variant meets all conditions."
     value = value_text(digest, aim.goal, digest.best)

@@ -96,7 +96,7 @@ def _data_of(digest: Digest) -> SweepData:
         sorted(alone, key=lambda name: aim is None or name != aim.goal),
         (places.size,),
         digest.rows["status"][places],
-        condition=(aim.where if aim else None) or "",
+        condition=aim.condition if aim else "",
         candidates=digest.meets[places],
     )
 

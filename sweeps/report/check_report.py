@@ -248,7 +248,7 @@ def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path, on
     way = "no sharing between variants"
     seconds = f"about {cost.seconds * study.design.size:.3g} s, {cost.seconds * 1e6:.3g} µs a variant"
     seconds = on_shafts or seconds
-    if machine.schedule is not None:
+    if machine.has_regimes:
         seconds += "; plus up to a minute of compilation the first time"
     numbers = 8 * (machine.numbers_kept + 4 * len(study.summaries))
     block = block_size(study, machine, cost.seconds)

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ValidationError
 from engine import ExpressionError, Scene, any_quantity, parse_expression
 from sweeps.store import DamagedError, Description
 from sweeps.study.study_text import Best
+from sweeps.text.toml_text import errors_in_words
 from sweeps.text.versions import origin_text
 
 
@@ -30,7 +31,7 @@ class _Range(BaseModel):
 
 class _Search(BaseModel):
     objectives: list[_Objective]
-    subject_to: list[str]
+    where: list[str]
     ranges: list[_Range]
     method: str
     seed: int
@@ -69,9 +70,8 @@ def recorded_study(described: Description) -> dict[str, Any]:
         data = json.loads(text)
         record = _Record.model_validate(data)
     except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(map(str, first["loc"])) or "it"
-        raise _wrong(described, f"has an invalid {place} ({first['msg']})") from None
+        place, words = errors_in_words(_Record, error)[0]
+        raise _wrong(described, f"has an invalid {place or 'it'} ({words})") from None
     except (ValueError, TypeError, RecursionError):
         raise _wrong(described, "can't be read") from None
     if wrong := _mismatch(record, described):
@@ -97,7 +97,8 @@ def recorded_scene(record: dict[str, Any], described: Description) -> Scene:
     try:
         return Scene.model_validate(record["scene"])
     except (ValueError, TypeError, KeyError) as error:
-        words = error.errors()[0]["msg"] if isinstance(error, ValidationError) else str(error).splitlines()[0]
+        known = isinstance(error, ValidationError)
+        words = errors_in_words(Scene, error)[0][1] if known else str(error).splitlines()[0]
         raise _wrong(described, f"has an invalid scene ({words})") from None
 
 
@@ -111,8 +112,8 @@ def _mismatch(record: _Record, described: Description) -> str:
             return f"names {name}, which has no column"
     if record.vary and not record.search and math.prod(axis.size for axis in record.vary) != described.variants:
         return f"has a number of variants other than the file's {described.variants}"
-    texts = [*record.require, *(record.search.subject_to if record.search else [])]
-    for condition in [*texts, *([record.best.where] if record.best and record.best.where else [])]:
+    judges = [judge for judge in (record.search, record.best) if judge]
+    for condition in [*record.require, *(text for judge in judges for text in judge.where)]:
         try:
             parse_expression(condition, any_quantity)
         except ExpressionError:

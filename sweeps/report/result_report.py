@@ -17,6 +17,7 @@ from engine import (
 from sweeps.report import accuracy_words
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
 from sweeps.report.sweep_result import SweepResult, drop_counts
+from sweeps.text.conditions import Where
 from sweeps.text.scene_text import with_values
 from sweeps.text.tables import table
 
@@ -45,13 +46,13 @@ def fields_text(result: SweepResult) -> list[str]:
     return [f"{words}: {', '.join(names)}" for words, names in found.items()]
 
 
-def undecided_text(result: SweepResult, where: str | None) -> str:
+def undecided_text(result: SweepResult, where: Where) -> str:
     """Number of variants undecided within error estimates, as a clause; "" if none."""
     count = result.undecided(where) if where else 0
     return f"; {count} {'is' if count == 1 else 'are'} undecided within error estimates" if count else ""
 
 
-def meeting_text(result: SweepResult, where: str | None) -> str:
+def meeting_text(result: SweepResult, where: Where) -> str:
     """Number of variants that meet a condition, and of undecided ones."""
     count = result.count_meeting(where)
     return f"{count} {'variant meets' if count == 1 else 'variants meet'} the condition{undecided_text(result, where)}"
@@ -141,7 +142,7 @@ def answer_text(result: SweepResult) -> str:
         return f"No variant meets all conditions{left_open}."
     lines = [result.question] if result.question else []
     value = quantity_text(result.columns[goal.goal][best], result.units[goal.goal], _error(result, goal.goal, best))
-    condition = f" where {goal.where}" if goal.where else ""
+    condition = f" where {goal.condition}" if goal.where else ""
     rivals = result.rivals(best)
     lines.append(f"Answer: {goal.word} {goal.goal}{condition}: {value}, variant {best}:")
     rows = [(name, "=", quantity_text(result.columns[name][best], result.units[name])) for name in result.parameters]

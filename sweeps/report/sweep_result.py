@@ -23,8 +23,9 @@ from engine import (
 from sweeps.report.recorded_study import recorded_scene, recorded_study
 from sweeps.store import Description, FieldAxis, MappedResult, describe_result, mapped_columns, read_columns
 from sweeps.study.study import Requirements, Study
+from sweeps.study.study_content import number_units
 from sweeps.study.study_text import Best
-from sweeps.text.conditions import Condition, Judgement
+from sweeps.text.conditions import Condition, Judgement, Where, all_of
 from sweeps.text.input_files import InputError, check_file
 
 # Variants per part in sequential passes.
@@ -42,10 +43,13 @@ class SweepResult:
     path : Path
     study : Study, optional
         The study of the file, if known.
+    where : str or sequence of str, optional
+        Conditions in place of the study's.
     """
 
     path: Path
     study: Study | None = None
+    where: Where = None
 
     @cached_property
     def description(self) -> Description:
@@ -203,18 +207,25 @@ class SweepResult:
 
     @property
     def goal(self) -> Best | None:
-        """The objective and condition."""
-        return Best.model_validate(self.record["best"]) if self.record["best"] else None
+        """The objective and conditions."""
+        if not self.record["best"]:
+            return None
+        return Best.model_validate(self.record["best"] | ({"where": all_of(self.where)} if self.where else {}))
+
+    @property
+    def condition(self) -> str:
+        """Condition on candidates for the best variant, "" for none."""
+        return all_of(self.where) or (self.goal.condition if self.goal else "")
 
     def select(
-        self, where: str | None = None, sort: str | None = None, descending: bool = False, most: int | None = None
+        self, where: Where = None, sort: str | None = None, descending: bool = False, most: int | None = None
     ) -> np.ndarray:
         """Numbers of the computed variants that meet a condition, sorted.
 
         Parameters
         ----------
-        where : str, optional
-            A condition over parameters and summaries, such as "speed_fluctuation < 0.02 and wheel_mass < '900 kg'".
+        where : str or sequence of str, optional
+            Conditions over parameters and summaries, such as "speed_fluctuation < 0.02 and wheel_mass < 900 kg".
         sort : str, optional
             Column to sort by; undefined values come last.
         descending : bool
@@ -237,24 +248,24 @@ class SweepResult:
                 found = [_first(found, most)]
         return _first(found, most)[0]
 
-    def meeting(self, where: str | None) -> np.ndarray:
+    def meeting(self, where: Where) -> np.ndarray:
         """Which computed variants meet a condition (variants,), as for `select`."""
         met, found = self.meets(where), np.zeros(self.description.variants, bool)
         for part in self.parts():
             found[part] = met(part)
         return found
 
-    def count_meeting(self, where: str | None) -> int:
+    def count_meeting(self, where: Where) -> int:
         """Number of computed variants that meet a condition, as for `select`."""
         met = self.meets(where)
         return sum(int(np.count_nonzero(met(part))) for part in self.parts())
 
-    def undecided(self, where: str) -> int:
+    def undecided(self, where: Where) -> int:
         """Number of computed variants for which a condition is undecided within the error estimates.
 
         Parameters
         ----------
-        where : str
+        where : str or sequence of str
             As for `select`.
 
         Raises
@@ -266,7 +277,7 @@ class SweepResult:
         parts = ((status[part] == Verdict.OK) & judged(part).undecided for part in self.parts())
         return sum(int(np.count_nonzero(part)) for part in parts)
 
-    def meets(self, where: str | None) -> Callable[[slice | np.ndarray], np.ndarray]:
+    def meets(self, where: Where) -> Callable[[slice | np.ndarray], np.ndarray]:
         """Function that marks computed variants that meet a condition, as for `select`.
 
         Raises
@@ -280,10 +291,10 @@ class SweepResult:
         judged = self._judged(where)
         return lambda part: (status[part] == Verdict.OK) & judged(part).met
 
-    def _judged(self, where: str) -> Callable[[slice | np.ndarray], Judgement]:
+    def _judged(self, where: Where) -> Callable[[slice | np.ndarray], Judgement]:
         """A condition's judgement of some variants; recomputed, as 1e8 of them would fill memory."""
         try:
-            condition = Condition.read(where, dimensions_by_unit(self.units))
+            condition = Condition.read_all(where, dimensions_by_unit(number_units(self.scene) | self.units))
         except ExpressionError as error:
             raise InputError(str(self.path), [(None, "where", str(error))]) from None
 
@@ -353,17 +364,16 @@ class SweepResult:
 
     def candidates(self, chosen: np.ndarray | slice = slice(None)) -> np.ndarray:
         """Which variants were computed and meet the condition for the best."""
-        where = self.goal.where if self.goal else None
         if isinstance(chosen, slice):
-            return self.meeting(where)[chosen]
-        met = self.meets(where)
+            return self.meeting(self.condition)[chosen]
+        met = self.meets(self.condition)
         return np.concatenate([met(piece) for piece in self._pieces(chosen)])
 
     @cached_property
     def requirements(self) -> Requirements:
         """The study's `require`."""
         return Requirements(
-            [Condition(parse_expression(text, any_quantity)) for text in self.record["require"]],
+            [Condition.parse(text) for text in self.record["require"]],
             {path: parse_expression(text, any_quantity) for path, text in self.record["derive"].items()},
             {path: number.value for path, number in scene_numbers(self.scene).items()},
         )

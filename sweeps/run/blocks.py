@@ -35,7 +35,7 @@ def largest_block(study: Study, machine: Machine | ElementsAlone) -> int:
 def most_at_once(study: Study, machine: Machine | ElementsAlone) -> int:
     """Number of variants whose evaluation fits in memory."""
     block = largest_block(study, machine)
-    return block if machine.schedule is None else min(block, MOST_AT_ONCE_IN_MOTION)
+    return min(block, MOST_AT_ONCE_IN_MOTION) if machine.has_regimes else block
 
 
 def block_size(study: Study, machine: Machine | ElementsAlone, seconds: float) -> int:
@@ -82,7 +82,7 @@ def evaluate_variants(
     buffer : ndarray, optional
         Memory for their fields.
     """
-    if machine.schedule is not None and drop.size > MOST_AT_ONCE_IN_MOTION:
+    if machine.has_regimes and drop.size > MOST_AT_ONCE_IN_MOTION:
         ends = [*range(0, drop.size, MOST_AT_ONCE_IN_MOTION), drop.size]
         some = [slice(*part) for part in pairwise(ends)]
         parts = [evaluate_variants(study, machine, {n: v[s] for n, v in values.items()}, drop[s]) for s in some]
@@ -104,5 +104,5 @@ def _repeated(outcome: Outcome, drop: np.ndarray) -> Outcome:
         return np.repeat(array, drop.size, axis=0)
 
     status = np.where(drop, np.uint8(Verdict.DROPPED), again(outcome.status))
-    tables = ({k: again(v) for k, v in table.items()} for table in outcome[3:])
+    tables = ({k: again(v) for k, v in table.items()} for table in outcome[3:6])
     return Outcome(status.astype(np.uint8), again(outcome.status_group), again(outcome.status_at), *tables)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import ElementsAlone, Machine, Outcome, quantity_text, threads
+from engine import ElementsAlone, Machine, Outcome, quantity_text, seconds_of_runs, threads
 from sweeps.run.blocks import evaluate_variants, most_at_once
 from sweeps.study.study import Study
 
@@ -46,7 +46,7 @@ def probe(study: Study, machine: Machine | ElementsAlone) -> Cost:
     forecast = seconds_on_shafts(study, machine)
     if forecast > LONG_ENOUGH:
         return Cost(forecast, 0.0)
-    if machine.schedule is not None:
+    if machine.has_regimes:
         size, most = min(16 * threads(), study.design.size), min(most_at_once(study, machine), study.design.size)
         seconds = seconds_of_variant(study, machine)
         values, drop = _spread(study, size)
@@ -86,7 +86,7 @@ def seconds_on_shafts(study: Study, machine: Machine | ElementsAlone) -> float:
     if isinstance(machine, ElementsAlone):
         return 0.0
     values, drop = _spread(study, min(PLACES, study.design.size))
-    return machine.seconds_on_shafts({path: values[path][~drop] for path in study.paths})
+    return seconds_of_runs(machine, {path: values[path][~drop] for path in study.paths})
 
 
 def on_shafts_text(study: Study, machine: Machine | ElementsAlone) -> str:

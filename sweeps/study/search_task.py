@@ -10,7 +10,6 @@ import numpy as np
 from pint.util import UnitsContainer
 
 from engine import (
-    AskError,
     ExpressionError,
     TextExpression,
     UnitError,
@@ -18,7 +17,6 @@ from engine import (
     dimension_of,
     dimensions_by_unit,
     in_text,
-    made_ready,
     parse_expression,
     quantity_text,
     recognised,
@@ -27,12 +25,12 @@ from engine import (
     unknown_name_message,
 )
 from sweeps.study.search_variables import Variables
-from sweeps.study.study import Study
+from sweeps.study.study import KnownNames, Study
 from sweeps.study.study_text import Optimise
 from sweeps.study.tolerances import Tolerance, read_tolerances
 from sweeps.text.conditions import Condition
 from sweeps.text.input_files import InputError
-from sweeps.text.toml_text import line_of
+from sweeps.text.toml_text import line_of, line_of_entry
 
 EVOLUTION, GENETIC, LOCAL = "differential evolution", "NSGA-II", "local"
 
@@ -103,14 +101,14 @@ def search_record(task: SearchTask) -> dict[str, Any]:
     Returns
     -------
     dict
-        `objectives` (column, direction and expression), `subject_to` (conditions as written), `ranges` (name, low,
+        `objectives` (column, direction and expression), `where` (conditions as written), `ranges` (name, low,
         high, logarithmic), `method`, `population`, `generations`, `seed`, and coordinates of the `start`.
     """
     return {
         "objectives": [
             {"name": o.name, "way": o.way, "expression": " ".join(o.expression.text.split())} for o in task.objectives
         ],
-        "subject_to": [condition.text for condition in task.conditions],
+        "where": [condition.text for condition in task.conditions],
         "ranges": [span._asdict() for span in task.variables.spans],
         "method": task.method,
         "population": task.population,
@@ -137,9 +135,8 @@ class _TaskReader:
     def __init__(self, study: Study) -> None:
         self.study, self.raw = study, study.optimise or Optimise()
         self.problems: list[tuple[int | None, str, str]] = []
-        self.units = {name: study.unit(name) for name in study.parameters}
-        self.units |= {name: q.units for name, q in study.machine().available_summaries.items()}
-        self.fixed_summaries = dict.fromkeys(study.summaries)
+        self.names = KnownNames(study)
+        self.units = self.names.units
 
     def task(self) -> SearchTask:
         texts = [
@@ -153,14 +150,14 @@ class _TaskReader:
         start, tolerances = self._start(variables), self._tolerances()
         if self.problems:
             raise InputError(f"{self.study.name}.toml", self.problems)
-        study = replace(self.study, summaries=tuple(self.fixed_summaries), fields=(), derivatives=(), tolerances={})
+        study = replace(self.study, summaries=self.names.summaries, fields=(), derivatives=(), tolerances={})
         found = (tuple(objectives), tuple(conditions), method)
         numbers = (self.raw.population, self.raw.generations, self.raw.seed)
         return SearchTask(study, variables, *found, *numbers, start, tolerances)
 
-    def _problem(self, keys: list[str], message: str) -> None:
-        line = line_of(self.study.text, keys) or line_of(self.study.text, keys[:1])
-        self.problems.append((line, ".".join(keys), message))
+    def _problem(self, keys: list[str], message: str, entry: str = "") -> None:
+        found = keys if line_of(self.study.text, keys) else keys[:1]
+        self.problems.append((line_of_entry(self.study.text, found, entry), ".".join(keys), message))
 
     # Objectives and conditions
 
@@ -177,8 +174,7 @@ class _TaskReader:
 
     def _conditions(self) -> list[str]:
         best, own = self.study.best, self.raw.minimise or self.raw.maximise
-        inherited = [best.where] if best and best.where and not own else []
-        return [*inherited, *self.raw.subject_to]
+        return [*(best.where if best and not own else ()), *self.raw.where]
 
     def _objective(self, key: str, text: str, sign: float, number: int) -> Objective | None:
         expression = self._expression(key, text)
@@ -202,44 +198,24 @@ class _TaskReader:
             expression = parse_expression(text, any_quantity)
             if expression.is_condition:
                 raise ExpressionError(f"{text!r} is a condition; a number is needed here")
-            if not self._are_known(expression, keys):
-                return None
+            if isinstance(expression.tree, str):
+                self.names.request_goal(expression.tree)
+            for name in expression.names:
+                self.names.request(name)
             known = self._dimensions(expression)
             if None not in known.values():
                 dimension_of(expression, known)
         except ExpressionError as error:
-            self._problem(keys, str(error))
+            self._problem(keys, str(error), text)
             return None
         return expression
 
     def _condition(self, text: str) -> Condition | None:
-        keys = ["optimise", "subject_to"]
         try:
-            condition = Condition(parse_expression(text, any_quantity))
-            if not self._are_known(condition.expression, keys):
-                return None
-            condition.check(self._dimensions(condition.expression))
+            return self.names.condition(text)
         except ExpressionError as error:
-            self._problem(keys, str(error))
+            self._problem(["optimise", "where"], str(error), text)
             return None
-        return condition
-
-    def _are_known(self, expression: TextExpression, keys: list[str]) -> bool:
-        unknown = [name for name in expression.names if not self._is_known(name, keys)]
-        return not unknown
-
-    def _is_known(self, name: str, keys: list[str]) -> bool:
-        """Whether a name is a parameter or a summary, which is then requested."""
-        if name in self.study.parameters or name in self.fixed_summaries:
-            return True
-        try:
-            machine = made_ready(self.study.scene, [name])
-        except AskError:
-            self._problem(keys, unknown_name_message(name, self.units))
-            return False
-        self.units[name] = machine.available_summaries[name].units
-        self.fixed_summaries[name] = None
-        return True
 
     # Method, start, tolerances
 

@@ -7,11 +7,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import ElementsAlone, Machine, TextExpression, made_ready
-from sweeps.study.sensitivity import Sensitivity
-from sweeps.study.study_content import StudyContent
+from engine import (
+    AskError,
+    ElementsAlone,
+    ExpressionError,
+    Machine,
+    TextExpression,
+    any_quantity,
+    dimensions_by_unit,
+    made_ready,
+    nearest_names,
+    parse_expression,
+)
+from sweeps.study.sensitivity import RSS, WORST_CASE, Sensitivity
+from sweeps.study.study_content import StudyContent, number_units
 from sweeps.study.study_record import study_digest
-from sweeps.text.conditions import Condition, Values, errors_in, value_with_error
+from sweeps.text.conditions import Condition, UnknownNameError, Values, errors_in, value_with_error
 
 
 class Requirements(NamedTuple):
@@ -151,3 +162,79 @@ class Study(StudyContent):
     def digest(self) -> str:
         """Name of the study's content, as for `study_digest`."""
         return study_digest(self)
+
+
+class KnownNames:
+    """Names in goals and conditions of a study: numbers, and results, which are requested by being named.
+
+    Attributes
+    ----------
+    units : dict of str to str
+        SI unit of each; "" if unknown.
+    summaries : tuple of str
+        Those of the study, then the requested ones.
+    """
+
+    def __init__(self, study: Study) -> None:
+        self.study, self._summaries = study, dict.fromkeys(study.summaries)
+        self.units = number_units(study.scene) | {name: study.unit(name) for name in study.parameters}
+        self.units |= {quantity.name: quantity.units for quantity in study.sensitivity.quantities}
+        self._numbers = {**self.units}
+        self.units |= {name: quantity.units for name, quantity in study.machine().available_summaries.items()}
+
+    @property
+    def summaries(self) -> tuple[str, ...]:
+        """Requested summaries."""
+        return tuple(self._summaries)
+
+    def request(self, name: str) -> None:
+        """Request a result, unless it is there.
+
+        Raises
+        ------
+        UnknownNameError
+            It is neither a number nor a result.
+        """
+        if name in self._numbers or name in self._summaries:
+            return
+        of, _, ending = name.rpartition(".")
+        if self.study.tolerances and ending in (WORST_CASE, RSS):
+            self.request(of)
+            self.units[name] = self.units[of]
+            return
+        if name not in self.units:
+            try:
+                self.units[name] = made_ready(self.study.scene, [name]).available_summaries[name].units
+            except AskError as error:
+                near = nearest_names(name, self._numbers)
+                hint = f"; did you mean the number {near[0]!r}?" if near else ""
+                raise UnknownNameError(f"{error}{hint}") from None
+        self._summaries[name] = None
+
+    def request_goal(self, name: str) -> None:
+        """Request the name of an objective, unless it is there.
+
+        Raises
+        ------
+        ExpressionError
+            It is neither a number nor a result, or the same for all variants.
+        """
+        if not isinstance(parse_expression(name, any_quantity).tree, str):
+            raise ExpressionError(f"{name!r}: [best] takes one name; write an expression in [optimise]")
+        self.request(name)
+        if name in self.study.fixed and name not in self.study.parameters:
+            raise ExpressionError(f"{name!r} is the same for all variants: vary it, or name another number or result")
+
+    def condition(self, text: str) -> Condition:
+        """Read a condition, and request the results in it.
+
+        Raises
+        ------
+        ExpressionError
+            As for `Condition.read`.
+        """
+        condition = Condition.parse(text)
+        for name in condition.names:
+            self.request(name)
+        condition.check(dimensions_by_unit({name: self.units[name] for name in condition.names}))
+        return condition

@@ -109,3 +109,8 @@ class StudyContent:
         """CF unit (SI) of a parameter; "" if unknown."""
         number = scene_numbers(self.scene).get(name)
         return described_dimension(number.dimension).unit if number else self.free_units.get(name, "")
+
+
+def number_units(scene: Scene) -> dict[str, str]:
+    """CF unit (SI) of every number of a scene, by path."""
+    return {path: described_dimension(number.dimension).unit for path, number in scene_numbers(scene).items()}

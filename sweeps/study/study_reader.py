@@ -1,32 +1,29 @@
 """Reading a study: scene, variables, expressions with dimensions; problems with their lines."""
 
 import math
-from collections.abc import Iterable, Sequence
+import re
+from collections.abc import Iterable
 from contextlib import suppress
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from engine import (
     ACCURACY_SUMMARIES,
     AskError,
-    ElementsAlone,
     ExpressionError,
-    Machine,
     Scene,
     SceneError,
     TextExpression,
     UnitError,
     any_quantity,
     check_yields,
-    column_in_text,
     described_dimension,
     dimension_of,
     dimension_of_unit,
-    dimensions_by_unit,
     in_text,
+    made_ready,
     parse_expression,
     recognised,
     scene_numbers,
@@ -36,8 +33,8 @@ from engine import (
 from sweeps.study.default_summaries import default_summaries
 from sweeps.study.sampling import Axis, Columns, Design, Linear, Listed, Logarithmic, Sampled, SamplingError
 from sweeps.study.search_task import task_of
-from sweeps.study.sensitivity import RSS, WORST_CASE, refusals
-from sweeps.study.study import Study
+from sweeps.study.sensitivity import refusals
+from sweeps.study.study import KnownNames, Study
 from sweeps.study.study_content import AskedDerivative
 from sweeps.study.study_text import (
     AXIS_KEYS,
@@ -52,9 +49,10 @@ from sweeps.study.study_text import (
 )
 from sweeps.study.variant_tables import read_variant_table
 from sweeps.text.conditions import Condition, UnknownNameError
+from sweeps.text.csv_text import TableColumn
 from sweeps.text.input_files import InputError, read_text
 from sweeps.text.scene_text import scene_from, with_numbers
-from sweeps.text.toml_text import MOST_PROBLEMS, line_of, parse_toml, problems_in, validate
+from sweeps.text.toml_text import MOST_PROBLEMS, line_of, line_of_entry, parse_toml, problems_in, validate
 
 # Larger results fit on no disk.
 MOST_VARIANTS = 10**12
@@ -102,8 +100,11 @@ class StudyReader:
             text = read_text(path)
         except InputError as error:
             raise InputError(self.path.name, [(line_of(self.text, ["scene"]), "scene", str(error))]) from None
-        self.scene_text = text
-        return scene_from(parse_toml(text, path.name) | own, text, path.name, path.parent)
+        self.scene_text, data = text, parse_toml(text, path.name)
+        if "scene" in data:
+            message = f"{path.name} is a study; name the file of a scene, one with a table [input]"
+            raise InputError(self.path.name, [(line_of(self.text, ["scene"]), "scene", message)])
+        return scene_from(data | own, text, path.name, path.parent)
 
     def content(self) -> dict[str, Any]:
         """The content, by the names of `Study`'s attributes.
@@ -124,8 +125,6 @@ class StudyReader:
         summaries = tuple(dict.fromkeys(outputs.summaries))
         if not summaries and not outputs.fields:
             summaries = default_summaries(self.scene)
-        if self.raw.best:
-            summaries = tuple(dict.fromkeys([*summaries, *self._asked_for(self.raw.best.goal, derivatives)]))
         if self.raw.accuracy is not None:
             summaries = tuple(dict.fromkeys((*summaries, *ACCURACY_SUMMARIES)))
         free = (name for name in (*names, *derived) if name not in self.numbers)
@@ -150,13 +149,6 @@ class StudyReader:
             "tolerances": self.raw.tolerances,
             "free_units": {name: unit_of_dimension(self.dimensions[name]) for name in free},
         }
-
-    def _asked_for(self, goal: str, derivatives: Iterable[AskedDerivative]) -> tuple[str, ...]:
-        """Summaries required by a goal: itself, that of its tolerance band, or none for a requested derivative."""
-        if goal in [asked.name for asked in derivatives]:
-            return ()
-        summary, _, ending = goal.rpartition(".")
-        return (summary if self.raw.tolerances and ending in (WORST_CASE, RSS) else goal,)
 
     def _derivatives(self) -> tuple[AskedDerivative, ...]:
         found = []
@@ -202,16 +194,18 @@ class StudyReader:
         return design
 
     def _is_variable(self, path: str, keys: list[str], others: Iterable[str] = ()) -> bool:
+        if message := self._why_no_variable(path, others):
+            self._problem(keys, message)
+        return not message
+
+    def _why_no_variable(self, path: str, others: Iterable[str] = ()) -> str:
+        """Why a name can't vary, or ""."""
         if path in self.numbers:
             refusal = self._refusal(path, others)
-            if refusal:
-                self._problem(keys, f"can't vary in this scene: {refusal}")
-            return not refusal
+            return refusal and f"can't vary in this scene: {refusal}"
         if path.isidentifier() and path in self._names_used:
-            return True
-        message = unknown_name_message(path, self.numbers)
-        self._problem(keys, f"is not a number of the scene. {message}")
-        return False
+            return ""
+        return f"is not a number of the scene. {unknown_name_message(path, self.numbers)}"
 
     def _refusal(self, path: str, others: Iterable[str]) -> str:
         """Why a number of the scene can't vary (it has no effect), or "".
@@ -234,11 +228,13 @@ class StudyReader:
 
     @cached_property
     def _names_used(self) -> set[str]:
-        """Names used by all expressions; invalid ones are reported later."""
+        """Names used by all expressions, at least; invalid ones are reported later."""
         found: set[str] = set()
         for text in (*self.raw.derive.values(), *self.raw.require):
-            with suppress(ExpressionError):
+            try:
                 found.update(parse_expression(text, any_quantity).names)
+            except ExpressionError:
+                found.update(re.findall(r"[^\W\d][\w.]*", text))
         return found
 
     def _quantities(self, path: str, values: Iterable[float | str], keys: list[str]) -> list[float] | None:
@@ -279,24 +275,22 @@ class StudyReader:
         except InputError as error:
             self._problem(["variants"], str(error))
             return
-        table = [
-            self._column(path, values, unit)
-            for path, (unit, values) in columns.items()
-            if self._is_variable(path, ["variants"], columns)
-        ]
+        table = [self._column(path, column, columns) for path, column in columns.items()]
         if len(table) == len(columns) and None not in table:
             axes.append(Columns(tuple(columns), tuple(table)))
 
-    def _column(self, path: str, cells: Sequence[str] | np.ndarray, unit: str) -> list[float] | None:
+    def _column(self, path: str, column: TableColumn, others: Iterable[str]) -> list[float] | None:
         """Values of a table column in SI units; None if invalid."""
         try:
+            if message := self._why_no_variable(path, others):
+                raise column.problem(0, message)
             if path in self.numbers:
-                return column_in_text(cells, unit, self.numbers[path].dimension)
-            dimension = recognised(f"1 {unit}".strip())[1]
+                return column.numbers(self.numbers[path].dimension)
+            dimension = column.dimension
             self.dimensions[path] = dimension_of_unit(described_dimension(dimension).unit)
-            return column_in_text(cells, unit, dimension)
-        except UnitError as error:
-            self._problem(["variants"], f"column {path}: {error}")
+            return column.numbers(dimension)
+        except InputError as error:
+            self._problem(["variants"], str(error))
             return None
 
     def _add_sampled(self, axes: list[Axis], sampled: dict[str, Between]) -> None:
@@ -349,10 +343,20 @@ class StudyReader:
         try:
             return Condition.read(text, self.dimensions)
         except ExpressionError as error:
-            start = line_of(self.text, ["require"])
-            within = (n for n, line in enumerate(self.text.splitlines(), 1) if n >= (start or 1) and text in line)
-            self._problem(["require"], f"entry {entry + 1}, {error}", next(within, start))
+            message, number = str(error), f"entry {entry + 1}, " if len(self.raw.require) > 1 else ""
+            if isinstance(error, UnknownNameError) and (result := self._result_in(text)):
+                message = f"{result!r} is a result; require drops variants before they are computed, so write where"
+            self._problem(["require"], f"{number}{message}", line_of_entry(self.text, ["require"], text))
             return None
+
+    def _result_in(self, text: str) -> str:
+        """A result that a condition names, or ""."""
+        for name in Condition.parse(text).names:
+            if name not in self.dimensions:
+                with suppress(AskError, SceneError):
+                    made_ready(self.scene, [name])
+                    return name
+        return ""
 
     def _expression(self, text: str, keys: list[str], known: Iterable[str]) -> TextExpression | None:
         try:
@@ -401,35 +405,37 @@ def read_study(path: Path | str) -> Study:
     return _checked(study, path)
 
 
-def _check_where(study: Study, machine: Machine | ElementsAlone, where: str) -> None:
-    """Check that a condition uses available results."""
-    units = {name: study.unit(name) for name in study.parameters}
-    units |= {name: machine.available_summaries[name].units for name in study.summaries}
-    units |= {quantity.name: quantity.units for quantity in study.sensitivity.quantities}
+def _with_best(study: Study, source: str) -> Study:
+    """The study, with the results requested that its [best] names."""
+    best, names, problems = study.best, KnownNames(study), []
     try:
-        Condition.read(where, dimensions_by_unit(units))
-    except UnknownNameError as error:
-        raise ExpressionError(f"{error}; add it to outputs.summaries") from None
+        names.request_goal(best.goal)
+    except ExpressionError as error:
+        problems += problems_in(study.text, [(f"best.{best.key}", str(error))])
+    for text in best.where:
+        try:
+            names.condition(text)
+        except ExpressionError as error:
+            problems.append((line_of_entry(study.text, ["best", "where"], text), "best.where", str(error)))
+    if problems:
+        raise InputError(source, problems)
+    return study if names.summaries == study.summaries else replace(study, summaries=names.summaries)
 
 
 def _checked(study: Study, path: Path) -> Study:
     """The study, if all requested outputs exist."""
     try:
-        machine = study.machine()
+        study.machine()
         if found := refusals(study):
             raise InputError(path.name, problems_in(study.text, found))
-        if study.best and study.best.where:
-            _check_where(study, machine, study.best.where)
+        if study.best:
+            study = _with_best(study, path.name)
     except AskError as error:
         named = [key for key in ("accuracy", "positions", "vary") if key in str(error)]
         key = min(named, key=str(error).index, default="outputs")
-        if study.best and str(error).startswith(repr(study.best.goal)):
-            key = f"best.{'maximise' if study.best.minimise is None else 'minimise'}"
         raise InputError(path.name, problems_in(study.text, [(key, str(error))])) from None
     except SceneError as error:
         raise InputError(path.name, problems_in(study.text, error.problems)) from None
-    except ExpressionError as error:
-        raise InputError(path.name, problems_in(study.text, [("best.where", str(error))])) from None
     if study.optimise is not None:
         task_of(study)
     return study

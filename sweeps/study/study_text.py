@@ -6,6 +6,15 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from engine import PlainNumber, PlainText, Scene, ScenePart, UnitSystem, first_last_count
+from sweeps.text.conditions import all_of
+
+
+def _listed(value: object) -> object:
+    """A single text as a list of one."""
+    return [value] if isinstance(value, str) else value
+
+
+Texts = Annotated[list[str], BeforeValidator(_listed)]
 
 
 class Range(ScenePart):
@@ -45,22 +54,22 @@ class Outputs(ScenePart):
     A derivative is written "excess_work by input.length".
     """
 
-    summaries: list[str] = []
-    fields: list[str] = []
-    derivatives: list[str] = []
+    summaries: Texts = []
+    fields: Texts = []
+    derivatives: Texts = []
 
 
 class Best(ScenePart):
-    """The best variant: minimum or maximum of a summary among the variants that meet `where`."""
+    """The best variant: minimum or maximum of a parameter or result among the variants that meet `where`."""
 
     minimise: str | None = None
     maximise: str | None = None
-    where: str | None = None
+    where: Texts = []
 
     @model_validator(mode="after")
     def _one_goal(self) -> "Best":
         if (self.minimise is None) == (self.maximise is None):
-            raise ValueError("give either minimise or maximise, the name of a summary")
+            raise ValueError("give either minimise or maximise, the name of a parameter or result")
         return self
 
     @property
@@ -78,17 +87,19 @@ class Best(ScenePart):
         """Whether the minimum or the maximum is sought."""
         return "maximum" if self.minimise is None else "minimum"
 
+    @property
+    def key(self) -> str:
+        """The key of the objective."""
+        return "maximise" if self.minimise is None else "minimise"
 
-def _listed(value: object) -> object:
-    """A single text as a list of one."""
-    return [value] if isinstance(value, str) else value
-
-
-Texts = Annotated[list[str], BeforeValidator(_listed)]
+    @property
+    def condition(self) -> str:
+        """All conditions as one text, "" if there are none."""
+        return all_of(self.where)
 
 
 class Optimise(ScenePart):
-    """Search task: expressions of parameters and summaries, conditions, and method.
+    """Search task: expressions of parameters and results, conditions `where`, and method.
 
     Default goal: the study's `best`. Default `method`: differential evolution for one objective, NSGA-II for several.
     `start` holds the numbers of the first candidate.
@@ -96,7 +107,7 @@ class Optimise(ScenePart):
 
     minimise: Texts = []
     maximise: Texts = []
-    subject_to: Texts = []
+    where: Texts = []
     method: Literal["differential evolution", "NSGA-II", "local"] | None = None
     population: Annotated[int, Field(ge=8)] = 100
     generations: Annotated[int, Field(ge=1)] = 100
@@ -150,7 +161,8 @@ class StudyText(ScenePart):
     `scene` names a scene file in the same folder, or is the scene itself. `vary` maps paths of the scene's numbers (or
     free parameters, names without a dot) to axes, in short "40 mm to 80 mm, 5" or a list; `variants` names a CSV file
     whose columns vary together.
-    `derive` computes further numbers from those; `require` drops variants that don't meet a condition.
+    `derive` computes further numbers from those. `require` drops variants before they are computed, by conditions on
+    parameters; conditions on results too are the `where` of `best`, `optimise`, `sweeps show`, `plot` and `export`.
     `optimise` is the task of `sweeps optimise`; `tolerances` are manufacturing tolerances of numbers. `accuracy` is the
     relative tolerance of every summary, which sets the positions per variant; `positions` is the number of field
     positions. `units` replaces that of the scene.
@@ -169,7 +181,7 @@ class StudyText(ScenePart):
     variants: str | None = None
     sampling: Sampling | None = None
     derive: dict[str, str] = {}
-    require: list[str] = []
+    require: Texts = []
     outputs: Outputs = Outputs()
     best: Best | None = None
     optimise: Optimise | None = None

@@ -1,7 +1,7 @@
 """Tables of variants (CSV, Parquet, HDF5): each column is a scene number with one unit."""
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -9,18 +9,17 @@ import h5py
 import numpy as np
 
 from sweeps.store import StoreError, describe_result, read_columns
-from sweeps.text.csv_text import read_csv
+from sweeps.text.csv_text import TableColumn, read_csv
 from sweeps.text.input_files import InputError, check_file
 
 # Maximum size of a binary table [bytes].
 LARGEST_BINARY = 4_000_000_000
 # Maximum length of a column name in a message.
 LONGEST_NAME = 60
-Columns = dict[str, tuple[str, Sequence[str] | np.ndarray]]
 
 
-def read_variant_table(path: Path) -> Columns:
-    """Columns of a table by name: unit, and numbers as texts or as an array (rows,).
+def read_variant_table(path: Path) -> dict[str, TableColumn]:
+    """Columns of a table by name.
 
     Parameters
     ----------
@@ -48,7 +47,7 @@ def read_variant_table(path: Path) -> Columns:
             raise InputError(path.name, [(None, "", f"column {_shown(name)} is not numeric: remove it")])
     if len({column.size for _, column in columns.values()}) > 1:
         raise InputError(path.name, [(None, "", "has columns of different lengths")])
-    return {name: (unit, column.astype(float)) for name, (unit, column) in columns.items()}
+    return {name: TableColumn(path.name, name, unit, column.astype(float)) for name, (unit, column) in columns.items()}
 
 
 def _from_parquet(path: Path) -> dict[str, tuple[str, np.ndarray]]:

@@ -5,7 +5,8 @@ count as equal: `>=`, `<=` and `==` accept them, `>`, `<` and `!=` don't. So a c
 met or both missed. If other values within the estimates would change the outcome, the variant is reported as undecided.
 """
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -39,6 +40,16 @@ class UnknownNameError(ExpressionError):
 
 
 Values = Mapping[str, float | np.ndarray]
+# A condition, or several that must all hold.
+Where = str | Sequence[str] | None
+
+
+def all_of(where: Where) -> str:
+    """Conditions that must all hold, as one text; "" for none."""
+    texts = [where] if isinstance(where, str) else [*(where or ())]
+    if len(texts) < 2:
+        return "".join(texts)
+    return " and ".join(f"({text})" if re.search(r"\bor\b", text) else text for text in texts)
 
 
 class Judgement(NamedTuple):
@@ -69,6 +80,17 @@ class Condition:
             raise ExpressionError(f"{self.text!r} is a number; a condition such as 'a < b' is needed here")
 
     @classmethod
+    def parse(cls, text: str) -> "Condition":
+        """Parse a condition, without a check of its names and dimensions.
+
+        Raises
+        ------
+        ExpressionError
+            Invalid, or numeric.
+        """
+        return cls(parse_expression(text, any_quantity))
+
+    @classmethod
     def read(cls, text: str, dimensions: Mapping[str, UnitsContainer | None]) -> "Condition":
         """Read a condition over names of known dimensions, and check it.
 
@@ -83,9 +105,16 @@ class Condition:
         ExpressionError
             Invalid, numeric, unknown names, or different dimensions.
         """
-        condition = cls(parse_expression(text, any_quantity))
+        condition = cls.parse(text)
         condition.check(dimensions)
         return condition
+
+    @classmethod
+    def read_all(cls, where: Where, dimensions: Mapping[str, UnitsContainer | None]) -> "Condition":
+        """Read conditions that must all hold as one, each checked as by `read`."""
+        for text in [where] if isinstance(where, str) else where:
+            cls.read(text, dimensions)
+        return cls.parse(all_of(where))
 
     @property
     def text(self) -> str:
@@ -123,7 +152,7 @@ class Condition:
     @cached_property
     def parts(self) -> tuple["Condition", ...]:
         """The conditions joined by `and`, separately."""
-        return tuple(Condition(parse_expression(part, any_quantity)) for part in joined_by_and(self.text))
+        return tuple(Condition.parse(part) for part in joined_by_and(self.text))
 
     def judged(self, values: Values, errors: Values, count: int) -> Judgement:
         """Which variants meet it.
@@ -262,7 +291,9 @@ def _judged(tree: TextOperation, values: Values, errors: Values, wanted: bool, s
         return _judged(tree.operands[0], values, errors, not wanted, surely)
     if tree.name in ("and", "or"):
         join = np.logical_and if (tree.name == "and") == wanted else np.logical_or
-        return join.reduce([_judged(part, values, errors, wanted, surely) for part in tree.operands])
+        # Parts on fixed numbers alone are scalars.
+        parts = np.broadcast_arrays(*(_judged(part, values, errors, wanted, surely) for part in tree.operands))
+        return join.reduce(parts)
     found = _comparison(tree, values, errors)
     wanted = wanted != found.negated
     error = found.accepting
@@ -286,7 +317,7 @@ def _margin(tree: TextOperation, values: Values, errors: Values, sign: float) ->
         return _margin(tree.operands[0], values, errors, -sign)
     if tree.name in ("and", "or"):
         worst = (tree.name == "and") == (sign > 0)
-        parts = [_margin(part, values, errors, sign) for part in tree.operands]
+        parts = np.broadcast_arrays(*(_margin(part, values, errors, sign) for part in tree.operands))
         return (np.maximum if worst else np.minimum).reduce(parts)
     found = _comparison(tree, values, errors)
     apart, room = (_share(part, found.whole) for part in (found.apart, found.error))

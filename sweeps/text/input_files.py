@@ -82,6 +82,7 @@ def read_text(path: Path, largest: int = LARGEST_TEXT) -> str:
     except OSError as error:
         raise InputError(str(path), [(None, "", f"can't be read: {error.strerror}")]) from None
     except ValueError:
-        is_result = is_hdf5(path)
-        message = "is a result file (HDF5), not a text; use `sweeps show`" if is_result else "is not UTF-8 text"
+        message = "is not UTF-8 text: save it as UTF-8"
+        if is_hdf5(path):
+            message = "is a result file (HDF5), not a text; use `sweeps show`"
         raise InputError(str(path), [(None, "", message)]) from None

@@ -21,7 +21,7 @@ from engine import (
 )
 from sweeps.text.csv_text import read_csv
 from sweeps.text.input_files import InputError, read_text
-from sweeps.text.toml_text import line_of, parse_toml, problems_in, validate
+from sweeps.text.toml_text import errors_in_words, line_of, parse_toml, problems_in, validate
 
 
 def read_scene(path: Path | str) -> Scene:
@@ -82,7 +82,7 @@ def _table_columns(folder: Path, name: object, source: str, where: tuple[int | N
         columns = read_csv(folder / str(name))
     except InputError as error:
         raise InputError(source, [(*where, str(error))]) from None
-    return {key: [f"{value} {unit}".strip() for value in values] for key, (unit, values) in columns.items()}
+    return {key: column.texts for key, column in columns.items()}
 
 
 # Scene texts use CF units, except for plain numbers.
@@ -220,9 +220,8 @@ def _copied(part: ScenePart, changes: Mapping[str, Any] | float, path: str) -> S
     try:
         return type(part).model_validate(given)
     except ValidationError as error:
-        problems = [(path + ".".join(map(str, e["loc"][:1])), e["msg"]) for e in error.errors()]
-        told = [(place.rstrip("."), message.removeprefix("Value error, ")) for place, message in problems]
-        raise SceneError(told) from None
+        problems = errors_in_words(type(part), error)
+        raise SceneError([(f"{path}{key.partition('.')[0]}".rstrip("."), words) for key, words in problems]) from None
 
 
 def _with_units(part: ScenePart, data: dict[str, Any]) -> None:

@@ -36,10 +36,37 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         found = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
         line = int(found[1]) if found else None
-        message = str(error).split(" (at ")[0]
-        raise InputError(source, [(line, "", _slip(text, line, source) or f"not valid TOML: {message}")]) from None
+        message = _slip(text, line, source) or _not_toml(text, line, str(error))
+        raise InputError(source, [(line, "", message)]) from None
     except (ValueError, RecursionError):
         raise InputError(source, [(None, "", "not valid TOML: a number too long, or tables nested too deep")]) from None
+
+
+# What the TOML reader reports, and what is said instead.
+_NOT_TOML = {
+    "Cannot overwrite|Duplicate": "appears twice in its table: remove one",
+    "Cannot mutate": "belongs to a table in braces above: write it there",
+    "Expected '='": "write KEY = VALUE",
+    r"Expected '\]": "a ] is missing after the name of the table, or the name has a blank or a sign in it",
+    "array": "the list is never closed: a ] is missing",
+    "inline table": "the table is never closed: a } is missing",
+    "[Uu]nescaped|Escaped|hex": "in double quotes write \\\\ for a backslash, or use single quotes",
+    "Unterminated|Illegal": "the quotation mark is never closed, or the text has a control character",
+    "newline": "a line holds one KEY = VALUE, and something follows the value",
+    "date": "dates and times aren't used; write texts in quotes",
+}
+
+
+def _not_toml(text: str, line: int | None, message: str) -> str:
+    """What is wrong with a text that is not TOML, from the reader's message."""
+    if twice := re.search(r"Cannot declare \((.*)\) twice", message):
+        keys = re.findall(r"'([^']*)'", twice[1])
+        return f"not valid TOML: the table [{'.'.join(keys)}] appears twice, first in line {line_of(text, keys)}"
+    key = _KEY.match(text.splitlines()[line - 1]) if line else None
+    words = next((words for pattern, words in _NOT_TOML.items() if re.search(pattern, message)), "")
+    if words.startswith(("appears", "belongs")):
+        words = f"{key['keys'] if key else 'a key'} {words}"
+    return f"not valid TOML: {words or 'write KEY = VALUE, texts in quotes, tables in brackets'}"
 
 
 def _parts(piece: str) -> int:
@@ -68,6 +95,10 @@ def _slip(text: str, line: int | None, source: str) -> str:
         if (slip := _BARE_WORD.search(written)) is not None:
             value = slip["value"].strip()
             return f'{value} is a text, so it needs quotes: "{value}"'
+        if re.search("=\\s*[“”„‘’]", written):
+            return 'write straight quotation marks, ", not typographic ones'
+        if re.match(r"\s*[\w.]+\s*:", written):
+            return "write KEY = VALUE, not KEY: VALUE"
         if re.search(r"=\s*$", written):
             return "no value after ="
         if whole.count('"') % 2:
@@ -96,8 +127,51 @@ def validate(model: type[BaseModel], data: dict[str, Any], text: str, source: st
     try:
         return model.model_validate(data, context={"text": True})
     except ValidationError as error:
-        told = error.errors()[:MOST_PROBLEMS]
+        told = _merged(error.errors())[:MOST_PROBLEMS]
         raise InputError(source, [_problem(model, data, text, e, prefix) for e in told]) from None
+
+
+# What a value is expected to be, by the validator's kind of error.
+_EXPECTED = {
+    "string_type": "a text in quotes",
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "int_from_float": "a whole number",
+    "int_parsing": "a whole number",
+    "float_parsing": "a number",
+    "bool_type": "true or false",
+    "bool_parsing": "true or false",
+    "list_type": "a list in brackets, [ ]",
+    "tuple_type": "a list in brackets, [ ]",
+    "dict_type": "a table of keys",
+    "model_type": "a table of keys",
+    "model_attributes_type": "a table of keys",
+}
+
+
+def _merged(errors: list[dict]) -> list[dict]:
+    """Errors of a validator; what a union expects of one value is one error with all the words for it."""
+    found: list[dict] = []
+    for error in errors:
+        expected = _EXPECTED.get(error["type"])
+        last = found[-1] if found else {}
+        if expected and last.get("expected") and last["input"] is error["input"]:
+            last["expected"] += f" or {expected}" if expected not in last["expected"] else ""
+        else:
+            found.append({**error, "expected": expected})
+    return found
+
+
+def errors_in_words(model: type[BaseModel], error: ValidationError) -> list[tuple[str, str]]:
+    """Key and message of each error of a validator, for values that are numbers in SI.
+
+    Parameters
+    ----------
+    model : type of BaseModel
+    error : ValidationError
+    """
+    found = [(".".join(map(str, e["loc"])), _message(model, e, [*e["loc"]])) for e in _merged(error.errors())]
+    return [(key, message.partition(", got ")[0]) for key, message in found]
 
 
 def _problem(
@@ -134,17 +208,20 @@ def _message(model: type[BaseModel], error: dict, keys: list[str | int]) -> str:
     match kind:
         case "extra_forbidden":
             allowed = _fields_at(model, error["loc"][:-1])
-            return "unknown key" + _allowed(last, allowed)
+            explained = _EXPLAINED.get(last, "") if "require" in model.model_fields else ""
+            return "unknown key" + _allowed(last, allowed) + explained
         case "missing" if last == "input" and len(keys) <= 2:
             return 'is missing: add a table [input] of type "crank" or "slider"; see `sweeps help input`'
+        case "missing" if keys == ["scene"]:
+            return 'is missing: name the file of the scene, scene = "press.toml"'
         case "missing":
-            return "is missing" if isinstance(error["loc"][-1], str) else "has too few entries"
+            return "is missing: add it" if isinstance(error["loc"][-1], str) else "has too few entries"
         case "union_tag_invalid":
             allowed = re.findall(r"'([^']+)'", context.get("expected_tags", ""))
             tag = str(context.get("tag"))
             return f"type {tag!r} is not known" + _allowed(tag, allowed)
         case "union_tag_not_found":
-            return "the key 'type' is missing"
+            return "the key 'type' is missing: add it"
         case "literal_error":
             allowed = re.findall(r"'([^']+)'", context["expected"])
             return f"{_shown(value)} is not allowed" + (
@@ -158,10 +235,15 @@ def _message(model: type[BaseModel], error: dict, keys: list[str | int]) -> str:
             return f"{_shown(value)} is not a name: use letters, digits and single underscores, a letter first"
         case "value_error":
             return str(context["error"])
-        case "model_type" | "dict_type" | "model_attributes_type":
-            return f"expected a table of keys, got {_shown(value)}"
-        case _:
+        case "too_short":
+            return f"has too few entries: {context['actual_length']}, at least {context['min_length']}"
+        case "too_long":
+            return f"has too many entries: {context['actual_length']}, at most {context['max_length']}"
+        case _ if "url" not in error:
+            # Errors of the project's own, not of the validator.
             return f"{error['msg']}, got {_shown(value)}"
+        case _:
+            return f"expected {error['expected'] or 'another value'}, got {_shown(value)}"
 
 
 # Units of limits; other limits are 0.
@@ -212,8 +294,21 @@ _SYNONYMS = {
     "masses": ("bodies",),
     "torques": ("moments",),
     "parameters": ("vary",),
-    "results": ("outputs",),
-    "constraints": ("require", "subject_to"),
+    "variables": ("vary",),
+    "sweep": ("vary",),
+    "results": ("outputs", "summaries"),
+    "step": ("count",),
+    "constraints": ("where", "require"),
+    "subject_to": ("where", "require"),
+    "condition": ("where", "require"),
+    "conditions": ("where", "require"),
+    "filter": ("where", "require"),
+    "require": ("where",),
+}
+_EXPLAINED = {
+    "where": "; where belongs to [best] or [optimise]; require, above the first table, drops variants before they are "
+    "computed",
+    "require": "; require stands above the first table: it drops variants before they are computed",
 }
 
 
@@ -307,6 +402,13 @@ def line_of(text: str, keys: list[str | int]) -> int | None:
     if names in within:
         return within[names]
     return next((at[names[:depth]] for depth in range(len(names), 0, -1) if names[:depth] in at), None)
+
+
+def line_of_entry(text: str, keys: list[str | int], entry: str) -> int | None:
+    """Line of an entry of a key's list, or of the key."""
+    start = line_of(text, keys)
+    lines = (number for number, line in enumerate(text.splitlines(), 1) if number >= (start or 1) and entry in line)
+    return next(lines, start)
 
 
 @lru_cache(2)

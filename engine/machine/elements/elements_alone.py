@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from engine import warnings
-from engine.machine.checks import given_numbers
+from engine.machine.checks import check_scene, given_numbers, names_of
 from engine.machine.elements.asked_elements import AskedElements, element_summaries
 from engine.machine.machine import Machine
 from engine.machine.results import AskError, Outcome, asked_text, blank
@@ -77,7 +77,7 @@ class ElementsAlone:
 
     dtype = np.dtype(np.float64)
     groups = ()
-    schedule = None
+    has_regimes = False
     available_fields: Mapping[str, Quantity] = {}
     # Elements have no positions; one stands for all.
     nodes = np.zeros(1)
@@ -85,8 +85,9 @@ class ElementsAlone:
     def __init__(
         self, scene: Scene, summaries: Iterable[str] = (), fields: Iterable[str] = (), varied: Iterable[str] = ()
     ) -> None:
-        self.scene, self.varied = scene, tuple(varied)
-        self.asked_summaries, self.asked_fields = list(summaries), []
+        check_scene(scene)
+        self.scene, self.varied = scene, names_of(varied)
+        self.asked_summaries, self.asked_fields = [*names_of(summaries)], []
         self._limits = scene_numbers(scene)
         for path in self.varied:
             if path not in self._limits:
@@ -136,7 +137,7 @@ class ElementsAlone:
         Parameters
         ----------
         varied : mapping of path to ndarray (variants,)
-            Values (SI) of the paths named as varied; empty for the scene as it is, one variant.
+            As for `Machine.evaluate`.
         drop : ndarray (variants,) of bool, optional
             Variants not to evaluate; their status is DROPPED.
         buffer : ndarray, optional
@@ -152,7 +153,8 @@ class ElementsAlone:
         numbers = Numbers(self._limits, arrays).of_variants(keep)
         self._asked.fill(outcome.status, outcome.summaries, outcome.errors, keep, numbers)
         self._warnings.fill(outcome.status, outcome.summaries, outcome.errors, Numbers(self._limits, arrays))
-        return outcome
+        known = self.available_summaries
+        return outcome._replace(units={name: known[name].units for name in self.asked_summaries})
 
 
 def _has_nothing(name: str) -> bool:

@@ -73,13 +73,17 @@ _UFUNCS = {
 
 _REPEATED = {"and", "or", "min", "max"}
 
+# Signs of mathematics, and how they are parsed.
+_SIGNS = {"^": "**", "≤": "<=", "≥": ">=", "≠": "!="}
+# Signs and words of other programs, and what is written here.
+_FOREIGN = {
+    **{"=": "==", ":=": "==", "=>": ">=", "=<": "<=", "<>": "!=", "!": "not", "~": "not", ";": "and"},
+    **{"&": "and", "&&": "and", "|": "or", "||": "or"},
+}
 _HINTS = {
-    ast.Tuple: "a comma is allowed between a function's operands only; decimals are written with a point",
-    ast.BitAnd: "conditions are joined by 'and'",
-    ast.BitOr: "conditions are joined by 'or'",
-    ast.Invert: "a condition is negated by 'not'",
+    ast.Tuple: "commas separate the operands of a function only; join conditions by 'and', write 1.5 for 1,5",
     ast.UAdd: "leave the leading + out",
-    ast.Mod: "a percentage is written in quotes, '6 %'",
+    ast.Mod: "% stands behind a number only, as in 6 %",
     ast.Lambda: "functions can't be defined here",
     ast.JoinedStr: "text with {} can't be used here",
 }
@@ -269,11 +273,14 @@ class _Code(NamedTuple):
 
 
 _BLANKS = r"\ *"
-# What begins like a number; a name, the digits in it included; a text in quotes; a power.
+# What begins like a number; a name, the digits in it included; a text in quotes; a sign to replace; one to refuse.
 _TOKEN = re.compile(
     r"(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)|(?P<word>[^\W\d]\w*)|"
-    r"(?P<quoted>'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\")|(?P<power>\^)"
+    r"(?P<quoted>'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\")|(?P<open>['\"])|(?P<sign>[\^≤≥≠])|"
+    r"(?P<foreign>=>|=<|<>|&&?|\|\|?|:=|;|~|!(?!=)|(?<![<>=!])=(?!=))"
 )
+_JOINING = re.compile(r"(?i:and|or|not|if|else)")
+_UNFINISHED = re.compile(r"(?:[-+*/^<>=,(]|\b(?:and|or|not|if|else))\s*$")
 _UNIT_POWER = r"(?:(?:\^|\*\*)-?[1-9]|[1-9])?(?![\w.(])"
 _UNIT = re.compile(rf"([^\W\d_]+){_UNIT_POWER}")
 # Between other units a hyphen is a minus.
@@ -289,11 +296,13 @@ def _code_of(line: str) -> _Code:
     while place < len(line):
         token = _TOKEN.match(line, place)
         end = token.end() if token else place + 1
+        if token:
+            _check_token(line, token)
         if token and token["number"] and (after := _end_of_units(line, end)) > end:
             pieces += [("'", place), *((line[i], i) for i in range(place, after)), ("'", after - 1)]
             end = after
-        elif token and token["power"]:
-            pieces += [("*", place), ("*", place)]
+        elif token and token["sign"]:
+            pieces += [(character, place) for character in _SIGNS[token["sign"]]]
         else:
             pieces += [(line[i], i) for i in range(place, end)]
         if token and (token["number"] or token["quoted"]):
@@ -302,12 +311,28 @@ def _code_of(line: str) -> _Code:
     return _Code(line, "".join(text for text, _ in pieces), [*(column for _, column in pieces), len(line)])
 
 
+def _check_token(line: str, token: re.Match) -> None:
+    """Refuse signs and words of other programs, and quotation marks without a second one."""
+    here = _FOREIGN.get(token[0])
+    is_name = "." in (line[token.start() - 1 : token.start()], line[token.end() : token.end() + 1])
+    if token["word"] and not is_name and _JOINING.fullmatch(token[0]) and not token[0].islower():
+        here = token[0].lower()
+    if token[0] == "=" and not line[: token.start()].strip():
+        raise _refusal(line, token.start(), "leave the leading = out")
+    if here:
+        raise _refusal(line, token.start(), f"write {here} instead of {token[0]}")
+    if token["open"]:
+        raise _refusal(line, token.start(), f"the quotation mark {token[0]} is never closed")
+
+
 def _end_of_units(line: str, place: int) -> int:
     """Where the unit ends that follows a number; where the number does, if there is none.
 
     Blanks join units, as in "N m"; a bar does so without blanks, as in "N/mm" or "N/(m s)", and else divides.
     """
     end, divided = place, False
+    if line.startswith(("%", "°"), sign := _after_blanks(line, place)):
+        return sign + 1
     while True:
         bar = line.startswith("/", end) and end > place
         if bar and (brackets := _UNITS_IN_BRACKETS.match(line, end + 1)) and _are_units(brackets[1]):
@@ -340,7 +365,7 @@ def _no_stray_word(line: str, end: int) -> None:
     """Refuse a word that follows a quantity after a blank: an operator is missing, or it is no unit."""
     place = _after_blanks(line, end)
     word = re.compile(r"[^\W\d]\w*").match(line, place)
-    if place == end or not word or keyword.iskeyword(word[0]):
+    if place == end or not word or keyword.iskeyword(word[0]) or _JOINING.fullmatch(word[0]):
         return
     raise _refusal(line, place, f"{word[0]!r} is not a valid unit here, or an operator is missing before it")
 
@@ -351,12 +376,34 @@ def _syntax_tree(code: _Code) -> ast.expr:
             warnings.simplefilter("ignore")
             tree = ast.parse(code.text, mode="eval")
     except SyntaxError as error:
-        column = min(max(error.offset or 1, 1) - 1, len(code.text))
-        raise _refusal(code.line, code.columns[column], error.msg) from None
+        column = code.columns[min(max(error.offset or 1, 1) - 1, len(code.text))]
+        raise _refusal(code.line, *_slip(code.line, column)) from None
     except (ValueError, RecursionError, MemoryError):
         what = "this can't be read (nested too deep, or with characters that aren't text)"
         raise _refusal(code.line, 0, what) from None
     return tree.body
+
+
+def _slip(line: str, column: int) -> tuple[int, str]:
+    """Place and kind of a slip that keeps a text from being parsed, found near a column."""
+    opened: list[int] = []
+    for token in re.finditer(r"'[^']*'|\"[^\"]*\"|[()]", line):
+        if token[0] == "(":
+            opened.append(token.start())
+        elif token[0] == ")" and not opened:
+            return token.start(), "this bracket was never opened"
+        elif token[0] == ")":
+            opened.pop()
+    if (end := _UNFINISHED.search(line)) is not None:
+        return len(line.rstrip()), f"something is missing after {end[0].strip()!r}"
+    if opened:
+        return opened[-1], "this bracket is never closed"
+    word = re.compile(r"\w+").match(line, column)
+    if re.search(r"\bif\b", line) and not re.search(r"\belse\b", line):
+        return column, "an 'if' needs an 'else'"
+    if word and keyword.iskeyword(word[0]):
+        return column, f"{word[0]!r} is a reserved word and can't be used here"
+    return column, "an operator is missing here, or this sign has no meaning"
 
 
 def _refusal(line: str, column: int, what: str) -> ExpressionError:
@@ -399,9 +446,13 @@ class _Translator:
             case ast.Compare():
                 return self.comparison(node, depth), True
             case _:
-                kind = type(getattr(node, "op", node))
-                place = self.after(node.left) if isinstance(node, ast.BinOp) else node
-                raise self.refusal(place, _HINTS.get(kind, f"{kind.__name__} can't be used here"))
+                begin, end = (self.column(offset) for offset in (node.col_offset, node.end_col_offset))
+                if isinstance(node, ast.BinOp):
+                    begin, end = self.after(node.left), self.column(node.right.col_offset)
+                elif isinstance(node, ast.Tuple) and node.elts:
+                    begin = self.after(node.elts[0])
+                words = f"{self.code.line[begin:end].strip(' (')!r} can't be used here"
+                raise self.refusal(begin, _HINTS.get(type(getattr(node, "op", node)), words))
 
     def operation(self, name: str, operands: Iterable[Tree], node: ast.expr) -> TextOperation:
         return TextOperation(name, tuple(operands), self.column(node.col_offset))
@@ -422,7 +473,7 @@ class _Translator:
         nodes = (node.left, *node.comparators)
         for operator, left in zip(node.ops, nodes, strict=False):
             if type(operator) not in _COMPARISONS:
-                raise self.refusal(self.after(left), f"{type(operator).__name__} does not compare numbers")
+                raise self.refusal(self.after(left), "compare numbers by ==, !=, <, <=, > or >=")
         operands = [self.number(operand, depth) for operand in nodes]
         pairs = [
             TextOperation(_COMPARISONS[type(operator)], pair, self.after(left))

@@ -19,6 +19,7 @@ from engine import (
     holzer_table,
     made_ready,
     natural_vibration,
+    numbers_for_trains,
     reduced_train,
     train_speed,
 )
@@ -62,7 +63,7 @@ def numbers_of_machine(scene: Scene, name: str) -> Numbers:
     """
     if scene.elements[name].machine_at is None:
         return {}
-    return Machine(scene, [f"{name}.frequency_1"]).numbers_for_trains()
+    return numbers_for_trains(Machine(scene, [f"{name}.frequency_1"]))
 
 
 def _moments(scene: Scene, name: str, speed: float) -> Panel:

@@ -6,7 +6,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
-from engine import any_quantity, parse_expression
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import COLOURS, GREY, PALE, VERMILION
 from sweeps.pictures.sweep.sweep_data import SweepData, wrapped
@@ -35,7 +34,7 @@ def chosen_columns(data: SweepData, colour: str) -> list[str]:
     list of str
         At most 10, with at least one summary if there is any; constant columns are omitted.
     """
-    asked = Condition(parse_expression(data.condition, any_quantity)).names if data.condition else ()
+    asked = Condition.parse(data.condition).names if data.condition else ()
     summaries = sorted(data.summaries, key=lambda name: (name != colour, name not in asked))
     varied, summaries = ([n for n in names if _differs(data, n)] for names in (data.varied, summaries))
     kept = 1 + sum(name in asked for name in summaries[1:]) if summaries else 0

@@ -111,7 +111,7 @@ def sweep_data(
         shape,
         arrays["status"],
         along,
-        goal.where or "" if goal else "",
+        result.condition,
         result.candidates(chosen),
         d.variants if is_too_many else None,
     )

@@ -10,6 +10,7 @@ from sweeps.report.files.data_files import DataTable, PartedTable
 from sweeps.report.readings import Readings
 from sweeps.report.regime_words import failure_text
 from sweeps.report.sweep_result import SweepResult
+from sweeps.text.conditions import Where
 from sweeps.text.edited_text import edited_scene
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import with_values
@@ -19,14 +20,14 @@ from sweeps.text.whole_files import whole_file
 ROWS_AT_A_TIME = 1 << 16
 
 
-def result_table(path: Path, where: str | None = None) -> PartedTable:
+def result_table(path: Path, where: Where = None) -> PartedTable:
     """All columns of a result without fields: parameters, verdicts, summaries, derivatives.
 
     Parameters
     ----------
     path : Path
-    where : str, optional
-        Only computed variants that meet this condition; default: all variants, including failed ones.
+    where : str or sequence of str, optional
+        Only computed variants that meet these conditions; default: all variants, including failed ones.
 
     Raises
     ------
@@ -39,7 +40,7 @@ def result_table(path: Path, where: str | None = None) -> PartedTable:
     named = [*result.parameters, "status", "status_at", *result.summaries, *errors]
     others = [c.name for c in result.description.columns if c.dims == ("variant",) and c.name not in named]
     known = [name for name in (*named, *others) if name in result.columns]
-    chosen = None if where is None else result.meets(where)
+    chosen = result.meets(where) if where else None
 
     def parts(wanted: Sequence[str]) -> Iterator[dict[str, np.ndarray]]:
         for here in result.chosen_parts(chosen, ROWS_AT_A_TIME):
@@ -48,7 +49,7 @@ def result_table(path: Path, where: str | None = None) -> PartedTable:
     return PartedTable(("variant", *known), dict(result.units), result.description.title, parts)
 
 
-def result_columns(path: Path, names: Sequence[str], where: str | None = None) -> PartedTable:
+def result_columns(path: Path, names: Sequence[str], where: Where = None) -> PartedTable:
     """Parameters and some columns of a result; with fields, a row per variant and position.
 
     Parameters
@@ -56,8 +57,8 @@ def result_columns(path: Path, names: Sequence[str], where: str | None = None) -
     path : Path
     names : sequence of str
         Summaries, error estimates, verdicts, derivatives, and fields with a common axis.
-    where : str, optional
-        Only variants that meet this condition; default: all that were computed successfully.
+    where : str or sequence of str, optional
+        Only variants that meet these conditions; default: all that were computed successfully.
 
     Raises
     ------

@@ -5,6 +5,7 @@ For one plane amplitudes suffice, with the trial weight at three angles 120° ap
 """
 
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,14 +16,13 @@ from engine import (
     UnitError,
     base_powers,
     four_runs,
-    in_text,
     influence_coefficients,
     influence_correction,
     recognised,
     residual_confidence,
     split_on_neighbours,
 )
-from sweeps.text.csv_text import read_csv
+from sweeps.text.csv_text import TableColumn, read_csv
 from sweeps.text.input_files import InputError
 from sweeps.text.tables import table
 
@@ -109,12 +109,12 @@ def read_runs(path: Path) -> Runs:
     if not names or phases not in ([], list(names)):
         raise _refusal(path, "every sensor needs an amplitude NAME [mm/s] and a phase NAME_phase [deg]", 1)
     unit, weight_unit = _common_unit(path, columns, names), _common_unit(path, columns, ["weight"])
-    weights = _polar(path, columns, "weight", "weight_angle")
-    readings = np.stack([_polar(path, columns, n, f"{n}{PHASE}" if phases else None) for n in names], axis=-1)
+    weights = _polar(columns, "weight", "weight_angle")
+    readings = np.stack([_polar(columns, n, f"{n}{PHASE}" if phases else None) for n in names], axis=-1)
     if (first := np.flatnonzero(weights == 0)).size != 1:
         raise _refusal(path, f"exactly one run must have no trial weight (weight 0); there are {first.size}")
     trials = np.flatnonzero(weights)
-    planes = np.array(columns["plane"][1], float)[trials]
+    planes = np.array(columns["plane"].plain_numbers())[trials]
     if not (planes == np.round(planes)).all():
         raise _refusal(path, "planes must be whole numbers, such as 1 and 2")
     numbers = tuple(int(plane) for plane in planes)
@@ -240,20 +240,17 @@ def _by_amplitudes(path: Path, runs: Runs, noise: str | None) -> Correction:
     return Correction((runs.planes[0],), np.array([weight]), np.array([[found.sensitivity]]), np.zeros(1), None)
 
 
-def _polar(path: Path, columns: dict, size: str, angle: str | None) -> np.ndarray:
+def _polar(columns: dict[str, TableColumn], size: str, angle: str | None) -> np.ndarray:
     """Complex numbers from a column of amplitudes in its unit and one of angles."""
-    sizes = np.array(columns[size][1], float)
+    sizes = np.array(columns[size].plain_numbers())
     if angle is None:
         return sizes.astype(complex)
-    unit, cells = columns[angle]
-    try:
-        return sizes * np.exp(1j * np.array([in_text(f"{cell} {unit or 'deg'}", "angle") for cell in cells]))
-    except UnitError as error:
-        raise _refusal(path, f"{angle}: {error}", 1) from None
+    angles = replace(columns[angle], unit=columns[angle].unit or "deg")
+    return sizes * np.exp(1j * np.array(angles.numbers("angle")))
 
 
-def _common_unit(path: Path, columns: dict, names: Iterable[str]) -> str:
-    units = {columns[name][0] for name in names}
+def _common_unit(path: Path, columns: dict[str, TableColumn], names: Iterable[str]) -> str:
+    units = {columns[name].unit for name in names}
     if len(units) > 1:
         raise _refusal(path, f"all sensors must use one unit; these use {', '.join(sorted(units))}", 1)
     (unit,) = units

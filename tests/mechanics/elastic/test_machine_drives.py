@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
-from engine import ElementsAlone, Machine, Scene, Verdict, drive_cycle, drive_run
+from engine import ElementsAlone, Machine, Scene, Verdict, drive_cycle, drive_run, seconds_of_runs
 from sweeps.pictures.elements.elastic_sheets import machine_drive_sheet, machine_run_sheet
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import new_figure
@@ -571,12 +571,12 @@ def test_run_on_a_stiff_shaft__takes_about_as_long_as_forecast(tmp_path):
     stiffness = {"elements.d.stiffness": np.array([4e5])}
     # What is compiled first takes its time, too.
     machine.evaluate(stiffness)
-    forecast, begun = machine.seconds_on_shafts(stiffness), perf_counter()
+    forecast, begun = seconds_of_runs(machine, stiffness), perf_counter()
     machine.evaluate(stiffness)
     took = perf_counter() - begun
     assert took / 5.0 < forecast < 5.0 * took
-    assert machine.seconds_on_shafts({"elements.d.stiffness": np.array([1e12])}) == 0.0
-    assert Machine(scene, ["reduced_inertia.mean"]).seconds_on_shafts({}) == 0.0
+    assert seconds_of_runs(machine, {"elements.d.stiffness": np.array([1e12])}) == 0.0
+    assert seconds_of_runs(Machine(scene, ["reduced_inertia.mean"]), {}) == 0.0
     (tmp_path / "scene.toml").write_text(write_scene(scene), encoding="utf8")
     study = read_study(tmp_path / "scene.toml")
     assert on_shafts_text(study, study.machine()).startswith("Runs on elastic shafts: about ")

@@ -56,9 +56,13 @@ GOOD = [0.05, 0.06]
         ({TWO[0]: [GOOD, GOOD], TWO[1]: [0.2, 0.2]}, "'input.length' has 2 × 2 values"),
         ({TWO[0]: np.full((2, 1), 0.05), TWO[1]: [0.2, 0.2]}, "'input.length' has 2 × 1 values"),
         ({TWO[0]: [GOOD, [0.05]], TWO[1]: [0.2, 0.2]}, "'input.length': rows differ in length"),
-        ({TWO[0]: ["50 mm", "60 mm"], TWO[1]: [0.2, 0.2]}, "non-numeric values, such as '50 mm'"),
+        ({TWO[0]: ["50 mm", "60 kg"], TWO[1]: [0.2, 0.2]}, "'input.length': expected a length such as '80 mm'"),
+        ({TWO[0]: ["50 mm", 0.06], TWO[1]: [0.2, 0.2]}, "'input.length': 0.06 has no unit"),
+        ({TWO[0]: [True, False], TWO[1]: [0.2, 0.2]}, "'input.length' has non-numeric values, such as True"),
         ({TWO[0]: [None, 0.05], TWO[1]: [0.2, 0.2]}, "'input.length'"),
-        ({TWO[0]: GOOD}, "varied must hold exactly"),
+        ({TWO[0]: GOOD}, "no values are given for 'groups.drive.first.length'"),
+        ({"input.lenght": GOOD, TWO[1]: [0.2, 0.2]}, "'input.lenght' is not varied by this machine"),
+        (GOOD, "give values by path, such as {'input.length': [...]}"),
     ],
 )
 def test_what_is_no_row_of_numbers__is_refused_by_name(given, words):
@@ -66,6 +70,54 @@ def test_what_is_no_row_of_numbers__is_refused_by_name(given, words):
     with pytest.raises(AskError) as refused:
         machine.evaluate(given)
     assert words in str(refused.value)
+
+
+def test_texts_with_units__are_numbers():
+    machine = Machine(Scene.model_validate(SCENE), "piston.stroke", varied=TWO[0], accuracy="1 %")
+    found = [machine.evaluate({TWO[0]: given}).summaries["piston.stroke"] for given in ("50 mm", ["5 cm"], [0.05])]
+    assert found[0] == found[1] == found[2]
+    assert machine.evaluate({TWO[0]: ["50 mm", "6 cm"]}).status.tolist() == [Verdict.OK, Verdict.OK]
+
+
+def test_outcome__has_the_units_of_what_is_asked():
+    outcome = Machine(Scene.model_validate(SCENE), ["piston.stroke"], ["B.vx"]).evaluate({})
+    assert outcome.units == {"piston.stroke": "m", "B.vx": "m s-1"}
+    assert "1 ok; summaries piston.stroke [m]; fields B.vx [m s-1]" in repr(outcome)
+
+
+def test_millimetres_taken_for_metres__are_remarked():
+    machine = Machine(Scene.model_validate(SCENE), ["piston.stroke"], varied=[TWO[0]])
+    outcome = machine.evaluate({TWO[0]: [35.0, 40.0]})
+    assert outcome.remarks[0].startswith("input.length = 35 m is ")
+    assert "2 cannot assemble; input.length = 35 m is" in repr(outcome)
+    assert "so write '35 mm'" in repr(outcome)
+    # Failing lengths near the scene's own, and ones that work, are not remarked.
+    assert not machine.evaluate({TWO[0]: [0.5, 40.0]}).remarks
+    assert not machine.evaluate({TWO[0]: [0.05, 40.0]}).remarks
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda scene: Machine("press.toml"), "'press.toml' is not a scene; read one from a file"),
+        (lambda scene: Machine(scene, "piston.strok"), "did you mean 'piston.stroke'"),
+        (lambda scene: Machine(scene, accuracy="high"), "accuracy: expected a number"),
+        (lambda scene: Machine(scene, accuracy=5), "accuracy = 5: a share between 0 and 1 is needed"),
+    ],
+)
+def test_what_makes_no_machine__is_refused_in_words(make, words):
+    with pytest.raises(AskError) as refused:
+        make(Scene.model_validate(SCENE))
+    assert words in str(refused.value)
+
+
+def test_help__shows_the_public_interface_alone():
+    shown = {name for name in dir(Machine) if not name.startswith("_")}
+    assert shown == {
+        *("available_fields", "available_summaries", "computed", "evaluate", "groups", "has_cycle", "has_regimes"),
+        *("input_values", "left_out", "new_buffer", "nodes", "numbers_kept", "source"),
+    }
+    assert all(getattr(Machine, name).__doc__ for name in shown)
 
 
 @pytest.mark.parametrize("drop", [np.zeros(3, bool), np.zeros((2, 2), bool), np.array([0, 1]), True])

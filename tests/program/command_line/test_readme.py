@@ -117,11 +117,14 @@ def test_commands__run_in_the_order_written(folder, monkeypatch):
 
 def test_python__runs(folder, monkeypatch):
     monkeypatch.chdir(folder)
-    names = {"lengths_in_metres": np.linspace(0.04, 0.06, 5)}
+    names = {}
     (text,) = blocks("python")
     exec(compile(text.replace('run_study(read_study("study.toml"), "results/study.h5")', ""), "README", "exec"), names)
-    assert names["outcome"].summaries["flywheel_wittenbauer"].shape == (5,)
+    assert names["outcome"].summaries["flywheel_wittenbauer"].shape == (3,)
     assert dict(names["data"].sizes)["variant"] == 21 * 3 * 256
+    snippets: dict[str, object] = {}
+    exec(compile(blocks("python", GUIDE["python"])[0], "python.md", "exec"), snippets)
+    assert dict(snippets["data"].sizes)["variant"] == 21
 
 
 def test_formulas__work_as_the_guide_says(folder):

@@ -144,7 +144,7 @@ def test_figures_of_nothing__are_refused(machine, data):
 def test_representation__is_a_line(machine, outcome):
     assert repr(machine.scene) == "<Scene 'Crank press': input crank, RRP slide, 1 body, 1 force>"
     assert repr(machine) == "<Machine 'Crank press': varied input.length; summaries ram.stroke; fields B.y>"
-    assert repr(outcome) == "<Outcome of 4 variants: 3 ok, 1 cannot_assemble; summaries ram.stroke; fields B.y>"
+    assert repr(outcome) == "<Outcome of 4 variants: 3 ok, 1 cannot assemble; summaries ram.stroke [m]; fields B.y [m]>"
     study = sweeps.read_study("study.toml")
     of = "8 variants of 4 input.length × 2 bodies.ram.mass"
     assert repr(study) == f"<Study 'Which crank?': {of}; ram.stroke, excess_work>"

@@ -25,7 +25,7 @@ def test_optimum_inside__is_that_of_the_closed_form(method, tmp_path):
 @pytest.mark.parametrize("method", ["differential evolution", "local"])
 def test_optimum_on_a_condition__is_the_foot_of_the_perpendicular(method, tmp_path):
     # rod ≥ 6 crank: from (48, 233) mm onto the line rod = 6 crank; by Lagrange's multiplier.
-    asked = f'minimise = "{NEAREST}"\nsubject_to = "groups.slide.first.length >= 3 * ram.stroke"\nmethod = "{method}"'
+    asked = f'minimise = "{NEAREST}"\nwhere = "groups.slide.first.length >= 3 * ram.stroke"\nmethod = "{method}"'
     result = searched(tmp_path, asked + "\npopulation = 20")
     best, along = best_of(result), (0.048 + 6 * 0.233) / 37
     # The search keeps 1e-9 of the sizes clear of the limit, 3e-10 m here, beside the stroke's error estimate; along the
@@ -47,7 +47,7 @@ def brute(study: Study, cranks: np.ndarray, rods: np.ndarray, names: list[str]) 
 # A longer rod saves flywheel, but less and less: with a price on its length there is an optimum inside.
 FLYWHEEL = """
 minimise = "flywheel_excess_work + '7 kg' * '1 m' * groups.slide.first.length"
-subject_to = ["ram.stroke >= '90 mm'", "slide.transmission_angle >= '60 deg'"]
+where = ["ram.stroke >= '90 mm'", "slide.transmission_angle >= '60 deg'"]
 population = 30
 """
 
@@ -146,7 +146,7 @@ def test_equality__is_not_told_as_a_limit(tmp_path):
     vary = (
         '[vary]\n"bodies.ram.mass" = {values = ["50 kg", "90 kg"]}\n"input.length" = {low = "30 mm", high = "80 mm"}\n'
     )
-    asked = "minimise = \"ram.stroke\"\nsubject_to = \"bodies.ram.mass == '90 kg' and ram.stroke >= '70 mm'\""
+    asked = "minimise = \"ram.stroke\"\nwhere = \"bodies.ram.mass == '90 kg' and ram.stroke >= '70 mm'\""
     asked += "\npopulation = 20"
     result = searched(tmp_path, asked, vary=vary)
     assert best_of(result)["bodies.ram.mass"] == 90.0
@@ -155,7 +155,7 @@ def test_equality__is_not_told_as_a_limit(tmp_path):
 
 
 def test_nothing_that_meets_the_conditions__is_said(tmp_path):
-    asked = 'minimise = "ram.stroke"\nsubject_to = "ram.stroke < \'10 mm\'"\npopulation = 8\ngenerations = 3'
+    asked = 'minimise = "ram.stroke"\nwhere = "ram.stroke < \'10 mm\'"\npopulation = 8\ngenerations = 3'
     result = searched(tmp_path, asked)
     assert not result.columns["front"].any()
     assert result.best() is None
@@ -173,7 +173,7 @@ def test_narrow_conditions__are_found_by_missing_them_less_and_less(goals, tmp_p
         "abs(ram.stroke - '71.3 mm') <= '0.05 mm'",
         "abs(groups.slide.first.length - '222.2 mm') <= '0.2 mm'",
     ]
-    result = searched(tmp_path, f"minimise = {goals}\nsubject_to = {conditions}\npopulation = 20")
+    result = searched(tmp_path, f"minimise = {goals}\nwhere = {conditions}\npopulation = 20")
     meets = met(result)
     assert not meets[:20].any()
     least = result.columns["ram.stroke"][meets].min()

@@ -126,7 +126,7 @@ def test_coordinates__of_what_is_not_known_or_outside_are_in_the_middle():
 
 
 def test_candidates__that_fail_or_miss_are_worse_than_all_that_meet(tmp_path):
-    asked = 'minimise = "excess_work"\nsubject_to = "ram.stroke >= \'100 mm\'"'
+    asked = 'minimise = "excess_work"\nwhere = "ram.stroke >= \'100 mm\'"'
     task = task_of(study_of(tmp_path, asked, vary=RANGES.replace("80 mm", "400 mm")))
     crank = np.array([0.04, 0.05, 0.06, 0.3])
     # The rod is 150 mm long.
@@ -141,7 +141,7 @@ def test_candidates__that_fail_or_miss_are_worse_than_all_that_meet(tmp_path):
 
 
 def test_candidate__on_the_limit_of_a_strict_inequality_misses_it(tmp_path):
-    asked = 'minimise = "excess_work"\nsubject_to = "input.length < 0.0625 * groups.slide.first.length / 0.25"'
+    asked = 'minimise = "excess_work"\nwhere = "input.length < 0.0625 * groups.slide.first.length / 0.25"'
     task = task_of(study_of(tmp_path, asked, vary=RANGES.replace("80 mm", "100 mm")))
     place = task.variables.coordinates({CRANK: 0.0625, ROD: 0.25})
     batch = Trials(task).evaluate(np.array([place, place - [1e-6, 0]]))
@@ -156,13 +156,13 @@ VARY = {"": RANGES, "lists": LISTED, "nothing": "", "one": LISTED.replace(', "50
 # Name | what is asked of the search | what varies, ranges where nothing is said | more of the study | message.
 REFUSED = cases(r"""
 nothing to search for | population = 20 |  |  | line 9: optimise: no objective: give minimise or
-unknown output | minimise = "wheel_mas" |  |  | line 10: optimise.minimise: unknown name 'wheel_mas';
+unknown output | minimise = "wheel_mas" |  |  | line 10: optimise.minimise: 'wheel_mas' is not a summary of this
 did you mean | minimise = "excess_wrk" |  |  | did you mean 'excess_work'
 dimension | minimise = "ram.stroke + excess_work" |  |  | optimise.minimise: adds a moment or energy to a length
 no number | minimise = "ram.stroke < 1" |  |  | is a condition; a number is needed here
-no condition | minimise = "ram.stroke"\nsubject_to = "excess_work" |  |  | is a number; a condition such as
-no unit | minimise = "ram.stroke"\nsubject_to = "ram.stroke < 80" |  |  | 80 has no unit: write '80 m' or
-syntax | minimise = "ram.stroke +" |  |  | optimise.minimise: invalid syntax
+no condition | minimise = "ram.stroke"\nwhere = "excess_work" |  |  | is a number; a condition such as
+no unit | minimise = "ram.stroke"\nwhere = "ram.stroke < 80" |  |  | 80 has no unit: write '80 m' or
+syntax | minimise = "ram.stroke +" |  |  | optimise.minimise: something is missing after '+'
 nothing varies | minimise = "ram.stroke" | nothing |  | vary: nothing varies; give ranges
 one value | minimise = "ram.stroke" | one |  | vary: nothing varies
 lists and local | minimise = "ram.stroke"\nmethod = "local" | lists
@@ -196,7 +196,7 @@ def test_text__is_refused_with_key_and_mend(name, tmp_path):
 
 
 def test_all_problems__are_told_at_once(tmp_path):
-    asked = 'minimise = ["a_b", "ram.stroke"]\nsubject_to = "c_d < 1"\nmethod = "local"'
+    asked = 'minimise = ["a_b", "ram.stroke"]\nwhere = "c_d < 1"\nmethod = "local"'
     with pytest.raises(InputError) as refusal:
         study_of(tmp_path, asked)
     assert len(refusal.value.problems) == 3
@@ -223,7 +223,7 @@ def folder(tmp_path, monkeypatch) -> Path:
     return tmp_path
 
 
-ASKED = f'minimise = "{NEAREST}"\nsubject_to = "ram.stroke <= \'90 mm\'"\npopulation = 10\ngenerations = 8'
+ASKED = f'minimise = "{NEAREST}"\nwhere = "ram.stroke <= \'90 mm\'"\npopulation = 10\ngenerations = 8'
 
 
 def test_command__tells_the_best_what_holds_it_and_its_files(folder):
@@ -295,7 +295,7 @@ def test_picture__shows_the_front_and_its_chosen_machines_to_one_scale(tmp_path)
 
 
 def test_picture_of_an_empty_front__is_refused(tmp_path):
-    asked = TWO.replace("= 40\n", "= 8\n") + "subject_to = \"ram.stroke < '1 mm'\"\n"
+    asked = TWO.replace("= 40\n", "= 8\n") + "where = \"ram.stroke < '1 mm'\"\n"
     result = searched(tmp_path, asked)
     assert not front(result).size
     with pytest.raises(PictureError, match="there is no front to draw"):
@@ -337,7 +337,7 @@ def test_parameter_that_misses_a_limit_by_the_rounding_of_its_derivation__meets_
     assert digest.meets[digest.place(1)]
     assert digest.prices[0].margin >= 0.0
     search = "[optimise]\nmaximise = 'ram.stroke'\n"
-    (tmp_path / "search.toml").write_text(BY_ROUNDING + f'{search}subject_to = "{limit}"\n')
+    (tmp_path / "search.toml").write_text(BY_ROUNDING + f'{search}where = "{limit}"\n')
     trials = Trials(task_of(read_study(tmp_path / "search.toml")))
     assert trials.judged(trials.columns({CRANK: np.array([0.04, 0.05, 0.06])}, 3, drop=False)).met.tolist() == [1, 1, 0]
 
@@ -346,6 +346,6 @@ def test_machines_within_tolerances__on_a_limit_that_the_tolerance_leaves_alone_
     """The stroke of a crank in line is twice the crank's length whatever the rod's is, but for the rod's rounding."""
     rest = f'[tolerances]\n"{ROD}" = {{plus_minus = "0.5 mm"}}\n'
     vary = f'[vary]\n"{CRANK}" = {{values = ["50 mm"]}}\n"{ROD}" = {{low = "15 m", high = "40 m"}}\n'
-    asked = "minimise = \"excess_work\"\nsubject_to = \"ram.stroke >= '100 mm' and ram.stroke <= '100 mm'\"\n"
+    asked = "minimise = \"excess_work\"\nwhere = \"ram.stroke >= '100 mm' and ram.stroke <= '100 mm'\"\n"
     result = searched(tmp_path, f"{asked}population = 8\ngenerations = 2", vary=vary, rest=rest)
     assert result.columns["tolerance_misses"][result.best()] == 0

@@ -139,7 +139,7 @@ def test_tolerances__spread_a_stroke_by_twice_the_crank(tmp_path):
 "groups.slide.first.length" = {plus_minus = "1 mm", distribution = "normal"}
 "bodies.ram.mass" = {plus_minus = "3 kg", distribution = "normal"}
 """
-    asked = f'minimise = "{NEAREST}"\nsubject_to = "excess_work >= \'0 J\'"\npopulation = 10\ngenerations = 10'
+    asked = f'minimise = "{NEAREST}"\nwhere = "excess_work >= \'0 J\'"\npopulation = 10\ngenerations = 10'
     result = searched(tmp_path, asked, rest=rest)
     c, best = result.columns, result.best()
     # Uniform within ± a: a / √3. The rod's length and the masses don't enter the stroke.
@@ -168,7 +168,7 @@ def test_tolerances__spread_a_stroke_by_twice_the_crank(tmp_path):
 @pytest.mark.parametrize(("distribution", "share"), [("uniform", 1 / np.sqrt(3)), ("normal", 1 / 3)])
 def test_machines_within_tolerances__that_miss_a_condition_are_counted(distribution, share, tmp_path):
     rest = f'[tolerances]\n"input.length" = {{plus_minus = "0.1 mm", distribution = "{distribution}"}}\n'
-    asked = 'maximise = "ram.stroke"\nsubject_to = "ram.stroke <= \'100 mm\'"\npopulation = 10\ngenerations = 10'
+    asked = 'maximise = "ram.stroke"\nwhere = "ram.stroke <= \'100 mm\'"\npopulation = 10\ngenerations = 10'
     result = searched(tmp_path, asked, rest=rest)
     best = result.best()
     # On the limit, half of the machines lie beyond it.

@@ -70,7 +70,7 @@ def test_digest__is_what_the_whole_file_says(result, at_a_time, monkeypatch):
 def test_digest__price_of_a_condition_is_the_best_without_it(result):
     digest, whole = Digest(result), SweepResult(result)
     (price,) = digest.prices
-    assert price.text == whole.goal.where
+    assert price.text == whole.goal.condition
     assert price.without == whole.select(None, "excess_work")[0]
     stroke, limit = whole.columns["ram.stroke"][whole.best()], 0.08
     assert price.margin == pytest.approx((stroke - limit) / (stroke + limit), rel=1e-9)

@@ -95,9 +95,9 @@ def test_formula_that_is_a_force__is_taken(tmp_path, force):
         ("1 N * input.speed / omega", "'input.speed' is the mean speed alone"),
         ("v > 0", "'v > 0' is a condition; a number is needed: write A if v > 0 else B"),
         ("3 Nn", "'Nn' is not a valid unit here, or an operator is missing before it"),
-        ("3 N/(m q) * x", "invalid syntax"),
+        ("3 N/(m q) * x", "an operator is missing here"),
         ("", "an expression is missing"),
-        ("(3 N", "was never closed"),
+        ("(3 N", "is never closed"),
         ("ram.angle * 1 N * O.x", "unknown name 'O.x'"),
     ],
 )

@@ -110,7 +110,7 @@ decimal comma | "50 mm" | "50,5 mm" | 50,5 | input.length | decimal point | '50,
 negative length | "50 mm" | "-50 mm" | -50 mm | input.length | must be greater than 0 | '-50 mm'
 no length | "50 mm" | "0 mm" | length = "0 mm" | input.length | must be greater than 0
 not finite | mass = "100 kg" | mass = nan | mass = nan | bodies.ram.mass | not a finite mass
-true | mass = "100 kg" | mass = true | mass = true | bodies.ram.mass | '1.2 kg' | bool
+true | mass = "100 kg" | mass = true | mass = true | bodies.ram.mass | '1.2 kg' | got true
 fluctuation | "1/10" | "3" | "3" | flywheel.speed_fluctuation | must be less than 2
 unknown point | joint = "D" | joint = "Dd" | Dd | groups.bars.second.joint | A, B, C, D, O, tip | 'D'?
 unknown guide | guide = "way" | guide = "ways" | ways | groups.press.second.guide | known are: way | 'way'?

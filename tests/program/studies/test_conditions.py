@@ -115,6 +115,14 @@ def test_value_without_an_estimate_where_others_have_one__meets_nothing():
     assert judged.undecided.tolist() == [False, True, False]
 
 
+@pytest.mark.parametrize("text", ["a > 1 and b > 1", "a > 1 or b > 1", "not (a > 1 or b > 3)"])
+def test_number_that_all_variants_share__is_judged_beside_one_of_each(text):
+    values, a = {"a": np.array([0.0, 2.0]), "b": 2.0}, [0.0, 2.0]
+    expected = [condition_of(text).expression.evaluate({"a": each, "b": 2.0}) for each in a]
+    assert condition_of(text).judged(values, {}, 2).met.tolist() == expected
+    assert (condition_of(text).margins(values, {}, 2).max(axis=0) <= 0).tolist() == expected
+
+
 def test_figures__are_found_beside_their_columns():
     columns = {"stroke": np.zeros(1), "stroke_error": np.ones(1), "rod": np.zeros(1)}
     assert errors_in(columns) == {"stroke": columns["stroke_error"]}

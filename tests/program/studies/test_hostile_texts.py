@@ -131,7 +131,7 @@ def test_more_variants_than_any_disk_holds__are_refused(command, count, press_fo
 
 def test_more_pictures_than_memory_holds__are_refused(press_folder):
     for count in ("1001", "1000000000000"):
-        assert "4<=x<=1000" in refused("animate", "press.toml", "--frames", count)
+        assert "from 4 to 1000" in refused("animate", "press.toml", "--frames", count)
 
 
 def test_positions_beyond_all_bounds__are_told_as_positions(press_folder):

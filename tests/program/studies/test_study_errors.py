@@ -50,16 +50,32 @@ condition for a number | reach * input | reach < input | reach < input | derive.
 Python in an expression | reach * input.length | __import__('os').system('touch stolen') | __import__
     | derive.groups.slide.first.length | allowed
 wrong unit in an expression | reach * input.length | '3 foo' | foo | derive.groups.slide.first.length | '3 foo'
-number for a condition | positions | require = ["reach + 1"]\npositions | require | require | entry 1 | condition
+number for a condition | positions | require = ["reach + 1"]\npositions | require | require | condition
+entry of conditions | positions | require = ["reach > 1", "reach + 1"]\npositions | require | require | entry 2
 unknown name in a condition | positions | require = ["reach > 1", "reech > 1"]\npositions | require | require | reech
-require of a text | positions | require = "reach > 1"\npositions | require | require | list
+require of a number | positions | require = 1\npositions | require | require | a list in brackets
+require of a result | positions | require = "ram.stroke > 90 mm"\npositions | require | require
+    | 'ram.stroke' is a result | before they are computed, so write where
+where above the tables | positions | where = "ram.stroke > 90 mm"\npositions | where = | where | [best] or [optimise]
+    | require, above the first table, drops variants before they are computed
+require in best | where = | require = | require | best.require | did you mean 'where'? | before they are computed
+subject_to | where = | subject_to = | subject_to | best.subject_to | did you mean 'where'?
 odd positions | positions = 48 | positions = 49 | positions | positions | even
 text for positions | positions = 48 | positions = "many" | positions | positions | 'many'
 precision | positions | field_precision = "float16"\npositions | float16 | field_precision | float64, float32
 unknown summary | "ram.stroke", | "ram.strok", | [outputs] | outputs | 'ram.strok' is not a summary | 'ram.stroke'
 unknown field | [outputs] | [outputs]\nfields = ["B.z"] | [outputs] | outputs | 'B.z' is not a field | 'B.x'
 best of nothing | minimise = "excess_work" | minimise = "exces_work" | exces | best.minimise | 'excess_work'
-best without a name | minimise = "excess_work" | minimise = "" | minimise = "" | best.minimise | is not a summary
+best without a name | minimise = "excess_work" | minimise = "" | minimise = "" | best.minimise
+    | an expression is missing
+best of an expression | minimise = "excess_work" | minimise = "2 * excess_work" | minimise | best.minimise | [optimise]
+best of what is fixed | minimise = "excess_work" | minimise = "input.speed" | minimise | best.minimise
+    | the same for all variants
+best of a misspelt number | minimise = "excess_work" | minimise = "input.lenght" | minimise | best.minimise
+    | did you mean the number 'input.length'?
+best where a single = | > '90 mm' | = 90 mm | where | best.where | write == instead of =
+best where a list | "ram.stroke > '90 mm'" | ["reach > 1",\n"ram.stroke > 90 kg"] | 90 kg | best.where
+    | compares a length with a mass
 best of two | minimise = "excess_work" | minimise = "excess_work"\nmaximise = "ram.stroke" | [best] | best | either
 best where unfinished | > '90 mm' | > | where | best.where | >
 best where unknown | ram.stroke > | ram.strok > | where | best.where | 'ram.stroke'
@@ -114,8 +130,9 @@ def test_slip__is_refused_with_line_key_and_mend(slip, study_folder):
     [
         ("input.lenght [mm]\n40\n", ("'input.length'",)),
         ("input.length\n40\n", ("no unit",)),
-        ("input.length [kg]\n40\n", ("a length such as",)),
-        ("input.length [mm]\n40\nfifty\n", ("line 3", "'fifty' is not a number")),
+        ("input.length [kg]\n40\n", ("choice.csv, line 1: column input.length: expected a length such as",)),
+        ("input.length\n40 mm\n4 kg\n", ("choice.csv, line 3: column input.length: expected a length such as",)),
+        ("input.length [mm]\n40\nfifty\n", ("choice.csv, line 3: column input.length: 'fifty' is not a number",)),
         ("input.length [mm],input.length [mm]\n40,40\n", ("input.length",)),
         ("input.length [mm]\n", ("at least one row",)),
     ],

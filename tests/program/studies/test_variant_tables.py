@@ -37,6 +37,20 @@ def study_with(folder: Path, table: str):
     return study_of(folder, f'{HEAD}variants = "{table}"\n{STROKE}')
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "input.length,bodies.ram.mass [kg]\n30 mm,1\n4 cm,2000 g\n0.055 m,3\n",
+        "input.length [mm];bodies.ram.mass\n30;1 kg\n40,0 mm;2 kg\n5,5 cm;0,003 t\n",
+    ],
+)
+def test_units__stand_in_the_header_or_in_the_cells(text, tmp_path):
+    (tmp_path / "t.csv").write_text(text)
+    found = study_with(tmp_path, "t.csv").values(0, 3)[0]
+    assert found["input.length"] == pytest.approx(LENGTHS / 1000, rel=1e-15)
+    assert found["bodies.ram.mass"] == pytest.approx(MASSES, rel=1e-15)
+
+
 @pytest.mark.parametrize("name", MADE_OF)
 def test_table__holds_the_same_variants_in_every_format(name, tmp_path):
     written(tmp_path / name, GOOD)

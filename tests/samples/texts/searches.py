@@ -37,7 +37,7 @@ def best_of(result: SweepResult) -> dict[str, float]:
 NEAREST = "(ram.stroke / 2 - '48 mm')**2 + (groups.slide.first.length - '233 mm')**2"
 ONE = f"""
 minimise = "{NEAREST}"
-subject_to = "groups.slide.first.length >= 3 * ram.stroke"
+where = "groups.slide.first.length >= 3 * ram.stroke"
 population = 10
 generations = 12
 """

@@ -298,7 +298,7 @@ def test_guide__of_v_form_presses_harder():
 
 def settled_groups(*fields: str) -> set[str]:
     """Groups on whose friction some fields depend."""
-    return {margin.group for margin in Machine(Scene.model_validate(RANDOM), fields=fields).measuring.margins}
+    return {margin.group for margin in Machine(Scene.model_validate(RANDOM), fields=fields)._measuring.margins}
 
 
 def test_friction__is_left_out_where_nothing_asked_feels_it():

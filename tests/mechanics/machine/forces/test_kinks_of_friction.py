@@ -155,7 +155,7 @@ def test_friction__is_right_between_its_kinks_and_takes_few_panels(name):
         assert abs(found - value) <= figure + 1e-10 * size, (summary, found, value, figure)
         assert abs(found - value) <= 1e-9 * size
     # No panel is longer than a fifth of the turn, and beside kinks there are one or two more to each piece.
-    panels = machine.measuring(machine.measuring.numbers(Numbers(scene_numbers(scene), {}), 1)).outcome.panels[0]
+    panels = machine._measuring(machine._measuring.numbers(Numbers(scene_numbers(scene), {}), 1)).outcome.panels[0]
     assert panels <= 5 + 2 * len(exact.pieces())
 
 

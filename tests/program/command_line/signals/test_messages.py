@@ -198,7 +198,7 @@ def test_long_message__is_cut(press_folder):
 def test_table_of_a_spreadsheet__is_read(text, tmp_path):
     (tmp_path / "t.csv").write_bytes(text.encode())
     columns = read_csv(tmp_path / "t.csv")
-    assert {name: (unit, [float(cell) for cell in cells]) for name, (unit, cells) in columns.items()} == {
+    assert {name: (column.unit, column.plain_numbers()) for name, column in columns.items()} == {
         "input.length": ("mm", [40.5, 50]),
         "input.speed": ("rpm", [60, 70]),
     }
@@ -207,7 +207,7 @@ def test_table_of_a_spreadsheet__is_read(text, tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("a [mm];b\n1.234,5;1\n", "line 2: '1.234,5' is not a number"),
+        ("a [mm];b\n1.234,5;1\n", "line 2: column a: '1.234,5' is not a number"),
         ('a [mm],b\n"1,2\n3",4\n', "a quoted cell spans several lines"),
     ],
 )

@@ -41,7 +41,7 @@ CHANGES = {
     "no scene": without("scene"),
     "no parameters": without("parameters"),
     "no axes": without("vary"),
-    "best of nothing": with_value("best", {"minimise": "beauty", "maximise": None, "where": None}),
+    "best of nothing": with_value("best", {"minimise": "beauty", "maximise": None, "where": []}),
     "best of a wrong kind": with_value("best", 7),
     "an unreadable condition": with_value("best", {"minimise": "excess_work", "maximise": None, "where": "a >"}),
     "a parameter too many": with_value("parameters", {"colour": "1"}),

@@ -296,7 +296,7 @@ def test_study__asks_one_question_and_chooses_by_columns_that_it_has(name):
     assert s.question.count("?") == 1
     assert s.title
     assert s.best.goal in s.summaries
-    assert set(parse(s.best.where, any_quantity).names) <= {*s.parameters, *s.summaries}
+    assert set(parse(s.best.condition, any_quantity).names) <= {*s.parameters, *s.summaries}
 
 
 @pytest.mark.parametrize("name", [*STUDY_NAMES, *FRICTION_STUDY_NAMES])

@@ -57,7 +57,7 @@ def test_edited_words__are_taken_over_without_computing(tmp_path):
     edited = GOOD.replace("How short", "How long").replace("minimise", "maximise").replace("'80 mm'", "'70 mm'")
     assert counted(edited, tmp_path) == []
     result = SweepResult(path)
-    told = (result.question, result.goal.maximise, result.goal.where)
+    told = (result.question, result.goal.maximise, result.condition)
     assert told == ("How long?", "excess_work", "ram.stroke > '70 mm'")
     assert result.description.attributes["study"] == edited
     assert contents(path) == before

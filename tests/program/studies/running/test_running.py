@@ -80,7 +80,7 @@ def test_file__tells_where_it_comes_from(result):
     assert attributes["study"] == GOOD
     record = json.loads(attributes["study_json"])
     assert " ".join(record["parameters"]) == PARAMETERS
-    assert record["best"] == {"minimise": "excess_work", "maximise": None, "where": "ram.stroke > '80 mm'"}
+    assert record["best"] == {"minimise": "excess_work", "maximise": None, "where": ["ram.stroke > '80 mm'"]}
     assert record["groups"] == ["bars", "press"]
     axes = [(axis["names"], axis["size"]) for axis in record["vary"]]
     assert axes == [(["input.length"], 2), (["bodies.ram.mass"], 2)]
