@@ -7,6 +7,7 @@ import click
 
 from sweeps.cli.shared import (
     CLUSTER,
+    ERRORS,
     JSON,
     cluster_client,
     errors_as_messages,
@@ -31,6 +32,7 @@ from sweeps.text.interruption import keeping
 @click.option("--source", is_flag=True, help="Print the generated kernel instead.")
 @CLUSTER
 @study_options
+@ERRORS
 @errors_as_messages
 def check(
     study: str,
@@ -60,6 +62,7 @@ def check(
 @run_options("results/NAME.h5")
 @study_options
 @JSON
+@ERRORS
 @errors_as_messages
 def run(
     study: str,
@@ -130,6 +133,7 @@ def run(
 @click.command()
 @click.argument("study")
 @run_options("results/NAME_optimised.h5")
+@ERRORS
 @errors_as_messages
 def optimise(
     study: str,

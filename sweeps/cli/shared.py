@@ -118,6 +118,22 @@ SET = click.option(
 )
 POSITIONS = click.option("--positions", type=int, help="Number of field positions per cycle, even.")
 ACCURACY = click.option("--accuracy", help="Tolerance of every summary, such as '0.1 %'.")
+
+
+def _show_errors(_: click.Context, __: click.Parameter, every: bool) -> None:
+    from engine import show_errors
+
+    show_errors(every)
+
+
+ERRORS = click.option(
+    "--errors",
+    is_flag=True,
+    expose_value=False,
+    callback=_show_errors,
+    help="Show all error estimates, not only those that matter (above 1e-6 of the value, or deciding a condition or a "
+    "tie).",
+)
 JSON = click.option("--json", "as_json", is_flag=True, help="JSON output in SI units.")
 
 

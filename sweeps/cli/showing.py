@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from sweeps.cli.shared import (
+    ERRORS,
     JSON,
     POSITIONS,
     SET,
@@ -32,6 +33,7 @@ from sweeps.cli.waiting import doing
 @click.option("--variant", type=int, help="With --at: one variant of a result file.")
 @SET
 @JSON
+@ERRORS
 @errors_as_messages
 def show(
     file: Path,

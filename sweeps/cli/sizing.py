@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import errors_as_messages, names_in, tell, write_text
+from sweeps.cli.shared import ERRORS, errors_as_messages, names_in, tell, write_text
 
 
 @click.command()
@@ -45,6 +45,7 @@ def flywheel(
 @click.option("--noise", help="Standard deviation of its readings, '0.1 mm/s'.")
 @click.option("--holes", type=int, help="Number of equally spaced holes for the weights, the first at the mark.")
 @click.option("--planes", help="Planes of an engine's balance shafts, '-80 mm, 80 mm'.")
+@ERRORS
 @errors_as_messages
 def balance_command(
     file: str | None,

@@ -4,7 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import Verdict, any_quantity, display_unit, parse_expression, quantity_text
+from engine import Verdict, any_quantity, display_unit, parse_expression
+from sweeps.report.result_report import value_text
 from sweeps.report.sweep_result import SweepResult
 from sweeps.text.conditions import Condition
 from sweeps.text.tables import table
@@ -116,15 +117,13 @@ def _best_text(result: SweepResult, best: int) -> str:
 
 
 def _value(result: SweepResult, name: str, variant: int) -> str:
-    """A value with its error estimate and its standard deviation from tolerances."""
+    """A value with its standard deviation from tolerances."""
     column, units = result.columns, result.units[name]
-    error = float(column[f"{name}_error"][variant]) if f"{name}_error" in column else None
-    value = float(column[name][variant])
-    text = quantity_text(value, units, error)
+    text = value_text(result, name, variant)
     if f"{name}.tolerance" not in column:
         return text
     # In the value's unit, for comparison.
-    factor, label = display_unit(units, np.array([value]))
+    factor, label = display_unit(units, column[name][[variant]])
     return f"{text}, σ {factor * column[f'{name}.tolerance'][variant]:.2g}{'' if label == '1' else f' {label}'}"
 
 

@@ -10,7 +10,6 @@ import numpy as np
 
 from engine import Verdict, any_quantity, parse_expression, scene_numbers
 from sweeps.report.sweep_result import SweepResult, drop_counts
-from sweeps.study.study_text import Best
 from sweeps.text.conditions import Condition
 
 MOST_BEST, MOST_SAMPLED = 500, 2000
@@ -65,7 +64,7 @@ class Digest:
 
     def __init__(self, path: Path) -> None:
         self.result = SweepResult(path)
-        self.aim = _aim_of(self.result)
+        self.aim = self.result.aim
 
     @property
     def _where(self) -> str | None:
@@ -232,16 +231,6 @@ class Digest:
         if self.best is not None or self.aim is not None:
             return self.best
         return int(self.shown[0]) if self.shown.size else None
-
-
-def _aim_of(result: SweepResult) -> Best | None:
-    """The objective and condition of a result."""
-    if "search" not in result.record:
-        return result.goal
-    search = result.record["search"]
-    objective = search["objectives"][0]
-    where = " and ".join(f"({text})" if " or " in text else text for text in search["subject_to"])
-    return Best(**{objective["way"]: objective["name"]}, where=where or None)
 
 
 def _neighbours(result: SweepResult, best: int | None) -> tuple[Neighbour, ...]:

@@ -15,10 +15,10 @@ from sweeps.page.page_tables import (
     provenance_table,
     sensitivity_tables,
     value_tables,
-    value_text,
     verdicts_table,
 )
 from sweeps.report.regime_words import MOTION_VERDICTS, failure_text
+from sweeps.report.result_report import value_text
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import with_values
 from sweeps.text.visible import visible
@@ -111,7 +111,7 @@ def _answer(digest: Digest) -> str:
     condition = f" where {aim.where}" if aim.where else ""
     if digest.best is None:
         return "No variant meets all conditions."
-    value = value_text(digest, aim.goal, digest.best)
+    value = value_text(result, aim.goal, digest.best)
     return f"{aim.word.capitalize()} {aim.goal}{condition}: {value}, variant {digest.best}."
 
 

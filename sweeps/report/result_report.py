@@ -113,8 +113,8 @@ def _blame(result: SweepResult, verdict: Verdict) -> list[str]:
 
 
 def variants_text(result: SweepResult, variants: Iterable[int], names: Sequence[str] = ()) -> str:
-    """Table of some variants: parameters and summaries with error estimates."""
-    shown, variants = [*result.parameters, *(names or result.summaries)], list(variants)
+    """Table of some variants: parameters and summaries."""
+    shown, variants = [*result.parameters, *(names or result.summaries)], [int(variant) for variant in variants]
     units = {name: display_unit(result.units[name], result.columns[name][variants]) for name in shown}
     rows = [["variant", *shown], ["", *(label if label != "1" else "" for _, label in units.values())]]
     for variant in variants:
@@ -123,7 +123,8 @@ def variants_text(result: SweepResult, variants: Iterable[int], names: Sequence[
             value = result.columns[name][variant]
             error = result.columns.get(f"{name}_error")
             shown = None if error is None else error[variant] * factor
-            cells.append(figure_text(value * factor, shown, 6) if np.isfinite(value) else "–")
+            decides = name in result.deciding(variant)
+            cells.append(figure_text(value * factor, shown, 6, decides) if np.isfinite(value) else "–")
         rows.append(cells)
     return table(rows)
 
@@ -140,11 +141,10 @@ def answer_text(result: SweepResult) -> str:
         left_open = undecided_text(result, goal.where)
         return f"No variant meets all conditions{left_open}."
     lines = [result.question] if result.question else []
-    value = quantity_text(result.columns[goal.goal][best], result.units[goal.goal], _error(result, goal.goal, best))
     condition = f" where {goal.where}" if goal.where else ""
     rivals = result.rivals(best)
-    lines.append(f"Answer: {goal.word} {goal.goal}{condition}: {value}, variant {best}:")
-    rows = [(name, "=", quantity_text(result.columns[name][best], result.units[name])) for name in result.parameters]
+    lines.append(f"Answer: {goal.word} {goal.goal}{condition}: {value_text(result, goal.goal, best)}, variant {best}:")
+    rows = [(name, "=", value_text(result, name, best)) for name in result.parameters]
     rows += [row for row in _summary_rows(result, best) if row[0] != goal.goal]
     lines.append(table(rows, "  "))
     if undecided_text(result, goal.where):
@@ -182,13 +182,13 @@ def _cycle_words(scene: Scene) -> str:
 
 
 def _summary_rows(result: SweepResult, variant: int, names: Iterable[str] | None = None) -> list[tuple[str, str, str]]:
-    """Summaries of a variant with their error estimates."""
-    return [
-        (name, "→", quantity_text(result.columns[name][variant], result.units[name], _error(result, name, variant)))
-        for name in (result.summaries if names is None else names)
-    ]
+    """Summaries of a variant."""
+    return [(name, "→", value_text(result, name, variant)) for name in (result.summaries if names is None else names)]
 
 
-def _error(result: SweepResult, name: str, variant: int) -> float | None:
-    errors = result.columns.get(f"{name}_error")
-    return None if errors is None else float(errors[variant])
+def value_text(result: SweepResult, name: str, variant: int) -> str:
+    """A variant's value with its unit, and its error estimate if that matters."""
+    columns = result.columns
+    error = float(columns[f"{name}_error"][variant]) if f"{name}_error" in columns else None
+    decides = name in result.deciding(variant)
+    return quantity_text(float(columns[name][variant]), result.units[name], error, decides)

@@ -206,6 +206,16 @@ class SweepResult:
         """The objective and condition."""
         return Best.model_validate(self.record["best"]) if self.record["best"] else None
 
+    @property
+    def aim(self) -> Best | None:
+        """The objective and condition; of a search its first objective and all conditions on results."""
+        if "search" not in self.record:
+            return self.goal
+        search = self.record["search"]
+        objective = search["objectives"][0]
+        where = " and ".join(f"({text})" if " or " in text else text for text in search["subject_to"])
+        return Best(**{objective["way"]: objective["name"]}, where=where or None)
+
     def select(
         self, where: str | None = None, sort: str | None = None, descending: bool = False, most: int | None = None
     ) -> np.ndarray:
@@ -379,9 +389,15 @@ class SweepResult:
             found = required.misses(self.rows(part, names), part.stop - part.start)
             yield found & (self.columns["status"][part] != Verdict.NOT_COMPUTED)
 
-    def best(self) -> int | None:
-        """Index of the best variant; None without a goal or candidates."""
-        goal = self.goal
+    def best(self, goal: Best | None = None) -> int | None:
+        """Index of the best variant; None without a goal or candidates.
+
+        Parameters
+        ----------
+        goal : Best, optional
+            Default: the study's.
+        """
+        goal = goal or self.goal
         if goal is None:
             return None
         chosen = self.select(goal.where, goal.goal, goal.sign < 0, most=1)
@@ -396,12 +412,45 @@ class SweepResult:
         goal : Best, optional
             Default: the study's.
         """
-        goal, count = goal or self.goal, 0
+        ties = self._tying(best, goal or self.goal)
+        return sum(int(np.count_nonzero(ties(part))) for part in self.parts()) - 1
+
+    def _tying(self, best: int, goal: Best) -> Callable[[slice | np.ndarray], np.ndarray]:
+        """Function that marks the best variant and those that tie with it."""
         met, values, errors = self.meets(goal.where), self.columns[goal.goal], self.columns.get(f"{goal.goal}_error")
-        for part in self.parts():
+
+        def ties(part: slice | np.ndarray) -> np.ndarray:
             gap = goal.sign * (values[part] - values[best])
-            count += np.count_nonzero(met(part) & (gap <= (0.0 if errors is None else errors[part] + errors[best])))
-        return int(count) - 1
+            return met(part) & (gap <= (0.0 if errors is None else errors[part] + errors[best]))
+
+        return ties
+
+    def deciding(self, variant: int) -> frozenset[str]:
+        """Names whose error estimates decide whether a variant meets the condition or ties with the best."""
+        if variant not in self._deciding:
+            self._deciding[variant] = frozenset(self._decided_by_errors(variant))
+        return self._deciding[variant]
+
+    @cached_property
+    def _deciding(self) -> dict[int, frozenset[str]]:
+        return {}
+
+    def _decided_by_errors(self, variant: int) -> Iterator[str]:
+        aim, only = self.aim, np.array([variant])
+        if aim is None or self.columns["status"][variant] != Verdict.OK:
+            return
+        for part in Condition(parse_expression(aim.where, any_quantity)).parts if aim.where else ():
+            if self._judged(part.text)(only).undecided[0]:
+                yield from part.names
+        best, rivals = self._leader
+        if rivals and self._tying(best, aim)(only)[0]:
+            yield aim.goal
+
+    @cached_property
+    def _leader(self) -> tuple[int, int]:
+        """The best variant by the aim, and the number that tie with it; (0, 0) without one."""
+        best = self.best(self.aim)
+        return (0, 0) if best is None else (best, self.rivals(best, self.aim))
 
 
 def drop_counts(conditions: int, missed: Iterable[np.ndarray]) -> tuple[np.ndarray, np.ndarray, int]:

@@ -1,0 +1,101 @@
+"""What commands answer: error estimates where they matter."""
+
+import re
+from pathlib import Path
+
+import pytest
+from commands import done
+
+from engine import figure_text
+
+SCENE = """\
+title = "Screw jack"
+[elements.jack]
+type = "screw"
+thread = "square"
+load = "20 kN"
+mean_diameter = "33 mm"
+pitch = "6 mm"
+friction = 0.12
+"""
+STUDY = """\
+title = "Jack"
+scene = "jack.toml"
+[vary]
+"elements.jack.load" = {{ values = ["10 kN", "20 kN", "30 kN"] }}
+"elements.jack.mean_diameter" = {{ values = ["33 mm", "{diameter}"] }}
+[outputs]
+summaries = ["jack.raise_moment", "jack.lead_angle"]
+[best]
+minimise = "jack.raise_moment"
+where = "{where}"
+"""
+
+
+@pytest.fixture
+def jack(tmp_path, monkeypatch):
+    """A function that runs the study of a jack, and returns the answer."""
+    monkeypatch.chdir(tmp_path)
+    Path("jack.toml").write_text(SCENE)
+
+    def run(diameter: str, where: str, *options: str) -> str:
+        Path("study.toml").write_text(STUDY.format(diameter=diameter, where=where))
+        return done("run", "study.toml", "--no-plots", "--replace", "--out", "r.h5", *options)
+
+    return run
+
+
+def row(text: str, name: str) -> str:
+    """The line of a summary in an answer."""
+    return next(line for line in text.splitlines() if line.strip().startswith(name))
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "decides", "shown"),
+    [
+        (120.0, 1e-4, False, "120"),
+        (120.0, 1.3e-4, False, "120 ± 0.0001"),
+        (120.0, 1e-12, True, "120 ± 1e-12"),
+        (0.0, 1e-12, False, "0 ± 1e-12"),
+        (0.0, 0.0, False, "0"),
+    ],
+)
+def test_error__is_shown_above_a_millionth_of_the_value_or_where_it_decides(value, error, decides, shown):
+    assert figure_text(value, error, 5, decides) == shown
+
+
+def test_errors_option__shows_all_of_one_command_only(jack):
+    assert "±" not in jack("30 mm", "jack.raise_moment > '1 N m'")
+    assert re.search(
+        r"jack.lead_angle +→ +[\d.]+ ± \d+e-\d+ °", jack("30 mm", "jack.raise_moment > '1 N m'", "--errors")
+    )
+    assert "±" not in done("show", "r.h5")
+    assert "±" in done("show", "r.h5", "--errors")
+
+
+def test_errors__are_shown_of_a_tie(jack):
+    text = jack("33 mm", "jack.raise_moment > '1 N m'")
+    assert re.search(r"Answer: minimum jack.raise_moment .*: [\d.]+ ± \d+e-\d+ N·m, variant 0:", text)
+    assert "Another variant ties" in text
+    assert "±" not in row(text, "jack.lead_angle")
+    listed = done("show", "r.h5").splitlines()
+    assert ["±" in line for line in listed if re.match(r"\d +\d", line)][:3] == [True, True, False]
+
+
+def test_errors__are_shown_where_a_condition_depends_on_them(tmp_path, monkeypatch):
+    """A slot's block presses square on it: 90° to the rounding of an inverse cosine, √ε, far below a millionth."""
+    monkeypatch.chdir(tmp_path)
+    done("new", "crank_shaper", "--out", "shaper.toml")
+    study = """scene = "shaper.toml"
+[vary]
+"input.length" = { values = ["80 mm", "90 mm"] }
+[outputs]
+summaries = ["ram.stroke", "slot.transmission_angle"]
+[best]
+maximise = "ram.stroke"
+where = "WHERE"
+"""
+    for where, shown in (("slot.transmission_angle >= '90 deg'", True), ("slot.transmission_angle >= '89 deg'", False)):
+        Path("study.toml").write_text(study.replace("WHERE", where))
+        text = done("run", "study.toml", "--no-plots", "--replace", "--out", "r.h5")
+        assert ("±" in row(text, "slot.transmission_angle")) == shown, text
