@@ -14,7 +14,7 @@ from engine.elements.bodies.wound_flywheel import wound_stresses
 from engine.elements.cams.cam import CamElement
 from engine.elements.cams.cam_curves import CamCurves, cam_curves
 from engine.elements.compliances.compliance import ComplianceElement
-from engine.elements.element import Element, ElementResult, element_kinds
+from engine.elements.element import Element, ElementResult, Rank, element_kinds
 from engine.elements.engines.engine import EngineElement
 from engine.elements.engines.engine_layout import (
     Engine,
@@ -245,6 +245,7 @@ __all__ = [
     "PlainText",
     "Quantity",
     "Rack",
+    "Rank",
     "ReducedTrain",
     "Regime",
     "RotatingGuide",

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.elements.element import Rank
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.actions import InductionMotor
 from engine.parts.regimes import Regime
@@ -46,6 +47,8 @@ STEADY = {
     "multiplier": ("factor by which a small disturbance of the energy grows from cycle to cycle in {name}", "1"),
     "return_residual": ("relative difference of the energy after a cycle in {name}", "1"),
 }
+# Of these, what checks the others.
+CHECKS = ("work_residual", "multiplier", "return_residual")
 RUN = {
     "time": ("duration of {name}", "s"),
     "angle": ("angle turned in {name}", "rad"),
@@ -141,7 +144,10 @@ class Asked(NamedTuple):
 def _made(scene: Scene, name: str, table: dict[str, tuple[str, str]]) -> list[Quantity]:
     if isinstance(scene.input, SliderInput):
         table = {SLIDING.get(key, key): of_sliding(*row) for key, row in table.items()}
-    return [Quantity(f"{name}.{key}", words.format(name=name), unit) for key, (words, unit) in table.items()]
+    return [
+        Quantity(f"{name}.{key}", words.format(name=name), unit, rank=Rank.CHECK if key in CHECKS else Rank.FURTHER)
+        for key, (words, unit) in table.items()
+    ]
 
 
 def of_sliding(words: str, unit: str) -> tuple[str, str]:

@@ -7,6 +7,7 @@ flywheels.
 from functools import partial
 
 from engine import mechanism, quantities
+from engine.elements.element import Rank
 from engine.graph.nodes import Node
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.skeleton import OF_FLUCTUATION
@@ -32,6 +33,11 @@ _USEFUL = frozenset({"useful"})
 HARMONICS = 12
 
 
+def is_loaded(mechanics: Mechanics) -> bool:
+    """Whether anything but kinematics can be asked: the machine has masses or loads."""
+    return bool(mechanics.scene.bodies or mechanics.loads.actions)
+
+
 def declare(mechanics: Mechanics) -> Declared:
     """Inertia, moments, drive, and where there is a cycle its flywheel."""
     m, scene, graph = mechanics, mechanics.scene, mechanics.graph
@@ -48,7 +54,8 @@ def declare(mechanics: Mechanics) -> Declared:
     yield Field(
         "reduced_moment", f"reduced moment of all actions but the driver{without}", u.moment, lambda: m.moment_of(), "M"
     )
-    yield Field("input_moment", f"{drive_words(m.scene)}{without}", u.moment, lambda: m.input_moment, "M_in")
+    asked = ("peak",) if is_loaded(m) else ()
+    yield Field("input_moment", f"{drive_words(m.scene)}{without}", u.moment, lambda: m.input_moment, "M_in", asked)
     for action in m.loads.actions:
         terms = [(t.coefficient, t.basis) for t in m.loads.terms if t.action == action]
         words = f"reduced moment of {action}"
@@ -112,13 +119,15 @@ def _drive(m: Mechanics) -> Declared:
         "N m",
         lambda: -mean(m, m.moment_of(_USEFUL)),
     )
-    yield Summary("required_drive_moment", "mean drive torque", "N m", resisting, symbol="M_d")
+    rank = Rank.ANSWER if is_loaded(m) else Rank.FURTHER
+    yield Summary("required_drive_moment", "mean drive torque", "N m", resisting, symbol="M_d", rank=rank)
     yield Summary(
         "required_power",
         "mean drive power",
         "W",
         lambda: resisting() * VariantNumber(m.speed),
         symbol="P",
+        rank=rank,
     )
 
     yield Summary(
@@ -127,6 +136,7 @@ def _drive(m: Mechanics) -> Declared:
         "the peak energy",
         "1",
         lambda: share(Unbalanced(m.reduced.inertia, m.reduced.slope), peak(m.reduced.inertia)),
+        rank=Rank.CHECK,
     )
     if m.conservative_moment is not m.graph.zero:
         yield Summary(
@@ -134,6 +144,7 @@ def _drive(m: Mechanics) -> Declared:
             "net work of gravity and springs over the cycle, relative to their peak moment times the angle",
             "1",
             lambda: share(abs(mean(m, m.conservative_moment)), unresolved_peak(m.conservative_moment)),
+            rank=Rank.CHECK,
         )
 
 
@@ -148,7 +159,8 @@ def _flywheel(m: Mechanics) -> Declared:
 
     words = "work of all moments with the constant driver: change of kinetic energy"
     yield Field("work", words, "J", lambda: Work(m.moment_of()), "W")
-    yield Summary("excess_work", "excess work", "J", lambda: steady("excess_work"), symbol="A_exc")
+    rank = Rank.ANSWER if is_loaded(m) else Rank.FURTHER
+    yield Summary("excess_work", "excess work", "J", lambda: steady("excess_work"), symbol="A_exc", rank=rank)
     if asked:
         for name, words in (
             ("flywheel_excess_work", "flywheel inertia by the excess work"),
@@ -162,6 +174,7 @@ def _flywheel(m: Mechanics) -> Declared:
                 f"flywheel by {method}, relative difference from the exact one",
                 "1",
                 lambda name=name: steady(f"flywheel_{name}") / steady("flywheel_wittenbauer") - 1.0,
+                rank=Rank.CHECK,
             )
     if asked or given:
         yield Summary(
@@ -169,6 +182,7 @@ def _flywheel(m: Mechanics) -> Declared:
             "flywheel inertia on the input link: as given, or as Wittenbauer asks",
             "kg m2",
             lambda: steady("flywheel_used"),
+            rank=Rank.ANSWER,
         )
         yield Summary(
             "speed_fluctuation",
@@ -176,6 +190,7 @@ def _flywheel(m: Mechanics) -> Declared:
             "1",
             lambda: steady("speed_fluctuation"),
             symbol="δ",
+            rank=Rank.ANSWER,
         )
         words = "angular speed of the input link with the flywheel, by magnitude"
         yield Field("speed", words, "rad s-1", lambda: Speed(steady("")), "ω")

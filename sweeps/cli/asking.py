@@ -39,7 +39,7 @@ def compare_command(one: Path, other: Path) -> None:
 
     The exit code is 1 if values or verdicts differ.
     """
-    from sweeps.report.comparison import comparison
+    from sweeps.report.answers.comparison import comparison
     from sweeps.report.sweep_result import SweepResult
 
     results = SweepResult(one), SweepResult(other)

@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from sweeps.cli.shared import (
+    ALL,
     CLUSTER,
     ERRORS,
     JSON,
@@ -61,6 +62,7 @@ def check(
 @click.argument("study")
 @run_options("results/NAME.h5")
 @study_options
+@ALL
 @JSON
 @ERRORS
 @errors_as_messages
@@ -76,6 +78,7 @@ def run(
     settings: tuple[str, ...],
     positions: int | None,
     accuracy: str | None,
+    every: bool,
     as_json: bool,
 ) -> None:
     """Run a study (a file, or the name of a bundled one) into an HDF5 file, resuming an interrupted run.
@@ -123,7 +126,7 @@ def run(
         plural = "" if found.design.size == 1 else "s"
         tell(f"{found.title or found.name}: {found.design.size} variant{plural}")
         tell(counts_text(result))
-        tell(answer_text(result))
+        tell(answer_text(result, every))
         if hidden := between_positions_text(found):
             tell(hidden)
         tell_files([out, *([] if no_plots else plots_of(result))], started)
@@ -133,6 +136,7 @@ def run(
 @click.command()
 @click.argument("study")
 @run_options("results/NAME_optimised.h5")
+@ALL
 @ERRORS
 @errors_as_messages
 def optimise(
@@ -144,6 +148,7 @@ def optimise(
     cluster: str | None,
     no_plots: bool,
     quiet: bool,
+    every: bool,
 ) -> None:
     """Optimise a study over its variables by its [optimise] or [best], resuming an interrupted search."""
     from sweeps.optimising.optimum import optimum_text
@@ -172,6 +177,6 @@ def optimise(
         result = SweepResult(out)
         tell(f"{found.title or found.name}: {result.description.variants} candidates")
         tell(counts_text(result))
-        tell(optimum_text(result))
+        tell(optimum_text(result, every))
         tell_files([out, *([] if no_plots else plots_of(result))], started)
     stop_if_all_failed(result.columns["status"])

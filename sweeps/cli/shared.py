@@ -134,6 +134,9 @@ ERRORS = click.option(
     help="Show all error estimates, not only those that matter (above 1e-6 of the value, or deciding a condition or a "
     "tie).",
 )
+ALL = click.option(
+    "--all", "every", is_flag=True, help="Show all results: also further ones, checks, and derived helper numbers."
+)
 JSON = click.option("--json", "as_json", is_flag=True, help="JSON output in SI units.")
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from sweeps.cli.shared import (
+    ALL,
     ERRORS,
     JSON,
     POSITIONS,
@@ -26,12 +27,13 @@ from sweeps.cli.waiting import doing
 @click.option("--sort", help="Column to sort by.")
 @click.option("--descending", is_flag=True, help="Descending order.")
 @click.option("--limit", type=click.IntRange(min=1), default=10, show_default=True, help="Number of variants to list.")
-@click.option("--columns", help="Summaries to show, or fields with --at, comma-separated (default: all).")
+@click.option("--columns", help="Summaries to show, or fields with --at, comma-separated (default: the answers).")
 @click.option(
     "--at", help="Fields of one machine at crank angles ('37 deg') or displacements, or its motion at '0.2 s'."
 )
 @click.option("--variant", type=int, help="With --at: one variant of a result file.")
 @SET
+@ALL
 @JSON
 @ERRORS
 @errors_as_messages
@@ -45,6 +47,7 @@ def show(
     at: str | None,
     variant: int | None,
     settings: tuple[str, ...],
+    every: bool,
     as_json: bool,
 ) -> None:
     """Show a result file: contents, verdicts, best variants. With --at, show one machine at given positions.
@@ -95,9 +98,9 @@ def show(
         tell(line)
     tell(counts_text(result))
     tell(f"{meeting_text(result, condition)}; the first {chosen.size}:")
-    tell(variants_text(result, chosen, names))
+    tell(variants_text(result, chosen, names, every))
     if where is None:
-        tell((optimum_text if is_search(result) else answer_text)(result))
+        tell((optimum_text if is_search(result) else answer_text)(result, every))
 
 
 def _show_at(

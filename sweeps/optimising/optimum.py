@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import Verdict, any_quantity, display_unit, parse_expression
+from sweeps.report.answers.shown_results import hidden_text, shown_parameters, shown_summaries
 from sweeps.report.result_report import value_text
 from sweeps.report.sweep_result import SweepResult
 from sweeps.text.conditions import Condition
@@ -79,36 +80,44 @@ def choices(result: SweepResult) -> list[Choice]:
     return found
 
 
-def optimum_text(result: SweepResult) -> str:
-    """The answer of a search: the best candidate with its active limits, or chosen candidates of the front."""
+def optimum_text(result: SweepResult, every: bool = False) -> str:
+    """The answer of a search: the best candidate with its active limits, or chosen candidates of the front.
+
+    Parameters
+    ----------
+    result : SweepResult
+    every : bool
+        All results, also further ones, checks, and derived helper numbers.
+    """
     search, there = result.record["search"], front(result)
     head = [result.question] if result.question else []
     found = f"{search['method']}, seed {search['seed']}: {result.description.attributes.get('outcome', '')}"
     if not there.size:
         return "\n".join([*head, "No candidate meets all conditions.", found])
     if is_front(result):
-        return "\n".join([*head, _choices_text(result), f"{found}, {there.size} of them on the front"])
-    return "\n".join([*head, _best_text(result, int(there[0])), found])
+        return "\n".join([*head, _choices_text(result, every), f"{found}, {there.size} of them on the front"])
+    return "\n".join([*head, _best_text(result, int(there[0]), every), found])
 
 
-def _choices_text(result: SweepResult) -> str:
+def _choices_text(result: SweepResult, every: bool) -> str:
     chosen = choices(result)
     goals = [name for name, _ in objectives(result)]
     rows = [("", *(f"variant {choice.variant}" for choice in chosen)), ("", *(choice.why for choice in chosen))]
-    for name in dict.fromkeys([*goals, *result.parameters, *result.summaries]):
+    for name in dict.fromkeys([*goals, *shown_parameters(result, every), *shown_summaries(result, every)]):
         rows.append((name, *(_value(result, name, choice.variant) for choice in chosen)))
-    return f"Chosen from the front:\n{table(rows, '  ')}"
+    return "\n".join(["Chosen from the front:", table(rows, "  "), *hidden_text(result, every)])
 
 
-def _best_text(result: SweepResult, best: int) -> str:
+def _best_text(result: SweepResult, best: int, every: bool) -> str:
     (name, sign), *_ = objectives(result)
     condition = f" where {result.goal.where}" if result.goal and result.goal.where else ""
     word = "minimum" if sign > 0 else "maximum"
     lines = [f"Answer: {word} {name}{condition}: {_value(result, name, best)}, variant {best}:"]
     ends = _ends(result, best)
-    rows = [(n, "=", _value(result, n, best), ends.get(n, "")) for n in result.parameters]
-    rows += [(n, "→", _value(result, n, best), "") for n in result.summaries if n != name]
-    lines.append(table(rows, "  "))
+    rows = [(n, "=", _value(result, n, best), ends.get(n, "")) for n in shown_parameters(result, every)]
+    shown = [n for n in shown_summaries(result, every) if n != name]
+    rows += [(n, "→", _value(result, n, best), result.long_names[n]) for n in shown]
+    lines += [table(rows, "  "), *hidden_text(result, every)]
     limits = _limits(result, best)
     lines += [f"on the limit of: {text}" for text in limits]
     if not limits and not ends:

@@ -8,6 +8,7 @@ from scipy.stats import spearmanr
 
 from engine import Verdict, display_unit, figure_text, quantity_text
 from sweeps.page.digest import Digest
+from sweeps.report.answers.shown_results import shown_summaries
 from sweeps.report.regime_words import by_regime, regime_words
 from sweeps.report.result_report import value_text
 from sweeps.study.sensitivity import RSS, WORST_CASE
@@ -43,10 +44,15 @@ def value_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
     if result.parameters:
         rows = [(name, value_text(result, name, variant)) for name in result.parameters]
         yield f"Numbers of variant {variant}", PageTable(("number", "value"), rows, (1,))
-    for regime, chosen in by_regime(result.scene, result.summaries).items():
+    shown = shown_summaries(result)
+    head = ("result", "value ± error estimate", "meaning")
+    for regime, chosen in by_regime(result.scene, shown).items():
         rows = [(name, value_text(result, name, variant), names[name]) for name in chosen]
         heading = f"{regime}: {regime_words(result.scene, regime)}" if regime else "Results"
-        yield heading, PageTable(("result", "value ± error estimate", "meaning"), rows, (1,))
+        yield heading, PageTable(head, rows, (1,))
+    rows = [(name, value_text(result, name, variant), names[name]) for name in result.summaries if name not in shown]
+    if rows:
+        yield "Further results and checks", PageTable(head, rows, (1,))
 
 
 # Limits and sensitivities

@@ -29,7 +29,7 @@ from sweeps.report.result_report import drop_lines
 from sweeps.run.blocks import LARGEST_BLOCK, block_size, bytes_of_fields
 from sweeps.run.cost import on_shafts_text, probe
 from sweeps.run.runner import crew_of, layout_of
-from sweeps.study.default_summaries import telling_summaries
+from sweeps.study.default_summaries import answers
 from sweeps.study.study import Study
 from sweeps.text.tables import table
 
@@ -105,11 +105,10 @@ def assembly_text(scene: Scene) -> str:
 
 
 def nominal_text(study: Study) -> str:
-    """Characteristic numbers of the unmodified scene."""
+    """Answers of the unmodified scene, without those of its regimes."""
     if study.scene.input is None:
         return _elements_text(study.scene)
-    available = Machine(study.scene).available_summaries
-    wanted = [n for n in available if n.endswith((".stroke", ".swing", "_time_ratio", ".transmission_angle"))]
+    wanted = [name for name in answers(study.machine()) if name.partition(".")[0] not in study.scene.regimes]
     machine = Machine(study.scene, wanted)
     outcome = machine.evaluate({})
     rows = _asked_rows(machine, outcome, [n for n in wanted if np.isfinite(outcome.summaries[n][0])])
@@ -143,7 +142,7 @@ def between_positions_text(study: Study) -> str:
 
 def _elements_text(scene: Scene) -> str:
     """Results of the unmodified machine elements."""
-    machine = made_ready(scene, made_ready(scene).available_summaries)
+    machine = made_ready(scene, answers(made_ready(scene)))
     outcome = machine.evaluate({})
     rows = _asked_rows(machine, outcome, machine.asked_summaries)
     verdict = Verdict(outcome.status[0])
@@ -152,7 +151,8 @@ def _elements_text(scene: Scene) -> str:
 
 def regimes_text(scene: Scene, positions: int) -> str:
     """Each regime: description, method, and the outcome for the unmodified machine."""
-    machine = Machine(scene, telling_summaries(scene), positions=positions)
+    wanted = [name for name in answers(Machine(scene)) if name.partition(".")[0] in scene.regimes]
+    machine = Machine(scene, wanted, positions=positions)
     outcome = machine.evaluate({})
     asked = by_regime(scene, machine.asked_summaries)
     lines = []
@@ -166,12 +166,13 @@ def regimes_text(scene: Scene, positions: int) -> str:
     return "\n".join(lines)
 
 
-def _asked_rows(machine: Machine | ElementsAlone, outcome: Outcome, names: Sequence[str]) -> list[tuple[str, str]]:
-    """Summaries of the first variant with their error estimates."""
-    units = machine.available_summaries
-    return [
-        (n, quantity_text(float(outcome.summaries[n][0]), units[n].units, float(outcome.errors[n][0]))) for n in names
-    ]
+def _asked_rows(machine: Machine | ElementsAlone, outcome: Outcome, names: Sequence[str]) -> list[tuple[str, ...]]:
+    """Summaries of the first variant, with their meaning."""
+    known, rows = machine.available_summaries, []
+    for name in names:
+        value, error = float(outcome.summaries[name][0]), float(outcome.errors[name][0])
+        rows.append((name, quantity_text(value, known[name].units, error), known[name].long_name))
+    return rows
 
 
 def plan_text(machine: Machine) -> tuple[str, str]:

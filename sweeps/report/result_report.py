@@ -15,6 +15,7 @@ from engine import (
     quantity_text,
 )
 from sweeps.report import accuracy_words
+from sweeps.report.answers.shown_results import hidden_text, shown_parameters, shown_summaries
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
 from sweeps.report.sweep_result import SweepResult, drop_counts
 from sweeps.text.scene_text import with_values
@@ -112,9 +113,20 @@ def _blame(result: SweepResult, verdict: Verdict) -> list[str]:
     return lines
 
 
-def variants_text(result: SweepResult, variants: Iterable[int], names: Sequence[str] = ()) -> str:
-    """Table of some variants: parameters and summaries."""
-    shown, variants = [*result.parameters, *(names or result.summaries)], [int(variant) for variant in variants]
+def variants_text(result: SweepResult, variants: Iterable[int], names: Sequence[str] = (), every: bool = False) -> str:
+    """Table of some variants: parameters and summaries.
+
+    Parameters
+    ----------
+    result : SweepResult
+    variants : iterable of int
+    names : sequence of str
+        Summaries to show (default: the answers).
+    every : bool
+        All summaries, and derived helper numbers.
+    """
+    shown = [*shown_parameters(result, every), *(names or shown_summaries(result, every))]
+    variants = [int(variant) for variant in variants]
     units = {name: display_unit(result.units[name], result.columns[name][variants]) for name in shown}
     rows = [["variant", *shown], ["", *(label if label != "1" else "" for _, label in units.values())]]
     for variant in variants:
@@ -129,11 +141,18 @@ def variants_text(result: SweepResult, variants: Iterable[int], names: Sequence[
     return table(rows)
 
 
-def answer_text(result: SweepResult) -> str:
-    """The answer to the study's question: the best variant's parameters and results."""
+def answer_text(result: SweepResult, every: bool = False) -> str:
+    """The answer to the study's question: the best variant's parameters and results.
+
+    Parameters
+    ----------
+    result : SweepResult
+    every : bool
+        All results, also further ones, checks, and derived helper numbers.
+    """
     goal = result.goal
     if result.description.variants == 1:
-        return "\n".join([*([result.question] if result.question else []), _only_text(result)])
+        return "\n".join([*([result.question] if result.question else []), _only_text(result, every)])
     if goal is None:
         return "The study has no [best]; see `sweeps show`."
     best = result.best()
@@ -144,9 +163,10 @@ def answer_text(result: SweepResult) -> str:
     condition = f" where {goal.where}" if goal.where else ""
     rivals = result.rivals(best)
     lines.append(f"Answer: {goal.word} {goal.goal}{condition}: {value_text(result, goal.goal, best)}, variant {best}:")
-    rows = [(name, "=", value_text(result, name, best)) for name in result.parameters]
-    rows += [row for row in _summary_rows(result, best) if row[0] != goal.goal]
+    rows = [(name, "=", value_text(result, name, best), "") for name in shown_parameters(result, every)]
+    rows += summary_rows(result, best, [name for name in shown_summaries(result, every) if name != goal.goal])
     lines.append(table(rows, "  "))
+    lines += hidden_text(result, every)
     if undecided_text(result, goal.where):
         lines.append(f"{meeting_text(result, goal.where)}.")
     if rivals:
@@ -155,22 +175,23 @@ def answer_text(result: SweepResult) -> str:
     return "\n".join(lines)
 
 
-def _only_text(result: SweepResult) -> str:
+def _only_text(result: SweepResult, every: bool) -> str:
     """Summaries of a single machine, grouped by regime, or why its motion fails."""
     scene, verdict = result.scene, Verdict(int(result.columns["status"][0]))
     if not result.summaries:
         return f"Kept: {', '.join(result.fields)}; `sweeps plot {result.path}` draws the machine with its diagrams."
+    shown, hidden = shown_summaries(result, every), hidden_text(result, every)
     if not scene.regimes:
-        return table(_summary_rows(result, 0), "  ")
+        return "\n".join([table(summary_rows(result, 0, shown), "  "), *hidden])
     parts, failed = [], verdict in MOTION_VERDICTS
-    for regime, names in by_regime(scene, result.summaries).items():
+    for regime, names in by_regime(scene, shown).items():
         if regime and failed:
             continue
         head = f"{regime}: {regime_words(scene, regime)}" if regime else _cycle_words(scene)
-        parts.append(f"{head}\n{table(_summary_rows(result, 0, names), '  ')}")
+        parts.append(f"{head}\n{table(summary_rows(result, 0, names), '  ')}")
     if failed:
         parts.append(failure_text(with_values(scene, result.variant_values(0)), verdict))
-    return "\n".join(parts)
+    return "\n".join([*parts, *hidden])
 
 
 def _cycle_words(scene: Scene) -> str:
@@ -181,9 +202,9 @@ def _cycle_words(scene: Scene) -> str:
     return f"cycle at {speed}, constant drive torque, all loads{' except brakes' if braked else ''}"
 
 
-def _summary_rows(result: SweepResult, variant: int, names: Iterable[str] | None = None) -> list[tuple[str, str, str]]:
-    """Summaries of a variant."""
-    return [(name, "→", value_text(result, name, variant)) for name in (result.summaries if names is None else names)]
+def summary_rows(result: SweepResult, variant: int, names: Iterable[str]) -> list[tuple[str, ...]]:
+    """Summaries of a variant: name, value and meaning."""
+    return [(name, "→", value_text(result, name, variant), result.long_names[name]) for name in names]
 
 
 def value_text(result: SweepResult, name: str, variant: int) -> str:

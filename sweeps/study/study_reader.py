@@ -27,6 +27,7 @@ from engine import (
     dimension_of_unit,
     dimensions_by_unit,
     in_text,
+    made_ready,
     parse_expression,
     recognised,
     scene_numbers,
@@ -123,7 +124,7 @@ class StudyReader:
         outputs = self.raw.outputs
         summaries = tuple(dict.fromkeys(outputs.summaries))
         if not summaries and not outputs.fields:
-            summaries = default_summaries(self.scene)
+            summaries = default_summaries(made_ready(self.scene))
         if self.raw.best:
             summaries = tuple(dict.fromkeys([*summaries, *self._asked_for(self.raw.best.goal, derivatives)]))
         if self.raw.accuracy is not None:
@@ -394,7 +395,12 @@ def read_study(path: Path | str) -> Study:
     if is_scene(data):
         scene = scene_from(data, text, path.name, path.parent)
         study = Study(
-            scene, summaries=default_summaries(scene), name=path.stem, title=scene.title, text=text, scene_text=text
+            scene,
+            summaries=default_summaries(made_ready(scene)),
+            name=path.stem,
+            title=scene.title,
+            text=text,
+            scene_text=text,
         )
     else:
         study = Study(**StudyReader(path, text, data).content())

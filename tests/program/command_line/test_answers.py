@@ -1,5 +1,6 @@
 """What commands answer: error estimates where they matter."""
 
+import math
 import re
 from pathlib import Path
 
@@ -99,3 +100,51 @@ where = "WHERE"
         Path("study.toml").write_text(study.replace("WHERE", where))
         text = done("run", "study.toml", "--no-plots", "--replace", "--out", "r.h5")
         assert ("±" in row(text, "slot.transmission_angle")) == shown, text
+
+
+# Answers first
+
+
+def test_answers_of_a_press__are_what_its_user_asks_in_the_order_of_reading(press_folder):
+    text = done("run", "press.toml", "--no-plots", "--out", "r.h5")
+    names = [line.split()[0] for line in text.splitlines() if "→" in line]
+    motion = ["ram.stroke", "ram.stroke_time_ratio", "slide.transmission_angle", "ram.velocity.peak"]
+    forces = ["input.reaction.peak", "slide.first.reaction.peak", "slide.inner.reaction.peak"]
+    drive = ["input_moment.peak", "required_drive_moment", "required_power", "excess_work"]
+    assert [name for name in names if name in {*motion, *forces, *drive}] == [*motion, *forces, *drive]
+    # At the near dead centre the ram's acceleration is r ω² (1 + r/l).
+    speed = 2 * math.pi
+    peak = 0.05 * speed**2 * (1 + 50 / 200)
+    assert re.search(rf"→ +{peak:.5g} m/s² +peak of the acceleration of slider ram", row(text, "ram.acceleration.peak"))
+    assert "stroke of slider ram" in row(text, "ram.stroke ")
+
+
+def test_checks_and_further_results__need_all(press_folder):
+    text = done("run", "press.toml", "--no-plots", "--out", "r.h5")
+    hidden = ("equilibrium_residual", "input_moment_disagreement", "error_magnification")
+    assert not any(name in text for name in hidden)
+    assert f"{len(hidden) + 1} more with `sweeps show r.h5 --all`." in text
+    assert all(name in done("show", "r.h5", "--all") for name in hidden)
+    assert all(name in done("run", "press.toml", "--no-plots", "--out", "r.h5", "--json") for name in hidden)
+    assert not any(name in done("show", "r.h5") for name in hidden)
+    assert "equilibrium_residual" not in done("check", "press.toml").partition("Variants")[0]
+
+
+def test_helper_numbers__need_all_unless_a_condition_limits_them(jack):
+    Path("study.toml").write_text(STUDY.format(diameter="30 mm", where="jack.raise_moment > '1 N m'"))
+    study = Path("study.toml").read_text()
+    derive = '[derive]\nhelper = "2 * elements.jack.load"\nlimited = "1.5 * helper"\n'
+    require = """require = ["limited < '70 kN'"]\n"""
+    Path("study.toml").write_text(require + study.replace("[outputs]", f"{derive}[outputs]"))
+    text = done("run", "study.toml", "--no-plots", "--out", "r.h5")
+    assert "limited  " in text
+    assert "helper" not in text
+    assert "helper" in done("show", "r.h5", "--all")
+    assert "helper" not in done("show", "r.h5")
+
+
+def test_check_that_a_study_limits__is_shown(press_folder):
+    study = Path("study.toml").read_text().replace('where = "', 'where = "equilibrium_residual < 1 and ')
+    study = study.replace('"excess_work"]', '"excess_work", "equilibrium_residual"]')
+    Path("check.toml").write_text(study)
+    assert "equilibrium_residual" in done("run", "check.toml", "--no-plots", "--out", "c.h5")

@@ -7,9 +7,9 @@ import pytest
 from commands import STUDY, done, refused, row, said
 from press_texts import PRESS
 
-from sweeps.report import comparison as comparing
 from sweeps.report import sweep_result
-from sweeps.report.comparison import comparison
+from sweeps.report.answers import comparison as comparing
+from sweeps.report.answers.comparison import comparison
 from sweeps.report.sweep_result import SweepResult
 
 

@@ -258,7 +258,7 @@ def test_what_each_condition_drops__is_a_share_by_a_sample_where_variants_are_ma
     start, end = STUDY.index('"input.length"'), STUDY.index("[outputs]")
     text = STUDY[:start] + vary + "\n" + STUDY[end:]
     Path("study.toml").write_text(text.replace("positions", "require = [\"input.length > '45 mm'\"]\npositions"))
-    line = next(line for line in said("check", "study.toml").stdout.splitlines() if "required" in line)
+    line = next(line for line in said("check", "study.toml").stdout.splitlines() if "required," in line)
     share = float(line.split("about ")[1].split(" %")[0])
     # Sixteen samples evenly taken: the border lies within one of them.
     assert abs(share - 25) <= 100 / 15
