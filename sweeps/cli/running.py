@@ -15,7 +15,7 @@ from sweeps.cli.shared import (
     make_folder,
     plots_of,
     run_options,
-    stop_if_all_failed,
+    stop_without_answer,
     study_options,
     tell,
     tell_aside,
@@ -86,7 +86,7 @@ def run(
     Existing results are reused, so variants, summaries and fields can be added. A file with other or further results is
     kept as NAME.previous.h5.
 
-    The exit code is 1 if no variant has a result.
+    The exit code is 1 if no variant has a result, or none meets the conditions of the question.
     """
     from sweeps.report.check_report import between_positions_text
     from sweeps.report.files.result_data import result_data
@@ -121,7 +121,7 @@ def run(
             told = [best] if best is not None else range(min(found.design.size, 1))
             made = [out, *([] if no_plots else plots_of(result))]
             tell_data(result_data(result, told) | {"files": [str(path) for path in made]})
-            stop_if_all_failed(result.columns["status"])
+            stop_without_answer(result)
             return
         plural = "" if found.design.size == 1 else "s"
         tell(f"{found.title or found.name}: {found.design.size} variant{plural}")
@@ -130,7 +130,7 @@ def run(
         if hidden := between_positions_text(found):
             tell(hidden)
         tell_files([out, *([] if no_plots else plots_of(result))], started)
-    stop_if_all_failed(result.columns["status"])
+    stop_without_answer(result)
 
 
 @click.command()
@@ -150,7 +150,10 @@ def optimise(
     quiet: bool,
     every: bool,
 ) -> None:
-    """Optimise a study over its variables by its [optimise] or [best], resuming an interrupted search."""
+    """Optimise a study over its variables by its [optimise] or [best], resuming an interrupted search.
+
+    The exit code is 1 if no candidate meets the conditions.
+    """
     from sweeps.optimising.optimum import optimum_text
     from sweeps.optimising.runner import optimise_study
     from sweeps.report.result_report import counts_text
@@ -179,4 +182,4 @@ def optimise(
         tell(counts_text(result))
         tell(optimum_text(result, every))
         tell_files([out, *([] if no_plots else plots_of(result))], started)
-    stop_if_all_failed(result.columns["status"])
+    stop_without_answer(result)

@@ -4,7 +4,7 @@ import json
 import re
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import reduce, wraps
 from pathlib import Path
@@ -18,8 +18,10 @@ from sweeps.text.visible import visible
 if TYPE_CHECKING:
     from distributed import Client
 
+    from sweeps.report.sweep_result import SweepResult
+
 WRONG_INPUT = 2
-ALL_FAILED = 1
+NO_ANSWER = 1
 NOT_ALL_DONE = 1
 DIFFERENT = 1
 
@@ -152,10 +154,13 @@ def tell_data(data: object) -> None:
     tell(re.sub("[\x7f-\x9f]", lambda found: f"\\u{ord(found[0]):04x}", text))
 
 
-def stop_if_all_failed(status: Iterable[int]) -> None:
-    """Exit with a special code if no variant has a result."""
-    if all(status):
-        sys.exit(ALL_FAILED)
+def stop_without_answer(result: "SweepResult") -> None:
+    """Exit with a special code if no variant has a result, or none meets the conditions of the question."""
+    from engine import Verdict
+
+    works = result.verdict_counts().get(Verdict.OK, 0)
+    if not works or (result.aim is not None and result.description.variants > 1 and result.best(result.aim) is None):
+        sys.exit(NO_ANSWER)
 
 
 def tell_version(context: click.Context, _: click.Parameter, asked: bool) -> None:

@@ -14,6 +14,7 @@ from sweeps.cli.shared import (
     errors_as_messages,
     make_folder,
     names_in,
+    stop_without_answer,
     tell,
     tell_altered,
     tell_data,
@@ -52,7 +53,7 @@ def show(
 ) -> None:
     """Show a result file: contents, verdicts, best variants. With --at, show one machine at given positions.
 
-    With --at, FILE can also be a scene or study.
+    With --at, FILE can also be a scene or study. The exit code is 1 if the question of the study has no answer.
     """
     if at is not None:
         _show_at(str(file), variant, at, names_in(columns or ""), settings, as_json)
@@ -90,6 +91,7 @@ def show(
     chosen = result.select(condition, sort or (usual and "front"), descending, most=limit)
     if as_json:
         tell_data(result_data(result, chosen, names))
+        stop_without_answer(result)
         return
     d = result.description
     tell(f"{d.title}: {variants_done_text(result)}")
@@ -101,6 +103,7 @@ def show(
     tell(variants_text(result, chosen, names, every))
     if where is None:
         tell((optimum_text if is_search(result) else answer_text)(result, every))
+        stop_without_answer(result)
 
 
 def _show_at(

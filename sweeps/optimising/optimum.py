@@ -6,6 +6,7 @@ import numpy as np
 
 from engine import Verdict, any_quantity, display_unit, parse_expression
 from sweeps.report.answers.shown_results import hidden_text, shown_parameters, shown_summaries
+from sweeps.report.answers.unmet_conditions import no_answer_text
 from sweeps.report.result_report import value_text
 from sweeps.report.sweep_result import SweepResult
 from sweeps.text.conditions import Condition
@@ -93,7 +94,7 @@ def optimum_text(result: SweepResult, every: bool = False) -> str:
     head = [result.question] if result.question else []
     found = f"{search['method']}, seed {search['seed']}: {result.description.attributes.get('outcome', '')}"
     if not there.size:
-        return "\n".join([*head, "No candidate meets all conditions.", found])
+        return "\n".join([*head, no_answer_text(result, "candidate"), found])
     if is_front(result):
         return "\n".join([*head, _choices_text(result, every), f"{found}, {there.size} of them on the front"])
     return "\n".join([*head, _best_text(result, int(there[0]), every), found])

@@ -17,6 +17,7 @@ from sweeps.page.page_tables import (
     value_tables,
     verdicts_table,
 )
+from sweeps.report.answers.unmet_conditions import no_answer_text
 from sweeps.report.regime_words import MOTION_VERDICTS, failure_text
 from sweeps.report.result_report import value_text
 from sweeps.text.input_files import InputError
@@ -110,7 +111,7 @@ def _answer(digest: Digest) -> str:
         return "The study has no [best], so there is no best variant."
     condition = f" where {aim.where}" if aim.where else ""
     if digest.best is None:
-        return "No variant meets all conditions."
+        return no_answer_text(result)
     value = value_text(result, aim.goal, digest.best)
     return f"{aim.word.capitalize()} {aim.goal}{condition}: {value}, variant {digest.best}."
 

@@ -23,9 +23,9 @@ from engine import (
     quantity_text,
 )
 from sweeps.report import accuracy_words
+from sweeps.report.answers.unmet_conditions import drop_lines
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
 from sweeps.report.remarks import remarks_on
-from sweeps.report.result_report import drop_lines
 from sweeps.run.blocks import LARGEST_BLOCK, block_size, bytes_of_fields
 from sweeps.run.cost import on_shafts_text, probe
 from sweeps.run.runner import crew_of, layout_of

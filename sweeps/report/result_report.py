@@ -16,8 +16,9 @@ from engine import (
 )
 from sweeps.report import accuracy_words
 from sweeps.report.answers.shown_results import hidden_text, shown_parameters, shown_summaries
+from sweeps.report.answers.unmet_conditions import drop_lines, no_answer_text, undecided_text
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
-from sweeps.report.sweep_result import SweepResult, drop_counts
+from sweeps.report.sweep_result import SweepResult
 from sweeps.text.scene_text import with_values
 from sweeps.text.tables import table
 
@@ -46,12 +47,6 @@ def fields_text(result: SweepResult) -> list[str]:
     return [f"{words}: {', '.join(names)}" for words, names in found.items()]
 
 
-def undecided_text(result: SweepResult, where: str | None) -> str:
-    """Number of variants undecided within error estimates, as a clause; "" if none."""
-    count = result.undecided(where) if where else 0
-    return f"; {count} {'is' if count == 1 else 'are'} undecided within error estimates" if count else ""
-
-
 def meeting_text(result: SweepResult, where: str | None) -> str:
     """Number of variants that meet a condition, and of undecided ones."""
     count = result.count_meeting(where)
@@ -71,25 +66,6 @@ def counts_text(result: SweepResult) -> str:
             lines = [f"motion of the first one up to its failure: {shown}"]
         rows += [("", "", line) for line in lines]
     return "\n".join([table(rows), *accuracy_words.of_result(result)])
-
-
-def drop_lines(conditions: Sequence[str], missed: Iterable[np.ndarray], variants: int | None = None) -> list[str]:
-    """Variants that fail each condition, and those that fail only it.
-
-    Parameters
-    ----------
-    conditions : sequence of str
-    missed : iterable of ndarray of bool (conditions, variants)
-        Failed conditions, by parts of the variants.
-    variants : int, optional
-        Total number of variants, if only a sample is given.
-    """
-    counts, alone, seen = drop_counts(len(conditions), missed)
-    lines = []
-    for text, *found in zip(conditions, counts.tolist(), alone.tolist(), strict=True):
-        first, only = (f"{c}" if variants is None else f"about {c * variants // seen}" for c in found)
-        lines.append(f"{text}: {first}" + (f", {only} only by this condition" if len(conditions) > 1 else ""))
-    return lines
 
 
 def _blame(result: SweepResult, verdict: Verdict) -> list[str]:
@@ -157,8 +133,7 @@ def answer_text(result: SweepResult, every: bool = False) -> str:
         return "The study has no [best]; see `sweeps show`."
     best = result.best()
     if best is None:
-        left_open = undecided_text(result, goal.where)
-        return f"No variant meets all conditions{left_open}."
+        return "\n".join([*([result.question] if result.question else []), no_answer_text(result)])
     lines = [result.question] if result.question else []
     condition = f" where {goal.where}" if goal.where else ""
     rivals = result.rivals(best)

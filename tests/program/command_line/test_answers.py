@@ -5,9 +5,10 @@ import re
 from pathlib import Path
 
 import pytest
-from commands import done
+from commands import done, said
 
 from engine import figure_text
+from sweeps.report.sweep_result import SweepResult
 
 SCENE = """\
 title = "Screw jack"
@@ -148,3 +149,56 @@ def test_check_that_a_study_limits__is_shown(press_folder):
     study = study.replace('"excess_work"]', '"excess_work", "equilibrium_residual"]')
     Path("check.toml").write_text(study)
     assert "equilibrium_residual" in done("run", "check.toml", "--no-plots", "--out", "c.h5")
+
+
+# No answer
+
+
+def no_answer(where: str, *options: str) -> str:
+    """What a run says, with exit code 1, of a jack's study that no variant answers."""
+    Path("study.toml").write_text("".join(options) + STUDY.format(diameter="30 mm", where=where))
+    answer = said("run", "study.toml", "--no-plots", "--replace", "--out", "r.h5")
+    assert answer.exit_code == 1, answer.output
+    shown = said("show", "r.h5")
+    assert shown.exit_code == 1
+    lines = answer.stdout[answer.stdout.index("No variant") : answer.stdout.index("Files (")]
+    assert lines in shown.stdout
+    return lines
+
+
+def test_no_answer__counts_what_each_condition_excludes_and_names_the_closest(jack):
+    jack("30 mm", "jack.raise_moment > '1 N m'")
+    moments = SweepResult(Path("r.h5")).columns["jack.raise_moment"]
+    # The torque grows with the load: the least is that of 10 kN on 30 mm, above a limit of four fifths of it by 25 %.
+    assert moments.argmin() == 1
+    limit = 0.8 * moments[1]
+    text = no_answer(f"jack.raise_moment <= '{limit:.17g} N m'")
+    assert text.startswith("No variant meets all conditions. Of 6 variants, the conditions exclude:")
+    assert f"jack.raise_moment <= '{limit:.17g} N m': 6" in text
+    assert f"Closest: variant 1, which exceeds jack.raise_moment ≤ {limit:.17g} N m by 25 %." in text
+
+
+def test_closest__keeps_to_choices_of_parameters(jack):
+    jack("30 mm", "jack.raise_moment > '1 N m'")
+    moments = SweepResult(Path("r.h5")).columns["jack.raise_moment"]
+    # Of variants with 30 kN, 4 and 5, though those with 10 kN miss the torque by less.
+    text = no_answer(f"elements.jack.load == '30 kN' and jack.raise_moment < '{moments[0] * 0.9:.6g} N m'")
+    assert "Closest: variant 5, which exceeds jack.raise_moment < " in text
+    assert "elements.jack.load == '30 kN': 4" in text
+
+
+def test_all_dropped__names_the_closest_to_what_is_required(jack):
+    text = no_answer("jack.raise_moment > '1 N m'", """require = ["elements.jack.load >= '40 kN'"]\n""")
+    assert "Closest: variant 4, which falls short of elements.jack.load ≥ 40 kN by 25 %." in text
+
+
+def test_search_without_an_answer__names_the_closest(jack):
+    study = STUDY.format(diameter="30 mm", where="jack.raise_moment < '1 N m'")
+    ranges = {'["33 mm", "30 mm"]': '"30 mm", to = "33 mm"', '["10 kN", "20 kN", "30 kN"]': '"9 kN", to = "30 kN"'}
+    for values, ends in ranges.items():
+        study = study.replace(f"values = {values}", f"from = {ends}, count = 3")
+    Path("study.toml").write_text(study)
+    answer = said("optimise", "study.toml", "--no-plots", "--quiet", "--out", "o.h5")
+    assert answer.exit_code == 1, answer.output
+    assert "No candidate meets all conditions" in answer.stdout
+    assert re.search(r"Closest: candidate \d+, which exceeds jack.raise_moment < 1 N m by [\d.]+", answer.stdout)

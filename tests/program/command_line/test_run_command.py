@@ -70,10 +70,11 @@ def test_run_with_impossible_jobs__is_refused(jobs, press_folder):
     assert "--jobs" in refused("run", "study.toml", "--jobs", jobs)
 
 
-def test_run_without_candidates__says_so_and_succeeds(press_folder):
+def test_run_without_candidates__says_so_and_has_an_exit_code_of_its_own(press_folder):
     Path("study.toml").write_text(STUDY.replace("> '90 mm'", "> '9 m'"))
-    answer = done("run", "study.toml", "--no-plots")
-    assert "No variant meets all conditions" in answer
+    answer = said("run", "study.toml", "--no-plots")
+    assert answer.exit_code == 1
+    assert "No variant meets all conditions" in answer.stdout
 
 
 def test_run_where_nothing_assembles__says_so_and_has_an_exit_code_of_its_own(press_folder):
