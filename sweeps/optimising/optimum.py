@@ -7,13 +7,14 @@ import numpy as np
 from engine import Verdict, any_quantity, display_unit, parse_expression
 from sweeps.report.answers.shown_results import hidden_text, shown_parameters, shown_summaries
 from sweeps.report.answers.unmet_conditions import no_answer_text
-from sweeps.report.result_report import value_text
+from sweeps.report.result_report import ends_text, value_text
 from sweeps.report.sweep_result import SweepResult
 from sweeps.text.conditions import Condition
 from sweeps.text.tables import table
 
-# Closer to a bound or limit than this share of the range counts as on it.
+# Closer to a limit than this share of the range counts as on it.
 ON_LIMIT = 1e-6
+BOUNDS = {"minimum": "lower bound", "maximum": "upper bound"}
 
 
 class Choice(NamedTuple):
@@ -114,13 +115,14 @@ def _best_text(result: SweepResult, best: int, every: bool) -> str:
     condition = f" where {result.goal.where}" if result.goal and result.goal.where else ""
     word = "minimum" if sign > 0 else "maximum"
     lines = [f"Answer: {word} {name}{condition}: {_value(result, name, best)}, variant {best}:"]
-    ends = _ends(result, best)
+    ends = {name: BOUNDS[end.word] for name, end in result.range_ends(best).items()}
     rows = [(n, "=", _value(result, n, best), ends.get(n, "")) for n in shown_parameters(result, every)]
     shown = [n for n in shown_summaries(result, every) if n != name]
     rows += [(n, "→", _value(result, n, best), result.long_names[n]) for n in shown]
     lines += [table(rows, "  "), *hidden_text(result, every)]
     limits = _limits(result, best)
     lines += [f"on the limit of: {text}" for text in limits]
+    lines += ends_text(result, best)
     if not limits and not ends:
         lines.append("inside all ranges and conditions")
     return "\n".join(lines)
@@ -135,18 +137,6 @@ def _value(result: SweepResult, name: str, variant: int) -> str:
     # In the value's unit, for comparison.
     factor, label = display_unit(units, column[name][[variant]])
     return f"{text}, σ {factor * column[f'{name}.tolerance'][variant]:.2g}{'' if label == '1' else f' {label}'}"
-
-
-def _ends(result: SweepResult, variant: int) -> dict[str, str]:
-    """Parameters of a candidate at a bound of their range, and which bound."""
-    found = {}
-    for span in result.record["search"]["ranges"]:
-        name, low, high = span["name"], span["low"], span["high"]
-        value = result.columns[name][variant]
-        near = ON_LIMIT * (high - low)
-        if low < high and (value - low <= near or high - value <= near):
-            found[name] = "lower bound" if value - low <= near else "upper bound"
-    return found
 
 
 def _limits(result: SweepResult, variant: int) -> list[str]:

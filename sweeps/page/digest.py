@@ -137,16 +137,6 @@ class Digest:
             yield Price(part.text, margin, int(without[0]) if without.size else None)
 
     @cached_property
-    def ranges(self) -> dict[str, tuple[float, float]]:
-        """Range of each variable over all variants."""
-        found = dict.fromkeys(self.result.varied, (np.inf, -np.inf))
-        for part in self.result.parts():
-            for name, (low, high) in found.items():
-                here = self.result.columns[name][part]
-                found[name] = min(low, float(here.min())), max(high, float(here.max()))
-        return found
-
-    @cached_property
     def worst_errors(self) -> dict[str, float]:
         """Maximum relative error estimate of each summary among the feasible variants."""
         found, columns = dict.fromkeys(self.result.summaries, 0.0), self.result.columns

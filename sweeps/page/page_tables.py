@@ -10,7 +10,7 @@ from engine import Verdict, display_unit, figure_text, quantity_text
 from sweeps.page.digest import Digest
 from sweeps.report.answers.shown_results import shown_summaries
 from sweeps.report.regime_words import by_regime, regime_words
-from sweeps.report.result_report import value_text
+from sweeps.report.result_report import range_text, value_text
 from sweeps.study.sensitivity import RSS, WORST_CASE
 
 MOST_ROWS = 20
@@ -93,14 +93,9 @@ def _room(margin: float) -> str:
 
 
 def _ends(digest: Digest, best: int) -> Iterator[tuple[str, str, str, str]]:
-    units = digest.result.units
-    for name, (low, high) in digest.ranges.items():
-        value = digest.value(name, best)
-        near = 1e-9 * (high - low)
-        if low < high and (value - low <= near or high - value <= near):
-            end = "least" if value - low <= near else "greatest"
-            tried = " … ".join(quantity_text(limit, units[name]) for limit in (low, high))
-            yield name, quantity_text(value, units[name]), end, tried
+    result = digest.result
+    for name, end in result.range_ends(best).items():
+        yield name, value_text(result, name, best), end.word, range_text(result, name, end)
 
 
 def sensitivity_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:

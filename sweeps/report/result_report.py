@@ -18,7 +18,7 @@ from sweeps.report import accuracy_words
 from sweeps.report.answers.shown_results import hidden_text, shown_parameters, shown_summaries
 from sweeps.report.answers.unmet_conditions import drop_lines, no_answer_text, undecided_text
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
-from sweeps.report.sweep_result import SweepResult
+from sweeps.report.sweep_result import RangeEnd, SweepResult
 from sweeps.text.scene_text import with_values
 from sweeps.text.tables import table
 
@@ -141,7 +141,7 @@ def answer_text(result: SweepResult, every: bool = False) -> str:
     rows = [(name, "=", value_text(result, name, best), "") for name in shown_parameters(result, every)]
     rows += summary_rows(result, best, [name for name in shown_summaries(result, every) if name != goal.goal])
     lines.append(table(rows, "  "))
-    lines += hidden_text(result, every)
+    lines += [*hidden_text(result, every), *ends_text(result, best)]
     if undecided_text(result, goal.where):
         lines.append(f"{meeting_text(result, goal.where)}.")
     if rivals:
@@ -180,6 +180,20 @@ def _cycle_words(scene: Scene) -> str:
 def summary_rows(result: SweepResult, variant: int, names: Iterable[str]) -> list[tuple[str, ...]]:
     """Summaries of a variant: name, value and meaning."""
     return [(name, "→", value_text(result, name, variant), result.long_names[name]) for name in names]
+
+
+def ends_text(result: SweepResult, variant: int) -> list[str]:
+    """A line on the variables of a variant that lie at an end of their range, if there are any."""
+    found = [
+        f"{name} = {value_text(result, name, variant)} ({end.word} of {range_text(result, name, end)})"
+        for name, end in result.range_ends(variant).items()
+    ]
+    return [f"At the end of its range: {', '.join(found)}; a wider range may give a better answer."] if found else []
+
+
+def range_text(result: SweepResult, name: str, end: RangeEnd) -> str:
+    """The range of a variable."""
+    return " … ".join(quantity_text(limit, result.units[name]) for limit in (end.low, end.high))
 
 
 def value_text(result: SweepResult, name: str, variant: int) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,6 +31,16 @@ from sweeps.text.input_files import InputError, check_file
 VARIANTS_AT_A_TIME = 1 << 19
 # Variants per part in random access.
 CHOSEN_AT_A_TIME = 1 << 14
+# Closer to an end of a range than this share of it counts as at the end.
+AT_END = 1e-6
+
+
+class RangeEnd(NamedTuple):
+    """The end of a variable's range, "minimum" or "maximum", and the range."""
+
+    word: str
+    low: float
+    high: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -424,6 +434,39 @@ class SweepResult:
             return met(part) & (gap <= (0.0 if errors is None else errors[part] + errors[best]))
 
         return ties
+
+    @cached_property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Range of each variable: of a search as given, else over all variants."""
+        if "search" in self.record:
+            return {span["name"]: (span["low"], span["high"]) for span in self.record["search"]["ranges"]}
+        pairs = [axis["names"] for axis in self.record["vary"] if axis["kind"] == "Listed" and axis["size"] < 3]
+        chosen = {name for names in pairs for name in names}
+        found = {name: (np.inf, -np.inf) for name in self.varied if name not in chosen}
+        for part in self.parts():
+            for name, (low, high) in found.items():
+                here = self.columns[name][part]
+                found[name] = min(low, float(here.min())), max(high, float(here.max()))
+        return found
+
+    def range_ends(self, variant: int) -> dict[str, RangeEnd]:
+        """Variables of a variant at an end of their range, without those that a condition fixes.
+
+        A wider range may give a better answer. Of two listed values one is always at an end, which means nothing.
+
+        Parameters
+        ----------
+        variant : int
+        """
+        where = self.aim.where if self.aim else None
+        parts = Condition(parse_expression(where, any_quantity)).parts if where else ()
+        fixed = {name for part in parts if part.is_equality for name in part.names}
+        found = {}
+        for name, (low, high) in self.ranges.items():
+            value, near = float(self.columns[name][variant]), AT_END * (high - low)
+            if name not in fixed and low < high and (value - low <= near or high - value <= near):
+                found[name] = RangeEnd("minimum" if value - low <= near else "maximum", low, high)
+        return found
 
     def deciding(self, variant: int) -> frozenset[str]:
         """Names whose error estimates decide whether a variant meets the condition or ties with the best."""

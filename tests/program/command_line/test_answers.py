@@ -202,3 +202,15 @@ def test_search_without_an_answer__names_the_closest(jack):
     assert answer.exit_code == 1, answer.output
     assert "No candidate meets all conditions" in answer.stdout
     assert re.search(r"Closest: candidate \d+, which exceeds jack.raise_moment < 1 N m by [\d.]+", answer.stdout)
+
+
+# Ends of ranges
+
+
+def test_best_at_the_end_of_a_range__is_reported(jack):
+    # The torque grows with the load; a diameter of two listed values is a choice, and so is a fixed load.
+    end = "At the end of its range: elements.jack.load = 10 kN (minimum of 10 kN … 30 kN); a wider range may give"
+    assert end in jack("30 mm", "jack.raise_moment > '1 N m'")
+    assert end in done("show", "r.h5")
+    assert "At the end" not in jack("30 mm", "elements.jack.load == '10 kN'")
+    assert "At the end" not in jack("30 mm", "elements.jack.load > '15 kN'")
