@@ -95,6 +95,7 @@ def run(
     from sweeps.report.sweep_result import SweepResult
     from sweeps.run.progress import ProgressBar
     from sweeps.run.runner import run_study
+    from sweeps.store import variants_kept
     from sweeps.study.bundled import find_study
     from sweeps.study.settings import changed_study
     from sweeps.study.study_reader import read_study
@@ -106,7 +107,7 @@ def run(
     out = out or Path("results") / f"{found.name}.h5"
     make_folder(out)
     use_threads(jobs)
-    bar = ProgressBar(found.design.size, quiet)
+    bar = ProgressBar(found.design.size, quiet, kept=0 if restart else variants_kept(out))
     with keeping(bar.kept_text):
         with cluster_client(cluster, jobs) as client:
 

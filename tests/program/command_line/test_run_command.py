@@ -14,6 +14,7 @@ from engine import Machine
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run.progress import ProgressBar
 from sweeps.run.runner import layout_of
+from sweeps.store import variants_kept
 from sweeps.text.interruption import farewell
 
 
@@ -138,6 +139,17 @@ def interrupted(after: int) -> str:
     return words[0]
 
 
+def test_interrupt__counts_what_an_earlier_run_left(press_folder):
+    assert "Interrupted: 6 of 8 variants" in interrupted(6)
+    # Of the same study, before the file is checked; of an edited one, before any of it is copied; and in between.
+    bar = ProgressBar(8, True, kept=variants_kept(Path("r.h5")))
+    assert bar.kept_text() == "the 6 of the earlier run are kept"
+    Path("study.toml").write_text(STUDY.replace('"50 kg", "100 kg"', '"50 kg", "100 kg", "60 kg"'))
+    assert "Interrupted: the 6 of the earlier run are kept; resume" in interrupted(0)
+    assert "Interrupted: 3 of 12 variants are done, and the 6 of the earlier run are kept" in interrupted(3)
+    assert variants_kept(Path("nothing.h5")) == 0
+
+
 def test_interrupt__tells_how_many_variants_are_done_and_goes_on_from_there(press_folder, monkeypatch):
     again = "resume with: sweeps run study.toml --no-plots --out 'my r.h5'"
     assert interrupted(3) == f"Interrupted: 3 of 8 variants are done and kept; {again}"
@@ -166,9 +178,9 @@ def told_on_the_way(*arguments: str) -> list[str]:
 
 def test_interrupt_of_a_finished_study__tells_that_all_is_done(press_folder):
     again = "resume with: sweeps run study.toml --quiet"
-    for _ in range(2):
+    for kept in ("finished work is", "the 8 of the earlier run are"):
         first, last = told_on_the_way("run", "study.toml", "--quiet")
-        assert first == f"Interrupted: finished work is kept; {again}"
+        assert first == f"Interrupted: {kept} kept; {again}"
         assert last == f"Interrupted: 8 of 8 variants are done and kept; {again}"
 
 
