@@ -67,6 +67,36 @@ class Panels(NamedTuple):
         return float(found.values[k]), float(left + 0.5 * (right - left) * (1.0 + found.places[k]))
 
 
+class SteadyCurves(NamedTuple):
+    """A steady cycle with a flywheel.
+
+    Attributes
+    ----------
+    needed : float
+        Flywheel that the asked fluctuation needs, by Wittenbauer; NaN if none is asked.
+    used : float
+        Flywheel as given, or as needed.
+    fluctuation : float
+        Coefficient of speed fluctuation with it; NaN where the machine would stop within the cycle.
+    energy : float
+        Kinetic energy at the first position.
+    curves : Panels
+        Work about its mean, and reduced inertia.
+    """
+
+    needed: float
+    used: float
+    fluctuation: float
+    energy: float
+    curves: Panels
+
+    def speed(self, q: np.ndarray) -> np.ndarray:
+        """Speed of the input, by magnitude (positions,); NaN where the machine would stop within the cycle."""
+        works, inertias = self.curves.at(q)
+        with np.errstate(invalid="ignore"):
+            return np.sqrt(2.0 * (self.energy + works) / (inertias + self.used))
+
+
 class OneVariant:
     """A variant at any positions of its input.
 
@@ -157,8 +187,8 @@ class OneVariant:
         """Work of a moment about its mean, from the first position to some positions (positions,)."""
         return _about_mean(self.panels([moment])).at(q)[0]
 
-    def speed(self, moment: Node, inertia: Node, omega: float, flywheel: WheelNumbers, q: np.ndarray) -> np.ndarray:
-        """Speed of the input, by magnitude, over the steady cycle; see `engine.cycle.measures.fluctuation`.
+    def steady(self, moment: Node, inertia: Node, omega: float, flywheel: WheelNumbers) -> "SteadyCurves":
+        """The steady cycle with a flywheel; see `engine.cycle.measures.fluctuation`.
 
         Parameters
         ----------
@@ -167,12 +197,6 @@ class OneVariant:
         omega : float
             Mean speed.
         flywheel : WheelNumbers
-        q : ndarray (positions,)
-
-        Returns
-        -------
-        ndarray (positions,)
-            NaN where the machine would stop within the cycle.
         """
         panels = self.panels([moment, inertia])
         work = _about_mean(panels)
@@ -188,9 +212,11 @@ class OneVariant:
             value, at = Panels(whole.ends, series[:, None]).greatest(0)
             return sign * value + slope * first, float(whole.at(np.array([at]))[1, 0]) - first
 
-        wheel, delta = flywheel.inertia, flywheel.fluctuation
+        wheel, delta, needed = flywheel.inertia, flywheel.fluctuation, np.nan
+        if delta is not None:
+            needed = (extreme(1.0, delta)[0] - extreme(-1.0, delta)[0]) / (delta * square) - first
         if wheel is None:
-            wheel = max((extreme(1.0, delta)[0] - extreme(-1.0, delta)[0]) / (delta * square) - first, 0.0)
+            wheel = max(needed, 0.0)
         if flywheel.inertia is not None or wheel == 0.0:
             delta = 0.0
             for _ in range(_MOST_STEPS):
@@ -198,14 +224,12 @@ class OneVariant:
                 turning = (1.0 + 0.5 * delta) * fast + (1.0 - 0.5 * delta) * slow
                 step = (high - low - delta * square * (first + wheel)) / (square * (0.5 * turning + first + wheel))
                 if delta == _MOST and step > 0.0:
-                    return np.full(q.shape, np.nan)
+                    return SteadyCurves(needed, wheel, np.nan, np.nan, whole)
                 delta, before = min(max(delta + step, 0.0), _MOST), delta
                 if abs(delta - before) <= _FOUND * delta:
                     break
         energy = 0.5 * square * (1.0 + 0.5 * delta) ** 2 * (first + wheel) - extreme(1.0, delta)[0]
-        works, inertias = whole.at(q)
-        with np.errstate(invalid="ignore"):
-            return np.sqrt(2.0 * (energy + works) / (inertias + wheel))
+        return SteadyCurves(needed, wheel, delta, energy, whole)
 
 
 def _about_mean(panels: Panels) -> Panels:

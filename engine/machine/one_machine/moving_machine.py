@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from engine.cycle.measured import Measured
-from engine.cycle.one_variant import OneVariant, WheelNumbers
+from engine.cycle.one_variant import OneVariant, SteadyCurves, WheelNumbers
 from engine.graph.nodes import Node
 from engine.laws.elementary import angle_or_zero
 from engine.machine.checks import check_names, check_positions, given_numbers
@@ -38,6 +38,7 @@ from engine.quantities.expressions import (
     Integral,
     Measurement,
     Speed,
+    SteadyCycle,
     StrokeEnd,
     VariantNumber,
     Work,
@@ -51,6 +52,10 @@ from engine.verdicts import Verdict
 _LOOKED_AT = 720
 # Verdicts on margins, the first one that applies being given.
 _ON_MARGINS = (Verdict.UNDERCUT, Verdict.JAMS, Verdict.LIFTS_OFF)
+
+
+# Results of a steady cycle, and where they stand in `SteadyCurves`.
+_OF_WHEEL = {"flywheel_wittenbauer": "needed", "flywheel_used": "used", "speed_fluctuation": "fluctuation"}
 
 
 class NowhereDefinedError(ValueError):
@@ -212,7 +217,7 @@ class MovingMachine:
             return {name: self._row(curve) for name, curve in curves}
 
     def summary(self, name: str) -> float:
-        """Mean of a field, or the end of a stroke or its position, by its name."""
+        """Mean of a field, the end of a stroke or its position, or a result of the flywheel, by its name."""
         with np.errstate(all="ignore"):
             return float(Evaluation(self._measured)(self.register.summary(name).expression()).value)
 
@@ -237,9 +242,13 @@ class MovingMachine:
             case Work(moment):
                 return of.work(moment, self.q)
             case Speed(steady):
-                flywheel = WheelNumbers(*(n and of.number(n) for n in (steady.wheel, steady.fluctuation)))
-                return of.speed(steady.moment, steady.inertia, of.number(steady.speed), flywheel, self.q)
+                return self._steady(steady).speed(self.q)
         return of.values([curve], self.q)[0]
+
+    def _steady(self, cycle: SteadyCycle) -> SteadyCurves:
+        of = self._variant
+        flywheel = WheelNumbers(*(n and of.number(n) for n in (cycle.wheel, cycle.fluctuation)))
+        return of.steady(cycle.moment, cycle.inertia, of.number(cycle.speed), flywheel)
 
     def _followed(self, angle: Node) -> np.ndarray:
         """An angle from the first position on, turning by less than π between two of those looked at."""
@@ -256,6 +265,8 @@ class MovingMachine:
                 return Measured(self._variant.integral(curve))
             case StrokeEnd(coordinate, rate, which):
                 return Measured(self._variant.number(self.mechanics.graph.found(coordinate, rate, which)))
+            case SteadyCycle(result=result) if result in _OF_WHEEL:
+                return Measured(getattr(self._steady(asked), _OF_WHEEL[result]))
         raise TypeError(f"{asked!r} is measured by compiled code alone")
 
     def _seen(self, point: MovingPoint) -> MovingPoint:
