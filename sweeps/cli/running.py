@@ -21,6 +21,7 @@ from sweeps.cli.shared import (
     tell_aside,
     tell_data,
     tell_files,
+    tell_outdated,
     use_threads,
     workers_text,
 )
@@ -130,7 +131,9 @@ def run(
         tell(answer_text(result, every))
         if hidden := between_positions_text(found):
             tell(hidden)
-        tell_files([out, *([] if no_plots else plots_of(result))], started)
+        made = [out, *([] if no_plots else plots_of(result))]
+        tell_files(made, started)
+        tell_outdated(out, made)
     stop_without_answer(result)
 
 
@@ -182,5 +185,7 @@ def optimise(
         tell(f"{found.title or found.name}: {result.description.variants} candidates")
         tell(counts_text(result))
         tell(optimum_text(result, every))
-        tell_files([out, *([] if no_plots else plots_of(result))], started)
+        made = [out, *([] if no_plots else plots_of(result))]
+        tell_files(made, started)
+        tell_outdated(out, made)
     stop_without_answer(result)

@@ -191,6 +191,22 @@ def tell_files(made: list[Path], started: float) -> None:
     tell("\n".join(f"  {path}" for path in made))
 
 
+def tell_outdated(out: Path, made: list[Path]) -> None:
+    """Report pictures and pages of a result that are older than its numbers."""
+    others = [file.stem for file in out.parent.glob("*.h5") if file.stem.startswith(f"{out.stem}_")]
+    found = [
+        file.name
+        for file in sorted(out.parent.iterdir())
+        if file.suffix in (".html", ".png", ".svg", ".pdf", ".gif")
+        and file not in made
+        and f"{file.stem}_".startswith(f"{out.stem}_")
+        and not any(f"{file.stem}_".startswith(f"{other}_") for other in others)
+        and file.stat().st_mtime < out.stat().st_mtime
+    ]
+    if found:
+        tell_aside(f"Older than {out}: {', '.join(found)}; `sweeps plot` and `sweeps report` remake them.")
+
+
 def plots_of(result: object) -> list[Path]:
     """Plot a result; report what can't be drawn on standard error."""
     from sweeps.pictures.picture_error import PictureError
