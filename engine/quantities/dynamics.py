@@ -6,6 +6,8 @@ flywheels.
 
 from functools import partial
 
+import numpy as np
+
 from engine import mechanism, quantities
 from engine.elements.element import Rank
 from engine.graph.nodes import Node
@@ -27,6 +29,7 @@ from engine.quantities.expressions import (
 from engine.quantities.quantity import drive_words
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
 from engine.scene.pairs import has_friction
+from engine.scene.scene import Numbers
 
 _USEFUL = frozenset({"useful"})
 # Of the input moment's cycle.
@@ -68,6 +71,14 @@ def declare(mechanics: Mechanics) -> Declared:
         symbol="I_0",
     )
     if m.loads.motors:
+        for name in m.loads.motors:
+            if getattr(scene.moments[name], "rated_speed", None) is None:
+                continue
+            rated = graph.derived(f"rated torque of {name}", partial(_rated_torque, name))
+            words = f"rated torque of motor {name}, at its own shaft"
+            yield Summary(
+                f"{name}.rated_moment", words, "N m", lambda rated=rated: VariantNumber(rated), rank=Rank.ANSWER
+            )
         moment_of = mechanism.actions.motors.motor_moment
         number = graph.derived("motor moment", lambda n: moment_of(scene, m.loads.motors, n))
         yield Summary(
@@ -80,6 +91,11 @@ def declare(mechanics: Mechanics) -> Declared:
         yield from _orders(m, u.moment)
         yield from _drive(m)
         yield from _flywheel(m)
+
+
+def _rated_torque(motor: str, n: Numbers) -> np.ndarray:
+    """Torque of a motor at its rated power and speed [N·m]."""
+    return n[f"moments.{motor}.power"] / n[f"moments.{motor}.rated_speed"]
 
 
 def _orders(m: Mechanics, units: str) -> Declared:

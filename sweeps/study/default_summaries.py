@@ -45,6 +45,8 @@ def telling_summaries(scene: Scene) -> tuple[str, ...]:
         motors = [motor for motor in loads.motors if motor not in regime.off]
         roles = {term.role for term in loads.terms if term.action not in regime.off}
         keys += _work_keys(bool(motors), roles)
+        if len(motors) == 1:
+            keys += [f"{motors[0]}_shaft_torque_peak", f"{motors[0]}_shaft_torque_rms"]
         if not isinstance(regime, RunRegime):
             keys += [f"{m}_slip" for m in motors if scene.moments[m].type == "induction_motor"]
             keys.append("multiplier")
