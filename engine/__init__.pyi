@@ -14,7 +14,7 @@ from engine.elements.bodies.wound_flywheel import wound_stresses
 from engine.elements.cams.cam import CamElement
 from engine.elements.cams.cam_curves import CamCurves, cam_curves
 from engine.elements.compliances.compliance import ComplianceElement
-from engine.elements.element import Element, ElementResult, element_kinds
+from engine.elements.element import Element, ElementResult, Rank, element_kinds
 from engine.elements.engines.engine import EngineElement
 from engine.elements.engines.engine_layout import (
     Engine,
@@ -149,6 +149,7 @@ from engine.units.display import (
     display_unit,
     figure_text,
     quantity_text,
+    show_errors,
     show_units,
     show_units_of,
     table_unit,
@@ -248,6 +249,7 @@ __all__ = [
     "PlainText",
     "Quantity",
     "Rack",
+    "Rank",
     "ReducedTrain",
     "Regime",
     "RotatingGuide",
@@ -360,6 +362,7 @@ __all__ = [
     "seconds_of_runs",
     "set_threads",
     "shaken",
+    "show_errors",
     "show_units",
     "show_units_of",
     "slider_tilts",

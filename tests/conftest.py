@@ -11,7 +11,7 @@ from hypothesis import settings
 from press_texts import PRESS, PRESS_WITH_FLYWHEEL
 
 from engine.compiling.threads import set_threads
-from engine.units.display import show_units_of
+from engine.units.display import show_errors, show_units_of
 
 # The same examples in every run of CI; others on every developer's machine.
 settings.register_profile("ci", derandomize=True)
@@ -25,9 +25,10 @@ for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
 
 
 @pytest.fixture(autouse=True)
-def metric_units() -> None:
-    """Show numbers in metric units, whatever scene was read before."""
+def shown_by_default() -> None:
+    """Show numbers in metric units, without small error estimates, whatever was shown before."""
     show_units_of({})
+    show_errors(False)
 
 
 @pytest.fixture(autouse=True)

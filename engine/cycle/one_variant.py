@@ -91,6 +91,12 @@ class WheelCycle(NamedTuple):
     fluctuation: float
     energy: float
 
+    def speed(self, q: np.ndarray) -> np.ndarray:
+        """Speed of the input, by magnitude (positions,); NaN where the machine would stop within the cycle."""
+        works, inertias = self.whole.at(q)
+        with np.errstate(invalid="ignore"):
+            return np.sqrt(2.0 * (self.energy + works) / (inertias + self.wheel))
+
 
 class OneVariant:
     """A variant at any positions of its input.
@@ -191,8 +197,8 @@ class OneVariant:
         """Work of a moment about its mean, from the first position to some positions (positions,)."""
         return _about_mean(self.panels([moment])).at(q)[0]
 
-    def speed(self, moment: Node, inertia: Node, omega: float, flywheel: WheelNumbers, q: np.ndarray) -> np.ndarray:
-        """Speed of the input, by magnitude, over the steady cycle; see `engine.cycle.measures.fluctuation`.
+    def steady(self, moment: Node, inertia: Node, omega: float, flywheel: WheelNumbers) -> WheelCycle:
+        """The steady cycle with a flywheel; see `engine.cycle.measures.fluctuation`.
 
         Parameters
         ----------
@@ -201,20 +207,7 @@ class OneVariant:
         omega : float
             Mean speed.
         flywheel : WheelNumbers
-        q : ndarray (positions,)
-
-        Returns
-        -------
-        ndarray (positions,)
-            NaN where the machine would stop within the cycle.
         """
-        found = self.steady(moment, inertia, omega, flywheel)
-        works, inertias = found.whole.at(q)
-        with np.errstate(invalid="ignore"):
-            return np.sqrt(2.0 * (found.energy + works) / (inertias + found.wheel))
-
-    def steady(self, moment: Node, inertia: Node, omega: float, flywheel: WheelNumbers) -> "WheelCycle":
-        """The steady cycle with a flywheel; parameters as for `speed`."""
         panels = self.panels([moment, inertia])
         work = _about_mean(panels)
         whole = Panels(

@@ -9,6 +9,7 @@ An element stands beside the mechanism, if there is one: its load is its own, an
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from enum import IntEnum
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -36,6 +37,14 @@ ROUNDING = 16
 PLACES, _MOST_PANELS = 201, 4
 
 
+class Rank(IntEnum):
+    """How much a number matters to the engineer: one asked of the machine, a further one, or a check of the results."""
+
+    ANSWER = 0
+    FURTHER = 1
+    CHECK = 2
+
+
 class ElementResult(NamedTuple):
     """A result of a law: its name, meaning and unit, the key it needs to be given, whether it may have no value.
 
@@ -48,6 +57,7 @@ class ElementResult(NamedTuple):
     needs: str | None = None
     may_be_undefined: bool = False
     exact: bool = False
+    rank: Rank = Rank.ANSWER
 
 
 class Answers(NamedTuple):

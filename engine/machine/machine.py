@@ -10,6 +10,7 @@ import numpy as np
 from engine import elements, machine, motion, warnings
 from engine.compiling.threads import threads
 from engine.cycle.measured import UNKNOWN_ROOT, Measured
+from engine.elements.element import Rank
 from engine.graph.nodes import Found, Node, reached
 from engine.machine.checks import (
     allowed_share,
@@ -51,9 +52,12 @@ GOVERNED_AT_ONCE = 1024
 # What compares two numbers with one of them, and is zero where they agree.
 _RELATIVE_ALREADY = ("_difference", "_residual", "_disagreement")
 
-POSITIONS_USED = Quantity("positions_used", "input positions at which it was evaluated", "1")
+POSITIONS_USED = Quantity("positions_used", "input positions at which it was evaluated", "1", rank=Rank.CHECK)
 ACCURACY_REACHED = Quantity(
-    "accuracy_reached", "1 where every error estimate is within the requested accuracy, else 0", "1"
+    "accuracy_reached",
+    "1 where every error estimate is within the requested accuracy, else 0",
+    "1",
+    rank=Rank.CHECK,
 )
 OF_ACCURACY = (POSITIONS_USED.name, ACCURACY_REACHED.name)
 

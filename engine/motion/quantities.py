@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.elements.element import Rank
 from engine.mechanism.mechanics import Mechanics
-from engine.parts.actions import InductionMotor
+from engine.parts.actions import InductionMotor, Motor
 from engine.parts.regimes import Regime
 from engine.parts.skeleton import OF_FLUCTUATION, CrankInput, SliderInput
 from engine.quantities.chapters import inertia, reactions
@@ -46,6 +47,10 @@ STEADY = {
     "multiplier": ("factor by which a small disturbance of the energy grows from cycle to cycle in {name}", "1"),
     "return_residual": ("relative difference of the energy after a cycle in {name}", "1"),
 }
+# Of a motor that alone drives, at its own shaft.
+AT_SHAFT = {"peak": "peak torque", "rms": "rms torque over time"}
+# Of these, what checks the others.
+CHECKS = ("work_residual", "multiplier", "return_residual")
 RUN = {
     "time": ("duration of {name}", "s"),
     "angle": ("angle turned in {name}", "rad"),
@@ -141,7 +146,10 @@ class Asked(NamedTuple):
 def _made(scene: Scene, name: str, table: dict[str, tuple[str, str]]) -> list[Quantity]:
     if isinstance(scene.input, SliderInput):
         table = {SLIDING.get(key, key): of_sliding(*row) for key, row in table.items()}
-    return [Quantity(f"{name}.{key}", words.format(name=name), unit) for key, (words, unit) in table.items()]
+    return [
+        Quantity(f"{name}.{key}", words.format(name=name), unit, rank=Rank.CHECK if key in CHECKS else Rank.FURTHER)
+        for key, (words, unit) in table.items()
+    ]
 
 
 def of_sliding(words: str, unit: str) -> tuple[str, str]:
@@ -151,6 +159,12 @@ def of_sliding(words: str, unit: str) -> tuple[str, str]:
     return words, SLIDING_UNITS.get(unit, unit)
 
 
+def only_motor(scene: Scene, regime: Regime) -> list[str]:
+    """The motor that alone drives in a regime, whose torque at its own shaft is known; none of several."""
+    motors = [n for n, moment in scene.moments.items() if isinstance(moment, Motor) and n not in regime.off]
+    return motors if len(motors) == 1 else []
+
+
 def motion_summaries(scene: Scene) -> list[Quantity]:
     """Summaries of the regimes of a scene."""
     found: list[Quantity] = []
@@ -158,6 +172,11 @@ def motion_summaries(scene: Scene) -> list[Quantity]:
         limited = {} if has_cycle(scene) else WITHIN_RANGE
         found += _made(scene, name, COMMON | (STEADY if regime.type == "steady" else RUN | limited))
         found += _of_couplings(scene, name)
+        for n in only_motor(scene, regime):
+            found += [
+                Quantity(f"{name}.{n}_shaft_torque_{key}", f"{words} of motor {n} in {name}, at its own shaft", "N m")
+                for key, words in AT_SHAFT.items()
+            ]
         if regime.type == "steady":
             motors = [n for n, m in scene.moments.items() if isinstance(m, InductionMotor) and n not in regime.off]
             found += [Quantity(f"{name}.{n}_slip", f"mean slip of motor {n} in {name}", "1") for n in motors]

@@ -28,6 +28,7 @@ from engine.motion.moments.dynamics import Dynamics, Reduction, Variants
 from engine.motion.moments.equation_of_motion import FRICTION_MOMENT
 from engine.motion.moments.grid import NODES
 from engine.motion.quantities import (
+    AT_SHAFT,
     AXES,
     EFFICIENCY_NOW,
     FIELDS,
@@ -37,6 +38,7 @@ from engine.motion.quantities import (
     kept_at_of,
     kept_fields,
     motion_fields,
+    only_motor,
 )
 from engine.motion.runs.run import run_to_end
 from engine.motion.runs.run_extremes import FieldAnswers, RunExtremes
@@ -200,7 +202,15 @@ class Schedule:
     """
 
     def __init__(self, mechanics: Mechanics, asked: set[str], steps: int, accuracy: float | None = None) -> None:
-        self.scene, self.asked, self.steps = mechanics.scene, asked, steps
+        self.scene, self.steps = mechanics.scene, steps
+        own = ((name, n) for name, regime in self.scene.regimes.items() for n in only_motor(self.scene, regime))
+        pairs = (
+            (f"{name}.{n}_shaft_torque_{key}", f"{name}.motor_moment_{key}", n) for name, n in own for key in AT_SHAFT
+        )
+        # Torques of motors at their own shafts, with those reduced to the input that they follow from.
+        self.at_shaft = {name: (reduced, n) for name, reduced, n in pairs if name in asked}
+        self.only_for_shafts = {reduced for reduced, _ in self.at_shaft.values()} - asked
+        asked = self.asked = asked | self.only_for_shafts
         self.keys = run_keys(mechanics.scene.input)
         self.tolerance = TOLERANCE if accuracy is None else max(SURER * accuracy, LEAST_TOLERANCE)
         self._run_tolerance = RUN_TOLERANCE, FINER * RUN_TOLERANCE
@@ -390,6 +400,14 @@ class Schedule:
             for key, rows in gone.fields.items() if name in self.instants else ():
                 if key.startswith(f"{name}."):
                     gone.scales[key] = growth * _greatest(np.abs(rows))
+        numbers = next(iter(driven.values())).numbers
+        for name, (reduced, motor) in self.at_shaft.items():
+            ratio = np.abs(motor_ratio(self.scene, self.scene.moments[motor], numbers))
+            for rows in (gone.values, gone.scales, gone.missed):
+                if reduced in rows:
+                    rows[name] = rows[reduced] / ratio
+        for name in self.only_for_shafts:
+            gone.values.pop(name, None)
         return gone._replace(verdict=standing.verdict)
 
     def hindered(self, name: str, dynamics: Dynamics, variants: Variants) -> np.ndarray:

@@ -4,21 +4,21 @@ from engine.mechanism.mechanics import Mechanics
 from engine.quantities import chapters
 from engine.quantities.register import Register
 
-# The chapters in their order, each with the parts of a scene that it is about: it is loaded for a scene with any of
-# them. Those without such parts are about every machine.
+# The chapters in the order in which their answers are read, each with the parts of a scene that it is about: it is
+# loaded for a scene with any of them. Those without such parts are about every machine.
 CHAPTERS = {
-    "kinematics": (),
-    "cams": ("cams",),
-    "cylinders": ("cylinders",),
     "strokes": (),
     "wanted": ("wanted",),
+    "cylinders": ("cylinders",),
     "loops": (),
-    "dynamics": (),
-    "wheel": ("flywheel",),
-    "inertia": (),
+    "kinematics": (),
+    "cams": ("cams",),
     "reactions": (),
     "strength": ("pins", "struts"),
     "friction": ("friction", "shafts", "noncircular_wheels", "racks", "pinions"),
+    "dynamics": (),
+    "wheel": ("flywheel",),
+    "inertia": (),
 }
 
 

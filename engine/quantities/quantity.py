@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+from engine.elements.element import Rank
 from engine.parts.skeleton import CrankInput
 from engine.scene.scene import Scene
 
@@ -18,12 +19,13 @@ STATISTICS = {
 
 
 class Quantity(NamedTuple):
-    """A quantity one may ask: its name, meaning and unit (SI, spelt as CF does), and the textbook's symbol, if any."""
+    """A quantity one may ask: its name, meaning and unit (SI, spelt as CF does), symbol if any, and rank."""
 
     name: str
     long_name: str
     units: str
     symbol: str = ""
+    rank: Rank = Rank.FURTHER
 
 
 class InputUnits(NamedTuple):

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
+from engine.elements.element import Rank
 from engine.graph.nodes import Node
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import (
@@ -35,6 +36,8 @@ class Field(NamedTuple):
         Makes the node, or what is followed, when it is asked for.
     symbol : str
         As textbooks write it.
+    answers : tuple of str
+        Its statistics that an engineer asks of the machine, such as "peak".
     """
 
     name: str
@@ -42,6 +45,7 @@ class Field(NamedTuple):
     units: str
     curve: Callable[[], Node | Followed]
     symbol: str = ""
+    answers: tuple[str, ...] = ()
 
     @property
     def quantity(self) -> Quantity:
@@ -61,6 +65,7 @@ class Summary(NamedTuple):
         Whether NaN is an answer and not a failure.
     symbol : str
         As textbooks write it.
+    rank : Rank
     """
 
     name: str
@@ -69,11 +74,12 @@ class Summary(NamedTuple):
     expression: Callable[[], Expression]
     may_be_undefined: bool = False
     symbol: str = ""
+    rank: Rank = Rank.FURTHER
 
     @property
     def quantity(self) -> Quantity:
         """What it tells of itself."""
-        return Quantity(self.name, self.long_name, self.units, self.symbol)
+        return Quantity(self.name, self.long_name, self.units, self.symbol, self.rank)
 
 
 Declared = Iterator[Field | Summary]
@@ -108,7 +114,13 @@ def statistic_summaries(field: Field, mechanics: Mechanics) -> Iterable[Summary]
         "max_at": (q, lambda: place_of(curve, "greatest")),
     }
     return [
-        Summary(f"{field.name}.{key}", f"{STATISTICS[key]} the {field.long_name}", units, expression)
+        Summary(
+            f"{field.name}.{key}",
+            f"{STATISTICS[key]} the {field.long_name}",
+            units,
+            expression,
+            rank=Rank.ANSWER if key in field.answers else Rank.FURTHER,
+        )
         for key, (units, expression) in declared.items()
     ]
 
@@ -131,9 +143,15 @@ class Register:
         self.mechanics = mechanics
         self.fields: dict[str, Field] = {}
         self.summaries: dict[str, Summary] = {}
+        answers: list[str] = []
         for quantity in declared:
             known = self.fields if isinstance(quantity, Field) else self.summaries
             known[quantity.name] = quantity
+            if isinstance(quantity, Field):
+                answers += [f"{quantity.name}.{statistic}" for statistic in quantity.answers]
+            elif quantity.rank == Rank.ANSWER:
+                answers.append(quantity.name)
+        self._answers = answers
         self._statistics: dict[str, Summary] = {}
 
     def why_not(self, name: str) -> str | None:
@@ -155,6 +173,11 @@ class Register:
             f"{name!r}: a load depends on time ({', '.join(timed)}), so at constant speed {NOTHING_REPEATS}; ask for "
             "results of a run, or give the load over the crank's angle"
         )
+
+    @property
+    def answers(self) -> tuple[str, ...]:
+        """Summaries and statistics of fields that an engineer asks of the machine, the most important first."""
+        return tuple(name for name in self._answers if self.why_not(name) is None)
 
     @property
     def available_fields(self) -> dict[str, Field]:

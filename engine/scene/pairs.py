@@ -120,6 +120,12 @@ def pairs(scene: Scene) -> list[Pair]:
     return [*found, *free_pairs(scene), *(follower_pair(scene, name) for name in scene.cams)]
 
 
+@once
+def held_by_frame(scene: Scene) -> frozenset[str]:
+    """Links and sliders that a pair joins to the frame."""
+    return frozenset(pair.link for pair in pairs(scene) if pair.other == FRAME)
+
+
 def follower_pair(scene: Scene, cam: str) -> Pair:
     """The pair in which the frame holds a cam's follower."""
     follower = scene.cams[cam].follower

@@ -4,6 +4,9 @@ Text, tables, plots, pages, exports and messages all take their units from here.
 
 "mm" is the metric system of drawings (mm, rpm, kN), "US" the inch-pound system (in, lbf, hp), "SI" the coherent units
 alone (m, rad/s, N). Angles are in degrees in all of them.
+
+Error estimates are shown where they matter: above `TELLING` of the value, where something depends on them, or all of
+them after `show_errors`.
 """
 
 import functools
@@ -124,6 +127,8 @@ _OWN = {"SI": frozenset(), "mm": frozenset(["kgf", "kp", "gf", "PS", "atm"]), "U
 _ALIASES = {"inch": "in", "lbs": "lb", "lbm": "lb", "kips": "kip", "klbf": "kip"}
 # Numbers below it are written without a power of ten.
 _WRITTEN_OUT = 1e7
+# Error estimates below this share of the value are not shown.
+TELLING = 1e-6
 _POWERS = str.maketrans("23456789", "²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -135,6 +140,12 @@ class _Shown(NamedTuple):
 
 
 _shown: ContextVar[_Shown] = ContextVar("units shown")
+_every_error: ContextVar[bool] = ContextVar("whether every error estimate is shown", default=False)
+
+
+def show_errors(every: bool) -> None:
+    """Show every error estimate from now on, or only those that matter."""
+    _every_error.set(every)
 
 
 def show_units_of(data: Mapping[str, Any]) -> UnitSystem:
@@ -279,17 +290,29 @@ def unit_label(units: str) -> str:
     return f"{'·'.join(above) or '1'}/{f'({bar})' if len(below) > 1 else bar}"
 
 
-def quantity_text(value: float, units: str, error: float | None = None) -> str:
-    """A value with its error estimate in a practical unit."""
+def quantity_text(value: float, units: str, error: float | None = None, decides: bool = False) -> str:
+    """A value with its error estimate in a practical unit.
+
+    Parameters
+    ----------
+    value : float
+        SI.
+    units : str
+        CF unit ("kg m2").
+    error : float, optional
+        SI.
+    decides : bool
+        As for `figure_text`.
+    """
     if not math.isfinite(value):
         return "–"
     factor, label = display_unit(units, np.array([value]))
     unit = f" {label}" if label not in ("", "1") else ""
-    return figure_text(value * factor + 0.0, None if error is None else error * factor, 5) + unit
+    return figure_text(value * factor + 0.0, None if error is None else error * factor, 5, decides) + unit
 
 
-def figure_text(value: float, error: float | None, digits: int) -> str:
-    """A value with its error estimate, rounded to significant digits.
+def figure_text(value: float, error: float | None, digits: int, decides: bool = False) -> str:
+    """A value with its error estimate if that matters, rounded to significant digits.
 
     Parameters
     ----------
@@ -298,11 +321,15 @@ def figure_text(value: float, error: float | None, digits: int) -> str:
         Shown with one digit.
     digits : int
         Maximum number of significant digits.
+    decides : bool
+        Whether something depends on the error estimate, so that it is shown however small.
     """
     plain = f"{value:.{digits}g}"
     if abs(value) < _WRITTEN_OUT and "e+" in plain:
         plain = f"{float(plain):.0f}"
     if error is None or not math.isfinite(error):
+        return plain
+    if not (decides or _every_error.get() or error > TELLING * abs(value)):
         return plain
     first, last = _exponent(value), _exponent(error, 0)
     if error == 0 or first - last >= digits:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import DIFFERENT, errors_as_messages, tell
+from sweeps.cli.shared import DIFFERENT, ERRORS, errors_as_messages, tell
 
 
 @click.command()
@@ -33,13 +33,14 @@ def help_command(key: str | None) -> None:
 @click.command("compare")
 @click.argument("one", type=click.Path(path_type=Path))
 @click.argument("other", type=click.Path(path_type=Path))
+@ERRORS
 @errors_as_messages
 def compare_command(one: Path, other: Path) -> None:
-    """Compare two result files: differences in scene and study, values that agree within their error estimates.
+    """Compare two result files: best against best, differences in scene and study, values within error estimates.
 
     The exit code is 1 if values or verdicts differ.
     """
-    from sweeps.report.comparison import comparison
+    from sweeps.report.answers.comparison import comparison
     from sweeps.report.sweep_result import SweepResult
 
     results = SweepResult(one), SweepResult(other)

@@ -4,13 +4,14 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import errors_as_messages, make_folder, tell, tell_altered
+from sweeps.cli.shared import ERRORS, errors_as_messages, make_folder, tell, tell_altered
 from sweeps.cli.waiting import doing
 
 
 @click.command()
 @click.argument("file")
 @click.option("--out", type=click.Path(path_type=Path), help="Page to write; default: FILE with .html.")
+@ERRORS
 @errors_as_messages
 def report(file: str, out: Path | None) -> None:
     """Write a report on a result file or scene: one HTML page with figures in which variants can be selected.

@@ -6,19 +6,22 @@ from pathlib import Path
 import click
 
 from sweeps.cli.shared import (
+    ALL,
     CLUSTER,
+    ERRORS,
     JSON,
     cluster_client,
     errors_as_messages,
     make_folder,
     plots_of,
     run_options,
-    stop_if_all_failed,
+    stop_without_answer,
     study_options,
     tell,
     tell_aside,
     tell_data,
     tell_files,
+    tell_outdated,
     use_threads,
     workers_text,
 )
@@ -31,6 +34,7 @@ from sweeps.text.interruption import keeping
 @click.option("--source", is_flag=True, help="Print the generated kernel instead.")
 @CLUSTER
 @study_options
+@ERRORS
 @errors_as_messages
 def check(
     study: str,
@@ -59,7 +63,9 @@ def check(
 @click.argument("study")
 @run_options("results/NAME.h5")
 @study_options
+@ALL
 @JSON
+@ERRORS
 @errors_as_messages
 def run(
     study: str,
@@ -73,6 +79,7 @@ def run(
     settings: tuple[str, ...],
     positions: int | None,
     accuracy: str | None,
+    every: bool,
     as_json: bool,
 ) -> None:
     """Run a study (a file, or the name of a bundled one) into an HDF5 file, resuming an interrupted run.
@@ -80,7 +87,7 @@ def run(
     Existing results are reused, so variants, summaries and fields can be added. A file with other or further results is
     kept as NAME.previous.h5.
 
-    The exit code is 1 if no variant has a result.
+    The exit code is 1 if no variant has a result, or none meets the conditions of the question.
     """
     from sweeps.report.check_report import between_positions_text
     from sweeps.report.files.result_data import result_data
@@ -89,6 +96,7 @@ def run(
     from sweeps.report.variant_warnings import answer_warnings
     from sweeps.run.progress import ProgressBar
     from sweeps.run.runner import run_study
+    from sweeps.store import variants_kept
     from sweeps.study.bundled import find_study
     from sweeps.study.settings import changed_study
     from sweeps.study.study_reader import read_study
@@ -98,7 +106,7 @@ def run(
     out = out or Path("results") / f"{found.name}.h5"
     make_folder(out)
     use_threads(jobs)
-    bar = ProgressBar(found.design.size, quiet)
+    bar = ProgressBar(found.design.size, quiet, kept=0 if restart else variants_kept(out))
     with keeping(bar.kept_text):
         with cluster_client(cluster, jobs) as client:
 
@@ -114,23 +122,27 @@ def run(
             made = [out, *([] if no_plots else plots_of(result))]
             warned = {"warnings": answer_warnings(result)}
             tell_data(result_data(result, told) | warned | {"files": [str(path) for path in made]})
-            stop_if_all_failed(result.columns["status"])
+            stop_without_answer(result)
             return
         plural = "" if found.design.size == 1 else "s"
         tell(f"{found.title or found.name}: {found.design.size} variant{plural}")
         tell(counts_text(result))
-        tell(answer_text(result))
+        tell(answer_text(result, every))
         for warning in answer_warnings(result):
             tell(f"Warning: {warning}")
         if hidden := between_positions_text(found):
             tell(hidden)
-        tell_files([out, *([] if no_plots else plots_of(result))], started)
-    stop_if_all_failed(result.columns["status"])
+        made = [out, *([] if no_plots else plots_of(result))]
+        tell_files(made, started)
+        tell_outdated(out, made)
+    stop_without_answer(result)
 
 
 @click.command()
 @click.argument("study")
 @run_options("results/NAME_optimised.h5")
+@ALL
+@ERRORS
 @errors_as_messages
 def optimise(
     study: str,
@@ -141,8 +153,12 @@ def optimise(
     cluster: str | None,
     no_plots: bool,
     quiet: bool,
+    every: bool,
 ) -> None:
-    """Optimise a study over its variables by its [optimise] or [best], resuming an interrupted search."""
+    """Optimise a study over its variables by its [optimise] or [best], resuming an interrupted search.
+
+    The exit code is 1 if no candidate meets the conditions.
+    """
     from sweeps.optimising.optimum import choices, optimum_text
     from sweeps.optimising.runner import optimise_study
     from sweeps.report.result_report import counts_text
@@ -170,8 +186,10 @@ def optimise(
         result = SweepResult(out)
         tell(f"{found.title or found.name}: {result.description.variants} candidates")
         tell(counts_text(result))
-        tell(optimum_text(result))
+        tell(optimum_text(result, every))
         for warning in result_warnings(result, [choice.variant for choice in choices(result)]):
             tell(f"Warning: {warning}")
-        tell_files([out, *([] if no_plots else plots_of(result))], started)
-    stop_if_all_failed(result.columns["status"])
+        made = [out, *([] if no_plots else plots_of(result))]
+        tell_files(made, started)
+        tell_outdated(out, made)
+    stop_without_answer(result)

@@ -4,7 +4,7 @@ import json
 import re
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import reduce, wraps
 from pathlib import Path
@@ -18,8 +18,10 @@ from sweeps.text.visible import visible
 if TYPE_CHECKING:
     from distributed import Client
 
+    from sweeps.report.sweep_result import SweepResult
+
 WRONG_INPUT = 2
-ALL_FAILED = 1
+NO_ANSWER = 1
 NOT_ALL_DONE = 1
 DIFFERENT = 1
 
@@ -149,6 +151,25 @@ WHERE = click.option(
 )
 POSITIONS = click.option("--positions", type=WholeNumber(0), help="Number of field positions per cycle, even.")
 ACCURACY = click.option("--accuracy", help="Tolerance of every summary, such as '0.1 %'.")
+
+
+def _show_errors(_: click.Context, __: click.Parameter, every: bool) -> None:
+    from engine import show_errors
+
+    show_errors(every)
+
+
+ERRORS = click.option(
+    "--errors",
+    is_flag=True,
+    expose_value=False,
+    callback=_show_errors,
+    help="Show all error estimates, not only those that matter (above 1e-6 of the value, or deciding a condition or a "
+    "tie).",
+)
+ALL = click.option(
+    "--all", "every", is_flag=True, help="Show all results: also further ones, checks, and derived helper numbers."
+)
 JSON = click.option("--json", "as_json", is_flag=True, help="JSON output in SI units.")
 
 
@@ -178,10 +199,13 @@ def tell_data(data: object) -> None:
     tell(re.sub("[\x7f-\x9f]", lambda found: f"\\u{ord(found[0]):04x}", text))
 
 
-def stop_if_all_failed(status: Iterable[int]) -> None:
-    """Exit with a special code if no variant has a result."""
-    if all(status):
-        sys.exit(ALL_FAILED)
+def stop_without_answer(result: "SweepResult") -> None:
+    """Exit with a special code if no variant has a result, or none meets the conditions of the question."""
+    from engine import Verdict
+
+    works = result.verdict_counts().get(Verdict.OK, 0)
+    if not works or (result.aim is not None and result.description.variants > 1 and result.best(result.aim) is None):
+        sys.exit(NO_ANSWER)
 
 
 def tell_version(context: click.Context, _: click.Parameter, asked: bool) -> None:
@@ -210,6 +234,22 @@ def tell_files(made: list[Path], started: float) -> None:
     """List the files written since `started` (`time.perf_counter`)."""
     tell(f"Files ({time.perf_counter() - started:.1f} s):")
     tell("\n".join(f"  {path}" for path in made))
+
+
+def tell_outdated(out: Path, made: list[Path]) -> None:
+    """Report pictures and pages of a result that are older than its numbers."""
+    others = [file.stem for file in out.parent.glob("*.h5") if file.stem.startswith(f"{out.stem}_")]
+    found = [
+        file.name
+        for file in sorted(out.parent.iterdir())
+        if file.suffix in (".html", ".png", ".svg", ".pdf", ".gif")
+        and file not in made
+        and f"{file.stem}_".startswith(f"{out.stem}_")
+        and not any(f"{file.stem}_".startswith(f"{other}_") for other in others)
+        and file.stat().st_mtime < out.stat().st_mtime
+    ]
+    if found:
+        tell_aside(f"Older than {out}: {', '.join(found)}; `sweeps plot` and `sweeps report` remake them.")
 
 
 def plots_of(result: object) -> list[Path]:

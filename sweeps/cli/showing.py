@@ -6,6 +6,8 @@ from pathlib import Path
 import click
 
 from sweeps.cli.shared import (
+    ALL,
+    ERRORS,
     JSON,
     POSITIONS,
     SET,
@@ -14,6 +16,7 @@ from sweeps.cli.shared import (
     errors_as_messages,
     make_folder,
     names_in,
+    stop_without_answer,
     tell,
     tell_altered,
     tell_data,
@@ -28,13 +31,15 @@ from sweeps.cli.waiting import doing
 @click.option("--sort", help="Column to sort by.")
 @click.option("--descending", is_flag=True, help="Descending order.")
 @click.option("--limit", type=WholeNumber(1), default=10, show_default=True, help="Number of variants to list.")
-@click.option("--columns", help="Summaries to show, or fields with --at, comma-separated (default: all).")
+@click.option("--columns", help="Summaries to show, or fields with --at, comma-separated (default: the answers).")
 @click.option(
     "--at", help="Fields of one machine at crank angles ('37 deg') or displacements, or its motion at '0.2 s'."
 )
 @click.option("--variant", type=WholeNumber(0), help="With --at: one variant of a result file.")
 @SET
+@ALL
 @JSON
+@ERRORS
 @errors_as_messages
 def show(
     file: Path,
@@ -46,11 +51,12 @@ def show(
     at: str | None,
     variant: int | None,
     settings: tuple[str, ...],
+    every: bool,
     as_json: bool,
 ) -> None:
     """Show a result file: contents, verdicts, best variants. With --at, show one machine at given positions.
 
-    With --at, FILE can also be a scene or study.
+    With --at, FILE can also be a scene or study. The exit code is 1 if the question of the study has no answer.
     """
     if at is not None:
         _show_at(str(file), variant, at, names_in(columns or ""), settings, as_json)
@@ -88,6 +94,7 @@ def show(
     chosen = result.select(condition, sort or (usual and "front"), descending, most=limit)
     if as_json:
         tell_data(result_data(result, chosen, names))
+        stop_without_answer(result)
         return
     d = result.description
     tell(f"{d.title}: {variants_done_text(result)}")
@@ -96,9 +103,10 @@ def show(
         tell(line)
     tell(counts_text(result))
     tell(f"{meeting_text(result, condition)}; the first {chosen.size}:")
-    tell(variants_text(result, chosen, names))
+    tell(variants_text(result, chosen, names, every))
     if not where:
-        tell((optimum_text if is_search(result) else answer_text)(result))
+        tell((optimum_text if is_search(result) else answer_text)(result, every))
+        stop_without_answer(result)
 
 
 def _show_at(

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from sweeps.cli.shared import WholeNumber, errors_as_messages, names_in, tell, write_text
+from sweeps.cli.shared import ERRORS, WholeNumber, errors_as_messages, names_in, tell, write_text
 
 
 @click.command()
@@ -47,6 +47,7 @@ def flywheel(
     "--holes", type=WholeNumber(1), help="Number of equally spaced holes for the weights, the first at the mark."
 )
 @click.option("--planes", help="Planes of an engine's balance shafts, '-80 mm, 80 mm'.")
+@ERRORS
 @errors_as_messages
 def balance_command(
     file: str | None,

@@ -4,13 +4,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import Verdict, display_unit, quantity_text
+from engine import Verdict, display_unit
+from sweeps.report.answers.shown_results import hidden_text, shown_parameters, shown_summaries
+from sweeps.report.answers.unmet_conditions import no_answer_text
+from sweeps.report.result_report import ends_text, value_text
 from sweeps.report.sweep_result import SweepResult
 from sweeps.text.conditions import Condition
 from sweeps.text.tables import table
 
-# Closer to a bound or limit than this share of the range counts as on it.
+# Closer to a limit than this share of the range counts as on it.
 ON_LIMIT = 1e-6
+BOUNDS = {"minimum": "lower bound", "maximum": "upper bound"}
 
 
 class Choice(NamedTuple):
@@ -78,66 +82,61 @@ def choices(result: SweepResult) -> list[Choice]:
     return found
 
 
-def optimum_text(result: SweepResult) -> str:
-    """The answer of a search: the best candidate with its active limits, or chosen candidates of the front."""
+def optimum_text(result: SweepResult, every: bool = False) -> str:
+    """The answer of a search: the best candidate with its active limits, or chosen candidates of the front.
+
+    Parameters
+    ----------
+    result : SweepResult
+    every : bool
+        All results, also further ones, checks, and derived helper numbers.
+    """
     search, there = result.record["search"], front(result)
     head = [result.question] if result.question else []
     found = f"{search['method']}, seed {search['seed']}: {result.description.attributes.get('outcome', '')}"
     if not there.size:
-        return "\n".join([*head, "No candidate meets all conditions.", found])
+        return "\n".join([*head, no_answer_text(result, "candidate"), found])
     if is_front(result):
-        return "\n".join([*head, _choices_text(result), f"{found}, {there.size} of them on the front"])
-    return "\n".join([*head, _best_text(result, int(there[0])), found])
+        return "\n".join([*head, _choices_text(result, every), f"{found}, {there.size} of them on the front"])
+    return "\n".join([*head, _best_text(result, int(there[0]), every), found])
 
 
-def _choices_text(result: SweepResult) -> str:
+def _choices_text(result: SweepResult, every: bool) -> str:
     chosen = choices(result)
     goals = [name for name, _ in objectives(result)]
     rows = [("", *(f"variant {choice.variant}" for choice in chosen)), ("", *(choice.why for choice in chosen))]
-    for name in dict.fromkeys([*goals, *result.parameters, *result.summaries]):
+    for name in dict.fromkeys([*goals, *shown_parameters(result, every), *shown_summaries(result, every)]):
         rows.append((name, *(_value(result, name, choice.variant) for choice in chosen)))
-    return f"Chosen from the front:\n{table(rows, '  ')}"
+    return "\n".join(["Chosen from the front:", table(rows, "  "), *hidden_text(result, every)])
 
 
-def _best_text(result: SweepResult, best: int) -> str:
+def _best_text(result: SweepResult, best: int, every: bool) -> str:
     (name, sign), *_ = objectives(result)
     condition = f" where {result.condition}" if result.condition else ""
     word = "minimum" if sign > 0 else "maximum"
     lines = [f"Answer: {word} {name}{condition}: {_value(result, name, best)}, variant {best}:"]
-    ends = _ends(result, best)
-    rows = [(n, "=", _value(result, n, best), ends.get(n, "")) for n in result.parameters]
-    rows += [(n, "→", _value(result, n, best), "") for n in result.summaries if n != name]
-    lines.append(table(rows, "  "))
+    ends = {name: BOUNDS[end.word] for name, end in result.range_ends(best).items()}
+    rows = [(n, "=", _value(result, n, best), ends.get(n, "")) for n in shown_parameters(result, every)]
+    shown = [n for n in shown_summaries(result, every) if n != name]
+    rows += [(n, "→", _value(result, n, best), result.long_names[n]) for n in shown]
+    lines += [table(rows, "  "), *hidden_text(result, every)]
     limits = _limits(result, best)
     lines += [f"on the limit of: {text}" for text in limits]
+    lines += ends_text(result, best)
     if not limits and not ends:
         lines.append("inside all ranges and conditions")
     return "\n".join(lines)
 
 
 def _value(result: SweepResult, name: str, variant: int) -> str:
-    """A value with its error estimate and its standard deviation from tolerances."""
+    """A value with its standard deviation from tolerances."""
     column, units = result.columns, result.units[name]
-    error = float(column[f"{name}_error"][variant]) if f"{name}_error" in column else None
-    value = float(column[name][variant])
-    text = quantity_text(value, units, error)
+    text = value_text(result, name, variant)
     if f"{name}.tolerance" not in column:
         return text
     # In the value's unit, for comparison.
-    factor, label = display_unit(units, np.array([value]))
+    factor, label = display_unit(units, column[name][[variant]])
     return f"{text}, σ {factor * column[f'{name}.tolerance'][variant]:.2g}{'' if label == '1' else f' {label}'}"
-
-
-def _ends(result: SweepResult, variant: int) -> dict[str, str]:
-    """Parameters of a candidate at a bound of their range, and which bound."""
-    found = {}
-    for span in result.record["search"]["ranges"]:
-        name, low, high = span["name"], span["low"], span["high"]
-        value = result.columns[name][variant]
-        near = ON_LIMIT * (high - low)
-        if low < high and (value - low <= near or high - value <= near):
-            found[name] = "lower bound" if value - low <= near else "upper bound"
-    return found
 
 
 def _limits(result: SweepResult, variant: int) -> list[str]:

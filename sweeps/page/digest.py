@@ -10,7 +10,6 @@ import numpy as np
 
 from engine import Verdict, scene_numbers
 from sweeps.report.sweep_result import SweepResult, drop_counts
-from sweeps.study.study_text import Best
 from sweeps.text.conditions import Condition
 
 MOST_BEST, MOST_SAMPLED = 500, 2000
@@ -65,7 +64,7 @@ class Digest:
 
     def __init__(self, path: Path) -> None:
         self.result = SweepResult(path)
-        self.aim = _aim_of(self.result)
+        self.aim = self.result.aim
 
     @property
     def _where(self) -> str:
@@ -136,16 +135,6 @@ class Digest:
                 here = self.result.rows(np.array([self.best]), required.behind(part.names))
                 margin = -float(part.margins(*required.known(here), 1).max())
             yield Price(part.text, margin, int(without[0]) if without.size else None)
-
-    @cached_property
-    def ranges(self) -> dict[str, tuple[float, float]]:
-        """Range of each variable over all variants."""
-        found = dict.fromkeys(self.result.varied, (np.inf, -np.inf))
-        for part in self.result.parts():
-            for name, (low, high) in found.items():
-                here = self.result.columns[name][part]
-                found[name] = min(low, float(here.min())), max(high, float(here.max()))
-        return found
 
     @cached_property
     def worst_errors(self) -> dict[str, float]:
@@ -232,15 +221,6 @@ class Digest:
         if self.best is not None or self.aim is not None:
             return self.best
         return int(self.shown[0]) if self.shown.size else None
-
-
-def _aim_of(result: SweepResult) -> Best | None:
-    """The objective and condition of a result."""
-    if "search" not in result.record:
-        return result.goal
-    search = result.record["search"]
-    objective = search["objectives"][0]
-    return Best(**{objective["way"]: objective["name"]}, where=search["where"])
 
 
 def _neighbours(result: SweepResult, best: int | None) -> tuple[Neighbour, ...]:

@@ -15,10 +15,11 @@ from sweeps.page.page_tables import (
     provenance_table,
     sensitivity_tables,
     value_tables,
-    value_text,
     verdicts_table,
 )
+from sweeps.report.answers.unmet_conditions import no_answer_text
 from sweeps.report.regime_words import MOTION_VERDICTS, failure_text
+from sweeps.report.result_report import value_text
 from sweeps.report.variant_warnings import result_warnings
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import with_values
@@ -111,8 +112,8 @@ def _answer(digest: Digest) -> str:
         return "The study has no [best], so there is no best variant."
     condition = f" where {aim.condition}" if aim.where else ""
     if digest.best is None:
-        return "No variant meets all conditions."
-    value = value_text(digest, aim.goal, digest.best)
+        return no_answer_text(result)
+    value = value_text(result, aim.goal, digest.best)
     return f"{aim.word.capitalize()} {aim.goal}{condition}: {value}, variant {digest.best}."
 
 

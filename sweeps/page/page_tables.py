@@ -8,7 +8,9 @@ from scipy.stats import spearmanr
 
 from engine import Verdict, display_unit, figure_text, quantity_text
 from sweeps.page.digest import Digest
+from sweeps.report.answers.shown_results import shown_summaries
 from sweeps.report.regime_words import by_regime, regime_words
+from sweeps.report.result_report import range_text, value_text
 from sweeps.study.sensitivity import RSS, WORST_CASE
 
 MOST_ROWS = 20
@@ -33,13 +35,6 @@ class PageTable(NamedTuple):
     numbers: Sequence[int] = ()
 
 
-def value_text(digest: Digest, name: str, variant: int) -> str:
-    """A variant's value with its error estimate."""
-    units = digest.result.units
-    error = digest.value(f"{name}_error", variant) if f"{name}_error" in units else None
-    return quantity_text(digest.value(name, variant), units[name], error)
-
-
 def value_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
     """Tables of the best or only machine."""
     result, variant = digest.result, digest.drawn
@@ -47,12 +42,17 @@ def value_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
         return
     names = result.long_names
     if result.parameters:
-        rows = [(name, value_text(digest, name, variant)) for name in result.parameters]
+        rows = [(name, value_text(result, name, variant)) for name in result.parameters]
         yield f"Numbers of variant {variant}", PageTable(("number", "value"), rows, (1,))
-    for regime, chosen in by_regime(result.scene, result.summaries).items():
-        rows = [(name, value_text(digest, name, variant), names[name]) for name in chosen]
+    shown = shown_summaries(result)
+    head = ("result", "value ± error estimate", "meaning")
+    for regime, chosen in by_regime(result.scene, shown).items():
+        rows = [(name, value_text(result, name, variant), names[name]) for name in chosen]
         heading = f"{regime}: {regime_words(result.scene, regime)}" if regime else "Results"
-        yield heading, PageTable(("result", "value ± error estimate", "meaning"), rows, (1,))
+        yield heading, PageTable(head, rows, (1,))
+    rows = [(name, value_text(result, name, variant), names[name]) for name in result.summaries if name not in shown]
+    if rows:
+        yield "Further results and checks", PageTable(head, rows, (1,))
 
 
 # Limits and sensitivities
@@ -67,7 +67,7 @@ def limit_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
     for price in digest.prices:
         without, gain = "", ""
         if price.without is not None:
-            without = f"{value_text(digest, aim.goal, price.without)}, variant {price.without}"
+            without = f"{value_text(digest.result, aim.goal, price.without)}, variant {price.without}"
             gain = "inactive" if price.without == digest.best else "active"
         rows.append((price.text, _room(price.margin), gain, without))
     if rows:
@@ -93,14 +93,9 @@ def _room(margin: float) -> str:
 
 
 def _ends(digest: Digest, best: int) -> Iterator[tuple[str, str, str, str]]:
-    units = digest.result.units
-    for name, (low, high) in digest.ranges.items():
-        value = digest.value(name, best)
-        near = 1e-9 * (high - low)
-        if low < high and (value - low <= near or high - value <= near):
-            end = "least" if value - low <= near else "greatest"
-            tried = " … ".join(quantity_text(limit, units[name]) for limit in (low, high))
-            yield name, quantity_text(value, units[name]), end, tried
+    result = digest.result
+    for name, end in result.range_ends(best).items():
+        yield name, value_text(result, name, best), end.word, range_text(result, name, end)
 
 
 def sensitivity_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
@@ -111,19 +106,19 @@ def sensitivity_tables(digest: Digest) -> Iterator[tuple[str, PageTable]]:
         return
     asked = [name for name in result.summaries if ".by." in name]
     if asked:
-        rows = [(*name.split(".by.", 1), value_text(digest, name, variant)) for name in asked]
+        rows = [(*name.split(".by.", 1), value_text(result, name, variant)) for name in asked]
         yield f"Derivatives at variant {variant}:", PageTable(("of", "by", "derivative ± error estimate"), rows, (2,))
     banded = [name for name in result.summaries if f"{name}.{RSS}" in result.units]
     if banded:
         rows = [
-            (name, *(f"± {value_text(digest, f'{name}.{kind}', variant)}" for kind in (WORST_CASE, RSS)))
+            (name, *(f"± {value_text(result, f'{name}.{kind}', variant)}" for kind in (WORST_CASE, RSS)))
             for name in banded
         ]
         head = ("result", "worst case", "root of the sum of squares")
         yield "Effect of tolerances, to first order:", PageTable(head, rows, (1, 2))
     if digest.aim is None or digest.best is None:
         return
-    best = value_text(digest, digest.aim.goal, digest.best)
+    best = value_text(result, digest.aim.goal, digest.best)
     rows = [(", ".join(n.names), _step(digest, n.below), best, _step(digest, n.above)) for n in digest.neighbours]
     if rows:
         head = ("number", "one step below", "best", "one step above")

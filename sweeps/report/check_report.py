@@ -17,20 +17,19 @@ from engine import (
     Verdict,
     assembly_ranges,
     group_links,
-    is_warning,
     made_ready,
     order_groups,
     own_drives,
     quantity_text,
 )
 from sweeps.report import accuracy_words
+from sweeps.report.answers.unmet_conditions import drop_lines
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
-from sweeps.report.result_report import drop_lines
 from sweeps.report.variant_warnings import known_summaries, machine_warnings
 from sweeps.run.blocks import LARGEST_BLOCK, block_size, bytes_of_fields
 from sweeps.run.cost import on_shafts_text, probe
 from sweeps.run.runner import crew_of, layout_of
-from sweeps.study.default_summaries import default_summaries, telling_summaries
+from sweeps.study.default_summaries import answers
 from sweeps.study.study import Study
 from sweeps.text.tables import table
 
@@ -106,11 +105,10 @@ def assembly_text(scene: Scene) -> str:
 
 
 def nominal_text(study: Study) -> str:
-    """Characteristic numbers of the unmodified scene."""
+    """Answers of the unmodified scene, without those of its regimes."""
     if study.scene.input is None:
         return _elements_text(study.scene)
-    available = [name for name in Machine(study.scene).available_summaries if not is_warning(name)]
-    wanted = [n for n in available if n.endswith((".stroke", ".swing", "_time_ratio", ".transmission_angle"))]
+    wanted = [name for name in answers(study.machine()) if name.partition(".")[0] not in study.scene.regimes]
     machine = Machine(study.scene, wanted)
     outcome = machine.evaluate({})
     rows = _asked_rows(machine, outcome, [n for n in wanted if np.isfinite(outcome.summaries[n][0])])
@@ -144,7 +142,7 @@ def between_positions_text(study: Study) -> str:
 
 def _elements_text(scene: Scene) -> str:
     """Results of the unmodified machine elements."""
-    machine = made_ready(scene, default_summaries(scene))
+    machine = made_ready(scene, answers(made_ready(scene)))
     outcome = machine.evaluate({})
     rows = _asked_rows(machine, outcome, machine.asked_summaries)
     verdict = Verdict(outcome.status[0])
@@ -165,12 +163,13 @@ def regimes_text(machine: Machine, outcome: Outcome) -> str:
     return "\n".join(lines)
 
 
-def _asked_rows(machine: Machine | ElementsAlone, outcome: Outcome, names: Sequence[str]) -> list[tuple[str, str]]:
-    """Summaries of the first variant with their error estimates."""
-    units = machine.available_summaries
-    return [
-        (n, quantity_text(float(outcome.summaries[n][0]), units[n].units, float(outcome.errors[n][0]))) for n in names
-    ]
+def _asked_rows(machine: Machine | ElementsAlone, outcome: Outcome, names: Sequence[str]) -> list[tuple[str, ...]]:
+    """Summaries of the first variant, with their meaning."""
+    known, rows = machine.available_summaries, []
+    for name in names:
+        value, error = float(outcome.summaries[name][0]), float(outcome.errors[name][0])
+        rows.append((name, quantity_text(value, known[name].units, error), known[name].long_name))
+    return rows
 
 
 def plan_text(machine: Machine) -> tuple[str, str]:
@@ -205,7 +204,8 @@ def check_text(
     between = "" if uncompiled else between_positions_text(study)
     regimes, known = "", {}
     if study.scene.regimes and not uncompiled:
-        moving = Machine(study.scene, telling_summaries(study.scene), positions=study.positions)
+        asked = [name for name in answers(Machine(study.scene)) if name.partition(".")[0] in study.scene.regimes]
+        moving = Machine(study.scene, asked, positions=study.positions)
         outcome = moving.evaluate({})
         regimes, known = regimes_text(moving, outcome), known_summaries(outcome)
     warned = "\n".join([*machine_warnings(study.scene, known), *filter(None, [between])])

@@ -15,8 +15,10 @@ from engine import (
     quantity_text,
 )
 from sweeps.report import accuracy_words
+from sweeps.report.answers.shown_results import hidden_text, shown_parameters, shown_summaries
+from sweeps.report.answers.unmet_conditions import drop_lines, no_answer_text, undecided_text
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
-from sweeps.report.sweep_result import SweepResult, drop_counts
+from sweeps.report.sweep_result import RangeEnd, SweepResult
 from sweeps.text.conditions import Where
 from sweeps.text.scene_text import with_values
 from sweeps.text.tables import table
@@ -46,12 +48,6 @@ def fields_text(result: SweepResult) -> list[str]:
     return [f"{words}: {', '.join(names)}" for words, names in found.items()]
 
 
-def undecided_text(result: SweepResult, where: Where) -> str:
-    """Number of variants undecided within error estimates, as a clause; "" if none."""
-    count = result.undecided(where) if where else 0
-    return f"; {count} {'is' if count == 1 else 'are'} undecided within error estimates" if count else ""
-
-
 def meeting_text(result: SweepResult, where: Where) -> str:
     """Number of variants that meet a condition, and of undecided ones."""
     count = result.count_meeting(where)
@@ -71,25 +67,6 @@ def counts_text(result: SweepResult) -> str:
             lines = [f"motion of the first one up to its failure: {shown}"]
         rows += [("", "", line) for line in lines]
     return "\n".join([table(rows), *accuracy_words.of_result(result)])
-
-
-def drop_lines(conditions: Sequence[str], missed: Iterable[np.ndarray], variants: int | None = None) -> list[str]:
-    """Variants that fail each condition, and those that fail only it.
-
-    Parameters
-    ----------
-    conditions : sequence of str
-    missed : iterable of ndarray of bool (conditions, variants)
-        Failed conditions, by parts of the variants.
-    variants : int, optional
-        Total number of variants, if only a sample is given.
-    """
-    counts, alone, seen = drop_counts(len(conditions), missed)
-    lines = []
-    for text, *found in zip(conditions, counts.tolist(), alone.tolist(), strict=True):
-        first, only = (f"{c}" if variants is None else f"about {c * variants // seen}" for c in found)
-        lines.append(f"{text}: {first}" + (f", {only} only by this condition" if len(conditions) > 1 else ""))
-    return lines
 
 
 def _blame(result: SweepResult, verdict: Verdict) -> list[str]:
@@ -113,9 +90,20 @@ def _blame(result: SweepResult, verdict: Verdict) -> list[str]:
     return lines
 
 
-def variants_text(result: SweepResult, variants: Iterable[int], names: Sequence[str] = ()) -> str:
-    """Table of some variants: parameters and summaries with error estimates."""
-    shown, variants = [*result.parameters, *(names or result.summaries)], list(variants)
+def variants_text(result: SweepResult, variants: Iterable[int], names: Sequence[str] = (), every: bool = False) -> str:
+    """Table of some variants: parameters and summaries.
+
+    Parameters
+    ----------
+    result : SweepResult
+    variants : iterable of int
+    names : sequence of str
+        Summaries to show (default: the answers).
+    every : bool
+        All summaries, and derived helper numbers.
+    """
+    shown = [*shown_parameters(result, every), *(names or shown_summaries(result, every))]
+    variants = [int(variant) for variant in variants]
     units = {name: display_unit(result.units[name], result.columns[name][variants]) for name in shown}
     rows = [["variant", *shown], ["", *(label if label != "1" else "" for _, label in units.values())]]
     for variant in variants:
@@ -124,30 +112,37 @@ def variants_text(result: SweepResult, variants: Iterable[int], names: Sequence[
             value = result.columns[name][variant]
             error = result.columns.get(f"{name}_error")
             shown = None if error is None else error[variant] * factor
-            cells.append(figure_text(value * factor, shown, 6) if np.isfinite(value) else "–")
+            decides = name in result.deciding(variant)
+            cells.append(figure_text(value * factor, shown, 6, decides) if np.isfinite(value) else "–")
         rows.append(cells)
     return table(rows)
 
 
-def answer_text(result: SweepResult) -> str:
-    """The answer to the study's question: the best variant's parameters and results."""
+def answer_text(result: SweepResult, every: bool = False) -> str:
+    """The answer to the study's question: the best variant's parameters and results.
+
+    Parameters
+    ----------
+    result : SweepResult
+    every : bool
+        All results, also further ones, checks, and derived helper numbers.
+    """
     goal = result.goal
     if result.description.variants == 1:
-        return "\n".join([*([result.question] if result.question else []), _only_text(result)])
+        return "\n".join([*([result.question] if result.question else []), _only_text(result, every)])
     if goal is None:
         return "The study has no [best]; see `sweeps show`."
     best = result.best()
     if best is None:
-        left_open = undecided_text(result, goal.where)
-        return f"No variant meets all conditions{left_open}."
+        return "\n".join([*([result.question] if result.question else []), no_answer_text(result)])
     lines = [result.question] if result.question else []
-    value = quantity_text(result.columns[goal.goal][best], result.units[goal.goal], _error(result, goal.goal, best))
     condition = f" where {goal.condition}" if goal.where else ""
     rivals = result.rivals(best)
-    lines.append(f"Answer: {goal.word} {goal.goal}{condition}: {value}, variant {best}:")
-    rows = [(name, "=", quantity_text(result.columns[name][best], result.units[name])) for name in result.parameters]
-    rows += [row for row in _summary_rows(result, best) if row[0] != goal.goal]
+    lines.append(f"Answer: {goal.word} {goal.goal}{condition}: {value_text(result, goal.goal, best)}, variant {best}:")
+    rows = [(name, "=", value_text(result, name, best), "") for name in shown_parameters(result, every)]
+    rows += summary_rows(result, best, [name for name in shown_summaries(result, every) if name != goal.goal])
     lines.append(table(rows, "  "))
+    lines += [*hidden_text(result, every), *ends_text(result, best)]
     if undecided_text(result, goal.where):
         lines.append(f"{meeting_text(result, goal.where)}.")
     if rivals:
@@ -156,22 +151,23 @@ def answer_text(result: SweepResult) -> str:
     return "\n".join(lines)
 
 
-def _only_text(result: SweepResult) -> str:
+def _only_text(result: SweepResult, every: bool) -> str:
     """Summaries of a single machine, grouped by regime, or why its motion fails."""
     scene, verdict = result.scene, Verdict(int(result.columns["status"][0]))
     if not result.summaries:
         return f"Kept: {', '.join(result.fields)}; `sweeps plot {result.path}` draws the machine with its diagrams."
+    shown, hidden = shown_summaries(result, every), hidden_text(result, every)
     if not scene.regimes:
-        return table(_summary_rows(result, 0), "  ")
+        return "\n".join([table(summary_rows(result, 0, shown), "  "), *hidden])
     parts, failed = [], verdict in MOTION_VERDICTS
-    for regime, names in by_regime(scene, result.summaries).items():
+    for regime, names in by_regime(scene, shown).items():
         if regime and failed:
             continue
         head = f"{regime}: {regime_words(scene, regime)}" if regime else _cycle_words(scene)
-        parts.append(f"{head}\n{table(_summary_rows(result, 0, names), '  ')}")
+        parts.append(f"{head}\n{table(summary_rows(result, 0, names), '  ')}")
     if failed:
         parts.append(failure_text(with_values(scene, result.variant_values(0)), verdict))
-    return "\n".join(parts)
+    return "\n".join([*parts, *hidden])
 
 
 def _cycle_words(scene: Scene) -> str:
@@ -182,14 +178,28 @@ def _cycle_words(scene: Scene) -> str:
     return f"cycle at {speed}, constant drive torque, all loads{' except brakes' if braked else ''}"
 
 
-def _summary_rows(result: SweepResult, variant: int, names: Iterable[str] | None = None) -> list[tuple[str, str, str]]:
-    """Summaries of a variant with their error estimates."""
-    return [
-        (name, "→", quantity_text(result.columns[name][variant], result.units[name], _error(result, name, variant)))
-        for name in (result.summaries if names is None else names)
+def summary_rows(result: SweepResult, variant: int, names: Iterable[str]) -> list[tuple[str, ...]]:
+    """Summaries of a variant: name, value and meaning."""
+    return [(name, "→", value_text(result, name, variant), result.long_names[name]) for name in names]
+
+
+def ends_text(result: SweepResult, variant: int) -> list[str]:
+    """A line on the variables of a variant that lie at an end of their range, if there are any."""
+    found = [
+        f"{name} = {value_text(result, name, variant)} ({end.word} of {range_text(result, name, end)})"
+        for name, end in result.range_ends(variant).items()
     ]
+    return [f"At the end of its range: {', '.join(found)}; a wider range may give a better answer."] if found else []
 
 
-def _error(result: SweepResult, name: str, variant: int) -> float | None:
-    errors = result.columns.get(f"{name}_error")
-    return None if errors is None else float(errors[variant])
+def range_text(result: SweepResult, name: str, end: RangeEnd) -> str:
+    """The range of a variable."""
+    return " … ".join(quantity_text(limit, result.units[name]) for limit in (end.low, end.high))
+
+
+def value_text(result: SweepResult, name: str, variant: int) -> str:
+    """A variant's value with its unit, and its error estimate if that matters."""
+    columns = result.columns
+    error = float(columns[f"{name}_error"][variant]) if f"{name}_error" in columns else None
+    decides = name in result.deciding(variant)
+    return quantity_text(float(columns[name][variant]), result.units[name], error, decides)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -32,6 +32,16 @@ from sweeps.text.input_files import InputError, check_file
 VARIANTS_AT_A_TIME = 1 << 19
 # Variants per part in random access.
 CHOSEN_AT_A_TIME = 1 << 14
+# Closer to an end of a range than this share of it counts as at the end.
+AT_END = 1e-6
+
+
+class RangeEnd(NamedTuple):
+    """The end of a variable's range, "minimum" or "maximum", and the range."""
+
+    word: str
+    low: float
+    high: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,6 +227,15 @@ class SweepResult:
         """Condition on candidates for the best variant, "" for none."""
         return all_of(self.where) or (self.goal.condition if self.goal else "")
 
+    @property
+    def aim(self) -> Best | None:
+        """The objective and condition; of a search its first objective and all conditions on results."""
+        if "search" not in self.record:
+            return self.goal
+        search = self.record["search"]
+        objective = search["objectives"][0]
+        return Best(**{objective["way"]: objective["name"]}, where=search["where"])
+
     def select(
         self, where: Where = None, sort: str | None = None, descending: bool = False, most: int | None = None
     ) -> np.ndarray:
@@ -389,9 +408,15 @@ class SweepResult:
             found = required.misses(self.rows(part, names), part.stop - part.start)
             yield found & (self.columns["status"][part] != Verdict.NOT_COMPUTED)
 
-    def best(self) -> int | None:
-        """Index of the best variant; None without a goal or candidates."""
-        goal = self.goal
+    def best(self, goal: Best | None = None) -> int | None:
+        """Index of the best variant; None without a goal or candidates.
+
+        Parameters
+        ----------
+        goal : Best, optional
+            Default: the study's.
+        """
+        goal = goal or self.goal
         if goal is None:
             return None
         chosen = self.select(goal.where, goal.goal, goal.sign < 0, most=1)
@@ -406,12 +431,78 @@ class SweepResult:
         goal : Best, optional
             Default: the study's.
         """
-        goal, count = goal or self.goal, 0
+        ties = self._tying(best, goal or self.goal)
+        return sum(int(np.count_nonzero(ties(part))) for part in self.parts()) - 1
+
+    def _tying(self, best: int, goal: Best) -> Callable[[slice | np.ndarray], np.ndarray]:
+        """Function that marks the best variant and those that tie with it."""
         met, values, errors = self.meets(goal.where), self.columns[goal.goal], self.columns.get(f"{goal.goal}_error")
-        for part in self.parts():
+
+        def ties(part: slice | np.ndarray) -> np.ndarray:
             gap = goal.sign * (values[part] - values[best])
-            count += np.count_nonzero(met(part) & (gap <= (0.0 if errors is None else errors[part] + errors[best])))
-        return int(count) - 1
+            return met(part) & (gap <= (0.0 if errors is None else errors[part] + errors[best]))
+
+        return ties
+
+    @cached_property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Range of each variable: of a search as given, else over all variants."""
+        if "search" in self.record:
+            return {span["name"]: (span["low"], span["high"]) for span in self.record["search"]["ranges"]}
+        pairs = [axis["names"] for axis in self.record["vary"] if axis["kind"] == "Listed" and axis["size"] < 3]
+        chosen = {name for names in pairs for name in names}
+        found = {name: (np.inf, -np.inf) for name in self.varied if name not in chosen}
+        for part in self.parts():
+            for name, (low, high) in found.items():
+                here = self.columns[name][part]
+                found[name] = min(low, float(here.min())), max(high, float(here.max()))
+        return found
+
+    def range_ends(self, variant: int) -> dict[str, RangeEnd]:
+        """Variables of a variant at an end of their range, without those that a condition fixes.
+
+        A wider range may give a better answer. Of two listed values one is always at an end, which means nothing.
+
+        Parameters
+        ----------
+        variant : int
+        """
+        where = self.aim.condition if self.aim else ""
+        parts = Condition.parse(where).parts if where else ()
+        fixed = {name for part in parts if part.is_equality for name in part.names}
+        found = {}
+        for name, (low, high) in self.ranges.items():
+            value, near = float(self.columns[name][variant]), AT_END * (high - low)
+            if name not in fixed and low < high and (value - low <= near or high - value <= near):
+                found[name] = RangeEnd("minimum" if value - low <= near else "maximum", low, high)
+        return found
+
+    def deciding(self, variant: int) -> frozenset[str]:
+        """Names whose error estimates decide whether a variant meets the condition or ties with the best."""
+        if variant not in self._deciding:
+            self._deciding[variant] = frozenset(self._decided_by_errors(variant))
+        return self._deciding[variant]
+
+    @cached_property
+    def _deciding(self) -> dict[int, frozenset[str]]:
+        return {}
+
+    def _decided_by_errors(self, variant: int) -> Iterator[str]:
+        aim, only = self.aim, np.array([variant])
+        if aim is None or self.columns["status"][variant] != Verdict.OK:
+            return
+        for part in Condition.parse(aim.condition).parts if aim.where else ():
+            if self._judged(part.text)(only).undecided[0]:
+                yield from part.names
+        best, rivals = self._leader
+        if rivals and self._tying(best, aim)(only)[0]:
+            yield aim.goal
+
+    @cached_property
+    def _leader(self) -> tuple[int, int]:
+        """The best variant by the aim, and the number that tie with it; (0, 0) without one."""
+        best = self.best(self.aim)
+        return (0, 0) if best is None else (best, self.rivals(best, self.aim))
 
 
 def drop_counts(conditions: int, missed: Iterable[np.ndarray]) -> tuple[np.ndarray, np.ndarray, int]:

@@ -19,10 +19,13 @@ class ProgressBar:
         Show nothing.
     unit : str
         Counted items, in the plural.
+    kept : int
+        Number that an earlier run left in a file.
     """
 
-    def __init__(self, total: int, quiet: bool, unit: str = "variants") -> None:
+    def __init__(self, total: int, quiet: bool, unit: str = "variants", kept: int = 0) -> None:
         self.total, self.quiet, self.unit = total, quiet, unit
+        self.kept = kept
         self.bar = None
         # Unknown until earlier results are checked.
         self.done: int | None = None
@@ -65,7 +68,13 @@ class ProgressBar:
             click.echo(f"{done} of {self.total} {self.unit}, {rate:.3g} per second, {left:.0f} s left{found}", err=True)
 
     def kept_text(self) -> str:
-        """What is kept, as text."""
+        """What is kept, as text.
+
+        Earlier results stay in their file until they are checked and, for another study, copied.
+        """
+        if self.kept > (self.done or 0):
+            done = f"{self.done} of {self.total} {self.unit} are done, and " if self.done else ""
+            return f"{done}the {self.kept} of the earlier run are kept"
         if self.done is None:
             return "finished work is kept"
         return f"{self.done} of {self.total} {self.unit} are done and kept"

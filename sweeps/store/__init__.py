@@ -12,6 +12,7 @@ from .reading import (
     open_dataset,
     read_columns,
     variant_keys,
+    variants_kept,
 )
 from .writing import Store, reword
 
@@ -34,4 +35,5 @@ __all__ = [
     "read_columns",
     "reword",
     "variant_keys",
+    "variants_kept",
 ]

@@ -5,7 +5,7 @@ import hashlib
 import json
 import mmap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -310,6 +310,24 @@ def damage_text(result: MappedResult, blocks: Sequence[int]) -> str:
     shown = [result.rows(i) for i in blocks[:_SHOWN]]
     words = ", ".join(f"{r.start} … {r.stop - 1}" if r.stop - r.start > 1 else f"{r.start}" for r in shown)
     return words + (f" and {len(blocks) - _SHOWN} more blocks" if len(blocks) > _SHOWN else "")
+
+
+def variants_kept(path: Path) -> int:
+    """Number of variants kept under a result file's name: the most of the finished and unfinished file and its sources.
+
+    Parameters
+    ----------
+    path : Path
+        The final name.
+    """
+    found, names = [0], [part_path(path).name, path.name]
+    with suppress(StoreError), opened(part_path(path)) as file:
+        names += json.loads(file["progress"].attrs.get("sources", "[]"))
+    for name in names:
+        with suppress(StoreError):
+            mapped = MappedResult(path.with_name(name))
+            found.append(min(int(mapped.done.sum()) * mapped.block, mapped.variants))
+    return max(found)
 
 
 def mapped_columns(path: Path) -> MappedResult:

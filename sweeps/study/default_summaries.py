@@ -3,37 +3,42 @@
 from engine import (
     ACCURACY_SUMMARIES,
     CrankInput,
+    ElementsAlone,
     Machine,
     Mechanics,
+    Rank,
     Regime,
     RunRegime,
     Scene,
     has_cycle,
     is_warning,
-    made_ready,
     run_keys,
 )
 
 
-def default_summaries(scene: Scene) -> tuple[str, ...]:
-    """Default summaries: cycle, flywheel, strokes and regimes."""
-    if scene.input is None:
-        return tuple(n for n in made_ready(scene).available_summaries if not is_warning(n))
+def answers(machine: Machine | ElementsAlone) -> tuple[str, ...]:
+    """Numbers that an engineer asks of a machine and its regimes, in the order in which they are read."""
+    scene, known = machine.scene, machine.available_summaries
+    of_machine = machine.register.answers if isinstance(machine, Machine) else ()
+    of_elements = (n for n, q in known.items() if n.partition(".")[0] in scene.elements and q.rank == Rank.ANSWER)
+    of_regimes = (name for name in telling_summaries(scene) if known[name].rank != Rank.CHECK)
+    return (*of_machine, *of_elements, *of_regimes)
+
+
+def default_summaries(machine: Machine | ElementsAlone) -> tuple[str, ...]:
+    """Default summaries: the answers, and further ones of cycle, flywheel, elements and regimes."""
     left_out = {"first_kind_inertia", "power_balance_residual", "conservative_work_residual", "loop_closure_residual"}
     left_out |= set(ACCURACY_SUMMARIES)
-    available = (n for n in Machine(scene).available_summaries if n not in left_out and not is_warning(n))
-    names = {n: n.partition(".")[0] for n in available}
-    telling = (".stroke", "_angle", ".deviation_max")
-    kept = (
-        name
-        for name, owner in names.items()
-        if owner in scene.elements or (owner not in scene.regimes and ("." not in name or name.endswith(telling)))
-    )
-    return (*kept, *telling_summaries(scene))
+    scene, known = machine.scene, machine.available_summaries
+    further = (n for n in known if n not in left_out and not is_warning(n))
+    further = (n for n in further if "." not in n or n.partition(".")[0] in scene.elements)
+    return tuple(dict.fromkeys((*answers(machine), *further, *telling_summaries(scene))))
 
 
 def telling_summaries(scene: Scene) -> tuple[str, ...]:
     """Informative summaries of all regimes: work of active loads only, no prescribed speed."""
+    if not scene.regimes:
+        return ()
     loads, found = Mechanics(scene).loads, []
     for name, regime in scene.regimes.items():
         keys = ["mean_speed", *_SPEEDS, "speed_fluctuation"]
@@ -42,6 +47,8 @@ def telling_summaries(scene: Scene) -> tuple[str, ...]:
         motors = [motor for motor in loads.motors if motor not in regime.off]
         roles = {term.role for term in loads.terms if term.action not in regime.off}
         keys += _work_keys(bool(motors), roles)
+        if len(motors) == 1:
+            keys += [f"{motors[0]}_shaft_torque_peak", f"{motors[0]}_shaft_torque_rms"]
         if not isinstance(regime, RunRegime):
             keys += [f"{m}_slip" for m in motors if scene.moments[m].type == "induction_motor"]
             keys.append("multiplier")

@@ -114,7 +114,8 @@ class Sensitivity:
     def columns(self) -> list[Column]:
         """Columns filled by `of_variants`."""
         found = []
-        for name, words, units, _ in self.quantities:
+        for quantity in self.quantities:
+            name, words, units = quantity.name, quantity.long_name, quantity.units
             found += [Column(name, words, units), Column(f"{name}_error", f"error estimate of: {words}", units)]
         words = "verdict on the variant's neighbours along"
         return found + [Column(f"status_by.{by}", f"{words} {by}", "1", dtype=np.uint8) for by in self._derived_by]

@@ -124,7 +124,7 @@ class StudyReader:
         outputs = self.raw.outputs
         summaries = tuple(dict.fromkeys(outputs.summaries))
         if not summaries and not outputs.fields:
-            summaries = default_summaries(self.scene)
+            summaries = default_summaries(made_ready(self.scene))
         if self.raw.accuracy is not None:
             summaries = tuple(dict.fromkeys((*summaries, *ACCURACY_SUMMARIES)))
         free = (name for name in (*names, *derived) if name not in self.numbers)
@@ -398,7 +398,12 @@ def read_study(path: Path | str) -> Study:
     if is_scene(data):
         scene = scene_from(data, text, path.name, path.parent)
         study = Study(
-            scene, summaries=default_summaries(scene), name=path.stem, title=scene.title, text=text, scene_text=text
+            scene,
+            summaries=default_summaries(made_ready(scene)),
+            name=path.stem,
+            title=scene.title,
+            text=text,
+            scene_text=text,
         )
     else:
         study = Study(**StudyReader(path, text, data).content())

@@ -172,6 +172,20 @@ class Condition:
             decided = _judged(tree, values, errors, True, True) | _judged(tree, values, errors, False, True)
         return Judgement(*(np.broadcast_to(found, (count,)).copy() for found in (met, np.logical_not(decided))))
 
+    def sides(self, values: Values, errors: Values) -> tuple[str, float, float] | None:
+        """Sign, left and right side of a comparison for one variant; None for conditions joined by `or` or `not`.
+
+        Parameters
+        ----------
+        values, errors : mapping of str to float or ndarray (1,)
+            As for `judged`.
+        """
+        tree = self.expression.tree
+        if tree.name in ("and", "or", "not"):
+            return None
+        left, right = (float(np.ravel(value_with_error(side, values, errors)[0])[0]) for side in tree.operands)
+        return tree.name, left, right
+
     def margins(self, values: Values, errors: Values, count: int) -> np.ndarray:
         """Margin of each part joined by `and`: positive where missed.
 

@@ -12,7 +12,7 @@ from engine.elements.cams.followers import CamLimits, LineContact, OscillatingFo
 from engine.elements.cams.least_base_circle import least_arm_angles, point_angle, room_at
 from engine.elements.cams.over_turn import Measures, PeakPlaces, Sought, measure
 from engine.elements.cams.positions import at_positions, cam_variants, limit_radius, with_roundings
-from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, nudged
+from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, Rank, nudged
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.laws.cams.profiles import pressure_of_lines
 from engine.laws.rounding import EPS
@@ -277,6 +277,10 @@ class CamElement(CamProgram, Element):
         return values["undercut_radius"] <= n["follower.roller_radius"]
 
 
+# Results that few ask for.
+_FURTHER = ("velocity_jump", "acceleration_jump", "least_moment", "needed_preload", "face_from", "face_to")
+
+
 def _results(cam: CamElement) -> Iterator[Result]:
     """Results of a cam."""
     yield from (_flat_shape(cam) if cam.follower.contact == "flat" else _shape())
@@ -294,7 +298,8 @@ def _results(cam: CamElement) -> Iterator[Result]:
 def _result(
     name: str, words: str, unit: str, when: tuple[Lasting, bool] = (Lasting.ALWAYS, True), of: tuple[str, ...] = ()
 ) -> Result:
-    return Result(ElementResult(name, words, unit, None, True), *when, of)
+    rank = Rank.FURTHER if name in _FURTHER or name.endswith("_at") else Rank.ANSWER
+    return Result(ElementResult(name, words, unit, None, True, rank=rank), *when, of)
 
 
 def _with_angle(

@@ -10,15 +10,15 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from engine.elements.elastic_drives.elastic_shaft import ElasticShaft
-from engine.elements.element import Answers, Element, ElementResult, Numbers
+from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank
 from engine.parts.actions import Time
 from engine.parts.skeleton import OF_FLUCTUATION, ActionRef, Angle, Inertia, Name, Part
 
 RESULTS = (
     ElementResult("stiffness", "torsional stiffness of the shaft, reduced to the crank", "N m rad-1"),
-    ElementResult("damping", "torsional damping of the shaft, reduced to the crank", "N m s rad-1"),
+    ElementResult("damping", "torsional damping of the shaft, reduced to the crank", "N m s rad-1", rank=Rank.FURTHER),
     ElementResult("natural_frequency", "natural frequency with the machine's mean inertia", "rad s-1"),
-    ElementResult("period", "duration of a cycle", "s"),
+    ElementResult("period", "duration of a cycle", "s", rank=Rank.FURTHER),
     ElementResult("mean_speed", "mean speed of the crank over time", "rad s-1"),
     ElementResult("motor_fluctuation", f"coefficient of speed fluctuation at the motors' end, {OF_FLUCTUATION}", "1"),
     ElementResult("machine_fluctuation", f"coefficient of speed fluctuation of the crank, {OF_FLUCTUATION}", "1"),
@@ -26,26 +26,34 @@ RESULTS = (
     ElementResult("greatest_moment", "maximum shaft torque", "N m"),
     ElementResult("least_moment", "minimum shaft torque", "N m"),
     ElementResult("alternating_moment", "half the range of the shaft's moment", "N m"),
-    ElementResult("rigid_moment", "peak torque of a rigid shaft", "N m"),
+    ElementResult("rigid_moment", "peak torque of a rigid shaft", "N m", rank=Rank.FURTHER),
     ElementResult("dynamic_factor", "peak shaft torque over that of a rigid shaft", "1", None, True),
     ElementResult("greatest_twist", "peak shaft twist (crank lag)", "rad"),
     ElementResult("position_error", "how far the crank is from turning rigidly: half the range of the twist", "rad"),
     ElementResult("motor_power", "mean power of the motors", "W"),
-    ElementResult("damping_power", "mean power that the shaft's damping takes", "W"),
-    ElementResult("power_residual", "what is missing of the balance of power, as a share", "1", None, True),
-    ElementResult("multiplier", "largest magnitude of a multiplier: growth of disturbances per cycle", "1"),
-    ElementResult("second_multiplier", "second largest magnitude of a multiplier", "1"),
-    ElementResult("third_multiplier", "smallest magnitude of a multiplier", "1"),
-    ElementResult("growth_rate", "rate at which disturbances grow", "s-1"),
+    ElementResult("damping_power", "mean power that the shaft's damping takes", "W", rank=Rank.FURTHER),
+    ElementResult(
+        "power_residual", "what is missing of the balance of power, as a share", "1", None, True, rank=Rank.CHECK
+    ),
+    ElementResult(
+        "multiplier", "largest magnitude of a multiplier: growth of disturbances per cycle", "1", rank=Rank.CHECK
+    ),
+    ElementResult("second_multiplier", "second largest magnitude of a multiplier", "1", rank=Rank.CHECK),
+    ElementResult("third_multiplier", "smallest magnitude of a multiplier", "1", rank=Rank.CHECK),
+    ElementResult("growth_rate", "rate at which disturbances grow", "s-1", rank=Rank.FURTHER),
 )
 RUN_RESULTS = (
     ElementResult("run_greatest_moment", "peak shaft torque during the run", "N m", "run"),
     ElementResult("run_greatest_at", "time of its peak", "s", "run"),
-    ElementResult("run_motor_speed", "speed at the motors' end after the run, at the crank", "rad s-1", "run"),
-    ElementResult("run_machine_speed", "speed of the crank after the run, negative backwards", "rad s-1", "run"),
-    ElementResult("run_angle", "angle that the crank turned", "rad", "run"),
-    ElementResult("run_stops", "number of stops of the crank", "1", "run", exact=True),
-    ElementResult("run_closings", "how often the backlash closed", "1", "run", exact=True),
+    ElementResult(
+        "run_motor_speed", "speed at the motors' end after the run, at the crank", "rad s-1", "run", rank=Rank.FURTHER
+    ),
+    ElementResult(
+        "run_machine_speed", "speed of the crank after the run, negative backwards", "rad s-1", "run", rank=Rank.FURTHER
+    ),
+    ElementResult("run_angle", "angle that the crank turned", "rad", "run", rank=Rank.FURTHER),
+    ElementResult("run_stops", "number of stops of the crank", "1", "run", exact=True, rank=Rank.FURTHER),
+    ElementResult("run_closings", "how often the backlash closed", "1", "run", exact=True, rank=Rank.FURTHER),
 )
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from engine.cycle.measured import Measured
-from engine.elements.element import Answers, Element, ElementResult, Numbers
+from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank
 from engine.elements.engines.engine_layout import (
     Engine,
     EngineLayout,
@@ -228,8 +228,9 @@ def _results(engine: EngineElement) -> Iterator[ElementResult]:
     for kind, units, needs in (("force", "N", None), ("couple", "N m", "spacing")):
         for word in (_WORDS[n] for n in orders):
             said = word.replace("_", " ")
-            yield ElementResult(f"{word}_{kind}", f"maximum {said} {kind}", units, needs)
-            yield ElementResult(f"{word}_{kind}_least", f"least {said} {kind}", units, needs)
+            rank = Rank.ANSWER if word in (_WORDS[1], _WORDS[2]) else Rank.FURTHER
+            yield ElementResult(f"{word}_{kind}", f"maximum {said} {kind}", units, needs, rank=rank)
+            yield ElementResult(f"{word}_{kind}_least", f"least {said} {kind}", units, needs, rank=Rank.FURTHER)
         listed = ", ".join(map(str, orders))
         yield ElementResult(f"rms_{kind}", f"root mean square of the {kind}, orders {listed}", units, needs)
     if engine.crank_angle is not None:
@@ -241,7 +242,8 @@ def _results(engine: EngineElement) -> Iterator[ElementResult]:
         yield ElementResult("mean_torque", "mean torque of the gas", "N m")
         yield ElementResult("mean_power", "mean power of the gas", "W")
         for n in TORQUE_ORDERS:
-            yield ElementResult(torque_name(n), f"torque of gas and inertia, order {n:g}", "N m", may_be_undefined=True)
+            words = f"torque of gas and inertia, order {n:g}"
+            yield ElementResult(torque_name(n), words, "N m", may_be_undefined=True, rank=Rank.FURTHER)
 
 
 def torque_name(order: float) -> str:

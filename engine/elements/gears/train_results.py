@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from engine.cycle.measured import Measured
-from engine.elements.element import Answers, ElementResult, Numbers
+from engine.elements.element import Answers, ElementResult, Numbers, Rank
 from engine.elements.gears.assembly_conditions import (
     AssemblyConditions,
     MeshSizes,
@@ -32,10 +32,10 @@ def _of_assembly(fit: AssemblyConditions) -> NamedResults:
     """Why wheels don't fit, or that they do."""
     for name, value in fit.distance_errors.items():
         words = f"difference of the centre distance of {name} from that of its axes, over it"
-        yield ElementResult(f"{name}.distance_error", words, "1"), Measured(value, 8.0 * EPS)
+        yield ElementResult(f"{name}.distance_error", words, "1", rank=Rank.CHECK), Measured(value, 8.0 * EPS)
     for carrier, left in fit.spacing_remainders.items():
         words = f"what is left over where planets spaced equally on {carrier} need a whole multiple (0 fits)"
-        yield ElementResult(f"{carrier}.spacing_remainder", words, "1", exact=True), Measured(left)
+        yield ElementResult(f"{carrier}.spacing_remainder", words, "1", exact=True, rank=Rank.CHECK), Measured(left)
     for planet, gap in fit.clearances.items():
         words = f"gap between the tips of neighbouring {planet} planets, over the diameter of the tips"
         off = 16.0 * EPS * (1.0 + np.abs(gap))
@@ -51,20 +51,29 @@ def _of_teeth(train: GearTrain, sizes: dict[str, MeshSizes]) -> NamedResults:
         off = (64.0 * EPS + rough) * np.maximum(teeth.first, teeth.second)
         yield ElementResult(f"{name}.contact_ratio", words, "1"), Measured(sum(geometry.contact), off)
         words, off = f"transverse operating pressure angle of {name}", (8.0 * EPS + rough) * geometry.angle
-        yield ElementResult(f"{name}.operating_pressure_angle", words, "rad"), Measured(geometry.angle, off)
+        yield (
+            ElementResult(f"{name}.operating_pressure_angle", words, "rad", rank=Rank.FURTHER),
+            Measured(geometry.angle, off),
+        )
         if train.has_modules:
             words, off = f"distance of the axes of {a} and {b}", (8.0 * EPS + rough) * np.abs(size.distance)
             yield ElementResult(f"{name}.centre_distance", words, "m"), Measured(size.distance, off)
         small = a if place.sense < 0 else f"the smaller of {a} and {b}"
         words = f"minimum number of teeth of {small} without interference, the other wheel as it is"
-        yield ElementResult(f"{name}.minimum_teeth", words, "1", None, True, True), Measured(minimum_teeth(teeth))
+        yield (
+            ElementResult(f"{name}.minimum_teeth", words, "1", None, True, True, rank=Rank.FURTHER),
+            Measured(minimum_teeth(teeth)),
+        )
 
 
 def _of_motion(train: GearTrain, n: Numbers, speeds: Measured, sizes: dict[str, MeshSizes]) -> NamedResults:
     """Speeds, ratios, energy."""
     structure = train.structure
     mobility = np.full(speeds.shape[1], float(structure.mobility))
-    yield ElementResult("mobility", "degrees of freedom W = 3n - 2p1 - p2", "1", exact=True), Measured(mobility)
+    yield (
+        ElementResult("mobility", "degrees of freedom W = 3n - 2p1 - p2", "1", exact=True, rank=Rank.CHECK),
+        Measured(mobility),
+    )
     by_name = dict(zip(structure.shafts, speeds, strict=False))
     for name, speed in by_name.items():
         yield ElementResult(f"{name}.speed", f"angular speed of {name}", "rad s-1"), speed
@@ -82,11 +91,11 @@ def _of_motion(train: GearTrain, n: Numbers, speeds: Measured, sizes: dict[str, 
         yield ElementResult(name, f"speed of {a} over that of {b}, seen from {carrier}", "1"), ratio
     if train.has_inertia:
         energy = kinetic_energy(train, n, speeds, sizes)
-        yield ElementResult("kinetic_energy", "kinetic energy of all members", "J"), energy
+        yield ElementResult("kinetic_energy", "kinetic energy of all members", "J", rank=Rank.FURTHER), energy
         for name in free:
             words = f"inertia reduced to {name}"
             reduced = 2.0 * energy / by_name[name] ** 2
-            yield ElementResult(f"{name}.reduced_inertia", words, "kg m2", None, True), reduced
+            yield ElementResult(f"{name}.reduced_inertia", words, "kg m2", None, True, rank=Rank.FURTHER), reduced
 
 
 def train_results(train: GearTrain, n: Numbers) -> tuple[list[tuple[ElementResult, Measured]], np.ndarray]:

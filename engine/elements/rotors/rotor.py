@@ -14,7 +14,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers, nudged
+from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers, Rank, nudged
 from engine.elements.panels import Curve, Panel, PanelAxis
 from engine.elements.rotors.bearings import BearingForces, peak_forces, rotating_forces, static_forces
 from engine.elements.rotors.correction import correct, corrected_unbalance, misplaced_share
@@ -57,30 +57,58 @@ class RotorElement(Element):
             "kind of unbalance (0 within the grade, 1 static, 2 couple, 3 quasi-static, 4 dynamic)",
             "1",
             exact=True,
+            rank=Rank.FURTHER,
         ),
         ElementResult(
-            "single_plane", "position at which a single correction leaves the least couple", "m", may_be_undefined=True
+            "single_plane",
+            "position at which a single correction leaves the least couple",
+            "m",
+            may_be_undefined=True,
+            rank=Rank.FURTHER,
         ),
         ElementResult("permissible_unbalance", "permissible residual unbalance", "kg m"),
-        ElementResult("first_permissible", "permissible residual unbalance in the plane of the first bearing", "kg m"),
         ElementResult(
-            "second_permissible", "permissible residual unbalance in the plane of the second bearing", "kg m"
+            "first_permissible",
+            "permissible residual unbalance in the plane of the first bearing",
+            "kg m",
+            rank=Rank.FURTHER,
         ),
-        ElementResult("quality_before", "balance quality e ω before balancing", "m s-1"),
-        ElementResult("quality_after", "balance quality e ω after balancing", "m s-1"),
-        ElementResult("quality_at_worst", "balance quality e ω with all errors of mass and angle", "m s-1"),
+        ElementResult(
+            "second_permissible",
+            "permissible residual unbalance in the plane of the second bearing",
+            "kg m",
+            rank=Rank.FURTHER,
+        ),
+        ElementResult("quality_before", "balance quality e ω before balancing", "m s-1", rank=Rank.FURTHER),
+        ElementResult("quality_after", "balance quality e ω after balancing", "m s-1", rank=Rank.FURTHER),
+        ElementResult(
+            "quality_at_worst", "balance quality e ω with all errors of mass and angle", "m s-1", rank=Rank.FURTHER
+        ),
         ElementResult("grade_before", "finest grade G held before balancing", "m s-1", None, True, True),
         ElementResult("grade_after", "finest grade G held after balancing", "m s-1", None, True, True),
         ElementResult(
             "grade_at_worst", "finest grade G held with all errors of mass and angle", "m s-1", None, True, True
         ),
-        ElementResult("error_allowance", "error of every correction that the grade allows, as a share of it", "1"),
-        ElementResult("first_force_before", "rotating force on the first bearing before balancing", "N"),
-        ElementResult("second_force_before", "rotating force on the second bearing before balancing", "N"),
+        ElementResult(
+            "error_allowance",
+            "error of every correction that the grade allows, as a share of it",
+            "1",
+            rank=Rank.FURTHER,
+        ),
+        ElementResult(
+            "first_force_before", "rotating force on the first bearing before balancing", "N", rank=Rank.FURTHER
+        ),
+        ElementResult(
+            "second_force_before", "rotating force on the second bearing before balancing", "N", rank=Rank.FURTHER
+        ),
         ElementResult("first_force_after", "rotating force on the first bearing after balancing", "N"),
         ElementResult("second_force_after", "rotating force on the second bearing after balancing", "N"),
-        ElementResult("first_peak_before", "force on the first bearing with the weight before balancing", "N"),
-        ElementResult("second_peak_before", "force on the second bearing with the weight before balancing", "N"),
+        ElementResult(
+            "first_peak_before", "force on the first bearing with the weight before balancing", "N", rank=Rank.FURTHER
+        ),
+        ElementResult(
+            "second_peak_before", "force on the second bearing with the weight before balancing", "N", rank=Rank.FURTHER
+        ),
         ElementResult("first_peak_after", "force on the first bearing with the weight after balancing", "N"),
         ElementResult("second_peak_after", "force on the second bearing with the weight after balancing", "N"),
         ElementResult("correction_mass", "mass added in all planes", "kg"),

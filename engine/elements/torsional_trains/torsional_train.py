@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from engine.cycle.measured import Measured
-from engine.elements.element import Answers, Element, ElementResult, Numbers
+from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank
 from engine.elements.engines.engine import OF_SHAKING, EngineElement
 from engine.elements.panels import Panel
 from engine.elements.torsional_trains.excitation import TrainExcitation, excitation_orders, train_excitation
@@ -182,14 +182,21 @@ class TorsionalTrain(Element):
 
 
 def _results(train: TorsionalTrain) -> Iterator[ElementResult]:
-    yield ElementResult("rigid_body_modes", "natural frequencies of zero: the whole train turns", "1", exact=True)
+    yield ElementResult(
+        "rigid_body_modes", "natural frequencies of zero: the whole train turns", "1", exact=True, rank=Rank.CHECK
+    )
     modes = range(1, train.reported_modes + 1)
     for k in modes:
         yield ElementResult(f"frequency_{k}", f"natural frequency {k} above zero", "rad s-1")
     for k in modes:
         for mass in train.masses:
             yield ElementResult(
-                f"mode_{k}.{mass}", f"amplitude of {mass} in mode {k}, over the maximum of all", "1", None, True
+                f"mode_{k}.{mass}",
+                f"amplitude of {mass} in mode {k}, over the maximum of all",
+                "1",
+                None,
+                True,
+                rank=Rank.FURTHER,
             )
     if not train.is_excited:
         return
@@ -200,12 +207,14 @@ def _results(train: TorsionalTrain) -> Iterator[ElementResult]:
             )
             yield ElementResult(f"nearest_order_{k}", f"order nearest to natural frequency {k}", "1", exact=True)
     for shaft in train.shafts:
-        yield ElementResult(f"{shaft}.mean_moment", f"mean moment of {shaft}, at its first end", "N m")
+        yield ElementResult(
+            f"{shaft}.mean_moment", f"mean moment of {shaft}, at its first end", "N m", rank=Rank.FURTHER
+        )
         yield ElementResult(f"{shaft}.alternating_moment", f"half the range of the moment of {shaft}", "N m")
         yield ElementResult(f"{shaft}.greatest_moment", f"peak torque of {shaft}", "N m")
     for mass in train.masses:
         yield ElementResult(f"{mass}.amplitude", f"half the range of the vibration of {mass}", "rad")
-    yield ElementResult("dissipated_power", "mean power that all dampers dissipate", "W")
+    yield ElementResult("dissipated_power", "mean power that all dampers dissipate", "W", rank=Rank.FURTHER)
 
 
 def _found(train: TorsionalTrain, n: Numbers) -> dict[str, Measured]:

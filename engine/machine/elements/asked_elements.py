@@ -15,7 +15,7 @@ from engine.verdicts import Verdict
 def element_summaries(scene: Scene) -> list[Quantity]:
     """Summaries of a scene's machine elements."""
     return [
-        Quantity(f"{name}.{result.name}", f"{name}: {result.long_name}", result.units)
+        Quantity(f"{name}.{result.name}", f"{name}: {result.long_name}", result.units, rank=result.rank)
         for name, element in scene.elements.items()
         for result in element.results()
     ]

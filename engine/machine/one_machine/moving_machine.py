@@ -279,8 +279,7 @@ class MovingMachine:
             case Work(moment):
                 return of.work(moment, self.q)
             case Speed(steady):
-                flywheel = WheelNumbers(*(n and of.number(n) for n in (steady.wheel, steady.fluctuation)))
-                return of.speed(steady.moment, steady.inertia, of.number(steady.speed), flywheel, self.q)
+                return self._steady(steady).speed(self.q)
         return of.values([curve], self.q)[0]
 
     def _followed(self, angle: Node) -> np.ndarray:
@@ -305,11 +304,12 @@ class MovingMachine:
                 return _of_series(max(ends[0], -ends[1], 0.0))
             case SteadyCycle(result=result) if result in _OF_STEADY:
                 mean = abs(self._variant.number(asked.speed))
-                return _of_series(_OF_STEADY[result](self._steady(dataclasses.replace(asked, result="")), mean))
+                return _of_series(_OF_STEADY[result](self._steady(asked), mean))
         raise TypeError(f"{asked!r} is measured by compiled code alone")
 
     def _steady(self, asked: SteadyCycle) -> WheelCycle:
         """The steady cycle, kept for its further results."""
+        asked = dataclasses.replace(asked, result="")
         if asked not in self._known_cycles:
             of = self._variant
             flywheel = WheelNumbers(*(n and of.number(n) for n in (asked.wheel, asked.fluctuation)))

@@ -4,6 +4,7 @@ Sources: J. B. Heywood, Internal Combustion Engine Fundamentals, section 2.3 (in
 any textbook of reciprocating compressors (volumetric efficiency of the polytropic diagram with clearance).
 """
 
+from engine.elements.element import Rank
 from engine.graph.nodes import Node
 from engine.laws.senses import exceeds
 from engine.mechanism.actions.cylinders import Diagram, piston_area
@@ -38,7 +39,8 @@ def _of_cylinder(m: Mechanics, name: str) -> Declared:
         low, high = (StrokeEnd(slide.d, slide.v, which) for which in ("low", "high"))
         return VariantNumber(area) * (high - low)
 
-    yield Summary(f"{name}.swept_volume", f"swept volume of cylinder {name}", "m3", swept, symbol="V_s")
+    words = f"swept volume of cylinder {name}"
+    yield Summary(f"{name}.swept_volume", words, "m3", swept, symbol="V_s", rank=Rank.ANSWER)
     if not m.has_cycle:
         return
     engine = isinstance(cylinder, EngineCylinder)
@@ -60,6 +62,7 @@ def _of_cylinder(m: Mechanics, name: str) -> Declared:
         "W",
         lambda: a_second(work()),
         symbol="P_i",
+        rank=Rank.ANSWER,
     )
     # So many times a cycle of the machine the gas goes through its own.
     times = m.scene.input.revolutions / (2.0 if isinstance(cylinder, FourStroke) else 1.0)
@@ -70,6 +73,7 @@ def _of_cylinder(m: Mechanics, name: str) -> Declared:
             "Pa",
             lambda: work() / (swept() * times),
             symbol="p_mi",
+            rank=Rank.ANSWER if engine else Rank.FURTHER,
         )
     if engine:
         return
@@ -86,6 +90,7 @@ def _of_cylinder(m: Mechanics, name: str) -> Declared:
         "m3 s-1",
         lambda: a_second(drawn()),
         symbol="Q",
+        rank=Rank.ANSWER,
     )
     if not isinstance(cylinder, Pump):
         yield Summary(
@@ -94,4 +99,5 @@ def _of_cylinder(m: Mechanics, name: str) -> Declared:
             "1",
             lambda: drawn() / displaced(),
             symbol="η_v",
+            rank=Rank.ANSWER,
         )

@@ -6,7 +6,10 @@ flywheels.
 
 from functools import partial
 
+import numpy as np
+
 from engine import mechanism
+from engine.elements.element import Rank
 from engine.graph.nodes import Node
 from engine.mechanism.input_motion import multiple_angle
 from engine.mechanism.mechanics import Mechanics
@@ -27,10 +30,16 @@ from engine.quantities.expressions import (
 from engine.quantities.quantity import drive_words
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
 from engine.scene.pairs import has_friction
+from engine.scene.scene import Numbers
 
 _USEFUL = frozenset({"useful"})
 # Of the input moment's cycle.
 HARMONICS = 12
+
+
+def is_loaded(mechanics: Mechanics) -> bool:
+    """Whether anything but kinematics can be asked: the machine has masses or loads."""
+    return bool(mechanics.scene.bodies or mechanics.loads.actions)
 
 
 def declare(mechanics: Mechanics) -> Declared:
@@ -49,7 +58,8 @@ def declare(mechanics: Mechanics) -> Declared:
     yield Field(
         "reduced_moment", f"reduced moment of all actions but the driver{without}", u.moment, lambda: m.moment_of(), "M"
     )
-    yield Field("input_moment", f"{drive_words(m.scene)}{without}", u.moment, lambda: m.input_moment, "M_in")
+    asked = ("peak",) if is_loaded(m) else ()
+    yield Field("input_moment", f"{drive_words(m.scene)}{without}", u.moment, lambda: m.input_moment, "M_in", asked)
     for action in m.loads.actions:
         terms = [(t.coefficient, t.basis) for t in m.loads.terms if t.action == action]
         words = f"reduced moment of {action}"
@@ -62,6 +72,14 @@ def declare(mechanics: Mechanics) -> Declared:
         symbol="I_0",
     )
     if m.loads.motors:
+        for name in m.loads.motors:
+            if getattr(scene.moments[name], "rated_speed", None) is None:
+                continue
+            rated = graph.derived(f"rated torque of {name}", partial(_rated_torque, name))
+            words = f"rated torque of motor {name}, at its own shaft"
+            yield Summary(
+                f"{name}.rated_moment", words, "N m", lambda rated=rated: VariantNumber(rated), rank=Rank.ANSWER
+            )
         moment_of = mechanism.actions.motors.motor_moment
         number = graph.derived("motor moment", lambda n: moment_of(scene, m.loads.motors, n))
         yield Summary(
@@ -74,6 +92,11 @@ def declare(mechanics: Mechanics) -> Declared:
         yield from _orders(m, u.moment)
         yield from _drive(m)
         yield from _flywheel(m)
+
+
+def _rated_torque(motor: str, n: Numbers) -> np.ndarray:
+    """Torque of a motor at its rated power and speed [N·m]."""
+    return n[f"moments.{motor}.power"] / n[f"moments.{motor}.rated_speed"]
 
 
 def _orders(m: Mechanics, units: str) -> Declared:
@@ -113,13 +136,15 @@ def _drive(m: Mechanics) -> Declared:
         "N m",
         lambda: -mean(m, m.moment_of(_USEFUL)),
     )
-    yield Summary("required_drive_moment", "mean drive torque", "N m", resisting, symbol="M_d")
+    rank = Rank.ANSWER if is_loaded(m) else Rank.FURTHER
+    yield Summary("required_drive_moment", "mean drive torque", "N m", resisting, symbol="M_d", rank=rank)
     yield Summary(
         "required_power",
         "mean drive power",
         "W",
         lambda: resisting() * VariantNumber(m.speed),
         symbol="P",
+        rank=rank,
     )
 
     yield Summary(
@@ -128,6 +153,7 @@ def _drive(m: Mechanics) -> Declared:
         "the peak energy",
         "1",
         lambda: share(Unbalanced(m.reduced.inertia, m.reduced.slope), peak(m.reduced.inertia)),
+        rank=Rank.CHECK,
     )
     if m.conservative_moment is not m.graph.zero:
         yield Summary(
@@ -135,6 +161,7 @@ def _drive(m: Mechanics) -> Declared:
             "net work of gravity and springs over the cycle, relative to their peak moment times the angle",
             "1",
             lambda: share(abs(mean(m, m.conservative_moment)), unresolved_peak(m.conservative_moment)),
+            rank=Rank.CHECK,
         )
 
 
@@ -149,7 +176,8 @@ def _flywheel(m: Mechanics) -> Declared:
 
     words = "work of all moments with the constant driver: change of kinetic energy"
     yield Field("work", words, "J", lambda: Work(m.moment_of()), "W")
-    yield Summary("excess_work", "excess work", "J", lambda: steady("excess_work"), symbol="A_exc")
+    rank = Rank.ANSWER if is_loaded(m) else Rank.FURTHER
+    yield Summary("excess_work", "excess work", "J", lambda: steady("excess_work"), symbol="A_exc", rank=rank)
     if asked:
         for name, words in (
             ("flywheel_excess_work", "flywheel inertia by the excess work"),
@@ -163,6 +191,7 @@ def _flywheel(m: Mechanics) -> Declared:
                 f"flywheel by {method}, relative difference from the exact one",
                 "1",
                 lambda name=name: steady(f"flywheel_{name}") / steady("flywheel_wittenbauer") - 1.0,
+                rank=Rank.CHECK,
             )
     if asked or given:
         yield Summary(
@@ -170,6 +199,7 @@ def _flywheel(m: Mechanics) -> Declared:
             "flywheel inertia on the input link: as given, or as Wittenbauer asks",
             "kg m2",
             lambda: steady("flywheel_used"),
+            rank=Rank.ANSWER,
         )
         yield Summary(
             "speed_fluctuation",
@@ -177,6 +207,7 @@ def _flywheel(m: Mechanics) -> Declared:
             "1",
             lambda: steady("speed_fluctuation"),
             symbol="δ",
+            rank=Rank.ANSWER,
         )
         words = "angular speed of the input link with the flywheel, by magnitude"
         yield Field("speed", words, "rad s-1", lambda: Speed(steady("")), "ω")

@@ -3,6 +3,7 @@
 import numpy as np
 
 from engine.cycle.measured import Measured
+from engine.elements.element import Rank
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import (
     Exactly,
@@ -28,8 +29,8 @@ def declare(mechanics: Mechanics) -> Declared:
     unit = InputUnits.of(scene).moment
     span = "over the cycle" if m.has_cycle else "over the input's range"
 
-    def variable(name: str, words: str, units: str) -> Field:
-        return Field(name, words, units, lambda: m.reactions.variables[name])
+    def variable(name: str, words: str, units: str, *answers: str) -> Field:
+        return Field(name, words, units, lambda: m.reactions.variables[name], answers=answers)
 
     for friction in scene.friction.values():
         pair = known[friction.pair]
@@ -58,29 +59,37 @@ def declare(mechanics: Mechanics) -> Declared:
         )
     yield variable("friction_moment", "reduced moment of the friction in all pairs and between teeth", unit)
     words = f"{drive_words(m.scene)}, with friction in pairs"
-    yield variable("input_moment_with_friction", words, unit)
+    yield variable("input_moment_with_friction", words, unit, "peak")
     yield Summary(
         "friction_loss",
         f"work lost to friction in all pairs {span}",
         "J",
         lambda: abs(Integral(m.reactions.variables["friction_moment"])),
+        rank=Rank.ANSWER,
     )
     yield Summary(
         "friction_residual",
         "maximum relative change of a normal force in the last iteration",
         "1",
         lambda: maximum(Exactly(0.0), *(unresolved_peak(s.residual) for s in m.reactions.settlings.values())),
+        rank=Rank.CHECK,
     )
     yield Summary(
         "jamming_margin",
         "minimum determinant of the friction equations: 1 without friction, 0 at jamming",
         "1",
         lambda: minimum(Exactly(1.0), *(least(s.margin) for s in m.reactions.settlings.values())),
+        rank=Rank.ANSWER,
     )
     if m.has_cycle:
         of = "useful work and work given at the input, over driving work and work taken there, over the cycle"
         yield Summary(
-            "mechanical_efficiency", f"mechanical efficiency: {of}", "1", lambda: _efficiency(m), may_be_undefined=True
+            "mechanical_efficiency",
+            f"mechanical efficiency: {of}",
+            "1",
+            lambda: _efficiency(m),
+            may_be_undefined=True,
+            rank=Rank.ANSWER,
         )
 
 

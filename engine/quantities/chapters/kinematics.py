@@ -10,6 +10,7 @@ from engine.parts.skeleton import FRAME, CrankInput
 from engine.quantities.expressions import Angle
 from engine.quantities.register import Declared, Field, InputUnits
 from engine.scene.names import joint_owners
+from engine.scene.pairs import held_by_frame
 
 _WORDS = ("", "first derivative by the input of the ", "second derivative by the input of the ")
 _SUFFIXES = ("", "_phi", "_phiphi")
@@ -108,15 +109,20 @@ def _coordinate(
         units = f"{unit} {q}-{order}" if order else unit
         yield Field(f"{owner}.{kind}{suffix}", f"{word}{words}", units, _known(node), symbol + "′" * order)
     first, second = _RATES[kind]
+    guided = kind in ("angle", "slide") and owner in held_by_frame(mechanics.scene) and nodes[2] is not graph.zero
+    answers = ("peak",) if guided else ()
     speed, squared = mechanics.speed, mechanics.speed_squared
     velocity, acceleration = (
         _RATES_IN_WORDS[kind].format(rate=rate, owner=owner) for rate in ("velocity", "acceleration")
     )
-    yield Field(f"{owner}.{first}", velocity, f"{unit} s-1", lambda: graph.combination([(speed, nodes[1])]), of_first)
+    yield Field(
+        f"{owner}.{first}", velocity, f"{unit} s-1", lambda: graph.combination([(speed, nodes[1])]), of_first, answers
+    )
     yield Field(
         f"{owner}.{second}",
         f"{acceleration} at constant speed of the input",
         f"{unit} s-2",
         lambda: graph.combination([(squared, nodes[2])]),
         of_second,
+        answers,
     )

@@ -13,6 +13,7 @@ Source: any course of the theory of mechanisms, chapter on the accuracy of mecha
 import numpy as np
 
 from engine.cycle.measured import Measured
+from engine.elements.element import Rank
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import Expression, Formula, LeastMagnitude, maximum, unresolved_peak
 from engine.quantities.register import Declared, Summary
@@ -31,6 +32,7 @@ def declare(mechanics: Mechanics) -> Declared:
             "rad",
             lambda group=group: Formula(_angle_of, (least_sine(m, group),)),
             symbol="γ",
+            rank=Rank.ANSWER,
         )
         magnification = f"error magnification of group {group}: {words}"
         yield Summary(f"{group}.{MAGNIFICATION}", magnification, "1", lambda group=group: 1.0 / least_sine(m, group))
@@ -47,6 +49,7 @@ def declare(mechanics: Mechanics) -> Declared:
             "loop-closure residual, relative to the links' lengths",
             "1",
             lambda: maximum(*(unresolved_peak(c) for c in m.kinematics.closures.values())),
+            rank=Rank.CHECK,
         )
 
 

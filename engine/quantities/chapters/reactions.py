@@ -6,8 +6,10 @@ from itertools import combinations
 import numpy as np
 
 from engine.cycle.measured import Measured, atan2
+from engine.elements.element import Rank
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.actions import Brake, Motor
+from engine.quantities.chapters.dynamics import is_loaded
 from engine.quantities.expressions import (
     Angle,
     Expression,
@@ -34,7 +36,7 @@ def declare(mechanics: Mechanics) -> Declared:
             for link in (pair.link, pair.other):
                 yield from _load_direction(m, pair, link)
     for field in tooth_force_fields(m.scene):
-        yield _variable(m, *field)
+        yield _variable(m, field.name, field.long_name, field.units, field.symbol)
     on_frame = "of all that the machine does to its frame, drive included"
     yield _variable(m, "frame.reaction_x", f"x component of the force {on_frame}", "N")
     yield _variable(m, "frame.reaction_y", f"y component of the force {on_frame}", "N")
@@ -50,12 +52,12 @@ def declare(mechanics: Mechanics) -> Declared:
     words = f"{kept}, by virtual power of all forces{rubbing} (Zhukovsky's lever)"
     yield _variable(m, "input_moment_by_power", words, unit)
     for field in acting_fields(m.scene):
-        yield _variable(m, *field)
+        yield _variable(m, field.name, field.long_name, field.units, field.symbol)
     yield from _checks(m)
 
 
-def _variable(m: Mechanics, name: str, words: str, unit: str, symbol: str = "") -> Field:
-    return Field(name, words, unit, lambda: m.reactions.variables[name], symbol)
+def _variable(m: Mechanics, name: str, words: str, unit: str, symbol: str = "", answers: tuple[str, ...] = ()) -> Field:
+    return Field(name, words, unit, lambda: m.reactions.variables[name], symbol, answers)
 
 
 def _fields_of(m: Mechanics, pair: Pair) -> Declared:
@@ -63,14 +65,16 @@ def _fields_of(m: Mechanics, pair: Pair) -> Declared:
     force = f"force in {pair.place}: {other} on link {pair.link}"
     if pair.name in m.scene.shafts and m.scene.shafts[pair.name].pressure_angle is None:
         force += " (without forces between teeth)"
+    asked = ("peak",) if is_loaded(m) else ()
     yield _variable(m, f"{pair.name}.reaction_x", f"x component of the {force}", "N", "R_x")
     yield _variable(m, f"{pair.name}.reaction_y", f"y component of the {force}", "N", "R_y")
     if pair.kind == "prismatic":
         where = "about the slider's joint" if pair.name != "input" else "about the input's point"
-        yield _variable(m, f"{pair.name}.reaction", f"{force}, positive to the left of its direction", "N", "R")
+        words = f"{force}, positive to the left of its direction"
+        yield _variable(m, f"{pair.name}.reaction", words, "N", "R", asked)
         yield _variable(m, f"{pair.name}.reaction_moment", f"moment of the {force}, {where}", "N m")
         return
-    yield _variable(m, f"{pair.name}.reaction", force, "N", "R")
+    yield _variable(m, f"{pair.name}.reaction", force, "N", "R", asked)
     words = f"direction of the {force}, continuous over the range"
     yield Field(f"{pair.name}.reaction_direction", words, "rad", lambda: _direction(m, pair))
     yield _variable(m, f"{pair.name}.reaction_along", f"component along link {pair.link} of the {force}", "N")
@@ -129,6 +133,7 @@ def _checks(m: Mechanics) -> Declared:
         "their peak",
         "1",
         lambda: _disagreement(m),
+        rank=Rank.CHECK,
     )
     yield Summary(
         "equilibrium_residual",
@@ -136,6 +141,7 @@ def _checks(m: Mechanics) -> Declared:
         "the reactions' magnitudes",
         "1",
         lambda: _residual(m),
+        rank=Rank.CHECK,
     )
 
 

@@ -1,8 +1,11 @@
 """Strength of pins and rods: pressure in bearings, buckling of struts, by the reactions in the pairs."""
 
+from functools import partial
+
 import numpy as np
 
 from engine.cycle.measured import Measured
+from engine.elements.element import Rank
 from engine.graph.nodes import Node
 from engine.laws.buckling import MATERIALS, critical_stress, flat, solid
 from engine.mechanism.mechanics import Mechanics
@@ -21,9 +24,13 @@ def declare(mechanics: Mechanics) -> Declared:
         area = m.graph.derived(f"{at}.area", lambda n, at=at: n[f"{at}.diameter"] * n[f"{at}.width"])
         words = f"bearing pressure of pin {name}: force in {pin.pair} over its projected area"
         pair = f"{pin.pair}.reaction"
-        yield Field(f"{name}.pressure", words, "Pa", lambda p=pair, a=area: m.reactions.variables[p] / a, "p")
+        yield Field(f"{name}.pressure", words, "Pa", partial(_pressure, m, pair, area), "p", ("peak",))
     for name, strut in m.scene.struts.items():
         yield from _of_strut(m, name, strut)
+
+
+def _pressure(m: Mechanics, pair: str, area: Node) -> Node:
+    return m.reactions.variables[pair] / area
 
 
 def _of_strut(m: Mechanics, name: str, strut: Strut) -> Declared:
@@ -50,6 +57,7 @@ def _of_strut(m: Mechanics, name: str, strut: Strut) -> Declared:
         lambda: Formula(_safety, (VariantNumber(critical), compression())),
         True,
         "S_K",
+        Rank.ANSWER,
     )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from engine import mechanism
 from engine.cycle.measured import Measured
+from engine.elements.element import Rank
 from engine.graph.nodes import Node, reached
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.skeleton import FRAME
@@ -23,6 +24,7 @@ from engine.quantities.expressions import (
 )
 from engine.quantities.register import Declared, InputUnits, Summary
 from engine.scene import structure
+from engine.scene.pairs import held_by_frame
 
 
 def declare(mechanics: Mechanics) -> Declared:
@@ -77,7 +79,8 @@ def _ends(
     q = InputUnits.of(mechanics.scene).q
     swings = kind == "swing"
     symbol = "ψ" if swings else "H"
-    yield Summary(f"{name}.{kind}", f"{kind} of {of}", unit, lambda: end("high") - end("low"), swings, symbol)
+    rank = Rank.ANSWER if name in held_by_frame(mechanics.scene) else Rank.FURTHER
+    yield Summary(f"{name}.{kind}", f"{kind} of {of}", unit, lambda: end("high") - end("low"), swings, symbol, rank)
     for side in ("low", "high"):
         words = f"{side} end of the {kind} of {of}"
         yield Summary(f"{name}.{kind}_{side}", words, unit, lambda side=side: end(side), swings)
@@ -91,6 +94,7 @@ def _ends(
             lambda: Formula(quick_return_ratio, (end("low_at"), end("high_at"))),
             True,
             "K",
+            rank,
         )
 
 

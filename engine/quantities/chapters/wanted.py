@@ -4,6 +4,7 @@ import numpy as np
 
 from engine.cycle import measured as numbers
 from engine.cycle.measured import Measured
+from engine.elements.element import Rank
 from engine.graph.nodes import Node
 from engine.laws.elementary import angle_of, direction_of
 from engine.laws.tables import entry
@@ -30,7 +31,9 @@ def declare(mechanics: Mechanics) -> Declared:
             rms, most = sqrt(Integral(curve * curve) / Integral(inside)), peak(curve)
         words = f"{what}, rms"
         yield Summary(f"{name}.deviation_rms", words, units, lambda rms=rms: rms, symbol="Δrms")
-        yield Summary(f"{name}.deviation_max", f"{what}, maximum", units, lambda most=most: most, symbol="Δmax")
+        yield Summary(
+            f"{name}.deviation_max", f"{what}, maximum", units, lambda most=most: most, symbol="Δmax", rank=Rank.ANSWER
+        )
 
 
 def _apart(mechanics: Mechanics, wanted: WantedPath) -> tuple[Expression, ...]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from engine import elements
 from engine.cycle.measured import Measured
+from engine.elements.element import Rank
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.chapters.dynamics import steady_cycle
 from engine.quantities.expressions import Expression, Formula, VariantNumber
@@ -22,6 +23,7 @@ _SIZES = {
     "hoop_stress": ("hoop stress in the flywheel's rim", "Pa"),
     "energy": ("kinetic energy of the flywheel at its peak speed", "J"),
 }
+_ANSWERS = ("diameter", "mass", "width", "rim_speed", "hoop_stress", "burst_margin")
 _BURSTING = {
     "burst_speed": ("speed of the input at which the flywheel bursts", "rad s-1"),
     "burst_margin": ("speed at which the flywheel bursts over its peak speed", "1"),
@@ -38,7 +40,8 @@ def declare(mechanics: Mechanics) -> Declared:
     if flywheel.inertia is None and flywheel.speed_fluctuation is None:
         return
     for key, (words, unit) in (_SIZES if flywheel.wheel.strength is None else _SIZES | _BURSTING).items():
-        yield Summary(f"wheel_{key}", words, unit, lambda key=key: _size(mechanics, key))
+        rank = Rank.ANSWER if key in _ANSWERS else Rank.FURTHER
+        yield Summary(f"wheel_{key}", words, unit, lambda key=key: _size(mechanics, key), rank=rank)
 
 
 def _size(m: Mechanics, key: str) -> Expression:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from engine import FRAME, CrankInput, MovingMachine, Scene, Verdict, display_unit, has_cycle, sliders_of
+from engine import FRAME, CrankInput, MovingMachine, Scene, Verdict, display_unit, has_cycle, quantity_text, sliders_of
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, GREEN, GREY, VERMILION, degree_ticks, sheet
 
@@ -146,9 +146,10 @@ def _sheet_of_cycle(figure: Figure, moving: MovingMachine, cycle: CycleCurves) -
     _energy_loop(axes[1, 1], moving, cycle)
     speed = cycle.rows.get("speed", np.array([np.nan]))
     if np.isfinite(speed).all():
-        # δ refers to the mean of the extremes.
-        middle = (speed.max() + speed.min()) / 2
-        _panel(axes[1, 2], cycle, "speed", f"δ = {np.ptp(speed) / abs(middle):.3g}, mean speed", "ω", middle)
+        delta = quantity_text(moving.summary("speed_fluctuation"), "1")
+        # δ refers to the mean of the extremes, which is the input's speed.
+        middle = abs(moving.numbers["input.speed"])
+        _panel(axes[1, 2], cycle, "speed", f"δ = {delta}, mean speed", "ω", middle)
     else:
         why = "the machine stalls within the cycle" if "speed" in cycle.rows else TIMED
         _say(axes[1, 2], f"ω(φ): {why if _has_flywheel(moving.scene) else 'no flywheel in the scene'}")
@@ -186,7 +187,7 @@ def _panel(ax: Axes, cycle: CycleCurves, name: str, title: str, symbol: str, mea
     if mean is not None and math.isfinite(mean):
         middle = factor * mean if abs(mean) > 1e-12 * np.abs(row).max() else 0.0
         ax.axhline(middle, color=VERMILION, linewidth=0.9, linestyle=(0, (6, 2)))
-        title += f" {middle:.4g} {label}".replace("-", "\N{MINUS SIGN}")
+        title += f" {quantity_text(middle / factor, cycle.units[name])}".replace("-", "\N{MINUS SIGN}")
     for centre in cycle.dead_centres:
         ax.axvline(centre, color="black", linewidth=0.7, linestyle=":")
     _show_range(ax, shown)
@@ -230,11 +231,8 @@ def _energy_loop(ax: Axes, moving: MovingMachine, cycle: CycleCurves) -> None:
         label = rf"tangent of slope ½ω$_\mathrm{{{word}}}$²"
         ax.plot(fi * ends, fw * np.array(at_ends), color=colour, linewidth=0.9, label=label)
         ax.plot(fi * inertia[k], fw * work[k], "o", color=colour, markersize=3.5)
-    (steep, upper, _), (flat, lower, _) = tangents
-    # δω² is half the difference of ω² at the two speeds.
-    wheel = (upper - lower) / (steep - flat)
-    factor, unit = display_unit("kg m2", np.array([wheel]))
-    ax.set_title(f"Energy loop: flywheel {factor * wheel:.4g} {unit}".replace("-", "\N{MINUS SIGN}"))
+    wheel = quantity_text(moving.summary("flywheel_wittenbauer"), "kg m2")
+    ax.set_title(f"Energy loop: flywheel {wheel}".replace("-", "\N{MINUS SIGN}"))
     # Inside the axes it would cover a tangent.
     ax.figure.legend(loc="outside lower right", ncols=2)
 

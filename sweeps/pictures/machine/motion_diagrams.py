@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 import engine
-from engine import InputUnits, Machine, Scene, SteadyRegime, Verdict, display_unit
+from engine import InputUnits, Machine, Scene, SteadyRegime, Verdict, display_unit, quantity_text
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, sheet
 from sweeps.report.regime_words import failure_text
@@ -252,8 +252,9 @@ def _speed_panel(ax: Axes, scene: Scene, part: _Course) -> None:
     names = [f"{part.name}.{key}" for key in ("speed_min", "speed_max", "mean_speed", "speed_fluctuation")]
     found = Machine(scene, names).evaluate({}).summaries
     low, high, mean, delta = (float(found[name][0]) for name in names)
-    factor, label = display_unit("rad s-1", part.speed)
-    _panel(ax, part, f"δ = {delta:.3g}, mean speed {factor * mean:.4g} {label}", "ω", "rad s-1", {"speed": part.speed})
+    factor, _ = display_unit("rad s-1", part.speed)
+    title = f"δ = {quantity_text(delta, '1')}, mean speed {quantity_text(mean, 'rad s-1')}"
+    _panel(ax, part, title, "ω", "rad s-1", {"speed": part.speed})
     way = factor * math.copysign(1.0, part.speed[0])
     ax.axhline(way * mean, color=VERMILION, linewidth=0.9, linestyle=(0, (6, 2)))
     for end in (low, high):

@@ -44,7 +44,7 @@ def test_run__keeps_how_many_positions_each_variant_took(study):
     used = result.columns["positions_used"][good]
     assert f"{used.min():.0f}" in told
     assert np.isnan(result.columns["positions_used"][~good]).all()
-    assert "positions_used" in done("show", "results/study.h5", "--where", "accuracy_reached == 1")
+    assert "positions_used" in done("show", "results/study.h5", "--where", "accuracy_reached == 1", "--all")
 
 
 @pytest.mark.parametrize(

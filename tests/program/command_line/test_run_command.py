@@ -14,6 +14,7 @@ from engine import Machine
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run.progress import ProgressBar
 from sweeps.run.runner import layout_of
+from sweeps.store import variants_kept
 from sweeps.text.interruption import farewell
 
 
@@ -70,10 +71,11 @@ def test_run_with_impossible_jobs__is_refused(jobs, press_folder):
     assert "--jobs" in refused("run", "study.toml", "--jobs", jobs)
 
 
-def test_run_without_candidates__says_so_and_succeeds(press_folder):
+def test_run_without_candidates__says_so_and_has_an_exit_code_of_its_own(press_folder):
     Path("study.toml").write_text(STUDY.replace("> '90 mm'", "> '9 m'"))
-    answer = done("run", "study.toml", "--no-plots")
-    assert "No variant meets all conditions" in answer
+    answer = said("run", "study.toml", "--no-plots")
+    assert answer.exit_code == 1
+    assert "No variant meets all conditions" in answer.stdout
 
 
 def test_run_where_nothing_assembles__says_so_and_has_an_exit_code_of_its_own(press_folder):
@@ -137,6 +139,17 @@ def interrupted(after: int) -> str:
     return words[0]
 
 
+def test_interrupt__counts_what_an_earlier_run_left(press_folder):
+    assert "Interrupted: 6 of 8 variants" in interrupted(6)
+    # Of the same study, before the file is checked; of an edited one, before any of it is copied; and in between.
+    bar = ProgressBar(8, True, kept=variants_kept(Path("r.h5")))
+    assert bar.kept_text() == "the 6 of the earlier run are kept"
+    Path("study.toml").write_text(STUDY.replace('"50 kg", "100 kg"', '"50 kg", "100 kg", "60 kg"'))
+    assert "Interrupted: the 6 of the earlier run are kept; resume" in interrupted(0)
+    assert "Interrupted: 3 of 12 variants are done, and the 6 of the earlier run are kept" in interrupted(3)
+    assert variants_kept(Path("nothing.h5")) == 0
+
+
 def test_interrupt__tells_how_many_variants_are_done_and_goes_on_from_there(press_folder, monkeypatch):
     again = "resume with: sweeps run study.toml --no-plots --out 'my r.h5'"
     assert interrupted(3) == f"Interrupted: 3 of 8 variants are done and kept; {again}"
@@ -165,9 +178,9 @@ def told_on_the_way(*arguments: str) -> list[str]:
 
 def test_interrupt_of_a_finished_study__tells_that_all_is_done(press_folder):
     again = "resume with: sweeps run study.toml --quiet"
-    for _ in range(2):
+    for kept in ("finished work is", "the 8 of the earlier run are"):
         first, last = told_on_the_way("run", "study.toml", "--quiet")
-        assert first == f"Interrupted: finished work is kept; {again}"
+        assert first == f"Interrupted: {kept} kept; {again}"
         assert last == f"Interrupted: 8 of 8 variants are done and kept; {again}"
 
 
@@ -258,7 +271,7 @@ def test_what_each_condition_drops__is_a_share_by_a_sample_where_variants_are_ma
     start, end = STUDY.index('"input.length"'), STUDY.index("[outputs]")
     text = STUDY[:start] + vary + "\n" + STUDY[end:]
     Path("study.toml").write_text(text.replace("positions", "require = [\"input.length > '45 mm'\"]\npositions"))
-    line = next(line for line in said("check", "study.toml").stdout.splitlines() if "required" in line)
+    line = next(line for line in said("check", "study.toml").stdout.splitlines() if "required," in line)
     share = float(line.split("about ")[1].split(" %")[0])
     # Sixteen samples evenly taken: the border lies within one of them.
     assert abs(share - 25) <= 100 / 15

@@ -10,7 +10,7 @@ import pytest
 from drawn_machines import slider_crank
 from matplotlib.figure import Figure
 
-from engine import Machine, Verdict, history, show_units
+from engine import Machine, Verdict, history, quantity_text, show_units
 from sweeps import InputError
 from sweeps.pictures.machine.motion_diagrams import MOST_INSTANTS, _thinned, courses, cycle_diagrams, history_diagrams
 from sweeps.pictures.picture_error import PictureError
@@ -112,7 +112,7 @@ def test_history_sheet__draws_the_reactions_that_the_history_keeps():
 def test_cycle_sheet__marks_mean_speed_and_fluctuation():
     axes = cycle_diagrams(SCENE, seen(), "work", Figure()).axes
     mean, delta = (summary(SCENE, f"work.{key}")[0] for key in ("mean_speed", "speed_fluctuation"))
-    assert axes[0].get_title() == f"δ = {delta:.3g}, mean speed {mean * RPM:.4g} rpm"
+    assert axes[0].get_title() == f"δ = {delta:.5g}, mean speed {quantity_text(mean, 'rad s-1')}"
     speed, middle, low, high = (line.get_ydata() for line in axes[0].lines)
     assert middle[0] == pytest.approx(mean * RPM, rel=1e-9)
     assert 2 * (high[0] - low[0]) / (high[0] + low[0]) == pytest.approx(delta, rel=1e-9)

@@ -52,7 +52,7 @@ def row_of(answer: str, name: str) -> str:
 
 
 def test_four_bar__is_balanced_fully_by_what_berkof_and_lowen_give(folder):
-    answer = said("balance", "four_bar.toml", "--links", "crank, rocker", "--criterion", "full").stdout
+    answer = said("balance", "four_bar.toml", "--links", "crank, rocker", "--criterion", "full", "--errors").stdout
     # Half the coupler's 0.6 kg sits in either of its hinges, at 60 mm on the crank and 140 mm on the rocker; the crank
     # has 0.8 kg at 20 mm, the rocker 7850 kg/m3 x 5 cm2 x 140 mm at its middle.
     for name, expected in (("crank", 0.3 * 60 + 0.8 * 20), ("rocker", 0.3 * 140 + 7850 * 5e-4 * 0.14 * 70)):
@@ -80,7 +80,7 @@ def test_counterweight__written_to_a_scene_does_what_is_said(folder):
 
 def test_place_on_the_rod__lets_a_slider_crank_be_balanced_fully(folder):
     places = ["--place", "rod: -80 mm, 0 mm", "--place", "crank: -40 mm, 0 mm"]
-    answer = said("balance", "slider_crank.toml", *places, "--criterion", "full").stdout
+    answer = said("balance", "slider_crank.toml", *places, "--criterion", "full", "--errors").stdout
     assert "zero shaking force" in answer
     assert re.search(r"rod\s+[\d.]+ kg·mm\s+180\.0°\s+[\d.]+ k?g\s+80 mm", answer)
 

@@ -43,7 +43,7 @@ def swept(name, scene, axis, asked):
 def seen(folder, monkeypatch):
     """Positions at which machines are to be drawn."""
     found = []
-    monkeypatch.setattr("sweeps.pictures.picture_files.machine_pictures", lambda *given: found.append(given[3]) or [])
+    monkeypatch.setattr("sweeps.pictures.picture_files.machine_pictures", lambda *given, **_: found.append(given[3]) or [])
     return found
 
 

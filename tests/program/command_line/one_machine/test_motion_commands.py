@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import refused, said
+from commands import done, refused, said
 from press_texts import PRESS
 from slips import cases, changed
 
@@ -142,14 +142,36 @@ def test_run_of_a_scene__groups_its_answers_by_regime(folder):
     text = said("run", "press.toml", "--no-plots").stdout
     heads = [line for line in text.splitlines() if line and not line.startswith(" ")]
     cycle = "cycle at 60 rpm, constant drive torque, all loads except brakes"
-    before = ["Crank press", "1  ok", cycle, "start", "work", "stop", "Warning"]
-    assert [line.partition(":")[0] for line in heads[:-1]] == before
+    before = ["Crank press", "1  ok", cycle, "start", "work", "stop"]
+    assert [line.partition(":")[0] for line in heads[:-3]] == before
+    assert heads[-3].endswith("more with `sweeps show results/press.h5 --all`.")
+    assert heads[-2].startswith("Warning: ")
     assert heads[-1].startswith("Files (")
     rows = [line.split()[0] for line in indented_under(text, "work: ")]
     assert rows[0] == "work.mean_speed"
-    assert {"work.speed_fluctuation", "work.efficiency", "work.motor_moment_rms", "work.multiplier"} <= set(rows)
+    assert {"work.speed_fluctuation", "work.efficiency", "work.motor_moment_rms"} <= set(rows)
+    assert "work.multiplier" not in rows
     assert "brake_heat" not in " ".join(rows)
     assert "stop.brake_heat" in text
+
+
+def test_torque_of_a_motor__is_given_at_its_own_shaft_beside_the_rated_one(tmp_path, monkeypatch):
+    """On a shaft at 24 times the crank's speed the torque is a 24th of that reduced to the crank; the rated P/ω."""
+    monkeypatch.chdir(tmp_path)
+    done("new", "press_with_motor", "--out", "press.toml")
+    regimes, keys = ("start", "work"), ("peak", "rms")
+    own = [f"{regime}.motor_shaft_torque_{key}" for regime in regimes for key in keys]
+    reduced = [f"{regime}.motor_moment_{key}" for regime in regimes for key in keys]
+    scene = read_scene("press.toml")
+    outcome = Machine(scene, [*own, *reduced, "motor.rated_moment"]).evaluate({})
+    # Asked for alone, it is the same.
+    alone = Machine(scene, own).evaluate({})
+    for one, other in zip(own, reduced, strict=True):
+        assert outcome.summaries[one] == pytest.approx(outcome.summaries[other] / 24, rel=1e-15)
+        assert outcome.errors[one] == pytest.approx(outcome.errors[other] / 24, rel=1e-6)
+        assert alone.summaries[one] == pytest.approx(outcome.summaries[one], rel=1e-12)
+    motor = scene.moments["motor"]
+    assert outcome.summaries["motor.rated_moment"] == pytest.approx(motor.power / motor.rated_speed, rel=1e-15)
 
 
 def test_run__draws_the_history_and_the_steady_cycle(folder):

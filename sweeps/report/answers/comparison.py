@@ -1,4 +1,4 @@
-"""Comparison of two results: differences in scene and study, and values that agree within their error estimates."""
+"""Comparison of two results: best against best, differing scenes, and values within their error estimates."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -7,6 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from engine import Scene, Verdict, described_dimension, quantity_text, scene_numbers
+from sweeps.report.answers.shown_results import shown_parameters, shown_summaries
+from sweeps.report.answers.unmet_conditions import no_answer_text
+from sweeps.report.result_report import value_text
 from sweeps.report.sweep_result import SweepResult
 from sweeps.store import variant_keys
 from sweeps.text.input_files import InputError
@@ -49,7 +52,7 @@ def comparison(one: SweepResult, other: SweepResult) -> Comparison:
         No common variants.
     """
     differing = [*_of_records(one, other)]
-    parts = ["Scene and study:", *(differing[:MOST_LISTED] or ["  the same"])]
+    parts = [*_best_text(one, other), "Scene and study:", *(differing[:MOST_LISTED] or ["  the same"])]
     if len(differing) > MOST_LISTED:
         parts.append(f"  and {len(differing) - MOST_LISTED} more")
     shared = {name: _Gap(name, one, other) for name in one.summaries if name in other.summaries}
@@ -78,6 +81,35 @@ def comparison(one: SweepResult, other: SweepResult) -> Comparison:
         if names:
             parts.append(f"Only in {result.path}: {', '.join(sorted(names))}")
     return Comparison("\n".join(parts), not apart and not any(gap.outside for gap in shared.values()))
+
+
+def _best_text(one: SweepResult, other: SweepResult) -> list[str]:
+    """Lines on the answers of two results: which number changed by how many per cent."""
+    results = (one, other)
+    best = [0 if r.description.variants == 1 else None if r.aim is None else r.best(r.aim) for r in results]
+    if None in best:
+        return [no_answer_text(r) for r, v in zip(results, best, strict=True) if v is None and r.aim is not None]
+    questions = dict.fromkeys(r.question for r in results if r.question)
+    words = " and ".join(f"variant {v} of {r.path}" for r, v in zip(results, best, strict=True))
+    goals = [r.aim.goal for r in results if r.aim]
+    names = [*goals, *shown_parameters(one), *shown_summaries(one)]
+    known = {*other.parameters, *other.summaries}
+    rows = [
+        (name, *(value_text(r, name, v) for r, v in zip(results, best, strict=True)), _change(name, results, best))
+        for name in dict.fromkeys(names)
+        if name in known
+    ]
+    return [*questions, f"Best against best, {words}:", table(rows, "  ")]
+
+
+def _change(name: str, results: Sequence[SweepResult], best: Sequence[int]) -> str:
+    """Change of a number from one variant to another in per cent; "" within the error estimates."""
+    one, other = (float(r.columns[name][v]) for r, v in zip(results, best, strict=True))
+    pairs = [(r.columns.get(f"{name}_error"), v) for r, v in zip(results, best, strict=True)]
+    errors = [float(column[v]) for column, v in pairs if column is not None]
+    if not abs(other - one) > np.nansum(errors) + ROUNDING * max(abs(one), abs(other)) or one == 0.0:
+        return ""
+    return f"{100.0 * (other - one) / abs(one):+.3g} %".replace("-", "\N{MINUS SIGN}")
 
 
 def _of_records(one: SweepResult, other: SweepResult) -> Iterator[str]:

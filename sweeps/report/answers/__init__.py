@@ -1,0 +1,1 @@
+"""Which answers are shown, why there is none, and how they changed."""

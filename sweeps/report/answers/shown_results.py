@@ -1,0 +1,62 @@
+"""Which numbers of a result are shown: the answers first, checks and helper numbers only on request."""
+
+from collections.abc import Iterator
+from functools import lru_cache
+
+from engine import Rank, any_quantity, made_ready, parse_expression, scene_numbers
+from sweeps.report.sweep_result import SweepResult
+from sweeps.study.default_summaries import answers, default_summaries
+
+
+def shown_parameters(result: SweepResult, every: bool = False) -> tuple[str, ...]:
+    """Parameters to show: numbers of the machine, variables, and whatever a condition limits.
+
+    Parameters
+    ----------
+    result : SweepResult
+    every : bool
+        Also helper numbers that the study derives.
+    """
+    if every:
+        return result.parameters
+    numbers = {*scene_numbers(result.scene), *result.varied, *_in_conditions(result)}
+    return tuple(name for name in result.parameters if name in numbers)
+
+
+@lru_cache(4)
+def shown_summaries(result: SweepResult, every: bool = False) -> tuple[str, ...]:
+    """Summaries to show: those that the study asks for without checks, or of a study that asks for none the answers.
+
+    Parameters
+    ----------
+    result : SweepResult
+    every : bool
+        All of them.
+    """
+    if every:
+        return result.summaries
+    wanted = set(_in_conditions(result))
+    machine = made_ready(result.scene) if result.study is None else result.study.machine()
+    asked = answers(machine)
+    if set(default_summaries(machine)) <= set(result.summaries):
+        chosen = (*asked, *(name for name in result.summaries if name in wanted))
+        return tuple(name for name in dict.fromkeys(chosen) if name in result.summaries)
+    checks = {name for name, quantity in machine.available_summaries.items() if quantity.rank == Rank.CHECK} - wanted
+    first = [name for name in asked if name in result.summaries]
+    return tuple(name for name in dict.fromkeys([*first, *result.summaries]) if name not in checks)
+
+
+def hidden_text(result: SweepResult, every: bool = False) -> list[str]:
+    """A line on the number of results that are not shown, and how to show them, if there are any."""
+    hidden = len(result.parameters) + len(result.summaries)
+    hidden -= len(shown_parameters(result, every)) + len(shown_summaries(result, every))
+    return [f"{hidden} more with `sweeps show {result.path} --all`."] if hidden else []
+
+
+def _in_conditions(result: SweepResult) -> Iterator[str]:
+    """Names that the goal and the conditions of a study use."""
+    aim = result.aim
+    texts = [*result.record["require"], *(aim.where if aim else ())]
+    yield from (name for text in texts for name in parse_expression(text, any_quantity).names)
+    if aim:
+        yield aim.goal
