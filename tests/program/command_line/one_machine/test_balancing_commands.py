@@ -43,7 +43,12 @@ def swept(name, scene, axis, asked):
 def seen(folder, monkeypatch):
     """Positions at which machines are to be drawn."""
     found = []
-    monkeypatch.setattr("sweeps.pictures.picture_files.machine_pictures", lambda *given, **_: found.append(given[3]) or [])
+
+    def draw(*given: object, **_: object) -> list:
+        found.append(given[3])
+        return []
+
+    monkeypatch.setattr("sweeps.pictures.picture_files.machine_pictures", draw)
     return found
 
 
