@@ -36,7 +36,7 @@ from sweeps.text.tables import table
 if TYPE_CHECKING:
     from distributed import Client
 
-# Summary of a regime that `check` tells with its method.
+# Summary of a regime that `check` shows with its method.
 _STEEP = "implicit_steps"
 # Up to this many variants `check` counts dropped variants exactly.
 MOST_COUNTED = 16 * LARGEST_BLOCK

@@ -118,8 +118,9 @@ def test_breakdown_slip_of_2_percent_and_less__as_radau(slip, wheel, ratio):
         assert figure <= 1e-6 * true, name
 
 
-def test_motor_of_usual_slip__needs_no_implicit_steps():
-    scene = slider_crank({"on": steady("induction cut gravity"), "go": run("induction cut gravity", cycles=2.0)})
+def test_motor_with_a_flywheel__needs_no_implicit_steps():
+    regimes = {"on": steady("induction cut gravity"), "go": run("induction cut gravity", cycles=2.0)}
+    scene = slider_crank(regimes, flywheel=1.0)
     found = ask(scene, "on.implicit_steps go.implicit_steps")
     assert (found["on.implicit_steps"], found["go.implicit_steps"]) == (0.0, 0.0)
 
