@@ -217,6 +217,10 @@ class Schedule:
         if accuracy is not None:
             self._run_tolerance = tuple(max(share * accuracy, LEAST_TOLERANCE) for share in SURER_IN_RUNS)
         scene = mechanics.scene
+        for coupling in scene.couplings.values():
+            if scene.shafts[coupling.shaft].efficiency is not None:
+                message = "losses of the teeth between a coupling and the crank aren't counted in regimes; leave it out"
+                raise SceneError([(f"shafts.{coupling.shaft}.efficiency", message)])
         self.regimes = dict(scene.regimes)
         self.steady = {name for name, regime in self.regimes.items() if not isinstance(regime, RunRegime)}
         self.needed = self._needed()
