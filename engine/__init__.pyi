@@ -168,6 +168,7 @@ from engine.units.reading import (
     recognised,
     unit_in,
 )
+from engine.units.standard_sizes import STANDARD_SIZES
 from engine.verdicts import Verdict
 from engine.warnings import is_warning
 from engine.warnings.kinds import KINDS as WARNING_KINDS
@@ -187,6 +188,7 @@ __all__ = [
     "RPR",
     "SHAKING_ORDERS",
     "SHOWN_ORDERS",
+    "STANDARD_SIZES",
     "STATISTICS",
     "WARNING_KINDS",
     "AskError",

@@ -10,6 +10,7 @@ STATISTICS = {
     "min": "minimum of",
     "max": "maximum of",
     "range": "range of",
+    "amplitude": "amplitude (half the range) of",
     "peak": "peak of",
     "mean": "mean of",
     "rms": "root mean square of",

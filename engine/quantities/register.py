@@ -107,6 +107,7 @@ def statistic_summaries(field: Field, mechanics: Mechanics) -> Iterable[Summary]
         "min": (field.units, lambda: least(curve)),
         "max": (field.units, lambda: greatest(curve)),
         "range": (field.units, lambda: greatest(curve) - least(curve)),
+        "amplitude": (field.units, lambda: (greatest(curve) - least(curve)) / 2),
         "peak": (field.units, lambda: peak(curve)),
         "mean": (field.units, lambda: mean(mechanics, curve)),
         "rms": (field.units, lambda: sqrt(mean_square(mechanics, curve))),

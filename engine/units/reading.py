@@ -157,6 +157,8 @@ _DIGITS = 40
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _QUANTITY = re.compile(rf"({_NUMBER})\s*(.*)", re.DOTALL)
 _FRACTION = re.compile(rf"({_NUMBER})\s*/\s*([0-9]+\.?[0-9]*)")
+# "1 1/4 in" and "1/3 hp", as parts in inches and motors are listed.
+_MIXED = re.compile(r"([+-]?)(?:([0-9]+)(?:\s+|-))?([0-9]+)/(2|3|4|8|16|32|64)\s*([^\s0-9./].*)?", re.DOTALL)
 _FACTOR = re.compile(r"([A-Za-z]+)(?:(?:\^|\*\*)?(-?[1-9]))?")
 _TOKEN = re.compile(rf"\s*({_FACTOR.pattern}(?![0-9A-Za-z^])|[*/()]|1(?=\s*/))\s*")
 # Characters of numbers in columns.
@@ -183,7 +185,7 @@ def to_si(value: str | float | int, dimension: str) -> float:
     Parameters
     ----------
     value : str, float or int
-        A number is taken as SI already. A text is a number and a unit: ``"80 mm"``, ``"0.5 kg*m^2"``,
+        A number is taken as SI already. A text is a number and a unit: ``"80 mm"``, ``"1 1/4 in"``, ``"0.5 kg*m^2"``,
         ``"40 N s/m"``, ``"40 N/(m/s)"``. For ``"number"`` a text is a plain number, a fraction ``"1/30"`` or
         a percentage ``"2 %"``. As a speed of rotation, ``1/min`` means revolutions per minute.
     dimension : str
@@ -319,6 +321,9 @@ def _evaluate(text: str, dimension: str) -> Decimal:
 
 
 def _number_and_unit(text: str, expected: str) -> tuple[Decimal, str]:
+    if (mixed := _MIXED.fullmatch(text)) is not None:
+        sign, whole, above, below, unit = mixed.groups("")
+        return (Decimal(whole or 0) + Decimal(above) / Decimal(below)) * Decimal(f"{sign}1"), unit
     quantity = _QUANTITY.fullmatch(text)
     if quantity is None:
         raise UnitError(f"expected {expected}, got {text!r}, which does not begin with a number")
@@ -580,8 +585,9 @@ def in_any_unit(text: str) -> tuple[float, dict[str, int]]:
 
 def unit_in(text: str) -> str:
     """The unit of a quantity's text as it is written; "" where there is none."""
-    found = _QUANTITY.fullmatch(text.strip())
-    return found[2] if found else ""
+    text = text.strip()
+    found = _MIXED.fullmatch(text) or _QUANTITY.fullmatch(text)
+    return (found[found.re.groups] or "") if found else ""
 
 
 def any_quantity(text: str) -> float:

@@ -15,7 +15,7 @@ import numpy as np
 
 from engine import Verdict, quantity_text
 from sweeps.optimising.pareto import pareto_front
-from sweeps.optimising.searching import STEPS, descend, way_of
+from sweeps.optimising.searching import descend, refine, way_of
 from sweeps.optimising.spread import spread_columns, spreads
 from sweeps.optimising.trials import Batch, Trials, joined
 from sweeps.run.blocks import LARGEST_BLOCK
@@ -113,7 +113,7 @@ def _search(
     path.parent.mkdir(parents=True, exist_ok=True)
     keep = not restart and not replace_former
     if task.method == LOCAL:
-        _finish(task, trials, path, _downhill(task, trials, task.start, task.generations), "local search", keep, tell)
+        _finish(task, trials, path, _downhill(task, trials), "local search", keep, tell)
         return path
     search = way_of(task)
     with Store.open(work, _layout(task, trials, task.population * task.generations, task.population), restart) as store:
@@ -121,11 +121,13 @@ def _search(
         search(_History(task, trials, store, progress).evaluate)
     found = read_columns(part_path(work))
     found = {name: values[found["status"] != Verdict.NOT_COMPUTED] for name, values in found.items()}
-    best, last = _best(trials.judged(found)), int(found["generation"].max()) + 1
+    batch = trials.judged(found)
+    best, last = _best(batch), int(found["generation"].max()) + 1
     words = f"{last} generations"
-    if task.method != GENETIC and best is not None and task.variables.free.any():
+    if task.method != GENETIC and best is not None:
         start = task.variables.coordinates({name: found[name][best] for name in task.variables.names})
-        found = joined([found, _downhill(task, trials, start, STEPS, last)])
+        better = refine(task, trials, start, batch.costs[best, 0])
+        found = joined([found, *(_numbered(one, last) for one in better)])
         words += ", then local search"
     _finish(task, trials, path, found, words, keep, tell)
     remove_unlocked(part_path(work))
@@ -150,14 +152,12 @@ def _is_finished(path: Path, task: SearchTask, trials: Trials, tell: Callable[[s
     return True
 
 
-def _downhill(
-    task: SearchTask, trials: Trials, start: np.ndarray, steps: int, generation: int = 0
-) -> dict[str, np.ndarray]:
-    """Columns of the feasible candidates of the local search, or of its start if there are none."""
-    passed = descend(task, trials, start, steps)
+def _downhill(task: SearchTask, trials: Trials) -> dict[str, np.ndarray]:
+    """Columns of the feasible candidates of a local search from the start, or of the start if there are none."""
+    passed = descend(task, trials, task.start, task.generations)
     if not passed:
-        passed = [trials.columns(task.variables.values(start[None]), 1, drop=True)]
-    return _numbered(joined(passed), generation)
+        passed = [trials.columns(task.variables.values(task.start[None]), 1, drop=True)]
+    return _numbered(joined(passed), 0)
 
 
 def _work_path(path: Path) -> Path:

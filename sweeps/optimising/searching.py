@@ -21,6 +21,8 @@ STEP = 1e-4
 CLEARANCE = 1e-9
 STEPS, ROUNDS = 100, 5
 STILL = 1e-9
+# Entries of a list on either side that are tried in exchange.
+REACH = 6
 
 
 def first_generation(task: SearchTask) -> np.ndarray:
@@ -109,6 +111,76 @@ def descend(task: SearchTask, trials: Trials, start: np.ndarray, steps: int = ST
             break
         least, here = slope.best
     return passed
+
+
+def refine(task: SearchTask, trials: Trials, start: np.ndarray, least: float) -> list[dict[str, np.ndarray]]:
+    """Local search from the best candidate: entries of lists by exchange, ranges by descent.
+
+    The ranges' best depends on the entries, so it is sought for the next entries of each list too.
+
+    Parameters
+    ----------
+    task : SearchTask
+        With one objective.
+    trials : Trials
+    start : ndarray (variables,)
+        Coordinates of a feasible candidate.
+    least : float
+        Its cost.
+
+    Returns
+    -------
+    list of dict
+        Columns of feasible candidates.
+    """
+    found, start, least = _exchange(task, trials, start, least)
+    while task.variables.free.any():
+        starts = [start, *_neighbours(task, start, _singles(task, 1))]
+        passed = [one for here in starts for one in descend(task, trials, here)]
+        found += passed
+        costs = [float(trials.judged(one).costs[0, 0]) for one in passed]
+        if len(starts) == 1 or not min(costs, default=np.inf) < least - STILL * abs(least):
+            break
+        least, best = min(costs), passed[int(np.argmin(costs))]
+        start = task.variables.coordinates({name: float(best[name][0]) for name in task.variables.names})
+    return found
+
+
+def _singles(task: SearchTask, reach: int) -> np.ndarray:
+    """Moves (moves, lists) of one list by up to `reach` entries."""
+    one = np.eye(len(task.variables.choices), dtype=np.int64)
+    return np.concatenate([step * one for step in range(-reach, reach + 1) if step])
+
+
+def _neighbours(task: SearchTask, start: np.ndarray, moves: np.ndarray) -> np.ndarray:
+    """Coordinates (candidates, variables) of other entries than those of a candidate, with its ranges."""
+    sizes = np.array([axis.size for axis in task.variables.choices], np.int64)
+    ranges = start.size - sizes.size
+    entries = np.minimum((start[ranges:] * sizes).astype(np.int64), sizes - 1)
+    near = np.unique(np.clip(entries + moves, 0, sizes - 1), axis=0)
+    near = near[(near != entries).any(axis=1)]
+    return np.column_stack([np.repeat(start[None, :ranges], len(near), axis=0), (near + 0.5) / sizes])
+
+
+def _exchange(
+    task: SearchTask, trials: Trials, start: np.ndarray, least: float
+) -> tuple[list[dict[str, np.ndarray]], np.ndarray, float]:
+    """Exchange entries of lists for others nearby, ranges unchanged, until no exchange is better.
+
+    A condition may tie two lists together, so each entry is also exchanged together with the next one of another list.
+    Returns the better candidates, and coordinates and cost of the last.
+    """
+    singles, steps, found = _singles(task, REACH), _singles(task, 1), []
+    moves = np.concatenate([singles, *(singles + step for step in steps)])
+    while (near := _neighbours(task, start, moves)).size:
+        batch = trials.evaluate(near)
+        costs = np.where(batch.met, batch.costs[:, 0], np.inf)
+        best = int(np.argmin(costs))
+        if not costs[best] < least:
+            break
+        start, least = near[best], costs[best]
+        found.append({name: values[best : best + 1] for name, values in batch.columns.items()})
+    return found, start, least
 
 
 class _Slope:

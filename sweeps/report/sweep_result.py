@@ -444,14 +444,19 @@ class SweepResult:
 
         return ties
 
+    @property
+    def lists(self) -> dict[str, int]:
+        """Number of entries of each variable that takes those of a list."""
+        axes = self.record["vary"]
+        found = {axis["names"][0]: axis["size"] for axis in axes if axis["kind"] == "Listed"}
+        return found | {name: len(sizes) for axis in axes for name, sizes in axis.get("sizes", {}).items()}
+
     @cached_property
     def ranges(self) -> dict[str, tuple[float, float]]:
         """Range of each variable: of a search as given, else over all variants."""
         if "search" in self.record:
             return {span["name"]: (span["low"], span["high"]) for span in self.record["search"]["ranges"]}
-        pairs = [axis["names"] for axis in self.record["vary"] if axis["kind"] == "Listed" and axis["size"] < 3]
-        chosen = {name for names in pairs for name in names}
-        found = {name: (np.inf, -np.inf) for name in self.varied if name not in chosen}
+        found = {name: (np.inf, -np.inf) for name in self.varied if self.lists.get(name, 3) > 2}
         for part in self.parts():
             for name, (low, high) in found.items():
                 here = self.columns[name][part]

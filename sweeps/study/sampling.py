@@ -4,8 +4,8 @@ Blocks of any size can be computed in any order on any worker, identical bit for
 """
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
 import numpy as np
@@ -184,6 +184,8 @@ class Sampled:
         Equal seeds give equal samples.
     logarithmic : sequence of bool, optional
         For each parameter, whether its logarithm is sampled evenly; none by default.
+    sizes : mapping of str to sequence of float, optional
+        Parameters that only take some sizes, all equally often; their limits are the first and the last.
 
     Raises
     ------
@@ -200,6 +202,7 @@ class Sampled:
     method: Literal["random", "sobol", "latin"] = "random"
     seed: int = 0
     logarithmic: tuple[bool, ...] = ()
+    sizes: Mapping[str, Sequence[float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "names", _together(self.names))
@@ -251,10 +254,12 @@ class Sampled:
         distinct, back = np.unique(indices, return_inverse=True)
         unit = _UNIT_POINTS[self.method](self.seed, self.count, len(self.names), distinct)
         limits = zip(self.names, unit.T, self.lows, self.highs, self.logarithmic, strict=True)
-        return {
-            name: between(fraction, low, high, is_logarithmic)[back]
-            for name, fraction, low, high, is_logarithmic in limits
-        }
+        found = {}
+        for name, fraction, low, high, is_logarithmic in limits:
+            sizes = self.sizes.get(name)
+            values = between(fraction, low, high, is_logarithmic) if sizes is None else entry_at(fraction, sizes)
+            found[name] = values[back]
+        return found
 
 
 @dataclass(frozen=True)
@@ -369,6 +374,11 @@ def _check_ratio(name: str, low: float, high: float) -> None:
         )
     if not 0 < high / low < math.inf:
         raise SamplingError(f"{name}: the ratio of {high!r} to {low!r} is too large")
+
+
+def entry_at(fraction: np.ndarray, listed: Sequence[float]) -> np.ndarray:
+    """Entries of a list at fractions from 0 to 1; each has an equal share."""
+    return np.asarray(listed)[np.minimum((fraction * len(listed)).astype(np.int64), len(listed) - 1)]
 
 
 def between(fraction: np.ndarray, low: float, high: float, is_logarithmic: bool) -> np.ndarray:

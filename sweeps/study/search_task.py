@@ -109,7 +109,7 @@ def search_record(task: SearchTask) -> dict[str, Any]:
             {"name": o.name, "way": o.way, "expression": " ".join(o.expression.text.split())} for o in task.objectives
         ],
         "where": [condition.text for condition in task.conditions],
-        "ranges": [span._asdict() for span in task.variables.spans],
+        "ranges": [span._asdict() for span in task.variables.ranges],
         "method": task.method,
         "population": task.population,
         "generations": task.generations,

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sweeps.study.sampling import Axis, Columns, Design, Listed, Logarithmic, Sampled, between
+from sweeps.study.sampling import Axis, Columns, Design, Listed, Logarithmic, Sampled, between, entry_at
 
 
 class Span(NamedTuple):
@@ -45,7 +45,9 @@ class Variables:
             if isinstance(axis, Listed | Columns):
                 choices.append(axis)
             elif isinstance(axis, Sampled):
-                spans += map(Span, axis.names, axis.lows, axis.highs, axis.logarithmic)
+                sampled = list(map(Span, axis.names, axis.lows, axis.highs, axis.logarithmic))
+                spans += [span for span in sampled if span.name not in axis.sizes]
+                choices += [Listed(name, sizes) for name, sizes in axis.sizes.items()]
             else:
                 ends = sorted((axis.start, axis.stop))
                 spans.append(Span(axis.name, *ends, isinstance(axis, Logarithmic)))
@@ -62,6 +64,12 @@ class Variables:
         return np.array([*(span.low < span.high for span in self.spans), *(False for _ in self.choices)], bool)
 
     @property
+    def ranges(self) -> list[Span]:
+        """The ranges, and the smallest and largest entries of lists, if there are others between them."""
+        lists = [axis for axis in self.choices if isinstance(axis, Listed) and axis.size > 2]
+        return [*self.spans, *(Span(a.name, float(min(a.listed)), float(max(a.listed))) for a in lists)]
+
+    @property
     def varies(self) -> bool:
         """Whether there is anything to choose."""
         return bool(self.free.any()) or any(axis.size > 1 for axis in self.choices)
@@ -72,16 +80,22 @@ class Variables:
         for x, (name, low, high, logarithmic) in zip(coordinates.T, self.spans, strict=False):
             found[name] = between(x, low, high, logarithmic)
         for x, axis in zip(coordinates.T[len(self.spans) :], self.choices, strict=True):
-            found |= axis.values(np.minimum((x * axis.size).astype(np.int64), axis.size - 1))
+            found |= axis.values(entry_at(x, np.arange(axis.size)))
         return {name: found[name] for name in self.names}
 
     def coordinates(self, known: Mapping[str, float]) -> np.ndarray:
-        """Coordinates (size,) of known parameters; default: the middle, or the first entry of a list."""
+        """Coordinates (size,) of known parameters.
+
+        Default: the middle of a range, the nearest entry of a list, the first row of a table.
+        """
         places = [_place(span, known.get(span.name, math.nan)) for span in self.spans]
         for axis in self.choices:
             rows = axis.values(np.arange(axis.size))
-            like = np.all([rows[n] == known.get(n, math.nan) for n in axis.names], axis=0)
-            places.append((np.argmax(like) + 0.5) / axis.size)
+            if isinstance(axis, Listed):
+                entry = np.argmin(np.abs(rows[axis.name] - known.get(axis.name, math.nan)))
+            else:
+                entry = np.argmax(np.all([rows[n] == known.get(n, math.nan) for n in axis.names], axis=0))
+            places.append((entry + 0.5) / axis.size)
         return np.array(places)
 
 

@@ -11,6 +11,7 @@ from typing import Any
 
 from engine import (
     ACCURACY_SUMMARIES,
+    STANDARD_SIZES,
     AskError,
     ExpressionError,
     Scene,
@@ -25,6 +26,7 @@ from engine import (
     in_text,
     made_ready,
     parse_expression,
+    quantity_text,
     recognised,
     scene_numbers,
     unit_of_dimension,
@@ -43,6 +45,8 @@ from sweeps.study.study_text import (
     Listing,
     Range,
     Sampling,
+    SizeList,
+    Sizes,
     StudyText,
     flatten,
     is_scene,
@@ -169,11 +173,12 @@ class StudyReader:
 
     def _design(self) -> Design | None:
         axes: list[Axis] = []
-        sampled: dict[str, Between] = {}
+        sampled: dict[str, Between | Sizes] = {}
+        samples = self.raw.sampling or any(isinstance(axis, Between) for axis in self.raw.vary.values())
         for path, axis in self.raw.vary.items():
             if not self._is_variable(path, ["vary", path]):
                 continue
-            if isinstance(axis, Between):
+            if isinstance(axis, Between) or (samples and isinstance(axis, Sizes)):
                 sampled[path] = axis
             else:
                 self._add(axes, path, axis)
@@ -182,7 +187,9 @@ class StudyReader:
         if sampled:
             self._add_sampled(axes, sampled)
         elif self.raw.sampling is not None:
-            self._problem(["sampling"], "nothing is sampled; give low and high for a variable, or remove this")
+            self._problem(
+                ["sampling"], "nothing is sampled; give low and high, or choose, for a variable, or remove this"
+            )
         try:
             design = Design(tuple(axes))
         except SamplingError as error:
@@ -255,13 +262,43 @@ class StudyReader:
         self.dimensions[path] = dimension_of_unit(described_dimension(next(iter(kinds))).unit)
         return [number for number, _ in found]
 
-    def _add(self, axes: list[Axis], path: str, axis: Range | Listing) -> None:
+    def _sizes(self, path: str, axis: Sizes, keys: list[str]) -> list[float] | None:
+        """Sizes in SI units, ascending; None if there are none."""
+        if isinstance(axis, SizeList):
+            listed = self._quantities(path, axis.choose, keys)
+            return None if listed is None else sorted(set(listed))
+        series = STANDARD_SIZES[axis.choose]
+        described = described_dimension(series.dimension)
+        dimension = dimension_of_unit(described.unit)
+        if self.dimensions.setdefault(path, dimension) != dimension:
+            example = described_dimension(self.numbers[path].dimension).example
+            self._problem(keys, f"{axis.choose!r} is a series of {series.dimension}s; list the sizes: ['{example}', …]")
+            return None
+        try:
+            low, high = (in_text(end, series.dimension) for end in (axis.low, axis.high))
+        except UnitError as error:
+            self._problem(keys, str(error))
+            return None
+        if not 0 < low <= high:
+            self._problem(keys, f"low {axis.low!r} must be above 0 and not above high {axis.high!r}")
+            return None
+        sizes = series.between(low, high)
+        if not sizes:
+            near = " and ".join(quantity_text(size, described.unit) for size in series.around(low, high))
+            self._problem(keys, f"no size of {axis.choose!r} lies from {axis.low!r} to {axis.high!r}; nearest: {near}")
+        return sizes or None
+
+    def _add(self, axes: list[Axis], path: str, axis: Range | Listing | Sizes) -> None:
         keys = ["vary", path]
-        numbers = self._quantities(path, axis.values if isinstance(axis, Listing) else (axis.start, axis.stop), keys)
+        if isinstance(axis, Sizes):
+            numbers = self._sizes(path, axis, keys)
+        else:
+            ends = axis.values if isinstance(axis, Listing) else (axis.start, axis.stop)
+            numbers = self._quantities(path, ends, keys)
         if numbers is None:
             return
         try:
-            if isinstance(axis, Listing):
+            if isinstance(axis, Listing | Sizes):
                 axes.append(Listed(path, tuple(numbers)))
             else:
                 kind = Linear if axis.spacing == "linear" else Logarithmic
@@ -293,7 +330,7 @@ class StudyReader:
             self._problem(["variants"], str(error))
             return None
 
-    def _add_sampled(self, axes: list[Axis], sampled: dict[str, Between]) -> None:
+    def _add_sampled(self, axes: list[Axis], sampled: dict[str, Between | Sizes]) -> None:
         sampling = self.raw.sampling
         if sampling is None and self.raw.optimise is not None:
             # Optional for a search; a sweep then uses the population size.
@@ -301,13 +338,17 @@ class StudyReader:
         if sampling is None:
             self._problem(["vary", next(iter(sampled))], "low and high need a [sampling] table with method and count")
             return
-        ends = {p: self._quantities(p, (a.low, a.high), ["vary", p]) for p, a in sampled.items()}
+        chosen = {p: self._sizes(p, a, ["vary", p]) for p, a in sampled.items() if not isinstance(a, Between)}
+        ranges = {p: a for p, a in sampled.items() if isinstance(a, Between)}
+        ends = {p: self._quantities(p, (a.low, a.high), ["vary", p]) for p, a in ranges.items()}
         if self.problems:
             return
-        lows, highs = zip(*ends.values(), strict=True)
-        logs = tuple(a.spacing == "log" for a in sampled.values())
+        ends |= {path: (sizes[0], sizes[-1]) for path, sizes in chosen.items()}
+        lows, highs = zip(*(ends[path] for path in sampled), strict=True)
+        logs = tuple(path in ranges and ranges[path].spacing == "log" for path in sampled)
+        how = (sampling.count, sampling.method, sampling.seed)
         try:
-            axes.append(Sampled(tuple(sampled), lows, highs, sampling.count, sampling.method, sampling.seed, logs))
+            axes.append(Sampled(tuple(sampled), lows, highs, *how, logs, chosen))
         except SamplingError as error:
             self._problem(["sampling"], str(error))
 

@@ -40,8 +40,25 @@ class Between(ScenePart):
     spacing: Literal["linear", "log"] = "linear"
 
 
+class SizeSeries(ScenePart):
+    """Standard sizes from `low` to `high`; sampled as `Between` where the study samples, else a grid axis."""
+
+    choose: Literal["R5", "R10", "R20", "R40", "IEC"]
+    low: float | str
+    high: float | str
+
+
+class SizeList(ScenePart):
+    """Sizes of parts on the market; sampled as `Between` where the study samples, else a grid axis."""
+
+    choose: Annotated[list[float | str], Field(min_length=1)]
+
+
+Sizes = SizeSeries | SizeList
+
+
 class Sampling(ScenePart):
-    """Sampling of the numbers given by `low` and `high`."""
+    """Sampling of the numbers given by `low` and `high`, or by `choose`."""
 
     method: Literal["random", "sobol", "latin"] = "sobol"
     count: Annotated[int, Field(ge=1)]
@@ -130,6 +147,8 @@ class ToleranceText(ScenePart):
 def _kind_of_axis(axis: object) -> str:
     """Kind of axis by its keys, tolerating misspelt ones."""
     keys = set(axis) if isinstance(axis, dict) else set()
+    if "choose" in keys:
+        return "size list" if isinstance(axis["choose"], list) else "size series"
     if keys & {"low", "high"}:
         return "between"
     return "listing" if "values" in keys else "range"
@@ -149,7 +168,11 @@ def _axis(value: object) -> object:
 
 
 AxisText = Annotated[
-    Annotated[Range, Tag("range")] | Annotated[Listing, Tag("listing")] | Annotated[Between, Tag("between")],
+    Annotated[Range, Tag("range")]
+    | Annotated[Listing, Tag("listing")]
+    | Annotated[Between, Tag("between")]
+    | Annotated[SizeSeries, Tag("size series")]
+    | Annotated[SizeList, Tag("size list")],
     Discriminator(_kind_of_axis),
     BeforeValidator(_axis),
 ]
@@ -189,7 +212,7 @@ class StudyText(ScenePart):
 
 
 TOLERANCE_KEYS = set(ToleranceText.model_fields)
-AXIS_KEYS = {"from", "to", "values", "low", "high", "count", "spacing"}
+AXIS_KEYS = {"from", "to", "values", "low", "high", "count", "spacing", "choose"}
 # Common misspellings; as steps of paths they are tables.
 MISTAKEN_KEYS = {"start", "stop", "begin", "end", "min", "max", "minimum", "maximum", "steps"}
 

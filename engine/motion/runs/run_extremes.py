@@ -87,7 +87,7 @@ class RunExtremes:
             low, high = -self._most[0, i], self._most[1, i]
             peak = np.maximum(np.abs(low), np.abs(high))
             beyond = np.maximum(*(self._bound[:, i] - self._most[:, i]))
-            values = {"min": low, "max": high, "range": high - low, "peak": peak}
+            values = {"min": low, "max": high, "range": high - low, "amplitude": (high - low) / 2, "peak": peak}
             missed = dict.fromkeys(values, beyond)
             for side, end in enumerate(("min", "max")):
                 place = start + way * self._turned[side, i]

@@ -215,7 +215,8 @@ def statistics_of(cycle: Cycle, name: str, period: float) -> tuple[dict[str, np.
         known = np.isfinite(place)
         at = cycle.angle[np.where(known, place, 0.0).astype(int), columns]
         places.append(np.where(known, np.mod(at, period), np.nan))
-    values = {"min": low, "max": high, "range": high - low, "peak": np.maximum(np.abs(low), np.abs(high))}
+    values = {"min": low, "max": high, "range": high - low, "amplitude": (high - low) / 2}
+    values["peak"] = np.maximum(np.abs(low), np.abs(high))
     values |= {"mean": mean, "rms": rms, "min_at": places[0], "max_at": places[1]}
     step = np.full(count, period / (cycle.even.shape[0] - 1))
     missed = dict.fromkeys(values, beyond) | {"mean": hidden, "rms": hidden_rms, "min_at": step, "max_at": step}

@@ -23,6 +23,8 @@ from sweeps.study.sensitivity import RSS, WORST_CASE
 VEIL = "#e9ebed"
 # Maximum total variation along a row or column, in ranges, for legible contour lines.
 MOST_TRAVEL = 4.0
+# Entries of a list that have room for a tick each.
+MOST_TICKS = 12
 # Visible band width, as a share of the curve's range.
 SEEN = 0.002
 # Characters along the side of a panel.
@@ -162,6 +164,8 @@ def _band(ax: Axes, position: np.ndarray, values: np.ndarray, colour: str, alpha
 def map2d(ax: Axes, data: SweepData, x: str, y: str, colour: str, best: int | None = None) -> None:
     """Colour map with contour lines of a summary over two grid parameters; failed cells grey with the reason.
 
+    Without contour lines along a list, as no variant lies between its entries.
+
     Parameters
     ----------
     ax : Axes
@@ -198,12 +202,15 @@ def map2d(ax: Axes, data: SweepData, x: str, y: str, colour: str, best: int | No
     if sound.any():
         mesh = ax.pcolormesh(places_x, places_y, grid, cmap=COLOURS, shading="nearest", rasterized=grid.size > 10_000)
         ax.figure.colorbar(mesh, ax=ax, label=label, pad=0.02)
-        if _is_smooth(grid):
+        if _is_smooth(grid) and not {x, y} & set(data.listed):
             lines = ax.contour(places_x, places_y, grid, levels=8, colors="white", linewidths=0.7)
             ax.clabel(lines, fontsize=6.5, fmt="%.4g")
     if best is not None:
         ax.plot(xs[best], ys[best], "*", color=VERMILION, markeredgecolor="white", markersize=13, label="best")
     ax.set(xlabel=x_label, ylabel=y_label)
+    for name, axis, places in ((x, ax.xaxis, places_x), (y, ax.yaxis, places_y)):
+        if name in data.listed and places.size <= MOST_TICKS:
+            axis.set_ticks(places, [f"{place:.4g}" for place in places])
     ax.grid(False)
     handles = ax.get_legend_handles_labels()[0]
     if data.out.any():

@@ -114,5 +114,6 @@ def sweep_data(
         result.condition,
         result.candidates(chosen),
         d.variants if is_too_many else None,
+        result.lists,
     )
     return data, best

@@ -1,7 +1,7 @@
 """Plot data of a sweep: columns with units and long names, and their grid."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -54,6 +54,8 @@ class SweepData(NamedTuple):
         Which computed variants meet it (default: all).
     chosen_of : int, optional
         Number of variants before thinning.
+    listed : collection of str
+        Parameters that take the entries of a list, without values between them.
     """
 
     arrays: Mapping[str, np.ndarray]
@@ -67,6 +69,7 @@ class SweepData(NamedTuple):
     condition: str = ""
     candidates: np.ndarray | None = None
     chosen_of: int | None = None
+    listed: Collection[str] = ()
 
     @property
     def out(self) -> np.ndarray:

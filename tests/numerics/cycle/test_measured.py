@@ -107,7 +107,7 @@ def test_choice_takes_values_with_their_errors():
 
 
 # Statistics of the magnitude of a force, and of a component.
-OF_FORCE = [f"input.reaction.{key}" for key in ("min", "max", "range", "peak", "mean", "rms")]
+OF_FORCE = [f"input.reaction.{key}" for key in ("min", "max", "range", "amplitude", "peak", "mean", "rms")]
 OF_FORCE += ["input.reaction_x.rms"]
 
 

@@ -10,8 +10,9 @@ import tomlkit
 from click.testing import CliRunner
 
 from engine import ElementsAlone, Machine, Scene, Verdict
-from sweeps import read_scene
+from sweeps import SweepResult, read_scene, read_study, run_study
 from sweeps.cli import main
+from sweeps.optimising.runner import optimise_study
 
 ROOT = Path(__file__).parents[3]
 README = (ROOT / "README.md").read_text(encoding="utf8")
@@ -70,6 +71,7 @@ def folder(tmp_path_factory):
         "compressor_coupled": scene + chapters["motion"] + chapters["couplings"],
         "compressor_whole": scene + chapters["formulas"] + chapters["motion"] + chapters["forces"],
         "study": study,
+        "sizes": chapters["searching"],
         "plate": chapters["links"],
         "cam": chapters["cams"],
         "reducer": chapters["gears"],
@@ -113,6 +115,22 @@ def test_commands__run_in_the_order_written(folder, monkeypatch):
         assert result.exit_code == 0, f"{command}\n{result.output}"
     for name in ("results/study.h5", "study.csv", "variant.toml", "offset_slider_crank.gif"):
         assert (folder / name).stat().st_size > 0
+
+
+def test_standard_sizes__give_the_best_machine_as_the_guide_says(folder, monkeypatch):
+    """Every machine of the guide's sizes, computed by itself; the search finds the best of them."""
+    monkeypatch.chdir(folder)
+    study = read_study("sizes.toml")
+    cranks, rods, rims = ([0.04, 0.045, 0.05, 0.056, 0.063], [0.16, 0.2, 0.25], [0.4, 0.5, 0.6])
+    grid = np.stack(np.meshgrid(cranks, rods, rims, indexing="ij"), axis=-1).reshape(-1, 3)
+    values = dict(zip(study.paths, grid.T, strict=True))
+    outcome = Machine(study.scene, ["piston.stroke", "wheel_mass"], varied=study.paths).evaluate(values)
+    fits = (outcome.summaries["piston.stroke"] > 0.09 + 1e-9) & (grid[:, 0] + grid[:, 1] <= 0.27)
+    best = grid[np.argmin(np.where(fits, outcome.summaries["wheel_mass"], np.inf))]
+    assert best.tolist() == [0.05, 0.2, 0.6]
+    for found in (run_study(study, "swept.h5"), optimise_study(study, "searched.h5")):
+        result = SweepResult(found)
+        assert [result.columns[path][result.best()] for path in study.paths] == best.tolist()
 
 
 def test_python__runs(folder, monkeypatch):

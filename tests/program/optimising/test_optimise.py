@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from searches import CRANK, HEAD, NEAREST, ROD, TWO, best_of, searched, study_of
 
-from engine import Machine, Verdict
+from engine import Machine, Verdict, in_text
 from sweeps import Study, SweepResult, read_study
 from sweeps.optimising.optimum import choices, front, is_front, met, objectives, optimum_text
 from sweeps.optimising.runner import optimise_study
@@ -132,6 +132,50 @@ def test_lists_alone__give_the_best_entry(tmp_path):
     vary = '[vary]\n"input.length" = {values = ["60 mm", "40 mm", "50 mm"]}\n'
     result = searched(tmp_path, 'minimise = "ram.stroke"\npopulation = 8\ngenerations = 5', vary=vary)
     assert best_of(result)[CRANK] == 0.04
+
+
+SIZES = """
+[vary]
+"input.length" = {choose = "R40", low = "30 mm", high = "80 mm"}
+"groups.slide.first.length" = {choose = "R40", low = "150 mm", high = "400 mm"}
+"bodies.ram.mass" = {choose = ["20 kg", "40 kg", "60 kg", "80 kg", "100 kg", "120 kg", "140 kg", "160 kg", "180 kg"]}
+"""
+
+
+# Crank, rod and mass. The condition ties all three together: in the third the next best differs by three masses.
+@pytest.mark.parametrize(
+    "wanted", [("50 mm", "205 mm", "66 kg"), ("44 mm", "320 mm", "95 kg"), ("48.445 mm", "194.564 mm", "101.061 kg")]
+)
+@pytest.mark.parametrize("seed", [1, 2])
+def test_chosen_sizes__give_the_best_of_all_combinations(wanted, seed, tmp_path):
+    crank, rod, mass = wanted
+    goal = f"(ram.stroke / 2 - '{crank}')**2 + 0.1 * (groups.slide.first.length - '{rod}')**2"
+    goal += f" + ((bodies.ram.mass - '{mass}') * '0.02 mm/kg')**2"
+    where = "groups.slide.first.length >= 2 * ram.stroke + bodies.ram.mass * '0.2 mm/kg'"
+    asked = f'minimise = "{goal}"\nwhere = "{where}"\npopulation = 12\nseed = {seed}'
+    result = searched(tmp_path, asked, vary=SIZES)
+    every = read_study(tmp_path / "study.toml").design
+    r, rods, m = (np.array(column) for column in every.values(0, every.size).values())
+    apart = (r - in_text(crank, "length"), rods - in_text(rod, "length"), m - in_text(mass, "mass"))
+    costs = apart[0] ** 2 + 0.1 * apart[1] ** 2 + (2e-5 * apart[2]) ** 2
+    costs[rods < 4 * r + 2e-4 * m - 1e-12] = np.inf
+    found, best = best_of(result), int(np.argmin(costs))
+    assert result.columns["status"].size < every.size / 3
+    assert [found[name] for name in (CRANK, ROD, "bodies.ram.mass")] == [r[best], rods[best], m[best]]
+
+
+def test_chosen_size__is_taken_with_the_best_of_a_range_and_reported_at_its_end(tmp_path):
+    vary = (
+        SIZES.replace("R40", "R20", 1).split('"groups')[0]
+        + '"groups.slide.first.length" = {low = "150 mm", high = "400 mm"}\n'
+    )
+    wanted = "minimise = \"(groups.slide.first.length - 4 * ram.stroke)**2 - '0.1 mm' * ram.stroke\""
+    result = searched(tmp_path, wanted + "\npopulation = 20", vary=vary)
+    found = best_of(result)
+    assert found[CRANK] in {0.0315, 0.0355, 0.04, 0.045, 0.05, 0.056, 0.063, 0.071, 0.08}
+    assert found[CRANK] == 0.05
+    assert found[ROD] == pytest.approx(0.4, rel=1e-6)
+    assert result.ranges[CRANK] == (0.0315, 0.08)
 
 
 def test_best_of_a_study__is_searched_for_without_words_of_its_own(tmp_path):

@@ -62,7 +62,7 @@ def test_search_interrupted_in_its_last_phase__doesn_t_repeat_its_generations(tm
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("sweeps.optimising.runner._downhill", stop)
+        patch.setattr("sweeps.optimising.runner.refine", stop)
         with pytest.raises(KeyboardInterrupt):
             optimise_study(study, path)
     calls = []

@@ -93,6 +93,14 @@ def test_map__contour_lines_only_where_they_can_be_followed(smooth):
     assert any(isinstance(drawn, ContourSet) for drawn in axes.collections) == smooth
 
 
+def test_map__of_listed_sizes_has_a_tick_each_and_no_lines_between_them():
+    data = grid_data((5, 4))._replace(listed=["a"])
+    axes = Figure().add_subplot()
+    map2d(axes, data, "a", "b", "mass")
+    assert not any(isinstance(drawn, ContourSet) for drawn in axes.collections)
+    assert [tick.get_text() for tick in axes.get_xticklabels()] == ["100", "125", "150", "175", "200"]
+
+
 def test_scatter__front_of_the_two_shown():
     data = grid_data((20, 20))
     rng = np.random.default_rng(3)

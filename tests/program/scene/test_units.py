@@ -19,7 +19,7 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from engine.units.dimensions import DIMENSIONS
-from engine.units.reading import UnitError, column_in_text, in_any_unit, in_text, to_si
+from engine.units.reading import UnitError, column_in_text, in_any_unit, in_text, to_si, unit_in
 
 with mpmath.workdps(60):
     PI = Fraction(mpmath.nstr(+mpmath.pi, 55))
@@ -92,6 +92,11 @@ COMPOUNDS = {
         ("1 rev/min", "angular_speed", 2 * math.pi / 60),
         ("60 rpm/s", "angular_acceleration", 2 * math.pi),
         ("200 hp", "power", 149139.974316454044),
+        ("1 1/4 in", "length", 0.03175),
+        ("1-1/4 in", "length", 0.03175),
+        ("-3/4in", "length", -0.01905),
+        ("1/3 hp", "power", 745.69987158227022 / 3),
+        ("2 1/2", "number", 2.5),
         ("1/30", "number", 1 / 30),
         ("-1 / 4", "number", -0.25),
         ("0.3", "number", 0.3),
@@ -184,7 +189,7 @@ TRAPS = {
     "cannot read the unit": [
         *(("5 % m", "length"), ("5 %/%", "number"), ("10² m", "length"), ("5 m2m", "volume"), ("5 m10", "length")),
         *(("5 (m", "length"), ("5 m)", "length"), ("5 ()", "number"), ("5 m**", "length"), ("1/30 m", "length")),
-        ("1/30", "length"),
+        *(("1/30", "length"), ("1 -1/4 in", "length"), ("1/0 in", "length"), ("1/2/4 in", "length")),
     ],
     "not a finite number": [("1/0", "number")],
     "range of float64": [("1e999 m", "length"), ("1e-999 m", "length")],
@@ -399,3 +404,9 @@ def test_column_without_a_unit__is_read_where_it_needs_none():
     assert column_in_text(["50"], "%", "number") == [0.5]
     with pytest.raises(UnitError, match="no unit"):
         column_in_text(["0", "2"], "", "length")
+
+
+def test_fractions__are_read_in_columns_and_give_their_unit():
+    assert column_in_text(["1 1/4", "3/4", "2"], "in", "length") == [0.03175, 0.01905, 0.0508]
+    assert unit_in(" 1 1/4 in ") == "in"
+    assert unit_in("1/4") == unit_in("x") == ""

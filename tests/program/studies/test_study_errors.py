@@ -33,6 +33,22 @@ not an axis | {values = [3, 4, 5]} | 3 | reach = 3 | vary.reach | 3 | a list
 range without a count | {values = [3, 4, 5]} | "3 to 5" | reach = | vary.reach | '3 to 5' | how many
 range without a unit | {from = "40 mm", to = "60 mm", count = 3} | "40 to 60 mm, 3" | "40 to 60 mm, 3"
     | vary.input.length | 40 has no unit
+unknown series | {values = [3, 4, 5]} | {choose = "R30", low = 1, high = 5} | R30 | vary.reach.choose
+    | 'R30' is not allowed | R5, R10, R20, R40, IEC
+series without a range | {values = [3, 4, 5]} | {choose = "R20", low = "3 mm"} | R20 | vary.reach.high | is missing
+list with a range | {values = [3, 4, 5]} | {choose = [3, 4], low = 3} | [3, 4] | vary.reach.low | unknown key
+list of nothing | {values = [3, 4, 5]} | {choose = []} | reach = | vary.reach.choose | at least 1
+series of lengths for a mass | {values = ["50 kg", "0.1 t"]} | {choose = "R20", low = "5 kg", high = "9 kg"} | R20
+    | vary.bodies.ram.mass | 'R20' is a series of lengths | list the sizes: ['1.2 kg', …]
+series in another unit | from = "40 mm", to = "60 mm", count = 3 | choose = "R20", low = "40 kg", high = "60 mm" | R20
+    | vary.input.length | a length such as
+series from zero | from = "40 mm", to = "60 mm", count = 3 | choose = "R20", low = "0 mm", high = "60 mm" | R20
+    | vary.input.length | low '0 mm' must be above 0
+series downwards | from = "40 mm", to = "60 mm", count = 3 | choose = "R20", low = "60 mm", high = "40 mm" | R20
+    | vary.input.length | not above high '40 mm'
+series between its sizes | from = "40 mm", to = "60 mm", count = 3 | choose = "R5", low = "41 mm", high = "44 mm" | R5
+    | vary.input.length | no size of 'R5' lies from '41 mm' to '44 mm'; nearest: 40 mm and 63 mm
+list of several kinds | {values = [3, 4, 5]} | {choose = [3, "4 mm"]} | 4 mm | vary.reach | number and length
 low without sampling | count = 3 | count = 3}\n"gravity" = {low = "0 m/s2", high = "9 m/s2" | gravity | vary.gravity
     | [sampling] | method and count
 sampling of nothing | [derive] | [sampling]\nmethod = "sobol"\ncount = 4\n\n[derive] | [sampling] | sampling

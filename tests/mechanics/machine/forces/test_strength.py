@@ -45,6 +45,15 @@ def test_rod_of_a_press__buckles_by_euler_and_its_pin_bears_what_the_rod_does():
     assert thin["con_rod.critical_force"] == pytest.approx(euler, rel=1e-12)
 
 
+def test_amplitude_of_a_shaft_torque__is_that_of_its_sine():
+    """A force of fixed direction at the crankpin has the torque −F r sin φ; a steady torque shifts it."""
+    scene = pressed() | {"moments": {"rub": {"type": "against_motion", "on": "crank", "moment": 50.0}}}
+    scene["forces"] = {"pull": {"type": "constant", "on": "A", "angle": 0.0, "force": FORCE}}
+    found = ask(scene, "input_moment.amplitude input_moment.mean")
+    assert found["input_moment.amplitude"] == pytest.approx(FORCE * CRANK, rel=1e-9)
+    assert found["input_moment.mean"] == pytest.approx(50.0, rel=1e-9)
+
+
 def test_sections__have_the_least_radius_of_gyration():
     tube = {"link": "rod", "diameter": 0.03, "inner_diameter": 0.026, "end_fixity": 0.7}
     found = ask(pressed(tube), "con_rod.slenderness")["con_rod.slenderness"]

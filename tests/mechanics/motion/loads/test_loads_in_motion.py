@@ -247,7 +247,7 @@ def test_statistics__of_the_field_over_time():
         assert own["max"] >= row.max()
         assert own["min"] <= row.min()
         assert own["peak"] == max(abs(own["max"]), abs(own["min"]))
-        assert own["range"] == own["max"] - own["min"]
+        assert own["range"] == own["max"] - own["min"] == 2 * own["amplitude"]
         for end, value in (("max", row.max()), ("min", row.min())):
             assert 0.0 <= own[f"{end}_at"] < 2 * math.pi
             assert figures[f"{end}_at"] >= 2 * math.pi / 480

@@ -84,6 +84,7 @@ def test_pendulum_let_go__bears_its_weight_and_twice_the_energy_of_its_fall():
     covered(found, "go.input.reaction.min", mass * (GRAVITY - epsilon * arm))
     covered(found, "go.acceleration.max", epsilon)
     covered(found, "go.acceleration.min", -epsilon)
+    covered(found, "go.acceleration.amplitude", epsilon)
 
 
 def test_brake__stops_evenly():
