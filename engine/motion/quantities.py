@@ -39,6 +39,7 @@ COMMON = {
         "1",
     ),
     "efficiency": ("useful work over driving work in {name}", "1"),
+    "implicit_steps": ("1 where a steep motor or coupling needed implicit steps in {name}, else 0", "1"),
 }
 STEADY = {
     "period": ("time of a cycle in {name}", "s"),
@@ -50,7 +51,7 @@ STEADY = {
 # Of a motor that alone drives, at its own shaft.
 AT_SHAFT = {"peak": "peak torque", "rms": "rms torque over time"}
 # Of these, what checks the others.
-CHECKS = ("work_residual", "multiplier", "return_residual")
+CHECKS = ("work_residual", "multiplier", "return_residual", "implicit_steps")
 RUN = {
     "time": ("duration of {name}", "s"),
     "angle": ("angle turned in {name}", "rad"),

@@ -217,6 +217,10 @@ class Schedule:
         if accuracy is not None:
             self._run_tolerance = tuple(max(share * accuracy, LEAST_TOLERANCE) for share in SURER_IN_RUNS)
         scene = mechanics.scene
+        for coupling in scene.couplings.values():
+            if scene.shafts[coupling.shaft].efficiency is not None:
+                message = "losses of the teeth between a coupling and the crank aren't counted in regimes; leave it out"
+                raise SceneError([(f"shafts.{coupling.shaft}.efficiency", message)])
         self.regimes = dict(scene.regimes)
         self.steady = {name for name, regime in self.regimes.items() if not isinstance(regime, RunRegime)}
         self.needed = self._needed()
@@ -688,7 +692,7 @@ class Schedule:
     ) -> dict[str, np.ndarray]:
         state, low, high = outcome.state, outcome.slowest, outcome.fastest
         found = {"time": state.time, "angle": state.turned, "final_speed": state.omega}
-        found |= {"speed_min": low, "speed_max": high}
+        found |= {"speed_min": low, "speed_max": high, "implicit_steps": outcome.steep}
         if f"{name}.motor_moment_peak" in self.asked:
             found["motor_moment_peak"] = greatest_moment(variants.drive, low, high)
         change = outcome.ended - outcome.started
@@ -747,7 +751,7 @@ class Schedule:
         low, high, period = steady.slowest, steady.fastest, steady.period
         found = {"speed_min": low, "speed_max": high, "speed_fluctuation": steady.fluctuation}
         found |= {"period": period, "mean_speed": dynamics.cycle / period, "multiplier": steady.multiplier}
-        found |= {"return_residual": steady.residual, "energy": steady.energy}
+        found |= {"return_residual": steady.residual, "energy": steady.energy, "implicit_steps": steady.steep}
         if f"{name}.motor_moment_peak" in self.asked:
             found["motor_moment_peak"] = greatest_moment(variants.drive, low, high)
         change = steady.ended - steady.energy
@@ -832,6 +836,6 @@ def _over_all(outcome: RunOutcome, ready: np.ndarray, count: int) -> RunOutcome:
     verdict = np.full(count, Verdict.OK, np.uint8)
     verdict[ready] = outcome.verdict
     changed = Changed(*(of_all(x, ready, count) for x in outcome.changed))
-    names = ("slowest", "fastest", "started", "ended", "arrived", "known", "covered")
+    names = ("slowest", "fastest", "started", "ended", "arrived", "known", "covered", "steep")
     rest = {name: of_all(getattr(outcome, name), ready, count) for name in names}
     return RunOutcome(verdict, state, changed=changed, **rest)

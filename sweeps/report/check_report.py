@@ -36,6 +36,8 @@ from sweeps.text.tables import table
 if TYPE_CHECKING:
     from distributed import Client
 
+# Summary of a regime that `check` shows with its method.
+_STEEP = "implicit_steps"
 # Up to this many variants `check` counts dropped variants exactly.
 MOST_COUNTED = 16 * LARGEST_BLOCK
 # Warn if a field's peak exceeds its peak at the kept positions by this share.
@@ -154,9 +156,11 @@ def regimes_text(machine: Machine, outcome: Outcome) -> str:
     scene, asked = machine.scene, by_regime(machine.scene, machine.asked_summaries)
     lines = []
     for name, case, method in engine.regime_text(machine.mechanics):
-        lines += [f"{name}: {regime_words(scene, name)}", f"  {case}; {method}"]
+        steep = ", in part by implicit steps, as it is steep" if outcome.summaries[f"{name}.{_STEEP}"][0] == 1.0 else ""
+        lines += [f"{name}: {regime_words(scene, name)}", f"  {case}; {method}{steep}"]
         if outcome.status[0] == Verdict.OK:
-            lines += table(_asked_rows(machine, outcome, asked[name]), "  ").splitlines()
+            shown = [summary for summary in asked[name] if summary != f"{name}.{_STEEP}"]
+            lines += table(_asked_rows(machine, outcome, shown), "  ").splitlines()
     verdict = Verdict(outcome.status[0])
     if verdict in MOTION_VERDICTS:
         lines.append(f"{verdict.name.lower().replace('_', ' ')}: {failure_text(scene, verdict)}")
@@ -205,6 +209,7 @@ def check_text(
     regimes, known = "", {}
     if study.scene.regimes and not uncompiled:
         asked = [name for name in answers(Machine(study.scene)) if name.partition(".")[0] in study.scene.regimes]
+        asked += [f"{name}.{_STEEP}" for name in study.scene.regimes]
         moving = Machine(study.scene, asked, positions=study.positions)
         outcome = moving.evaluate({})
         regimes, known = regimes_text(moving, outcome), known_summaries(outcome)

@@ -100,6 +100,7 @@ def run_coupled(
         "speed_min": runs.lows[0],
         "speed_max": runs.highs[0],
         "motor_moment_peak": np.maximum(*peaks),
+        "implicit_steps": runs.once_steep,
         "coupling_heat": heat,
         "coupling_slip_angle": ratio * slipped,
         "coupling_slip": slip,

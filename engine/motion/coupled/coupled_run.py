@@ -129,6 +129,8 @@ class CoupledRuns:
     growing : ndarray
         +1 or −1: whether the moment of a shaft with backlash, or out of touch its twist, rises or falls. No step goes
         beyond an extreme of it, so that none passes over a short touch.
+    once_steep : ndarray
+        1 where steps were implicit on the way, else 0.
     slip_time : ndarray
         For how long a clutch slipped [s].
     lock_time, lock_speed : ndarray
@@ -166,7 +168,7 @@ class CoupledRuns:
         self.above = np.where(ends.speed > speeds[0], ends.speed, np.inf)
         self.below = np.where(ends.speed < speeds[0], ends.speed, -np.inf)
         self.done |= ends.speed == speeds[0]
-        self.unsettled, self.steep = np.ones(count, bool), np.zeros(count, bool)
+        self.unsettled, self.steep, self.once_steep = np.ones(count, bool), np.zeros(count, bool), np.zeros(count)
         self.marks, self.farthest_swing = np.full((4, count), np.nan), np.full(count, np.nan)
 
     def go_to_end(self) -> None:
@@ -405,6 +407,7 @@ class CoupledRuns:
         self.slip_time[who] += np.where(np.abs(joined.mode) == FORWARDS, gone.at, 0.0)
         lost = who[(why == Why.LOST) | ((why == Why.STEEP) & (method == NINE))]
         self.steep[who] |= why == Why.STEEP
+        self.once_steep[who[why == Why.STEEP]] = 1.0
         # Reactions aren't finite where friction leaves no equilibrium.
         rubs = self.sides.crank.dynamics.friction is not None
         self.verdict[lost], self.done[lost] = Verdict.JAMS if rubs else Verdict.NOT_FINITE, True

@@ -21,6 +21,9 @@ LEAST_NODES, MOST_NODES, HALVINGS = 5, 8, 26
 # A curve is smooth where its value by more nodes changes by no more than such a share of what it did before, or where
 # it changes by rounding, as a share of its range.
 DRAWN_TOGETHER, ROUNDED = 0.1, 1e-14
+# Near a bend values may draw together by chance. Of a smooth curve they differ by no more than such a share of its fall
+# to the neighbours: 0.047 h² of a sine, with h of its radians between nodes.
+WELL_WITHIN = 0.004
 
 
 @scalar
@@ -197,7 +200,9 @@ def peak_between(values: np.ndarray, steps: np.ndarray) -> tuple[float, float, f
             right = crest(followed, places, begin + fewer, begin + nodes, k, room, sign)
             few = crest(followed, places, begin + fewer, begin + nodes - fewer, k, room, sign)
             now, then = max(abs(found - left), abs(found - right)), abs(found - few)
-            if now <= max(DRAWN_TOGETHER * then, ROUNDED * (highest - lowest)) and found >= top:
+            fall = max(values[k] - values[k - 1] if before else 0.0, values[k] - values[k + 1] if after else 0.0)
+            smooth = now <= DRAWN_TOGETHER * then and then <= WELL_WITHIN * fall
+            if (smooth or now <= ROUNDED * (highest - lowest)) and found >= top:
                 top, limit = found, min(found + math.sqrt(now * then), max(limit, found))
         most = max(most, limit)
         if top > best:

@@ -64,6 +64,7 @@ def _run(runs: Progress) -> RunOutcome:
         runs.changed,
         runs.known,
         runs.covered,
+        runs.steep,
     )
 
 

@@ -75,6 +75,7 @@ def stretch_over_angle(runs: Progress, who: np.ndarray, carry: Carry) -> None:
         onward |= np.isin(why, (Why.STEEP, Why.FULL))
         runs.set_marks(who[~onward & marked])
         left = onward & ~runs.done[who]
+        runs.steep[who[why == Why.STEEP]] = 1.0
         many = np.where(at_goal, 2 * many, many)
         steep, many, pace, who = (steep | (why == Why.STEEP))[left], many[left], pace[left], who[left]
 

@@ -127,6 +127,8 @@ class RunOutcome(NamedTuple):
         Whether it isn't off by more.
     covered : ndarray (2, variants)
         Least and greatest angle turned [rad].
+    steep : ndarray
+        1 where a motor was so steep that steps were implicit, else 0.
     """
 
     verdict: np.ndarray
@@ -139,6 +141,7 @@ class RunOutcome(NamedTuple):
     changed: Changed
     known: np.ndarray
     covered: np.ndarray
+    steep: np.ndarray
 
     def shifted(self, by: Changed) -> "RunOutcome":
         """The same with its end changed."""
@@ -217,7 +220,7 @@ class Progress:
         Crank angle [rad] and time [s] at the begin.
     state : State
         Now; angle and time counted from the begin of the run.
-    verdict, slowest, fastest, covered : ndarray
+    verdict, slowest, fastest, covered, steep : ndarray
         As of `RunOutcome`, so far.
     done : ndarray of bool
         Whether the run is over.
@@ -287,7 +290,7 @@ class Progress:
         self.state = State(np.zeros(count), omega.astype(float), np.zeros(count), works, np.zeros(count))
         self.verdict = np.full(count, Verdict.OK, np.uint8)
         self.slowest, self.fastest = self.state.omega.copy(), self.state.omega.copy()
-        self.covered = np.zeros((2, count))
+        self.covered, self.steep = np.zeros((2, count)), np.zeros(count)
         self.pace = np.full(count, np.inf)
         self.classical, self.extremes = stepping.classical, stepping.extremes
         self.to_the_end = not (stepping.classical or observers)

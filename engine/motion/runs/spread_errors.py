@@ -26,13 +26,14 @@ def spread_errors(
     ----------
     motion : with `shifted`
     errors : named tuple of ndarray
-        Of its own numbers; among them `works`, with a row for each. A `verdict` has none, and a `record` isn't told.
+        Of its own numbers; among them `works`, with a row for each. A `verdict` and `steep` have none, and a `record`
+        isn't told.
     told : callable
         Makes numbers of a motion.
     """
     known, nothing = told(motion), type(errors)(*(np.zeros_like(x) for x in errors))
     off = {name: np.zeros_like(value) for name, value in known.items()}
-    names = [name for name in errors._fields if name not in ("verdict", "works", "record")]
+    names = [name for name in errors._fields if name not in ("verdict", "works", "record", "steep")]
     alone = [nothing._replace(**{name: getattr(errors, name)}) for name in names]
     for i, work in enumerate(errors.works):
         works = nothing.works.copy()

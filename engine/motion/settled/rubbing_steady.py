@@ -113,7 +113,7 @@ def _measured(
     multiplier = np.where(verdict == Verdict.OK, multiplier, np.nan)
     fluctuation = 2.0 * (fastest - slowest) / (fastest + slowest)
     told = begun, ended, multiplier, residual, period, slowest, fastest, fluctuation, squares, works, record
-    return Steady(verdict, *told)
+    return Steady(verdict, *told, np.zeros(verdict.size))
 
 
 def _cycle(

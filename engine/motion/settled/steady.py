@@ -53,6 +53,8 @@ class Steady(NamedTuple):
     record : ndarray (3, nodes, variants)
         Energy [J] and time [s] at the angles that were asked for; of motors that are very steep the moment [N·m], which
         the energy says less surely, else NaN.
+    steep : ndarray
+        1 where a motor was so steep that steps were implicit, else 0.
     """
 
     verdict: np.ndarray
@@ -67,6 +69,7 @@ class Steady(NamedTuple):
     squares: np.ndarray
     works: np.ndarray
     record: np.ndarray
+    steep: np.ndarray
 
     def shifted(self, by: "Steady") -> "Steady":
         """The same with every number changed."""
@@ -147,7 +150,7 @@ class _Motion:
             own, other = self._told(closed.energy[who], doubt[who], closed.off[who], gone)
             for mine, new in zip((*found, *off), (*own, record, *other, record_off), strict=True):
                 mine[..., who] = np.where(gone.why == Why.GOAL, new, np.nan)
-        return Steady(verdict, *found), Steady(verdict, *off)
+        return Steady(verdict, *found, steep.astype(float)), Steady(verdict, *off, np.zeros(count))
 
     def _told(
         self, energy: np.ndarray, doubt: np.ndarray, residual: np.ndarray, gone: Walks

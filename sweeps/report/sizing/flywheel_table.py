@@ -2,8 +2,15 @@
 
 from pathlib import Path
 
-from engine import TurningMoment, in_text, quantity_text, turning_moment_from_areas, turning_moment_from_table
-from sweeps.text.csv_text import named_columns
+from engine import (
+    TurningMoment,
+    in_text,
+    quantity_text,
+    show_units_of,
+    turning_moment_from_areas,
+    turning_moment_from_table,
+)
+from sweeps.text.csv_text import named_columns, read_csv
 from sweeps.text.numbers_in_row import numbers_in_row
 from sweeps.text.tables import table
 
@@ -48,7 +55,9 @@ def flywheel_from_csv(
 def flywheel_text(
     path: Path, speed: str, fluctuation: str, interpolation: str, inertia: str = "0", area_energy: str | None = None
 ) -> str:
-    """Report on the flywheel for a turning-moment diagram; arguments as for `flywheel_from_csv`."""
+    """Report on the flywheel for a turning-moment diagram, in its units; arguments as for `flywheel_from_csv`."""
+    written = [f"1 {column.unit}" for column in read_csv(path).values() if column.unit]
+    show_units_of({"table": [*written, inertia, area_energy or ""]})
     found = flywheel_from_csv(path, speed, fluctuation, interpolation, inertia, area_energy)
     rows = [("excess work", quantity_text(found.excess_work, "J"))]
     if area_energy is None:

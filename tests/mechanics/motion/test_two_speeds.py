@@ -494,8 +494,10 @@ def test_steep_fluid_coupling__goes_as_a_stiff_integrator_does():
     # λ by a table isn't varied: a coupling of another density drives as one of another slope does.
     varied = {"couplings.fluid.density": 860.0 * slopes / 1e-3, "shafts.motor_shaft.inertia": own}
     names = "final_speed motor_shaft_final_speed fluid_heat motor_work time"
-    found = ask(scene, of("go", names) + " work.fluid_heat work.period work.return_residual", varied=varied)
+    asked = of("go", f"{names} implicit_steps") + " work.fluid_heat work.period work.return_residual"
+    found = ask(scene, asked, varied=varied)
     assert found.status == [Verdict.OK] * 2
+    assert (found.values["go.implicit_steps"] == 1.0).all()
     for i in range(2):
         first, second, heat, work, time = through_oil(slopes[i], own[i], np.array([9.0, 99.0 / RATIO]), 1.3)
         for key, value in zip(names.split(), (first, RATIO * second, heat, work, time), strict=True):

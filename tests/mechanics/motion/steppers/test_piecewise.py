@@ -64,6 +64,8 @@ def test_smooth_curve_with_a_jump__integral_of_order_four():
 @example(-0.5, 4.18516814208444, 6.269895797303086, 1.3796693861353058, 720)
 @example(0.95, 0.30420261557894035, -9.074891125771309, 5.761442256771904, 180)
 @example(-0.8271337761634273, 0.8270421502092531, -10.0, 3.384811911128233, 720)
+# Polynomials through the nodes about the cusp draw together by chance.
+@example(0.0, 1.9371003796515147, 2.75, 1.0, 180)
 @settings(deadline=None, max_examples=60)
 def test_cusps_and_a_jump__within_what_they_may_hide(level, phase, size, jump, count):
     """A magnitude, as that of a force whose direction turns round, beside a load that sets in."""

@@ -16,6 +16,7 @@ from motion_scenes import (
     RATIO,
     ROD,
     ask,
+    run,
     slider_crank,
     steady,
 )
@@ -99,8 +100,9 @@ def settled(slip: float, wheel: float, ratio: float) -> tuple[float, float, floa
 def test_breakdown_slip_of_2_percent_and_less__as_radau(slip, wheel, ratio):
     motor = {"breakdown_slip": slip, "breakdown_moment": MOMENTS["induction"]["breakdown_moment"] * ratio}
     scene = slider_crank({"on": steady("induction cut gravity")}, flywheel=wheel, induction=motor)
-    found = ask(scene, "on.period on.speed_min on.speed_max on.speed_fluctuation")
+    found = ask(scene, "on.period on.speed_min on.speed_max on.speed_fluctuation on.implicit_steps")
     assert found.status == [Verdict.OK]
+    assert found["on.implicit_steps"] == 1.0
     period, slowest, fastest = settled(slip, wheel, ratio)
     delta = 2.0 * (fastest - slowest) / (fastest + slowest)
     for name, true in (
@@ -114,6 +116,13 @@ def test_breakdown_slip_of_2_percent_and_less__as_radau(slip, wheel, ratio):
         room = 1e-7 * (2.0 / delta if name == "speed_fluctuation" else 1.0)
         assert abs(value - true) <= figure + room * true, (name, value, true, figure)
         assert figure <= 1e-6 * true, name
+
+
+def test_motor_with_a_flywheel__needs_no_implicit_steps():
+    regimes = {"on": steady("induction cut gravity"), "go": run("induction cut gravity", cycles=2.0)}
+    scene = slider_crank(regimes, flywheel=1.0)
+    found = ask(scene, "on.implicit_steps go.implicit_steps")
+    assert (found["on.implicit_steps"], found["go.implicit_steps"]) == (0.0, 0.0)
 
 
 def test_load_that_jumps_on_a_steep_motor__slows_it_down_to_their_balance():
