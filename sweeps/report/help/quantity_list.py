@@ -31,7 +31,8 @@ def quantities_text(scene: Scene, source: str, words: Sequence[str] = ()) -> str
     numbers, curves = _holding(summaries.values(), words), _holding(fields.values(), words)
     if not numbers and not curves:
         near = nearest_names(words[0], {**summaries, **fields}, 3)
-        hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "omit the words to see all quantities"
+        hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "without words all are listed"
+        hint += f"; `sweeps help {' '.join(words)}` searches keys and guide"
         message = f"no quantity matches {' and '.join(map(repr, words))}; {hint}"
         raise InputError(source, [(None, "", message)])
     parts = ["Summaries (one number per variant):", _listed(numbers)] if numbers else []

@@ -75,6 +75,16 @@ def test_help__searches_keys_and_guide_for_words(words, found):
     assert found in done("help", *words.split())
 
 
+def test_crankpin__is_no_other_pin():
+    lines = done("quantities", str(STUDIES / COMPRESSOR), "crankpin")
+    assert "drive.first.reaction" in lines
+    assert "drive.inner.reaction" not in lines
+
+
+def test_word_of_no_quantity__is_answered_with_where_to_search(press_folder):
+    assert "`sweeps help units` searches keys and guide" in refused("quantities", "press.toml", "units")
+
+
 def test_misnamed_quantity__is_answered_with_the_name_it_has_here(press_folder):
     known = ["input_moment", "input.reaction", "speed_fluctuation", "required_drive_moment"]
     asked = ["input.torque", "input.bearing", "coefficient_of_fluctuation", "required_torque"]
