@@ -67,6 +67,7 @@ from engine.laws.friction.guides import tilts as slider_tilts
 from engine.laws.tables import TableError
 from engine.machine.assembly_modes import assembly_modes, assembly_ranges, near_of_variant
 from engine.machine.balancing.counterweights import BalancedMachine, BalanceError, CounterweightPlace, balance
+from engine.machine.checks import full_names
 from engine.machine.derivatives import EVALUATIONS as EVALUATIONS_PER_DERIVATIVE
 from engine.machine.derivatives import PLACES as PLACE_STATISTICS
 from engine.machine.derivatives import Derivatives, Move, derivatives_along, scale_of, unit_over
@@ -106,7 +107,6 @@ from engine.parts.formulas.expressions import (
 )
 from engine.parts.formulas.expressions import Tree as ExpressionTree
 from engine.parts.formulas.expressions import parse as parse_expression
-from engine.parts.formulas.unknown_names import unknown_name_message
 from engine.parts.regimes import Regime, RunRegime, SteadyRegime, run_keys
 from engine.parts.second_inputs import SecondCrank, SecondSlider
 from engine.parts.skeleton import (
@@ -126,8 +126,7 @@ from engine.parts.skeleton import Number as PlainNumber
 from engine.parts.skeleton import Part as ScenePart
 from engine.quantities.quantity import STATISTICS, InputUnits, Quantity, has_cycle
 from engine.scene.masses import places_on
-from engine.scene.names import did_you_mean, guide_of
-from engine.scene.names import nearest as nearest_names
+from engine.scene.names import guide_of
 from engine.scene.pairs import (
     Pair,
     holder_of,
@@ -174,6 +173,8 @@ from engine.warnings import is_warning
 from engine.warnings.kinds import KINDS as WARNING_KINDS
 
 __version__: str
+from engine.glossary import did_you_mean, speaks_of, unknown_name_message
+from engine.glossary import nearest as nearest_names
 
 __all__ = [
     "ACCURACY_REACHED",
@@ -315,6 +316,7 @@ __all__ = [
     "firing_sums",
     "first_last_count",
     "four_runs",
+    "full_names",
     "governed_scene",
     "governor_curves",
     "group_links",
@@ -371,6 +373,7 @@ __all__ = [
     "sliders_of",
     "sliding_quantity",
     "sources_digest",
+    "speaks_of",
     "split_on_neighbours",
     "stability_point",
     "summaries_for_warnings",

@@ -252,6 +252,7 @@ def test_door__offers_nothing_under_two_names(package):
 ENGINE_ROOMS = (
     "compiling",
     "verdicts",
+    "glossary",
     "units",
     "laws",
     "graph",

@@ -9,7 +9,6 @@ SIAM J. Sci. Stat. Comput. 5 (1984) (the slopes of "pchip", as in SciPy).
 """
 
 import math
-from difflib import get_close_matches
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from engine.compiling.decorators import scalar
 from engine.compiling.instructions import chosen
+from engine.glossary import nearest
 
 INTERPOLATIONS = ("linear", "pchip", "spline")
 OUTSIDE = ("hold", "zero")
@@ -270,7 +270,7 @@ def entry_from(memory: np.ndarray, index: float, at: float, x: float, before: fl
 
 def _check_name(key: str, name: str, allowed: tuple[str, ...]) -> None:
     if name not in allowed:
-        near = get_close_matches(str(name), allowed, n=1)
+        near = nearest(str(name), allowed)
         hint = f"; did you mean {near[0]!r}?" if near else ""
         raise TableError(f"{key} = {name!r}: choose one of {', '.join(map(repr, allowed))}{hint}")
 

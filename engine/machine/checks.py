@@ -1,11 +1,13 @@
 """Checks of what is asked: of the names, of the positions, and of the numbers that variants are given."""
 
+import re
 from collections.abc import Iterable, Mapping
 
 import numpy as np
 
+from engine.glossary import did_you_mean, nearest
 from engine.machine.results import AskError
-from engine.scene.names import did_you_mean, nearest
+from engine.scene.pairs import joint_of, pairs
 from engine.scene.scene import Scene, SceneNumber, within_limits
 from engine.units.display import quantity_text
 from engine.units.reading import UnitError, in_text
@@ -97,6 +99,41 @@ def check_names(names: Iterable[str], known: Iterable[str], kind: str) -> None:
                 own = [n for n in known if n.startswith(f"{owner}.")] or sorted(known)
                 hint = f"; known are {', '.join(own[:MOST_LISTED])}{', ...' if len(own) > MOST_LISTED else ''}"
             raise AskError(f"{name!r} is not a {kind} of this scene{hint}")
+
+
+def full_names(scene: Scene, text: str) -> str:
+    """A text in which forces in joints, named by the joint's letter on the drawing, have their full names.
+
+    "A.reaction.peak" becomes "drive.first.reaction.peak".
+
+    Parameters
+    ----------
+    scene : Scene
+    text : str
+        A name, or an expression or condition with names.
+
+    Raises
+    ------
+    AskError
+        Several pairs are in a joint; the message names them.
+    """
+    if scene.input is None or ".reaction" not in text:
+        return text
+    there = pairs(scene)
+    names = {pair.name for pair in there}
+
+    def full(found: re.Match[str]) -> str:
+        regime, joint = found.groups()
+        held = [pair for pair in there if pair.kind == "revolute" and joint_of(pair) == joint]
+        if joint in names or not held:
+            return found[0]
+        if len(held) > 1:
+            known = " or ".join(f"{pair.name}.reaction ({pair.other} on {pair.link})" for pair in held)
+            raise AskError(f"{found[0]!r} is ambiguous: joint {joint} holds {len(held)} pairs; ask for {known}")
+        return f"{regime or ''}{held[0].name}.reaction"
+
+    regimes = "|".join(re.escape(f"{name}.") for name in scene.regimes)
+    return re.sub(rf"(?<![\w.])({regimes})?(\w+)\.reaction", full, text)
 
 
 def given_numbers(

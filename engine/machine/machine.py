@@ -17,6 +17,7 @@ from engine.machine.checks import (
     check_names,
     check_positions,
     check_scene,
+    full_names,
     given_numbers,
     names_of,
     size_remarks,
@@ -159,7 +160,11 @@ class Machine:
     def _ask(self, summaries: Iterable[str], fields: Iterable[str]) -> None:
         """Take what is asked by name."""
         scene, positions, accuracy = self.scene, self.positions, self.accuracy
-        self.asked_summaries, self.asked_fields = [*names_of(summaries)], [*names_of(fields)]
+        summaries, fields = names_of(summaries), names_of(fields)
+        self.asked_summaries = list(dict.fromkeys(full_names(scene, name) for name in summaries))
+        self.asked_fields = list(dict.fromkeys(full_names(scene, name) for name in fields))
+        asked_as = {name: full_names(scene, name) for name in (*summaries, *fields)}
+        self._asked_as = {name: full for name, full in asked_as.items() if name != full}
         # Warnings require summaries that nobody may have asked for.
         self._warnings = self._asked_warnings()
         required = self._warnings.reads if self._warnings else ()
@@ -391,7 +396,8 @@ class Machine:
         if self._warnings:
             self._warnings.fill(outcome.status, outcome.summaries, outcome.errors, whole)
         remarks = () if (status == Verdict.OK).any() else size_remarks(self._limits, arrays)
-        return outcome.with_summaries(self.asked_summaries)._replace(units=self._units, remarks=remarks)
+        outcome = outcome.with_summaries(self.asked_summaries)._replace(units=self._units, remarks=remarks)
+        return outcome.with_names(self._asked_as) if self._asked_as else outcome
 
     @cached_property
     def _units(self) -> dict[str, str]:

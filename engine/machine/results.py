@@ -58,6 +58,20 @@ class Outcome(NamedTuple):
         kept = ({n: row for n, row in rows.items() if n not in left_out} for rows in (self.summaries, self.errors))
         return self._replace(**dict(zip(("summaries", "errors"), kept, strict=True)))
 
+    def with_names(self, others: Mapping[str, str]) -> "Outcome":
+        """The same, with some numbers under other names too.
+
+        Parameters
+        ----------
+        others : mapping of str to str
+            The name to find a number under, by the other name.
+        """
+        tables = {"summaries": self.summaries, "errors": self.errors, "fields": self.fields, "units": self.units}
+        added = {
+            key: rows | {n: rows[full] for n, full in others.items() if full in rows} for key, rows in tables.items()
+        }
+        return self._replace(**added)
+
     def __repr__(self) -> str:
         codes, counts = np.unique(self.status, return_counts=True)
         words = {code: Verdict(code).name.lower().replace("_", " ") for code in codes}

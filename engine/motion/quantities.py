@@ -10,7 +10,7 @@ from engine.parts.actions import InductionMotor, Motor
 from engine.parts.regimes import Regime
 from engine.parts.skeleton import OF_FLUCTUATION, CrankInput, SliderInput
 from engine.quantities.chapters import inertia, reactions
-from engine.quantities.quantity import STATISTICS, Quantity, has_cycle
+from engine.quantities.quantity import STATISTICS, Quantity, called, has_cycle
 from engine.quantities.register import Field
 from engine.scene.pairs import has_friction
 from engine.scene.scene import Scene
@@ -108,7 +108,7 @@ AXES = {
     INSTANT: ("time after the start of {name}", "s"),
     TURNED: ("angle turned after the start of {name}", "rad"),
 }
-AT_UNIFORM_SPEED = " at constant speed of the input"
+AT_UNIFORM_SPEED = " at constant speed"
 LOADS = (
     *(f"reaction{part}" for part in ("", "_x", "_y", "_along", "_across", "_moment")),
     *(f"shaking_{part}" for part in ("force", "force_x", "force_y", "moment")),
@@ -116,8 +116,8 @@ LOADS = (
 
 # Of fields of runs: extremes, with their places and instants.
 EXTREMES = {key: words for key, words in STATISTICS.items() if key not in ("mean", "rms")} | {
-    "min_time": "time (after the start) of the minimum of",
-    "max_time": "time (after the start) of the maximum of",
+    "min_time": "time (after the start) of the minimum",
+    "max_time": "time (after the start) of the maximum",
 }
 
 
@@ -174,13 +174,13 @@ def motion_summaries(scene: Scene) -> list[Quantity]:
         found += _made(scene, name, COMMON | (STEADY if regime.type == "steady" else RUN | limited))
         found += _of_couplings(scene, name)
         for n in only_motor(scene, regime):
+            of = f"of {called('motor', n)} in {name}, at its own shaft"
             found += [
-                Quantity(f"{name}.{n}_shaft_torque_{key}", f"{words} of motor {n} in {name}, at its own shaft", "N m")
-                for key, words in AT_SHAFT.items()
+                Quantity(f"{name}.{n}_shaft_torque_{key}", f"{words} {of}", "N m") for key, words in AT_SHAFT.items()
             ]
         if regime.type == "steady":
             motors = [n for n, m in scene.moments.items() if isinstance(m, InductionMotor) and n not in regime.off]
-            found += [Quantity(f"{name}.{n}_slip", f"mean slip of motor {n} in {name}", "1") for n in motors]
+            found += [Quantity(f"{name}.{n}_slip", f"mean slip of {called('motor', n)} in {name}", "1") for n in motors]
             sized = scene.flywheel is not None and scene.flywheel.speed_fluctuation is not None
             if sized and not _at_two_speeds(scene, regime):
                 words = (
@@ -267,11 +267,11 @@ def load_fields(mechanics: Mechanics) -> dict[str, tuple[str, str]]:
 
 def cycle_statistics(field: Quantity) -> list[Quantity]:
     """Statistics of a field of a steady regime: means are over time."""
-    over = {"mean": "mean over time of", "rms": "root mean square over time of"}
+    over = {"mean": "time average of", "rms": "rms over time of"}
     return [
         Quantity(
             f"{field.name}.{suffix}",
-            f"{over.get(suffix, words)} the {field.long_name}",
+            f"{over.get(suffix, words)} {field.long_name}",
             "rad" if suffix.endswith("_at") else field.units,
         )
         for suffix, words in STATISTICS.items()
@@ -284,7 +284,7 @@ def run_extremes(field: Quantity, q: str) -> list[Quantity]:
     return [
         Quantity(
             f"{field.name}.{suffix}",
-            f"{words} the {field.long_name}",
+            f"{words} {field.long_name}",
             next((unit for end, unit in units.items() if suffix.endswith(end)), field.units),
         )
         for suffix, words in EXTREMES.items()

@@ -6,16 +6,17 @@ from engine.elements.element import Rank
 from engine.parts.skeleton import CrankInput
 from engine.scene.scene import Scene
 
+# Of a field, put before its meaning.
 STATISTICS = {
-    "min": "minimum of",
-    "max": "maximum of",
+    "min": "minimum",
+    "max": "maximum",
     "range": "range of",
     "amplitude": "amplitude (half the range) of",
-    "peak": "peak of",
-    "mean": "mean of",
-    "rms": "root mean square of",
-    "min_at": "crank angle of the minimum of",
-    "max_at": "crank angle of the maximum of",
+    "peak": "peak",
+    "mean": "mean",
+    "rms": "rms",
+    "min_at": "crank angle of the minimum",
+    "max_at": "crank angle of the maximum",
 }
 
 
@@ -63,3 +64,15 @@ def has_cycle(scene: Scene) -> bool:
 def drive_words(scene: Scene) -> str:
     """The torque or force at the input that keeps its speed constant."""
     return f"drive {'torque' if isinstance(scene.input, CrankInput) else 'force'} for constant speed"
+
+
+def called(kind: str, name: str) -> str:
+    """A part by kind and name: "motor M1"; by the name alone where that says the kind: "main_motor"."""
+    return name if kind in name else f"{kind} {name}"
+
+
+def ordinal(number: int | str) -> str:
+    """Ordinal number in figures: "1st", "2nd", "11th", "0.5th"."""
+    text = str(number)
+    ending = {"1": "st", "2": "nd", "3": "rd"}.get(text[-1], "th")
+    return f"{text}{'th' if text[-2:] in ('11', '12', '13') or '.' in text else ending}"

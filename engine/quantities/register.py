@@ -117,7 +117,7 @@ def statistic_summaries(field: Field, mechanics: Mechanics) -> Iterable[Summary]
     return [
         Summary(
             f"{field.name}.{key}",
-            f"{STATISTICS[key]} the {field.long_name}",
+            f"{STATISTICS[key]} {field.long_name}",
             units,
             expression,
             rank=Rank.ANSWER if key in field.answers else Rank.FURTHER,

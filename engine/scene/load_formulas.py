@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from engine import parts
+from engine.glossary import unknown_name_message
 from engine.parts.actions import FormulaForce, FormulaMoment
 from engine.parts.formulas.expressions import (
     ExpressionError,
@@ -30,7 +31,6 @@ from engine.parts.formulas.expressions import (
     parse,
     pointed_out,
 )
-from engine.parts.formulas.unknown_names import unknown_name_message
 from engine.parts.regimes import RunRegime
 from engine.parts.skeleton import FRAME, CrankInput
 from engine.scene.names import Problem, definitions, sliders

@@ -1,10 +1,9 @@
 """The names in a scene: what each one is, what refers to it, and what may carry what."""
 
-import difflib
 import math
-from collections.abc import Iterable
 
 from engine import laws
+from engine.glossary import did_you_mean
 from engine.parts.actions import Carried, Motor, Tabled, TorsionSpring
 from engine.parts.regimes import OF_CRANK, OF_SLIDER, Regime, run_keys
 from engine.parts.skeleton import FRAME, CrankInput, SliderInput, Sliding, Yoke
@@ -14,22 +13,6 @@ from engine.scene.structure.closing import how_to_close, is_whole
 from engine.scene.structure.input_laws import drive_turns, law_rate
 
 Problem = tuple[str, str]
-
-
-def nearest(name: str, known: Iterable[str], count: int = 1) -> list[str]:
-    """Names most like a misspelt one, whatever the case of its letters."""
-    lowered: dict[str, str] = {}
-    for candidate in known:
-        lowered.setdefault(candidate.lower(), candidate)
-    return [lowered[match] for match in difflib.get_close_matches(name.lower(), lowered, n=count)]
-
-
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """Ending of a message about an unknown name: what is allowed, and the nearest of it."""
-    known = sorted(known)
-    near = nearest(name, known)
-    listed = ", ".join(known) if known else "none"
-    return f"known are: {listed}" + (f"; did you mean {near[0]!r}?" if near else "")
 
 
 def input_point(scene: Scene) -> str:

@@ -3,9 +3,10 @@
 from collections.abc import Iterator
 from typing import Literal, NamedTuple
 
+from engine.glossary import did_you_mean
 from engine.parts.pair_friction import PairFriction
 from engine.parts.skeleton import FRAME, CrankInput, Hinged, Sliding, Yoke
-from engine.scene.names import Problem, did_you_mean, guide_of, joint_owners
+from engine.scene.names import Problem, guide_of, joint_owners
 from engine.scene.scene import Scene, once
 
 OF_JOURNALS = ("diameter", "contact", "above_prismatic")

@@ -21,13 +21,13 @@ def quantities(file: str, words: tuple[str, ...]) -> None:
 
 
 @click.command("help")
-@click.argument("key", required=False)
+@click.argument("words", nargs=-1)
 @errors_as_messages
-def help_command(key: str | None) -> None:
-    """Explain a key of scenes and studies: `sweeps help input.length`, a table, or a type such as compressor."""
+def help_command(words: tuple[str, ...]) -> None:
+    """Explain a key of scenes and studies, input.length, a table, or a type such as compressor; or search for words."""
     from sweeps.report.help.key_help import key_text, tables_text
 
-    tell(tables_text() if key is None else key_text(key))
+    tell(key_text(" ".join(words)) if words else tables_text())
 
 
 @click.command("compare")

@@ -10,6 +10,7 @@ from sweeps.cli.shared import (
     WHERE,
     WholeNumber,
     errors_as_messages,
+    joints_by_letter,
     make_folder,
     names_in,
     tell,
@@ -45,6 +46,7 @@ TABLES, DRAWINGS = (".csv", ".json", ".parquet", ".mat"), (".svg", ".dxf")
 @POSITIONS
 @SET
 @errors_as_messages
+@joints_by_letter
 def export(
     file: str,
     to: Path,

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from engine import CrankInput, Mechanics, Scene, SceneError, UnitError, in_text, scene_numbers
+from engine import CrankInput, Mechanics, Scene, SceneError, UnitError, full_names, in_text, scene_numbers
 from sweeps.report.readings import Readings, readings_at
 from sweeps.study.bundled import find_study
 from sweeps.study.study_text import is_scene
@@ -96,6 +96,18 @@ def _set_anew(scene: Scene, values: Mapping[str, float], settings: Sequence[str]
     """A scene and its replaced numbers, with the settings applied."""
     anew = given_values(scene, settings)
     return changed_scene(scene, settings), {path: value for path, value in values.items() if path not in anew}
+
+
+def in_full(file: str, asked: str | tuple[str, ...]) -> str | tuple[str, ...]:
+    """Names or conditions asked of a file's machine, forces in joints by their full names.
+
+    Raises
+    ------
+    AskError
+        Several pairs are in a joint.
+    """
+    scene = _result(file).scene if is_result(file) else machine_of(file, None)[0]
+    return full_names(scene, asked) if isinstance(asked, str) else tuple(full_names(scene, text) for text in asked)
 
 
 def scene_text_of(file: str) -> str:

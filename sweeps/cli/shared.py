@@ -69,6 +69,21 @@ def errors_as_messages(command: Callable) -> Callable:
     return guarded
 
 
+def joints_by_letter(command: Command) -> Command:
+    """Let the names asked of a FILE name the force in a joint by its letter, `A.reaction.peak`."""
+
+    @wraps(command)
+    def asked(file: str | Path, **options: object) -> None:
+        for name in ("where", "sort", "columns", "x", "y", "colour"):
+            if ".reaction" in str(options.get(name)):
+                from sweeps.cli.named_machine import in_full
+
+                options[name] = in_full(str(file), options[name])
+        command(file=file, **options)
+
+    return asked
+
+
 def _code_of(error: Exception) -> int:
     from sweeps.run.cluster.cluster_errors import UnfinishedError
 

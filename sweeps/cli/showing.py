@@ -14,6 +14,7 @@ from sweeps.cli.shared import (
     WHERE,
     WholeNumber,
     errors_as_messages,
+    joints_by_letter,
     make_folder,
     names_in,
     stop_without_answer,
@@ -41,6 +42,7 @@ from sweeps.cli.waiting import doing
 @JSON
 @ERRORS
 @errors_as_messages
+@joints_by_letter
 def show(
     file: Path,
     where: tuple[str, ...],
@@ -162,6 +164,7 @@ def _show_at(
 @POSITIONS
 @SET
 @errors_as_messages
+@joints_by_letter
 @doing("Drawing the pictures")
 def plot(
     file: str,

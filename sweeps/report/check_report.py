@@ -251,7 +251,7 @@ def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path, on
     """Evaluation, time, memory and file size of a study; runs on elastic shafts report their own."""
     cost = probe(study, machine)
     way = "no sharing between variants"
-    seconds = f"about {cost.seconds * study.design.size:.3g} s, {cost.seconds * 1e6:.3g} µs a variant"
+    seconds = f"about {_duration(cost.seconds * study.design.size)}"
     seconds = on_shafts or seconds
     if machine.has_regimes:
         seconds += "; plus up to a minute of compilation the first time"
@@ -267,6 +267,12 @@ def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path, on
         ("Memory", f"about {(memory + cost.motion_bytes) / 1e6:.3g} MB plus the program itself"),
         *_file_sections(study, machine, out),
     ]
+
+
+def _duration(seconds: float) -> str:
+    """A time for a person: "5 ms", "12 s", "3.4 h"."""
+    unit, size = next(((u, s) for u, s in (("h", 3600), ("min", 60), ("s", 1)) if seconds >= s), ("ms", 1e-3))
+    return f"{seconds / size:.3g} {unit}"
 
 
 def _uncompiled_text(machine: Machine | ElementsAlone) -> str:

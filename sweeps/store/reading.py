@@ -1,6 +1,5 @@
 """Reading result files, finished or not."""
 
-import difflib
 import hashlib
 import json
 import mmap
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import h5py
 import numpy as np
 
+from engine import nearest_names
 from sweeps.text.input_files import HDF5_SIGNATURE
 from sweeps.text.versions import origin_text
 
@@ -381,7 +381,7 @@ def _sound(path: Path, names: Sequence[str] | None) -> MappedResult:
     known = list(mapped.columns)
     for name in names or ():
         if name not in known:
-            close = difflib.get_close_matches(name, known, n=1)
+            close = nearest_names(name, known)
             hint = f"Did you mean {close[0]!r}?" if close else f"It has {', '.join(known)}."
             raise StoreError(f"{path} has no column {name!r}. {hint}")
     kinds = ("flat", "fields") if any(name in mapped.fields for name in names or ()) else ("flat",)

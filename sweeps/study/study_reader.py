@@ -23,6 +23,7 @@ from engine import (
     described_dimension,
     dimension_of,
     dimension_of_unit,
+    full_names,
     in_text,
     made_ready,
     parse_expression,
@@ -88,6 +89,7 @@ class StudyReader:
             data["optimise"]["start"] = flatten(data["optimise"]["start"], None)
         self.raw = validate(StudyText, data, text, path.name)
         self.scene = self._scene()
+        self.raw = validate(StudyText, self._with_full_names(data), text, path.name)
         self.numbers = scene_numbers(self.scene)
         self.problems: list[tuple[int | None, str, str]] = []
         self.dimensions = {
@@ -109,6 +111,17 @@ class StudyReader:
             message = f"{path.name} is a study; name the file of a scene, one with a table [input]"
             raise InputError(self.path.name, [(line_of(self.text, ["scene"]), "scene", message)])
         return scene_from(data | own, text, path.name, path.parent)
+
+    def _with_full_names(self, data: Any) -> Any:
+        """The text's data, forces in joints by their full names."""
+        if isinstance(data, str):
+            return full_names(self.scene, data)
+        if isinstance(data, list):
+            return [self._with_full_names(entry) for entry in data]
+        if isinstance(data, dict):
+            as_given = ("scene", "title", "question", "source")
+            return {k: v if k in as_given else self._with_full_names(v) for k, v in data.items()}
+        return data
 
     def content(self) -> dict[str, Any]:
         """The content, by the names of `Study`'s attributes.

@@ -1,6 +1,11 @@
 """Plain-text tables."""
 
+import shutil
+import textwrap
 from collections.abc import Mapping, Sequence
+
+# Columns of text at least, in a narrow terminal too.
+NARROWEST = 20
 
 
 def table(rows: Sequence[Sequence[str]], indent: str = "") -> str:
@@ -11,12 +16,15 @@ def table(rows: Sequence[Sequence[str]], indent: str = "") -> str:
 
 
 def table_by_subject(rows: Sequence[Sequence[str]], subjects: Mapping[str, str]) -> str:
-    """Rows in aligned columns under subject headings, found by the first cell of each row."""
+    """Names and texts in two columns, wrapped at the terminal's width, under subject headings found by the name."""
     ordered = sorted(rows, key=lambda row: (subjects[row[0]], row[0]))
+    left = " " * (max(len(name) for name, _ in ordered) + 6)
+    width = max(shutil.get_terminal_size().columns, len(left) + NARROWEST)
     lines = []
-    for row, line in zip(ordered, table(ordered, "    ").splitlines(), strict=True):
-        heading = f"  {subjects[row[0]].replace('_', ' ')}"
+    for name, text in ordered:
+        heading = f"  {subjects[name].replace('_', ' ')}"
         if heading not in lines:
             lines.append(heading)
-        lines.append(line)
+        first = f"    {name}".ljust(len(left))
+        lines += textwrap.wrap(text, width, initial_indent=first, subsequent_indent=left, break_on_hyphens=False)
     return "\n".join(lines)

@@ -258,53 +258,6 @@ def _as_given(bound: float, value: object) -> str:
     return f"{bound / in_text(f'1 {unit}', _OWN_UNITS[unit]):g} {unit}"
 
 
-# Common names for other keys.
-_SYNONYMS = {
-    "from": ("start",),
-    "to": ("stop",),
-    "begin": ("from", "start"),
-    "start": ("from",),
-    "stop": ("to",),
-    "end": ("to", "stop"),
-    "min": ("low", "from"),
-    "max": ("high", "to"),
-    "minimum": ("low", "from"),
-    "maximum": ("high", "to"),
-    "steps": ("count",),
-    "number": ("count",),
-    "n": ("count",),
-    "list": ("values",),
-    "radius": ("length", "diameter"),
-    "rpm": ("speed",),
-    "omega": ("speed",),
-    "rotation": ("speed",),
-    "moment_of_inertia": ("inertia",),
-    "j": ("inertia",),
-    "weight": ("mass",),
-    "m": ("mass",),
-    "mu": ("coefficient", "friction"),
-    "friction": ("coefficient",),
-    "torque": ("moment",),
-    "value": ("force", "moment", "values"),
-    "direction": ("angle",),
-    "ground": ("points",),
-    "joints": ("points",),
-    "crank": ("input",),
-    "dyads": ("groups",),
-    "masses": ("bodies",),
-    "torques": ("moments",),
-    "parameters": ("vary",),
-    "variables": ("vary",),
-    "sweep": ("vary",),
-    "results": ("outputs", "summaries"),
-    "step": ("count",),
-    "constraints": ("where", "require"),
-    "subject_to": ("where", "require"),
-    "condition": ("where", "require"),
-    "conditions": ("where", "require"),
-    "filter": ("where", "require"),
-    "require": ("where",),
-}
 _EXPLAINED = {
     "where": "; where belongs to [best] or [optimise]; require, above the first table, drops variants before they are "
     "computed",
@@ -315,7 +268,7 @@ _EXPLAINED = {
 def _allowed(name: str, allowed: list[str]) -> str:
     if not allowed:
         return ""
-    near = [word for word in _SYNONYMS.get(name.lower(), ()) if word in allowed] or nearest_names(name, allowed)
+    near = nearest_names(name, allowed)
     return f"; allowed: {', '.join(allowed)}" + (f"; did you mean {near[0]!r}?" if near else "")
 
 

@@ -361,7 +361,7 @@ def _forces(cam: CamElement) -> Iterator[Result]:
     for name, words, of in (
         ("greatest_moment", "peak torque that turns the cam", ("driven",)),
         ("least_moment", "minimum torque that turns the cam; negative where it is driven", ()),
-        ("mean_moment", "mean of the moment that turns the cam", ()),
+        ("mean_moment", "mean torque that turns the cam", ()),
     ):
         yield _result(name, words, "N m", touching, of)
     if spring:

@@ -72,7 +72,7 @@ class TwoMassDrive(ElasticShaft, Element):
         ElementResult("stiffness", "torsional stiffness of the shaft", "N m rad-1"),
         ElementResult("damping", "torsional damping of the shaft", "N m s rad-1"),
         ElementResult("natural_frequency", "natural frequency of the drive in touch", "rad s-1"),
-        ElementResult("rigid_moment", "moment of the shaft at the begin, were it rigid and without backlash", "N m"),
+        ElementResult("rigid_moment", "initial torque of the shaft if it were rigid and without backlash", "N m"),
         ElementResult("greatest_moment", "peak shaft torque", "N m"),
         ElementResult("greatest_moment_at", "time of the peak shaft torque", "s"),
         ElementResult("dynamic_factor", "peak torque over that of a rigid shaft", "1"),

@@ -35,7 +35,7 @@ class ChainDrive(Element):
         ElementResult("speed_ripple", "minimum speed of the chain below its maximum, relative to it", "1"),
         ElementResult("greatest_acceleration", "peak acceleration of the chain by its polygon", "m s-2"),
         ElementResult("pull", "force in the tight strand that turns the driven sprocket", "N"),
-        ElementResult("driving_moment", "mean moment that drives", "N m"),
+        ElementResult("driving_moment", "mean drive torque", "N m"),
         ElementResult("links", "links for the distance wanted, before rounding", "1", "distance"),
         ElementResult("fitted_distance", "distance of the axes with the nearest even number of links", "m", "distance"),
         ElementResult("centrifugal_tension", "tension of the whole chain by its mass", "N", "linear_density"),

@@ -30,9 +30,9 @@ class FrictionDrive(FrictionElement):
         ElementResult("tangential_force", "force along the rims", "N"),
         ElementResult("needed_press_force", "force that has to press the wheels together", "N"),
         ElementResult("traction_share", "force along the rims over the friction limit", "1", "press_force"),
-        ElementResult("driving_moment", "moment that drives", "N m"),
-        ElementResult("input_power", "power put in", "W"),
-        ElementResult("efficiency", "power that comes out over power put in, creep alone lost", "1"),
+        ElementResult("driving_moment", "drive torque", "N m"),
+        ElementResult("input_power", "input power", "W"),
+        ElementResult("efficiency", "output power over input power, with creep as the only loss", "1"),
     )
 
     type: Literal["friction_drive"]

@@ -86,16 +86,16 @@ def load_results(
     power = state.moments * speeds[:-1]
     for i, name in enumerate(structure.shafts):
         if name in structure.unknown_moments or train.shafts[name].moment is not None:
-            yield ElementResult(f"{name}.moment", f"moment from outside on {name}", "N m"), state.moments[i]
-            yield ElementResult(f"{name}.power", f"power put in at {name}", "W"), power[i]
+            yield ElementResult(f"{name}.moment", f"external torque on {name}", "N m"), state.moments[i]
+            yield ElementResult(f"{name}.power", f"input power at {name}", "W"), power[i]
     # What is held belongs to the frame.
     free = [i for i, name in enumerate(structure.shafts) if name not in structure.held]
-    words = "moment that holds the frame with all held shafts"
+    words = "torque that holds the frame and all held shafts"
     yield ElementResult("frame.moment", words, "N m", rank=Rank.FURTHER), 0.0 - _total(state.moments[free])
     into = _total(maximum(power, 0.0))
-    yield ElementResult("input_power", "power put in", "W", rank=Rank.FURTHER), into
+    yield ElementResult("input_power", "input power", "W", rank=Rank.FURTHER), into
     yield ElementResult("loss", "power lost in all meshes", "W"), _total(power)
-    words = "power that comes out over power put in"
+    words = "output power over input power"
     yield ElementResult("efficiency", words, "1", None, True), _efficiency(power)
     words, back = "efficiency turning backwards under the same moments", states.backwards
     yield (
@@ -105,7 +105,7 @@ def load_results(
     words = "the same moments can't turn the train backwards (1) or can (0)"
     locks = Measured(np.where(state.moves, np.where(back.moves, 0.0, 1.0), np.nan))
     yield ElementResult("self_locking", words, "1", exact=True), locks
-    words = "power that circulates in shafts, over power put in"
+    words = "circulating power in the shafts over input power"
     yield (
         ElementResult("circulating_power", words, "1", None, True, rank=Rank.FURTHER),
         _circulating(train, speeds, state, into),
@@ -124,7 +124,7 @@ def load_results(
             rolling,
         )
         words, share = (
-            f"power rolling through {name} over power put in",
+            f"power rolling through {name} over input power",
             where(into.value > 0, abs(rolling) / into, np.nan),
         )
         yield ElementResult(f"{name}.rolling_share", words, "1", None, True, rank=Rank.FURTHER), share

@@ -6,11 +6,11 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from engine import parts
+from engine.glossary import unknown_name_message
 from engine.laws.tables import TableError, make_table
 from engine.parts.actions import Force, Time
 from engine.parts.formulas.by_formula import ByFormula, FormulaText
 from engine.parts.formulas.expressions import ExpressionError, TextExpression, parse
-from engine.parts.formulas.unknown_names import unknown_name_message
 from engine.parts.skeleton import AngularSpeed, Length, Mass, Part, Positive, Speed, quantity
 from engine.units.dimensions import described
 from engine.units.display import quantity_text

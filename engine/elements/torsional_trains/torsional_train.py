@@ -208,9 +208,9 @@ def _results(train: TorsionalTrain) -> Iterator[ElementResult]:
             yield ElementResult(f"nearest_order_{k}", f"order nearest to natural frequency {k}", "1", exact=True)
     for shaft in train.shafts:
         yield ElementResult(
-            f"{shaft}.mean_moment", f"mean moment of {shaft}, at its first end", "N m", rank=Rank.FURTHER
+            f"{shaft}.mean_moment", f"mean torque of {shaft}, at its first end", "N m", rank=Rank.FURTHER
         )
-        yield ElementResult(f"{shaft}.alternating_moment", f"half the range of the moment of {shaft}", "N m")
+        yield ElementResult(f"{shaft}.alternating_moment", f"alternating torque of {shaft}: half its range", "N m")
         yield ElementResult(f"{shaft}.greatest_moment", f"peak torque of {shaft}", "N m")
     for mass in train.masses:
         yield ElementResult(f"{mass}.amplitude", f"half the range of the vibration of {mass}", "rad")

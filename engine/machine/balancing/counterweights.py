@@ -21,11 +21,11 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from engine.glossary import did_you_mean
 from engine.machine.balancing.least_shaking import DependentError, Optimum, Unknown, least_peak, least_rms
 from engine.machine.machine import Machine
 from engine.parts.skeleton import Body
 from engine.quantities.quantity import has_cycle
-from engine.scene.names import did_you_mean
 from engine.scene.scene import Scene
 from engine.units.display import quantity_text
 from engine.verdicts import Verdict

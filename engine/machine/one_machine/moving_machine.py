@@ -16,7 +16,7 @@ from engine.cycle.measured import Measured
 from engine.cycle.one_variant import OneVariant, WheelCycle, WheelNumbers
 from engine.graph.nodes import Node, Stage
 from engine.laws.elementary import angle_or_zero
-from engine.machine.checks import check_names, check_positions, given_numbers
+from engine.machine.checks import check_names, check_positions, full_names, given_numbers
 from engine.machine.conditions import (
     SINGULAR_SINE,
     margins_against_jamming,
@@ -249,7 +249,8 @@ class MovingMachine:
         Their error estimates are those of the series that stand for the curves.
         """
         # An evaluation caches by identity, so all expressions have to outlive it.
-        expressions = {name: self.register.summary(name).expression() for name in names}
+        full = {name: full_names(self.mechanics.scene, name) for name in names}
+        expressions = {name: self.register.summary(known).expression() for name, known in full.items()}
         value_of = Evaluation(self._measured)
         with np.errstate(all="ignore"):
             return {name: value_of(expression) for name, expression in expressions.items()}
@@ -263,13 +264,13 @@ class MovingMachine:
         return self._verdict(node for node in nodes_of(tuple(expressions)) if node.stage > Stage.VARIANT)
 
     def _curves(self, names: Iterable[str]) -> dict[str, Node | Followed]:
-        names = list(names)
-        check_names(names, self.register.fields, "field")
-        for name in names:
+        full = {name: full_names(self.mechanics.scene, name) for name in names}
+        check_names(full.values(), self.register.fields, "field")
+        for name in full.values():
             why = self.register.why_not(name)
             if why is not None:
                 raise AskError(why)
-        return {name: self.register.fields[name].curve() for name in names}
+        return {name: self.register.fields[known].curve() for name, known in full.items()}
 
     def _row(self, curve: Node | Followed) -> np.ndarray:
         of = self._variant

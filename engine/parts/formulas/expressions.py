@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.parts.formulas.unknown_names import unknown_name_message
+from engine.glossary import unknown_name_message
 from engine.units.reading import UNIT_NAMES
 
 LONGEST = 2000

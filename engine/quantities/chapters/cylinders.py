@@ -11,6 +11,7 @@ from engine.mechanism.actions.cylinders import Diagram, piston_area
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.cylinders import EngineCylinder, FourStroke, Pump
 from engine.quantities.expressions import Expression, Integral, StrokeEnd, VariantNumber, length_of_range
+from engine.quantities.quantity import called
 from engine.quantities.register import Declared, Field, Summary
 
 
@@ -31,15 +32,16 @@ def _of_cylinder(m: Mechanics, name: str) -> Declared:
         seen, clearance = diagram(), graph.zero if isinstance(cylinder, Pump) else graph.number(f"{at}.clearance")
         return area * (seen.travel + clearance * seen.stroke)
 
-    yield Field(f"{name}.pressure", f"absolute pressure in cylinder {name}", "Pa", lambda: diagram().pressure, "p")
-    yield Field(f"{name}.volume", f"volume of cylinder {name}", "m3", volume, "V")
+    words = f"absolute pressure in {called('cylinder', name)}"
+    yield Field(f"{name}.pressure", words, "Pa", lambda: diagram().pressure, "p")
+    yield Field(f"{name}.volume", f"volume of {called('cylinder', name)}", "m3", volume, "V")
 
     def swept() -> Expression:
         slide = m.kinematics.slides[cylinder.piston]
         low, high = (StrokeEnd(slide.d, slide.v, which) for which in ("low", "high"))
         return VariantNumber(area) * (high - low)
 
-    words = f"swept volume of cylinder {name}"
+    words = f"swept volume of {called('cylinder', name)}"
     yield Summary(f"{name}.swept_volume", words, "m3", swept, symbol="V_s", rank=Rank.ANSWER)
     if not m.has_cycle:
         return
@@ -54,11 +56,11 @@ def _of_cylinder(m: Mechanics, name: str) -> Declared:
         return of_cycle * abs(VariantNumber(m.speed)) / length_of_range(m.first, m.last)
 
     whose = "of the gas" if engine else f"on the {'liquid' if isinstance(cylinder, Pump) else 'gas'}"
-    words = f"indicated work {whose} in cylinder {name}"
+    words = f"indicated work {whose} in {called('cylinder', name)}"
     yield Summary(f"{name}.indicated_work", f"{words} per cycle of the machine", "J", work, symbol="W_i")
     yield Summary(
         f"{name}.indicated_power",
-        f"indicated power {whose} in cylinder {name}",
+        f"indicated power {whose} in {called('cylinder', name)}",
         "W",
         lambda: a_second(work()),
         symbol="P_i",
@@ -69,7 +71,7 @@ def _of_cylinder(m: Mechanics, name: str) -> Declared:
     if not isinstance(cylinder, Pump):
         yield Summary(
             f"{name}.mean_effective_pressure",
-            f"indicated mean effective pressure of cylinder {name}",
+            f"indicated mean effective pressure of {called('cylinder', name)}",
             "Pa",
             lambda: work() / (swept() * times),
             symbol="p_mi",
@@ -86,7 +88,7 @@ def _of_cylinder(m: Mechanics, name: str) -> Declared:
 
     yield Summary(
         f"{name}.delivery",
-        f"volume that cylinder {name} delivers per time, at suction",
+        f"volume that {called('cylinder', name)} delivers per time, at suction",
         "m3 s-1",
         lambda: a_second(drawn()),
         symbol="Q",
@@ -95,7 +97,7 @@ def _of_cylinder(m: Mechanics, name: str) -> Declared:
     if not isinstance(cylinder, Pump):
         yield Summary(
             f"{name}.volumetric_efficiency",
-            f"volumetric efficiency of cylinder {name}: volume drawn in over volume displaced",
+            f"volumetric efficiency of {called('cylinder', name)}: volume drawn in over volume displaced",
             "1",
             lambda: drawn() / displaced(),
             symbol="η_v",

@@ -27,7 +27,7 @@ from engine.quantities.expressions import (
     share,
     unresolved_peak,
 )
-from engine.quantities.quantity import drive_words
+from engine.quantities.quantity import called, drive_words, ordinal
 from engine.quantities.register import Declared, Field, InputUnits, Summary, mean
 from engine.scene.pairs import has_friction
 from engine.scene.scene import Numbers
@@ -76,7 +76,7 @@ def declare(mechanics: Mechanics) -> Declared:
             if getattr(scene.moments[name], "rated_speed", None) is None:
                 continue
             rated = graph.derived(f"rated torque of {name}", partial(_rated_torque, name))
-            words = f"rated torque of motor {name}, at its own shaft"
+            words = f"rated torque of {called('motor', name)}, at its own shaft"
             yield Summary(
                 f"{name}.rated_moment", words, "N m", lambda rated=rated: VariantNumber(rated), rank=Rank.ANSWER
             )
@@ -103,7 +103,7 @@ def _orders(m: Mechanics, units: str) -> Declared:
     """Orders of the input moment by the crank's speed: halves too where a cycle is two revolutions."""
     for k in range(1, HARMONICS + 1):
         order = f"{k / m.scene.input.revolutions:g}"
-        words = f"amplitude of order {order} of the drive torque"
+        words = f"{ordinal(order)}-order amplitude of the drive torque"
         name = f"input_moment.order_{order.replace('.', '_')}"
         yield Summary(name, words, units, lambda k=k: hypot(*input_moment_harmonic(m, k)))
 

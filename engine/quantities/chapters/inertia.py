@@ -8,6 +8,7 @@ from engine.mechanism.inertia import moment_centre
 from engine.mechanism.input_motion import multiple_angle
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import Expression, Formula, Integral, VariantNumber, hypot
+from engine.quantities.quantity import called, ordinal
 from engine.quantities.register import Declared, Field, Summary
 from engine.scene.inertia import body_inertia, inertia_from_swing
 from engine.scene.masses import CENTRE, count_points, replacement, replacement_mass
@@ -21,30 +22,30 @@ def declare(mechanics: Mechanics) -> Declared:
     for name in mechanics.scene.bodies:
         yield from _forces(mechanics, name)
         if mechanics.scene.bodies[name].swing is not None:
-            words = f"moment of inertia of body {name} about its centre of mass, from the time of its swing"
+            words = f"moment of inertia of {called('body', name)} about its centre of mass, from the time of its swing"
             yield Summary(f"{name}.moment_of_inertia", words, "kg m2", lambda name=name: _swung(mechanics, name))
         yield from _replacement(mechanics, name)
     yield from _shaking(mechanics)
 
 
 def _forces(m: Mechanics, name: str) -> Declared:
-    at = "at constant speed of the input"
+    at = "at constant speed"
     for i, axis in enumerate("xy"):
         yield Field(
             f"{name}.inertia_force_{axis}",
-            f"{axis} component of the inertia force of body {name} {at}",
+            f"{axis} component of the inertia force of {called('body', name)} {at}",
             "N",
             lambda i=i: m.inertia_forces(name).force[i],
         )
     yield Field(
         f"{name}.inertia_moment",
-        f"moment of the inertia forces of body {name} about its centre {at}",
+        f"moment of the inertia forces of {called('body', name)} about its centre {at}",
         "N m",
         lambda: m.inertia_forces(name).moment,
     )
     yield Field(
         f"{name}.inertia_offset",
-        f"distance of the resultant of the inertia forces of body {name} from its centre of mass "
+        f"distance of the resultant of the inertia forces of {called('body', name)} from its centre of mass "
         "(positive: passes to the right of it)",
         "m",
         lambda: m.inertia_forces(name).offset,
@@ -69,7 +70,7 @@ def _replacement(m: Mechanics, name: str) -> Declared:
     for i in range(count):
         chosen = body.replace.at[i : i + 1]
         place = ("the centre of mass" if chosen == (CENTRE,) else chosen[0]) if chosen else "the point found"
-        whose = f"mass {i + 1} (at {place}) that stands for body {name}"
+        whose = f"mass {i + 1} (at {place}) that stands for {called('body', name)}"
         part = replacement_mass(m.scene, name, i)
         for key, words, unit, compute in (
             ("mass", f"point {whose}, may be negative", "kg", part.mass),
@@ -84,24 +85,24 @@ def _replacement(m: Mechanics, name: str) -> Declared:
             f"replacement error of {name}",
             lambda n: error_of(replacement(m.scene, name, n), body_inertia(m.scene, name, n)),
         )
-        words = f"moment of inertia of the point masses that stand for body {name}, less its own"
+        words = f"moment of inertia of the point masses that stand for {called('body', name)}, less its own"
         yield Summary(f"{name}.replacement_error", words, "kg m2", lambda: VariantNumber(error))
 
 
 def _shaking(m: Mechanics) -> Declared:
-    force, about = "shaking force at constant speed of the input", moment_centre(m.scene)
+    force, about = "shaking force at constant speed", moment_centre(m.scene)
     for i, axis in enumerate("xy"):
         words = f"{axis} component of the {force}"
         yield Field(f"shaking_force_{axis}", words, "N", lambda i=i: m.shaking.force[i], f"F_{axis}")
-    yield Field("shaking_force", f"magnitude of the {force}", "N", lambda: m.shaking.force.length, "F")
+    yield Field("shaking_force", force, "N", lambda: m.shaking.force.length, "F")
     yield Field(
         "shaking_moment",
-        f"shaking moment about {about} at constant speed of the input, inertia of shafts and gears in it, loads not",
+        f"shaking moment about {about} at constant speed, inertia of shafts and gears in it, loads not",
         "N m",
         lambda: m.shaking.moment,
     )
     for n in ORDERS if m.has_cycle else ():
-        words = f"order {n} of the shaking force by the crank's speed, longer half axis of its ellipse"
+        words = f"{ordinal(n)}-order shaking force, major semi-axis of its ellipse"
         yield Summary(f"shaking_force.order_{n}", words, "N", lambda n=n: order_of_force(m, n))
 
 

@@ -120,7 +120,7 @@ def _coordinate(
     )
     yield Field(
         f"{owner}.{second}",
-        f"{acceleration} at constant speed of the input",
+        f"{acceleration} at constant speed",
         f"{unit} s-2",
         lambda: graph.combination([(squared, nodes[2])]),
         of_second,

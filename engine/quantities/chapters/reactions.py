@@ -9,6 +9,7 @@ from engine.cycle.measured import Measured, atan2
 from engine.elements.element import Rank
 from engine.mechanism.mechanics import Mechanics
 from engine.parts.actions import Brake, Motor
+from engine.parts.skeleton import FRAME, CrankInput
 from engine.quantities.chapters.dynamics import is_loaded
 from engine.quantities.expressions import (
     Angle,
@@ -61,8 +62,7 @@ def _variable(m: Mechanics, name: str, words: str, unit: str, symbol: str = "", 
 
 
 def _fields_of(m: Mechanics, pair: Pair) -> Declared:
-    other = pair.other if pair.other == "frame" else f"link {pair.other}"
-    force = f"force in {pair.place}: {other} on link {pair.link}"
+    force = force_words(m.scene, pair)
     if pair.name in m.scene.shafts and m.scene.shafts[pair.name].pressure_angle is None:
         force += " (without forces between teeth)"
     asked = ("peak",) if is_loaded(m) else ()
@@ -80,6 +80,27 @@ def _fields_of(m: Mechanics, pair: Pair) -> Declared:
     yield _variable(m, f"{pair.name}.reaction_along", f"component along link {pair.link} of the {force}", "N")
     words = f"component to the left across link {pair.link} of the {force}"
     yield _variable(m, f"{pair.name}.reaction_across", words, "N")
+
+
+def force_words(scene: Scene, pair: Pair) -> str:
+    """The force in a pair as an engineer calls it: "crankpin force (joint A): crank on rod"."""
+    acts = f"{pair.other} on {pair.link}"
+    if pair.kind == "prismatic":
+        held = pair.other == FRAME and pair.place.startswith("guide ")
+        return f"side thrust of {pair.link} ({pair.place})" if held else f"force in {pair.place}: {acts}"
+    return f"{_bearing(scene, pair)} force ({pair.place}): {acts}"
+
+
+def _bearing(scene: Scene, pair: Pair) -> str:
+    """What the bearing of a joint is called."""
+    if isinstance(scene.input, CrankInput) and pair.name == "input":
+        return "main-bearing"
+    if isinstance(scene.input, CrankInput) and scene.input.link in (pair.link, pair.other):
+        return "crankpin"
+    group, _, side = pair.name.rpartition(".")
+    if side == "inner" and group in scene.groups and scene.groups[group].type == "RRP":
+        return "wrist-pin"
+    return "bearing" if pair.other == FRAME else "pin"
 
 
 def _direction(m: Mechanics, pair: Pair) -> Angle:

@@ -82,7 +82,7 @@ def _ends(
     rank = Rank.ANSWER if name in held_by_frame(mechanics.scene) else Rank.FURTHER
     yield Summary(f"{name}.{kind}", f"{kind} of {of}", unit, lambda: end("high") - end("low"), swings, symbol, rank)
     for side in ("low", "high"):
-        words = f"{side} end of the {kind} of {of}"
+        words = f"{name} {'angle' if swings else 'position'} at the {side} end of its {kind}"
         yield Summary(f"{name}.{kind}_{side}", words, unit, lambda side=side: end(side), swings)
         words = f"input position at the {side} end of the {kind} of {name}"
         yield Summary(f"{name}.{kind}_{side}_at", words, q, lambda side=side: end(f"{side}_at"), swings)

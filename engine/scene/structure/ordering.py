@@ -7,21 +7,13 @@ degrees of freedom as input links. Lower pairs only: W = 3n − 2p₁ (Chebyshev
 from collections.abc import Container
 from typing import NamedTuple
 
+from engine.glossary import did_you_mean
 from engine.parts.driving_gears import Pinion, Rack
 from engine.parts.skeleton import FRAME, Sliding, Yoke
 from engine.scene import structure
 from engine.scene.load_formulas import formula_problems
 from engine.scene.masses import replacement_problems
-from engine.scene.names import (
-    acting,
-    definitions,
-    did_you_mean,
-    guide_of,
-    input_point,
-    joint_owners,
-    misplaced,
-    sliders,
-)
+from engine.scene.names import acting, definitions, guide_of, input_point, joint_owners, misplaced, sliders
 from engine.scene.pairs import friction_problems, pairs, strength_problems
 from engine.scene.scene import Scene, SceneError, once
 

@@ -10,12 +10,24 @@ from annotated_types import Ge, Gt, Le, Lt, MinLen
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from engine import DimensionMark, FormulaNumber, NonZero, Scene, common_units, described_dimension, nearest_names
+from engine import (
+    DimensionMark,
+    FormulaNumber,
+    NonZero,
+    Scene,
+    common_units,
+    described_dimension,
+    nearest_names,
+    speaks_of,
+)
+from sweeps.guide.chapters import chapters
 from sweeps.study.study_text import StudyText
 from sweeps.text.input_files import InputError
 from sweeps.text.tables import table
 from sweeps.text.toml_text import arms_of, bare_annotation, is_union
 
+# Of an answer to words.
+MOST_KEYS, MOST_CHAPTERS = 12, 3
 # Placeholder in a path for user-defined names.
 NAME, PATH = "NAME", "PATH"
 _BY_PATH = ("vary", "derive", "tolerances", "start")
@@ -49,13 +61,13 @@ class Key(NamedTuple):
 
 
 def key_text(asked: str) -> str:
-    """Help on a key, table or type: meaning, values, default and limits.
+    """Help on a key, table or type: meaning, values, default and limits; else what is about the words.
 
     Parameters
     ----------
     asked : str
-        A path such as "input.length" or "bodies.ram.mass", a key such as "mass", a table such as "cylinders", or a type
-        such as "compressor".
+        A path such as "input.length" or "bodies.ram.mass", a key such as "mass", a table such as "cylinders", a type
+        such as "compressor", or words such as "quick return".
 
     Raises
     ------
@@ -68,12 +80,36 @@ def key_text(asked: str) -> str:
         found = [key for key in _keys() if key.kind == parts[0] and _of_table(key)]
     if not found:
         found = [key for key in _keys() if parts and _ends_with(key.path, parts)]
+    if not found and (about := _about(asked.split())):
+        return about
     if not found:
         known = {".".join(key.path[n:]) for key in _keys() for n in range(len(key.path)) if key.path[n] != NAME}
         near = nearest_names(asked, known | {key.kind for key in _keys() if key.kind}, 3)
         hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "`sweeps help` lists all tables"
         raise InputError("help", [(None, "", f"scenes and studies have no key or type {asked!r}; {hint}")])
     return "\n\n".join(_paragraphs(found))
+
+
+def _about(words: Sequence[str]) -> str:
+    """Keys, and chapters of the guide, that speak of all of some words; "" if none do."""
+    words = [word for word in words if word not in ("a", "of", "the")]
+    rows: dict[str, str] = {}
+    for key in _keys():
+        kind = key.kind if _of_table(key) else ""
+        name = kind or key.path[-1]
+        if name not in (NAME, PATH) and speaks_of(name.replace("_", " "), words):
+            rows.setdefault(name, f"a type of {key.path[0]}" if kind else _first_sentence(key))
+    nearest = sorted(rows.items(), key=lambda row: words[0].lower() not in row[0])
+    times = {name: sum(speaks_of(line, words) for line in text.splitlines()) for name, text in chapters().items()}
+    times.pop("developers")
+    guide = sorted((name for name in times if times[name]), key=lambda name: -times[name])[:MOST_CHAPTERS]
+    parts = [f"About {' '.join(words)!r}:"]
+    if rows:
+        parts += ["Keys (`sweeps help KEY`):", table(nearest[:MOST_KEYS], "  ")]
+    if guide:
+        parts.append(f"Guide: {', '.join(f'`sweeps guide {name}`' for name in guide)}")
+    parts.append(f"Quantities: `sweeps quantities SCENE {' '.join(words)}`")
+    return "\n".join(parts) if rows or guide else ""
 
 
 def tables_text() -> str:

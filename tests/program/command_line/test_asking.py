@@ -19,7 +19,7 @@ def test_quantities__lists_all_that_the_machine_offers(press_folder):
 def test_quantities__tells_symbol_unit_and_meaning_of_what_is_asked_by_name_or_by_words(press_folder):
     line = row(done("quantities", "press.toml", "ram.velocity"), "ram.velocity")
     assert line == ["ram.velocity", "v_ram", "m/s", "velocity", "of", "slider", "ram"]
-    assert "maximum of the velocity of slider ram" in done("quantities", "press.toml", "ram.velocity.max")
+    assert "maximum velocity of slider ram" in done("quantities", "press.toml", "ram.velocity.max")
     found = [line for line in done("quantities", "press.toml", "STROKE", "high").splitlines() if line[:2] == "  "]
     assert found
     assert all("stroke" in line and "high" in line for line in found)

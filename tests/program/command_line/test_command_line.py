@@ -91,11 +91,17 @@ def test_new__writes_where_it_is_told_and_never_over_what_is_there(press_folder)
     assert "slider_crank" in refused("new", "zzz")
 
 
+def test_list__wraps_at_the_width_of_the_terminal(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "72")
+    lines = done("list").splitlines()
+    assert 60 < max(map(len, lines)) <= 72
+
+
 def test_list__names_every_study_and_template(press_folder):
     answer = done("list")
     for name, path in bundled_studies().items():
         assert f"  {name}" in answer
-        assert read_study(path).question in answer
+        assert read_study(path).question in " ".join(answer.split())
     for name, title in templates().items():
         assert any(line.split() == [name, *title.split()] for line in answer.splitlines())
 

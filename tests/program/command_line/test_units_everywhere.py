@@ -7,6 +7,7 @@ import matplotlib.figure
 import pytest
 from commands import done, refused, said
 from matplotlib.text import Text
+from unit_scans import BANNED, foreign, units_of, words_of_page
 
 from engine import quantity_text, show_units, show_units_of
 from sweeps.pictures.plans.files import plan_pictures
@@ -66,19 +67,6 @@ fields = ["reduced_inertia_phi"]
 [best]
 minimise = "excess_work"
 """
-METRIC = "mm cm km µm kg g t N kN MN J kJ MJ W kW MW Pa kPa MPa GPa bar kp kgf m"
-AMERICAN = "in ft yd lb lbs oz slug lbf kip klbf tonf psi ksi hp"
-BANNED = {"US": METRIC, "mm": AMERICAN, "SI": f"{AMERICAN} mm kN kJ kW MPa rpm"}
-
-
-def units_of(words: str) -> re.Pattern[str]:
-    """A unit after a number, a comma or a gap, in brackets, or in a compound: "3 kN", "v, m/s", "[N m]", "N·m"."""
-    power, units = r"(?:-?[2-9]|[²³⁴])?", words.split()
-    plain = "|".join(unit for unit in units if unit not in ("in", "m", "t", "g"))
-    return re.compile(
-        rf"(?:(?<=\d )|(?<=, )|(?<=  )|(?<=[·/(])|^)(?:{'|'.join(units)}){power}(?=$|  |[;:,.)\]·/|])"
-        rf"|(?<=\d )(?:{plain}){power}(?= )|\[(?:[^\]]* )?(?:{'|'.join(units)})(?:-?\d)?(?: [^\]]*)?\]"
-    )
 
 
 @pytest.mark.parametrize(
@@ -87,12 +75,6 @@ def units_of(words: str) -> re.Pattern[str]:
 )
 def test_pattern__finds_units_of_another_system(shown, system):
     assert units_of(BANNED[system]).search(shown)
-
-
-def foreign(text: str, system: str) -> list[str]:
-    """Lines with a unit that the system doesn't have."""
-    pattern = units_of(BANNED[system])
-    return [line for line in text.splitlines() if pattern.search(line)]
 
 
 @pytest.fixture
@@ -133,8 +115,7 @@ def test_everything_about_a_machine__is_in_its_units(press, written):
     done("report", "results/study.h5", "--out", "page.html")
     done("export", "results/study.h5", "--to", "study.csv", "--columns", "excess_work,reduced_inertia_phi")
     done("export", "press.toml", "--to", "press.csv")
-    page = re.sub(r"<(script|style|svg|pre)\b.*?</\1>", "", Path("page.html").read_text(encoding="utf8"), flags=re.S)
-    texts["page"] = re.sub(r"<[^>]+>", "\n", page)
+    texts["page"] = words_of_page(Path("page.html"))
     texts["tables"] = "\n".join(Path(t).read_text().partition("\n")[0] for t in ("study.csv", "press.csv")).replace(
         ",", "\n"
     )

@@ -93,7 +93,7 @@ def test_units__of_the_summary_over_those_of_the_number(result):
     assert result.units["reduced_inertia.mean.by.bodies.ram_body.mass"] == "m2"
     assert result.units["ram.stroke.tolerance_worst_case"] == "m"
     assert result.long_names["ram.stroke_high.by.ratio"].startswith(
-        "derivative with respect to ratio: high end of the stroke"
+        "derivative with respect to ratio: ram position at the high end of its stroke"
     )
 
 

@@ -116,7 +116,7 @@ def test_answers_of_a_press__are_what_its_user_asks_in_the_order_of_reading(pres
     # At the near dead centre the ram's acceleration is r ω² (1 + r/l).
     speed = 2 * math.pi
     peak = 0.05 * speed**2 * (1 + 50 / 200)
-    assert re.search(rf"→ +{peak:.5g} m/s² +peak of the acceleration of slider ram", row(text, "ram.acceleration.peak"))
+    assert re.search(rf"→ +{peak:.5g} m/s² +peak acceleration of slider ram", row(text, "ram.acceleration.peak"))
     assert "stroke of slider ram" in row(text, "ram.stroke ")
 
 

@@ -2,6 +2,7 @@
 
 import functools
 import math
+import re
 from typing import NamedTuple
 
 import numpy as np
@@ -293,7 +294,10 @@ def test_studies__are_these():
 @pytest.mark.parametrize("name", bundled_studies())
 def test_study__asks_one_question_and_chooses_by_columns_that_it_has(name):
     s = study(name)
-    assert s.question.count("?") == 1
+    # One sentence, to be read aloud in one breath.
+    assert s.question.index("?") == len(s.question) - 1
+    assert not re.search(r"[.;:!] ", s.question)
+    assert len(s.question.split()) <= 45
     assert s.title
     assert s.best.goal in s.summaries
     assert set(parse(s.best.condition, any_quantity).names) <= {*s.parameters, *s.summaries}

@@ -1,0 +1,201 @@
+"""The words engineers use for one thing, searched wherever a name is looked up; names that may have been meant.
+
+`GLOSSARY` is searched by every list and every "did you mean"; `KEYS` lists other names of the keys of texts, which say
+nothing about quantities.
+"""
+
+import difflib
+import re
+from collections.abc import Iterable, Sequence
+
+# Known names in a message on an unknown one.
+MOST_LISTED = 20
+
+# A search term, and the words by which names, meanings and keys call it here.
+GLOSSARY = {
+    "torque": ("moment",),
+    "moment": ("torque",),
+    "couple": ("moment", "torque"),
+    "bearing": (".reaction", "pins", "journal"),
+    "journal": (".reaction", "bearing"),
+    "crankpin": ("pins",),
+    "gudgeon": ("wrist-pin",),
+    "force": ("side thrust",),
+    "thrust": ("guide",),
+    "side": ("guide", "slot"),
+    "quick": ("time_ratio", "return ratio"),
+    "return": ("time_ratio",),
+    "time": ("quick-return",),
+    "equivalent": ("reduced",),
+    "effective": ("reduced",),
+    "referred": ("reduced",),
+    "reflected": ("reduced",),
+    "coefficient": ("fluctuation",),
+    "cyclic": ("fluctuation",),
+    "irregularity": ("fluctuation",),
+    "unevenness": ("fluctuation",),
+    "cs": ("fluctuation",),
+    "counterweight": ("shaking", "unbalance", "correction", "balancing"),
+    "balancing": ("shaking", "unbalance", "correction"),
+    "kutzbach": ("mobility", "basic_ratio", "speed of"),
+    "grübler": ("mobility",),
+    "willis": ("basic_ratio",),
+    "dwell": ("stroke", "swing", "range"),
+    "jerk": ("accelerat",),
+    "dead": ("stroke_low", "stroke_high", "swing_low", "swing_high"),
+    "centre": ("stroke_low", "stroke_high", "swing_low", "swing_high"),
+    "center": ("centre", "stroke_low", "stroke_high", "swing_low", "swing_high"),
+    "toggle": ("stroke_low", "stroke_high", "swing_low", "swing_high"),
+    "lift": ("stroke", "displacement", "slide"),
+    "motor": ("mean drive",),
+    "efficiency": ("loss", "friction"),
+    "pressure": ("stress",),
+    "units": (),  # no plural: results "per unit error" are none of them
+    "horsepower": ("power",),
+    "weight": ("mass",),
+    "ripple": ("fluctuation",),
+    "greatest": ("peak", "max"),
+    "least": ("min",),
+    "maximum": ("peak", "max"),
+    "minimum": ("min",),
+    "startup": ("run",),
+    "start-up": ("run",),
+}
+
+# Other names of keys, the likeliest meaning first.
+KEYS = {
+    "from": ("start",),
+    "to": ("stop",),
+    "begin": ("from", "start"),
+    "start": ("from",),
+    "stop": ("to",),
+    "end": ("to", "stop"),
+    "min": ("low", "from"),
+    "max": ("high", "to"),
+    "minimum": ("low", "from"),
+    "maximum": ("high", "to"),
+    "steps": ("count",),
+    "number": ("count",),
+    "n": ("count",),
+    "list": ("values",),
+    "radius": ("length", "diameter"),
+    "rpm": ("speed",),
+    "omega": ("speed",),
+    "rotation": ("speed",),
+    "moment_of_inertia": ("inertia",),
+    "j": ("inertia",),
+    "m": ("mass",),
+    "mu": ("coefficient", "friction"),
+    "friction": ("coefficient",),
+    "value": ("force", "moment", "values"),
+    "direction": ("angle",),
+    "ground": ("points",),
+    "joints": ("points",),
+    "crank": ("input",),
+    "dyads": ("groups",),
+    "masses": ("bodies",),
+    "torques": ("moments",),
+    "parameters": ("vary",),
+    "variables": ("vary",),
+    "sweep": ("vary",),
+    "results": ("outputs", "summaries"),
+    "step": ("count",),
+    "constraints": ("where", "require"),
+    "subject_to": ("where", "require"),
+    "condition": ("where", "require"),
+    "conditions": ("where", "require"),
+    "filter": ("where", "require"),
+    "require": ("where",),
+}
+
+
+def speaks_of(text: str, words: Sequence[str]) -> bool:
+    """Whether a text contains every one of some words, or a synonym of it, ignoring case.
+
+    Parameters
+    ----------
+    text : str
+    words : sequence of str
+        Parts of words count, "accel" finds "acceleration", and plurals as singulars. Synonyms begin a word.
+    """
+    text = text.lower()
+    terms = map(_singular, words)
+    return all(term in text or any(_begins_in(text, other) for other in GLOSSARY.get(term, ())) for term in terms)
+
+
+def _singular(word: str) -> str:
+    word = word.lower()
+    return word if word in GLOSSARY or len(word) < 4 else word.removesuffix("s")
+
+
+def _begins_in(text: str, words: str) -> bool:
+    return re.search(rf"{'' if words.startswith('.') else '(?<![a-z])'}{re.escape(words)}", text) is not None
+
+
+def meant(name: str, known: Sequence[str]) -> list[str]:
+    """Known names that say the same as a name in other words, the likeliest first.
+
+    Parameters
+    ----------
+    name : str
+        Such as "input.torque".
+    known : sequence of str
+    """
+    table = {word: (*GLOSSARY.get(word, ()), *KEYS.get(word, ())) for word in (*GLOSSARY, *KEYS)}
+    whole = [word for word in table.get(name.lower(), ()) if word in known]
+    parts = _parts(name)
+    if whole or not table.keys() & parts:
+        return whole
+    found = [k for k in known if all(_in(k, (part, *table.get(part, ()))) for part in parts)]
+    return sorted(found, key=lambda k: (len(set(parts) - set(_parts(k))), len(_parts(k))))
+
+
+def _in(name: str, words: Sequence[str]) -> bool:
+    return any(set(_parts(word)) <= set(_parts(name)) for word in words)
+
+
+def _parts(name: str) -> list[str]:
+    return [part for part in re.split(r"[\W_]+", name.lower()) if part]
+
+
+def nearest(name: str, known: Iterable[str], count: int = 1) -> list[str]:
+    """Names that say the same in other words, else those most like a misspelt one, whatever the case of its letters."""
+    known = list(known)
+    lowered: dict[str, str] = {}
+    for candidate in known:
+        lowered.setdefault(candidate.lower(), candidate)
+    found = [] if name.lower() in lowered else meant(name, known)
+    return found[:count] or [lowered[match] for match in difflib.get_close_matches(name.lower(), lowered, n=count)]
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Ending of a message about an unknown name: what is allowed, and the nearest of it."""
+    known = sorted(known)
+    near = nearest(name, known)
+    listed = ", ".join(known) if known else "none"
+    return f"known are: {listed}" + (f"; did you mean {near[0]!r}?" if near else "")
+
+
+def unknown_name_message(name: str, known: Iterable[str]) -> str:
+    """Say that a name is unknown, and which known ones may have been meant.
+
+    Parameters
+    ----------
+    name : str
+        The name that isn't known.
+    known : iterable of str
+        The names that are.
+
+    Returns
+    -------
+    str
+        For instance "unknown name 'input.lenght'; did you mean 'input.length'?".
+    """
+    known = sorted(known)
+    close = nearest(name, known, 3)
+    if close:
+        return f"unknown name '{name}'; did you mean {' or '.join(map(repr, close))}?"
+    if not known:
+        return f"unknown name '{name}'; no names are known here"
+    more = f" and {len(known) - MOST_LISTED} more" if len(known) > MOST_LISTED else ""
+    return f"unknown name '{name}'; known are {', '.join(known[:MOST_LISTED])}{more}"
