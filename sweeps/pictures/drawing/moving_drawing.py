@@ -1,0 +1,109 @@
+"""A mechanism's drawing over its whole motion: each figure once, in the axes of the link that carries it."""
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from engine import FRAME, has_cycle
+from sweeps.pictures.drawing.figures import figures
+from sweeps.pictures.drawing.motion import POSITIONS, DrawnMotion
+from sweeps.pictures.drawing.names import names_of_points
+from sweeps.pictures.drawing.painting import ABOVE
+from sweeps.pictures.drawing.symbols import Primitive
+
+# A figure is rigid if its points stay in a link's axes within this share of a hinge radius.
+RIGID = 1e-3
+
+
+class MovingFigure(NamedTuple):
+    """A figure of a drawing at all positions.
+
+    Attributes
+    ----------
+    look : Primitive
+        Its points are in the axes of `link`; there are none without a link.
+    link : str or None
+        Link that carries it; None if its shape changes, or if it is lettering on a moving point.
+    places : complex ndarray (positions, points) or None
+        Points without a link [m], NaN where the figure is absent.
+    """
+
+    look: Primitive
+    link: str | None
+    places: np.ndarray | None
+
+
+class MovingDrawing(NamedTuple):
+    """A drawing at evenly spaced positions from the start of the motion to its end.
+
+    Attributes
+    ----------
+    nodes : ndarray (positions,) of int
+        Nodes of the motion; the last one of a cycle is the first again.
+    axes : dict of str to (complex ndarray, complex ndarray)
+        Origin and direction of the axes of the links that carry figures.
+    figures : list of MovingFigure
+        In painting order.
+    """
+
+    nodes: np.ndarray
+    axes: dict[str, tuple[np.ndarray, np.ndarray]]
+    figures: list[MovingFigure]
+
+
+def moving_drawing(motion: DrawnMotion, intervals: int = 120) -> MovingDrawing:
+    """Record the drawing of a mechanism over its motion.
+
+    Parameters
+    ----------
+    motion : DrawnMotion
+    intervals : int
+
+    Raises
+    ------
+    PictureError
+        A position can't be drawn.
+    """
+    nodes = np.rint(np.linspace(0, POSITIONS, intervals + 1)).astype(int)
+    if has_cycle(motion.scene):
+        nodes %= POSITIONS
+    poses = [figures(motion, [at], named=False)[-1] for at in motion.q[nodes]]
+    names = names_of_points(motion, nodes, poses)
+    recorded = _aligned([[*pose, *beside] for pose, beside in zip(poses, names, strict=True)], motion.radius)
+    recorded.sort(key=lambda pair: (pair[0].layer in ABOVE, pair[0].layer == "paths"))
+    axes = {link: tuple(values[nodes] for values in motion.axes(link)) for link in (FRAME, *motion.links[:-1])}
+    found = [_carried(look, places, axes, motion.radius) for look, places in recorded]
+    carriers = {figure.link for figure in found}
+    return MovingDrawing(nodes, {link: pair for link, pair in axes.items() if link in carriers}, found)
+
+
+def _aligned(poses: Sequence[Sequence[Primitive]], radius: float) -> list[tuple[Primitive, np.ndarray]]:
+    """Figures with their points at every position, NaN where one is absent, in painting order."""
+    order, found = [], {}
+    for k, pose in enumerate(poses):
+        seen, after = Counter(), 0
+        for p in pose:
+            look = p._replace(points=(), size=round(p.size / radius, 3)), len(p.points)
+            key = *look, seen[look]
+            seen[look] += 1
+            if key not in found:
+                places = np.full((len(poses), len(p.points)), complex(np.nan, np.nan))
+                found[key] = p._replace(points=()), places
+                order.insert(after, key)
+            after = order.index(key) + 1
+            found[key][1][k] = p.points
+    return [found[key] for key in order]
+
+
+def _carried(
+    look: Primitive, places: np.ndarray, axes: dict[str, tuple[np.ndarray, np.ndarray]], radius: float
+) -> MovingFigure:
+    """A figure in the axes of the link that carries it, if any; lettering doesn't turn with a link."""
+    for link in (FRAME,) if look.kind == "text" else axes:
+        origin, along = axes[link]
+        own = (places - origin[:, None]) / along[:, None]
+        if np.abs(own - own[0]).max() <= RIGID * radius:
+            return MovingFigure(look._replace(points=tuple(map(complex, own[0]))), link, None)
+    return MovingFigure(look, None, places)
