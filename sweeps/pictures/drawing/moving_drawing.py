@@ -52,6 +52,13 @@ class MovingDrawing(NamedTuple):
     axes: dict[str, tuple[np.ndarray, np.ndarray]]
     figures: list[MovingFigure]
 
+    def points_of(self, figure: MovingFigure) -> np.ndarray:
+        """Points of a figure at each position [m], complex (positions, points)."""
+        if figure.link is None:
+            return figure.places
+        origin, along = self.axes[figure.link]
+        return origin[:, None] + along[:, None] * np.array(figure.look.points)
+
 
 def moving_drawing(motion: DrawnMotion, intervals: int = 120) -> MovingDrawing:
     """Record the drawing of a mechanism over its motion.
@@ -66,9 +73,7 @@ def moving_drawing(motion: DrawnMotion, intervals: int = 120) -> MovingDrawing:
     PictureError
         A position can't be drawn.
     """
-    nodes = np.rint(np.linspace(0, POSITIONS, intervals + 1)).astype(int)
-    if has_cycle(motion.scene):
-        nodes %= POSITIONS
+    nodes = spread_nodes(motion, intervals)
     poses = [figures(motion, [at], named=False)[-1] for at in motion.q[nodes]]
     names = names_of_points(motion, nodes, poses)
     recorded = _aligned([[*pose, *beside] for pose, beside in zip(poses, names, strict=True)], motion.radius)
@@ -77,6 +82,12 @@ def moving_drawing(motion: DrawnMotion, intervals: int = 120) -> MovingDrawing:
     found = [_carried(look, places, axes, motion.radius) for look, places in recorded]
     carriers = {figure.link for figure in found}
     return MovingDrawing(nodes, {link: pair for link, pair in axes.items() if link in carriers}, found)
+
+
+def spread_nodes(motion: DrawnMotion, intervals: int) -> np.ndarray:
+    """Evenly spread nodes from the start of the motion to its end; the last one of a cycle is the first again."""
+    nodes = np.rint(np.linspace(0, POSITIONS, intervals + 1)).astype(int)
+    return nodes % POSITIONS if has_cycle(motion.scene) else nodes
 
 
 def _aligned(poses: Sequence[Sequence[Primitive]], radius: float) -> list[tuple[Primitive, np.ndarray]]:

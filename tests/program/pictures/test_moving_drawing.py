@@ -24,12 +24,7 @@ def test_moving_drawing__is_the_drawing_at_each_position(scene):
         assert len(found) == len(expected)
         left = [(p.layer, p.kind, p.fill, np.array(p.points)) for p in expected]
         for figure in found:
-            look = figure.look
-            if figure.link is None:
-                points = figure.places[k]
-            else:
-                origin, along = drawing.axes[figure.link]
-                points = origin[k] + along[k] * np.array(look.points)
+            look, points = figure.look, drawing.points_of(figure)[k]
             same = next(
                 i
                 for i, (*kind, at) in enumerate(left)
