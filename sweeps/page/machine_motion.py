@@ -1,11 +1,11 @@
 """A machine in motion as data for the page's script: its drawing, curves, paths and arrows."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
-from engine import FRAME, NowhereDefinedError, display_unit, has_cycle, order_groups, quantity_text
+from engine import NowhereDefinedError, display_unit, has_cycle, order_groups, quantity_text
 from sweeps.pictures.drawing import FILLS, DrawnMotion, MovingDrawing, MovingFigure, bounds, moving_drawing
 from sweeps.pictures.drawing.annotations import LONGEST, NOTHING
 from sweeps.pictures.drawing.figures import default_position
@@ -56,7 +56,6 @@ def motion_data(motion: DrawnMotion, brief: bool = False) -> dict[str, Any]:
     """
     drawing = moving_drawing(motion, BRIEF if brief else INTERVALS)
     paper, closed = _Paper(drawing, motion.radius), has_cycle(motion.scene)
-    axes = {link: pair for link, pair in drawing.axes.items() if link != FRAME}
     label, factor = input_axis(motion.scene, motion.q)
     last = motion.q[-1] + (motion.q[1] - motion.q[0] if closed else 0.0)
     moving = {n: r[drawing.nodes] for n, r in motion.points.items() if np.abs(r - r[0]).max() > NOTHING}
@@ -67,8 +66,8 @@ def motion_data(motion: DrawnMotion, brief: bool = False) -> dict[str, Any]:
         "backwards": bool(motion.numbers["input.speed"] < 0),
         "axis": {"label": visible(label), "first": float(factor * motion.q[0]), "last": float(factor * last)},
         "start": float(factor * default_position(motion)),
-        "links": [paper.axes(*pair) for pair in axes.values()],
-        "figures": [paper.figure(figure, list(axes)) for figure in drawing.figures],
+        "axes": [paper.axes(*pair) for pair in drawing.axes],
+        "figures": [paper.figure(figure) for figure in drawing.figures],
         "points": {visible(name): paper.flat(places) for name, places in moving.items()},
         "arrows": [] if brief else list(_arrows(motion, drawing.nodes, moving, paper)),
         "curves": list(_curves(motion, OF_CURVES * (BRIEF if brief else INTERVALS))),
@@ -92,22 +91,23 @@ class _Paper:
         return [round(value) if np.isfinite(value) else None for value in pairs.tolist()]
 
     def axes(self, origin: np.ndarray, along: np.ndarray) -> dict[str, list]:
-        """A link's axes: its origin, and its angle in degrees as the page turns."""
+        """Axes: their origin and their angle in degrees, clockwise; a single value if it is constant."""
         turn = -np.degrees(np.unwrap(np.angle(along)))
+        still = [bool(np.ptp(row) < NOTHING) for row in (np.abs(origin - origin[0]), turn)]
+        origin, turn = (row[:1] if stands else row for row, stands in zip((origin, turn), still, strict=True))
         return {"at": self.flat(origin), "turn": [round(angle, 2) for angle in turn.tolist()]}
 
-    def figure(self, figure: MovingFigure, links: Sequence[str]) -> dict[str, Any]:
-        """A figure, in the axes of its link if it has one that moves."""
+    def figure(self, figure: MovingFigure) -> dict[str, Any]:
+        """A figure, in the axes that carry it if its shape doesn't change."""
         look = figure.look
         found = {"layer": look.layer, "kind": look.kind, "fill": look.fill}
         if look.kind in ("circle", "text"):
             found["size"] = round(look.size / self.unit)
         if look.kind == "text":
             found["text"] = visible(look.text)
-        if figure.link is None:
+        if figure.carrier is None:
             return found | {"places": [self.flat(row) if np.isfinite(row).all() else None for row in figure.places]}
-        found["at"] = self.flat(np.array(look.points))
-        return found | ({} if figure.link == FRAME else {"on": links.index(figure.link)})
+        return found | {"on": figure.carrier, "at": self.flat(np.array(look.points))}
 
 
 def _arrows(

@@ -27,7 +27,7 @@ const page = (() => {
     },
     // Digits as on the rest of the page.
     figure: (value) => (value === null ? "–" : String(Number(value.toPrecision(5))).replace("-", "\u2212")),
-    // Round numbers within a range, about so many.
+    // Round numbers within a range, about `count` of them.
     ticks(low, high, count) {
       const rough = (high - low) / count || 1, power = 10 ** Math.floor(Math.log10(rough));
       const step = [1, 2, 5, 10].map((m) => m * power).find((s) => s >= rough);

@@ -11,7 +11,7 @@ from matplotlib import colormaps
 from matplotlib.colors import to_hex
 
 from engine import Mechanics, scene_numbers
-from sweeps.optimising.optimum import front, is_front
+from sweeps.optimising.optimum import is_front
 from sweeps.page.digest import Digest
 from sweeps.page.machine_motion import looks, motion_data
 from sweeps.pictures.drawing import DrawnMotion
@@ -34,7 +34,9 @@ if TYPE_CHECKING:
 # Sweeps up to this size are drawn completely, as curves or a map.
 DRAWN_WHOLE = 20_000
 # Machines in motion on a page: how many, how many of the best, and their size as text.
-MOST_MACHINES, MOST_LEADERS, MOST_MOTION = 60, 20, 600_000
+MOST_MACHINES, MOST_LEADERS, MOST_MOTION = 60, 20, 800_000
+# Separators of JSON without blanks.
+SHORT = (",", ":")
 # Shade of variants that miss the condition.
 MISSED = -0.5
 
@@ -205,10 +207,10 @@ def machines_data(digest: Digest) -> dict[str, Any] | None:
             if not machines:
                 return None
             continue
-        room -= len(json.dumps(machine))
+        room -= len(json.dumps(machine, separators=SHORT))
         if machines and room < 0:
             break
-        name = scene.title or "Machine" if digest.is_one else f"Variant {number}"
+        name = digest.result.description.title if digest.is_one else f"Variant {number}"
         machines.append({"number": number, "name": visible(name), **machine})
     return {"looks": looks(), "machines": machines}
 
@@ -216,7 +218,6 @@ def machines_data(digest: Digest) -> dict[str, Any] | None:
 def _carried(digest: Digest) -> list[int]:
     """Variants to draw if there is room, the most important first."""
     shown = digest.shown[digest.meets[digest.shown_places]]
-    ahead = front(digest.result) if is_front(digest.result) else []
     sample = shown[np.linspace(0, shown.size - 1, min(MOST_MACHINES, shown.size)).astype(int)]
-    found = [*digest.leaders[:MOST_LEADERS], *ahead, *sample]
+    found = [*digest.leaders[:MOST_LEADERS], *digest.front[:MOST_LEADERS], *sample]
     return [int(number) for number in dict.fromkeys(found)][:MOST_MACHINES]

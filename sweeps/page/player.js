@@ -8,8 +8,9 @@
   const { axis, closed } = data.machines[0], [axisWords, axisUnit] = axis.label.split(/, (?=[^,]*$)/);
   const colours = { velocity: "#009e73", acceleration: "#cc79a7", loads: "#0072b2", "joint forces": "#d55e00" };
 
-  // Values at a share of the motion, in a row from its start to its end; `size` numbers belong together.
+  // Values at a share of the motion, in a row from its start to its end, or one; `size` numbers belong together.
   const at = (row, share, size) => {
+    if (row.length === size) return row;
     const along = share * (row.length / size - 1), k = Math.min(Math.floor(along), row.length / size - 2), part = along - k;
     return Array.from({ length: size }, (_, i) => {
       const [before, after] = [row[k * size + i], row[(k + 1) * size + i]];
@@ -18,7 +19,7 @@
   };
   const joined = (flat) => flat.join(" ");
 
-  const figure = (parent, shape, links) => {
+  const figure = (parent, shape, axes) => {
     const { ink, ...stroke } = data.looks.layers[shape.layer] ?? {}, solid = shape.fill === "solid";
     const look = {
       ...stroke, stroke: ink, fill: solid ? ink : data.looks.fills[shape.fill], "vector-effect": "non-scaling-stroke",
@@ -41,8 +42,8 @@
         const along = share * (shape.places.length - 1), k = Math.min(Math.floor(along), shape.places.length - 2);
         const [before, after] = [shape.places[k], shape.places[k + 1]];
         put(before && after ? before.map((value, i) => value + (along - k) * (after[i] - value)) : before ?? after);
-      } else if (shape.on !== undefined) {
-        const { at: origin, turn } = links[shape.on];
+      } else {
+        const { at: origin, turn } = axes[shape.on];
         made.setAttribute("transform", `translate(${joined(at(origin, share, 2))}) rotate(${at(turn, share, 1)})`);
       }
     };
@@ -125,21 +126,20 @@
     const holder = page.added(machines, "section", "", "machine");
     page.added(holder, "h3", content.name);
     const svg = page.drawn(holder, "svg", { viewBox: joined(content.box), role: "img", class: "drawing" });
-    const below = page.drawn(svg, "g"), parts = content.figures.map((shape) => figure(svg, shape, content.links));
-    const above = page.drawn(svg, "g"), curves = page.added(holder, "div", "", "charts");
+    const parts = content.figures.map((shape) => figure(svg, shape, content.axes));
+    const chosen = page.drawn(svg, "g"), curves = page.added(holder, "div", "", "charts");
     const charts = content.curves.map((curve) => chart(curves, curve));
     let arrows = [];
     return {
       holder,
       choose(points, kinds) {
-        below.replaceChildren();
-        above.replaceChildren();
-        points.filter((name) => content.points[name]).forEach((name) => page.drawn(below, "polyline", {
+        chosen.replaceChildren();
+        points.filter((name) => content.points[name]).forEach((name) => page.drawn(chosen, "polyline", {
           points: joined(content.points[name]), fill: "none", stroke: "#d55e00", "stroke-width": 1.5,
           "vector-effect": "non-scaling-stroke", class: "path",
         }));
-        const chosen = content.arrows.filter(({ kind }) => kinds.includes(kind));
-        arrows = chosen.flatMap(({ kind, items }) => items.map((item) => arrow(above, item, kind, content.tip)));
+        const asked = content.arrows.filter(({ kind }) => kinds.includes(kind));
+        arrows = asked.flatMap(({ kind, items }) => items.map((item) => arrow(chosen, item, kind, content.tip)));
       },
       show(share, words) {
         svg.setAttribute("aria-label", `${content.name} at ${words}`);

@@ -15,6 +15,8 @@ from sweeps.pictures.drawing.symbols import Primitive
 
 # A figure is rigid if its points stay in a link's axes within this share of a hinge radius.
 RIGID = 1e-3
+# Every fifth position decides on which side of its point a name stands.
+NAMED = 5
 
 
 class MovingFigure(NamedTuple):
@@ -23,15 +25,15 @@ class MovingFigure(NamedTuple):
     Attributes
     ----------
     look : Primitive
-        Its points are in the axes of `link`; there are none without a link.
-    link : str or None
-        Link that carries it; None if its shape changes, or if it is lettering on a moving point.
+        Its points are in the axes that carry it; there are none if its shape changes.
+    carrier : int or None
+        Which axes of the drawing carry it; None if its shape changes.
     places : complex ndarray (positions, points) or None
-        Points without a link [m], NaN where the figure is absent.
+        Points of a changing shape [m], NaN where it is absent.
     """
 
     look: Primitive
-    link: str | None
+    carrier: int | None
     places: np.ndarray | None
 
 
@@ -42,21 +44,21 @@ class MovingDrawing(NamedTuple):
     ----------
     nodes : ndarray (positions,) of int
         Nodes of the motion; the last one of a cycle is the first again.
-    axes : dict of str to (complex ndarray, complex ndarray)
-        Origin and direction of the axes of the links that carry figures.
+    axes : list of (complex ndarray, complex ndarray)
+        Origin and direction of axes that carry figures: the frame's, those of links, and of lettered points.
     figures : list of MovingFigure
         In painting order.
     """
 
     nodes: np.ndarray
-    axes: dict[str, tuple[np.ndarray, np.ndarray]]
+    axes: list[tuple[np.ndarray, np.ndarray]]
     figures: list[MovingFigure]
 
     def points_of(self, figure: MovingFigure) -> np.ndarray:
         """Points of a figure at each position [m], complex (positions, points)."""
-        if figure.link is None:
+        if figure.carrier is None:
             return figure.places
-        origin, along = self.axes[figure.link]
+        origin, along = self.axes[figure.carrier]
         return origin[:, None] + along[:, None] * np.array(figure.look.points)
 
 
@@ -75,13 +77,17 @@ def moving_drawing(motion: DrawnMotion, intervals: int = 120) -> MovingDrawing:
     """
     nodes = spread_nodes(motion, intervals)
     poses = [figures(motion, [at], named=False)[-1] for at in motion.q[nodes]]
-    names = names_of_points(motion, nodes, poses)
-    recorded = _aligned([[*pose, *beside] for pose, beside in zip(poses, names, strict=True)], motion.radius)
+    recorded = _aligned(poses, motion.radius)
     recorded.sort(key=lambda pair: (pair[0].layer in ABOVE, pair[0].layer == "paths"))
-    axes = {link: tuple(values[nodes] for values in motion.axes(link)) for link in (FRAME, *motion.links[:-1])}
+    axes = [tuple(values[nodes] for values in motion.axes(link)) for link in (FRAME, *motion.links[:-1])]
     found = [_carried(look, places, axes, motion.radius) for look, places in recorded]
-    carriers = {figure.link for figure in found}
-    return MovingDrawing(nodes, {link: pair for link, pair in axes.items() if link in carriers}, found)
+    # Names stay on one side of their points, so some positions suffice to choose it.
+    (names, *_) = names_of_points(motion, nodes[::NAMED], poses[::NAMED])
+    for name in names:
+        place = motion.points[name.text][nodes]
+        found.append(MovingFigure(name._replace(points=(name.points[0] - complex(place[0]),)), len(axes), None))
+        axes.append((place, np.ones_like(place)))
+    return MovingDrawing(nodes, axes, found)
 
 
 def spread_nodes(motion: DrawnMotion, intervals: int) -> np.ndarray:
@@ -109,12 +115,11 @@ def _aligned(poses: Sequence[Sequence[Primitive]], radius: float) -> list[tuple[
 
 
 def _carried(
-    look: Primitive, places: np.ndarray, axes: dict[str, tuple[np.ndarray, np.ndarray]], radius: float
+    look: Primitive, places: np.ndarray, axes: Sequence[tuple[np.ndarray, np.ndarray]], radius: float
 ) -> MovingFigure:
-    """A figure in the axes of the link that carries it, if any; lettering doesn't turn with a link."""
-    for link in (FRAME,) if look.kind == "text" else axes:
-        origin, along = axes[link]
+    """A figure in the first axes in which it is rigid, if any."""
+    for carrier, (origin, along) in enumerate(axes):
         own = (places - origin[:, None]) / along[:, None]
         if np.abs(own - own[0]).max() <= RIGID * radius:
-            return MovingFigure(look._replace(points=tuple(map(complex, own[0]))), link, None)
+            return MovingFigure(look._replace(points=tuple(map(complex, own[0]))), carrier, None)
     return MovingFigure(look, None, places)

@@ -15,8 +15,10 @@ import numpy as np
 import pytest
 from commands import done, refused, said
 from press_sweeps import ASKED, BEST, SCENE, run, text_of
+from searches import TWO, searched
 
 from engine import Verdict
+from sweeps.optimising.optimum import front
 from sweeps.page import digest as digest_module
 from sweeps.page.digest import Digest
 from sweeps.pictures.style import new_figure, save
@@ -201,6 +203,18 @@ def test_page__carries_machines_of_other_variants_in_the_order_of_merit(page, re
     assert len(numbers) == len(set(numbers))
 
 
+def test_page__carries_the_front_of_a_search(tmp_path, monkeypatch):
+    monkeypatch.setattr(digest_module, "MOST_BEST", 1)
+    monkeypatch.setattr(digest_module, "MOST_SAMPLED", 5)
+    found = searched(tmp_path, TWO.replace("population = 40", "population = 8").replace("= 40", "= 3"))
+    done("report", str(found.path))
+    page = found.path.with_suffix(".html")
+    there = set(front(found).tolist())
+    assert there <= set(data_of(page, "variants")["numbers"])
+    assert there <= {machine["number"] for machine in data_of(page, "motion")["machines"]}
+    assert "the front, and a random sample" in page.read_text("utf8")
+
+
 def test_page__variants_have_every_number(page, result):
     data, whole = data_of(page, "variants"), SweepResult(result)
     columns = {column["name"]: column for column in data["columns"]}
@@ -211,7 +225,7 @@ def test_page__variants_have_every_number(page, result):
 
 
 def test_page__a_thousand_variants_stay_below_two_megabytes(tmp_path):
-    """It takes 9 s: a thousand variants are computed, and sixty of their machines drawn at sixty positions."""
+    """It takes 9 s: a thousand variants are computed, and many of their machines drawn at sixty positions."""
     lengths = [f"{20 + 0.3 * k:.1f} mm" for k in range(100)]
     path = run(tmp_path, text_of(lengths, [f"{mass} kg" for mass in range(10, 110, 10)]))
     done("report", str(path))

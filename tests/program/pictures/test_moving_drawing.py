@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from drawn_machines import four_bar, on_moving_guide, sliding_input
 
-from engine import FRAME, has_cycle
+from engine import has_cycle
 from sweeps.pictures.drawing import DrawnMotion, moving_drawing, primitives
 
 INTERVALS = 12
@@ -36,9 +36,8 @@ def test_moving_drawing__is_the_drawing_at_each_position(scene):
         assert not left
 
 
-def test_moving_drawing__links_carry_what_is_rigid():
+def test_moving_drawing__rigid_figures_are_kept_once():
     drawing = moving_drawing(DrawnMotion(four_bar()), INTERVALS)
-    loose = [figure for figure in drawing.figures if figure.link is None]
-    # Names of the two moving joints stay upright; all else turns with a link or stands still.
-    assert {figure.look.kind for figure in loose} == {"text"}
-    assert {figure.link for figure in drawing.figures} == {None, FRAME, "crank", "rod", "rocker"}
+    assert all(figure.places is None for figure in drawing.figures)
+    names = {figure.look.text for figure in drawing.figures if figure.look.kind == "text"}
+    assert names == {"O", "A", "B", "D", "P"}
