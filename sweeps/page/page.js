@@ -9,7 +9,11 @@ const page = (() => {
     keep(key, value) {
       if (value === "") state.delete(key);
       else state.set(key, value);
-      history.replaceState(null, "", `#${state}`);
+      try {
+        history.replaceState(null, "", `#${state}`);
+      } catch {
+        // Inside another page, such as a notebook, this one has no address.
+      }
     },
     drawn(parent, kind, attributes = {}, text = "") {
       const made = document.createElementNS("http://www.w3.org/2000/svg", kind);

@@ -73,7 +73,8 @@ def _shown(part: object) -> object:
 
 def _parts(digest: Digest) -> dict[str, Any]:
     """Data for the template."""
-    result, pictures, motion = digest.result, drawn_pictures(digest), machines_data(digest)
+    result, pictures = digest.result, drawn_pictures(digest)
+    motion = machines_data(digest) if pictures.machine else None
     attributes = result.description.attributes
     return {
         "title": result.description.title,

@@ -202,7 +202,8 @@
   });
   slider.addEventListener("change", keep);
   play.addEventListener("click", () => run(!playing));
-  pace.value = page.state("pace") || "4";
+  pace.value = page.state("pace");
+  if (!pace.value) pace.value = "4";
   pace.addEventListener("change", () => page.keep("pace", pace.value));
   boxes(byId("paths"), "paths", Object.keys(data.machines[0].points).map((name) => [name, name]), []);
   boxes(byId("arrows"), "arrows", data.machines[0].arrows.map(({ kind, longest }) => [kind, `${kind} (longest ${longest})`]), []);

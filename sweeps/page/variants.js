@@ -18,8 +18,8 @@
   // Ranges by column, and the picked variant.
   const ranges = new Map(), number = numbers.indexOf(Number(page.state("variant") || NaN));
   page.state("ranges").split(";").filter(Boolean).forEach((text) => {
-    const [k, low, high] = text.split("_");
-    if (columns[k]) ranges.set(Number(k), [low === "" ? -Infinity : Number(low), high === "" ? Infinity : Number(high)]);
+    const [k, low, high] = text.split("_"), end = (one, none) => (one && Number.isFinite(Number(one)) ? Number(one) : none);
+    if (columns[k]) ranges.set(Number(k), [end(low, -Infinity), end(high, Infinity)]);
   });
   let picked = number < 0 ? null : number;
   const within = (value, [low, high]) => value !== null && low <= value && value <= high;
