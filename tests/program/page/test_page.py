@@ -1,5 +1,6 @@
 """The page of a result: what it tells is what the file holds, and it works in a browser without a network."""
 
+import base64
 import html
 import json
 import re
@@ -8,12 +9,14 @@ import shutil
 import subprocess
 import tomllib
 import tracemalloc
+from io import BytesIO
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 from commands import done, refused, said
+from PIL import Image
 from press_sweeps import ASKED, BEST, SCENE, run, text_of
 from searches import TWO, searched
 
@@ -148,6 +151,14 @@ def test_page__needs_nothing_from_elsewhere(page):
     assert not re.findall(r"https?://[^\s<]*", re.sub(r"<pre>.*?</pre>", "", text, flags=re.S))
     assert "default-src 'none'" in text
     assert "unsafe-eval" not in text
+
+
+def test_page__raster_pictures_have_a_palette(page):
+    pictures = re.findall(r'data:image/png;base64,([^"]*)', page.read_text("utf8"))
+    assert pictures
+    for picture in pictures:
+        with Image.open(BytesIO(base64.b64decode(picture))) as opened:
+            assert opened.mode == "P"
 
 
 def test_page__names_within_it_stand_once(page):
@@ -317,6 +328,10 @@ const touch = (kind, x, y) => scatter.dispatchEvent(new PointerEvent(kind, {
 touch("pointerdown", 100, 50); touch("pointermove", 500, 380); touch("pointerup", 500, 380);
 noted.selected = $("selected").textContent; noted.ranges = location.hash;
 $("clear").click(); noted.cleared = $("selected").textContent;
+// One of the clicks all over the scatter hits a dot.
+const click = (x, y) => { touch("pointerdown", x, y); touch("pointerup", x, y); };
+for (let x = 60; x < 700; x += 8) for (let y = 20; y < 360; y += 8) if (!location.hash.includes("variant")) click(x, y);
+noted.clicked = location.hash;
 """
 
 
@@ -342,6 +357,7 @@ def test_page__a_picked_variant_is_shown_beside_the_best_and_copied(page, result
     assert noted["selected"].endswith("shown variants selected")
     assert "ranges=" in noted["ranges"]
     assert noted["cleared"] == ""
+    assert "variant=" in noted["clicked"]
 
 
 STATE = """
