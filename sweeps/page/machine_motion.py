@@ -46,8 +46,8 @@ def motion_data(motion: DrawnMotion, brief: bool = False) -> dict[str, Any]:
     Returns
     -------
     dict
-        Whole numbers are in units of the page, y down, points flat as x0, y0, x1, y1. Rows go from the start of the
-        motion to its end, which for a cycle is its start again.
+        Whole numbers are in units of the page (`unit` in metres), y down, points flat as x0, y0, x1, y1. Rows go from
+        the start of the motion to its end, which for a cycle is its start again.
 
     Raises
     ------
@@ -61,6 +61,7 @@ def motion_data(motion: DrawnMotion, brief: bool = False) -> dict[str, Any]:
     moving = {n: r[drawing.nodes] for n, r in motion.points.items() if np.abs(r - r[0]).max() > NOTHING}
     return {
         "box": paper.box,
+        "unit": paper.unit,
         "tip": round(TIP * motion.radius / paper.unit),
         "closed": closed,
         "backwards": bool(motion.numbers["input.speed"] < 0),

@@ -86,12 +86,12 @@
     const svg = page.drawn(box, "svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": named });
     const line = (points, look) => page.drawn(svg, "polyline", { points: joined(points), fill: "none", "stroke-width": 1, ...look });
     const text = (px, py, anchor, value) => page.drawn(svg, "text", { x: px, y: py, "text-anchor": anchor }, value);
-    page.ticks(lowY, highY, 4).forEach((value) => {
+    page.ticks(lowY, highY, 5).forEach((value) => {
       line([left, toY(value), width - right, toY(value)], { stroke: value ? "#e3e6e9" : "#8a9096" });
       text(left - 4, toY(value) + 3.5, "end", page.figure(value));
     });
     const degrees = abscissa.unit === "°" && axis.last - axis.first >= 360;
-    const uprights = degrees ? [0, 1, 2, 3, 4].map((k) => axis.first + (k * (axis.last - axis.first)) / 4) : page.ticks(lowX, highX, 4);
+    const uprights = degrees ? [0, 1, 2, 3, 4].map((k) => axis.first + (k * (axis.last - axis.first)) / 4) : page.ticks(lowX, highX, 5);
     uprights.forEach((value) => {
       line([toX(value), top, toX(value), height - bottom], { stroke: "#e3e6e9" });
       text(toX(value), height - bottom + 13, "middle", page.figure(value));
@@ -125,13 +125,19 @@
   const machine = (content) => {
     const holder = page.added(machines, "section", "", "machine");
     page.added(holder, "h3", content.name);
-    const svg = page.drawn(holder, "svg", { viewBox: joined(content.box), role: "img", class: "drawing" });
+    const svg = page.drawn(holder, "svg", { role: "img", class: "drawing" });
     const parts = content.figures.map((shape) => figure(svg, shape, content.axes));
     const chosen = page.drawn(svg, "g"), curves = page.added(holder, "div", "", "charts");
     const charts = content.curves.map((curve) => chart(curves, curve));
     let arrows = [];
+    const [x, y, width, height] = content.box, size = [width, height].map((length) => length * content.unit);
     return {
-      holder,
+      holder, size,
+      // Machines next to each other are drawn to one scale [m].
+      fit(frame) {
+        const [w, h] = frame.map((length) => length / content.unit);
+        svg.setAttribute("viewBox", joined([x - (w - width) / 2, y - (h - height) / 2, w, h]));
+      },
       choose(points, kinds) {
         chosen.replaceChildren();
         points.filter((name) => content.points[name]).forEach((name) => page.drawn(chosen, "polyline", {
@@ -190,6 +196,8 @@
   };
   const chosen = (holder) => [...holder.querySelectorAll("input:checked")].map((box) => box.value);
   const choose = () => {
+    const frame = [0, 1].map((side) => Math.max(...all.map((one) => one.size[side])));
+    all.forEach((one) => one.fit(frame));
     all.forEach((one) => one.choose(chosen(byId("paths")), chosen(byId("arrows"))));
     show();
   };

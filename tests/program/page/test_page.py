@@ -319,6 +319,7 @@ const row = (k) => [...$("compared").tBodies[0].rows[k].cells].map((cell) => cel
 scatter.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowRight" }));
 noted.link = location.hash; noted.row = row(0);
 noted.machines = [...document.querySelectorAll("h3")].map((h) => h.textContent);
+noted.widths = [...document.querySelectorAll(".drawing")].map((svg) => svg.viewBox.baseVal.width);
 $("copy").click(); $("copy-command").click();
 scatter.dispatchEvent(new KeyboardEvent("keydown", { key: "Escape" })); noted.none = location.hash;
 const box = scatter.getBoundingClientRect();
@@ -345,6 +346,9 @@ def test_page__a_picked_variant_is_shown_beside_the_best_and_copied(page, result
     best, picked = (whole.columns[name][variant] * scale for variant in (whole.best(), number))
     assert noted["row"][1:3] == [f"{best:g}", f"{picked:g}"]
     assert noted["machines"] == [f"Variant {whole.best()}", f"Variant {number}"]
+    units = {machine["number"]: machine["unit"] for machine in data_of(page, "motion")["machines"]}
+    widths = [width * units[variant] for width, variant in zip(noted["widths"], (whole.best(), number), strict=True)]
+    assert widths[0] == pytest.approx(widths[1])
     text, command = noted["copied"]
     length, mass = tomllib.loads(text)["input"]["length"], tomllib.loads(text)["bodies"]["ram"]["mass"]
     assert (length, mass) == (f"{picked / scale} m", f"{whole.columns['bodies.ram.mass'][number]:.0f} kg")
