@@ -14,7 +14,7 @@ from sweeps.cli.waiting import doing
 @ERRORS
 @errors_as_messages
 def report(file: str, out: Path | None) -> None:
-    """Write a report on a result file or scene: one HTML page with figures in which variants can be selected.
+    """Write a report on a result file or scene: one HTML page with the machine in motion, and variants to pick.
 
     The page is self-contained. Requires pip install 'machine-sweeps[report]'.
     """

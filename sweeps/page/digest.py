@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import Verdict, scene_numbers
+from sweeps.optimising.optimum import front, is_front
 from sweeps.report.sweep_result import SweepResult, drop_counts
 from sweeps.text.conditions import Condition
 
@@ -151,8 +152,13 @@ class Digest:
     # Of the variants kept
 
     @cached_property
+    def front(self) -> np.ndarray:
+        """The front of a search with several objectives; else nothing."""
+        return front(self.result) if is_front(self.result) else np.zeros(0, int)
+
+    @cached_property
     def shown(self) -> np.ndarray:
-        """Variants in the figures, ascending: the leaders and a random sample of all that work."""
+        """Variants in the figures, ascending: the leaders, the front and a random sample of all that work."""
         # The smallest of random numbers select a sample without replacement.
         random, chances, numbers = np.random.default_rng(0), np.zeros(0), np.zeros(0, int)
         for part in self.result.parts():
@@ -161,7 +167,7 @@ class Digest:
             numbers = np.append(numbers, part.start + np.flatnonzero(ok))
             least = np.argsort(chances, kind="stable")[:MOST_SAMPLED]
             chances, numbers = chances[least], numbers[least]
-        return np.union1d(self.leaders, numbers)
+        return np.union1d(np.union1d(self.leaders, self.front), numbers)
 
     @cached_property
     def neighbours(self) -> tuple[Neighbour, ...]:

@@ -7,7 +7,7 @@ from typing import Any
 from engine import Verdict
 from sweeps.optimising.optimum import is_search, optimum_text
 from sweeps.page.digest import Digest
-from sweeps.page.page_pictures import drawn_pictures, linked_data
+from sweeps.page.page_pictures import SHORT, drawn_pictures, machines_data, variants_data
 from sweeps.page.page_tables import (
     errors_table,
     leaders_table,
@@ -41,24 +41,24 @@ def write_page(path: Path, out: Path) -> None:
     Raises
     ------
     InputError
-        Jinja2 or plotly isn't installed, or the page can't be written.
+        Jinja2 isn't installed, or the page can't be written.
     StoreError
         The result can't be read.
     """
     try:
         import jinja2
-        import plotly.offline
         from markupsafe import Markup
     except ImportError as error:
         mend = "pip install 'machine-sweeps[report]'"
         raise InputError(str(out), [(None, "", f"a report needs {error.name}: {mend}")]) from None
     digest = Digest(path)
     here = files("sweeps.page")
-    css, script = (Markup((here / name).read_text("utf8")) for name in ("page.css", "linked.js"))
-    template = jinja2.Environment(autoescape=True, finalize=_shown).from_string((here / "page.html").read_text("utf8"))
-    parts = _parts(digest)
-    plotly_source = Markup(plotly.offline.get_plotlyjs()) if parts["linked"] else ""
-    text = template.render(**parts, css=css, script=script, plotly=plotly_source)
+    css = Markup((here / "page.css").read_text("utf8"))
+    scripts = [Markup((here / name).read_text("utf8")) for name in ("page.js", "player.js", "variants.js")]
+    environment = jinja2.Environment(autoescape=True, finalize=_shown)
+    environment.policies["json.dumps_kwargs"] = {"separators": SHORT, "allow_nan": False}
+    template = environment.from_string((here / "page.html").read_text("utf8"))
+    text = template.render(**_parts(digest), css=css, scripts=scripts)
     try:
         with whole_file(out) as draft:
             draft.write_text(text, encoding="utf8")
@@ -74,6 +74,7 @@ def _shown(part: object) -> object:
 def _parts(digest: Digest) -> dict[str, Any]:
     """Data for the template."""
     result, pictures = digest.result, drawn_pictures(digest)
+    motion = machines_data(digest) if pictures.machine else None
     attributes = result.description.attributes
     return {
         "title": result.description.title,
@@ -87,9 +88,10 @@ def _parts(digest: Digest) -> dict[str, Any]:
         "drawings": pictures.machine,
         "limits": list(limit_tables(digest)),
         "sensitivity": list(sensitivity_tables(digest)),
-        "sample": _sample_words(digest),
+        "sample": _sample_words(digest, len(motion["machines"]) if motion else 0),
         "still": pictures.variants,
-        "linked": None if digest.is_one else linked_data(digest),
+        "motion": motion,
+        "linked": None if digest.is_one else variants_data(digest),
         "leaders": None if digest.is_one else leaders_table(digest),
         "errors": errors_table(digest),
         "verdicts": verdicts_table(digest),
@@ -124,12 +126,13 @@ def _remark(digest: Digest) -> str:
     return f"{text} {digest.meeting} meet the condition." if digest.aim and digest.aim.where else text
 
 
-def _sample_words(digest: Digest) -> str:
+def _sample_words(digest: Digest, moving: int) -> str:
     works, shown = digest.counts[Verdict.OK], digest.shown.size
+    kinds = f"the best {digest.leaders.size} that meet the condition, {'the front, ' if digest.front.size else ''}and"
+    text = f"{shown} of {works} variants that work: {kinds} a random sample."
     if shown == works:
-        return f"All {works} variants that work."
-    leaders = digest.leaders.size
-    return f"{shown} of {works} variants that work: the best {leaders} that meet the condition, plus a random sample."
+        text = f"All {works} variants that work."
+    return f"{text} {moving} of them can be shown in motion." if moving else text
 
 
 def _warnings(digest: Digest) -> list[str]:

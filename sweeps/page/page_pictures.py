@@ -1,16 +1,23 @@
-"""Figures of the report: machine and variants as SVG, and data for the linked figures."""
+"""Figures of the report: machine and variants as SVG, and data for the page's script."""
 
-import html
+import base64
+import json
 import re
+import shlex
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.colors import to_hex
+from PIL import Image
 
+from engine import Mechanics, scene_numbers
 from sweeps.optimising.optimum import is_front
 from sweeps.page.digest import Digest
+from sweeps.page.machine_motion import looks, motion_data
+from sweeps.pictures.drawing import DrawnMotion
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.picture_files import machine_pictures
 from sweeps.pictures.style import COLOURS
@@ -20,6 +27,7 @@ from sweeps.pictures.sweep.parallel_coordinates import chosen_columns
 from sweeps.pictures.sweep.result_pictures import sweep_data
 from sweeps.pictures.sweep.sweep_data import SweepData, wrapped
 from sweeps.study.sensitivity import RSS, WORST_CASE
+from sweeps.text.scene_text import number_text
 from sweeps.text.visible import visible
 from sweeps.text.whole_files import scratch_folder
 
@@ -28,6 +36,10 @@ if TYPE_CHECKING:
 
 # Sweeps up to this size are drawn completely, as curves or a map.
 DRAWN_WHOLE = 20_000
+# Machines in motion on a page: how many, how many of the best, and their size as text.
+MOST_MACHINES, MOST_LEADERS, MOST_MOTION = 60, 20, 800_000
+# Separators of JSON without blanks.
+SHORT = (",", ":")
 # Shade of variants that miss the condition.
 MISSED = -0.5
 
@@ -116,10 +128,19 @@ def inline_svg(path: Path, prefix: str) -> "Markup":
     text = path.read_text("utf8")
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.S)
+    text = re.sub(r"(?<=data:image/png;base64,)[^\"]*", _of_few_colours, text)
     return Markup(re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{prefix}-", text))
 
 
-def linked_data(digest: Digest) -> dict[str, Any] | None:
+def _of_few_colours(found: re.Match) -> str:
+    """A raster picture with a palette, which takes a fraction of the room of one in all colours."""
+    made = BytesIO()
+    with Image.open(BytesIO(base64.b64decode(found[0]))) as picture:
+        picture.quantize(method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(made, "png", optimize=True)
+    return base64.b64encode(made.getvalue()).decode()
+
+
+def variants_data(digest: Digest) -> dict[str, Any] | None:
     """The variants as data for the page's script; None if nothing varies.
 
     Parameters
@@ -129,28 +150,35 @@ def linked_data(digest: Digest) -> dict[str, Any] | None:
     Returns
     -------
     dict
-        `columns` (label, wrapped label as markup, values in an engineer's unit), `numbers` of the variants, `shades`
-        (0 to 1; −0.5 if the condition is missed), `colours` of these from 0, `axes` (x and y columns), `best` (index
-        or None).
+        `columns` (name, label, wrapped label, values in an engineer's unit; of the scene's numbers also the exact ones
+        with their unit in a scene), those `plotted`, `numbers` of the variants, `shades` (0 to 1; −0.5 if the condition
+        is missed), `colours` of these from 0, `axes` (x and y columns), `goal` (a column), `best` (index or None),
+        `file` for a shell.
     """
     data = _data_of(digest)
     shade = digest.aim.goal if digest.aim else next(iter(data.summaries), None)
     if shade is None:
         return None
-    names = chosen_columns(data, shade)
-    if shade not in names:
+    plotted = chosen_columns(data, shade)
+    if shade not in plotted:
         return None
+    names = [*plotted, *(name for name in (*digest.result.parameters, *data.summaries) if name not in plotted)]
     shown = {name: data.shown(name) for name in names}
-    finite = np.flatnonzero(np.isfinite([values for values, _, _ in shown.values()]).all(axis=0))
+    finite = np.flatnonzero(np.isfinite([shown[name][0] for name in plotted]).all(axis=0))
     # Variants that miss the condition come first, so that they hide none of the others.
     finite = finite[np.argsort(data.candidates[finite], kind="stable")]
+    dimensions = {path: number.dimension for path, number in scene_numbers(digest.result.scene).items()}
     columns = []
-    for values, label, _ in shown.values():
+    for name, (values, label, _) in shown.items():
         # Browsers don't typeset TeX symbols.
         label = visible(re.sub(r" *\$[^$]*\$", "", label)).replace(".\n", ".").replace("\n", " ")
-        lines = "<br>".join(html.escape(line) for line in wrapped(label, 16))
-        rounded = [float(f"{value:.6g}") for value in values[finite]]
-        columns.append({"label": label, "lines": lines, "markup": html.escape(label), "values": rounded})
+        rounded = [float(f"{value:.6g}") if np.isfinite(value) else None for value in values[finite]]
+        column = {"name": visible(name), "label": label, "lines": wrapped(label, 16), "values": rounded}
+        if name in digest.result.parameters and name in dimensions:
+            written = number_text(1.0, dimensions[name])
+            column["unit"] = written.partition(" ")[2] if isinstance(written, str) else None
+            column["exact"] = data.arrays[name][finite].tolist()
+        columns.append(column)
     shades, met, numbers = shown[shade][0][finite], data.candidates[finite], digest.shown[finite]
     scale = shades[met] if met.any() else shades
     span = (np.ptp(scale) if scale.size else 0.0) or 1.0
@@ -158,9 +186,50 @@ def linked_data(digest: Digest) -> dict[str, Any] | None:
     best = next(iter(np.flatnonzero(numbers == digest.best).tolist()), None)
     return {
         "columns": columns,
+        "plotted": list(range(len(plotted))),
         "numbers": numbers.tolist(),
         "shades": [round(float(height), 4) for height in heights],
         "colours": [to_hex(colour) for colour in colormaps[COLOURS](np.linspace(0, 1, 12))],
         "axes": [0, names.index(shade)],
+        "goal": names.index(shade),
         "best": best,
+        "file": visible(shlex.quote(digest.result.path.name)),
     }
+
+
+def machines_data(digest: Digest) -> dict[str, Any] | None:
+    """Machines in motion as data for the page's script: the drawn variant, then others; None if it can't be drawn.
+
+    Others are the best ones, the front, and a sample, as many as the page has room for.
+
+    Parameters
+    ----------
+    digest : Digest
+    """
+    first, scene = digest.drawn, digest.result.scene
+    if first is None or scene.input is None:
+        return None
+    known = Mechanics(scene, frozenset(digest.values(first)))
+    machines, room = [], MOST_MOTION
+    for number in dict.fromkeys([first, *([] if digest.is_one else _carried(digest))]):
+        try:
+            motion = DrawnMotion(scene, digest.values(number), known)
+            machine = motion_data(motion, brief=bool(machines))
+        except PictureError:
+            if not machines:
+                return None
+            continue
+        room -= len(json.dumps(machine, separators=SHORT))
+        if machines and room < 0:
+            break
+        name = digest.result.description.title if digest.is_one else f"Variant {number}"
+        machines.append({"number": number, "name": visible(name), **machine})
+    return {"looks": looks(), "machines": machines}
+
+
+def _carried(digest: Digest) -> list[int]:
+    """Variants to draw if there is room, the most important first."""
+    shown = digest.shown[digest.meets[digest.shown_places]]
+    sample = shown[np.linspace(0, shown.size - 1, min(MOST_MACHINES, shown.size)).astype(int)]
+    found = [*digest.leaders[:MOST_LEADERS], *digest.front[:MOST_LEADERS], *sample]
+    return [int(number) for number in dict.fromkeys(found)][:MOST_MACHINES]

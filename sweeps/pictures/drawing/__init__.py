@@ -6,6 +6,7 @@ paints them on Matplotlib axes, `picture` to a file.
 
 from sweeps.pictures.drawing.figures import figures, primitives
 from sweeps.pictures.drawing.motion import DrawnMotion
+from sweeps.pictures.drawing.moving_drawing import MovingDrawing, MovingFigure, moving_drawing
 from sweeps.pictures.drawing.names import names_of_points
 from sweeps.pictures.drawing.painting import FILLS, bounds, draw, mechanism_figure, paint, picture, prepare_axes
 from sweeps.pictures.drawing.symbols import LAYERS, Primitive
@@ -14,11 +15,14 @@ __all__ = [
     "FILLS",
     "LAYERS",
     "DrawnMotion",
+    "MovingDrawing",
+    "MovingFigure",
     "Primitive",
     "bounds",
     "draw",
     "figures",
     "mechanism_figure",
+    "moving_drawing",
     "names_of_points",
     "paint",
     "picture",

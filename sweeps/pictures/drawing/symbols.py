@@ -84,7 +84,7 @@ def link_shape(points: Sequence[complex], r: float) -> list[Primitive]:
 
 
 def _hull(points: Sequence[complex]) -> list[complex]:
-    """Convex hull, counter-clockwise (Andrew's monotone chain)."""
+    """Convex hull, counter-clockwise (Andrew's monotone chain), from the same point at every position."""
 
     def chain(ordered: Sequence[complex]) -> list[complex]:
         found: list[complex] = []
@@ -95,7 +95,9 @@ def _hull(points: Sequence[complex]) -> list[complex]:
         return found[:-1]
 
     ordered = sorted(points, key=lambda p: (p.real, p.imag))
-    return chain(ordered) + chain(ordered[::-1])
+    found = chain(ordered) + chain(ordered[::-1])
+    first = found.index(next(p for p in points if p in found))
+    return found[first:] + found[:first]
 
 
 def weld(corner: complex, u: complex, v: complex, r: float) -> list[Primitive]:

@@ -1,19 +1,27 @@
 """The page of a result: what it tells is what the file holds, and it works in a browser without a network."""
 
+import base64
+import html
 import json
 import re
+import shlex
 import shutil
 import subprocess
+import tomllib
 import tracemalloc
+from io import BytesIO
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 from commands import done, refused, said
+from PIL import Image
 from press_sweeps import ASKED, BEST, SCENE, run, text_of
+from searches import TWO, searched
 
 from engine import Verdict
+from sweeps.optimising.optimum import front
 from sweeps.page import digest as digest_module
 from sweeps.page.digest import Digest
 from sweeps.pictures.style import new_figure, save
@@ -142,6 +150,15 @@ def test_page__needs_nothing_from_elsewhere(page):
     text = re.sub(r'xmlns(:\w+)?="[^"]*"', "", text)
     assert not re.findall(r"https?://[^\s<]*", re.sub(r"<pre>.*?</pre>", "", text, flags=re.S))
     assert "default-src 'none'" in text
+    assert "unsafe-eval" not in text
+
+
+def test_page__raster_pictures_have_a_palette(page):
+    pictures = re.findall(r'data:image/png;base64,([^"]*)', page.read_text("utf8"))
+    assert pictures
+    for picture in pictures:
+        with Image.open(BytesIO(base64.b64decode(picture))) as opened:
+            assert opened.mode == "P"
 
 
 def test_page__names_within_it_stand_once(page):
@@ -165,42 +182,208 @@ def test_page__study_is_to_be_run_first(tmp_path):
     assert "run it first" in refused("report", str(tmp_path / "study.toml"))
 
 
+# The machine in motion, and the variants, as data
+
+
+def data_of(page: Path, name: str) -> dict:
+    (found,) = re.findall(rf'<script type="application/json" id="{name}">(.*?)</script>', page.read_text("utf8"))
+    return json.loads(found)
+
+
+def best_crank(result: Path) -> float:
+    whole = SweepResult(result)
+    return whole.columns["input.length"][whole.best()]
+
+
+def test_page__curves_are_those_of_the_best_machine(page, result):
+    """Of a centric slider-crank, the ram has the crankpin's speed a quarter turn after a dead centre."""
+    first = data_of(page, "motion")["machines"][0]
+    assert first["number"] == SweepResult(result).best()
+    curves = {curve["y"]["label"]: curve["y"] for curve in first["curves"]}
+    ram = next(curve for label, curve in curves.items() if "velocity" in label and "ram" in label)
+    assert ram["unit"] == "m/s"
+    quarter = (len(ram["values"]) - 1) // 4
+    assert ram["values"][quarter] == pytest.approx(-2 * np.pi * best_crank(result), rel=1e-4)
+    assert ram["values"][0] == pytest.approx(ram["values"][-1])
+
+
+def test_page__carries_machines_of_other_variants_in_the_order_of_merit(page, result):
+    digest = Digest(result)
+    numbers = [machine["number"] for machine in data_of(page, "motion")["machines"]]
+    assert numbers[: digest.leaders.size] == digest.leaders.tolist()
+    assert len(numbers) == len(set(numbers))
+
+
+def test_page__carries_the_front_of_a_search(tmp_path, monkeypatch):
+    monkeypatch.setattr(digest_module, "MOST_BEST", 1)
+    monkeypatch.setattr(digest_module, "MOST_SAMPLED", 5)
+    found = searched(tmp_path, TWO.replace("population = 40", "population = 8").replace("= 40", "= 3"))
+    done("report", str(found.path))
+    page = found.path.with_suffix(".html")
+    there = set(front(found).tolist())
+    assert there <= set(data_of(page, "variants")["numbers"])
+    assert there <= {machine["number"] for machine in data_of(page, "motion")["machines"]}
+    assert "the front, and a random sample" in page.read_text("utf8")
+
+
+def test_page__variants_have_every_number(page, result):
+    data, whole = data_of(page, "variants"), SweepResult(result)
+    columns = {column["name"]: column for column in data["columns"]}
+    assert set(columns) == {*whole.parameters, *whole.summaries}
+    for name in whole.parameters:
+        assert columns[name]["exact"] == whole.columns[name][data["numbers"]].tolist()
+    assert data["numbers"][data["best"]] == whole.best()
+
+
+def test_page__a_thousand_variants_stay_below_two_megabytes(tmp_path):
+    """It takes 9 s: a thousand variants are computed, and many of their machines drawn at sixty positions."""
+    lengths = [f"{20 + 0.3 * k:.1f} mm" for k in range(100)]
+    path = run(tmp_path, text_of(lengths, [f"{mass} kg" for mass in range(10, 110, 10)]))
+    done("report", str(path))
+    page = path.with_suffix(".html")
+    assert len(data_of(page, "variants")["numbers"]) == 1000
+    assert page.stat().st_size < 2e6
+
+
 # In a browser
 
-BRUSHES = """
-<script>
-const column = JSON.parse(document.getElementById("variants").textContent).columns[0].values;
-const across = document.getElementById("across"), scatter = document.getElementById("scatter");
-const note = (name, value) => document.body.setAttribute(`data-${name}`, JSON.stringify(value));
-Plotly.restyle(across, {"dimensions[0].constraintrange": [[29, 46]]}).then(() => {
-  note("told", document.getElementById("selected").textContent);
-  note("dots", scatter.data[0].selectedpoints);
-  note("expected", column.map((v, i) => [v, i]).filter(([v]) => 29 <= v && v <= 46).map(([, i]) => i));
-  scatter.emit("plotly_selected", {points: [{curveNumber: 0, pointIndex: 1}, {curveNumber: 0, pointIndex: 3}]});
-  setTimeout(() => {
-    note("lines", across.data[0].line.color.map((c, i) => [c, i]).filter(([c]) => c !== -0.5).map(([, i]) => i));
-    note("rows", [...document.querySelectorAll("#chosen tr")].length);
-  }, 500);
-});
-</script></body>"""
 
-
-@pytest.mark.skipif(BROWSER is None, reason="no browser of the Chromium family")
-def test_page__brushing_one_figure_selects_in_the_other(page, tmp_path):
-    brushed = tmp_path / "brushed.html"
-    brushed.write_text(page.read_text("utf8").replace("</body>", BRUSHES), "utf8")
-    profile = f"--user-data-dir={tmp_path / 'profile'}"
-    command = [BROWSER, *QUIET, profile, "--virtual-time-budget=8000", "--dump-dom", brushed.as_uri()]
+def browsed(page: Path, folder: Path, script: str, link: str = "") -> tuple[dict, str]:
+    """What a script notes of a page opened by a link, and the page's text after it."""
+    help_of = "const $ = (id) => document.getElementById(id), noted = {};"
+    told = 'setTimeout(() => document.body.setAttribute("data-noted", JSON.stringify(noted)), 3000);'
+    opened = folder / "opened.html"
+    text = page.read_text("utf8").replace("</body>", f"<script>{help_of}{script}{told}</script></body>")
+    opened.write_text(text, "utf8")
+    profile = f"--user-data-dir={folder / 'profile'}"
+    command = [BROWSER, *QUIET, profile, "--virtual-time-budget=8000", "--dump-dom", f"{opened.as_uri()}{link}"]
     dom = subprocess.run(command, capture_output=True, text=True, timeout=120).stdout
-    noted = dict(re.findall(r'data-(told|dots|expected|lines|rows)="([^"]*)"', dom))
-    if "linked" not in re.search(r'<body class="([^"]*)"', dom)[1]:
-        pytest.skip("this browser has no WebGL")
-    count = noted["expected"].count(",") + 1
-    assert noted["told"].startswith(f"&quot;{count} of ")
-    assert noted["dots"] == noted["expected"]
-    # Variants that miss the condition are grey, selected or not; the best two stand last.
-    assert noted["rows"] == "3"
+    return json.loads(html.unescape(re.search(r'data-noted="([^"]*)"', dom)[1])), dom
+
+
+in_browser = pytest.mark.skipif(BROWSER is None, reason="no browser of the Chromium family")
+
+TURNED = """
+const centres = () => [...document.querySelectorAll("#machines circle")].map((circle) => {
+  const box = circle.getBoundingClientRect();
+  return [box.x + box.width / 2, box.y + box.height / 2];
+});
+const to = (angle) => { $("position").value = angle; $("position").dispatchEvent(new Event("input")); };
+to(0); noted.start = centres();
+to(90); noted.quarter = centres(); noted.words = $("position").getAttribute("aria-valuetext");
+noted.captions = [...document.querySelectorAll("figcaption")].map((caption) => caption.textContent);
+"""
+
+
+@in_browser
+def test_page__slider_turns_the_crank_and_moves_the_marks(page, result, tmp_path):
+    noted, dom = browsed(page, tmp_path, TURNED)
+    start, quarter = (np.array([complex(x, -y) for x, y in noted[key]]) for key in ("start", "quarter"))
+    still = start[np.abs(start - quarter) < 1e-3]
+    pivot, stand = still[np.argmin(still.real)], still[np.argmax(still.real)]
+    scale = (stand - pivot).real / 0.26
+    crankpin = pivot + 1j * scale * best_crank(result)
+    assert np.abs(quarter - crankpin).min() < 0.5
+    assert "90" in noted["words"]
+    (speed,) = re.findall(r"velocity of slider ram: \N{MINUS SIGN}([\d.]+) m/s", "\n".join(noted["captions"]))
+    assert float(speed) == pytest.approx(2 * np.pi * best_crank(result), rel=1e-3)
     assert re.search(r"<title>(.*?)</title>", dom, re.S)[1].startswith("&lt;/script&gt;")
+
+
+PLAYED = """
+// Frames every 20 ms; a browser without a screen draws few.
+let clock = 0;
+window.requestAnimationFrame = (draw) => setTimeout(() => draw(clock += 20), 20);
+const at = () => Number($("position").value);
+$("play").click(); noted.word = $("play").textContent;
+setTimeout(() => { noted.later = at(); $("play").click(); noted.paused = at(); }, 1000);
+setTimeout(() => { noted.still = at(); noted.link = location.hash; }, 2000);
+"""
+
+
+@in_browser
+def test_page__plays_and_pauses(page, tmp_path):
+    noted, _ = browsed(page, tmp_path, PLAYED, "#at=30&pace=4")
+    assert noted["word"] == "Pause"
+    # A quarter of a cycle in a second.
+    assert noted["later"] == pytest.approx(120, abs=15)
+    assert noted["still"] == noted["paused"]
+    assert float(re.search(r"at=([\d.]+)", noted["link"])[1]) == pytest.approx(noted["paused"], abs=1)
+    assert "play" not in noted["link"]
+
+
+PICKED = """
+const data = page.data("variants"), scatter = $("scatter");
+navigator.clipboard.writeText = (text) => { noted.copied = [...(noted.copied ?? []), text]; return Promise.resolve(); };
+const row = (k) => [...$("compared").tBodies[0].rows[k].cells].map((cell) => cell.textContent);
+scatter.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowRight" }));
+noted.link = location.hash; noted.row = row(0);
+noted.machines = [...document.querySelectorAll("h3")].map((h) => h.textContent);
+noted.widths = [...document.querySelectorAll(".drawing")].map((svg) => svg.viewBox.baseVal.width);
+$("copy").click(); $("copy-command").click();
+scatter.dispatchEvent(new KeyboardEvent("keydown", { key: "Escape" })); noted.none = location.hash;
+const box = scatter.getBoundingClientRect();
+const touch = (kind, x, y) => scatter.dispatchEvent(new PointerEvent(kind, {
+  pointerId: 1, bubbles: true, clientX: box.x + x, clientY: box.y + y,
+}));
+touch("pointerdown", 100, 50); touch("pointermove", 500, 380); touch("pointerup", 500, 380);
+noted.selected = $("selected").textContent; noted.ranges = location.hash;
+$("clear").click(); noted.cleared = $("selected").textContent;
+// One of the clicks all over the scatter hits a dot.
+const click = (x, y) => { touch("pointerdown", x, y); touch("pointerup", x, y); };
+for (let x = 60; x < 700; x += 8) for (let y = 20; y < 360; y += 8) if (!location.hash.includes("variant")) click(x, y);
+noted.clicked = location.hash;
+"""
+
+
+@in_browser
+def test_page__a_picked_variant_is_shown_beside_the_best_and_copied(page, result, tmp_path):
+    noted, _ = browsed(page, tmp_path, PICKED)
+    whole, data = SweepResult(result), data_of(page, "variants")
+    number = int(re.search(r"variant=(\d+)", noted["link"])[1])
+    assert number != whole.best()
+    name, scale = data["columns"][0]["name"], 1e3
+    best, picked = (whole.columns[name][variant] * scale for variant in (whole.best(), number))
+    assert noted["row"][1:3] == [f"{best:g}", f"{picked:g}"]
+    assert noted["machines"] == [f"Variant {whole.best()}", f"Variant {number}"]
+    units = {machine["number"]: machine["unit"] for machine in data_of(page, "motion")["machines"]}
+    widths = [width * units[variant] for width, variant in zip(noted["widths"], (whole.best(), number), strict=True)]
+    assert widths[0] == pytest.approx(widths[1])
+    text, command = noted["copied"]
+    length, mass = tomllib.loads(text)["input"]["length"], tomllib.loads(text)["bodies"]["ram"]["mass"]
+    assert (length, mass) == (f"{picked / scale} m", f"{whole.columns['bodies.ram.mass'][number]:.0f} kg")
+    program, *words = shlex.split(command)
+    scene = tmp_path / words[-1]
+    done(*(str(result) if word == result.name else str(scene) if word == scene.name else word for word in words))
+    assert program == "sweeps"
+    assert tomllib.loads(scene.read_text())["input"]["length"] == f"{picked:g} mm"
+    assert "variant" not in noted["none"]
+    assert noted["selected"].endswith("shown variants selected")
+    assert "ranges=" in noted["ranges"]
+    assert noted["cleared"] == ""
+    assert "variant=" in noted["clicked"]
+
+
+STATE = """
+noted.paths = document.querySelectorAll(".path").length; noted.place = $("place").textContent;
+noted.machines = [...document.querySelectorAll("h3")].map((h) => h.textContent);
+noted.least = $("compared").tBodies[0].rows[0].querySelector("input").value;
+noted.unnamed = [...document.querySelectorAll("button, select, input")].filter(
+  (one) => !one.textContent.trim() && !one.labels.length && !one.getAttribute("aria-label")).length;
+noted.pictures = [...document.querySelectorAll("[role=img]")].filter((one) => !one.getAttribute("aria-label")).length;
+"""
+
+
+@in_browser
+def test_page__a_link_holds_its_state_and_everything_has_a_name(page, result, tmp_path):
+    number = int(Digest(result).leaders[1])
+    noted, _ = browsed(page, tmp_path, STATE, f"#at=120&paths=B,C&variant={number}&ranges=0_35_50")
+    assert noted["place"] == "crank angle φ 120 °"
+    # Of both machines.
+    assert noted["paths"] == 4
+    assert noted["machines"][1] == f"Variant {number}"
+    assert noted["least"] == "35"
+    assert (noted["unnamed"], noted["pictures"]) == (0, 0)
 
 
 # Texts of a file that anyone may have written
@@ -252,13 +435,15 @@ def test_acting_characters_of_a_foreign_result__are_spelled_out(result, tmp_path
     assert len(made) >= 5
     for file in made:
         text = file.read_text("utf8").replace("\r\n", "\n")
-        # The program that draws the figures is as it came.
         text = re.sub(r"<script>.*?</script>", "", text, flags=re.S) if file.suffix == ".html" else text
         assert not (found := ACTS.search(text)), (file.name, text[max(found.start() - 60, 0) : found.end() + 20])
     page = (tmp_path / "page.html").read_text("utf8")
     assert "\\u202egnp.exe" in page
     (data,) = re.findall(r'<script type="application/json" id="variants">(.*?)</script>', page)
-    texts = [column[key] for column in json.loads(data)["columns"] for key in ("label", "lines", "markup")]
+    columns = json.loads(data)["columns"]
+    texts = [text for column in columns for text in (column["name"], column["label"], *column["lines"])]
+    (motion,) = re.findall(r'<script type="application/json" id="motion">(.*?)</script>', page)
+    texts += [machine["name"] for machine in json.loads(motion)["machines"]]
     assert any("gnp.exe" in text for text in texts)
     assert not any(ACTS.search(text) for text in texts)
 

@@ -73,7 +73,6 @@ def test_columns__are_filtered_by_where_and_run_names_those_of_the_best(gas_fold
 
 
 def test_report__lists_them(gas_folder):
-    pytest.importorskip("plotly")
     done("report", "press.toml", "--out", "press.html")
     assert CLEARANCE in Path("press.html").read_text(encoding="utf8")
 

@@ -1,0 +1,43 @@
+"""The recorded motion of a drawing is the drawing at every position."""
+
+import numpy as np
+import pytest
+from drawn_machines import four_bar, on_moving_guide, sliding_input
+
+from engine import has_cycle
+from sweeps.pictures.drawing import DrawnMotion, moving_drawing, primitives
+
+INTERVALS = 12
+
+
+@pytest.mark.parametrize(
+    "scene", [four_bar(), sliding_input(), on_moving_guide()], ids=["crank", "sliding input", "moving guide"]
+)
+def test_moving_drawing__is_the_drawing_at_each_position(scene):
+    motion = DrawnMotion(scene)
+    drawing = moving_drawing(motion, INTERVALS)
+    assert drawing.nodes.size == INTERVALS + 1
+    assert (drawing.nodes[0] == drawing.nodes[-1]) == has_cycle(scene)
+    for k, node in enumerate(drawing.nodes):
+        expected = [p for p in primitives(motion, motion.q[node]) if p.layer != "names" or p.kind != "text"]
+        found = [figure for figure in drawing.figures if figure.look.kind != "text"]
+        assert len(found) == len(expected)
+        left = [(p.layer, p.kind, p.fill, np.array(p.points)) for p in expected]
+        for figure in found:
+            look, points = figure.look, drawing.points_of(figure)[k]
+            same = next(
+                i
+                for i, (*kind, at) in enumerate(left)
+                if kind == [look.layer, look.kind, look.fill]
+                and at.shape == points.shape
+                and np.abs(at - points).max() < 2e-3 * motion.radius
+            )
+            del left[same]
+        assert not left
+
+
+def test_moving_drawing__rigid_figures_are_kept_once():
+    drawing = moving_drawing(DrawnMotion(four_bar()), INTERVALS)
+    assert all(figure.places is None for figure in drawing.figures)
+    names = {figure.look.text for figure in drawing.figures if figure.look.kind == "text"}
+    assert names == {"O", "A", "B", "D", "P"}
