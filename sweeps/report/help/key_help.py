@@ -28,6 +28,8 @@ from sweeps.text.toml_text import arms_of, bare_annotation, is_union
 
 # Of an answer to words.
 MOST_KEYS, MOST_CHAPTERS = 12, 3
+# Chapters of the guide that words aren't searched in.
+NO_SUBJECTS = ("developers", "words")
 # Placeholder in a path for user-defined names.
 NAME, PATH = "NAME", "PATH"
 _BY_PATH = ("vary", "derive", "tolerances", "start")
@@ -100,9 +102,12 @@ def _about(words: Sequence[str]) -> str:
         if name not in (NAME, PATH) and speaks_of(name.replace("_", " "), words):
             rows.setdefault(name, f"a type of {key.path[0]}" if kind else _first_sentence(key))
     nearest = sorted(rows.items(), key=lambda row: words[0].lower() not in row[0])
-    times = {name: sum(speaks_of(line, words) for line in text.splitlines()) for name, text in chapters().items()}
-    times.pop("developers")
-    guide = sorted((name for name in times if times[name]), key=lambda name: -times[name])[:MOST_CHAPTERS]
+    times = {
+        name: sum(speaks_of(line, words) for line in text.splitlines())
+        for name, text in chapters().items()
+        if name not in NO_SUBJECTS
+    }
+    guide = [name for name in sorted(times, key=lambda name: -times[name]) if times[name]][:MOST_CHAPTERS]
     parts = [f"About {' '.join(words)!r}:"]
     if rows:
         parts += ["Keys (`sweeps help KEY`):", table(nearest[:MOST_KEYS], "  ")]
