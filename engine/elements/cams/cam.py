@@ -142,7 +142,7 @@ class CamElement(CamProgram, Element):
         """Motion, pressure angle, curvature and forces over the turn, with the ends of its sections."""
         c, unit, rate = cam_curves(self), *(("m", "m") if self.translating else ("rad", "1"))
         curvature = np.where(np.abs(c.curvature) * self.base_radius < _MOST_CURVED, c.curvature, np.nan)
-        rows = [("s", unit, c.displacement), ("s′", rate, c.first), ("s″", rate, c.second)]
+        rows = [("s", unit, c.displacement), ("s′", rate, c.first), ("s″", rate, c.second), ("s‴", rate, c.third)]
         rows += [] if self.follower.contact == "flat" else [("α", "rad", c.pressure_angle)]
         rows += [("κ", "m-1", curvature)]
         rows += [] if self.follower.moved is None else [("N", "N", c.force), ("M", "N m", c.moment)]

@@ -15,6 +15,8 @@ from sweeps.pictures.style import BLUE, GREEN, GREY, VERMILION, degree_ticks, sh
 
 # Larger values overflow the axis.
 LARGEST = 1e300
+# Relative to the inertia, a range or a slope that is rounding [-, 1/rad or 1/m].
+ROUNDED = 1e-12
 TIMED = "a load depends on time"
 
 
@@ -85,6 +87,9 @@ def cycle_curves(moving: MovingMachine) -> CycleCurves:
     if verdict not in (Verdict.OK, Verdict.NOT_FINITE):
         raise PictureError(f"no diagrams of this machine: {verdict.sentence}")
     rows, units = moving.fields(known), {name: moving.register.fields[name].units for name in known}
+    inertia, slope = rows["reduced_inertia"], rows["reduced_inertia_phi"]
+    # Of an inertia that is constant, rounding leaves a slope.
+    rows["reduced_inertia_phi"] = np.where(np.abs(slope).max() <= ROUNDED * np.abs(inertia).max(), 0.0, slope)
     label, factor = input_axis(scene, moving.q)
     centres = tuple(c for end in ends if math.isfinite(c := math.degrees(moving.summary(end))))
     # Rows skip load jumps, so their mean would be visibly off.
@@ -211,7 +216,8 @@ def _energy_loop(ax: Axes, moving: MovingMachine, cycle: CycleCurves) -> None:
         return
     inertia, work = cycle.rows["reduced_inertia"], cycle.rows["work"]
     with np.errstate(over="ignore", invalid="ignore"):
-        span_i, span_w = np.ptp(inertia) or 0.1 * inertia.max() or 1.0, np.ptp(work) or 1.0
+        varies = np.ptp(inertia) > ROUNDED * inertia.max()
+        span_i, span_w = np.ptp(inertia) if varies else 0.1 * inertia.max() or 1.0, np.ptp(work) or 1.0
         ends = np.array([inertia.min() - span_i, inertia.max() + span_i])
         tangents = _tangents(moving, inertia, work)
         heights = [[height + slope * end for end in ends] for slope, height, _ in tangents]
