@@ -459,7 +459,7 @@ class Schedule:
         loose : bool
             Whether steps may miss more, for comparison.
         record : callable, optional
-            What it makes looks at the run instead of what is asked.
+            Makes the observer that sees the run in place of the requested fields.
         """
         regime, zero = self.regimes[name], np.zeros(variants.count)
         two, cycle = self.sides[frozenset(regime.off)], self.reduction.cycle
@@ -517,7 +517,7 @@ class Schedule:
         loose: bool = False,
         record: Callable[[CoupledFields, np.ndarray], Observer] | None = None,
     ) -> tuple[CoupledSteady, CoupledOutcome, Standing]:
-        """Steady motion through a fluid coupling, and a cycle of it; parameters as of `run_at_two_speeds`.
+        """Steady motion through a fluid coupling, and one cycle of it; parameters as for `run_at_two_speeds`.
 
         `record` is given the variants, too, that have such a motion.
         """

@@ -54,7 +54,7 @@ from engine.verdicts import Verdict
 
 # Positions by which angles are followed, and among which failures are looked for.
 _LOOKED_AT = 720
-# Relative error of what series give.
+# Relative error of results from series.
 _SERIES = 1e-9
 # Results of a steady cycle, from that and its mean speed.
 _OF_STEADY: dict[str, Callable[[WheelCycle, float], float]] = {

@@ -76,7 +76,7 @@ class CycleStates:
     count : int
         How many variants.
     looks : int
-        Equal looks at each step of a walk, its ends among them, more than the degree of what was recorded of it.
+        Equally spaced nodes of each step, its ends included; more than the degree of the recorded polynomial.
     """
 
     def __init__(self, count: int, looks: int) -> None:
@@ -145,7 +145,7 @@ class CoupledFields(RunFields):
         self.sides = sides
 
     def __call__(self, who: np.ndarray, piece: CoupledPiece) -> dict[str, np.ndarray]:
-        """All fields on a piece of the way of some variants, as of runs at one speed.
+        """All fields on a piece of some variants' motion, as for runs at one speed.
 
         With them are the speed of the shaft, the moment of the coupling, and the power of each channel.
         """

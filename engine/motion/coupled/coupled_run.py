@@ -261,7 +261,7 @@ class CoupledRuns:
         found = []
         for way in (forth, -forth):
             turned, w1, _, w2 = moving
-            # At rest; of what moves these moments decide nothing.
+            # These torques decide about sides at rest only.
             rows, of_crank = sides.crank.at(turned, w1, joined.clock + time, way, UNIFORM)
             crank = of_crank.total[0] - 0.5 * w1 * w1 * rows.inertia_phi[0]
             found.append((crank, sides.shaft.moments(w2[None], way).total[0]))

@@ -31,7 +31,7 @@ class FieldAnswers(NamedTuple):
     rows: dict[str, np.ndarray]
 
     def over_all(self, who: np.ndarray, count: int) -> "FieldAnswers":
-        """Answers of some of so many variants as those of all, NaN for the others."""
+        """Answers of some variants spread over all `count` of them, NaN for the others."""
         return FieldAnswers(*({key: of_all(row.T, who, count).T for key, row in rows.items()} for rows in self))
 
 

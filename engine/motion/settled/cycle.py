@@ -167,7 +167,7 @@ class CycleAnswers(NamedTuple):
     scales: dict[str, np.ndarray]
 
     def over_all(self, who: np.ndarray, count: int) -> "CycleAnswers":
-        """Answers of some of so many variants as those of all, NaN for the others."""
+        """Answers of some variants spread over all `count` of them, NaN for the others."""
         return CycleAnswers(*({key: of_all(row.T, who, count).T for key, row in rows.items()} for rows in self))
 
 
