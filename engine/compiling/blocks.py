@@ -13,7 +13,7 @@ lane_of, in_lanes = memory(Row), memory(Rows)
 
 @routine
 def gather(numbers: np.ndarray, begin: int, block: Rows) -> None:
-    """Copy the numbers (numbers, variants) of LANES variants from `begin` on to `block` (numbers, LANES).
+    """Copy LANES variants, from `begin` on, of `numbers` (numbers, variants) to `block` (numbers, LANES).
 
     A block with fewer variants left repeats the last one in its remaining lanes.
     """
