@@ -173,7 +173,7 @@ def note_coarse(function: int, samples: Samples, scale: Row, noted: Noted, coars
 def find_turns(function: int, samples: Samples, most: int, noted: Noted, turns: Roots) -> None:
     """Enter the intervals in which a function turns as new rows of roots.
 
-    Zero counts as positive. A NaN or infinite slope is no turning point.
+    Zero counts as positive. NaN and infinite slopes are skipped.
 
     Parameters
     ----------

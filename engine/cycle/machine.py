@@ -113,7 +113,7 @@ class Plan:
     longest : float
         Maximum length of a panel; at most π/2 if the input is an angle.
     period, turn : float
-        Length of the input after which the cycle, or the crank's position, recurs; infinite if the range is no cycle.
+        Length of the input after which the cycle, or the crank's position, recurs; infinite if the range isn't a cycle.
     scan : int
         Number of positions over the range at which switching functions are sampled; doubled for variants that need
         more.

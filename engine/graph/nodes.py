@@ -61,7 +61,7 @@ class Node:
         return self.graph.operation("-", other, self)
 
     def __mul__(self, other: "Node | float") -> "Node":
-        # A vector multiplies its components itself, in its own `__rmul__`.
+        # A vector multiplies its components itself, in `Vector.__rmul__`.
         return NotImplemented if isinstance(other, tuple) else self.graph.operation("*", self, other)
 
     def __rmul__(self, other: "Node | float") -> "Node":

@@ -29,7 +29,8 @@ from engine.graph.nodes import (
 
 # Maximum depth of an expression; deeper subexpressions get a name.
 DEEPEST = 5
-# The compiler can tell up to this many rows at arbitrary distances apart; more are first filled at a fixed distance.
+# Up to this many rows at arbitrary distances the compiler recognises as separate; more are filled at a fixed distance
+# first.
 FEW_ROWS = 4
 # Positions filled at a fixed distance before they are copied: few, so that the next ones are computed while these are
 # written to memory.

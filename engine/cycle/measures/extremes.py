@@ -156,7 +156,7 @@ class Search(NamedTuple):
         Coefficients of the curve searched and of b, in the panel of each lane's candidate.
     climb : Climb
     period : row
-        Length after which positions recur; infinite if the range is no cycle.
+        Length after which positions recur; infinite if the range isn't a cycle.
     zero, up, down : row
         0, 1 and −1 in all lanes.
     """
