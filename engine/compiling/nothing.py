@@ -1,4 +1,4 @@
-"""The tile function for a machine with nothing to fill in: no switching curves, no numbers held over a panel."""
+"""The tile function for a machine with nothing to fill in: no switching functions, no held nodes."""
 
 import numpy as np
 

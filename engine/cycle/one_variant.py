@@ -16,7 +16,7 @@ from engine.cycle.regula_falsi import regula_falsi
 from engine.graph.nodes import Found, Graph, Held, Node, reached
 from engine.graph.values import NodeValues
 
-# Positions per turn, or over the range of a sliding input, at which switching curves are scanned.
+# Positions per turn, or over the range of a sliding input, at which switching functions are scanned.
 _SCANNED = 180
 # Minimum number of panels per turn, and maximum number of halvings.
 _PANELS_PER_TURN, _HALVINGS = 6, 14

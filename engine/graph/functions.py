@@ -3,8 +3,8 @@
 Four functions fill tiles. They share one signature, (P, T, q, cos_q, sin_q, tile), so compiled code takes those of any
 machine as values:
 
-- `events` fills the curves that switch something where they cross a level, and their derivatives;
-- `levels` fills numbers of the cycle, known once the extremes of the strokes are;
+- `events` fills the switching functions, at whose level crossings something switches, and their derivatives;
+- `levels` fills numbers of the cycle that follow from extremes of the switching functions;
 - `states` fills the held nodes, at the middle of a panel;
 - `curves` fills all requested curves.
 
@@ -68,7 +68,7 @@ class Functions(NamedTuple):
     numbers : tuple of Number or Constant
         Numbers of the variant, in the order of their rows, from row 0 on.
     events : tuple of (Node, Node)
-        Curves that switch something, and their derivatives by the input.
+        Switching functions and their derivatives by the input.
     landmarks : tuple of Landmark
         One for each event.
     level_rows, held_rows : tuple of int
@@ -129,8 +129,8 @@ def functions_of(
         plan,
         _events(plan),
         _levels(plan),
-        _Part("states", "What a panel holds.", held),
-        _Part("curves", "All that is asked at a position.", plan.curves, positions=PANEL_POSITIONS, inline_held=False),
+        _Part("states", "Held nodes, at the middle of a panel.", held),
+        _Part("curves", "All curves, over a panel.", plan.curves, positions=PANEL_POSITIONS, inline_held=False),
     )
 
 
@@ -168,7 +168,7 @@ def functions_at(
         plan._replace(held=[]),
         _events(plan),
         _levels(plan),
-        _Part("curves_at", "All that is asked at a position.", plan.curves),
+        _Part("curves_at", "All curves, at one position.", plan.curves),
     )
 
 
@@ -209,9 +209,9 @@ def functions_in_motion(
         plan._replace(held=[], rows=rows),
         _events(plan),
         _levels(plan),
-        _Part("places", "All that a state needs of a position.", places),
-        _Part("rates", "Rates of the states and of the gathered integrals.", list(rates), Stage.STATE),
-        _Part("watch", "What is watched in a state.", list(watched), Stage.STATE),
+        _Part("places", "Nodes of the position that nodes of the state depend on.", places),
+        _Part("rates", "Rates of the states and of the integrals.", list(rates), Stage.STATE),
+        _Part("watch", "Watched nodes of the state.", list(watched), Stage.STATE),
     )
 
 
@@ -241,7 +241,7 @@ class _Plan(NamedTuple):
 
     @property
     def event_nodes(self) -> list[Node]:
-        """Curves that switch something, each followed by its derivative."""
+        """Switching functions, each followed by its derivative."""
         return [node for event in self.events for node in event]
 
 
@@ -257,11 +257,11 @@ class _Part(NamedTuple):
 
 
 def _events(plan: _Plan) -> _Part:
-    return _Part("events", "Curves that switch something, and their derivatives.", plan.event_nodes, positions=None)
+    return _Part("events", "Switching functions and their derivatives by the input.", plan.event_nodes, positions=None)
 
 
 def _levels(plan: _Plan) -> _Part:
-    return _Part("levels", "Numbers of the cycle, from the ends of strokes.", plan.cycle, Stage.CYCLE)
+    return _Part("levels", "Numbers of the cycle, from extremes of the switching functions.", plan.cycle, Stage.CYCLE)
 
 
 def _planned(
@@ -321,7 +321,7 @@ def field_function(title: str, fields: Sequence[Node], rows: dict[Node, int], dt
 
 def number_function(title: str, results: Sequence[Node], rows: dict[Node, int]) -> str:
     """Print a module with `numbers`, which fills a tile of one position with results of the variant's numbers."""
-    text, laws = in_lanes("numbers", "What follows from numbers alone.", results, rows, Stage.CYCLE, 1)
+    text, laws = in_lanes("numbers", "Results of numbers of the variant.", results, rows, Stage.CYCLE, 1)
     imports = ["from engine.compiling.tiles import TILE_SIGNATURE, filling", *_imports(laws)]
     head = _HEAD.format(title=title, imports="\n".join(imports), dtype="float64")
     return f"{head}\n\n@filling(TILE_SIGNATURE)\n{text}"

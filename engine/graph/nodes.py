@@ -4,7 +4,7 @@ A node is the position of the input, a number, a law applied to nodes, or arithm
 once: the same law applied to the same nodes is the same node. Arithmetic reads like a textbook, `v = w * r - u`, and
 zeros and ones are simplified away.
 
-A node's `Stage` states how often it changes. A number of the scene belongs to the variant; a result of the extremes of
+A node's `Stage` states how often it changes. A number of the scene belongs to the variant; a result of the ends of
 a stroke to the variant's cycle; the active segment of a table to the panel; a node of the speed, the acceleration or
 the time of a motion to its state; every other node to the position.
 """
