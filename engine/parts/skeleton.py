@@ -592,14 +592,14 @@ class Balance(Part):
 class Shaft(Part):
     """A shaft geared to a turning link; its speed is `ratio` times that link's (negative: reversed).
 
-    With a `pivot` the shaft is a link that can carry points and bodies. Its pivot is a point of the frame to which the
-    driver is also hinged, or, with a `carrier`, a point of the carrier; the driver's wheel is then on another joint or
-    point of the carrier, or fixed to the frame about the carrier's pivot. `ratio` is that of the speeds relative to the
-    carrier (negative: external teeth). `phase` is the shaft's angle at crank angle 0; with an unevenly turning driver,
-    its angle relative to the carrier where driver and carrier are parallel. Unless the ratio is whole, such a driver
-    must swing by less than half a turn to either side of the angle `around` relative to the carrier. With the
-    `pressure_angle` of the teeth, reactions include the tooth forces. `efficiency` is that of the mesh with the carrier
-    fixed, whichever wheel drives.
+    With a `pivot` the shaft is a link that can carry points and bodies. Without a `carrier` the pivot is a point of the
+    frame, and the driver is hinged to the frame too. With a `carrier` it is a point of the carrier; the driver's wheel
+    is on another joint or point of the carrier, or fixed to the frame about the carrier's pivot. `ratio` is that of the
+    speeds relative to the carrier (negative: external teeth). `phase` is the shaft's angle at crank angle 0; with an
+    unevenly turning driver, its angle relative to the carrier where driver and carrier are parallel. Unless the ratio
+    is whole, such a driver must swing by less than half a turn to either side of the angle `around` relative to the
+    carrier. With the `pressure_angle` of the teeth, reactions include the tooth forces. `efficiency` is that of the
+    mesh with the carrier fixed, whichever wheel drives.
     """
 
     geared_to: LinkRef
