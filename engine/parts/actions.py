@@ -333,8 +333,8 @@ class TorsionSpring(Part):
 class Carried(Part):
     """Masses moved along a straight path by a drum or wheel on the crank or a shaft, at its rim speed.
 
-    `forwards` is the rotation of the drum that moves the masses forwards; a positive slope rises forwards. `gravity`
-    defaults to the scene's, or to 9.80665 m/s² if the scene has none.
+    `forwards` is the rotation that moves the masses forwards, which is up for a hoist and for a positive slope.
+    `gravity` defaults to the scene's, or to 9.80665 m/s² if the scene has none.
     """
 
     masses: ClassVar[tuple[str, ...]] = ("mass",)

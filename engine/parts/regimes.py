@@ -95,16 +95,16 @@ class SteadyRegime(Part):
 class RunRegime(Part):
     """Motion until one of: a number of `cycles`, a `time`, a `speed` reached from below or above, `rest` = true.
 
-    `rest` = true: until the machine stays at rest under all loads, as friction or a brake holds it. `reversal` = true:
-    until the machine first comes to a standstill, even for an instant, as a swinging load does.
+    `rest` = true ends a run when the machine stays at rest under all loads, as friction or a brake holds it. `reversal`
+    = true ends a run when the machine first comes to a standstill, even for an instant, as a swinging load does.
 
-    `end_of_range` = true: until an input that doesn't turn fully reaches an end of its range. A sliding input has
-    `velocity` instead of `speed`, and the initial values `from_velocity` and `from_position`.
+    `end_of_range` = true ends a run when an input that doesn't turn fully reaches an end of its range. A sliding input
+    has `velocity` instead of `speed`, and the initial values `from_velocity` and `from_position`.
 
-    `lock_up` = true: until a clutch holds both sides together. `from_speed` and `from_angle` are the initial values,
-    by default those at the end of the regime before; both together reset the time of time-dependent loads to zero.
-    `from_shaft_speed` is the initial speed of a shaft behind a coupling, by default that given by `from_speed`. A run
-    is abandoned after `at_most` cycles. `at` gives the instants at which fields of the run are kept.
+    `lock_up` = true ends a run when a clutch holds both sides together. `from_speed` and `from_angle` are the initial
+    values, by default those at the end of the regime before; both together reset the time of time-dependent loads to
+    zero. `from_shaft_speed` is the initial speed of a shaft behind a coupling, by default that given by `from_speed`. A
+    run is abandoned after `at_most` cycles. `at` gives the instants at which fields of the run are kept.
 
     Steps are as long as the error control allows. `method` = "rk4" takes `steps_per_turn` equal steps per turn of the
     crank instead, by the classical fourth-order Runge–Kutta method, except near rest; the error estimate is then the
