@@ -141,7 +141,7 @@ from engine.scene.structure.ordering import group_links
 from engine.scene.structure.ordering import order as order_groups
 from engine.scene.structure.ordering import sliders as sliders_of
 from engine.scene.structure.trains import mesh_axis
-from engine.units.dimensions import DIMENSIONS, common_units
+from engine.units.dimensions import DIMENSIONS, Powers, common_units
 from engine.units.dimensions import described as described_dimension
 from engine.units.display import (
     UnitSystem,
@@ -250,6 +250,7 @@ __all__ = [
     "Pinion",
     "PlainNumber",
     "PlainText",
+    "Powers",
     "Quantity",
     "Rack",
     "Rank",

@@ -1,7 +1,29 @@
 """Numba's compilers of functions that compiled code calls: code that waits for its callers', arrays kept apart."""
 
+import sys
+from importlib import import_module
+
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
+
+
+def _load_array_functions() -> None:
+    """Load Numba's array functions without SciPy's linear algebra, which takes as long to load as Numba itself.
+
+    They look for its BLAS once, for `np.cov` and a few others; without it these use loops of their own. `np.dot` and
+    `np.linalg` look for it again when they are compiled.
+    """
+    blas = "scipy.linalg.cython_blas"
+    if blas in sys.modules:
+        return
+    sys.modules[blas] = None  # type: ignore[assignment]
+    try:
+        import_module("numba.np.arraymath")
+    finally:
+        del sys.modules[blas]
+
+
+_load_array_functions()
 
 
 class PartOfCallers(JITCodeLibrary):

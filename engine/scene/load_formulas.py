@@ -14,7 +14,7 @@ A formula may use
 """
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,12 +34,9 @@ from engine.parts.regimes import RunRegime
 from engine.parts.skeleton import FRAME, CrankInput
 from engine.scene.names import Problem, definitions, sliders
 from engine.scene.scene import Numbers, Scene, scene_numbers
-from engine.units.dimensions import described
+from engine.units.dimensions import Powers, described
 from engine.units.reading import UNIT_NAMES, any_quantity
 from engine.words.glossary import unknown_name_message
-
-if TYPE_CHECKING:
-    from pint.util import UnitsContainer
 
 TIME = "t"
 # Why steady running and closed cycles are impossible under a time-dependent load.
@@ -180,7 +177,7 @@ def _problems(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem
     if taken or unknown:
         return
     try:
-        known: Mapping[str, UnitsContainer] = {n: check.dimension_of_unit(units[n]) for n in expression.names}
+        known: Mapping[str, Powers] = {n: check.dimension_of_unit(units[n]) for n in expression.names}
         wanted = check.dimension_of_unit("N" if isinstance(formula.action, FormulaForce) else "N m")
         check.check_yields(expression, wanted, known)
         _check_curves(expression)

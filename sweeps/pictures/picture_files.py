@@ -59,7 +59,6 @@ def machine_pictures(
     if scene.input is not None:
         made = [path, path.with_name(f"{path.stem}_diagrams{path.suffix}")]
         motion = DrawnMotion(scene, values, known)
-        picture(motion, path, at, paths, shown)
         diagrams(motion.machine, made[1])
         made += cycle_pictures(motion.machine, path, parts)
     # Rarely needed modules are imported on demand.
@@ -71,6 +70,9 @@ def machine_pictures(
         from sweeps.pictures.elements.element_pictures import element_pictures
 
         made += element_pictures(whole, path)
+    if scene.input is not None:
+        # Last: where it is there, so are the others.
+        picture(motion, path, at, paths, shown)
     return made
 
 
