@@ -50,7 +50,12 @@ Interpolation = Literal["linear", "pchip", "spline"]
 
 
 class OnPoint(Part):
-    """A force at a point, along a fixed direction of the frame or of a link."""
+    """A force at a point, along a fixed direction of the frame or of a link.
+
+    `on` is the loaded point. `angle` is the direction of a positive force, measured from the x axis of the frame.
+    `turns_with` names a link whose x axis replaces the frame's. `acts` limits the force to motion of its point "along"
+    or "against" its direction. `role` classifies its work: "driving", "useful" or "harmful" (losses).
+    """
 
     on: PointRef
     angle: Angle
@@ -60,7 +65,12 @@ class OnPoint(Part):
 
 
 class ResistingOnPoint(Part):
-    """A force that opposes the velocity of a point, or, with `angle`, its component in that direction."""
+    """A force that opposes the velocity of a point, or, with `angle`, its component in that direction.
+
+    `on` is the loaded point. `turns_with` names a link from whose x axis, instead of the frame's, `angle` is measured.
+    `acts` limits the force to motion of its point "along" or "against" that direction. `role` classifies its work:
+    "driving", "useful" or "harmful" (losses).
+    """
 
     on: PointRef
     angle: Angle | None = None
@@ -76,7 +86,11 @@ class ResistingOnPoint(Part):
 
 
 class OnLink(Part):
-    """A moment on a link or shaft."""
+    """A moment on a link or shaft.
+
+    `on` is the loaded link or shaft. `acts` limits the moment to rotation "along" (counter-clockwise) or "against" its
+    positive direction. `role` classifies its work: "driving", "useful" or "harmful" (losses).
+    """
 
     on: LinkRef
     acts: Literal["always", "along", "against"] = "always"
@@ -94,7 +108,9 @@ class Tabled(Part):
 
     Exactly one of `over_angle`, `over_stroke`, `over_time` holds the abscissae. Over a stroke, `slider` names the
     slider. `measured_from` is the zero of the stroke: the guide's point, or the low or high end of the stroke (distance
-    from that end, positive inwards). Over the angle the table repeats with the cycle.
+    from that end, positive inwards). Over the angle the table repeats with the cycle. `interpolation` joins the rows by
+    straight lines, a monotone cubic ("pchip") or a cubic spline. `outside` its rows a table holds its end values or is
+    zero. `scale` multiplies all values.
     """
 
     over_angle: list[Angle] | None = None
@@ -156,14 +172,14 @@ class ForceAgainstMotion(ResistingOnPoint):
 
 
 class LinearDragForce(ResistingOnPoint):
-    """Viscous resistance −c v."""
+    """Viscous resistance −c v, with the `coefficient` c."""
 
     type: Literal["linear_drag"]
     coefficient: Annotated[Damping, Field(ge=0)]
 
 
 class QuadraticDragForce(ResistingOnPoint):
-    """Aerodynamic or hydraulic resistance −c v|v|."""
+    """Aerodynamic or hydraulic resistance −c v|v|, with the `coefficient` c."""
 
     type: Literal["quadratic_drag"]
     coefficient: Annotated[QuadraticDrag, Field(ge=0)]
@@ -220,14 +236,14 @@ class MomentAgainstMotion(ResistingOnLink):
 
 
 class LinearDragMoment(ResistingOnLink):
-    """Viscous resistance −c ω."""
+    """Viscous resistance −c ω, with the `coefficient` c."""
 
     type: Literal["linear_drag"]
     coefficient: Annotated[TorsionalDamping, Field(ge=0)]
 
 
 class QuadraticDragMoment(ResistingOnLink):
-    """Fan or hydraulic resistance −c ω|ω|."""
+    """Fan or hydraulic resistance −c ω|ω|, with the `coefficient` c."""
 
     type: Literal["quadratic_drag"]
     coefficient: Annotated[TorsionalQuadraticDrag, Field(ge=0)]
@@ -322,7 +338,10 @@ class BandBrake(Brake):
 
 
 class TorsionSpring(Part):
-    """A torsion spring between a link and the frame: −k (θ − free_angle), θ in (−π, π]."""
+    """A torsion spring between a link and the frame: −k (θ − θ₀), θ in (−π, π].
+
+    `stiffness` is k. `free_angle` is θ₀.
+    """
 
     type: Literal["torsion_spring"]
     on: LinkRef
@@ -444,7 +463,12 @@ class DCMotor(Motor, DCCharacteristic):
 
 
 class InductionCharacteristic(Part):
-    """The characteristic of an induction motor, by Kloss's formula or from its nameplate."""
+    """The characteristic of an induction motor, by Kloss' formula or from its nameplate.
+
+    Kloss' formula takes `synchronous_speed`, `breakdown_moment` (the maximum torque) and `breakdown_slip` (the slip at
+    that torque). The nameplate gives `synchronous_speed`, `power`, `rated_speed`, `breakdown_ratio` (breakdown torque
+    over rated torque) and, if known, `starting_ratio` (starting torque over rated torque).
+    """
 
     synchronous_speed: Annotated[AngularSpeed, Field(gt=0)]
     breakdown_moment: Annotated[Moment, Field(gt=0)] | None = None
@@ -474,7 +498,7 @@ class InductionCharacteristic(Part):
 
 
 class InductionMotor(Motor, InductionCharacteristic):
-    """An induction motor by Kloss's formula or from its nameplate, on the crank or a shaft geared to it."""
+    """An induction motor by Kloss' formula or from its nameplate, on the crank or a shaft geared to it."""
 
     type: Literal["induction_motor"]
 
@@ -563,7 +587,10 @@ MomentAction = Annotated[
 
 
 class Spring(Part):
-    """A spring with an optional damper between two points; it pulls with k (L − free_length) + c dL/dt."""
+    """A spring with an optional damper between two points: it pulls with k (L − l) + c dL/dt.
+
+    `between` names the two points. `stiffness` is k. `free_length` is l. `damping` is c.
+    """
 
     between: tuple[PointRef, PointRef]
     stiffness: Stiffness = 0.0

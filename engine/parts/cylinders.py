@@ -23,7 +23,10 @@ class Cylinder(Part):
 
 
 class Compressor(Cylinder):
-    """A reciprocating compressor: polytropic compression and expansion between two pressures."""
+    """A reciprocating compressor: polytropic compression and expansion between the pressures `suction` and `discharge`.
+
+    `n_compression` and `n_expansion` are the polytropic exponents.
+    """
 
     type: Literal["compressor"]
     clearance: Annotated[Number, Field(gt=0)]
@@ -50,7 +53,10 @@ class Pump(Cylinder):
 
 
 class EngineCylinder(Cylinder):
-    """The cylinder of an engine: polytropic expansion from `peak`, and compression from `intake`."""
+    """The cylinder of an engine: polytropic expansion from `peak`, and compression from `intake`.
+
+    `exhaust` is the pressure during the exhaust. `n_compression` and `n_expansion` are the polytropic exponents.
+    """
 
     clearance: Annotated[Number, Field(gt=0)]
     intake: Annotated[Pressure, Field(gt=0)]

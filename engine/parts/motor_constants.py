@@ -1,4 +1,4 @@
-"""Motor characteristics, torque over speed, in the common form: a line, changes of its slope, Kloss's formula."""
+"""Motor characteristics, torque over speed, in the common form: a line, changes of its slope, Kloss' formula."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -12,7 +12,7 @@ Value = float | np.ndarray
 
 
 class MotorCurve(NamedTuple):
-    """Torque over speed: level + slope ω + Σ bend (ω − speed) for all speeds exceeded, + Kloss's formula.
+    """Torque over speed: level + slope ω + Σ bend (ω − speed) for all speeds exceeded, + Kloss' formula.
 
     Attributes
     ----------

@@ -86,7 +86,10 @@ class Instants(Part):
 
 
 class SteadyRegime(Part):
-    """Steady running, a motion periodic with the cycle, found directly."""
+    """Steady running, a motion periodic with the cycle, found directly.
+
+    `off` lists the actions that are off.
+    """
 
     type: Literal["steady"]
     off: tuple[ActionRef, ...] = ()
@@ -106,9 +109,9 @@ class RunRegime(Part):
     zero. `from_shaft_speed` is the initial speed of a shaft behind a coupling, by default that given by `from_speed`. A
     run is abandoned after `at_most` cycles. `at` gives the instants at which fields of the run are kept.
 
-    Steps are as long as the error control allows. `method` = "rk4" takes `steps_per_turn` equal steps per turn of the
-    crank instead, by the classical fourth-order Runge–Kutta method, except near rest; the error estimate is then the
-    change of the result with steps of twice the length.
+    `off` lists the actions that are off. Steps are as long as the error control allows. `method` = "rk4" takes
+    `steps_per_turn` equal steps per turn of the crank instead, by the classical fourth-order Runge–Kutta method, except
+    near rest; the error estimate is then the change of the result with steps of twice the length.
     """
 
     type: Literal["run"]

@@ -267,7 +267,11 @@ class CrankInput(Part):
 
 
 class SliderInput(Part):
-    """Sliding input link on a guide of the frame; the generalised coordinate is its displacement along the guide."""
+    """Sliding input link on a guide of the frame; the generalised coordinate is its displacement along the guide.
+
+    `start` and `stop` are the ends of its travel. `speed` is its mean speed, positive in the direction of the guide.
+    `point` names its point on the guide, at which other links can be hinged.
+    """
 
     type: Literal["slider"]
     link: Name
