@@ -1,7 +1,7 @@
-"""Dimensions of expressions: what may be added, compared and raised to a power, as in a physicist's check.
+"""Dimensional analysis of expressions: which quantities may be added, compared and raised to a power.
 
-The angle counts when it names a result (rad/s is an angular speed) but never sets two quantities apart: with radians,
-r φ is a length and ω r a speed.
+The angle matters when a result is named (rad/s is an angular speed) but never makes two quantities incompatible: with
+radians, r φ is a length and ω r a speed.
 """
 
 import functools
@@ -22,7 +22,7 @@ from engine.units.dimensions import DIMENSIONS, Powers, common_units
 from engine.units.reading import base_powers, in_any_unit
 
 _SYMBOLS = {"mass": "kg", "length": "m", "time": "s"}
-# Roots of powers of roots have small denominators; anything else is a rounded fraction such as 0.333.
+# Roots of powers of roots have small denominators; any other fraction is a rounded number such as 0.333.
 _LARGEST_DENOMINATOR = 1000
 _COMPARISONS = {"<", "<=", ">", ">=", "==", "!="}
 _ALIKE = {"+", "-", "min", "max", "atan2"} | _COMPARISONS
@@ -32,20 +32,20 @@ _TO_ANGLE = {"asin", "acos", "atan", "atan2", "radians"}
 
 @functools.cache
 def dimension_of_unit(unit: str) -> Powers:
-    """Dimension of a unit as texts or the CF conventions spell it, such as "N m" or "kg m2 rad-1".
+    """Dimension of a unit in the spelling of texts or of the CF conventions, such as "N m" or "kg m2 rad-1".
 
     Raises
     ------
     UnitError
-        The unit is not known.
+        The unit is unknown.
     """
     return Powers.of(base_powers(unit))
 
 
 def unit_of_dimension(dimension: Powers) -> str:
-    """SI unit of a dimension as the CF conventions spell it: "N m" where there is a usual one, else as "m3 s-1".
+    """SI unit of a dimension in the CF conventions' spelling: the usual one, such as "N m", else such as "m3 s-1".
 
-    Empty for broken powers, such as the root of a length, as the conventions have no spelling for them.
+    Empty for fractional powers, such as the root of a length, which the conventions can't spell.
     """
     names = _names(dimension)
     if names:
@@ -55,7 +55,7 @@ def unit_of_dimension(dimension: Powers) -> str:
 
 
 def dimension_in_words(dimension: Powers) -> str:
-    """A dimension as one says it, such as "a length" or "a plain number"."""
+    """A dimension in words, such as "a length" or "a plain number"."""
     names = [name.replace("_", " ") for name in _names(dimension)]
     if not names:
         return f"a quantity in {_spelled(dimension)}"
@@ -64,37 +64,37 @@ def dimension_in_words(dimension: Powers) -> str:
 
 
 def dimension_of(expression: TextExpression, known: Mapping[str, Powers]) -> Powers:
-    """Dimension of what an expression yields; for a condition that of a plain number.
+    """Dimension of an expression's value; a condition is a plain number.
 
     Parameters
     ----------
     expression : TextExpression
     known : mapping of str to Powers
-        Dimension of each of the expression's names.
+        Dimension of each name in the expression.
 
     Raises
     ------
     ExpressionError
-        It adds or compares what differs in dimension, raises to a power that isn't a fixed number, or takes a
-        function of what has a dimension; the message shows the place.
+        The expression adds or compares different dimensions, has a power that isn't a fixed number, or applies a
+        function to a quantity with a dimension; the message shows the place.
     """
     return _Checker(expression.text, known).dimension(expression.tree)
 
 
 def check_yields(expression: TextExpression, wanted: Powers, known: Mapping[str, Powers]) -> None:
-    """See that an expression yields a quantity of some dimension; zero is one of every dimension.
+    """Check that an expression gives a quantity of the wanted dimension; zero has every dimension.
 
     Parameters
     ----------
     expression : TextExpression
     wanted : Powers
     known : mapping of str to Powers
-        As for `dimension_of`.
+        As in `dimension_of`.
 
     Raises
     ------
     ExpressionError
-        It doesn't, or has no dimension by itself.
+        The dimension is another one, or the parts of the expression do not match.
     """
     found = dimension_of(expression, known)
     if found.plain != wanted.plain and not is_zero(expression.tree):
@@ -104,18 +104,13 @@ def check_yields(expression: TextExpression, wanted: Powers, known: Mapping[str,
 
 
 def dimensions_by_unit(units: Mapping[str, str]) -> dict[str, Powers | None]:
-    """Dimensions of names from their SI units as CF spells them; None where the unit is "", not known.
-
-    Parameters
-    ----------
-    units : mapping of str to str
-    """
+    """Dimensions of names from their SI units in CF spelling; None if the unit is "", unknown."""
     return {name: dimension_of_unit(unit) if unit else None for name, unit in units.items()}
 
 
 @functools.cache
 def _names(dimension: Powers) -> list[str]:
-    """Names of a dimension: with its angles, else without."""
+    """Names of a dimension, including its angles if such names exist, else without."""
     units = {name: dimension_of_unit(d.unit) for name, d in DIMENSIONS.items()}
     exact = [name for name, other in units.items() if other == dimension]
     return exact or [name for name, other in units.items() if other.plain == dimension.plain]
@@ -131,7 +126,7 @@ _AN_ANGLE = Powers(angle=Fraction(1))
 
 
 def _bare_number(tree: Tree) -> float | None:
-    """The value of a number without a unit, with its sign; None for anything else."""
+    """The value of a number without a unit, with its sign; None for any other tree."""
     if isinstance(tree, TextOperation) and tree.name == "negative":
         inner = _bare_number(tree.operands[0])
         return None if inner is None else -inner
@@ -139,7 +134,7 @@ def _bare_number(tree: Tree) -> float | None:
 
 
 def _unit_hint(trees: Iterable[Tree], wanted: Powers) -> str:
-    """How a bare number among the trees is to be written, where another dimension is wanted."""
+    """Suggestion to write a bare number among the trees with a unit of the wanted dimension."""
     number = next((value for tree in trees if (value := _bare_number(tree)) is not None), None)
     names = _names(wanted)
     if number is None or not names or not wanted.plain:
@@ -150,7 +145,7 @@ def _unit_hint(trees: Iterable[Tree], wanted: Powers) -> str:
 
 
 class _Checker:
-    """Finds the dimension of each part of an expression."""
+    """Computes the dimension of each part of an expression."""
 
     def __init__(self, text: str, known: Mapping[str, Powers]) -> None:
         self.text, self.known = text, known
@@ -183,7 +178,7 @@ class _Checker:
                 return self.function(tree, operands[0])
 
     def alike(self, tree: TextOperation, operands: list[Powers]) -> Powers:
-        """The dimension that all operands have."""
+        """The common dimension of the operands."""
         pairs = [(t, d) for t, d in zip(tree.operands, operands, strict=True) if not is_zero(t)]
         kinds = {d.plain for _, d in pairs}
         if len(kinds) > 1:
@@ -199,7 +194,7 @@ class _Checker:
             raise self.refusal(tree, f"a power must be a plain number, this is {dimension_in_words(exponent)}")
         if not base.plain:
             return _NUMBER
-        # What varies makes it NaN.
+        # NaN values for the names reveal an exponent that varies.
         number = TextExpression(self.text, (), False, tree.operands[1]).evaluate(dict.fromkeys(self.known, math.nan))
         if not math.isfinite(number):
             words = f"the power of {dimension_in_words(base)} must be a fixed number, or its unit would vary"
