@@ -9,14 +9,13 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.graph.nodes import Node
+from engine.machine.conditions import SINGULAR_SINE
 from engine.machine.kept_fields import KeptFields, fill_found
 from engine.machine.measuring import MeasuredCycles, Measuring
 from engine.quantities.expressions import Angle
 from engine.scene.scene import Numbers
 from engine.words.verdicts import Verdict
 
-# Transmission index below which a group counts as singular: about the square root of the rounding error.
-SINGULAR_SINE = 1e-7
 # A run that reverses within this distance of a singular position counts as having reached it [rad, for a range of 2π]:
 # near a dead centre of the driven side, the step error alone decides where the input comes to a standstill.
 BESIDE = 1e-6

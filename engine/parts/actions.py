@@ -140,7 +140,7 @@ class Tabled(Part):
         if (given == ["over_stroke"]) != (self.slider is not None):
             raise ValueError("over_stroke and slider belong together: name the slider whose stroke is meant")
         if given != ["over_stroke"] and self.gives("measured_from"):
-            raise ValueError(f"measured_from is of a stroke, and has no meaning with {given[0]}; leave it out")
+            raise ValueError(f"measured_from has no meaning with {given[0]}, only with over_stroke; leave it out")
         try:
             names = (given[0], "force" if hasattr(self, "force") else "moment")
             rows = self.abscissae, self.ordinates
@@ -327,8 +327,8 @@ class BandBrake(Brake):
             raise ValueError("give slack_arm or tight_arm: the lever must pull an end of the band")
         if not self.slack_arm + self.tight_arm > 0.0:
             raise ValueError(
-                "slack_arm + tight_arm must be above 0, or the force on the lever slackens the band: turn a sign "
-                "round, or give the end that the lever draws the longer arm"
+                "slack_arm + tight_arm must be above 0, or the lever slackens the band: change a sign, or make the arm "
+                "of the end that the lever tightens the longer one"
             )
         if (self.blocks is None) != (self.block_angle is None):
             raise ValueError("blocks and block_angle belong together: give both, or neither")

@@ -128,7 +128,7 @@ class MotionProgram(Part):
         whole = sum(angle for angle in angles if angle is not None)
         total = f"the angles of the sections add up to {math.degrees(whole):g} deg"
         if angles.count(None) > 1:
-            raise ValueError("angle: only one section may leave it out, and take what is left of the turn")
+            raise ValueError("angle: only one section may omit it; that section takes the rest of the turn")
         if angles.count(None) == 1 and not whole < 2 * math.pi:
             raise ValueError(f"{total}: nothing is left for the section without an angle; make one smaller")
         if None not in angles and abs(whole - 2 * math.pi) > CLOSING:
@@ -136,7 +136,7 @@ class MotionProgram(Part):
         left = 0.0
         for name, section in self.sections.items():
             if isinstance(section, ReturnSection) and not left > 0.0:
-                raise ValueError(f"sections.{name}: it is back already; a return comes after a rise")
+                raise ValueError(f"sections.{name}: the follower is back already; a return comes after a rise")
             left = self._after(section, left)
         if abs(left - self.advance) > CLOSING * self._maximum_stroke():
             raise ValueError(f"the motion ends the turn {left:g} away from where it began; add a return")

@@ -48,7 +48,7 @@ class PairFriction(Part):
         if (self.static_coefficient is None) != (self.stribeck_speed is None):
             raise ValueError("static_coefficient and stribeck_speed belong together: give both, or neither")
         if self.contact is not None and self.above_prismatic is not None:
-            raise ValueError("contact and above_prismatic both say how much a journal rubs: give one of the two")
+            raise ValueError("contact and above_prismatic both describe the contact of a journal: give one of the two")
         if (self.form == "vee") != (self.vee_angle is not None):
             raise ValueError("vee_angle goes with form = 'vee': give both, or neither")
         return self

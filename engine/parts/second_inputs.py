@@ -52,16 +52,16 @@ class MovedByLaw(MotionProgram):
     @model_validator(mode="after")
     def _has_one_argument(self) -> "MovedByLaw":
         if self.period is not None and self.travel is not None:
-            raise ValueError("give period, of a law of time, or travel, of one of the first input, one of the two")
+            raise ValueError("give either period (a law of time) or travel (a law of the first input)")
         lost = self.gives("period", "travel")
         if lost and not self.repeats and getattr(self, "ratio", 0.0) == 0.0:
-            raise ValueError(f"{lost[0]} is what a ratio, harmonics, sections or a table go by, and there are none")
+            raise ValueError(f"{lost[0]} has no meaning without a ratio, harmonics, sections or a table")
         if self.gives("begin") and not self.sections and self.table is None:
-            raise ValueError("begin is where sections or a table begin, and there are none; leave it out")
+            raise ValueError("begin has no meaning without sections or a table; leave it out")
         if self.drive == "crank" and (self.period is not None or getattr(self, "speed", 0.0) != 0.0):
             key = "speed" if self.period is None else "period"
             raise ValueError(
-                f"{key}: what the crank drives follows the crank's angle, not the time; leave {key} out, or set "
+                f"{key}: with drive = 'crank' the input follows the crank angle, not time; leave {key} out, or set "
                 "drive = 'own'"
             )
         return self
@@ -103,8 +103,8 @@ class SecondCrank(MovedByLaw):
             raise ValueError("this link never moves: give a ratio, a speed, harmonics, sections or a table")
         if self.advance < 0.0:
             raise ValueError(
-                f"sections: they go {math.degrees(-self.advance):g} deg further back than out; make a return shorter, "
-                "or leave its swing out, and it returns fully"
+                f"sections: the returns exceed the rises by {math.degrees(-self.advance):g} deg; shorten a return, or "
+                "omit its swing for a full return"
             )
         self._check_no_jumps()
         return self

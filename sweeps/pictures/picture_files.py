@@ -10,6 +10,7 @@ from sweeps.pictures.machine.diagrams import diagrams
 from sweeps.pictures.machine.field_curves import POSITIONS, field_curves
 from sweeps.pictures.machine.hodographs import hodographs
 from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.style import format_of
 from sweeps.text.scene_text import with_values
 
 Named = tuple[Scene, Mapping[str, float], str]
@@ -53,8 +54,9 @@ def machine_pictures(
     Raises
     ------
     PictureError
-        The mechanism can't be assembled, or an element can't be drawn.
+        Unknown extension; the mechanism can't be assembled, or an element can't be drawn.
     """
+    format_of(path)
     made, whole = [], with_values(scene, values)
     if scene.input is not None:
         made = [path, path.with_name(f"{path.stem}_diagrams{path.suffix}")]
