@@ -202,7 +202,7 @@ def _mesh_place(
     if first == second:
         raise TrainRefused(f"meshes.{name}.between: both are fixed to {wheels[ends[0]]}, so that they can't roll")
     sense = -1 if mesh.type == "internal" else 1
-    # A wheel on the frame is fixed on every axis, in whatever the planet's carrier turns in.
+    # A wheel on the frame has no carrier; it counts as coaxial with a planet's carrier that turns in the frame.
     held_by = [None if shaft == STANDS_STILL else carriers[shaft] for shaft in (first, second)]
     if held_by[0] == held_by[1]:
         return MeshPlace(name, ends, first, second, held_by[0], sense, None)
