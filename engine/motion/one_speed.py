@@ -170,7 +170,7 @@ def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str], rubs: b
     turned, speed = (graph.given(label, Stage.STATE) for label in ("angle turned", "speed of a state"))
     (loads, clock, sizes), (inertia, _) = sizes_of(mechanics, speed), inertia_with_flywheel(mechanics)
     moments, unknown = moments_of(mechanics, loads, sizes, speed, works), {}
-    # Only motors make a step stiff; the derivative of friction would contain all reactions.
+    # Motors make a step stiff, friction does not; its derivative would contain those of all reactions.
     smooth = (moments.total - (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)) / inertia
     if rubs:
         unknown[speed] = graph.given("acceleration", Stage.STATE)

@@ -147,7 +147,7 @@ class Gone(NamedTuple):
     scales : dict of str to ndarray (variants,)
         Magnitudes to which the rounding of values is relative, where not the value itself.
     missed : dict of str to ndarray (variants,)
-        How far extremes between nodes may exceed those at nodes.
+        Propagated error estimates, and how far extremes between nodes may exceed those at nodes.
     by_equal_steps : dict of str to ndarray (3, variants)
         Angle turned [rad], final speed [rad/s] and time [s] of the runs by equal steps.
     covered : list of ndarray (2, variants)
@@ -692,7 +692,7 @@ class Schedule:
         change = outcome.ended - outcome.started
         return found | _work_values(dynamics, state.works, state.squares, state.time, change, energy)
 
-    # Steady motion
+    # Steady running
 
     def _steady(
         self, name: str, dynamics: Dynamics, variants: Variants, standing: Standing, half: bool

@@ -25,7 +25,7 @@ class TranslatingFollower(Part):
     """A translating follower; a positive `offset` of its line of motion from the cam's axis lowers α on the rise.
 
     `load` presses it onto the cam at all times and includes its weight. Friction in the guide requires `guide_length`
-    and `overhang`, the length between guide and contact at the lowest position.
+    and `overhang`, by which the follower projects from the guide at its lowest position.
     """
 
     type: Literal["translating"]

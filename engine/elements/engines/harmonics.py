@@ -110,7 +110,7 @@ def piston_harmonics(ratio: ArrayLike, orders: Sequence[int], offset: ArrayLike 
     Returns
     -------
     ndarray of complex (..., orders)
-        NaN if the crank cannot rotate, or λ + |ε| is too close to 1 (`_DIGITS`).
+        NaN if the crank cannot rotate, or λ + |ε| is too close to 1 (`MOST`).
     """
     return _transformed(ratio, offset, orders) * np.square(orders)
 

@@ -28,8 +28,8 @@ from engine.elements.rotors.unbalance import Resultant, unbalance_in_two_planes
 class BalanceShaft(NamedTuple):
     """A shaft with unbalances, parallel to the crank, or the crank itself with its counterweights.
 
-    A single shaft off the crank axis adds a rolling moment of its order; a pair placed symmetrically to the engine's
-    axis and level with the crank adds none.
+    A single shaft off the crank axis adds a rolling moment of its order; a counter-rotating pair placed
+    symmetrically to the engine's axis adds none.
 
     Attributes
     ----------

@@ -178,8 +178,8 @@ def _tips_meet(
 def minimum_teeth(teeth: TeethInMesh) -> np.ndarray:
     """Minimum teeth of the smaller wheel (internal: of the pinion) without interference from the larger wheel's tips.
 
-    Shifts and the larger wheel stay unchanged; NaN if no number of teeth up to the larger wheel's suffices, or none up
-    to 2^20 in an external mesh.
+    Shifts and the larger wheel stay unchanged; NaN if no number of teeth suffices, up to 2^20 or, in an internal mesh,
+    below that of the ring.
     """
     is_first = (teeth.first <= teeth.second) | (teeth.sense < 0)
     large, small_shift, large_shift = (

@@ -134,7 +134,7 @@ def kind(rotor: Resultant, centre: ArrayLike, unbalance_tolerance: float, moment
     """
     static, couple = rotor.unbalance, about(rotor, centre).moment
     has_static, has_couple = np.abs(static) > unbalance_tolerance, np.abs(couple) > moment_tolerance
-    # Both axes are in one plane if the couple has no component across the resultant.
+    # Resultant and couple are in one plane through the axis if the couple has no component across the resultant.
     across = np.abs((np.conj(static) * couple).imag) > moment_tolerance * np.abs(static)
     both = np.where(across, Kind.DYNAMIC, Kind.QUASI_STATIC)
     return np.where(

@@ -209,7 +209,7 @@ class Progress:
     steps : int
         Number of samples in a cycle for observers.
     half : bool
-        Whether for comparison: steps have a looser tolerance and twice the maximum; equal steps are twice as long.
+        Whether this is a comparison run: looser tolerance and twice the maximum step; equal steps are twice as long.
     observers : sequence of Observer
     stepping : Stepping
 
