@@ -15,8 +15,11 @@ from engine import (
     FormulaNumber,
     NonZero,
     Scene,
+    arms_of,
+    bare_annotation,
     common_units,
     described_dimension,
+    is_union,
     nearest_names,
     speaks_of,
 )
@@ -24,7 +27,6 @@ from sweeps.guide.chapters import chapters
 from sweeps.study.study_text import StudyText
 from sweeps.text.input_files import InputError
 from sweeps.text.tables import table
-from sweeps.text.toml_text import arms_of, bare_annotation, is_union
 
 # Of an answer to words.
 MOST_KEYS, MOST_CHAPTERS = 12, 3
