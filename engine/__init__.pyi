@@ -169,13 +169,13 @@ from engine.units.reading import (
     unit_in,
 )
 from engine.units.standard_sizes import STANDARD_SIZES
-from engine.verdicts import Verdict
 from engine.warnings import is_warning
 from engine.warnings.kinds import KINDS as WARNING_KINDS
+from engine.words.verdicts import Verdict
 
 __version__: str
-from engine.glossary import did_you_mean, speaks_of, unknown_name_message
-from engine.glossary import nearest as nearest_names
+from engine.words.glossary import did_you_mean, speaks_of, unknown_name_message
+from engine.words.glossary import nearest as nearest_names
 
 __all__ = [
     "ACCURACY_REACHED",

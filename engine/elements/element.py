@@ -26,7 +26,7 @@ from engine.elements.panels import Curve, Mark, Panel, PanelAxis, bounded
 from engine.laws.rounding import EPS, NUDGE
 from engine.parts.skeleton import Part
 from engine.units.dimensions import described
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 Numbers = Mapping[str, np.ndarray]
 Columns = dict[str, np.ndarray]

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from engine.compiling.decorators import scalar
 from engine.compiling.instructions import chosen
-from engine.glossary import nearest
+from engine.words.glossary import nearest
 
 INTERPOLATIONS = ("linear", "pchip", "spline")
 OUTSIDE = ("hold", "zero")

@@ -5,13 +5,13 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from engine.glossary import did_you_mean, nearest
 from engine.machine.results import AskError
 from engine.scene.pairs import joint_of, pairs
 from engine.scene.scene import Scene, SceneNumber, within_limits
 from engine.units.display import quantity_text
 from engine.units.reading import UnitError, in_text
-from engine.verdicts import Verdict
+from engine.words.glossary import did_you_mean, nearest
+from engine.words.verdicts import Verdict
 
 # Kernels keep rows at a fixed distance.
 MOST_POSITIONS = 1_048_576

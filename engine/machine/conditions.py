@@ -6,7 +6,7 @@ from typing import NamedTuple
 from engine.graph.nodes import Node, Stage, reached
 from engine.mechanism.mechanics import Mechanics
 from engine.scene.pairs import has_friction
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # A group whose transmission quality falls below this is singular: about the root of the rounding error.
 SINGULAR_SINE = 1e-7

@@ -18,7 +18,7 @@ from engine.machine.machine import Machine
 from engine.machine.results import AskError, Outcome
 from engine.parts.skeleton import CrankInput, NonZero
 from engine.scene.scene import Scene, SceneNumber, scene_numbers
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # Roundings that a summary is made of.
 ROUNDING = 16

@@ -13,7 +13,7 @@ from engine.machine.kept_fields import KeptFields, fill_found
 from engine.machine.measuring import MeasuredCycles, Measuring
 from engine.quantities.expressions import Angle
 from engine.scene.scene import Numbers
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # A group whose transmission quality falls below this is singular: about the root of the rounding error.
 SINGULAR_SINE = 1e-7

@@ -42,7 +42,7 @@ from engine.quantities.quantity import STATISTICS, Quantity
 from engine.quantities.register import Field, Summary
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.scene.structure.input_laws import fixed_by_laws
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # Errors of what vanishes altogether: of differences of two roots.
 SURELY_NOTHING = 4.0 * UNKNOWN_ROOT

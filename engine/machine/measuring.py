@@ -43,7 +43,7 @@ from engine.quantities.expressions import (
     square_of,
 )
 from engine.scene.scene import Numbers
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # What may be left of each curve beyond its series, as a share of its greatest magnitude, unless an accuracy is asked.
 CLOSELY = 1e-9

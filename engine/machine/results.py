@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 CACHE_LINE = 64
 

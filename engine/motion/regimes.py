@@ -21,7 +21,7 @@ from engine.motion.quantities import (
 )
 from engine.quantities.quantity import InputUnits, Quantity
 from engine.scene.scene import Numbers
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 
 class Regimes:

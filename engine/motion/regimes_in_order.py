@@ -27,6 +27,7 @@ from engine.motion.moments.at_speed import greatest_moment
 from engine.motion.moments.dynamics import Dynamics, Reduction, Variants
 from engine.motion.moments.equation_of_motion import FRICTION_MOMENT
 from engine.motion.moments.grid import NODES
+from engine.motion.one_speed import CHANNELS
 from engine.motion.quantities import (
     AT_SHAFT,
     AXES,
@@ -51,12 +52,11 @@ from engine.motion.settled.cycle import Cycle, CycleAnswers, answers_of, cycle_o
 from engine.motion.settled.rubbing_steady import settled_motion
 from engine.motion.settled.sizing import flywheel_for
 from engine.motion.settled.steady import Steady, steady_motion
-from engine.motion.system import CHANNELS
 from engine.parts.regimes import RunRegime, run_keys
 from engine.quantities.quantity import has_cycle
 from engine.scene.pairs import has_friction
 from engine.scene.scene import Numbers, SceneError
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # What a step of a steady motion may miss, of the greatest work of a step: where nothing is said, by the accuracy asked
 # for, and at least.

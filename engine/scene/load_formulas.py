@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from engine import parts
-from engine.glossary import unknown_name_message
 from engine.parts.actions import FormulaForce, FormulaMoment
 from engine.parts.formulas.expressions import (
     ExpressionError,
@@ -37,6 +36,7 @@ from engine.scene.names import Problem, definitions, sliders
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.units.dimensions import described
 from engine.units.reading import UNIT_NAMES, any_quantity
+from engine.words.glossary import unknown_name_message
 
 if TYPE_CHECKING:
     from pint.util import UnitsContainer

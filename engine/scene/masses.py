@@ -6,11 +6,11 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import laws
-from engine.glossary import did_you_mean
 from engine.parts.skeleton import CrankInput, Hinged, Sliding, Yoke
 from engine.scene.inertia import body_inertia, body_mass, centre_along
 from engine.scene.names import Problem
 from engine.scene.scene import Numbers, Scene, scene_numbers
+from engine.words.glossary import did_you_mean
 
 Compute = Callable[[Numbers], float | np.ndarray]
 

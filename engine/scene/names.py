@@ -3,7 +3,6 @@
 import math
 
 from engine import laws
-from engine.glossary import did_you_mean
 from engine.parts.actions import Carried, Motor, Tabled, TorsionSpring
 from engine.parts.regimes import OF_CRANK, OF_SLIDER, Regime, run_keys
 from engine.parts.skeleton import FRAME, CrankInput, SliderInput, Sliding, Yoke
@@ -11,6 +10,7 @@ from engine.parts.wanted_motion import wrong_angles
 from engine.scene.scene import Scene, SceneError, once
 from engine.scene.structure.closing import how_to_close, is_whole
 from engine.scene.structure.input_laws import drive_turns, law_rate
+from engine.words.glossary import did_you_mean
 
 Problem = tuple[str, str]
 

@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from typing import Literal, NamedTuple
 
-from engine.glossary import did_you_mean
 from engine.parts.pair_friction import PairFriction
 from engine.parts.skeleton import FRAME, CrankInput, Hinged, Sliding, Yoke
 from engine.scene.names import Problem, guide_of, joint_owners
 from engine.scene.scene import Scene, once
+from engine.words.glossary import did_you_mean
 
 OF_JOURNALS = ("diameter", "contact", "above_prismatic")
 OF_GUIDES = ("form", "vee_angle", "length")

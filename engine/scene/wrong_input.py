@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel, Tag, ValidationError
 
 from engine.elements.element import Element, element_kinds
-from engine.glossary import nearest
 from engine.units.reading import in_text
+from engine.words.glossary import nearest
 
 # Maximum number of problems reported at once.
 MOST_PROBLEMS = 20

@@ -18,7 +18,7 @@ from engine.laws.cams.profiles import pressure_of_lines
 from engine.laws.rounding import EPS
 from engine.parts.motion_programs import TURN, CamProgram, sections_of
 from engine.parts.skeleton import AngularSpeed, Positive
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # Curvatures beyond this many times the base circle's are left out of the diagram: edges have infinite ones.
 _MOST_CURVED = 30.0

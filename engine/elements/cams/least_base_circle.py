@@ -13,7 +13,7 @@ from engine.elements.cams.positions import CamVariants, limit_radius, sense_of
 from engine.graph.over_arrays import over_arrays
 from engine.laws.cams.profiles import curvature_room, face_room, least_arm_angle
 from engine.laws.rounding import EPS
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # An arm that is nearly in line with the line of centres; in line, its cam would have no room.
 _LEAST_ANGLE = 1e-9

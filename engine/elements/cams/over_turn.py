@@ -14,7 +14,7 @@ from engine.cycle.panels.sampled import Tops, panel_integrals, root_inside, tail
 from engine.elements.cams.positions import CamVariants, at_positions
 from engine.laws.rounding import EPS
 from engine.parts.motion_programs import TURN
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # What polynomials may leave of a quantity's greatest magnitude; how often a piece is halved for it, and how often where
 # it has its least or greatest value.

@@ -10,7 +10,7 @@ from engine.elements.gears.gear_structure import MeshPlace
 from engine.elements.gears.tooth_laws import MeshGeometry, TeethInMesh, mesh_geometry, pitch_diameter
 from engine.elements.gears.train_speeds import stages, teeth_of
 from engine.laws.rounding import EPS
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # Centre distances that differ by less are the same but for rounding.
 _SAME = 1e-9

@@ -11,7 +11,7 @@ from engine.elements.element import Answers, Columns, Element, ElementResult, Nu
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis, path, plan
 from engine.parts.actions import Moment
 from engine.parts.skeleton import AngularSpeed, Length, Number, quantity
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # Links that come on while the speed is drawn.
 _LINKS = 3

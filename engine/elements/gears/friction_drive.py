@@ -10,7 +10,7 @@ from engine.elements.element import Answers, Columns, ElementResult, Numbers
 from engine.elements.friction.friction_element import FrictionElement
 from engine.parts.actions import Force, Moment
 from engine.parts.skeleton import Angle, AngularSpeed, Length, Number
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # What the wheels would need is told of those that slide, too.
 _TOLD = ("tangential_force", "needed_press_force", "traction_share")

@@ -23,7 +23,7 @@ from engine.elements.gears.train_inertia import kinetic_energy
 from engine.elements.gears.train_loads import equilibria, load_results
 from engine.elements.gears.train_speeds import basic_ratios, stages, train_speeds
 from engine.laws.rounding import EPS
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 NamedResults = Iterator[tuple[ElementResult, Measured]]
 

@@ -22,7 +22,7 @@ from engine.elements.torsional_trains.train_panels import train_panels
 from engine.elements.torsional_trains.train_parts import HarmonicMoment, TrainGear, TrainMass, TrainShaft
 from engine.laws.rounding import EPS
 from engine.parts.skeleton import AngularSpeed, Name
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 MOST_MASSES = 1000
 # Complex numbers in memory at a time.

@@ -21,14 +21,14 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from engine.glossary import did_you_mean
 from engine.machine.balancing.least_shaking import DependentError, Optimum, Unknown, least_peak, least_rms
 from engine.machine.machine import Machine
 from engine.parts.skeleton import Body
 from engine.quantities.quantity import has_cycle
 from engine.scene.scene import Scene
 from engine.units.display import quantity_text
-from engine.verdicts import Verdict
+from engine.words.glossary import did_you_mean
+from engine.words.verdicts import Verdict
 
 # What is left of a full balance by rounding, over what it is summed of; kinematics near dead centres lose digits.
 FULL = 1e-10

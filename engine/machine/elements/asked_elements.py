@@ -9,7 +9,7 @@ from engine.compiling.threads import on_all_threads
 from engine.elements.element import Answers, Columns, Element
 from engine.quantities.quantity import Quantity
 from engine.scene.scene import Numbers, Scene
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 
 def element_summaries(scene: Scene) -> list[Quantity]:

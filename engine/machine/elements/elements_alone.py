@@ -5,14 +5,14 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from engine import warnings
-from engine.glossary import did_you_mean
 from engine.machine.checks import check_scene, given_numbers, names_of
 from engine.machine.elements.asked_elements import AskedElements, element_summaries
 from engine.machine.machine import Machine
 from engine.machine.results import AskError, Outcome, asked_text, blank
 from engine.quantities.quantity import Quantity
 from engine.scene.scene import Numbers, Scene, scene_numbers
-from engine.verdicts import Verdict
+from engine.words.glossary import did_you_mean
+from engine.words.verdicts import Verdict
 
 
 def made_ready(

@@ -12,15 +12,15 @@ from engine.motion.coupled.coupled_answers import CoupledStanding
 from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.grid import NODES
+from engine.motion.one_speed import CHANNELS
 from engine.motion.quantities import load_fields
 from engine.motion.regimes_in_order import Schedule, Standing
 from engine.motion.runs.watching import Piece, RunFields
 from engine.motion.settled.rubbing_steady import settled_motion
-from engine.motion.system import CHANNELS
 from engine.parts.regimes import RunRegime
 from engine.quantities.quantity import Quantity
 from engine.scene.scene import Numbers, Scene, scene_numbers
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 NOUGHT = np.zeros(1)
 # Nodes of a history whose fields are found in one go.

@@ -50,7 +50,7 @@ from engine.quantities.expressions import (
 )
 from engine.quantities.machine import register_of
 from engine.scene.scene import Numbers, Scene, scene_numbers
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # Positions by which angles are followed, and among which failures are looked for.
 _LOOKED_AT = 720

@@ -20,7 +20,7 @@ from engine.mechanism.vectors import Vector
 from engine.scene.scene import Numbers, Scene, SceneError, scene_numbers
 from engine.scene.structure.free_groups import FreeGroup
 from engine.units.display import quantity_text
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # Intervals of a table that there is room for, in each turn of the input and in addition, and the longest, as a share of
 # a turn: a few beside each place where two modes come near to each other, the more the nearer they come.

@@ -21,7 +21,7 @@ from engine.motion.moments.breaks import Breaks, instants_of
 from engine.motion.moments.grid import Grid, make_grid
 from engine.motion.moments.landmarks import Landmarks
 from engine.motion.moments.tabulation import Ends, Sums, Tabulation
-from engine.motion.system import AT_REST, CHANNELS, POLYNOMIAL_ORDERS, PrintedSystem, Sizes, along_angle, along_time
+from engine.motion.one_speed import AT_REST, CHANNELS, POLYNOMIAL_ORDERS, MachineSystem, Sizes, along_angle, along_time
 from engine.parts.actions import Brake
 from engine.parts.motor_constants import motor_curve
 from engine.scene.load_formulas import load_formulas
@@ -331,23 +331,23 @@ class Dynamics:
         return variants._replace(breaks=breaks, drive=drive, instants=instants, kept={}, rubbing=rubbing)
 
     @cached_property
-    def by_angle(self) -> PrintedSystem:
+    def by_angle(self) -> MachineSystem:
         """The equation of motion over the crank angle, its functions printed."""
         mechanics = self.reduction.mechanics
-        return PrintedSystem(*along_angle(mechanics, self.works, self._gathered), mechanics)
+        return MachineSystem(*along_angle(mechanics, self.works, self._gathered), mechanics)
 
     @cached_property
-    def by_time(self) -> PrintedSystem:
+    def by_time(self) -> MachineSystem:
         """The equation of motion over time, its functions printed."""
         mechanics, rubs = self.reduction.mechanics, self.friction is not None
-        return PrintedSystem(*along_time(mechanics, self.works, self._gathered, rubs), mechanics)
+        return MachineSystem(*along_time(mechanics, self.works, self._gathered, rubs), mechanics)
 
-    def moving(self, system: PrintedSystem, variants: Variants, brisk: float, facing: float = 1.0) -> np.ndarray:
+    def moving(self, system: MachineSystem, variants: Variants, brisk: float, facing: float = 1.0) -> np.ndarray:
         """Numbers of the motion by one of the systems, (numbers, variants), but for the speeds that end it.
 
         Parameters
         ----------
-        system : PrintedSystem
+        system : MachineSystem
         variants : Variants
         brisk : float
             How many times its energy a machine loses per radian where it is near to rest.

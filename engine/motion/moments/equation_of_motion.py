@@ -11,8 +11,8 @@ import numpy as np
 from engine.motion.moments.at_speed import Moments
 from engine.motion.moments.breaks import beside
 from engine.motion.moments.dynamics import Dynamics, Rows, Variants
-from engine.motion.system import CHANNELS
-from engine.motion.walk import MOST_SECANTS, NEARLY_FOUND, SOLVED_TO
+from engine.motion.one_speed import CHANNELS
+from engine.stepping.walk import MOST_SECANTS, NEARLY_FOUND, SOLVED_TO
 
 # The field of the loads on pairs that stands for friction.
 FRICTION_MOMENT = "friction_moment"

@@ -10,7 +10,7 @@ import numpy as np
 from engine.motion.runs.run_in_angle import TIMES_TO_THE_END, stretch_over_angle
 from engine.motion.runs.run_in_time import BRISK_TO_LOOK, set_off, stretch_over_time
 from engine.motion.runs.run_progress import Progress, RunOutcome
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # A run is given up that comes neither a cycle farther nor so much of its time in so many steps.
 MOST_TIME_STEPS, OF_ITS_TIME = 40_000, 0.01

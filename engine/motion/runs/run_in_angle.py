@@ -4,15 +4,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.motion.methods import EIGHT, FOUR, NINE
 from engine.motion.moments.grid import edges_of
-from engine.motion.recorded import read_steps
 from engine.motion.runs.run_progress import Progress, State, gathered
 from engine.motion.runs.settled_runs import Carry, pass_mark
 from engine.motion.runs.watching import BetweenNodes, Piece
-from engine.motion.system import Walks
-from engine.motion.walk import Why
-from engine.verdicts import Verdict
+from engine.stepping.methods import EIGHT, FOUR, NINE
+from engine.stepping.recorded import read_steps
+from engine.stepping.system import Walks
+from engine.stepping.walk import Why
+from engine.words.verdicts import Verdict
 
 # A machine is too near to rest for the energy form where it loses so many times its energy per radian: 1/ω is a root of
 # the angle there. A polynomial within a step follows it less far than what is found at its end.

@@ -2,17 +2,17 @@
 
 import numpy as np
 
-from engine.motion.methods import EIGHT
 from engine.motion.moments.breaks import JUMP, beside
 from engine.motion.moments.grid import edges_of
-from engine.motion.recorded import read_steps
 from engine.motion.runs.run_in_angle import TIMES_TO_THE_END
 from engine.motion.runs.run_progress import Progress, State, gathered
 from engine.motion.runs.settled_runs import Carry, pass_mark
 from engine.motion.runs.watching import BetweenNodes, Piece, side_by_side
-from engine.motion.system import SHOWN, Walks
-from engine.motion.walk import Why
-from engine.verdicts import Verdict
+from engine.stepping.methods import EIGHT
+from engine.stepping.recorded import read_steps
+from engine.stepping.system import SHOWN, Walks
+from engine.stepping.walk import Why
+from engine.words.verdicts import Verdict
 
 # Times that a machine at rest looks whether a moment over time sets it going.
 WAITS = 1000

@@ -8,7 +8,7 @@ from engine.cycle.regula_falsi import regula_falsi
 from engine.motion.quantities import INSTANT, TURNED, KeptAt
 from engine.motion.runs.run_progress import RunOutcome
 from engine.motion.runs.watching import Piece, RunFields
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # By this share a run may end before an instant at its very end: what sums of steps round.
 ROUNDED = 1e-13

@@ -7,10 +7,10 @@ import numpy as np
 
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion
+from engine.motion.one_speed import MachineSystem
 from engine.motion.runs.watching import Observer, Piece
-from engine.motion.system import PrintedSystem
-from engine.motion.walk import LONGER, coarser
-from engine.verdicts import Verdict
+from engine.stepping.walk import LONGER, coarser
+from engine.words.verdicts import Verdict
 
 # What a step in time may miss, and one over the angle, whose errors add up over many cycles; how far they may turn.
 TOLERANCE, OVER_ANGLE, FARTHEST_STEP = 1e-10, 3e-12, 0.25 * np.pi
@@ -33,7 +33,7 @@ class State(NamedTuple):
 
 
 def gathered(
-    system: PrintedSystem, dynamics: Dynamics, rows: np.ndarray, change: np.ndarray, sign: float
+    system: MachineSystem, dynamics: Dynamics, rows: np.ndarray, change: np.ndarray, sign: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Works of the motors and of each channel, and the motors' moment squared over time; zero where not gathered.
 
@@ -41,7 +41,7 @@ def gathered(
 
     Parameters
     ----------
-    system : PrintedSystem
+    system : MachineSystem
     dynamics : Dynamics
     rows : ndarray (states and gathered, variants)
         Of the system.

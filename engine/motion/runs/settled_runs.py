@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from engine.motion.runs.run_progress import Begin, Progress, RunOutcome, Stepping
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # How much of the way to the speed that it is to come to others are ahead of a machine: to tell soon where nothing else
 # lies between, and where a speed from which it would stall does.

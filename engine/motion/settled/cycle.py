@@ -15,9 +15,9 @@ from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.moments.grid import NODES, Grid
 from engine.motion.moments.piecewise import integral, peak_between
+from engine.motion.one_speed import CHANNELS
 from engine.motion.quantities import EFFICIENCY_NOW, INSTANT, Asked
 from engine.motion.settled.steady import Steady
-from engine.motion.system import CHANNELS
 
 
 class Cycle(NamedTuple):

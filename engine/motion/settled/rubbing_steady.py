@@ -7,7 +7,7 @@ from engine.motion.runs.run import run_to_end
 from engine.motion.runs.run_progress import Begin, Ends, Progress, RunOutcome
 from engine.motion.runs.watching import Piece, RunFields
 from engine.motion.settled.steady import Steady, no_load_speed, steady_motion
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # The energy comes back after a cycle to so much of itself, within so many cycles.
 RETURNED, MOST_CYCLES = 1e-9, 60

@@ -12,7 +12,7 @@ import numpy as np
 from engine.compiling.running import mean_of_rows
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.settled.rubbing_steady import settled_motion
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # Crank angles over which the inertia is averaged.
 PLACES = 64

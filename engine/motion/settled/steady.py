@@ -10,14 +10,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.motion.closed_cycle import TOO_STEEP
-from engine.motion.methods import EIGHT, NINE
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.grid import edges_of
-from engine.motion.recorded import read_steps
-from engine.motion.system import Closed, Walks
-from engine.motion.walk import Why
-from engine.verdicts import Verdict
+from engine.stepping.closed_cycle import TOO_STEEP
+from engine.stepping.methods import EIGHT, NINE
+from engine.stepping.recorded import read_steps
+from engine.stepping.system import Closed, Walks
+from engine.stepping.walk import Why
+from engine.words.verdicts import Verdict
 
 # How far a step may turn: while the cycle is searched, where it is walked through, and where it is recorded too.
 FARTHEST, CLOSER, CLOSEST = 0.5 * np.pi, 0.25 * np.pi, 0.125 * np.pi

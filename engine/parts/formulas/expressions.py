@@ -18,8 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.glossary import unknown_name_message
 from engine.units.reading import UNIT_NAMES
+from engine.words.glossary import unknown_name_message
 
 LONGEST = 2000
 DEEPEST = 50

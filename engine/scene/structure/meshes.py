@@ -7,13 +7,13 @@ of structural groups swing or turn as their loops allow: racks on one go with pi
 
 import numpy as np
 
-from engine.glossary import did_you_mean
 from engine.parts.skeleton import FRAME, CrankInput
 from engine.scene.masses import places_on
 from engine.scene.names import Problem, guide_of, sliders
 from engine.scene.pairs import drive_base
 from engine.scene.scene import Numbers, Scene
 from engine.scene.structure.input_laws import drive_turns
+from engine.words.glossary import did_you_mean
 
 
 def rides_along(scene: Scene, point: str, guide: str) -> str | None:

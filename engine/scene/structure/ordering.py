@@ -7,7 +7,6 @@ degrees of freedom as input links. Lower pairs only: W = 3n − 2p₁ (Chebyshev
 from collections.abc import Container
 from typing import NamedTuple
 
-from engine.glossary import did_you_mean
 from engine.parts.driving_gears import Pinion, Rack
 from engine.parts.skeleton import FRAME, Sliding, Yoke
 from engine.scene import structure
@@ -16,6 +15,7 @@ from engine.scene.masses import replacement_problems
 from engine.scene.names import acting, definitions, guide_of, input_point, joint_owners, misplaced, sliders
 from engine.scene.pairs import friction_problems, pairs, strength_problems
 from engine.scene.scene import Scene, SceneError, once
+from engine.words.glossary import did_you_mean
 
 
 class OrderedPart(NamedTuple):

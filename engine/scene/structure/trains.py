@@ -4,12 +4,12 @@ By Willis the speeds of both relative to the carrier have a constant ratio, howe
 crank and carried by what turns evenly itself turns evenly.
 """
 
-from engine.glossary import did_you_mean
 from engine.parts.skeleton import FRAME, Shaft
 from engine.scene.masses import places_on
 from engine.scene.names import Problem, still_links
 from engine.scene.scene import Scene
 from engine.scene.structure.meshes import has_known_angle
+from engine.words.glossary import did_you_mean
 
 
 def train_problems(scene: Scene) -> list[Problem]:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from engine.compiling.running import over_variants
-from engine.motion.system import SHOWN
+from engine.stepping.system import SHOWN
 
 
 def _slopes() -> np.ndarray:

@@ -14,7 +14,7 @@ import numpy as np
 from engine.compiling.decorators import routine
 from engine.compiling.widths import LANES
 from engine.laws.runge_kutta import ORDER_EIGHT
-from engine.motion.tableaux import ORDER_FOUR, ORDER_NINE
+from engine.stepping.tableaux import ORDER_FOUR, ORDER_NINE
 
 # Numbers of the methods.
 EIGHT, FOUR, NINE = 0, 1, 2

@@ -18,7 +18,7 @@ from engine.compiling.decorators import driver, routine
 from engine.compiling.memory import memory
 from engine.compiling.widths import LANES
 from engine.cycle.panels.lanes import one, rows
-from engine.motion.walk import (
+from engine.stepping.walk import (
     FULL,
     GOAL,
     GOING,
@@ -34,7 +34,7 @@ from engine.motion.walk import (
     rows_of,
     take_in,
 )
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 OK, STALLS, RUNS_AWAY, ANY_SPEED, NOT_FINITE = (
     float(v) for v in (Verdict.OK, Verdict.STALLS, Verdict.RUNS_AWAY, Verdict.ANY_SPEED, Verdict.NOT_FINITE)
