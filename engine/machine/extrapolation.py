@@ -166,5 +166,5 @@ def _jitter(
 
 
 def _filled(values: np.ndarray) -> np.ndarray:
-    """Values with 0 in place of what isn't finite."""
+    """Values, with 0 for NaN and infinite ones."""
     return np.where(np.isfinite(values), values, 0.0)

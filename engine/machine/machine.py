@@ -223,7 +223,7 @@ class Machine:
 
     @property
     def available_summaries(self) -> dict[str, Quantity]:
-        """Every summary one may ask, besides the statistics of fields: FIELD.max, FIELD.rms, … (see STATISTICS)."""
+        """Every summary, without the statistics of fields: FIELD.max, FIELD.rms, … (see STATISTICS)."""
         of_warnings = warnings.asked_warnings.warning_summaries(self.scene, self._has_summary)
         return self._computed_summaries | {q.name: q for q in of_warnings}
 
@@ -660,7 +660,7 @@ class Machine:
     def _excess(self, name: str, expression: Expression, found: Measured, answers: MeasuredCycles) -> np.ndarray:
         """Error figure of a summary as a multiple of what is allowed.
 
-        What may vanish is measured by the greatest magnitude of the curves it is made of: statistics of a field by its
+        Values that may vanish are measured by the peaks of the curves they are made of: statistics of a field by its
         peak, others by what comes of them where these curves are off by the accuracy. The place of an extreme doesn't
         count: beside a flat one it is hardly known, and nothing depends on it.
         """

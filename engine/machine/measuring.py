@@ -45,7 +45,7 @@ from engine.quantities.expressions import (
 from engine.scene.scene import Numbers
 from engine.words.verdicts import Verdict
 
-# What may be left of each curve beyond its series, as a share of its greatest magnitude, unless an accuracy is asked.
+# Remainder of each curve beyond its series, as a share of its peak, unless an accuracy is asked.
 CLOSELY = 1e-9
 # What may be left of the quality of force transmission is so many times less, or this where that is less still: near a
 # dead centre all else depends on how small it is.
@@ -440,7 +440,7 @@ class MeasuredCycles:
         return Measured(found.value, found.error + spread * (found.error != 0.0))
 
     def allowed(self, expression: Expression, accuracy: float) -> np.ndarray:
-        """Error of an expression where each curve it is made of is off by a share of its greatest magnitude."""
+        """Error of an expression whose curves are each off by a share of their peaks."""
 
         def off(asked: Measurement) -> Measured:
             found = self._measured(asked)

@@ -143,7 +143,7 @@ class Mechanics:
         return [condition for condition in self.graph.returns_behind(nodes) if condition.of != TIME]
 
     def _open_parts(self) -> list[tuple[str, str]]:
-        """What isn't in its place again after a cycle of the scene as it is."""
+        """Nodes that don't return to their value after a cycle of the unmodified scene."""
         if not self._returns:
             return []
         values, revolutions = self._as_is, self.scene.input.revolutions
@@ -213,7 +213,7 @@ class Mechanics:
 
     @cached_property
     def input_moment(self) -> Node:
-        """Input moment that keeps the speed uniform: ½ ω² dI/dφ − M."""
+        """Drive torque for constant speed: ½ ω² dI/dφ − M."""
         terms = [(self.speed_squared * mass, basis) for mass, basis in self.reduced.slope_terms]
         terms += [(-t.coefficient, t.basis) for t in self.loads.terms if t.role != "braking"]
         return self.graph.combination(terms)

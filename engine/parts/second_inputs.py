@@ -32,7 +32,7 @@ Drive = Literal["own", "crank"]
 
 
 class MovedByLaw(MotionProgram):
-    """What moves by a law that repeats itself with each turn of its argument τ.
+    """A motion by a law that is periodic in its argument τ, with period 2π.
 
     The crank's angle φ is the argument of a law without `period` and `travel`. With a `period` it is 2π t/period, the
     time t being zero with the first input's coordinate; under a first input that slides by s, 2π s/`travel`.

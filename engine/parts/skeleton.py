@@ -581,8 +581,8 @@ class Body(Part):
 class AcceleratedBase(Part):
     """The frame moves with a constant acceleration, as in a vehicle that brakes or a lift that starts.
 
-    The machine's own motion is that against the frame. On every mass acts −m a besides its weight, and counts as
-    "gravity" in all that is told by names.
+    The machine's motion is relative to the frame. Each mass has the inertia force −m a in addition to its weight; both
+    together are "gravity" in the names of results.
     """
 
     acceleration_x: Acceleration = 0.0
@@ -641,7 +641,7 @@ class WheelForm(Part):
     `arms` straight arms of section `arm_area` and a hub; `mean rim`: the textbook's rim, all of its mass at half the
     `mean_diameter`, as wide as `width_ratio` × its thickness. Without a diameter, the largest that the rim speed
     allows is taken. The wheel sits on a shaft turning `ratio` times as fast as the input link. With the `strength` of
-    its material, a speed at which it bursts is told.
+    its material, the bursting speed is given.
     """
 
     type: Literal["rim", "disc", "arms", "mean rim"]

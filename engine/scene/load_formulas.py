@@ -241,7 +241,7 @@ def _check_turns(scene: Scene, formula: LoadFormula) -> None:
 
 
 def _check_finite(expression: TextExpression, tree: Tree) -> None:
-    """Refuse what isn't finite whatever the values of its names, such as 1 / 0 or 1 / (phi - phi)."""
+    """Refuse constant infinities and NaN, such as 1 / 0 or 1 / (phi - phi)."""
     if isinstance(tree, TextOperation):
         for operand in tree.operands:
             _check_finite(expression, operand)

@@ -57,7 +57,7 @@ def slenderness_rules(scene: Scene) -> Iterator[Rule]:
 
 
 def _slenderness(scene: Scene, name: str, length: str) -> object:
-    """Length over the least radius of gyration of the section, where the rod is ever compressed."""
+    """Length over the minimum radius of gyration of the section, where the rod is ever compressed."""
     shape, at = scene.bodies[name].shape, f"bodies.{name}.shape"
 
     def judge(n: Numbers, thrust: Measured) -> tuple[object, object]:

@@ -252,7 +252,7 @@ def _of_pieces(part: _Part, fields: Iterable[str]) -> Iterator[dict[str, np.ndar
             "coupling power": np.zeros(new.sum()),
         }
         moments = (rows["motor_moment"], *(rows[channel] for channel in CHANNELS))
-        # The moment of what hinders a machine may be no number.
+        # The moment that hinders a machine may be NaN.
         with np.errstate(invalid="ignore"):
             own |= {f"{name} power": way * m * rows["speed"] for name, m in zip(SOURCES, moments, strict=False)}
         own |= {"speed": way * rows["speed"]} | {key: row for key, row in rows.items() if key in AT_TWO_SPEEDS}

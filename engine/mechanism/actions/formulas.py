@@ -211,7 +211,7 @@ class _Curves:
             x = self._unfolded(angle) if timed or self._turns_wholly(angle) else self.of(angle)
             cosine, sine = graph.apply(direction_of, x.value)
             if timed and x.rate.stage == Stage.VARIANT and not any(isinstance(n, Held) for n in reached([x.value])):
-                # At a period that the cycle is a multiple of, it repeats itself.
+                # It is periodic if the cycle is a multiple of its period.
                 graph.returns((cosine, sine), Return(TIME, x.rate * float(self._revolutions)))
         if name == "sin":
             return Differentiated(sine, cosine * x.rate)

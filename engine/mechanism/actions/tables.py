@@ -26,8 +26,8 @@ from engine.mechanism.actions.paths import time_per_input
 from engine.mechanism.kinematics import Kinematics
 from engine.parts.actions import Tabled
 
-# A table with more pieces is searched by a law; fewer are told apart side by side, by a bounded number of lines, which
-# the stages of a motion do a sixth faster.
+# A table with more pieces is searched by a law; fewer are compared one by one, in a bounded number of lines, so that
+# the stages of a motion take a sixth less time.
 MOST_LOOKED_THROUGH = 16
 
 

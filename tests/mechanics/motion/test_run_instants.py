@@ -240,8 +240,8 @@ def test_variants__as_many_instants_in_a_piece_as_there_are_variants_may_all_be_
     [
         ({}, "either times or angles"),
         ({"times": [0.0, 1.0], "angles": [1.0]}, "either times or angles"),
-        ({"times": [0.0, 0.0]}, "greater than the one before"),
-        ({"times": [-1.0, 0.0]}, "counted from the begin"),
+        ({"times": [0.0, 0.0]}, "in ascending order"),
+        ({"times": [-1.0, 0.0]}, "counted from the start of the run, in ascending order"),
         ({"times": "0 s till 2 s"}, "FIRST to LAST, HOW MANY"),
         ({"times": "0 s to 2 s, 1"}, "from 2 to 100000 values"),
         ({"times": "0 m to 2 s, 3"}, "time"),
