@@ -141,6 +141,7 @@ from engine.scene.structure.ordering import group_links
 from engine.scene.structure.ordering import order as order_groups
 from engine.scene.structure.ordering import sliders as sliders_of
 from engine.scene.structure.trains import mesh_axis
+from engine.scene.wrong_input import MOST_PROBLEMS, arms_of, bare_annotation, is_union, wrong_input
 from engine.units.dimensions import DIMENSIONS, Powers, common_units
 from engine.units.dimensions import described as described_dimension
 from engine.units.display import (
@@ -183,6 +184,7 @@ __all__ = [
     "EVALUATIONS_PER_DERIVATIVE",
     "FOUR_STROKE",
     "FRAME",
+    "MOST_PROBLEMS",
     "PLACE_STATISTICS",
     "POSITIONS_USED",
     "RPP",
@@ -281,10 +283,12 @@ __all__ = [
     "Verdict",
     "Yoke",
     "any_quantity",
+    "arms_of",
     "assembly_modes",
     "assembly_ranges",
     "balance",
     "balance_shafts",
+    "bare_annotation",
     "base_powers",
     "body_ellipsoid",
     "boxer_engine",
@@ -333,6 +337,7 @@ __all__ = [
     "influence_coefficients",
     "influence_correction",
     "is_compiling",
+    "is_union",
     "is_warning",
     "joined_by_and",
     "joint_of",
@@ -400,4 +405,5 @@ __all__ = [
     "warnings_from_numbers",
     "warnings_in_words",
     "wound_stresses",
+    "wrong_input",
 ]

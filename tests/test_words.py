@@ -46,10 +46,13 @@ BANNED = PLAIN | {
     r"(?<![Tt]here )\b(is|are) no \w+": "is not a",
     r"\bonce more\b|\banew\b": "again",
     r"(?<!-)\b[Bb]esides?\b(?! :)|\b[Aa]side\b": "next to, also",
-    r"\b(a|either|which|the whole|a long|all the) way\b": "distance, direction, how",
+    r"\b(a|either|which|the whole|a long|all the) way\b|\b[Tt]he way (of|to)\b": "distance, direction, how",
     r"(?<![\w.])[Gg]reatest?(?!\w)": "maximum, peak",
     r"\b[Mm]otors?'?s? moments?\b|\b[Mm]oments? of (the |a )?motors?\b": "motor torque",
     r"\b[Uu]niform speed\b": "constant speed",
+    r"\blink \w+ from link\b": "crankpin force (joint A): crank on rod",
+    r"\b([Tt]he|its|their|each) begin\b": "start",
+    r"\b[Ll]east (value|radius|magnitude|speed|torque)\b": "minimum",
 }
 # Folders and files that are read, whether only what a user sees counts (no comments, no docstrings), and the patterns.
 SCOPE = (
@@ -59,15 +62,24 @@ SCOPE = (
     ("engine/compiling", False, PLAIN),
     ("engine/graph", False, PLAIN),
     ("engine/quantities", False, PLAIN),
+    ("engine/machine", False, PLAIN),
+    ("engine/mechanism", False, PLAIN),
+    ("engine/parts", False, PLAIN),
+    ("engine/scene", False, PLAIN),
+    ("engine/units", False, PLAIN),
+    ("engine/warnings", False, BANNED),
     ("engine/words/verdicts.py", False, PLAIN),
 )
-ENDINGS = {".py", ".pyi", ".md", ".toml", ".html"}
+ENDINGS = {".py", ".pyi", ".md", ".toml", ".html", ".js"}
 # Right texts with a banned phrase: file, text, reason.
 EXCEPTIONS = {
     ("sweeps/synthesis/paths.py", "rms, greatest : float"): "name of an attribute",
     ("engine/mechanism/reactions.py", "inertia of what"): "name of a node that nobody sees",
     ("engine/quantities/chapters/dynamics.py", "motor moment"): "name of a node that nobody sees",
 }
+
+
+_JS = re.compile(r"//.*|\"[^\"]*\"|`[^`]*`?|^\s*\*.*")
 
 
 def files(place: str) -> list[Path]:
@@ -84,6 +96,9 @@ def docstrings(tree: ast.Module) -> set[int]:
 
 def texts(file: Path, seen_only: bool) -> Iterator[tuple[int, str]]:
     source = file.read_text(encoding="utf8")
+    if file.suffix == ".js":
+        # Comments and texts, without the code in these.
+        source = "\n".join(" ".join(_JS.findall(re.sub(r"\$\{[^}]*\}", "", line))) for line in source.splitlines())
     if file.suffix not in {".py", ".pyi"}:
         yield from enumerate(source.splitlines(), 1)
         return

@@ -328,7 +328,7 @@ def _check_order(x: np.ndarray, interpolation: str, name: str) -> None:
     gaps = np.diff(x)
     if (gaps < 0.0).any():
         row = np.flatnonzero(gaps < 0.0)[0] + 1
-        raise TableError(f"row {row + 1}: {name} = {x[row]} is below row {row}'s {x[row - 1]}; sort the rows by {name}")
+        raise TableError(f"row {row + 1}: {name} is below that of row {row}; sort the rows by {name}")
     steps = np.flatnonzero(gaps == 0.0) + 1
     if steps.size and interpolation != "linear":
         row = steps[0]

@@ -75,7 +75,7 @@ class Instants(Part):
             raise ValueError(f"from 1 to {MOST_INSTANTS} values are kept, not {len(values)}")
         rising = all(a < b for a, b in pairwise(values))
         if values[0] < 0.0 or not rising or not math.isfinite(values[-1]):
-            raise ValueError("counted from the begin of the run, each value is greater than the one before it")
+            raise ValueError("counted from the start of the run, in ascending order")
         return values
 
     @model_validator(mode="after")

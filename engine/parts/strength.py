@@ -22,7 +22,7 @@ class Pin(Part):
 
 
 class Strut(Part):
-    """A rod of a dyad that may buckle: round with a `diameter`, a tube, or flat with a `width` and `thickness`.
+    """A rod between two joints that may buckle: of a `diameter`, a tube, or flat with a `width` and a `thickness`.
 
     `end_fixity` is the effective length over the distance of its joints, 1 between two pins. `material` is S235 (mild
     structural steel), E335 (harder machine steel) or grey cast iron.

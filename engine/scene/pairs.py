@@ -38,6 +38,14 @@ class Pair(NamedTuple):
     place: str
 
 
+class RodPairs(NamedTuple):
+    """A rod between two joints: the path of its length, and its pairs at its origin and at its other end."""
+
+    length: str
+    outer: tuple[Pair, ...]
+    inner: tuple[Pair, ...]
+
+
 def holder_of(scene: Scene, point: str) -> str:
     """Link that takes a force on a point; of the two links of an inner joint the sliding one, else the first."""
     if point in scene.points:
@@ -228,19 +236,33 @@ def strength_problems(scene: Scene) -> Iterator[Problem]:
         if pin.pair not in turning:
             message = f"{pin.pair!r} is not a revolute pair of this scene; {did_you_mean(pin.pair, turning)}"
             yield f"pins.{name}.pair", message
-    rods = {link for link, _, _ in rods_of(scene)}
+    rods = rods_of(scene)
     for name, strut in scene.struts.items():
         if strut.link not in rods:
-            message = f"{strut.link!r} is not a rod between the two joints of a dyad; {did_you_mean(strut.link, rods)}"
+            message = f"{strut.link!r} is not a rod between two joints; {did_you_mean(strut.link, rods)}"
             yield f"struts.{name}.link", message
 
 
 @once
-def rods_of(scene: Scene) -> list[tuple[str, str, str]]:
-    """Rods between the outer and the inner joint of a dyad: link, group, and side "first" or "second"."""
-    sides = ((name, side) for name in scene.groups for side in ("first", "second"))
-    every = ((getattr(scene.groups[name], side), name, side) for name, side in sides)
-    return [(part.link, name, side) for part, name, side in every if isinstance(part, Hinged)]
+def rods_of(scene: Scene) -> dict[str, RodPairs]:
+    """Rods by their links: those of dyads, from their outer to their inner joint, and free links with two joints."""
+    found = {
+        part.link: (f"groups.{name}.{side}", (part.joint, group.inner))
+        for name, group in scene.groups.items()
+        for side, part in (("first", group.first), ("second", group.second))
+        if isinstance(part, Hinged)
+    }
+    found |= {name: (f"links.{name}", link.joints) for name, link in scene.links.items() if len(link.joints) == 2}
+    return {
+        link: RodPairs(f"{path}.length", *(tuple(_pairs_in(scene, joint, link)) for joint in joints))
+        for link, (path, joints) in found.items()
+    }
+
+
+def _pairs_in(scene: Scene, joint: str, link: str) -> Iterator[Pair]:
+    """Pairs of a link in one of its joints."""
+    turning = (pair for pair in pairs(scene) if pair.kind == "revolute" and joint_of(pair) == joint)
+    return (pair for pair in turning if link in (pair.link, pair.other))
 
 
 def _wrong_at_cam(path: str, friction: PairFriction, rolls: bool) -> Iterator[Problem]:

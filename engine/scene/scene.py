@@ -2,13 +2,14 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from functools import wraps
-from typing import Annotated, TypeVar
+from typing import Annotated, Any, ClassVar, TypeVar
 from weakref import finalize
 
 import numpy as np
 from annotated_types import Ge, Gt, Le, Lt
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationError, model_validator
 
+from engine import scene
 from engine.elements.element import MachineElement
 from engine.parts.actions import ForceAction, MomentAction, Spring
 from engine.parts.couplings import Coupling
@@ -53,6 +54,16 @@ class SceneError(ValueError):
         super().__init__("\n".join(f"{path}: {message}" if path else message for path, message in problems))
 
 
+class _RefusedInWords(type(Part)):
+    """Refuses wrong input of `Scene(...)` in a person's words."""
+
+    def __call__(cls, *args: Any, **data: Any) -> Any:
+        try:
+            return super().__call__(*args, **data)
+        except ValidationError as error:
+            raise SceneError(scene.wrong_input.wrong_input(cls, data, error)) from None
+
+
 # Tables allowed in a scene of machine elements without a mechanism.
 _ALONE = {"title", "source", "units", "limits", "elements"}
 
@@ -60,7 +71,7 @@ _ALONE = {"title", "source", "units", "limits", "elements"}
 _SINGULAR = {"bodies": "body"}
 
 
-class Scene(Part):
+class Scene(Part, metaclass=_RefusedInWords):
     """One machine: geometry, input, structural groups, bodies, and loads.
 
     Groups may be listed in any order; free `links` form groups of any class, whose assembly mode `near` selects.
@@ -70,6 +81,9 @@ class Scene(Part):
     its `limits` the program warns. A scene of machine elements only has no input.
     """
 
+    hints: ClassVar[dict[str, str]] = {
+        "input": 'add a table [input] of type "crank" or "slider"; see `sweeps help input`'
+    }
     title: PlainText = ""
     source: PlainText = ""
     units: UnitSystem = "mm"
@@ -114,6 +128,26 @@ class Scene(Part):
         return f"<Scene{title}: {', '.join([*drive, *groups, *counted])}>"
 
     __str__ = __repr__
+
+    @classmethod
+    def model_validate(cls, obj: Any, **options: Any) -> "Scene":
+        """A scene of nested tables, whose quantities may be texts with units.
+
+        Parameters
+        ----------
+        obj : dict
+        **options
+            As for any model of pydantic.
+
+        Raises
+        ------
+        SceneError
+            All problems, each with its key.
+        """
+        try:
+            return super().model_validate(obj, **options)
+        except ValidationError as error:
+            raise SceneError(scene.wrong_input.wrong_input(cls, obj, error)) from None
 
     @model_validator(mode="before")
     @classmethod

@@ -28,6 +28,7 @@ UnitSystem = Literal["mm", "SI", "US"]
 
 # Spellings follow the CF conventions ("lbf in", "in s-2"). Each row: units of an SI unit and the smallest size, in that
 # unit, from which each is used; the first is also that of tables, whose columns have one unit whatever their size.
+# Metric prefixes follow the size; inch-pound units don't, as nobody converts 12 and 144 in mind within one list.
 _Row = Mapping[str, float]
 _ANGLES: dict[str, _Row] = {"rad": {"deg": 0, "rev": 10}, "rad s-1": {"rpm": 0}} | {
     units: {units: 0} for units in ("rad s-2", "rad rad-1", "rad rad-2")
@@ -57,13 +58,13 @@ _ROWS: dict[str, dict[str, _Row]] = {
     | {
         "m": {"in": 0},
         "kg": {"lb": 0},
-        "N": {"lbf": 0, "kip": 1000},
-        "N m": {"lbf in": 0, "lbf ft": 1000, "kip ft": 1000},
+        "N": {"lbf": 0},
+        "N m": {"lbf in": 0},
         "J": {"ft lbf": 0},
         "W": {"hp": 0},
-        "Pa": {"psi": 0, "ksi": 1000},
-        "kg m2": {"lb ft2": 1, "lb in2": 0},
-        "kg m": {"oz in": 0, "lb in": 100},
+        "Pa": {"psi": 0},
+        "kg m2": {"lb ft2": 0},
+        "kg m": {"oz in": 0},
         "m3 s-1": {"ft3 min-1": 0},
         "rad m-1": {"deg in-1": 0},
     },

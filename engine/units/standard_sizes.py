@@ -1,7 +1,8 @@
 """Standard sizes of parts: preferred numbers for lengths and diameters, rated powers of motors.
 
-The series R5, R10, R20 and R40 divide a decade into 5, 10, 20 and 40 equal ratios and round the numbers; each holds
-every second number of the next. Source: ISO 3:1973. Motors: rated outputs of IEC 60072-1, those that catalogues list.
+The series R5, R10, R20 and R40 divide a decade into 5, 10, 20 and 40 equal ratios and round the numbers, by −1.01 % to
++1.26 %; each holds every second number of the next. Source: the basic series of ISO 3:1973, compared with several
+printed tables. Motors: rated outputs of IEC 60072-1 that European catalogues list, thus 3 and 4 kW without 3.7 kW.
 """
 
 import math

@@ -8,9 +8,9 @@ import numpy as np
 from engine.cycle.measured import Measured
 from engine.elements.gears.tooth_laws import transverse_angle
 from engine.parts.actions import Motor
-from engine.parts.skeleton import FRAME, Hinged
+from engine.parts.skeleton import FRAME
 from engine.scene.inertia import body_mass
-from engine.scene.pairs import holder_of
+from engine.scene.pairs import holder_of, rods_of
 from engine.scene.scene import Numbers, Scene
 from engine.warnings.rule import ABOVE_ZERO, Rule, limit_of
 
@@ -35,29 +35,25 @@ def transmission_rules(scene: Scene) -> Iterator[Rule]:
 
 
 def slenderness_rules(scene: Scene) -> Iterator[Rule]:
-    """Rods of dyads in compression, where the shape of a body gives the section: a round rod, or a plate."""
-    rods = {
-        part.link: f"{name}.{side}"
-        for name, group in scene.groups.items()
-        for side, part in (("first", group.first), ("second", group.second))
-        if isinstance(part, Hinged)
-    }
+    """Rods in compression, where the shape of a body gives the section: a round rod, or a plate."""
     for name, body in scene.bodies.items():
-        shape = None if body.shape is None else body.shape.type
-        if body.link not in rods or not (shape == "plate" or (shape == "rod" and body.shape.area is not None)):
+        shape, rod = None if body.shape is None else body.shape.type, rods_of(scene).get(body.link)
+        if rod is None or not (shape == "plate" or (shape == "rod" and body.shape.area is not None)):
             continue
         sentence = (
             "{value} is the slenderness of this rod, above limits.slenderness = {limit}, and it is compressed: it may "
             "buckle; make it thicker or shorter"
         )
-        rod = rods[body.link]
-        # The force at the outer joint, the rod's origin, along the rod compresses it.
-        reads = (f"{rod}.reaction_along.max",)
-        yield Rule(f"bodies.{name}", "above", "1", sentence, _slenderness(scene, name, f"groups.{rod}.length"), reads)
+        # A force along the rod compresses it at its origin, and stretches it at its other end.
+        ends = ((rod.outer, "max", 1.0), (rod.inner, "min", -1.0))
+        alone = [(pair[0].name, most, sign) for pair, most, sign in ends if [p.link for p in pair] == [body.link]]
+        for pair, most, sign in alone[:1]:
+            reads = (f"{pair}.reaction_along.{most}",)
+            yield Rule(f"bodies.{name}", "above", "1", sentence, _slenderness(scene, name, rod.length, sign), reads)
 
 
-def _slenderness(scene: Scene, name: str, length: str) -> object:
-    """Length over the least radius of gyration of the section, where the rod is ever compressed."""
+def _slenderness(scene: Scene, name: str, length: str, sign: float) -> object:
+    """Length over the minimum radius of gyration of the section, where the rod is ever compressed."""
     shape, at = scene.bodies[name].shape, f"bodies.{name}.shape"
 
     def judge(n: Numbers, thrust: Measured) -> tuple[object, object]:
@@ -70,7 +66,7 @@ def _slenderness(scene: Scene, name: str, length: str) -> object:
                 side = np.minimum(side, n[f"{at}.thickness"])
             radius = side / math.sqrt(12.0)
         slender = n[length] / radius
-        return np.where(thrust.value > thrust.error, slender, 0.0), limit_of(scene, "slenderness", n)
+        return np.where(sign * thrust.value > thrust.error, slender, 0.0), limit_of(scene, "slenderness", n)
 
     return judge
 
@@ -79,7 +75,7 @@ def _loaded(scene: Scene) -> dict[str, list[str]]:
     """Links on which forces act, each with the paths of these."""
     acting = [(force.on, f"forces.{name}") for name, force in scene.forces.items()]
     acting += [(end, f"springs.{name}") for name, spring in scene.springs.items() for end in spring.between]
-    on = [(holder_of(scene, point), path) for point, path in acting]
+    on = [(_meant(scene, point), path) for point, path in acting]
     on += [(cylinder.piston, f"cylinders.{name}") for name, cylinder in scene.cylinders.items()]
     found: dict[str, list[str]] = {}
     for link, path in on:
@@ -87,6 +83,12 @@ def _loaded(scene: Scene) -> dict[str, list[str]]:
         if link not in (FRAME, scene.input.link):
             found.setdefault(link, []).append(path)
     return found
+
+
+def _meant(scene: Scene, point: str) -> str:
+    """Link that a load on a point is meant for: of the free links in a joint the one that slides."""
+    sliding = (name for name, link in scene.links.items() if link.guide is not None and point in link.joints)
+    return next(sliding, holder_of(scene, point))
 
 
 def _has_loads(scene: Scene) -> bool:

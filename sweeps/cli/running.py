@@ -22,7 +22,9 @@ from sweeps.cli.shared import (
     tell_data,
     tell_files,
     tell_outdated,
+    tell_warnings,
     use_threads,
+    warnings_of,
     workers_text,
 )
 from sweeps.text.interruption import keeping
@@ -34,6 +36,7 @@ from sweeps.text.interruption import keeping
 @click.option("--source", is_flag=True, help="Print the generated kernel instead.")
 @CLUSTER
 @study_options
+@ALL
 @ERRORS
 @errors_as_messages
 def check(
@@ -44,6 +47,7 @@ def check(
     settings: tuple[str, ...],
     positions: int | None,
     accuracy: str | None,
+    every: bool,
 ) -> None:
     """Show what a study or scene will compute, what is skipped and why, and the time, memory and file size."""
     from sweeps.report.check_report import check_text
@@ -56,7 +60,7 @@ def check(
         tell(found.machine().source())
     else:
         with cluster_client(cluster) as client:
-            tell(check_text(found, out, client, tell_aside))
+            tell(check_text(found, out, client, tell_aside, every))
 
 
 @click.command()
@@ -93,7 +97,6 @@ def run(
     from sweeps.report.files.result_data import result_data
     from sweeps.report.result_report import answer_text, counts_text
     from sweeps.report.sweep_result import SweepResult
-    from sweeps.report.variant_warnings import answer_warnings
     from sweeps.run.progress import ProgressBar
     from sweeps.run.runner import run_study
     from sweeps.store import variants_kept
@@ -121,16 +124,15 @@ def run(
             best = result.best()
             told = [best] if best is not None else range(min(found.design.size, 1))
             made = [out, *([] if no_plots else plots_of(result, file))]
-            warned = {"warnings": answer_warnings(result)}
-            tell_data(result_data(result, told) | warned | {"files": [str(path) for path in made]})
+            further = {"warnings": warnings_of(result), "files": [str(path) for path in made]}
+            tell_data(result_data(result, told) | further)
             stop_without_answer(result)
             return
         plural = "" if found.design.size == 1 else "s"
         tell(f"{found.title or found.name}: {found.design.size} variant{plural}")
         tell(counts_text(result))
         tell(answer_text(result, every))
-        for warning in answer_warnings(result):
-            tell(f"Warning: {warning}")
+        tell_warnings(result)
         if hidden := between_positions_text(found):
             tell(hidden)
         made = [out, *([] if no_plots else plots_of(result, file))]
@@ -160,11 +162,10 @@ def optimise(
 
     The exit code is 1 if no candidate meets the conditions.
     """
-    from sweeps.optimising.optimum import choices, optimum_text
+    from sweeps.optimising.optimum import optimum_text
     from sweeps.optimising.runner import optimise_study
     from sweeps.report.result_report import counts_text
     from sweeps.report.sweep_result import SweepResult
-    from sweeps.report.variant_warnings import result_warnings
     from sweeps.run.progress import ProgressBar
     from sweeps.study.bundled import find_study
     from sweeps.study.search_task import task_of
@@ -189,8 +190,7 @@ def optimise(
         tell(f"{found.title or found.name}: {result.description.variants} candidates")
         tell(counts_text(result))
         tell(optimum_text(result, every))
-        for warning in result_warnings(result, [choice.variant for choice in choices(result)]):
-            tell(f"Warning: {warning}")
+        tell_warnings(result)
         made = [out, *([] if no_plots else plots_of(result, file))]
         tell_files(made, started)
         tell_outdated(out, made)

@@ -245,6 +245,22 @@ def tell_altered(file: Path | str) -> None:
         tell_aside(f"Warning: {sentence}")
 
 
+def warnings_of(result: "SweepResult") -> list[str]:
+    """Warnings on the answer of a result: its best or only variant, or the choices of a front."""
+    from sweeps.optimising.optimum import choices, is_search
+    from sweeps.report.variant_warnings import answer_warnings, result_warnings
+
+    if is_search(result):
+        return result_warnings(result, [choice.variant for choice in choices(result)])
+    return answer_warnings(result)
+
+
+def tell_warnings(result: "SweepResult") -> None:
+    """Print the warnings on the answer of a result."""
+    for warning in warnings_of(result):
+        tell(f"Warning: {warning}")
+
+
 def tell_files(made: list[Path], started: float) -> None:
     """List the files written since `started` (`time.perf_counter`)."""
     tell(f"Files ({time.perf_counter() - started:.1f} s):")

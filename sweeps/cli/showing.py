@@ -21,7 +21,9 @@ from sweeps.cli.shared import (
     tell,
     tell_altered,
     tell_data,
+    tell_warnings,
     variants_only,
+    warnings_of,
 )
 from sweeps.cli.waiting import doing
 
@@ -95,7 +97,7 @@ def show(
     condition = where or (goal.where if goal else usual)
     chosen = result.select(condition, sort or (usual and "front"), descending, most=limit)
     if as_json:
-        tell_data(result_data(result, chosen, names))
+        tell_data(result_data(result, chosen, names) | {"warnings": warnings_of(result)})
         stop_without_answer(result)
         return
     d = result.description
@@ -108,6 +110,7 @@ def show(
     tell(variants_text(result, chosen, names, every))
     if not where:
         tell((optimum_text if is_search(result) else answer_text)(result, every))
+        tell_warnings(result)
         stop_without_answer(result)
 
 

@@ -5,11 +5,8 @@ import re
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-from pydantic import ValidationError
-
-from engine import Scene
+from engine import Scene, SceneError
 from sweeps.text.input_files import InputError
-from sweeps.text.toml_text import errors_in_words
 
 # Valid scene names.
 _UNALLOWED = re.compile("[^A-Za-z0-9]+")
@@ -118,8 +115,8 @@ class _Builder:
         self.data = {key: value for key, value in self.data.items() if value not in ({}, "")}
         try:
             return Scene.model_validate(self.data)
-        except ValidationError as error:
-            raise chain.refused(": ".join(errors_in_words(Scene, error)[0])) from None
+        except SceneError as error:
+            raise chain.refused(": ".join(error.problems[0])) from None
 
     def _pin(self) -> str:
         """Crank joint that drives other links."""

@@ -212,8 +212,9 @@ def provenance_table(digest: Digest) -> PageTable:
     rows = [
         ("result file", result.path.name),
         ("study", attributes.get("study_hash", "")),
+        ("computed on", result.finished),
         ("computed by", attributes.get("versions", "")),
-        ("on", attributes.get("machine", "")),
+        ("machine", attributes.get("machine", "")),
     ]
     if result.accuracy:
         rows.append(("requested accuracy", f"{result.accuracy:g}"))

@@ -121,7 +121,7 @@
     };
   };
 
-  // One machine beside the others: what shows it at a share of its motion.
+  // One of several machines: what shows it at a share of its motion.
   const machine = (content) => {
     const holder = page.added(machines, "section", "", "machine");
     page.added(holder, "h3", content.name);
@@ -220,7 +220,7 @@
   choose();
   if (page.state("play")) run(true);
 
-  // The machine of a picked variant, beside the first one.
+  // The machine of a picked variant, next to the first one.
   page.shown.addEventListener("pick", ({ detail }) => {
     all.splice(1).forEach((one) => one.holder.remove());
     const picked = data.machines.slice(1).find(({ number }) => number === detail.number);

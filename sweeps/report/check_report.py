@@ -23,6 +23,7 @@ from engine import (
     quantity_text,
 )
 from sweeps.report import accuracy_words
+from sweeps.report.answers.shown_results import answers_among, names_in_conditions
 from sweeps.report.answers.unmet_conditions import drop_lines
 from sweeps.report.regime_words import MOTION_VERDICTS, by_regime, failure_text, regime_words
 from sweeps.report.variant_warnings import known_summaries, machine_warnings
@@ -188,6 +189,7 @@ def check_text(
     out: Path,
     client: "Client | None" = None,
     tell: Callable[[str], None] = lambda sentence: None,
+    every: bool = False,
 ) -> str:
     """The report of `sweeps check` on a study and its cluster.
 
@@ -200,6 +202,8 @@ def check_text(
         Client of the cluster.
     tell : callable
         Receives progress messages.
+    every : bool
+        Name all results asked, also further ones and checks.
     """
     machine = study.machine()
     uncompiled = _uncompiled_text(machine)
@@ -221,12 +225,21 @@ def check_text(
         *([("Regimes", regimes)] if regimes else []),
         *([("Warnings", warned)] if warned else []),
         ("Variants", f"{study.design.size} = {_design_text(study)}"),
-        ("Asked", "\n".join((*study.summaries, *study.fields, *(q.name for q in study.sensitivity.quantities)))),
+        ("Asked", _asked_text(study, machine, every)),
         *_plan_sections(machine),
         *(_file_sections(study, machine, out) if uncompiled else _cost_sections(study, machine, out, on_shafts)),
         *([] if client is None else [("Cluster", _cluster_text(study, client, out, tell))]),
     ]
     return "\n".join(f"{title}\n" + "\n".join(f"  {line}" for line in text.splitlines()) for title, text in sections)
+
+
+def _asked_text(study: Study, machine: Machine | ElementsAlone, every: bool) -> str:
+    """Names of the results asked, the answers first, and the number of those not shown."""
+    used = names_in_conditions([condition.text for condition in study.require], study.best)
+    first = study.summaries if every else answers_among(machine, study.summaries, used)
+    hidden = len(study.summaries) - len(first)
+    more = [f"{hidden} more with --all"] if hidden else []
+    return "\n".join((*first, *study.fields, *(q.name for q in study.sensitivity.quantities), *more))
 
 
 def _plan_sections(machine: Machine | ElementsAlone) -> list[tuple[str, str]]:

@@ -6,10 +6,9 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from engine import ExpressionError, Scene, any_quantity, parse_expression
+from engine import ExpressionError, Scene, SceneError, any_quantity, parse_expression, wrong_input
 from sweeps.store import DamagedError, Description
 from sweeps.study.study_text import Best
-from sweeps.text.toml_text import errors_in_words
 from sweeps.text.versions import origin_text
 
 
@@ -70,7 +69,7 @@ def recorded_study(described: Description) -> dict[str, Any]:
         data = json.loads(text)
         record = _Record.model_validate(data)
     except ValidationError as error:
-        place, words = errors_in_words(_Record, error)[0]
+        place, words = wrong_input(_Record, data, error)[0]
         raise _wrong(described, f"has an invalid {place or 'it'} ({words})") from None
     except (ValueError, TypeError, RecursionError):
         raise _wrong(described, "can't be read") from None
@@ -97,8 +96,7 @@ def recorded_scene(record: dict[str, Any], described: Description) -> Scene:
     try:
         return Scene.model_validate(record["scene"])
     except (ValueError, TypeError, KeyError) as error:
-        known = isinstance(error, ValidationError)
-        words = errors_in_words(Scene, error)[0][1] if known else str(error).splitlines()[0]
+        words = error.problems[0][1] if isinstance(error, SceneError) else str(error).splitlines()[0]
         raise _wrong(described, f"has an invalid scene ({words})") from None
 
 

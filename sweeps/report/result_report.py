@@ -28,7 +28,9 @@ def variants_done_text(result: SweepResult) -> str:
     """Number of variants, and of those done."""
     count, done = result.description.variants, result.done
     words = f"{count} variant{'' if count == 1 else 's'}"
-    return f"{words}, all done" if done == count else f"{done} of {words} done; run the study again to resume"
+    if done < count:
+        return f"{done} of {words} done; run the study again to resume"
+    return f"{words}, all done {result.finished}".rstrip()
 
 
 def varied_text(result: SweepResult) -> str:

@@ -160,6 +160,12 @@ class SweepResult:
         status = self.columns["status"]
         return sum(int(np.count_nonzero(status[part] != Verdict.NOT_COMPUTED)) for part in self.parts())
 
+    @property
+    def finished(self) -> str:
+        """When the last variant was computed, "2026-11-28 01:49 UTC"; "" if some are missing."""
+        text = self.description.attributes.get("finished", "")
+        return f"{text[:16].replace('T', ' ')} UTC" if text else ""
+
     def verdict_counts(self) -> dict[Verdict, int]:
         """Number of variants per verdict that occurs."""
         status = self.columns["status"]

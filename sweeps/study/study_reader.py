@@ -11,6 +11,7 @@ from typing import Any
 
 from engine import (
     ACCURACY_SUMMARIES,
+    MOST_PROBLEMS,
     STANDARD_SIZES,
     AskError,
     ExpressionError,
@@ -57,7 +58,7 @@ from sweeps.text.conditions import Condition, UnknownNameError
 from sweeps.text.csv_text import TableColumn
 from sweeps.text.input_files import InputError, read_text
 from sweeps.text.scene_text import scene_from, with_numbers
-from sweeps.text.toml_text import MOST_PROBLEMS, line_of, line_of_entry, parse_toml, problems_in, validate
+from sweeps.text.toml_text import line_of, line_of_entry, parse_toml, problems_in, validate
 
 # Larger results fit on no disk.
 MOST_VARIANTS = 10**12

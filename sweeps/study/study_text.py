@@ -1,7 +1,7 @@
 """The keys of a study."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
@@ -192,6 +192,12 @@ class StudyText(ScenePart):
     `field_precision` is the storage precision of fields; everything is computed in float64.
     """
 
+    hints: ClassVar[dict[str, str]] = {
+        "scene": 'name the file of the scene, scene = "press.toml"',
+        "where": "where belongs to [best] or [optimise]; require, above the first table, drops variants before they "
+        "are computed",
+        "require": "require stands above the first table: it drops variants before they are computed",
+    }
     title: PlainText = ""
     question: PlainText = ""
     source: PlainText = ""

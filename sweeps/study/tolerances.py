@@ -5,9 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import Scene, UnitError, in_text, scene_numbers, unknown_name_message
+from engine import MOST_PROBLEMS, Scene, UnitError, in_text, scene_numbers, unknown_name_message
 from sweeps.study.study_text import ToleranceText
-from sweeps.text.toml_text import MOST_PROBLEMS
 
 
 class Tolerance(NamedTuple):

@@ -98,6 +98,10 @@ class TableColumn:
         except UnitError as error:
             raise self.problem(place, str(error)) from None
 
+    def unit_problem(self, place: int, message: str) -> InputError:
+        """An error in the unit of a cell, counted from 1, at the header if it stands there."""
+        return self.problem(0 if self.unit and not _has_unit(str(self.cells[place - 1])) else place, message)
+
     def problem(self, place: int, message: str) -> InputError:
         """An error at a cell, counted from 1, or at the header."""
         return InputError(self.source, [(self.lines[place] if self.lines else None, f"column {self.name}", message)])

@@ -18,10 +18,11 @@ from engine import (
     order_groups,
     scene_numbers,
     show_units_of,
+    wrong_input,
 )
-from sweeps.text.csv_text import read_csv
+from sweeps.text.csv_text import TableColumn, read_csv
 from sweeps.text.input_files import InputError, read_text
-from sweeps.text.toml_text import errors_in_words, line_of, parse_toml, problems_in, validate
+from sweeps.text.toml_text import line_of, parse_toml, problems_in, validate
 
 
 def read_scene(path: Path | str) -> Scene:
@@ -57,6 +58,7 @@ def scene_from(data: dict[str, Any], text: str, source: str, folder: Path, prefi
     """
     if (system := show_units_of(data)) != Scene.model_fields["units"].default:
         data = {"units": system} | data
+    files: dict[str, tuple[tuple[int | None, str], TableColumn]] = {}
     for table in ("forces", "moments", "wanted"):
         actions = data.get(table)
         for name, action in actions.items() if isinstance(actions, dict) else ():
@@ -66,8 +68,13 @@ def scene_from(data: dict[str, Any], text: str, source: str, folder: Path, prefi
                 twice = [key for key in columns if key in action]
                 if twice:
                     raise InputError(source, [(*where, f"{twice[0]!r} is in both the file and the text; give it once")])
-                action |= columns
-    scene = validate(Scene, data, text, source, prefix)
+                action |= {key: column.texts for key, column in columns.items()}
+                files |= {".".join([*prefix, table, name, key]): (where, column) for key, column in columns.items()}
+    try:
+        scene = validate(Scene, data, text, source, prefix)
+    except InputError as error:
+        problems = dict.fromkeys(_in_its_file(problem, files) for problem in error.problems)
+        raise InputError(source, [*problems]) from None
     try:
         if scene.input is not None:
             order_groups(scene)
@@ -76,13 +83,35 @@ def scene_from(data: dict[str, Any], text: str, source: str, folder: Path, prefi
     return scene
 
 
-def _table_columns(folder: Path, name: object, source: str, where: tuple[int | None, str]) -> dict[str, list[str]]:
-    """Columns of a CSV table as lists of texts with units."""
+def _table_columns(folder: Path, name: object, source: str, where: tuple[int | None, str]) -> dict[str, TableColumn]:
+    """Columns of a CSV table."""
     try:
-        columns = read_csv(folder / str(name))
+        return read_csv(folder / str(name))
     except InputError as error:
         raise InputError(source, [(*where, str(error))]) from None
-    return {key: column.texts for key, column in columns.items()}
+
+
+def _in_its_file(
+    problem: tuple[int | None, str, str], files: Mapping[str, tuple[tuple[int | None, str], TableColumn]]
+) -> tuple[int | None, str, str]:
+    """A problem, with line and column of the table that it comes from.
+
+    Parameters
+    ----------
+    problem : tuple
+        Line, key and message.
+    files : mapping of str to (line and key of the table's name, column)
+        By the keys of the columns.
+    """
+    _, key, message = problem
+    column_key, _, entry = key.rpartition(".")
+    if key in files:
+        where, column = files[key]
+        return (*where, str(column.problem(0, message)))
+    if column_key in files:
+        where, column = files[column_key]
+        return (*where, str(column.unit_problem(int(entry) + 1, message)))
+    return problem
 
 
 # Scene texts use CF units, except for plain numbers.
@@ -219,9 +248,13 @@ def _copied(part: ScenePart, changes: Mapping[str, Any] | float, path: str) -> S
             given[key] = int(change) if isinstance(old, int) else change
     try:
         return type(part).model_validate(given)
+    except SceneError as error:
+        problems = error.problems
     except ValidationError as error:
-        problems = errors_in_words(type(part), error)
-        raise SceneError([(f"{path}{key.partition('.')[0]}".rstrip("."), words) for key, words in problems]) from None
+        problems = wrong_input(type(part), given, error)
+    # The number refused is in SI, not as given.
+    found = [(key.partition(".")[0], words.partition(", got ")[0]) for key, words in problems]
+    raise SceneError([(f"{path}{key}".rstrip("."), words) for key, words in found])
 
 
 def _with_units(part: ScenePart, data: dict[str, Any]) -> None:

@@ -4,15 +4,13 @@ import re
 import tomllib
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Any
 
-from pydantic import BaseModel, Tag, ValidationError
+from pydantic import BaseModel, ValidationError
 
-from engine import Element, comma_advice, element_kinds, in_text, nearest_names
+from engine import SceneError, comma_advice, wrong_input
 from sweeps.text.input_files import InputError
 
-# Maximum problems per message.
-MOST_PROBLEMS = 20
 # Maximum line length for diagnosis, and maximum parts of a key.
 _LINE_LOOKED_AT, _LONGEST_KEY = 300, 100
 # Separators of keys and values, and of parts of a key.
@@ -126,205 +124,11 @@ def validate(model: type[BaseModel], data: dict[str, Any], text: str, source: st
     """
     try:
         return model.model_validate(data, context={"text": True})
+    except SceneError as error:
+        problems = error.problems
     except ValidationError as error:
-        told = _merged(error.errors())[:MOST_PROBLEMS]
-        raise InputError(source, [_problem(model, data, text, e, prefix) for e in told]) from None
-
-
-# What a value is expected to be, by the validator's kind of error.
-_EXPECTED = {
-    "string_type": "a text in quotes",
-    "float_type": "a number",
-    "int_type": "a whole number",
-    "int_from_float": "a whole number",
-    "int_parsing": "a whole number",
-    "float_parsing": "a number",
-    "bool_type": "true or false",
-    "bool_parsing": "true or false",
-    "list_type": "a list in brackets, [ ]",
-    "tuple_type": "a list in brackets, [ ]",
-    "dict_type": "a table of keys",
-    "model_type": "a table of keys",
-    "model_attributes_type": "a table of keys",
-}
-
-
-def _merged(errors: list[dict]) -> list[dict]:
-    """Errors of a validator; what a union expects of one value is one error with all the words for it."""
-    found: list[dict] = []
-    for error in errors:
-        expected = _EXPECTED.get(error["type"])
-        last = found[-1] if found else {}
-        if expected and last.get("expected") and last["input"] is error["input"]:
-            last["expected"] += f" or {expected}" if expected not in last["expected"] else ""
-        else:
-            found.append({**error, "expected": expected})
-    return found
-
-
-def errors_in_words(model: type[BaseModel], error: ValidationError) -> list[tuple[str, str]]:
-    """Key and message of each error of a validator, for values that are numbers in SI.
-
-    Parameters
-    ----------
-    model : type of BaseModel
-    error : ValidationError
-    """
-    found = [(".".join(map(str, e["loc"])), _message(model, e, [*e["loc"]])) for e in _merged(error.errors())]
-    return [(key, message.partition(", got ")[0]) for key, message in found]
-
-
-def _problem(
-    model: type[BaseModel], data: dict, text: str, error: dict, prefix: tuple[str, ...]
-) -> tuple[int | None, str, str]:
-    keys = [*prefix, *_keys(data, error)]
-    return line_of(text, keys), ".".join(str(k) for k in keys), _message(model, error, keys)
-
-
-def _keys(data: object, error: dict) -> list[str | int]:
-    """Location of an error without pydantic's union tags."""
-    keys: list[str | int] = []
-    loc = list(error["loc"])
-    for i, item in enumerate(loc):
-        in_list = isinstance(data, list) and isinstance(item, int) and item < len(data)
-        present = (isinstance(data, dict) and item in data) or in_list
-        absent_key = i == len(loc) - 1 and error["type"] == "missing" and isinstance(item, str)
-        if present:
-            data = data[item]
-            keys.append(item)
-        elif absent_key:
-            keys.append(item)
-    return keys
-
-
-def _shown(value: object) -> str:
-    shown = repr(value)
-    return shown if len(shown) <= 60 else shown[:57] + "..."
-
-
-def _message(model: type[BaseModel], error: dict, keys: list[str | int]) -> str:
-    kind, value, context = error["type"], error["input"], error.get("ctx", {})
-    last = str(keys[-1]) if keys else ""
-    match kind:
-        case "extra_forbidden":
-            allowed = _fields_at(model, error["loc"][:-1])
-            explained = _EXPLAINED.get(last, "") if "require" in model.model_fields else ""
-            return "unknown key" + _allowed(last, allowed) + explained
-        case "missing" if last == "input" and len(keys) <= 2:
-            return 'is missing: add a table [input] of type "crank" or "slider"; see `sweeps help input`'
-        case "missing" if keys == ["scene"]:
-            return 'is missing: name the file of the scene, scene = "press.toml"'
-        case "missing":
-            return "is missing: add it" if isinstance(error["loc"][-1], str) else "has too few entries"
-        case "union_tag_invalid":
-            allowed = re.findall(r"'([^']+)'", context.get("expected_tags", ""))
-            tag = str(context.get("tag"))
-            return f"type {tag!r} is not known" + _allowed(tag, allowed)
-        case "union_tag_not_found":
-            return "the key 'type' is missing: add it"
-        case "literal_error":
-            allowed = re.findall(r"'([^']+)'", context["expected"])
-            return f"{_shown(value)} is not allowed" + (
-                _allowed(str(value), allowed) or f"; allowed: {context['expected']}"
-            )
-        case "greater_than" | "greater_than_equal" | "less_than" | "less_than_equal":
-            words = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
-            bound = next(f"{words[k]} {_as_given(context[k], value)}" for k in words if k in context)
-            return f"must be {bound}, got {_shown(value)}"
-        case "string_pattern_mismatch":
-            return f"{_shown(value)} is not a name: use letters, digits and single underscores, a letter first"
-        case "value_error":
-            return str(context["error"])
-        case "too_short":
-            return f"has too few entries: {context['actual_length']}, at least {context['min_length']}"
-        case "too_long":
-            return f"has too many entries: {context['actual_length']}, at most {context['max_length']}"
-        case _ if "url" not in error:
-            # Errors of the project's own, not of the validator.
-            return f"{error['msg']}, got {_shown(value)}"
-        case _:
-            return f"expected {error['expected'] or 'another value'}, got {_shown(value)}"
-
-
-# Units of limits; other limits are 0.
-_OWN_UNITS = {"deg": "angle", "°": "angle", "rev": "angle", "rpm": "angular_speed"}
-
-
-def _as_given(bound: float, value: object) -> str:
-    """A limit in the unit of the value."""
-    unit = value.strip().lstrip("+-.0123456789eE ") if isinstance(value, str) else ""
-    if bound == 0 or unit not in _OWN_UNITS:
-        return f"{bound:g}"
-    return f"{bound / in_text(f'1 {unit}', _OWN_UNITS[unit]):g} {unit}"
-
-
-_EXPLAINED = {
-    "where": "; where belongs to [best] or [optimise]; require, above the first table, drops variants before they are "
-    "computed",
-    "require": "; require stands above the first table: it drops variants before they are computed",
-}
-
-
-def _allowed(name: str, allowed: list[str]) -> str:
-    if not allowed:
-        return ""
-    near = nearest_names(name, allowed)
-    return f"; allowed: {', '.join(allowed)}" + (f"; did you mean {near[0]!r}?" if near else "")
-
-
-def _fields_at(model: type[BaseModel], loc: tuple[str | int, ...]) -> list[str]:
-    """Keys allowed at a location (with union tags)."""
-    here: Any = model
-    for item in loc:
-        here = _descend(here, item)
-    here = bare_annotation(here)
-    if not (isinstance(here, type) and issubclass(here, BaseModel)):
-        return []
-    return [field.alias or name for name, field in here.model_fields.items()]
-
-
-def bare_annotation(annotation: Any) -> Any:
-    """An annotation without metadata and None."""
-    while get_origin(annotation) is Annotated:
-        annotation = get_args(annotation)[0]
-    if is_union(annotation):
-        arms = [a for a in arms_of(annotation) if a is not type(None)]
-        if len(arms) == 1:
-            return bare_annotation(arms[0])
-    return annotation
-
-
-def is_union(annotation: Any) -> bool:
-    """Whether an annotation is a union."""
-    return annotation is Element or get_origin(annotation) is Union or type(annotation).__name__ == "UnionType"
-
-
-def arms_of(union: Any) -> tuple[Any, ...]:
-    """Members of a union."""
-    return tuple(element_kinds().values()) if union is Element else get_args(union)
-
-
-def _descend(annotation: Any, item: str | int) -> Any:
-    """Annotation of a key, a table entry, or a union member by tag."""
-    here = bare_annotation(annotation)
-    if is_union(here):
-        return next((bare_annotation(a) for a in arms_of(here) if item in _tags(a)), None)
-    if isinstance(here, type) and issubclass(here, BaseModel):
-        field = here.model_fields.get(str(item))
-        return field.annotation if field else None
-    if get_origin(here) in (dict, list, tuple):
-        return get_args(here)[-1]
-    return here
-
-
-def _tags(arm: Any) -> tuple[object, ...]:
-    """Tags of a union member: its own, or the values of its key "type"."""
-    own = tuple(mark.tag for mark in getattr(arm, "__metadata__", ()) if isinstance(mark, Tag))
-    if own:
-        return own
-    model = bare_annotation(arm)
-    field = getattr(model, "model_fields", {}).get("type")
-    return get_args(field.annotation) if field and get_origin(field.annotation) is Literal else ()
+        problems = wrong_input(model, data, error)
+    raise InputError(source, problems_in(text, problems, prefix))
 
 
 _HEADER = re.compile(r"^\s*\[\[?(?P<keys>[^\[\]]+)\]\]?\s*(#.*)?$")

@@ -30,7 +30,7 @@ _SOUGHT = {
     "return, lagging": Sought("angle", -1, -1),
     "convex": Sought("curvature", 1),
     "hollow": Sought("curvature", -1),
-    "least radius": Sought("radius", -1),
+    "minimum radius": Sought("radius", -1),
     "outwards": Sought("velocity", 1),
     "inwards": Sought("velocity", -1),
     "accelerated": Sought("acceleration", 1),
@@ -197,7 +197,7 @@ class CamElement(CamProgram, Element):
         jump, drop, jump2 = cam_variants(self, n).turn.jumps()
         found |= {"velocity_jump": n["speed"] * jump, "acceleration_jump": n["speed"] ** 2 * jump2, "drop": drop}
         if self.follower.contact == "flat":
-            found |= {"convex_radius": -x["least radius"], "face_from": -x["face from"]}
+            found |= {"convex_radius": -x["minimum radius"], "face_from": -x["face from"]}
             found["face_length"] = x["face to"] + x["face from"]
         else:
             convex, hollow = x["convex"], x["hollow"]
@@ -325,8 +325,8 @@ def _flat_shape(cam: CamElement) -> Iterator[Result]:
     """Curvature under a flat face, and the part of the face in contact."""
     origin, made = "off the axis" if cam.translating else "from the pivot", (Lasting.UNLESS_UNDERCUT, True)
     found = (
-        _result("convex_radius", "minimum radius of curvature of the profile", "m", of=("least radius",)),
-        _result("convex_radius_at", "cam angle of the least radius of curvature", "rad"),
+        _result("convex_radius", "minimum radius of curvature of the profile", "m", of=("minimum radius",)),
+        _result("convex_radius_at", "cam angle of the minimum radius of curvature", "rad"),
         _result("face_from", f"minimum distance of the contact {origin}", "m", made),
         _result("face_to", f"maximum distance of the contact {origin}", "m", made, ("face to",)),
         _result("face_length", "length of the face that is touched", "m", made),

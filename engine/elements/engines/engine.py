@@ -230,7 +230,7 @@ def _results(engine: EngineElement) -> Iterator[ElementResult]:
             said = word.replace("_", " ")
             rank = Rank.ANSWER if word in (_WORDS[1], _WORDS[2]) else Rank.FURTHER
             yield ElementResult(f"{word}_{kind}", f"maximum {said} {kind}", units, needs, rank=rank)
-            yield ElementResult(f"{word}_{kind}_least", f"least {said} {kind}", units, needs, rank=Rank.FURTHER)
+            yield ElementResult(f"{word}_{kind}_least", f"minimum {said} {kind}", units, needs, rank=Rank.FURTHER)
         listed = ", ".join(map(str, orders))
         yield ElementResult(f"rms_{kind}", f"root mean square of the {kind}, orders {listed}", units, needs)
     if engine.crank_angle is not None:

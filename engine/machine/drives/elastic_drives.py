@@ -43,7 +43,7 @@ from engine.words.verdicts import Verdict
 TOGETHER = 4_000_000
 # Crank angles at which the machine's inertia is looked at.
 LOOKED_AT = 256
-# Shares of a result that it may be off by besides the change from half as many steps; of a multiplier, to be judged by.
+# Relative rounding floors of results and multipliers, added to the change from half as many steps.
 ROUNDING = 1e-13
 SURE_OF_MULTIPLIER = 1e-9
 # Steps of a run by which its time is forecast.
@@ -91,7 +91,7 @@ class ElasticDrives:
             if variants is not None:
                 with np.errstate(all="ignore"):
                     values[:, who], errors[:, who], verdict[who] = self._of(name, variants)
-            # What isn't computed must not be called infinite or undefined, as another verdict has been given.
+            # Skipped variants have a verdict already: they are neither infinite nor undefined.
             values[:, ~sound] = errors[:, ~sound] = 0.0
             rows = dict(zip(machine_keys("value"), values, strict=True)) | {VERDICT_KEY: verdict}
             rows |= zip(machine_keys("error"), errors, strict=True)

@@ -69,7 +69,7 @@ def uniform_time(kinematics: Kinematics) -> Node:
         return np.where(forward, np.minimum(first, last), np.maximum(first, last))
 
     graph = kinematics.graph
-    time = (graph.q - graph.derived("position at the begin", begin)) * time_per_input(kinematics)
+    time = (graph.q - graph.derived("position at the start", begin)) * time_per_input(kinematics)
     if full:
         graph.returns((time,), Return(TIME, graph.constant(math.nan)))
     return time

@@ -9,10 +9,11 @@ from engine.elements.element import Rank
 from engine.graph.nodes import Node
 from engine.laws.buckling import MATERIALS, critical_stress, flat, solid
 from engine.mechanism.mechanics import Mechanics
+from engine.mechanism.vectors import Vector
 from engine.parts.strength import Strut
 from engine.quantities.expressions import Expression, Formula, VariantNumber, greatest, maximum
 from engine.quantities.register import Declared, Field, Summary
-from engine.scene.pairs import pairs, rods_of
+from engine.scene.pairs import Pair, rods_of
 from engine.scene.scene import Numbers
 
 
@@ -62,17 +63,17 @@ def _of_strut(m: Mechanics, name: str, strut: Strut) -> Declared:
 
 
 def _thrusts(m: Mechanics, link: str) -> tuple[Node, Node]:
-    """Compressive force in a rod of a dyad at its outer and at its inner joint."""
-    group, side = _rod(m, link)
-    inner = next(pair for pair in pairs(m.scene) if pair.name == f"{group}.inner")
-    along = m.reactions.force_in(inner.name).dot(m.kinematics.links[link].u)
-    outer = m.reactions.variables[f"{group}.{side}.reaction_along"]
-    return outer, along if inner.link != link else -along
+    """Compressive force in a rod at its origin and at its other end."""
+    rod, axis = rods_of(m.scene)[link], m.kinematics.links[link].u
+    outer, inner = (
+        sum((_force_on(m, pair, link).dot(axis) for pair in found), m.graph.zero) for found in (rod.outer, rod.inner)
+    )
+    return outer, -inner
 
 
-def _rod(m: Mechanics, link: str) -> tuple[str, str]:
-    """Group and side of a rod."""
-    return next((group, side) for rod, group, side in rods_of(m.scene) if rod == link)
+def _force_on(m: Mechanics, pair: Pair, link: str) -> Vector:
+    force = m.reactions.force_in(pair.name)
+    return force if pair.link == link else -force
 
 
 def _section(m: Mechanics, name: str, n: Numbers) -> tuple[float, float]:
@@ -83,8 +84,8 @@ def _section(m: Mechanics, name: str, n: Numbers) -> tuple[float, float]:
 
 
 def _slenderness(m: Mechanics, name: str, n: Numbers) -> float | np.ndarray:
-    group, side = _rod(m, m.scene.struts[name].link)
-    return n[f"struts.{name}.end_fixity"] * n[f"groups.{group}.{side}.length"] / _section(m, name, n)[1]
+    length = n[rods_of(m.scene)[m.scene.struts[name].link].length]
+    return n[f"struts.{name}.end_fixity"] * length / _section(m, name, n)[1]
 
 
 def _critical_force(m: Mechanics, name: str, n: Numbers) -> np.ndarray:

@@ -1,11 +1,12 @@
 """Which numbers of a result are shown: the answers first, checks and helper numbers only on request."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 
-from engine import Rank, any_quantity, made_ready, parse_expression, scene_numbers
+from engine import ElementsAlone, Machine, Rank, any_quantity, made_ready, parse_expression, scene_numbers
 from sweeps.report.sweep_result import SweepResult
 from sweeps.study.default_summaries import answers, default_summaries
+from sweeps.study.study_text import Best
 
 
 def shown_parameters(result: SweepResult, every: bool = False) -> tuple[str, ...]:
@@ -35,15 +36,30 @@ def shown_summaries(result: SweepResult, every: bool = False) -> tuple[str, ...]
     """
     if every:
         return result.summaries
-    wanted = set(_in_conditions(result))
     machine = made_ready(result.scene) if result.study is None else result.study.machine()
-    asked = answers(machine)
-    if set(default_summaries(machine)) <= set(result.summaries):
-        chosen = (*asked, *(name for name in result.summaries if name in wanted))
-        return tuple(name for name in dict.fromkeys(chosen) if name in result.summaries)
+    return answers_among(machine, result.summaries, _in_conditions(result))
+
+
+def answers_among(
+    machine: Machine | ElementsAlone, summaries: Sequence[str], in_conditions: Iterable[str]
+) -> tuple[str, ...]:
+    """Summaries that answer an engineer, in the order in which they are read.
+
+    Parameters
+    ----------
+    machine : Machine or ElementsAlone
+    summaries : sequence of str
+        Those of a study.
+    in_conditions : iterable of str
+        Names that its goal and conditions use, which belong to the answers.
+    """
+    wanted, asked = set(in_conditions), answers(machine)
+    if set(default_summaries(machine)) <= set(summaries):
+        chosen = (*asked, *(name for name in summaries if name in wanted))
+        return tuple(name for name in dict.fromkeys(chosen) if name in summaries)
     checks = {name for name, quantity in machine.available_summaries.items() if quantity.rank == Rank.CHECK} - wanted
-    first = [name for name in asked if name in result.summaries]
-    return tuple(name for name in dict.fromkeys([*first, *result.summaries]) if name not in checks)
+    first = [name for name in asked if name in summaries]
+    return tuple(name for name in dict.fromkeys([*first, *summaries]) if name not in checks)
 
 
 def hidden_text(result: SweepResult, every: bool = False) -> list[str]:
@@ -55,8 +71,12 @@ def hidden_text(result: SweepResult, every: bool = False) -> list[str]:
 
 def _in_conditions(result: SweepResult) -> Iterator[str]:
     """Names that the goal and the conditions of a study use."""
-    aim = result.aim
-    texts = [*result.record["require"], *(aim.where if aim else ())]
+    return names_in_conditions(result.record["require"], result.aim)
+
+
+def names_in_conditions(require: Iterable[str], aim: Best | None) -> Iterator[str]:
+    """Names that some conditions and a goal use."""
+    texts = [*require, *(aim.where if aim else ())]
     yield from (name for text in texts for name in parse_expression(text, any_quantity).names)
     if aim:
         yield aim.goal

@@ -6,6 +6,7 @@ from functools import cache
 from inspect import cleandoc
 from typing import Any, Literal, NamedTuple, get_args, get_origin
 
+import numpy as np
 from annotated_types import Ge, Gt, Le, Lt, MinLen
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -15,8 +16,11 @@ from engine import (
     FormulaNumber,
     NonZero,
     Scene,
-    common_units,
+    arms_of,
+    bare_annotation,
     described_dimension,
+    display_unit,
+    is_union,
     nearest_names,
     speaks_of,
 )
@@ -24,7 +28,6 @@ from sweeps.guide.chapters import chapters
 from sweeps.study.study_text import StudyText
 from sweeps.text.input_files import InputError
 from sweeps.text.tables import table
-from sweeps.text.toml_text import arms_of, bare_annotation, is_union
 
 # Of an answer to words.
 MOST_KEYS, MOST_CHAPTERS = 12, 3
@@ -261,9 +264,15 @@ def _necessity(field: FieldInfo) -> str:
         return "optional"
     if isinstance(default, bool):
         return f"default: {str(default).lower()}"
-    dimension = _dimension(field)
-    unit = common_units(dimension)[-1] if dimension and dimension != "number" else ""
-    return f"default: {default:g} {unit}".strip() if isinstance(default, float) else f"default: {default}"
+    return f"default: {_as_typed(default, _dimension(field)) if isinstance(default, float) else default}"
+
+
+def _as_typed(value: float, dimension: str | None) -> str:
+    """A number as people type it."""
+    if not value or dimension in (None, "number"):
+        return f"{value:g}"
+    factor, label = display_unit(described_dimension(dimension).unit, np.array([value]))
+    return f"{value * factor:.10g} {label}"
 
 
 def _marks(annotation: Any, metadata: Sequence[object] = ()) -> list[object]:
@@ -284,11 +293,16 @@ def _dimension(field: FieldInfo) -> str | None:
 def _takes(field: FieldInfo) -> str:
     """Allowed values of a key, with limits."""
     marks = _marks(field.annotation, field.metadata)
-    limits = [f"{words} {getattr(m, at):g}" for m in marks for t, (words, at) in _LIMITS.items() if isinstance(m, t)]
-    here = bare_annotation(field.annotation)
+    here, dimension = bare_annotation(field.annotation), _dimension(field)
+    limits = [
+        f"{words} {_as_typed(getattr(mark, at), dimension)}"
+        for mark in marks
+        for kind, (words, at) in _LIMITS.items()
+        if isinstance(mark, kind)
+    ]
     several = get_origin(here) in (list, tuple)
     is_name = here is str and any(getattr(mark, "pattern", None) for mark in marks)
-    kind = "a name" if is_name else _kind(here, _dimension(field))
+    kind = "a name" if is_name else _kind(here, dimension)
     least = next((m.min_length for m in marks if isinstance(m, MinLen)), 0)
     kind = f"a list of entries, each {kind}" if several else kind
     return ", ".join([kind, *limits, *(["at least one"] if least else [])])
@@ -298,10 +312,7 @@ def _kind(here: Any, dimension: str | None) -> str:
     if dimension == "number":
         return "a number, a fraction such as '1/30' or a percentage"
     if dimension is not None:
-        other = [unit for unit in common_units(dimension) if unit not in described_dimension(dimension).example]
-        return f"{dimension.replace('_', ' ')}, '{described_dimension(dimension).example}'" + "".join(
-            f" (or a number in {unit})" for unit in other
-        )
+        return f"{dimension.replace('_', ' ')}, '{described_dimension(dimension).example}'"
     if get_origin(here) is Literal:
         return " or ".join("true" if v is True else f'"{v}"' if isinstance(v, str) else str(v) for v in get_args(here))
     if get_origin(here) in (list, tuple):

@@ -6,9 +6,8 @@ import pytest
 from element_samples import DISC, asked, one
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from pydantic import ValidationError
 
-from engine import Verdict
+from engine import SceneError, Verdict
 
 
 def test_khurmi__four_masses_at_one_shaft():
@@ -53,5 +52,5 @@ def test_masses_that_cancel__leave_nothing_and_no_direction():
 
 
 def test_friction_on_knife_edges__without_a_mass_is_refused():
-    with pytest.raises(ValidationError, match="rolling_arm needs the rotor's mass"):
+    with pytest.raises(SceneError, match="rolling_arm needs the rotor's mass"):
         asked({"it": {k: v for k, v in DISC.items() if k != "mass"}})

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 from cam_samples import ARM, CAMS, FLAT, KNIFE, ROLLER, cam_of, cam_scene
 from commands import refused, said
-from pydantic import ValidationError
 
-from engine import Scene, cam_curves
+from engine import Scene, SceneError, cam_curves
 from sweeps import read_study, run_study
 from sweeps.pictures.elements.element_pictures import element_sheet
 from sweeps.pictures.picture_error import PictureError
@@ -30,7 +29,11 @@ from sweeps.text.scene_text import read_scene, write_scene
         (ROLLER, {"sections__out__lift": None}, "sections.out.lift is missing"),
         (ROLLER, {"sections__out__swing": "5 deg"}, "what moves here slides; give lift instead"),
         (ARM, {"sections__out__lift": "5 mm"}, "what moves here turns; give swing instead"),
-        (ROLLER, {"sections__out__law": "sine"}, "'modified sine'"),
+        (
+            ROLLER,
+            {"sections__out__law": "sine"},
+            "allowed: uniform, parabolic, harmonic, cycloidal, 3-4-5, 4-5-6-7, modified sine",
+        ),
         (ROLLER, {"sections": {}}, "give sections, or a table"),
         (ROLLER, {"follower__roller_radius": None}, "roller_radius is missing: contact = 'roller' needs it"),
         (KNIFE, {"closure": "form"}, "give contact = 'roller'"),
@@ -47,7 +50,7 @@ from sweeps.text.scene_text import read_scene, write_scene
     ],
 )
 def test_cam_that_cannot_be__is_refused_with_a_mend(cam, changes, words):
-    with pytest.raises(ValidationError, match=words.replace(".", r"\.")):
+    with pytest.raises(SceneError, match=words.replace(".", r"\.")):
         cam_scene(cam, **changes)
 
 

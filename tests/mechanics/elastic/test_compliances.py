@@ -7,9 +7,8 @@ import pytest
 from element_samples import asked, element, one
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from pydantic import ValidationError
 
-from engine import Verdict
+from engine import SceneError, Verdict
 from sweeps.pictures.elements.element_pictures import element_sheet
 from sweeps.pictures.style import new_figure
 
@@ -141,7 +140,7 @@ def test_parts_vary_by_their_paths():
     ],
 )
 def test_part_that_cannot_be__says_what_to_mend(part, said):
-    with pytest.raises(ValidationError, match=said):
+    with pytest.raises(SceneError, match=said):
         element(drive({"a": part}))
 
 

@@ -9,11 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from machines import crank, frame, rpp
-from pydantic import ValidationError
 from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
-from engine import ElementsAlone, Machine, Scene, Verdict, drive_cycle, drive_run, seconds_of_runs
+from engine import ElementsAlone, Machine, Scene, SceneError, Verdict, drive_cycle, drive_run, seconds_of_runs
 from sweeps.pictures.elements.elastic_sheets import machine_drive_sheet, machine_run_sheet
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import new_figure
@@ -311,7 +310,7 @@ def test_motor_too_weak_for_the_load__stalls():
     ],
 )
 def test_drive_that_is_given_twice_or_not_at_all__says_what_to_mend(drive, parts, said):
-    with pytest.raises(ValidationError, match=said):
+    with pytest.raises(SceneError, match=said):
         yoke(drive, **parts)
 
 
@@ -437,7 +436,7 @@ def test_sudden_load__is_on_from_the_begin_of_the_run():
 
 
 def test_angle_with_a_steady_begin__is_refused():
-    with pytest.raises(ValidationError, match="angle goes with begin = 'at rest'"):
+    with pytest.raises(SceneError, match="angle goes with begin = 'at rest'"):
         yoke({"run": {"begin": "steady", "time": 1.0, "angle": 0.5}})
 
 

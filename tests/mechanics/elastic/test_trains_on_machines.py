@@ -5,10 +5,9 @@ import math
 import numpy as np
 import pytest
 from machines import crank, frame, rrp
-from pydantic import ValidationError
 from train_samples import matrices
 
-from engine import Machine, Scene, Verdict
+from engine import Machine, Scene, SceneError, Verdict
 from sweeps.pictures.elements.train_sheet import numbers_of_machine, train_sheet, train_table
 from sweeps.pictures.style import new_figure
 
@@ -103,7 +102,7 @@ def test_mass_without_inertia__has_the_mean_of_the_machine_and_its_flywheel():
 
 def test_mass_without_inertia__must_be_the_machines():
     masses = {"motor": {}, "crank_end": {"inertia": 0.1}}
-    with pytest.raises(ValidationError, match=r"masses\.motor\.inertia is missing; only the mass that is machine_at"):
+    with pytest.raises(SceneError, match=r"masses\.motor\.inertia is missing; only the mass that is machine_at"):
         scene(TRAIN | {"masses": masses})
 
 
@@ -124,10 +123,10 @@ def test_sheet__is_drawn_with_the_machines_orders():
     ],
 )
 def test_train_on_a_machine_that_cannot_be__says_what_to_mend(change, drive, said):
-    with pytest.raises(ValidationError, match=said):
+    with pytest.raises(SceneError, match=said):
         scene(TRAIN | change, drive)
 
 
 def test_train_on_a_machine_without_a_mechanism__is_refused():
-    with pytest.raises(ValidationError, match="only a crank that turns fully"):
+    with pytest.raises(SceneError, match="only a crank that turns fully"):
         Scene.model_validate({"elements": {"train": TRAIN}})

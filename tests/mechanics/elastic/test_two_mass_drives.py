@@ -7,9 +7,8 @@ import pytest
 from element_samples import asked, element, figures, one
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from pydantic import ValidationError
 
-from engine import Verdict
+from engine import SceneError, Verdict
 from engine.elements.elastic_drives.two_mass_drive import drive_history
 
 DRIVE = {
@@ -177,5 +176,5 @@ def test_parts_of_the_shaft__count_as_their_series():
     ],
 )
 def test_drive_that_cannot_be__says_what_to_mend(change, said):
-    with pytest.raises(ValidationError, match=said):
+    with pytest.raises(SceneError, match=said):
         element(DRIVE | change)

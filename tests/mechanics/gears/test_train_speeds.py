@@ -8,9 +8,8 @@ import pytest
 from gear_samples import STEEP, found_of, scene_with, simple_planetary, stepped_planetary
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from pydantic import ValidationError
 
-from engine import Verdict
+from engine import SceneError, Verdict
 
 EPS = np.finfo(float).eps
 SPEED = 100.0
@@ -174,7 +173,7 @@ def test_train_in_a_train__has_the_speeds_of_nested_willis_equations():
 
 
 def refusal(train):
-    with pytest.raises(ValidationError) as refused:
+    with pytest.raises(SceneError) as refused:
         scene_with(train)
     return str(refused.value)
 

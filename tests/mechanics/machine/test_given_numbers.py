@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 from machines import changed, crank, frame, on, rrp
-from pydantic import ValidationError
 
-from engine import AskError, Machine, NonZero, Scene, Verdict, scene_numbers
+from engine import AskError, Machine, NonZero, Scene, SceneError, Verdict, scene_numbers
 
 SCENE = {
     "points": {"O": frame(0.0, 0.0), "C": on("rod", 0.2, 0.0), "P": frame(0.1, 0.03)},
@@ -28,7 +27,7 @@ def test_numbers_that_must_not_be_zero__are_these():
 def test_variant_of_zero__is_outside_limits_where_the_scene_refuses_zero(path):
     try:
         Scene.model_validate(changed(SCENE, {path: 0.0}))
-    except ValidationError:
+    except SceneError:
         refused = True
     else:
         refused = False

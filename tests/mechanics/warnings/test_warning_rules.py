@@ -119,6 +119,15 @@ def rod_of(length, force):
     )
 
 
+def as_free_links(machine):
+    """The slider-crank with its dyad as a group of free links."""
+    given = machine.model_dump(exclude_unset=True)
+    dyad = given.pop("groups")["pair"]
+    rod = {"joints": ["A", "B"], "length": dyad["first"]["length"]}
+    near = {"B": {"x": rod["length"] + 0.05, "y": 0.0}}
+    return Scene.model_validate(given | {"links": {"rod": rod, "ram": {"joints": ["B"], "guide": "way"}}, "near": near})
+
+
 def formula(text):
     return scene(bodies=RAM, forces={"push": {"type": "formula", "on": "B", "angle": 0.0, "force": text}})
 
@@ -228,6 +237,18 @@ CASES = [
     # λ = l/(d/4).
     ("slenderness", rod_of(1.001, -100.0), rod_of(0.999, -100.0), "200.2 is the slenderness"),
     ("slenderness", rod_of(1.001, -100.0), rod_of(1.001, 100.0), "and it is compressed"),
+    (
+        "slenderness",
+        as_free_links(rod_of(1.001, -100.0)),
+        as_free_links(rod_of(1.001, 100.0)),
+        "200.2 is the slenderness",
+    ),
+    (
+        "massless_link",
+        as_free_links(scene(bodies={"disc": {"link": "crank", "mass": 1.0}}, forces={"push": PUSH})),
+        as_free_links(scene(bodies=RAM, forces={"push": PUSH})),
+        "acts on link ram, whose mass is 0",
+    ),
     (
         "massless_link",
         scene(bodies={"disc": {"link": "crank", "mass": 1.0}}, forces={"push": PUSH}),

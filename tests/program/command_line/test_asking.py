@@ -1,5 +1,7 @@
 """What there is to ask and to write: `sweeps quantities`, `sweeps help`."""
 
+import re
+
 import pytest
 from commands import done, refused, row
 
@@ -37,7 +39,9 @@ def test_help__tells_unit_limit_default_and_example():
     text = key_text("cylinders.gas.bore")
     assert "length, '80 mm', greater than 0" in text
     assert 'bore = "80 mm"' in text
-    assert "default: 101325 Pa" in key_text("ambient")
+    assert "default: 101.325 kPa" in key_text("ambient")
+    # π/2 and 40° as people type them.
+    assert re.search(r"angle, '30 deg', at least 0, less than 90 ° +default: 40 °\n", key_text("limits"))
     assert '"high" or "low"' in key_text("cylinders.gas.head")
 
 

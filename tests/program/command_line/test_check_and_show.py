@@ -2,6 +2,7 @@
 
 import ast
 import itertools
+import re
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -94,7 +95,7 @@ def test_show__lists_what_meets_the_study_s_condition_the_best_first(press_resul
     answer = said("show", press_result)
     assert answer.exit_code == 0
     assert answer.stderr == ""
-    assert answer.stdout.splitlines()[0] == "Which crank?: 8 variants, all done"
+    assert re.fullmatch(r"Which crank\?: 8 variants, all done [-\d]+ [:\d]+ UTC", answer.stdout.splitlines()[0])
     assert [row[0] for row in table_of(answer.stdout)] == ["6", "7", "2", "3"]
     assert [row[1] for row in table_of(answer.stdout)] == ["50", "50", "60", "60"]
     assert "Answer: minimum excess_work" in answer.stdout

@@ -140,6 +140,10 @@ def test_page__tells_question_answer_and_provenance(page, result):
     assert "How short?" in text
     assert f"variant {whole.best()}" in text
     assert whole.description.attributes["study_hash"] in text
+    # The age of its numbers, as `sweeps show` gives it for the result.
+    assert re.fullmatch(r"\d{4}-\d\d-\d\d \d\d:\d\d UTC", whole.finished)
+    assert f"<td>{whole.finished}</td>" in text
+    assert whole.finished in done("show", str(result))
     for words in ("What limits it", "Sensitivity", "Error estimates", "Verdicts", "cannot assemble"):
         assert words in text
 

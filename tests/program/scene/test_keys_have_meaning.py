@@ -15,7 +15,6 @@ from cam_samples import KNIFE
 from element_samples import EVERY
 from governor_samples import ENGINE, EVERY_GOVERNOR, PORTER
 from graph_values import GraphValues
-from pydantic import ValidationError
 from scenes_of_parts import SCENES, program
 
 from engine import Element, Mechanics, Scene, SceneError
@@ -140,7 +139,7 @@ def is_ignored(data: dict, path: tuple[str, ...], values: list, before: Effects)
     for value in values:
         try:
             after = Effects(Scene.model_validate(put(data, path, value)))
-        except (ValidationError, SceneError):
+        except SceneError:
             continue
         if after != before:
             return False
@@ -217,7 +216,7 @@ def values_with(name: str, data: dict) -> dict[str, float] | None:
     """Results of an element; None where it is refused."""
     try:
         return Scene.model_validate({"elements": {name: data}}).elements[name].own_values()
-    except (ValidationError, SceneError):
+    except SceneError:
         return None
 
 

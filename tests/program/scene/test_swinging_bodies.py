@@ -7,10 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from machines import slider_crank
-from pydantic import ValidationError
 from scipy.integrate import quad
 
-from engine import Machine, Scene, Verdict
+from engine import Machine, Scene, SceneError, Verdict
 from engine.laws.masses.moments_of_inertia import bifilar_inertia, compound_inertia, trifilar_inertia
 from engine.parts.skeleton import STANDARD_GRAVITY
 
@@ -115,5 +114,5 @@ def test_swing__varies_and_one_faster_than_a_point_mass_gives_no_number():
     ],
 )
 def test_swing_that_cannot_be__is_refused(swing, body, message):
-    with pytest.raises(ValidationError, match=message):
+    with pytest.raises(SceneError, match=message):
         Scene.model_validate(scene(swing, **body))

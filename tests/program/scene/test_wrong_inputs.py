@@ -1,6 +1,7 @@
 """Wrong inputs as people make them: each answer has the place, the key, the reason and the mend, in plain words."""
 
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,7 @@ from press_texts import PRESS_WITH_FLYWHEEL as SCENE
 from slips import cases, changed
 from study_samples import STUDY, study_of
 
-from engine import AskError, Machine, Scene
+from engine import AskError, Machine, Mechanics, Scene, SceneError
 from sweeps import InputError, read_scene
 
 # Words of Python and its libraries.
@@ -199,6 +200,31 @@ def test_wrong_numbers_in_python__are_answered(slip, machine):
     with pytest.raises(AskError) as refused:
         machine.evaluate(given)
     check(str(refused.value), words, [])
+
+
+@pytest.mark.parametrize("slip", SCENES)
+def test_wrong_scene_in_python__is_answered(slip):
+    """As in a file, except that numbers without a unit are in SI there."""
+    old, new, place, *_ = SCENES[slip]
+    try:
+        tables = tomllib.loads(changed(SCENE, old, new))
+    except tomllib.TOMLDecodeError:
+        return
+    for read in (Scene.model_validate, lambda data: Scene(**data)):
+        try:
+            Mechanics(read(tables))
+        except SceneError as refused:
+            check(str(refused), place.partition(":")[2].strip(), [])
+        else:
+            assert new == "50"
+
+
+def test_wrong_scene_in_python__is_answered_key_by_key():
+    with pytest.raises(SceneError) as refused:
+        Scene(title=3, pionts={}, input={"type": "crank", "pivot": "O", "pin": "A", "length": "50 rpm", "speed": -1.0})
+    assert dict(refused.value.problems)["title"] == "expected a text in quotes, got 3"
+    assert dict(refused.value.problems)["input.length"] == "expected a length such as '80 mm', got 'rpm'"
+    assert dict(refused.value.problems)["pionts"].endswith("did you mean 'points'?")
 
 
 @pytest.fixture(scope="module")

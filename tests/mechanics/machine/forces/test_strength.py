@@ -45,6 +45,21 @@ def test_rod_of_a_press__buckles_by_euler_and_its_pin_bears_what_the_rod_does():
     assert thin["con_rod.critical_force"] == pytest.approx(euler, rel=1e-12)
 
 
+def test_free_rod__bears_what_the_rod_of_a_dyad_does():
+    scene = pressed(force=-FORCE) | {"friction": {}}
+    dyad = scene.pop("groups")["drive"]
+    free = {"rod": {"joints": ["A", "B"], "length": ROD}, "ram": {"joints": ["B"], "guide": dyad["second"]["guide"]}}
+    loose = scene | {"links": free, "near": {"B": {"x": ROD, "y": 0.0}}, "pins": {}}
+    names = "con_rod.slenderness con_rod.compression con_rod.critical_force"
+    for force in (-FORCE, FORCE):
+        one, other = (
+            ask(s | {"forces": pressed(force=force)["forces"]}, names)
+            for s in (scene | {"groups": {"drive": dyad}}, loose)
+        )
+        assert one == pytest.approx(other, rel=1e-9, abs=1e-6)
+    assert one["con_rod.compression"] > FORCE
+
+
 def test_amplitude_of_a_shaft_torque__is_that_of_its_sine():
     """A force of fixed direction at the crankpin has the torque −F r sin φ; a steady torque shifts it."""
     scene = pressed() | {"moments": {"rub": {"type": "against_motion", "on": "crank", "moment": 50.0}}}

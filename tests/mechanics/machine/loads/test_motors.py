@@ -4,9 +4,8 @@ import math
 
 import pytest
 from machines import slider_crank
-from pydantic import ValidationError
 
-from engine import Machine, Scene
+from engine import Machine, Scene, SceneError
 
 DC = {"type": "dc_motor", "no_load_speed": "1500 rpm"}
 INDUCTION = {"type": "induction_motor", "synchronous_speed": "1500 rpm", "power": "2 kW", "rated_speed": "1440 rpm"}
@@ -54,5 +53,5 @@ def test_rated_speed__gives_the_rated_power_through_the_gear(motor):
     ],
 )
 def test_contradictory_motor__is_refused(motor, words):
-    with pytest.raises(ValidationError, match=words):
+    with pytest.raises(SceneError, match=words):
         scene(motor)

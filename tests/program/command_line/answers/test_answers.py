@@ -128,7 +128,10 @@ def test_checks_and_further_results__need_all(press_folder):
     assert all(name in done("show", "r.h5", "--all") for name in hidden)
     assert all(name in done("run", "press.toml", "--no-plots", "--out", "r.h5", "--json") for name in hidden)
     assert not any(name in done("show", "r.h5") for name in hidden)
-    assert "equilibrium_residual" not in done("check", "press.toml").partition("Variants")[0]
+    checked = done("check", "press.toml")
+    assert not any(name in checked for name in hidden)
+    assert f"  {len(hidden) + 1} more with --all\n" in checked
+    assert all(f"  {name}\n" in done("check", "press.toml", "--all") for name in hidden)
 
 
 def test_helper_numbers__need_all_unless_a_condition_limits_them(jack):
@@ -149,6 +152,7 @@ def test_check_that_a_study_limits__is_shown(press_folder):
     study = study.replace('"excess_work"]', '"excess_work", "equilibrium_residual"]')
     Path("check.toml").write_text(study)
     assert "equilibrium_residual" in done("run", "check.toml", "--no-plots", "--out", "c.h5")
+    assert "equilibrium_residual" in done("check", "check.toml")
 
 
 # No answer

@@ -1,0 +1,199 @@
+"""What is wrong with given data, in the words of a person: key, value, what is allowed, and a remedy."""
+
+import re
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic import BaseModel, Tag, ValidationError
+
+from engine.elements.element import Element, element_kinds
+from engine.units.reading import in_text
+from engine.words.glossary import nearest
+
+# Maximum number of problems reported at once.
+MOST_PROBLEMS = 20
+
+# What a value is expected to be, by the validator's kind of error.
+_EXPECTED = {
+    "string_type": "a text in quotes",
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "int_from_float": "a whole number",
+    "int_parsing": "a whole number",
+    "float_parsing": "a number",
+    "bool_type": "true or false",
+    "bool_parsing": "true or false",
+    "list_type": "a list in brackets, [ ]",
+    "tuple_type": "a list in brackets, [ ]",
+    "dict_type": "a table of keys",
+    "model_type": "a table of keys",
+    "model_attributes_type": "a table of keys",
+}
+
+
+def _merged(errors: list[dict]) -> list[dict]:
+    """Errors of a validator; what a union expects of one value is one error with all the words for it."""
+    found: list[dict] = []
+    for error in errors:
+        expected = _EXPECTED.get(error["type"])
+        last = found[-1] if found else {}
+        if expected and last.get("expected") and last["input"] is error["input"]:
+            last["expected"] += f" or {expected}" if expected not in last["expected"] else ""
+        else:
+            found.append({**error, "expected": expected})
+    return found
+
+
+def wrong_input(model: type[BaseModel], data: object, error: ValidationError) -> list[tuple[str, str]]:
+    """Key and message of each error of a validator.
+
+    Parameters
+    ----------
+    model : type of BaseModel
+        May have `hints`, for keys that are missing or stand where they aren't known.
+    data : object
+        The data refused.
+    error : ValidationError
+    """
+    found = []
+    for one in _merged(error.errors())[:MOST_PROBLEMS]:
+        keys = _keys(data, one)
+        found.append((".".join(map(str, keys)), _message(model, one, keys)))
+    return found
+
+
+def _keys(data: object, error: dict) -> list[str | int]:
+    """Location of an error without pydantic's union tags."""
+    keys: list[str | int] = []
+    loc = list(error["loc"])
+    for i, item in enumerate(loc):
+        in_list = isinstance(data, list) and isinstance(item, int) and item < len(data)
+        present = (isinstance(data, dict) and item in data) or in_list
+        absent_key = i == len(loc) - 1 and error["type"] == "missing" and isinstance(item, str)
+        if present:
+            data = data[item]
+            keys.append(item)
+        elif absent_key:
+            keys.append(item)
+    return keys
+
+
+def _shown(value: object) -> str:
+    shown = repr(value)
+    return shown if len(shown) <= 60 else shown[:57] + "..."
+
+
+def _message(model: type[BaseModel], error: dict, keys: list[str | int]) -> str:
+    kind, value, context = error["type"], error["input"], error.get("ctx", {})
+    last = str(keys[-1]) if keys else ""
+    hints: dict[str, str] = getattr(model, "hints", {})
+    match kind:
+        case "extra_forbidden":
+            allowed = _fields_at(model, error["loc"][:-1])
+            hint = f"; {hints[last]}" if last in hints else ""
+            return "unknown key" + _allowed(last, allowed) + hint
+        case "missing" if isinstance(error["loc"][-1], str):
+            return f"is missing: {hints.get('.'.join(map(str, keys)), 'add it')}"
+        case "missing":
+            return "has too few entries"
+        case "union_tag_invalid":
+            allowed = re.findall(r"'([^']+)'", context.get("expected_tags", ""))
+            tag = str(context.get("tag"))
+            return f"type {tag!r} is not known" + _allowed(tag, allowed)
+        case "union_tag_not_found":
+            return "the key 'type' is missing: add it"
+        case "literal_error":
+            allowed = re.findall(r"'([^']+)'", context["expected"])
+            return f"{_shown(value)} is not allowed" + (
+                _allowed(str(value), allowed) or f"; allowed: {context['expected']}"
+            )
+        case "greater_than" | "greater_than_equal" | "less_than" | "less_than_equal":
+            words = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
+            bound = next(f"{words[k]} {_as_given(context[k], value)}" for k in words if k in context)
+            return f"must be {bound}, got {_shown(value)}"
+        case "string_pattern_mismatch":
+            return f"{_shown(value)} is not a name: use letters, digits and single underscores, a letter first"
+        case "value_error":
+            return str(context["error"])
+        case "too_short":
+            return f"has too few entries: {context['actual_length']}, at least {context['min_length']}"
+        case "too_long":
+            return f"has too many entries: {context['actual_length']}, at most {context['max_length']}"
+        case _ if "url" not in error:
+            # Errors of the project's own, not of the validator.
+            return f"{error['msg']}, got {_shown(value)}"
+        case _:
+            return f"expected {error['expected'] or 'another value'}, got {_shown(value)}"
+
+
+# Units of limits; other limits are 0.
+_OWN_UNITS = {"deg": "angle", "°": "angle", "rev": "angle", "rpm": "angular_speed"}
+
+
+def _as_given(bound: float, value: object) -> str:
+    """A limit in the unit of the value."""
+    unit = value.strip().lstrip("+-.0123456789eE ") if isinstance(value, str) else ""
+    if bound == 0 or unit not in _OWN_UNITS:
+        return f"{bound:g}"
+    return f"{bound / in_text(f'1 {unit}', _OWN_UNITS[unit]):g} {unit}"
+
+
+def _allowed(name: str, allowed: list[str]) -> str:
+    if not allowed:
+        return ""
+    near = nearest(name, allowed)
+    return f"; allowed: {', '.join(allowed)}" + (f"; did you mean {near[0]!r}?" if near else "")
+
+
+def _fields_at(model: type[BaseModel], loc: tuple[str | int, ...]) -> list[str]:
+    """Keys allowed at a location (with union tags)."""
+    here: Any = model
+    for item in loc:
+        here = _descend(here, item)
+    here = bare_annotation(here)
+    if not (isinstance(here, type) and issubclass(here, BaseModel)):
+        return []
+    return [field.alias or name for name, field in here.model_fields.items()]
+
+
+def bare_annotation(annotation: Any) -> Any:
+    """An annotation without metadata and None."""
+    while get_origin(annotation) is Annotated:
+        annotation = get_args(annotation)[0]
+    if is_union(annotation):
+        arms = [a for a in arms_of(annotation) if a is not type(None)]
+        if len(arms) == 1:
+            return bare_annotation(arms[0])
+    return annotation
+
+
+def is_union(annotation: Any) -> bool:
+    """Whether an annotation is a union."""
+    return annotation is Element or get_origin(annotation) is Union or type(annotation).__name__ == "UnionType"
+
+
+def arms_of(union: Any) -> tuple[Any, ...]:
+    """Members of a union."""
+    return tuple(element_kinds().values()) if union is Element else get_args(union)
+
+
+def _descend(annotation: Any, item: str | int) -> Any:
+    """Annotation of a key, a table entry, or a union member by tag."""
+    here = bare_annotation(annotation)
+    if is_union(here):
+        return next((bare_annotation(a) for a in arms_of(here) if item in _tags(a)), None)
+    if isinstance(here, type) and issubclass(here, BaseModel):
+        field = here.model_fields.get(str(item))
+        return field.annotation if field else None
+    if get_origin(here) in (dict, list, tuple):
+        return get_args(here)[-1]
+    return here
+
+
+def _tags(arm: Any) -> tuple[object, ...]:
+    """Tags of a union member: its own, or the values of its key "type"."""
+    own = tuple(mark.tag for mark in getattr(arm, "__metadata__", ()) if isinstance(mark, Tag))
+    if own:
+        return own
+    model = bare_annotation(arm)
+    field = getattr(model, "model_fields", {}).get("type")
+    return get_args(field.annotation) if field and get_origin(field.annotation) is Literal else ()

@@ -1,0 +1,81 @@
+"""Everything bundled, shown in each system of units: nothing is in another, and each quantity is in one unit."""
+
+import re
+import shutil
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import done
+from unit_scans import foreign
+
+from engine import CrankInput, UnitSystem, display_unit, made_ready, quantity_text, show_units
+from sweeps import read_study
+from sweeps.study.bundled import STUDIES, bundled_studies
+from sweeps.text.templates import bundled_templates
+
+BUNDLED = {**bundled_templates(), **bundled_studies()}
+SYSTEMS = ("mm", "US", "SI")
+# Sizes of numbers that machines have, in SI units.
+SIZES = 3.0 * 10.0 ** np.arange(-9, 10)
+
+
+@cache
+def units_of(name: str) -> frozenset[str]:
+    """SI units of all summaries and fields of a bundled scene."""
+    machine = made_ready(read_study(BUNDLED[name]).scene)
+    known = {**machine.available_summaries, **getattr(machine, "available_fields", {})}
+    return frozenset(quantity.units for quantity in known.values())
+
+
+@pytest.fixture
+def in_system(tmp_path, monkeypatch):
+    """Function that copies a bundled file, with its scene and tables, to be shown in a system of units."""
+    monkeypatch.chdir(tmp_path)
+
+    def copied(name: str, system: UnitSystem) -> str:
+        path = BUNDLED[name]
+        if STUDIES in path.parents:
+            shutil.copytree(STUDIES, system, dirs_exist_ok=True)
+            path = Path(system) / path.relative_to(STUDIES)
+        else:
+            path = Path(shutil.copy(path, f"{system}.toml"))
+        path.write_text(f'units = "{system}"\n{path.read_text("utf8")}', "utf8")
+        return str(path)
+
+    yield copied
+    show_units({})
+
+
+@pytest.mark.parametrize("name", BUNDLED)
+def test_bundled__is_shown_in_its_system_of_units(name, in_system):
+    found = {}
+    for system in SYSTEMS:
+        file = in_system(name, system)
+        # Name, symbol, unit and meaning; symbols are letters too.
+        texts = [re.sub(r"(?m)^(  \S+ +)\S+", r"\1", done("quantities", file))]
+        # One machine at a position needs no compiler, and elements alone none at all.
+        study = read_study(file)
+        drive = study.scene.input
+        at = "20 deg" if isinstance(drive, CrankInput) else drive and f"{drive.start} m"
+        text = done(*(("show", file, f"--at={at}") if at else ("check", file, "--all")))
+        assert len(text.splitlines()) > 10
+        texts += [line for line in text.splitlines() if line.strip() not in (study.title, study.question)]
+        found[system] = [line for text in texts for line in foreign(text, system)]
+    assert found == {system: [] for system in SYSTEMS}
+
+
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_number_of_any_size__is_in_one_unit_of_its_system_apart_from_metric_prefixes(system):
+    wrong, known = [], frozenset.union(*map(units_of, BUNDLED))
+    show_units({"system": system})
+    for units in sorted(known):
+        texts = [quantity_text(float(size), units) for size in SIZES]
+        wrong += [text for text in texts if foreign(text, system)]
+        labels = {display_unit(units, np.array([size]))[1] for size in SIZES}
+        # Many turns are revolutions; kN for N, L for cm³.
+        if system != "mm" and units != "rad":
+            wrong += [units] if len(labels) > 1 else []
+    show_units({})
+    assert wrong == []
