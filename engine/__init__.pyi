@@ -165,6 +165,7 @@ from engine.units.reading import (
     first_last_count,
     in_text,
     recognised,
+    text_pattern,
     unit_in,
 )
 from engine.units.standard_sizes import STANDARD_SIZES
@@ -378,6 +379,7 @@ __all__ = [
     "stability_point",
     "summaries_for_warnings",
     "table_unit",
+    "text_pattern",
     "threads",
     "tolerance_shares",
     "torque_orders",

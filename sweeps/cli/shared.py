@@ -342,8 +342,15 @@ def make_folder(path: Path) -> None:
         raise InputError(str(path.parent), [(None, "", f"can't be made: {error.strerror}")]) from None
 
 
-def write_text(path: Path, text: str) -> None:
-    """Write a text file without overwriting an existing one, which a person may have written.
+def write_text(path: Path, text: str, replace: bool = False) -> None:
+    """Write a text file.
+
+    Parameters
+    ----------
+    path : Path
+    text : str
+    replace : bool
+        Whether an existing file is overwritten; a person may have written it.
 
     Raises
     ------
@@ -353,7 +360,7 @@ def write_text(path: Path, text: str) -> None:
     from sweeps.text.input_files import InputError
     from sweeps.text.whole_files import whole_file
 
-    if path.exists():
+    if path.exists() and not replace:
         raise InputError(str(path), [(None, "", "exists already; name another file with --out")])
     make_folder(path)
     try:
