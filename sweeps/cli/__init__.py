@@ -5,7 +5,7 @@ import click
 from sweeps.cli.asking import compare_command, help_command, quantities
 from sweeps.cli.exporting import export
 from sweeps.cli.importing import import_command
-from sweeps.cli.reporting import report
+from sweeps.cli.reporting import report, watch
 from sweeps.cli.running import check, optimise, run
 from sweeps.cli.shared import tell_version
 from sweeps.cli.showing import animate, orders, plot, show
@@ -32,6 +32,7 @@ COMMANDS = (
     compare_command,
     plot,
     report,
+    watch,
     orders,
     animate,
     export,

@@ -62,7 +62,7 @@ def errors_as_messages(command: Callable) -> Callable:
             with waiting_told():
                 command(*args, **kwargs)
         except Exception as error:
-            if not isinstance(error, _foreseen()):
+            if not isinstance(error, foreseen_errors()):
                 raise
             fail(str(error), _code_of(error))
 
@@ -90,7 +90,7 @@ def _code_of(error: Exception) -> int:
     return NOT_ALL_DONE if isinstance(error, UnfinishedError) else WRONG_INPUT
 
 
-def _foreseen() -> tuple[type[Exception], ...]:
+def foreseen_errors() -> tuple[type[Exception], ...]:
     """Errors meant for the user; imported only when one occurs, as that is slow."""
     from engine import AskError, BalanceError, SceneError, TableError, UnitError
     from sweeps.pictures.picture_error import PictureError
