@@ -37,7 +37,7 @@ from engine.elements.engines.shaking import SHAKING_ORDERS, EngineShaking, engin
 from engine.elements.gears.chain_drive import ChainDrive
 from engine.elements.gears.gear_elements import GearTrain
 from engine.elements.gears.train_results import train_results
-from engine.elements.gears.velocity_picture import VelocityPicture, velocity_picture
+from engine.elements.gears.velocity_picture import DrawnWheel, VelocityPicture, velocity_picture
 from engine.elements.governors.governor import Governor
 from engine.elements.governors.governor_curves import (
     governor_curves,
@@ -208,6 +208,7 @@ __all__ = [
     "DCMotor",
     "Derivatives",
     "DimensionMark",
+    "DrawnWheel",
     "DriveCycle",
     "DriveRun",
     "DrivingCam",
