@@ -37,7 +37,7 @@ from engine.elements.engines.shaking import SHAKING_ORDERS, EngineShaking, engin
 from engine.elements.gears.chain_drive import ChainDrive
 from engine.elements.gears.gear_elements import GearTrain
 from engine.elements.gears.train_results import train_results
-from engine.elements.gears.velocity_picture import VelocityPicture, velocity_picture
+from engine.elements.gears.velocity_picture import DrawnWheel, VelocityPicture, velocity_picture
 from engine.elements.governors.governor import Governor
 from engine.elements.governors.governor_curves import (
     governor_curves,
@@ -166,6 +166,7 @@ from engine.units.reading import (
     first_last_count,
     in_text,
     recognised,
+    text_pattern,
     unit_in,
 )
 from engine.units.standard_sizes import STANDARD_SIZES
@@ -209,6 +210,7 @@ __all__ = [
     "DCMotor",
     "Derivatives",
     "DimensionMark",
+    "DrawnWheel",
     "DriveCycle",
     "DriveRun",
     "DrivingCam",
@@ -384,6 +386,7 @@ __all__ = [
     "stability_point",
     "summaries_for_warnings",
     "table_unit",
+    "text_pattern",
     "threads",
     "tolerance_shares",
     "torque_orders",

@@ -63,8 +63,13 @@ class Instants(Part):
     NaN.
     """
 
-    times: Annotated[list[Time], BeforeValidator(_spaced("time", "s"))] | None = None
-    angles: Annotated[list[Angle], BeforeValidator(_spaced("angle", "rad"))] | None = None
+    times: (
+        Annotated[list[Time], BeforeValidator(_spaced("time", "s"), json_schema_input_type=list[Time] | str)] | None
+    ) = None
+    angles: (
+        Annotated[list[Angle], BeforeValidator(_spaced("angle", "rad"), json_schema_input_type=list[Angle] | str)]
+        | None
+    ) = None
 
     @field_validator("times", "angles")
     @classmethod

@@ -28,12 +28,14 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
+    GetJsonSchemaHandler,
     StringConstraints,
     ValidationInfo,
     model_validator,
 )
 from pydantic.fields import FieldInfo
-from pydantic_core import PydanticCustomError
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, PydanticCustomError
 
 from engine.units.display import quantity_text
 from engine.units.reading import in_text, to_si
@@ -82,6 +84,9 @@ class NonZero(AfterValidator):
 
 class DimensionMark(str):
     """Marks a number of a scene with its dimension, a key of `engine.units.dimensions.DIMENSIONS`."""
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        return {**handler(schema), "type": ["number", "string"], "dimension": str(self)}
 
 
 def quantity(dimension: str) -> type:

@@ -36,6 +36,7 @@ __all__ = [
     "in_any_unit",
     "in_text",
     "recognised",
+    "text_pattern",
     "to_si",
     "unit_in",
     "units_in",
@@ -237,6 +238,26 @@ def in_text(value: str | float | int, dimension: str) -> float:
     if not isinstance(value, str) and number != 0 and dimension != "number":
         raise _no_unit(str(value), dimension)
     return number
+
+
+def text_pattern(dimension: str) -> str:
+    """Regular expression for editors, matched by every text that `in_text` accepts.
+
+    It finds misspelt numbers and units, not units of another dimension. Python, ECMAScript and Rust read it alike.
+
+    Parameters
+    ----------
+    dimension : str
+        As in `to_si`.
+    """
+    sign = "[+\N{MINUS SIGN}-]?"
+    number = _NUMBER.replace("[+-]?", sign, 1)
+    mixed = rf"{sign}(?:[0-9]+(?:\s+|-))?[0-9]+/[0-9]+"
+    names = "|".join([*(name.replace("u", "[uµμ]") for name in UNIT_NAMES), "r", "°", "%"])
+    between = "[-0-9\\s*/()^·⋅×⁻¹²³⁴⁵⁶⁷⁸⁹]"
+    unit = rf"{between}*(?:{names})(?:{between}+(?:{names}))*{between}*"
+    alone = rf"{number}(?:\s*/\s*[0-9.]+)?|{mixed}" if dimension == "number" else rf"{sign}[0.]+(?:[eE][+-]?[0-9]+)?"
+    return rf"^\s*(?:(?:{number}|{mixed}){unit}|{alone})\s*$"
 
 
 def column_in_text(cells: Sequence[str] | np.ndarray, unit: str, dimension: str) -> list[float]:

@@ -1,11 +1,17 @@
-"""The report command."""
+"""The page of a result or machine: report, watch."""
 
+import time
 from pathlib import Path
+from threading import Thread
 
 import click
 
-from sweeps.cli.shared import ERRORS, errors_as_messages, make_folder, tell, tell_altered
+from sweeps.cli.shared import ERRORS, errors_as_messages, foreseen_errors, make_folder, tell, tell_altered
 from sweeps.cli.waiting import doing
+from sweeps.text.interruption import keeping
+
+# How often files are looked at [s].
+LOOK = 0.05
 
 
 @click.command()
@@ -41,3 +47,33 @@ def report(file: str, out: Path | None) -> None:
         with scratch_folder() as folder, doing("Writing the page"):
             write_page(run_study(study, folder / f"{study.name}.h5"), out)
     tell(f"Wrote {out}")
+
+
+@click.command()
+@click.argument("file")
+@errors_as_messages
+def watch(file: str) -> None:
+    """Show the machine of a scene or study in a browser, and again whenever the file is saved.
+
+    The page is at an address of this computer that no other can reach: the machine in motion with its curves, or what
+    is wrong, with line numbers. Ctrl-C ends it. Requires pip install 'machine-sweeps[report]'.
+    """
+    from sweeps.cli.named_machine import is_result, machine_of
+    from sweeps.page.page_server import PageServer
+    from sweeps.page.watched_page import WatchedPage
+    from sweeps.study.bundled import find_study
+    from sweeps.text.input_files import InputError
+
+    if is_result(file):
+        raise InputError(file, [(None, "", "is a result, which doesn't change; sweeps report makes its page")])
+    page = WatchedPage(find_study(file).name, lambda: machine_of(file, None), foreseen_errors())
+    with PageServer(page) as server, keeping(lambda: "the page isn't served any more"):
+        Thread(target=server.serve_forever, daemon=True).start()
+        tell(f"{file} is shown at {server.address} (Ctrl-C ends this)")
+        said = ""
+        while True:
+            if page.message != said:
+                said = page.message
+                tell(said or "No mistakes left.", err=True)
+            time.sleep(LOOK)
+            page.look()

@@ -62,7 +62,7 @@ def errors_as_messages(command: Callable) -> Callable:
             with waiting_told():
                 command(*args, **kwargs)
         except Exception as error:
-            if not isinstance(error, _foreseen()):
+            if not isinstance(error, foreseen_errors()):
                 raise
             fail(str(error), _code_of(error))
 
@@ -90,7 +90,7 @@ def _code_of(error: Exception) -> int:
     return NOT_ALL_DONE if isinstance(error, UnfinishedError) else WRONG_INPUT
 
 
-def _foreseen() -> tuple[type[Exception], ...]:
+def foreseen_errors() -> tuple[type[Exception], ...]:
     """Errors meant for the user; imported only when one occurs, as that is slow."""
     from engine import AskError, BalanceError, SceneError, TableError, UnitError
     from sweeps.pictures.picture_error import PictureError
@@ -369,8 +369,15 @@ def make_folder(path: Path) -> None:
         raise InputError(str(path.parent), [(None, "", f"can't be made: {error.strerror}")]) from None
 
 
-def write_text(path: Path, text: str) -> None:
-    """Write a text file without overwriting an existing one, which a person may have written.
+def write_text(path: Path, text: str, replace: bool = False) -> None:
+    """Write a text file.
+
+    Parameters
+    ----------
+    path : Path
+    text : str
+    replace : bool
+        Whether an existing file is overwritten; a person may have written it.
 
     Raises
     ------
@@ -380,7 +387,7 @@ def write_text(path: Path, text: str) -> None:
     from sweeps.text.input_files import InputError
     from sweeps.text.whole_files import whole_file
 
-    if path.exists():
+    if path.exists() and not replace:
         raise InputError(str(path), [(None, "", "exists already; name another file with --out")])
     make_folder(path)
     try:

@@ -267,20 +267,32 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
 @click.argument("file")
 @click.option("--out", type=click.Path(path_type=Path), help="GIF file; default: NAME.gif.")
 @click.option("--variant", type=WholeNumber(0), help="Variant of a result file to use.")
+@click.option("--element", help="A cam or gear train among the scene's elements, instead of the mechanism.")
 @click.option("--paths", default="", help="Points whose paths are drawn, comma-separated.")
 @click.option("--frames", type=WholeNumber(4, 1000), default=60, show_default=True)
 @SET
 @errors_as_messages
 @doing("Drawing the frames")
 def animate(
-    file: str, out: Path | None, variant: int | None, paths: str, frames: int, settings: tuple[str, ...]
+    file: str,
+    out: Path | None,
+    variant: int | None,
+    element: str | None,
+    paths: str,
+    frames: int,
+    settings: tuple[str, ...],
 ) -> None:
     """Write an animated GIF of a scene, study or variant."""
     from sweeps.cli.named_machine import machine_of
-    from sweeps.pictures.machine.animation import save_animation
+    from sweeps.pictures.elements.element_motion import element_frames, moving_element
+    from sweeps.pictures.machine.animation import machine_frames, save_animation
 
     scene, values, name = machine_of(file, variant, settings)
     out = out or Path(f"{name}.gif")
     make_folder(out)
-    save_animation(scene, out, frames=frames, paths=names_in(paths), values=values)
+    moving = moving_element(scene, values, element)
+    if moving is not None:
+        save_animation(lambda count: element_frames(moving, count), out, frames)
+    else:
+        save_animation(lambda count: machine_frames(scene, count, names_in(paths), values), out, frames)
     tell(f"Wrote {out}")

@@ -1,4 +1,4 @@
-"""Commands to get started: list, new, modes, guide."""
+"""Commands to get started: list, new, schema, modes, guide."""
 
 from pathlib import Path
 
@@ -35,6 +35,23 @@ def new(template: str, out: Path | None) -> None:
     out = out or Path(f"{template}.toml")
     write_text(out, text)
     tell(f"Wrote {out}. Edit it, then: sweeps check {out}; sweeps plot {out}; sweeps run {out}")
+    tell("Editors complete and check it after: sweeps schema")
+
+
+@click.command()
+@click.option("--out", type=click.Path(path_type=Path), default=Path("."), help="Folder of the scenes; default: this.")
+@errors_as_messages
+def schema(out: Path) -> None:
+    """Write JSON Schemas of scenes and studies, by which editors complete keys and mark mistakes while you type.
+
+    VS Code with the extension Even Better TOML reads them for files next to them that begin with the line
+    `#:schema scene.schema.json`, or `#:schema study.schema.json` for studies; templates have that line.
+    """
+    from sweeps.report.help.editor_schema import schema_texts
+
+    for name, text in schema_texts().items():
+        write_text(out / name, text, replace=True)
+        tell(f"Wrote {out / name}")
 
 
 @click.command()

@@ -1,13 +1,12 @@
 """The report page: its parts, their order, and the file."""
 
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 from engine import Verdict
 from sweeps.optimising.optimum import is_search, optimum_text
 from sweeps.page.digest import Digest
-from sweeps.page.page_pictures import SHORT, drawn_pictures, machines_data, variants_data
+from sweeps.page.page_pictures import drawn_pictures, machines_data, variants_data
 from sweeps.page.page_tables import (
     errors_table,
     leaders_table,
@@ -17,13 +16,13 @@ from sweeps.page.page_tables import (
     value_tables,
     verdicts_table,
 )
+from sweeps.page.page_text import page_text
 from sweeps.report.answers.unmet_conditions import no_answer_text
 from sweeps.report.regime_words import MOTION_VERDICTS, failure_text
 from sweeps.report.result_report import value_text
 from sweeps.report.variant_warnings import result_warnings
 from sweeps.text.input_files import InputError
 from sweeps.text.scene_text import with_values
-from sweeps.text.visible import visible
 from sweeps.text.whole_files import whole_file
 
 
@@ -45,30 +44,12 @@ def write_page(path: Path, out: Path) -> None:
     StoreError
         The result can't be read.
     """
-    try:
-        import jinja2
-        from markupsafe import Markup
-    except ImportError as error:
-        mend = "pip install 'machine-sweeps[report]'"
-        raise InputError(str(out), [(None, "", f"a report needs {error.name}: {mend}")]) from None
-    digest = Digest(path)
-    here = files("sweeps.page")
-    css = Markup((here / "page.css").read_text("utf8"))
-    scripts = [Markup((here / name).read_text("utf8")) for name in ("page.js", "player.js", "variants.js")]
-    environment = jinja2.Environment(autoescape=True, finalize=_shown)
-    environment.policies["json.dumps_kwargs"] = {"separators": SHORT, "allow_nan": False}
-    template = environment.from_string((here / "page.html").read_text("utf8"))
-    text = template.render(**_parts(digest), css=css, scripts=scripts)
+    text = page_text(_parts(Digest(path)))
     try:
         with whole_file(out) as draft:
             draft.write_text(text, encoding="utf8")
     except OSError as error:
         raise InputError(str(out), [(None, "", f"can't be written: {error.strerror}")]) from None
-
-
-def _shown(part: object) -> object:
-    """A part of the page; its markup is escaped."""
-    return visible(part) if type(part) is str else part
 
 
 def _parts(digest: Digest) -> dict[str, Any]:

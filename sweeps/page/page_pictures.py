@@ -17,6 +17,7 @@ from engine import Mechanics, scene_numbers
 from sweeps.optimising.optimum import is_front
 from sweeps.page.digest import Digest
 from sweeps.page.machine_motion import looks, motion_data
+from sweeps.page.page_text import SHORT
 from sweeps.pictures.drawing import DrawnMotion
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.picture_files import machine_pictures
@@ -38,8 +39,6 @@ if TYPE_CHECKING:
 DRAWN_WHOLE = 20_000
 # Machines in motion on a page: how many, how many of the best, and their size as text.
 MOST_MACHINES, MOST_LEADERS, MOST_MOTION = 60, 20, 800_000
-# Separators of JSON without blanks.
-SHORT = (",", ":")
 # Shade of variants that miss the condition.
 MISSED = -0.5
 

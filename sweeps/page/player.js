@@ -165,6 +165,7 @@
     all.forEach((one) => one.show(share, words()));
   };
   const keep = () => page.keep("at", Number(value(share).toPrecision(6)));
+  page.shown.addEventListener("leave", keep);
 
   const step = (now) => {
     if (!playing) return;

@@ -14,7 +14,7 @@ def _listed(value: object) -> object:
     return [value] if isinstance(value, str) else value
 
 
-Texts = Annotated[list[str], BeforeValidator(_listed)]
+Texts = Annotated[list[str], BeforeValidator(_listed, json_schema_input_type=list[str] | str)]
 
 
 class Range(ScenePart):
@@ -167,15 +167,15 @@ def _axis(value: object) -> object:
     return dict(zip(("from", "to", "count"), found, strict=True))
 
 
-AxisText = Annotated[
+_Axis = Annotated[
     Annotated[Range, Tag("range")]
     | Annotated[Listing, Tag("listing")]
     | Annotated[Between, Tag("between")]
     | Annotated[SizeSeries, Tag("size series")]
     | Annotated[SizeList, Tag("size list")],
     Discriminator(_kind_of_axis),
-    BeforeValidator(_axis),
 ]
+AxisText = Annotated[_Axis, BeforeValidator(_axis, json_schema_input_type=_Axis | list[float | str] | str)]
 
 
 class StudyText(ScenePart):
@@ -214,7 +214,9 @@ class StudyText(ScenePart):
     outputs: Outputs = Outputs()
     best: Best | None = None
     optimise: Optimise | None = None
-    tolerances: dict[str, Annotated[ToleranceText, BeforeValidator(_tolerance)]] = {}
+    tolerances: dict[
+        str, Annotated[ToleranceText, BeforeValidator(_tolerance, json_schema_input_type=ToleranceText | float | str)]
+    ] = {}
 
 
 TOLERANCE_KEYS = set(ToleranceText.model_fields)

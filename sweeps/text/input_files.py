@@ -3,7 +3,10 @@
 import errno
 import stat
 from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
+from typing import NamedTuple
 
 # Maximum size of a scene or study [bytes]; long ones have some ten thousand.
 LARGEST_TEXT = 16_000_000
@@ -23,6 +26,36 @@ class InputError(ValueError):
         for line, key, message in self.problems:
             place = f"{self.source}, line {line}" if line else self.source
             yield f"{place}: {key}: {message}" if key else f"{place}: {message}"
+
+
+class Stamp(NamedTuple):
+    """What changes when a file is saved: time of its change [ns] and size [bytes]."""
+
+    changed: int
+    size: int
+
+    @classmethod
+    def of(cls, path: Path) -> "Stamp | None":
+        """The stamp of a file; None if there is none."""
+        try:
+            found = path.stat()
+        except (OSError, ValueError):
+            return None
+        return cls(found.st_mtime_ns, found.st_size)
+
+
+_read: ContextVar[dict[Path, Stamp | None] | None] = ContextVar("_read", default=None)
+
+
+@contextmanager
+def files_read() -> Iterator[dict[Path, Stamp | None]]:
+    """Note the texts that `read_text` reads, with their stamps before reading."""
+    noted: dict[Path, Stamp | None] = {}
+    token = _read.set(noted)
+    try:
+        yield noted
+    finally:
+        _read.reset(token)
 
 
 def check_file(path: Path, largest: int | None = None) -> None:
@@ -76,6 +109,8 @@ def read_text(path: Path, largest: int = LARGEST_TEXT) -> str:
     InputError
         The file can't be read, is a device or a pipe, or is too large.
     """
+    if (noted := _read.get()) is not None:
+        noted[path] = Stamp.of(path)
     check_file(path, largest)
     try:
         return path.read_text(encoding="utf-8-sig")

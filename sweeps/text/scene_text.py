@@ -24,6 +24,9 @@ from sweeps.text.csv_text import TableColumn, read_csv
 from sweeps.text.input_files import InputError, read_text
 from sweeps.text.toml_text import line_of, parse_toml, problems_in, validate
 
+# Tables whose entries may take lists from the columns of a CSV `file`.
+TABLES_OF_ROWS = ("forces", "moments", "wanted")
+
 
 def read_scene(path: Path | str) -> Scene:
     """Scene from a TOML file.
@@ -59,7 +62,7 @@ def scene_from(data: dict[str, Any], text: str, source: str, folder: Path, prefi
     if (system := show_units_of(data)) != Scene.model_fields["units"].default:
         data = {"units": system} | data
     files: dict[str, tuple[tuple[int | None, str], TableColumn]] = {}
-    for table in ("forces", "moments", "wanted"):
+    for table in TABLES_OF_ROWS:
         actions = data.get(table)
         for name, action in actions.items() if isinstance(actions, dict) else ():
             if isinstance(action, dict) and "file" in action:

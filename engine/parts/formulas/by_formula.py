@@ -4,7 +4,9 @@ import math
 from collections.abc import Iterator
 from typing import Annotated
 
-from pydantic import AfterValidator, ValidationInfo, model_validator
+from pydantic import AfterValidator, GetJsonSchemaHandler, ValidationInfo, model_validator
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
 
 from engine.parts.formulas.expressions import ExpressionError, parse
 from engine.parts.skeleton import Name, Part, SceneNumber
@@ -40,6 +42,10 @@ class FormulaNumber(Part):
             return given
         value, dimension = recognised(given) if isinstance(given, str) else (in_text(given, "number"), "number")
         return {"value": value, "dimension": dimension}
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, _: CoreSchema, __: GetJsonSchemaHandler) -> JsonSchemaValue:
+        return {"type": ["number", "string"]}
 
     def numbers_within(self, path: str = "") -> Iterator[tuple[str, SceneNumber]]:
         """The number itself, without limits."""

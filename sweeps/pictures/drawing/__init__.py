@@ -5,7 +5,7 @@ paints them on Matplotlib axes, `picture` to a file.
 """
 
 from sweeps.pictures.drawing.figures import figures, primitives
-from sweeps.pictures.drawing.motion import DrawnMotion
+from sweeps.pictures.drawing.motion import DrawnMotion, position_text
 from sweeps.pictures.drawing.moving_drawing import MovingDrawing, MovingFigure, moving_drawing
 from sweeps.pictures.drawing.names import names_of_points
 from sweeps.pictures.drawing.painting import FILLS, bounds, draw, mechanism_figure, paint, picture, prepare_axes
@@ -26,6 +26,7 @@ __all__ = [
     "names_of_points",
     "paint",
     "picture",
+    "position_text",
     "prepare_axes",
     "primitives",
 ]

@@ -2,6 +2,7 @@
 
 import cmath
 import math
+from functools import lru_cache
 
 import numpy as np
 
@@ -15,7 +16,9 @@ NEAR_STAND = math.radians(45)
 CLEARLY = 0.1
 
 
-def frame_parts(m: DrawnMotion) -> list[Primitive]:
+# Fixed parts are asked for at every position of a motion.
+@lru_cache(1)
+def frame_parts(m: DrawnMotion) -> tuple[Primitive, ...]:
     """Guides of the frame and pitch circles, painted below moving links."""
     r, scene, found = m.radius, m.scene, []
     for slider in m.sliders:
@@ -34,14 +37,15 @@ def frame_parts(m: DrawnMotion) -> list[Primitive]:
             found += _gearing(
                 *(m.points[p][0] for p in (mesh_axis(scene, name), shaft.pivot)), m.numbers[f"shafts.{name}.ratio"]
             )
-    return found
+    return tuple(found)
 
 
-def stands(m: DrawnMotion) -> list[Primitive]:
+@lru_cache(1)
+def stands(m: DrawnMotion) -> tuple[Primitive, ...]:
     """Stands of the fixed pivots, each where its links are least often; painted above plates."""
     anchors = m.hinges | {end for s in m.scene.springs.values() for end in s.between}
     fixed = [name for name in sorted(anchors) if name in m.scene.points and m.scene.points[name].link == FRAME]
-    return [p for name in fixed for p in fixed_pivot(m.points[name][0], m.radius, _free_side(m, name))]
+    return tuple(p for name in fixed for p in fixed_pivot(m.points[name][0], m.radius, _free_side(m, name)))
 
 
 def _free_side(m: DrawnMotion, pivot: str) -> complex:

@@ -38,6 +38,19 @@ class Slider(NamedTuple):
     offset: float
 
 
+def position_text(scene: Scene, at: float) -> str:
+    """Position of the input, such as "φ = 60°".
+
+    Parameters
+    ----------
+    scene : Scene
+    at : float
+        Crank angle [rad], or displacement of a sliding input [m].
+    """
+    unit = InputUnits.of(scene).q
+    return f"{'φ' if unit == 'rad' else 'q'} = {quantity_text(float(at), unit)}".replace(" °", "°")
+
+
 class DrawnMotion:
     """Positions of a scene's points and links at every node of the cycle.
 

@@ -12,9 +12,9 @@ from matplotlib.path import Path as Outline
 from matplotlib.patheffects import withStroke
 from matplotlib.textpath import TextPath
 
-from engine import Scene, display_unit, has_cycle, quantity_text
+from engine import Scene, display_unit, has_cycle
 from sweeps.pictures.drawing.figures import USUAL_CRANK_ANGLE, default_position, figures
-from sweeps.pictures.drawing.motion import DrawnMotion
+from sweeps.pictures.drawing.motion import DrawnMotion, position_text
 from sweeps.pictures.drawing.symbols import Primitive
 from sweeps.pictures.style import BLUE, MM_PER_INCH, VERMILION, house_style, new_figure, save
 
@@ -179,7 +179,5 @@ def _title(scene: Scene, at: Sequence[float]) -> str:
     """Title of the scene and position of its input."""
     if not at and not has_cycle(scene):
         return scene.title
-    place = at[0] if at else USUAL_CRANK_ANGLE
-    unit, symbol = ("rad", "φ") if scene.input is None or has_cycle(scene) else ("m", "q")
-    words = f"{symbol} = {quantity_text(place, unit)}".replace(" °", "°")
+    words = position_text(scene, at[0] if at else USUAL_CRANK_ANGLE)
     return f"{scene.title}, {words}" if scene.title else words

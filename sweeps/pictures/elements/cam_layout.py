@@ -4,6 +4,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from engine import CamElement, cam_curves, display_unit
+from sweeps.pictures.drawing import bounds, paint
+from sweeps.pictures.elements.element_motion import follower_figures, hinge_radius
 from sweeps.pictures.style import BLUE, GREEN, GREY, VERMILION
 
 DEGREES = 180 / np.pi
@@ -29,7 +31,9 @@ def cam_layout(ax: Axes, cam: CamElement) -> None:
     contact, centre = factor * curves.contact[at], factor * curves.follower[at]
     size = float(np.abs(profile).max())
     pivot = None if cam.translating else factor * cam.follower.pivot_distance
-    _follower(ax, cam, contact, centre, size, pivot)
+    follower = follower_figures(cam, curves, at, hinge_radius(curves))
+    paint(ax, follower, factor)
+    ax.update_datalim(factor * np.reshape(bounds(follower), (2, 2)))
     normal = centre - contact if cam.follower.contact == "roller" else 0
     if normal:
         along = normal / abs(normal)
@@ -45,22 +49,3 @@ def cam_layout(ax: Axes, cam: CamElement) -> None:
     ax.set_title(f"At {DEGREES * curves.angle[at]:.1f}°{alpha}")
     ax.margins(0.06)
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=2)
-
-
-def _follower(ax: Axes, cam: CamElement, contact: complex, centre: complex, size: float, pivot: float | None) -> None:
-    """Roller, edge or face with its stem or arm."""
-    look = {"color": "black", "linewidth": 1.6, "zorder": 5, "solid_capstyle": "round"}
-    if cam.follower.contact == "roller":
-        roller = centre + abs(centre - contact) * np.exp(1j * np.linspace(0, 2 * np.pi, 120))
-        ax.fill(roller.real, roller.imag, facecolor="white", edgecolor="black", linewidth=1.2, zorder=4)
-        ax.plot(centre.real, centre.imag, "o", color="black", markersize=3, zorder=6)
-    if cam.translating:
-        if cam.follower.contact == "flat":
-            half = 0.55 * size
-            ax.plot([-half, half], [contact.imag] * 2, **look)
-            centre = 1j * contact.imag
-        ax.plot([centre.real] * 2, [centre.imag, centre.imag + 0.9 * size], **look)
-        return
-    end = centre if cam.follower.contact != "flat" else pivot + 1.35 * (contact - pivot)
-    ax.plot([pivot, end.real], [0, end.imag], **look)
-    ax.plot(pivot, 0, "o", color="black", markerfacecolor="white", markersize=6, zorder=6)

@@ -1,8 +1,8 @@
-"""Animated GIF of a mechanism."""
+"""Animated GIFs."""
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -11,7 +11,17 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from engine import Scene, has_cycle, quantity_text
-from sweeps.pictures.drawing import FILLS, DrawnMotion, bounds, figures, names_of_points, paint, prepare_axes
+from sweeps.pictures.drawing import (
+    FILLS,
+    DrawnMotion,
+    Primitive,
+    bounds,
+    figures,
+    names_of_points,
+    paint,
+    position_text,
+    prepare_axes,
+)
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import VERMILION, house_style
 from sweeps.text.whole_files import whole_file
@@ -22,25 +32,23 @@ LARGEST_WIDTH, LARGEST_HEIGHT = 6.4, 6.4
 MOST_FRAMES = 1000
 
 
-def save_animation(
-    scene: Scene,
-    path: Path | str,
-    frames: int = 60,
-    fps: int = 20,
-    paths: Sequence[str] = (),
-    values: Mapping[str, float] | None = None,
-) -> None:
-    """Write a mechanism's motion as a looping GIF; a limited input moves back and forth.
+class Frames(NamedTuple):
+    """Positions of something that moves; `radius` is that of a hinge [m]."""
+
+    poses: list[list[Primitive]]
+    titles: list[str]
+    radius: float
+
+
+def machine_frames(
+    scene: Scene, frames: int, paths: Sequence[str] = (), values: Mapping[str, float] | None = None
+) -> Frames:
+    """Positions of a mechanism over its motion; a limited input moves back and forth.
 
     Parameters
     ----------
     scene : Scene
-    path : path
-        File to write (.gif).
     frames : int
-        Frames per cycle, 4 to 1000.
-    fps : int
-        Frames per second, 1 to 50 (browsers slow down faster ones).
     paths : sequence of str
         Points whose paths are drawn.
     values : mapping of path to float, optional
@@ -49,7 +57,35 @@ def save_animation(
     Raises
     ------
     PictureError
-        A position can't be drawn, a point doesn't exist, a setting is out of range, or the file can't be written.
+        A position can't be drawn, or a point doesn't exist.
+    """
+    motion = DrawnMotion(scene, values)
+    moments = _moments(motion, frames)
+    poses = [[p for p in figures(motion, [at], paths)[-1] if p.layer != "names"] for at in moments]
+    # Names would jump from side to side.
+    names = names_of_points(motion, [motion.node(at) for at in moments], poses)
+    whole = [[*pose, *beside] for pose, beside in zip(poses, names, strict=True)]
+    return Frames(whole, [_instant(motion, at) for at in moments], motion.radius)
+
+
+def save_animation(frames_of: Callable[[int], Frames], path: Path | str, frames: int = 60, fps: int = 20) -> None:
+    """Write a motion as a looping GIF.
+
+    Parameters
+    ----------
+    frames_of : callable
+        Makes the frames of a cycle, by their number.
+    path : path
+        File to write (.gif).
+    frames : int
+        Frames per cycle, 4 to 1000.
+    fps : int
+        Frames per second, 1 to 50 (browsers slow down faster ones).
+
+    Raises
+    ------
+    PictureError
+        A setting is out of range, or the file can't be written.
     """
     if Path(path).suffix.lower() != ".gif":
         raise PictureError(f"{path}: animations are .gif files")
@@ -57,13 +93,7 @@ def save_animation(
         raise PictureError(f"frames = {frames}: allowed are 4 to {MOST_FRAMES}, such as 60")
     if not 1 <= fps <= 50:
         raise PictureError(f"fps = {fps}: allowed are 1 to 50, such as 20")
-    motion = DrawnMotion(scene, values)
-    moments = _moments(motion, frames)
-    poses = [[p for p in figures(motion, [at], paths)[-1] if p.layer != "names"] for at in moments]
-    # Names would jump from side to side.
-    names = names_of_points(motion, [motion.node(at) for at in moments], poses)
-    whole = [[*pose, *beside] for pose, beside in zip(poses, names, strict=True)]
-    pictures = _pictures(motion, whole, [_instant(motion, at) for at in moments])
+    pictures = _pictures(frames_of(frames))
     indexed = [picture.quantize(palette=_palette(), dither=Image.Dither.NONE) for picture in pictures]
     # GIF delays are in hundredths of a second.
     pace = 10 * round(100 / fps)
@@ -87,9 +117,9 @@ def _moments(motion: DrawnMotion, frames: int) -> np.ndarray:
 def _instant(motion: DrawnMotion, at: float) -> str:
     """Input position, and over a cycle the time at mean speed."""
     if not has_cycle(motion.scene):
-        return f"q = {quantity_text(at, 'm')}"
+        return position_text(motion.scene, at)
     time = quantity_text(float(at / motion.numbers["input.speed"]), "s")
-    return f"φ = {math.degrees(at):.0f}°, t = {time}"
+    return f"{position_text(motion.scene, at)}, t = {time}"
 
 
 def _palette() -> Image.Image:
@@ -102,17 +132,17 @@ def _palette() -> Image.Image:
     return holder
 
 
-def _pictures(motion: DrawnMotion, poses: list[list], titles: list[str]) -> list[Image.Image]:
+def _pictures(shown: Frames) -> list[Image.Image]:
     """Each pose with its title, on fixed axes."""
     with house_style():
         figure = Figure(dpi=DOTS_PER_INCH, layout="constrained")
         canvas, ax = FigureCanvasAgg(figure), figure.add_subplot()
-        factor = prepare_axes(ax, bounds(p for pose in poses for p in pose), motion.radius)
+        factor = prepare_axes(ax, bounds(p for pose in shown.poses for p in pose), shown.radius)
         width, height = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
         scale = min((LARGEST_WIDTH - 0.7) / width, (LARGEST_HEIGHT - 0.6) / height)
         figure.set_size_inches(scale * width + 0.7, scale * height + 0.8)
         pictures = []
-        for pose, title in zip(poses, titles, strict=True):
+        for pose, title in zip(shown.poses, shown.titles, strict=True):
             ax.set_title(title, loc="left")
             for patch in list(ax.patches):
                 patch.remove()

@@ -12,11 +12,12 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 import engine
-from engine import InputUnits, Machine, Scene, SteadyRegime, Verdict, display_unit, quantity_text
+from engine import InputUnits, Machine, Scene, SteadyRegime, Verdict, display_unit, pairs_of, quantity_text
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, sheet
 from sweeps.report.regime_words import failure_text
 
+# All others are black.
 _COLOURS = {
     "motors": BLUE,
     "driving": SKY,
@@ -24,6 +25,7 @@ _COLOURS = {
     "harmful": ORANGE,
     "braking": PURPLE,
     "other": GREY,
+    "coupling": GREEN,
 }
 _WORDS = {
     "motors": "motors",
@@ -32,13 +34,20 @@ _WORDS = {
     "harmful": "harmful resistances",
     "braking": "brakes",
     "other": "gravity and springs",
+    "coupling": "coupling torque, its heat",
+    "shaft_speed": "driven shaft of the coupling",
+    "energy": "kinetic energy E",
 }
 # Points drawn per regime; of more, the minimum and maximum per interval.
 MOST_INSTANTS = 20_000
 # Minimum width of a regime, relative to equal widths.
 LEAST_SHARE = 0.5
 # Regimes whose ranges differ by more than this factor get separate scales.
-APART = 10.0
+APART = 2.0
+# What is less than this share of the peak is rounding.
+NOTHING = 1e-9
+# Height of the sheet, and of each reaction in it [mm]; share of its row.
+HEIGHT, OF_REACTION, LOW = 165, 22, 0.6
 
 
 class _Course(NamedTuple):
@@ -55,11 +64,6 @@ class _Course(NamedTuple):
     works: dict[str, np.ndarray]
     reactions: dict[str, np.ndarray]
     coupled: dict[str, np.ndarray]
-
-    @property
-    def acting(self) -> dict[str, np.ndarray]:
-        """Torques acting in this regime."""
-        return {key: row for key, row in self.moments.items() if np.any(row)}
 
 
 def courses(seen: "engine.History") -> list[_Course]:
@@ -99,6 +103,12 @@ def courses(seen: "engine.History") -> list[_Course]:
     return found
 
 
+def _above_rounding(rows: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Those of some torques, powers or works that are more than rounding in a regime."""
+    sizes = {key: np.abs(row).max(initial=0.0) for key, row in rows.items()}
+    return {key: row for key, row in rows.items() if sizes[key] > NOTHING * max(sizes.values())}
+
+
 def history_diagrams(scene: Scene, seen: "engine.History", target: Path | str | Figure) -> Figure:
     """Speed, torques, power, energy, work and kept reactions against time.
 
@@ -118,7 +128,8 @@ def history_diagrams(scene: Scene, seen: "engine.History", target: Path | str | 
         Unknown picture format.
     """
     parts, title = courses(seen), f"{scene.title or 'Machine'}: history"
-    with sheet(target, 180, 190 if parts else 30) as figure:
+    height = HEIGHT + OF_REACTION * len(parts[0].reactions) if parts else 30
+    with sheet(target, 180, height) as figure:
         if parts:
             _history_sheet(figure, scene, parts)
         if seen.verdict == Verdict.OK:
@@ -131,24 +142,29 @@ def history_diagrams(scene: Scene, seen: "engine.History", target: Path | str | 
 def _history_sheet(figure: Figure, scene: Scene, parts: Sequence[_Course]) -> None:
     times = np.array([max(part.time[-1], 1e-9) for part in parts])
     widths = np.maximum(times / times.sum(), LEAST_SHARE / len(parts))
-    reactions = [part.reactions for part in parts]
-    count = 5 if reactions[0] else 4
-    axes = figure.subplots(count, len(parts), sharex="col", squeeze=False, width_ratios=widths)
+    # Reactions hide each other: each has a row.
+    pairs = list(parts[0].reactions)
+    heights = [1.0] * 4 + [LOW] * len(pairs)
+    grid = {"width_ratios": widths, "height_ratios": heights}
+    axes = figure.subplots(len(heights), len(parts), sharex="col", squeeze=False, gridspec_kw=grid)
     units = InputUnits.of(scene)
     speed, load = ("ω", "M") if units.q == "rad" else ("v", "F")
     rows = (
         (speed, units.speed, [{"speed": part.speed} | _only(part.coupled, "shaft_speed") for part in parts]),
-        (load, units.moment, [part.acting | _only(part.coupled, "coupling") for part in parts]),
-        ("P", "W", [part.powers for part in parts]),
-        ("E, W", "J", [{"energy": part.energy} | part.works for part in parts]),
-        ("R", "N", reactions),
-    )[:count]
+        (load, units.moment, [_above_rounding(part.moments) | _only(part.coupled, "coupling") for part in parts]),
+        ("P", "W", [_above_rounding(part.powers) for part in parts]),
+        ("E, W", "J", [{"energy": part.energy} | _above_rounding(part.works) for part in parts]),
+        *(("R", "N", [{"reaction": part.reactions[pair]} for part in parts]) for pair in pairs),
+    )
     for row, (symbol, units, columns) in zip(axes, rows, strict=True):
         factor, label = display_unit(units, np.concatenate([v for column in columns for v in column.values()] or [[0]]))
         for ax, part, column in zip(row, parts, columns, strict=True):
             _lines(ax, part.time, {key: factor * values for key, values in column.items()})
         row[0].set_ylabel(f"{symbol}, {label}")
         _share_scale(row, columns)
+    places = {pair.name: pair.place for pair in pairs_of(scene)}
+    for ax, pair in zip(axes[4:, 0], pairs, strict=True):
+        ax.set_title(f"{pair}: {places[pair]}" if pair in places else pair, loc="left", fontsize=7, pad=2)
     for ax, part in zip(axes[0], parts, strict=True):
         kind = " (one cycle)" if isinstance(scene.regimes[part.name], SteadyRegime) else ""
         ax.set_title(f"{part.name}{kind}", fontweight="bold")
@@ -172,13 +188,9 @@ def _share_scale(row: Sequence[Axes], columns: Sequence[dict[str, np.ndarray]]) 
 
 
 def _lines(ax: Axes, x: np.ndarray, rows: dict[str, np.ndarray]) -> None:
-    own = {"speed": (BLUE, None), "energy": ("black", "kinetic energy E"), "acceleration": (GREEN, None)}
-    own |= {"shaft_speed": (GREEN, "driven shaft of the coupling")}
-    own |= {"coupling": (GREEN, "coupling torque, its heat")}
     for key, row in rows.items():
-        # Others are pairs, labelled by name.
-        colour, label = own.get(key) or (_COLOURS.get(key), _WORDS.get(key, key))
-        ax.plot(*_thinned(x, row), color=colour, label=label, linewidth=1.0)
+        look = {"linestyle": (0, (4, 2))} if key == "shaft_speed" else {}
+        ax.plot(*_thinned(x, row), color=_COLOURS.get(key, "black"), label=_WORDS.get(key), linewidth=1.0, **look)
 
 
 def _only(rows: dict[str, np.ndarray], key: str) -> dict[str, np.ndarray]:
@@ -230,7 +242,7 @@ def cycle_diagrams(scene: Scene, seen: "engine.History", regime: str, target: Pa
         axes = figure.subplots(2, 2, sharex=True)
         _speed_panel(axes[0, 0], scene, part)
         _panel(axes[1, 0], part, "Angular acceleration", "ε", "rad s-2", {"acceleration": part.acceleration})
-        _panel(axes[0, 1], part, "Torques on the crank", "M", "N m", part.acting)
+        _panel(axes[0, 1], part, "Torques on the crank", "M", "N m", _above_rounding(part.moments))
         _panel(axes[1, 1], part, "Power", "P", "W", part.powers)
         for ax in axes[1]:
             ax.set_xlabel("crank angle φ, °")

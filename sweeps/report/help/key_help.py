@@ -139,22 +139,22 @@ def _walk(model: type[BaseModel], path: tuple[str, ...], kind: str) -> Iterator[
     for name, field in model.model_fields.items():
         here = (*path, field.alias or name)
         yield Key(here, kind, model, field)
-        for arm, places in _tables_in(field.annotation, here):
+        for arm, places in tables_in(field.annotation, here):
             if len(places) < 9:
                 yield from _walk(arm, places, _type_of(arm) or "")
 
 
-def _tables_in(annotation: Any, path: tuple[str, ...]) -> Iterator[tuple[type[BaseModel], tuple[str, ...]]]:
+def tables_in(annotation: Any, path: tuple[str, ...]) -> Iterator[tuple[type[BaseModel], tuple[str, ...]]]:
     """Models allowed at a path, and the paths of their keys."""
     here = bare_annotation(annotation)
     if is_union(here):
         for arm in arms_of(here):
-            yield from _tables_in(arm, path)
+            yield from tables_in(arm, path)
     elif get_origin(here) is dict:
-        yield from _tables_in(get_args(here)[1], (*path, PATH if path[-1] in _BY_PATH else NAME))
+        yield from tables_in(get_args(here)[1], (*path, PATH if path[-1] in _BY_PATH else NAME))
     elif get_origin(here) in (list, tuple):
         for arm in get_args(here):
-            yield from _tables_in(arm, path)
+            yield from tables_in(arm, path)
     elif isinstance(here, type) and issubclass(here, BaseModel) and here is not FormulaNumber:
         yield here, path
 
@@ -198,7 +198,7 @@ def _paragraphs(found: Sequence[Key]) -> Iterator[str]:
 
 def _one_text(key: Key) -> str:
     """Help on one key, or the keys of a table."""
-    tables = list(dict.fromkeys(arm for arm, _ in _tables_in(key.field.annotation, key.path)))
+    tables = list(dict.fromkeys(arm for arm, _ in tables_in(key.field.annotation, key.path)))
     whose = f"of type {key.kind!r}: " if key.kind else ""
     lines = [f"  {whose}{sentence}" for sentence in [_meaning(key)] if sentence]
     if not tables:
@@ -209,13 +209,13 @@ def _one_text(key: Key) -> str:
         return "\n".join([*lines, f"  type: one of {', '.join(kinds)} (`sweeps help TYPE` lists the keys)"])
     if len(tables) == 1:
         return "\n".join([*lines, _keys_text(tables[0])])
-    each = (f"  either: {_paragraph(arm)}\n{_keys_text(arm)}" for arm in tables)
+    each = (f"  either: {paragraph(arm)}\n{_keys_text(arm)}" for arm in tables)
     return "\n".join([*lines, *each])
 
 
 def _table_text(key: Key) -> str:
     """Help on a table of some type and its keys."""
-    return "\n".join([f'  type = "{key.kind}": {_paragraph(key.model)}', _keys_text(key.model)])
+    return "\n".join([f'  type = "{key.kind}": {paragraph(key.model)}', _keys_text(key.model)])
 
 
 def _keys_text(model: type[BaseModel]) -> str:
@@ -227,17 +227,17 @@ def _keys_text(model: type[BaseModel]) -> str:
     return table(rows, "    ")
 
 
-def _paragraph(model: type[BaseModel]) -> str:
+def paragraph(model: type[BaseModel]) -> str:
     """A model's description on one line."""
     return " ".join(cleandoc(model.__doc__ or "").split())
 
 
 def _sentences(model: type[BaseModel]) -> list[str]:
-    return re.split(r"(?<=[.])\s+(?=[A-Z`])", _paragraph(model))
+    return re.split(r"(?<=[.])\s+(?=[A-Z`])", paragraph(model))
 
 
 def _first_sentence(key: Key) -> str:
-    tables = list(dict.fromkeys(arm for arm, _ in _tables_in(key.field.annotation, key.path)))
+    tables = list(dict.fromkeys(arm for arm, _ in tables_in(key.field.annotation, key.path)))
     if len(tables) == 1:
         return _sentences(tables[0])[0]
     kinds = [kind for kind in map(_type_of, tables) if kind]
@@ -245,11 +245,19 @@ def _first_sentence(key: Key) -> str:
     return shown if kinds else _takes(key.field)
 
 
+def key_line(key: Key) -> str:
+    """Help on a key in a line, without the keys of its tables."""
+    tables = [arm for arm, _ in tables_in(key.field.annotation, key.path)]
+    kinds = ", ".join(kind for kind in map(_type_of, tables) if kind)
+    takes = f"types: {kinds}" if kinds else "" if tables else f"{_takes(key.field)}; {_necessity(key.field)}"
+    return " — ".join(part for part in (_meaning(key), takes) if part)
+
+
 def _meaning(key: Key) -> str:
     """Description of a key: the table's, or the sentences that name the key."""
-    tables = list(dict.fromkeys(arm for arm, _ in _tables_in(key.field.annotation, key.path)))
+    tables = list(dict.fromkeys(arm for arm, _ in tables_in(key.field.annotation, key.path)))
     if len(tables) == 1:
-        return _paragraph(tables[0])
+        return paragraph(tables[0])
     models = [m for m in key.model.__mro__ if issubclass(m, BaseModel) and m.__doc__]
     return " ".join(s for model in models for s in _sentences(model) if f"`{key.path[-1]}`" in s)
 

@@ -8,14 +8,14 @@ from PIL import Image
 
 from sweeps.pictures.drawing import paint
 from sweeps.pictures.machine import animation
-from sweeps.pictures.machine.animation import save_animation
+from sweeps.pictures.machine.animation import machine_frames, save_animation
 from sweeps.pictures.picture_error import PictureError
 
 
 @pytest.mark.parametrize("scene", [four_bar(), sliding_input()], ids=["crank", "sliding input"])
 def test_animation__asked_frames_small_and_endless(scene, tmp_path):
     file = tmp_path / "a.gif"
-    save_animation(scene, file, frames=12, fps=20, paths=["B"])
+    save_animation(lambda count: machine_frames(scene, count, ["B"]), file, frames=12, fps=20)
     with Image.open(file) as gif:
         # Of a to-and-fro motion, the two frames before and after an end differ, so none is merged with another.
         assert gif.n_frames == 12
@@ -37,7 +37,7 @@ def test_animation__asked_frames_small_and_endless(scene, tmp_path):
 )
 def test_animation_with_wrong_settings__refused(file, settings_, words, tmp_path):
     with pytest.raises(PictureError, match=words):
-        save_animation(four_bar(), tmp_path / file, **settings_)
+        save_animation(lambda count: machine_frames(four_bar(), count), tmp_path / file, **settings_)
 
 
 @pytest.mark.parametrize("scene", [four_bar(), sliding_input()], ids=["crank", "sliding input"])
@@ -49,7 +49,7 @@ def test_names_of_joints__go_along_with_them_and_never_hop(scene, tmp_path, monk
         paint(ax, drawn, factor)
 
     monkeypatch.setattr(animation, "paint", painted)
-    save_animation(scene, tmp_path / "a.gif", frames=8)
+    save_animation(lambda count: machine_frames(scene, count), tmp_path / "a.gif", frames=8)
     assert len(poses) == 8
     offsets = {}
     for pose in poses:

@@ -104,8 +104,10 @@ def test_history_sheet__draws_the_reactions_that_the_history_keeps():
     seen = history(SCENE, fields=["input.reaction"])
     axes = history_diagrams(SCENE, seen, Figure()).axes
     assert len(axes) == 15
+    assert axes[12].get_title(loc="left") == "input: joint O"
     for ax, name in zip(axes[12:], REGIMES, strict=True):
-        drawn = lines_of(ax)["input"][1]
+        (line,) = ax.lines
+        drawn = line.get_ydata()
         assert drawn == pytest.approx(seen.loads_on_pairs["input.reaction"][seen.regime == name], rel=1e-12)
 
 

@@ -1,0 +1,43 @@
+"""The page as text: its template with styles, scripts and data."""
+
+from collections.abc import Mapping
+from importlib.resources import files
+
+from sweeps.text.input_files import InputError
+from sweeps.text.visible import visible
+
+# Separators of JSON without blanks.
+SHORT = (",", ":")
+
+
+def page_text(parts: Mapping[str, object]) -> str:
+    """Text of a self-contained HTML page.
+
+    Parameters
+    ----------
+    parts : mapping of str to object
+        By the names in the template; parts that are absent or empty are left out.
+
+    Raises
+    ------
+    InputError
+        Jinja2 isn't installed.
+    """
+    try:
+        import jinja2
+        from markupsafe import Markup
+    except ImportError as error:
+        mend = "pip install 'machine-sweeps[report]'"
+        raise InputError("report", [(None, "", f"a page needs {error.name}: {mend}")]) from None
+    here = files("sweeps.page")
+    names = ("page.js", "player.js", "variants.js", *(("watch.js",) if "version" in parts else ()))
+    scripts = [Markup((here / name).read_text("utf8")) for name in names]
+    environment = jinja2.Environment(autoescape=True, finalize=_shown)
+    environment.policies["json.dumps_kwargs"] = {"separators": SHORT, "allow_nan": False}
+    template = environment.from_string((here / "page.html").read_text("utf8"))
+    return template.render(parts, css=Markup((here / "page.css").read_text("utf8")), scripts=scripts)
+
+
+def _shown(part: object) -> object:
+    """A part of the page; its markup is escaped."""
+    return visible(part) if type(part) is str else part

@@ -1,0 +1,93 @@
+"""The page of a machine whose file is being edited, made again whenever the file is saved."""
+
+import secrets
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from threading import Condition
+from typing import Any
+
+from engine import Scene, warnings_from_numbers
+from sweeps.page.machine_motion import looks, motion_data
+from sweeps.page.page_text import page_text
+from sweeps.pictures.drawing import DrawnMotion
+from sweeps.text.input_files import Stamp, files_read
+
+Reader = Callable[[], tuple[Scene, Mapping[str, float], str]]
+
+
+class WatchedPage:
+    """The page of one machine, with its last motion that could be drawn and what is wrong with its text now.
+
+    Nothing is compiled for it: one machine is evaluated by NumPy.
+
+    Parameters
+    ----------
+    title : str
+        Heading as long as there is no machine.
+    read : callable
+        Reads the machine: its scene, numbers that replace the scene's, and its name.
+    errors : tuple of exception types
+        Errors meant for the user.
+
+    Attributes
+    ----------
+    version : str
+        Differs for each text.
+    text : str
+    message : str
+        What is wrong, with file and line; "" if nothing is.
+    """
+
+    def __init__(self, title: str, read: Reader, errors: tuple[type[Exception], ...]) -> None:
+        self._read, self._errors = read, errors
+        self._changed, self._files = Condition(), dict[Path, Stamp | None]()
+        self._session, self._count, self._parts = secrets.token_hex(8), 0, {"title": title}
+        self.version = self.text = self.message = ""
+        self._make()
+
+    def look(self) -> bool:
+        """Make the page again if a file has changed since it was read; whether one has."""
+        # Editors that replace a file remove it for a moment.
+        found = {path: Stamp.of(path) or stamp for path, stamp in self._files.items()}
+        if found == self._files:
+            return False
+        self._make()
+        return True
+
+    def wait(self, version: str, seconds: float) -> None:
+        """Wait for another version, at most a number of seconds."""
+        with self._changed:
+            self._changed.wait_for(lambda: self.version != version, seconds)
+
+    def page(self) -> tuple[str, str]:
+        """Version and text."""
+        with self._changed:
+            return self.version, self.text
+
+    def _make(self) -> None:
+        with files_read() as self._files:
+            try:
+                self._parts, self.message = _parts(*self._read()), ""
+            except self._errors as error:
+                self.message = str(error)
+        self._count += 1
+        version = f"{self._session}-{self._count}"
+        now = {"version": version}
+        if self.message:
+            now |= {"message": self.message, "drawn": "The machine as it was before the mistake"}
+        text = page_text(self._parts | now)
+        with self._changed:
+            self.version, self.text = version, text
+            self._changed.notify_all()
+
+
+def _parts(scene: Scene, values: Mapping[str, float], name: str) -> dict[str, Any]:
+    """Data for the template."""
+    title = scene.title or name
+    machine = {"number": 0, "name": title, **motion_data(DrawnMotion(scene, values))}
+    return {
+        "title": title,
+        "drawn": "The machine",
+        "motion": {"looks": looks(), "machines": [machine]},
+        "warnings": warnings_from_numbers(scene, values),
+    }
