@@ -92,6 +92,13 @@ def key_text(asked: str) -> str:
     return "\n\n".join(_paragraphs(found))
 
 
+def key_texts() -> dict[str, str]:
+    """Help on each table and each type, by name."""
+    tables = [key.path[0] for key in _keys() if key.model in (Scene, StudyText)]
+    kinds = [key.kind for key in _keys() if key.kind and _of_table(key)]
+    return {name: key_text(name) for name in dict.fromkeys([*tables, *kinds])}
+
+
 def _about(words: Sequence[str]) -> str:
     """Keys, and chapters of the guide, that speak of all of some words; "" if none do."""
     words = [word for word in words if word not in ("a", "of", "the")]
