@@ -10,8 +10,11 @@ from sweeps.text.tables import table
 # Folders of the guide in reading order, each with its chapters.
 SUBJECTS = {
     "tutorial": ("machine", "flywheel", "sweep", "bearings", "motor", "report"),
-    "mechanisms": ("links", "inputs", "cams", "gears", "synthesis", "elements"),
-    "dynamics": ("forces", "formulas", "motion", "couplings", "balancing", "governors", "elastic"),
+    "mechanisms": ("structure", "kinematics", "links", "inputs", "cams", "gears", "synthesis", "elements"),
+    "dynamics": (
+        *("reduction", "flywheels", "forces", "formulas", "motion", "couplings"),
+        *("balancing", "governors", "elastic"),
+    ),
     "studies": ("study", "searching", "results", "numbers", "warnings", "words", "python", "cluster"),
     "": ("developers",),
 }

@@ -11,7 +11,7 @@ PAGES = sorted(GUIDE.rglob("*.md"))
 UNITS = "mm|cm|m|kg|g|N|kN|J|kJ|W|kW|rpm|s|min|L|bar|Pa|kPa|MPa|GPa|rad|°|Hz"
 MEASURED = re.compile(rf"(\d+(?:\.\d+)?)((?:[ ·/](?:{UNITS})(?![A-Za-z])[²³]?|[ ]?°)+)")
 SIGNS = {"·": "*", "²": "**2", "³": "**3", "½": "0.5", "¼": "0.25", "−": "-", "√": "sqrt", "π": "pi", "°": "deg"}
-KNOWN = {name: getattr(math, name) for name in ("sqrt", "sin", "cos", "tan", "pi")}
+KNOWN = {name: getattr(math, name) for name in ("sin", "cos", "tan", "asin", "pi")} | {"sqrt": lambda x: x**0.5}
 
 
 def value(text):
@@ -33,8 +33,8 @@ def value(text):
 
 
 def last_digit(text):
-    number = re.match(r"[\d.]+", text.strip())[0]
-    return 10.0 ** -len(number.partition(".")[2])
+    decimals = re.match(r"\s*[-−]?\d+(?:\.(\d+))?", text)[1]
+    return 10.0 ** -len(decimals or "")
 
 
 def calculations(text):
@@ -49,8 +49,7 @@ def wrong(line):
     found = {side: value(side) for side in sides[:-1] if re.search(r"\d", side)}
     checked = {side: worth for side, worth in found.items() if worth is not None}
     assert checked, line
-    shown = float(re.match(r"[\d.]+", sides[-1].strip())[0])
-    return [s for s, w in checked.items() if abs(w.to(result.units).magnitude - shown) > last_digit(sides[-1])]
+    return [s for s, w in checked.items() if abs((w - result).to(result.units).magnitude) > last_digit(sides[-1])]
 
 
 @pytest.mark.parametrize("line", [line for page in PAGES for line in calculations(page.read_text("utf8"))])
@@ -63,6 +62,7 @@ def test_calculation__is_checked():
     assert wrong("v = r ω = 50 mm · 300 rpm = 1.573 m/s") == [" 50 mm · 300 rpm "]
     assert wrong("½ · 2 kg · (3 m/s)² / (4 N·m) = 2.25") == []
     assert wrong("cos(60°) + √(0.25) = 1.0") == []
+    assert wrong("2 J - 3 J = -1.0 J") == []
 
 
 @pytest.fixture(scope="module")
