@@ -108,6 +108,7 @@ def page(entries: list[tuple[Shown, list[str]]]) -> str:
     parts = [
         "# Pictures\n\n"
         "Each kind once, with the commands that make it; all again: `python results/gallery/gallery.py`.\n"
+        "Pictures of the guide: `python results/gallery/worked_pages.py`.\n"
         "A design in Python, from what is wanted to its flywheel, is a notebook: [hacksaw.ipynb](hacksaw.ipynb)."
     ]
     for shown, names in entries:

@@ -1,10 +1,12 @@
 """Commands to get started: list, new, schema, modes, guide."""
 
+import tempfile
 from pathlib import Path
 
 import click
 
 from sweeps.cli.shared import errors_as_messages, tell, write_text
+from sweeps.cli.waiting import doing
 
 
 @click.command("list")
@@ -82,9 +84,39 @@ def modes(scene: str, out: Path | None, no_plots: bool) -> None:
 
 @click.command("guide")
 @click.argument("chapter", required=False)
+@click.option("--web", is_flag=True, help="Open the whole guide in the browser, with pictures, search and reference.")
+@click.option("--out", type=click.Path(path_type=Path), help="With --web: folder to keep the site in.")
 @errors_as_messages
-def guide_command(chapter: str | None) -> None:
-    """Show a chapter of the guide, or list them all."""
+def guide_command(chapter: str | None, web: bool, out: Path | None) -> None:
+    """Show a chapter of the guide, or list them all.
+
+    The site of --web needs no network; building it requires pip install 'machine-sweeps[guide]'.
+    """
     from sweeps.guide.chapters import chapter_text, chapters_text
 
+    if web or out is not None:
+        open_site(out)
+        return
     tell(chapters_text() if chapter is None else chapter_text(chapter))
+
+
+def open_site(out: Path | None) -> None:
+    """Build the guide's site, and open it unless it is built into a folder."""
+    from sweeps.guide.website import build_site
+    from sweeps.report.help.reference_pages import reference_pages
+
+    with doing("Building the site"):
+        first = build_site(lambda: {"commands": commands_page(), **reference_pages()}, out or Path(tempfile.mkdtemp()))
+    tell(f"Wrote {first}")
+    if out is None:
+        click.launch(str(first))
+
+
+def commands_page() -> str:
+    """Help on all commands, in Markdown."""
+    commands = click.get_current_context().find_root().command.commands
+    helps = (
+        f"## {name}\n\n```text\n{command.get_help(click.Context(command, info_name=f'sweeps {name}'))}\n```"
+        for name, command in commands.items()
+    )
+    return "\n\n".join(["# Commands", *helps])

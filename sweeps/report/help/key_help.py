@@ -24,7 +24,7 @@ from engine import (
     nearest_names,
     speaks_of,
 )
-from sweeps.guide.chapters import chapters
+from sweeps.guide.chapters import SUBJECTS, chapters
 from sweeps.study.study_text import StudyText
 from sweeps.text.input_files import InputError
 from sweeps.text.tables import table
@@ -32,7 +32,7 @@ from sweeps.text.tables import table
 # Of an answer to words.
 MOST_KEYS, MOST_CHAPTERS = 12, 3
 # Chapters of the guide that words aren't searched in.
-NO_SUBJECTS = ("developers", "words")
+NO_SUBJECTS = (*SUBJECTS["tutorial"], "developers", "words")
 # Placeholder in a path for user-defined names.
 NAME, PATH = "NAME", "PATH"
 _BY_PATH = ("vary", "derive", "tolerances", "start")
@@ -95,6 +95,13 @@ def key_text(asked: str) -> str:
     return "\n\n".join(_paragraphs(found))
 
 
+def key_texts() -> dict[str, str]:
+    """Help on each table and each type, by name."""
+    tables = [key.path[0] for key in _keys() if key.model in (Scene, StudyText)]
+    kinds = [key.kind for key in _keys() if key.kind and _of_table(key)]
+    return {name: key_text(name) for name in dict.fromkeys([*tables, *kinds])}
+
+
 def _about(words: Sequence[str]) -> str:
     """Keys, and chapters of the guide, that speak of all of some words; "" if none do."""
     words = [word for word in words if word not in ("a", "of", "the")]
@@ -105,12 +112,8 @@ def _about(words: Sequence[str]) -> str:
         if name not in (NAME, PATH) and speaks_of(name.replace("_", " "), words):
             rows.setdefault(name, f"a type of {key.path[0]}" if kind else _first_sentence(key))
     nearest = sorted(rows.items(), key=lambda row: words[0].lower() not in row[0])
-    times = {
-        name: sum(speaks_of(line, words) for line in text.splitlines())
-        for name, text in chapters().items()
-        if name not in NO_SUBJECTS
-    }
-    guide = [name for name in sorted(times, key=lambda name: -times[name]) if times[name]][:MOST_CHAPTERS]
+    times = {name: _mentions(text, words) for name, text in chapters().items() if name not in NO_SUBJECTS}
+    guide = [name for name in sorted(times, key=times.__getitem__, reverse=True) if any(times[name])][:MOST_CHAPTERS]
     parts = [f"About {' '.join(words)!r}:"]
     if rows:
         parts += ["Keys (`sweeps help KEY`):", table(nearest[:MOST_KEYS], "  ")]
@@ -118,6 +121,13 @@ def _about(words: Sequence[str]) -> str:
         parts.append(f"Guide: {', '.join(f'`sweeps guide {name}`' for name in guide)}")
     parts.append(f"Quantities: `sweeps quantities SCENE {' '.join(words)}`")
     return "\n".join(parts) if rows or guide else ""
+
+
+def _mentions(text: str, words: Sequence[str]) -> tuple[int, int]:
+    """How many lines have the words themselves, and how many have them or their synonyms."""
+    lines = text.lower().splitlines()
+    exact = sum(all(word.lower() in line for word in words) for line in lines)
+    return exact, sum(speaks_of(line, words) for line in lines)
 
 
 def tables_text() -> str:

@@ -1,0 +1,97 @@
+"""The guide as a site for the browser: the chapters' Markdown, and reference pages, built by Sphinx."""
+
+import re
+import shutil
+from collections.abc import Callable, Mapping
+from importlib.resources import files
+from pathlib import Path
+
+from sweeps.guide.chapters import SUBJECTS
+from sweeps.text.input_files import InputError
+
+REFERENCE = "reference"
+_SETTINGS = {
+    "project": "machine-sweeps",
+    "html_title": "machine-sweeps",
+    "extensions": ["myst_parser"],
+    "html_theme": "furo",
+    "html_static_path": ["style"],
+    "html_css_files": ["guide.css"],
+    "html_show_sourcelink": False,
+    "html_copy_source": False,
+    "html_show_copyright": False,
+    "myst_heading_anchors": 3,
+    # Formulas and tables of numbers are plain text.
+    "suppress_warnings": ["misc.highlighting_failure"],
+}
+_STYLE = """
+article img { background: white; max-height: 36em; padding: 0.5em; border-radius: 0.3em; }
+div.calculation pre { border-left: 0.2em solid var(--color-brand-primary); font-size: 100%; }
+"""
+
+
+def build_site(reference: Callable[[], Mapping[str, str]], folder: Path) -> Path:
+    """Build the site of the guide.
+
+    Parameters
+    ----------
+    reference : callable
+        Makes the generated pages: name and Markdown text.
+    folder : Path
+        Folder of the site.
+
+    Returns
+    -------
+    Path
+        Its first page.
+
+    Raises
+    ------
+    InputError
+        Sphinx or its extensions aren't installed, or the site can't be written.
+    """
+    try:
+        import furo  # noqa: F401
+        import myst_parser  # noqa: F401
+        from sphinx.application import Sphinx
+        from sphinx.util.docutils import docutils_namespace
+    except ImportError as error:
+        mend = "pip install 'machine-sweeps[guide]'"
+        raise InputError("--web", [(None, "", f"the site needs {error.name}: {mend}")]) from None
+    site, source, work = (folder.resolve() / name for name in ("site", "source", "work"))
+    try:
+        _write_source(reference(), source)
+        with docutils_namespace():
+            app = Sphinx(source, None, site, work, "html", _SETTINGS, status=None)
+            app.build()
+    except OSError as error:
+        raise InputError(str(folder), [(None, "", f"can't be written: {error.strerror}")]) from None
+    for made in (source, work):
+        shutil.rmtree(made)
+    return site / "index.html"
+
+
+def _write_source(reference: Mapping[str, str], source: Path) -> None:
+    """Write what Sphinx reads: pages, their pictures and a page of contents."""
+    shutil.copytree(str(files("sweeps") / "guide"), source, ignore=shutil.ignore_patterns("*.py", "__pycache__"))
+    (source / REFERENCE).mkdir()
+    for name, text in reference.items():
+        (source / REFERENCE / f"{name}.md").write_text(text, "utf8")
+    for page in source.rglob("*.md"):
+        page.write_text(_for_sphinx(page.read_text("utf8")), "utf8")
+    (source / "style").mkdir()
+    (source / "style" / "guide.css").write_text(_STYLE, "utf8")
+    subjects = {**SUBJECTS, REFERENCE: tuple(reference)}
+    contents = "\n".join(_contents(subject, names) for subject, names in subjects.items())
+    (source / "index.md").write_text(f"# Guide to machine-sweeps\n\n{contents}", "utf8")
+
+
+def _contents(subject: str, names: tuple[str, ...]) -> str:
+    pages = "\n".join(f"{subject}/{name}" if subject else name for name in names)
+    return f"```{{toctree}}\n:caption: {subject.capitalize() or 'Program'}\n:maxdepth: 1\n\n{pages}\n```\n"
+
+
+def _for_sphinx(text: str) -> str:
+    """A page whose blocks show the name of their file; a calculation gets a style."""
+    text = re.sub(r"^```toml (\S+\.toml)$", r"```{code-block} toml\n:caption: \1\n", text, flags=re.M)
+    return re.sub(r"^```calculation$", "```{code-block} text\n:class: calculation\n", text, flags=re.M)
