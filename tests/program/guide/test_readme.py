@@ -79,8 +79,8 @@ def folder(tmp_path_factory):
         "study": chapters["study"],
         "sizes": chapters["searching"],
         "plate": chapters["links"],
-        "cam": chapters["cams"],
-        "reducer": chapters["gears"],
+        "cam": "".join(blocks("toml cam.toml", GUIDE["cams"])),
+        "reducer": "".join(blocks("toml reducer.toml", GUIDE["gears"])),
     }
     for name, text in texts.items():
         (path / f"{name}.toml").write_text(text, encoding="utf8")
