@@ -69,6 +69,7 @@ def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("readme")
     scene = compressor()
     chapters = {name: "".join(blocks("toml", text)) for name, text in GUIDE.items()}
+    chapters["forces"] = "".join(blocks("toml rubbing.toml", GUIDE["forces"])) + chapters["forces"]
     texts = {
         "compressor": scene,
         "compressor_friction": scene + chapters["forces"],
