@@ -10,7 +10,18 @@ from worked_pages import GUIDE, PICTURES, TUTORIAL, append, folder_for, matches,
 PAGES = sorted(GUIDE.rglob("*.md"))
 UNITS = "mm|cm|m|kg|g|N|kN|J|kJ|W|kW|rpm|s|min|L|bar|Pa|kPa|MPa|GPa|rad|°|Hz"
 MEASURED = re.compile(rf"(\d+(?:\.\d+)?)((?:[ ·/](?:{UNITS})(?![A-Za-z])[²³]?|[ ]?°)+)")
-SIGNS = {"·": "*", "²": "**2", "³": "**3", "½": "0.5", "¼": "0.25", "−": "-", "√": "sqrt", "π": "pi", "°": "deg"}
+SIGNS = {
+    "·": "*",
+    "²": "**2",
+    "³": "**3",
+    "⁴": "**4",
+    "½": "0.5",
+    "¼": "0.25",
+    "−": "-",
+    "√": "sqrt",
+    "π": "pi",
+    "°": "deg",
+}
 KNOWN = {name: getattr(math, name) for name in ("sin", "cos", "tan", "asin", "pi")} | {"sqrt": lambda x: x**0.5}
 
 
