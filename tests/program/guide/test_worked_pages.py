@@ -95,6 +95,7 @@ def test_tutorial__shows_what_is_printed(page, tutorial):
 
 @pytest.mark.parametrize("page", other_pages(), ids=lambda page: page.stem)
 def test_page__shows_what_is_printed(page, tmp_path):
+    """Pages with plans and friction take some 5 s: they compile machines and draw a dozen sheets."""
     folder = folder_for(page, tmp_path)
     assert run_page(page, folder) == []
     assert [name for name in pictures(page) if not (folder / name).exists() and not (PICTURES / name).exists()] == []
