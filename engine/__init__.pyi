@@ -141,7 +141,7 @@ from engine.scene.structure.ordering import group_links
 from engine.scene.structure.ordering import order as order_groups
 from engine.scene.structure.ordering import sliders as sliders_of
 from engine.scene.structure.trains import mesh_axis
-from engine.units.dimensions import DIMENSIONS, common_units
+from engine.units.dimensions import DIMENSIONS, Powers, common_units
 from engine.units.dimensions import described as described_dimension
 from engine.units.display import (
     UnitSystem,
@@ -168,13 +168,13 @@ from engine.units.reading import (
     unit_in,
 )
 from engine.units.standard_sizes import STANDARD_SIZES
-from engine.verdicts import Verdict
 from engine.warnings import is_warning
 from engine.warnings.kinds import KINDS as WARNING_KINDS
+from engine.words.verdicts import Verdict
 
 __version__: str
-from engine.glossary import did_you_mean, speaks_of, unknown_name_message
-from engine.glossary import nearest as nearest_names
+from engine.words.glossary import did_you_mean, speaks_of, unknown_name_message
+from engine.words.glossary import nearest as nearest_names
 
 __all__ = [
     "ACCURACY_REACHED",
@@ -250,6 +250,7 @@ __all__ = [
     "Pinion",
     "PlainNumber",
     "PlainText",
+    "Powers",
     "Quantity",
     "Rack",
     "Rank",

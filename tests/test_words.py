@@ -59,7 +59,7 @@ SCOPE = (
     ("engine/compiling", False, PLAIN),
     ("engine/graph", False, PLAIN),
     ("engine/quantities", False, PLAIN),
-    ("engine/verdicts.py", False, PLAIN),
+    ("engine/words/verdicts.py", False, PLAIN),
 )
 ENDINGS = {".py", ".pyi", ".md", ".toml", ".html"}
 # Right texts with a banned phrase: file, text, reason.

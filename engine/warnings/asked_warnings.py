@@ -8,10 +8,10 @@ import numpy as np
 from engine.cycle.measured import Measured
 from engine.quantities.quantity import Quantity
 from engine.scene.scene import Numbers, Scene
-from engine.verdicts import Verdict
 from engine.warnings import COUNT, is_warning
 from engine.warnings.kinds import KINDS, rules_by_kind
 from engine.warnings.rule import Rule
+from engine.words.verdicts import Verdict
 
 
 def computable_rules(scene: Scene, has: Callable[[str], bool]) -> dict[str, tuple[Rule, ...]]:

@@ -28,7 +28,7 @@ from engine.elements.elastic_drives.elastic_cycle import (
     CyclesToClose,
     close_cycles,
 )
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # Points of a step, its ends with Gauss' points, between which moments and speeds are interpolated, and how finely.
 _KNOTS = np.array([0.0, *POINTS, 1.0])

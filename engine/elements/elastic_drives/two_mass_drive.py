@@ -45,7 +45,7 @@ from engine.laws.rounding import EPS
 from engine.parts.actions import Moment, Time
 from engine.parts.motor_constants import kloss_constants, stall_moment
 from engine.parts.skeleton import Angle, AngularSpeed, Inertia
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # The least backlash [rad] whose products still are numbers of full precision.
 SMALLEST = np.finfo(float).tiny / np.finfo(float).eps

@@ -36,7 +36,7 @@ from engine.laws.governors.stability import (
 )
 from engine.laws.rounding import EPS
 from engine.laws.tables import Table, in_memory, make_table
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # Samples of a characteristic, and in each piece of a table; how far inside a piece its ends are sampled, and how far
 # apart values are whose difference is a slope, both as a share of the range.

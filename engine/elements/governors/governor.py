@@ -32,7 +32,7 @@ from engine.laws.tables import Table
 from engine.parts.actions import Force
 from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Length, Mass, Number, Positive, quantity
 from engine.units.display import quantity_text
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 _FLAG = {"units": "1", "exact": True}
 _STATICS = (

@@ -13,7 +13,7 @@ from engine.elements.governors.governed_engine import GovernedEngine
 from engine.elements.governors.transients import ANSWERS, MOTION_ROOM, follow_one
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.units.display import quantity_text
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # Margins nearer to 0 than this are drawn as stable: sweeps tell them apart, a line can't.
 _FLAT = 1e-12

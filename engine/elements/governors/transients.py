@@ -56,7 +56,7 @@ from engine.laws.governors.motion import (
     speed_after,
     time_to_speed,
 )
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 State = tuple[float, float, float, float]
 

@@ -6,7 +6,6 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from engine import parts
-from engine.glossary import unknown_name_message
 from engine.laws.tables import TableError, make_table
 from engine.parts.actions import Force, Time
 from engine.parts.formulas.by_formula import ByFormula, FormulaText
@@ -15,6 +14,7 @@ from engine.parts.skeleton import AngularSpeed, Length, Mass, Part, Positive, Sp
 from engine.units.dimensions import described
 from engine.units.display import quantity_text
 from engine.units.reading import any_quantity
+from engine.words.glossary import unknown_name_message
 
 AngularAcceleration = quantity("angular_acceleration")
 Modulus = Annotated[quantity("pressure"), Field(gt=0)]

@@ -43,7 +43,7 @@ from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.laws.rounding import EPS
 from engine.parts.actions import Damping, Stiffness
 from engine.parts.skeleton import Mass, Number
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 Ratio = Annotated[Number, Field(ge=0)]
 DAMPINGS = ("damping", "damping_ratio", "decrement", "energy_absorption")

@@ -37,7 +37,7 @@ from engine.motion.regimes_in_order import TOLERANCE, Schedule
 from engine.motion.runs.watching import Observer
 from engine.motion.settled.steady import steady_motion
 from engine.scene.scene import Numbers, Scene, scene_numbers
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # Numbers of the curves of variants that are solved together.
 TOGETHER = 4_000_000

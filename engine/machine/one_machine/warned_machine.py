@@ -6,8 +6,8 @@ from engine.cycle.measured import Measured
 from engine.machine.checks import given_numbers
 from engine.machine.one_machine.moving_machine import MovingMachine
 from engine.scene.scene import Numbers, Scene, scene_numbers
-from engine.verdicts import Verdict
 from engine.warnings.kinds import rules_by_kind
+from engine.words.verdicts import Verdict
 
 
 def warnings_from_numbers(scene: Scene, values: Mapping[str, float] | None = None) -> list[str]:

@@ -13,7 +13,7 @@ from engine.motion.moments.at_speed import greatest_moment
 from engine.motion.moments.dynamics import Dynamics, Variants
 from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.runs.watching import Observer
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # Steps of a grid that differ by no more are equal.
 EVEN = 1e-9

@@ -13,7 +13,7 @@ from engine.motion.quantities import INSTANT
 from engine.motion.quantities import TURNED as ANGLE
 from engine.motion.runs.watching import RunFields
 from engine.motion.settled.cycle import motion_rows, power_rows
-from engine.motion.system import SHOWN
+from engine.stepping.system import SHOWN
 
 STATES = (TURNED, CRANK_SPEED, SHAFT_TURNED, SHAFT_SPEED)
 # Of the polynomials that steps are recorded as.

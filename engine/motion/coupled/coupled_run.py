@@ -22,14 +22,14 @@ from engine.motion.coupled.two_sides import (
     faced_ways,
 )
 from engine.motion.coupled.two_speeds import CRANK_SPEED, GRIP, SHAFT_SPEED, SHAFT_TURNED, TURNED
-from engine.motion.methods import EIGHT, NINE
 from engine.motion.moments.breaks import JUMP
 from engine.motion.moments.equation_of_motion import UNIFORM
 from engine.motion.moments.grid import edges_of
 from engine.motion.runs.watching import Observer, side_by_side
-from engine.motion.system import SHOWN, Walks
-from engine.motion.walk import LONGER, Why, coarser
-from engine.verdicts import Verdict
+from engine.stepping.methods import EIGHT, NINE
+from engine.stepping.system import SHOWN, Walks
+from engine.stepping.walk import LONGER, Why, coarser
+from engine.words.verdicts import Verdict
 
 TOLERANCE, FARTHEST_TURN = 1e-10, 0.25 * np.pi
 # Shares of a step at which speeds and moments are looked at, and what makes them of those that are recorded.

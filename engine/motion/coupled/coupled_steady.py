@@ -17,7 +17,7 @@ from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.moments.equation_of_motion import UNIFORM
 from engine.motion.runs.watching import Observer
 from engine.motion.settled.steady import no_load_speed
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # Speeds come back to so much of themselves; where steps keep them from it, to so much, if nothing is gained any more.
 RETURNED, NEARLY = 1e-10, 1e-7

@@ -14,7 +14,7 @@ from engine.motion.coupled.coupled_run import FINE, CoupledEnds, CoupledRuns, Pr
 from engine.motion.coupled.two_sides import CoupledSides
 from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, SHAFT_TURNED, TURNED
 from engine.motion.runs.watching import Observer
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 # A run is forecast by steps of so many radians of the shaft's vibration, and refused where it needs too many.
 FINEST, MOST_STEPS = 0.3, 200_000

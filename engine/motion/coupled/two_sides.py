@@ -16,7 +16,7 @@ from engine.motion.coupled.two_speeds import at_two_speeds
 from engine.motion.moments.at_speed import Moments
 from engine.motion.moments.dynamics import Dynamics, Reduction, Rows, Variants
 from engine.motion.moments.equation_of_motion import Attached, EquationOfMotion
-from engine.motion.system import PrintedSystem
+from engine.motion.one_speed import MachineSystem
 from engine.parts.couplings import Coupling, FluidCoupling, FrictionClutch
 from engine.scene.scene import Numbers, Scene
 
@@ -342,10 +342,10 @@ class OnElasticShaft:
         self.shaft = Dynamics(reduction, off | self._loads)
 
     @cached_property
-    def system(self) -> PrintedSystem:
+    def system(self) -> MachineSystem:
         """The equation of motion of both sides, its functions printed."""
         mechanics = self.crank.reduction.mechanics
-        return PrintedSystem(*at_two_speeds(mechanics, None, 0, self._motors, self._loads, False, False), mechanics)
+        return MachineSystem(*at_two_speeds(mechanics, None, 0, self._motors, self._loads, False, False), mechanics)
 
     def of(self, bare: Variants, start: np.ndarray, shaft: np.ndarray, backlash: np.ndarray) -> CoupledSides:
         """Both sides of a number of variants.
@@ -401,14 +401,14 @@ class TwoSides:
         self._on_shaft, self._elsewhere = frozenset(on_shaft), frozenset(elsewhere - on_shaft)
 
     @cached_property
-    def system(self) -> PrintedSystem:
+    def system(self) -> MachineSystem:
         """The equation of motion of both sides, its functions printed."""
         mechanics, coupling = self.crank.reduction.mechanics, self.coupling
         knots = 0
         if isinstance(coupling, FrictionClutch):
             knots = len(coupling.over_time) if coupling.over_time is not None else 1 + (coupling.engagement is not None)
         acting, rubs = (self._on_shaft, self._elsewhere), self.crank.friction is not None
-        return PrintedSystem(*at_two_speeds(mechanics, coupling, knots, *acting, self.crank.works, rubs), mechanics)
+        return MachineSystem(*at_two_speeds(mechanics, coupling, knots, *acting, self.crank.works, rubs), mechanics)
 
     def without_shaft(self, numbers: Numbers, count: int) -> Numbers:
         """Numbers of machines whose crank is rid of the coupled shaft's inertia."""

@@ -18,8 +18,9 @@ from engine.graph.nodes import Given, Node, Stage
 from engine.laws.kinematics.closure import greater
 from engine.laws.tables import in_memory, make_table, table_segment
 from engine.mechanism.mechanics import Mechanics
-from engine.motion.system import SLOPES, Guard, Sizes, System, friction_of, inertia_with_flywheel, moments_of, sizes_of
+from engine.motion.one_speed import SLOPES, Sizes, friction_of, inertia_with_flywheel, moments_of, sizes_of
 from engine.parts.couplings import Coupling, FluidCoupling
+from engine.stepping.system import Guard, System
 
 # Share of the moments by which they exceed what holds a standing side, where it sets off.
 SURELY = 1e-11

@@ -9,7 +9,7 @@ from numba import njit
 
 from engine import Machine, Scene, set_threads
 from engine.machine.kept_fields import _follow, _is_finite
-from engine.verdicts import Verdict
+from engine.words.verdicts import Verdict
 
 EPS = np.finfo(float).eps
 

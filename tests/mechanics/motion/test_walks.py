@@ -11,12 +11,13 @@ from mpmath import mp
 from engine import Scene
 from engine.graph.nodes import value_of
 from engine.mechanism.mechanics import Mechanics
-from engine.motion.methods import EIGHT, FOUR
 from engine.motion.moments.dynamics import Dynamics, Reduction
 from engine.motion.moments.grid import edges_of
-from engine.motion.system import PrintedSystem, Walks, along_angle, along_time
-from engine.motion.walk import Why
+from engine.motion.one_speed import MachineSystem, along_angle, along_time
 from engine.scene.scene import Numbers, scene_numbers
+from engine.stepping.methods import EIGHT, FOUR
+from engine.stepping.system import Walks
+from engine.stepping.walk import Why
 
 TURN = 2.0 * math.pi
 MASS, ARM, OWN = 2.0, 0.25, 0.05
@@ -26,7 +27,7 @@ WEIGHT, SWINGING = MASS * GRAVITY * ARM, OWN + MASS * ARM**2
 class Machine(NamedTuple):
     """A machine with its system along the angle or along time, and all else that a walk needs."""
 
-    printed: PrintedSystem
+    printed: MachineSystem
     dynamics: Dynamics
 
 
@@ -34,7 +35,7 @@ def machine(scene: dict, form: str, works: str = "") -> Machine:
     mechanics = Mechanics(Scene.model_validate(scene))
     made = (along_angle if form == "angle" else along_time)(mechanics, bool(works), frozenset(works.split()))
     off = frozenset(mechanics.scene.regimes["go"].off)
-    return Machine(PrintedSystem(*made, mechanics), Dynamics(Reduction(mechanics), off))
+    return Machine(MachineSystem(*made, mechanics), Dynamics(Reduction(mechanics), off))
 
 
 def walked(own: Machine, states: np.ndarray, goal: float, method: int = EIGHT, **given: object) -> Walks:

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine.glossary import unknown_name_message
 from engine.parts.formulas.expressions import DEEPEST, LONGEST, ExpressionError, joined_by_and, parse
+from engine.words.glossary import unknown_name_message
 
 # --- random texts, against Python's own reading of them --------------------------------------------------------
 

@@ -8,7 +8,7 @@ from numpy.polynomial import Polynomial
 from engine import Machine, Scene, Verdict
 from engine.mechanism.mechanics import Mechanics
 from engine.motion.cases import regime_text
-from engine.motion.tableaux import ORDER_FOUR
+from engine.stepping.tableaux import ORDER_FOUR
 
 ASKED = "go.time go.final_speed"
 

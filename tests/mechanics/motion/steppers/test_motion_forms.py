@@ -10,10 +10,10 @@ from motion_scenes import ask, reduced, run, slider_crank
 from mpmath import mp
 
 from engine import Verdict
-from engine.motion.methods import NINE
 from engine.motion.regimes_in_order import Schedule
 from engine.motion.runs.run_in_angle import FARTHER
 from engine.motion.runs.run_progress import Stepping
+from engine.stepping.methods import NINE
 
 REFERENCE = json.loads((Path(__file__).parents[3] / "oracles" / "motion" / "motion_reference.json").read_text())
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from engine.laws.runge_kutta import DORMAND_PRINCE, ERRORS, MATRIX, NODES, ORDER_EIGHT, Method, Tableau, part_at
-from engine.motion.tableaux import ORDER_NINE, RADAU
+from engine.stepping.tableaux import ORDER_NINE, RADAU
 
 # A rooted tree is the tuple of the trees that grow from its root.
 Tree = tuple

@@ -23,7 +23,7 @@ from engine.compiling.widths import LANES
 from engine.cycle.panels.lanes import ASIDE, one, rows
 from engine.laws.elementary import direction_of, exponential
 from engine.laws.rounding import EPS
-from engine.motion.methods import at_stage, step_end
+from engine.stepping.methods import at_stage, step_end
 
 # Steps that are laid for a cycle, at most; lanes that need more go on without repeating theirs.
 MOST_SLOTS = 160

@@ -1,0 +1,211 @@
+"""A machine's equation of motion as a system of rates: states, accumulated integrals and guards, as nodes.
+
+Over the crank angle the state is the kinetic energy E, with dE/dφ = M(φ, ω) and ω = √(2E/I); over time the states are
+the angle turned and the speed, with I ε + ½ω² dI/dφ = M(φ, ω, t). Torques are positive in the direction of motion, so ω
+is never negative: a machine that moves backwards has the opposite nominal direction of its input.
+"""
+
+from typing import NamedTuple
+
+from engine.graph.derivatives import derivative
+from engine.graph.nodes import Given, Node, Stage
+from engine.laws.elementary import exponential, power
+from engine.laws.kinematics.closure import greater
+from engine.laws.loads import sized
+from engine.laws.motor_characteristics import (
+    bend_of,
+    bend_slope,
+    induction_motor,
+    induction_motor_curvature,
+    induction_motor_slope,
+)
+from engine.laws.senses import sense, side
+from engine.mechanism.actions.motors import motor_at_speed
+from engine.mechanism.input_motion import InputMotion
+from engine.mechanism.loads import Loads
+from engine.mechanism.mechanics import Mechanics
+from engine.mechanism.reactions import Reactions
+from engine.motion.moments.tabulation import Tabulation
+from engine.stepping.system import Guard, PrintedSystem, System
+
+# Kinds of work that are reported separately.
+CHANNELS = ("driving", "useful", "harmful", "braking", "other")
+# Powers of the speed whose loads are summed at a position.
+POLYNOMIAL_ORDERS = (0, 1, 2)
+
+SLOPES = {
+    sized: {1: lambda size, value: value.graph.apply(sized, size, 1.0)},
+    induction_motor: {4: lambda *operands: operands[-1].graph.apply(induction_motor_slope, *operands)},
+    induction_motor_slope: {4: lambda *operands: operands[-1].graph.apply(induction_motor_curvature, *operands)},
+    bend_of: {0: lambda x: x.graph.apply(bend_slope, x)},
+    bend_slope: {0: lambda x: x.graph.zero},
+    exponential: {0: lambda x: x.graph.apply(exponential, x)},
+    power: {0: lambda x, n: n * x.graph.apply(power, x, n) / x},
+    # A sign of a speed is constant on either side of its switch.
+    sense: {0: lambda x: x.graph.zero},
+    side: {0: lambda x: x.graph.zero},
+}
+# Replaces a speed of zero, with a sign [rad/s].
+AT_REST = 1e-150
+# Fraction of its energy that a machine with a steep motor may lose before it counts as near rest.
+MUCH = 0.5
+
+
+class Sizes(NamedTuple):
+    """Numbers that a motion supplies to its system: the size of each load, the acting motors, the direction."""
+
+    loads: dict[Given, tuple[str, Node]]
+    motors: dict[Given, str]
+    wheel: Given
+    way: Given
+    facing: Given
+    above: Given
+    below: Given
+    brisk: Given
+    stay: Given
+
+
+class StateMoments(NamedTuple):
+    """Torques in the direction of motion: of the motors, and of each channel of loads."""
+
+    motors: Node
+    channels: dict[str, Node]
+
+    @property
+    def total(self) -> Node:
+        """Sum of all torques."""
+        return self.motors + sum(self.channels.values())
+
+
+def inertia_with_flywheel(mechanics: Mechanics) -> tuple[Node, Given]:
+    """Reduced inertia including the flywheel of a motion, and the flywheel [kg·m²]."""
+    wheel = mechanics.graph.given("flywheel of a motion", Stage.VARIANT)
+    return mechanics.reduced.inertia + wheel, wheel
+
+
+def sizes_of(mechanics: Mechanics, speed: Node, side: str = "") -> tuple[Loads, Given, Sizes]:
+    """Loads of a machine, or of one side of it, at a speed; their time; and the numbers supplied to them."""
+    graph, (_, wheel) = mechanics.graph, inertia_with_flywheel(mechanics)
+    clock = graph.given("time of a state", Stage.STATE)
+    # A step that ends at rest evaluates slightly beyond; a machine at rest resists motion in the direction it faces.
+    loads = Loads(mechanics.scene, mechanics.kinematics, clock, abs(speed) + AT_REST)
+
+    def number(label: str) -> Given:
+        return graph.given(side + label, Stage.VARIANT)
+
+    sizes = {number(f"size {i}"): (load.action, load.coefficient) for i, load in enumerate(loads.terms)}
+    motors = {number(f"motor {name} acts"): name for name in loads.motors}
+    names = ("way of motion", "facing", "speed above", "speed below", "brisk", "stay")
+    return loads, clock, Sizes(sizes, motors, wheel, *(number(name) for name in names))
+
+
+def moments_of(
+    mechanics: Mechanics, loads: Loads, sizes: Sizes, speed: Node, works: bool, off: frozenset[str] = frozenset()
+) -> StateMoments:
+    """Torques at a speed, by kind of work if `works`, without the actions in `off`."""
+    graph = mechanics.graph
+    motion = InputMotion(speed * speed, graph.zero, speed)
+    by_magnitude = motion._replace(speed=abs(speed))
+    by_channel: dict[str, dict[Node, list[Node]]] = {c: {} for c in (CHANNELS if works else ("all",))}
+    for size, load in zip(sizes.loads, loads.terms, strict=True):
+        if load.basis is graph.zero or load.action in off:
+            continue
+        channel = load.role if load.role in CHANNELS else "other"
+        # `sized` returns 0 for an action that is off, also at rest, where a negative power of the speed is infinite.
+        polynomial = load.order in POLYNOMIAL_ORDERS
+        power_of_speed = (motion if polynomial else by_magnitude).power(load.order)
+        term = graph.apply(sized, size, load.basis if polynomial else load.basis * power_of_speed)
+        orders = by_channel[channel if works else "all"]
+        orders.setdefault(power_of_speed if polynomial else graph.one, []).append(term)
+    channels = {}
+    for channel, orders in by_channel.items():
+        # Sum the terms that depend on the position only before multiplying by the power of the speed.
+        parts = [(sizes.way * sum(terms, graph.zero)) * at_speed for at_speed, terms in orders.items()]
+        channels[channel] = sum(parts, graph.zero)
+    acting = {name: on for on, name in sizes.motors.items() if name not in off}
+    motors = [motor_at_speed(mechanics.kinematics, name, on, sizes.facing, speed) for name, on in acting.items()]
+    return StateMoments(sum(motors, graph.zero), channels)
+
+
+def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tuple[System, Sizes]:
+    """The equation of motion over the crank angle, with time and the requested integrals.
+
+    Parameters
+    ----------
+    mechanics : Mechanics
+    works : bool
+        Whether the works of useful and harmful loads, … are separate.
+    asked : frozenset of str
+        Integrals: "motors", "squares", "fading" (∫ ∂M/∂E dφ), and the channels of work.
+    """
+    graph = mechanics.graph
+    energy = graph.given("kinetic energy", Stage.STATE)
+    inverse = 2.0 / inertia_with_flywheel(mechanics)[0]
+    speed = graph.function("sqrt", energy * inverse)
+    loads, clock, sizes = sizes_of(mechanics, speed)
+    moments = moments_of(mechanics, loads, sizes, speed, works)
+    total, pace = moments.total, 1.0 / speed
+    steepness = derivative(total, energy, SLOPES)
+    squares = (moments.motors * moments.motors) * pace
+    known = {"motors": moments.motors, **moments.channels, "squares": squares, "fading": steepness}
+    slope = total - (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)
+    size = abs(moments.motors) + abs(total - moments.motors)
+    guards = (
+        Guard("above", sizes.above - speed),
+        Guard("below", speed - sizes.below),
+        # A steep motor restores the speed before much of the energy is lost.
+        Guard("slow", graph.apply(greater, sizes.brisk, -MUCH * steepness) * energy + total),
+    )
+    gathered = {"time": pace} | {name: node for name, node in known.items() if name in asked}
+    responses = tuple(derivative(node, energy, SLOPES) for node in gathered.values())
+    rates = (total,)
+    return System(
+        "angle", (energy,), {}, rates, gathered, speed, size, steepness, slope, (steepness,), responses, guards, clock
+    ), sizes
+
+
+def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str], rubs: bool = False) -> tuple[System, Sizes]:
+    """The equation of motion over time; parameters as in `along_angle`, and whether there is friction in pairs."""
+    graph = mechanics.graph
+    turned, speed = (graph.given(label, Stage.STATE) for label in ("angle turned", "speed of a state"))
+    (loads, clock, sizes), (inertia, _) = sizes_of(mechanics, speed), inertia_with_flywheel(mechanics)
+    moments, unknown = moments_of(mechanics, loads, sizes, speed, works), {}
+    # Motors make a step stiff, friction does not; its derivative would contain those of all reactions.
+    smooth = (moments.total - (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)) / inertia
+    if rubs:
+        unknown[speed] = graph.given("acceleration", Stage.STATE)
+        moments.channels["harmful" if works else "all"] += friction_of(mechanics, loads, sizes, speed, unknown[speed])
+    total = moments.total
+    epsilon = (total - (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)) / inertia
+    powers = {name: moment * speed for name, moment in moments.channels.items()}
+    known = {"motors": moments.motors * speed, **powers, "squares": moments.motors * moments.motors}
+    guards = (
+        Guard("above", sizes.above - speed),
+        Guard("below", speed - sizes.below),
+        Guard("brisk", abs(total) + sizes.stay - sizes.brisk * (0.5 * inertia * (speed * speed))),
+        Guard("rest", speed),
+    )
+    gathered = {name: node for name, node in known.items() if name in asked}
+    steepness = derivative(smooth, speed, SLOPES)
+    rates = (sizes.facing * speed, epsilon)
+    states, zero = (turned, speed), graph.zero
+    return System(
+        "time", states, unknown, rates, gathered, speed, zero, steepness, epsilon, (), (), guards, clock
+    ), sizes
+
+
+def friction_of(mechanics: Mechanics, loads: Loads, sizes: Sizes, speed: Node, epsilon: Node) -> Node:
+    """Torque equivalent to friction in the pairs, in the direction of motion."""
+    motion = InputMotion(speed * speed, sizes.way * epsilon, speed)
+    acting = [load._replace(coefficient=size) for size, load in zip(sizes.loads, loads.terms, strict=True)]
+    reactions = Reactions(mechanics.kinematics, mechanics.structure, acting, motion)
+    return sizes.way * reactions.variables["friction_moment"]
+
+
+class MachineSystem(PrintedSystem):
+    """A machine's system with its printed functions."""
+
+    def __init__(self, system: System, sizes: Sizes, mechanics: Mechanics) -> None:
+        super().__init__(system, mechanics.graph, mechanics.first, mechanics.last)
+        self.sizes = sizes
+        self.tabulation = Tabulation(self.functions)

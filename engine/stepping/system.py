@@ -1,0 +1,267 @@
+"""A motion as a system of rates: states, accumulated integrals and guards, as nodes; printed and integrated."""
+
+import math
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numba
+import numpy as np
+from numba import types
+
+from engine.compiling.printed import load_printed
+from engine.compiling.running import prepare, spread
+from engine.compiling.tiles import FILLS_TILE, TileFunction
+from engine.compiling.widths import LANES
+from engine.graph.functions import Functions, functions_in_motion, places_of
+from engine.graph.nodes import Given, Graph, Node
+from engine.stepping.closed_cycle import TOLD, CycleBatch, CycleRoom, find_cycles, new_cycle_room
+from engine.stepping.methods import EIGHT, METHODS
+from engine.stepping.walk import FOUND, GIVEN, LONGER, RESPONSES, STEEPEST, Room, WalkBatch, WalkTask, new_room, walk
+
+# Fractions of a step at which its polynomial of degree seven is recorded.
+SHOWN = 0.5 - 0.5 * np.cos(np.pi * np.arange(8) / 7.0)
+
+
+class Guard(NamedTuple):
+    """An event that ends a step: its name, and a number that is positive before it."""
+
+    name: str
+    value: Node
+
+
+class System(NamedTuple):
+    """A system of ordinary differential equations.
+
+    Attributes
+    ----------
+    along : {"angle", "time"}
+        Independent variable.
+    states : tuple of Given
+    unknown : dict of Given to Given
+        For a state whose rate is implicit: the node of that rate. At most one.
+    rates : tuple of Node
+        Derivatives of the states.
+    gathered : dict of str to Node
+        Integrands of accumulated integrals: time, works, …
+    speed, size, steepness, slope : Node
+        Speed; magnitude of the terms of the first rate; its derivative with respect to the first state; a node with
+        the sign of the derivative of the speed.
+    slopes : tuple of Node
+        Jacobian of the rates of the energy or the speeds, where an implicit method may pay.
+    responses : tuple of Node
+        Derivatives of the integrands with respect to the first state, where errors are propagated.
+    guards : tuple of Guard
+    clock : Given
+        The time.
+    """
+
+    along: str
+    states: tuple[Given, ...]
+    unknown: dict[Given, Given]
+    rates: tuple[Node, ...]
+    gathered: dict[str, Node]
+    speed: Node
+    size: Node
+    steepness: Node
+    slope: Node
+    slopes: tuple[Node, ...]
+    responses: tuple[Node, ...]
+    guards: tuple[Guard, ...]
+    clock: Given
+
+
+class Walks(NamedTuple):
+    """Results of a number of walks, (variants,) each.
+
+    `states`, `doubts`, `ending` (states and gathered, variants) and `recorded` are as in
+    `engine.stepping.walk.WalkBatch`, others as in `engine.stepping.walk.Lane`.
+    """
+
+    states: np.ndarray
+    doubts: np.ndarray
+    ending: np.ndarray
+    turned: np.ndarray
+    pace: np.ndarray
+    at: np.ndarray
+    slowest: np.ndarray
+    fastest: np.ndarray
+    slow_off: np.ndarray
+    fast_off: np.ndarray
+    slope: np.ndarray
+    why: np.ndarray
+    steps: np.ndarray
+    recorded: np.ndarray
+
+    def some(self, chosen: np.ndarray) -> "Walks":
+        """A subset of the variants, by index."""
+        return Walks(*(rows[..., chosen] for rows in self))
+
+
+class Closed(NamedTuple):
+    """Cycles that return to their own energies; meaningless for variants without one.
+
+    Attributes
+    ----------
+    energy : ndarray (variants,)
+        At the start [J].
+    states, doubts : ndarray (states and gathered, variants)
+        At the end, and their error estimates for an exact start.
+    off : ndarray (variants,)
+        |P(E) − E|/E.
+    verdict : ndarray (variants,)
+        Numbers of `Verdict`, or `TOO_STEEP`.
+    """
+
+    energy: np.ndarray
+    states: np.ndarray
+    doubts: np.ndarray
+    off: np.ndarray
+    verdict: np.ndarray
+
+
+class PrintedSystem:
+    """A system with its printed functions.
+
+    Parameters
+    ----------
+    system : System
+    graph : Graph
+        Graph of its nodes.
+    first, last : Node
+        Range of the position.
+
+    Attributes
+    ----------
+    names : dict of str to int
+        Rows of the integrals, by name; the rows of the states precede them.
+    """
+
+    def __init__(self, system: System, graph: Graph, first: Node, last: Node) -> None:
+        self.system = system
+        self.rates = [*system.rates, *system.gathered.values()]
+        guards = (guard.value for guard in system.guards)
+        before = system.speed, system.size, system.steepness, system.slope
+        self.watched = [*before, *system.responses, *system.slopes, *guards]
+        self.last = (*system.states, *system.unknown.values())
+        title = f"Motion along {system.along}."
+        self.functions: Functions = functions_in_motion(graph, title, first, last, self.rates, self.watched, self.last)
+        self.names = {name: len(system.states) + i for i, name in enumerate(system.gathered)}
+
+    def task(self, cycle: float, method: int = EIGHT, extremes: bool = False, longer: float = 1.0) -> WalkTask:
+        """Settings of a walk."""
+        system, made, rows = self.system, METHODS[method], self.functions.rows
+        timed = system.clock in rows
+        return WalkTask(
+            along_time=system.along == "time",
+            method=method,
+            stages=made.stages,
+            fixed=not made.fine.any(),
+            longer=longer,
+            steepest=STEEPEST if system.along == "angle" else STEEPEST / LONGER * longer,
+            implicit=made.implicit,
+            solved=math.isqrt(len(system.slopes)),
+            slopes=RESPONSES + len(system.responses),
+            solves=next(map(system.states.index, system.unknown), -1),
+            nodes=made.nodes,
+            matrix=made.matrix,
+            inverse=made.inverse,
+            parts=np.ascontiguousarray(made.parts),
+            states=len(system.states),
+            width=len(self.rates),
+            watched=len(self.watched),
+            guards=len(system.guards),
+            carries=len(system.responses) > 0 and bool(made.fine.any()),
+            first_place=len(rows) - len(self.last) - len(self.functions.curves),
+            places=len(self.functions.curves),
+            rated=len(places_of(self.rates)),
+            clock=rows[system.clock] if timed else -1,
+            extremes=extremes,
+            shown=SHOWN,
+            cycle=cycle,
+        )
+
+    def run(
+        self,
+        task: WalkTask,
+        numbers: np.ndarray,
+        edges: np.ndarray,
+        instants: np.ndarray,
+        given: Mapping[str, np.ndarray],
+        states: np.ndarray,
+        doubts: np.ndarray | None = None,
+        recorded: int = 0,
+    ) -> Walks:
+        """Walk; parameters as in `engine.stepping.walk.WalkBatch`, `given` rows of lanes by name, steps to record."""
+        states = np.array(states, float, order="C")
+        doubts = np.zeros_like(states) if doubts is None else np.array(doubts, float, order="C")
+        batch = self._batch(task, numbers, edges, instants, given, states, doubts, recorded)
+        repeats = not (task.along_time or task.implicit or recorded) and np.isfinite(task.cycle)
+
+        def room() -> Room:
+            return new_room(task, len(numbers), len(edges) // 2, len(instants), bool(repeats))
+
+        self._go(walk, states.shape[1], batch, task, room)
+        return Walks(states, doubts, batch.ending, *batch.found, batch.recorded)
+
+    def close(
+        self,
+        task: WalkTask,
+        numbers: np.ndarray,
+        edges: np.ndarray,
+        given: Mapping[str, np.ndarray],
+        energies: np.ndarray,
+    ) -> Closed:
+        """Find the cycles that return to their own energies, from energies at which loads should dominate."""
+        states, nothing = np.zeros((task.width, energies.size)), np.zeros((0, energies.size))
+        states[0] = energies
+        walks = self._batch(task, numbers, edges, nothing, given, states, np.zeros_like(states), 0)
+        batch = CycleBatch(walks, np.empty_like(energies), np.empty((len(TOLD), energies.size)), self.names["fading"])
+
+        def room() -> CycleRoom:
+            return new_cycle_room(new_room(task, len(numbers), len(edges) // 2, 0, not task.implicit))
+
+        self._go(find_cycles, energies.size, batch, task, room)
+        return Closed(batch.energies, walks.states, walks.doubts, *batch.told)
+
+    def _batch(
+        self,
+        task: WalkTask,
+        numbers: np.ndarray,
+        edges: np.ndarray,
+        instants: np.ndarray,
+        given: Mapping[str, np.ndarray],
+        states: np.ndarray,
+        doubts: np.ndarray,
+        recorded: int,
+    ) -> WalkBatch:
+        count = states.shape[1]
+        given = {"longest": np.inf, "floor": 0.0} | given
+        rows = np.array([np.broadcast_to(given[name], (count,)) for name in GIVEN], float)
+        kept = np.empty((recorded, 3 + (task.states + 1) * (1 + SHOWN.size), count))
+        found, parts = np.empty((len(FOUND), count)), (numbers, edges, instants, rows)
+        parts = [np.require(part, float, "CW") for part in parts]
+        return WalkBatch(self.functions.memory, *parts, states, doubts, np.empty_like(states), found, kept)
+
+    def _go(
+        self,
+        driver: Callable,
+        count: int,
+        batch: WalkBatch | CycleBatch,
+        task: WalkTask,
+        room: Callable[[], Room | CycleRoom],
+    ) -> None:
+        """Run a driver over all blocks of a batch."""
+        module = load_printed(self.functions.text)
+        functions = [TileFunction(getattr(module, name)) for name in ("places", "rates", "watch")]
+        if not driver.overloads:
+            kinds = (numba.typeof(x) for x in (batch, task, room()))
+            prepare(driver, [types.intp, types.intp, FILLS_TILE, FILLS_TILE, FILLS_TILE, *kinds])
+        spread(driver, -(-count // LANES), lambda: (*functions, batch, task, room()))
+
+    def limited(self, numbers: np.ndarray, limits: Mapping[Given, np.ndarray | float]) -> np.ndarray:
+        """Numbers of variants with `limits` set, which only guards use."""
+        numbers = numbers.copy()
+        for node, values in limits.items():
+            if node in self.functions.rows:
+                numbers[self.functions.rows[node]] = values
+        return numbers
