@@ -25,7 +25,7 @@ _SETTINGS = {
     "suppress_warnings": ["misc.highlighting_failure"],
 }
 _STYLE = """
-article img { background: white; max-height: 36em; padding: 0.5em; border-radius: 0.3em; }
+article img { background: white; max-height: 48em; padding: 0.5em; border-radius: 0.3em; }
 div.calculation pre { border-left: 0.2em solid var(--color-brand-primary); font-size: 100%; }
 """
 

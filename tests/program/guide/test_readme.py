@@ -70,6 +70,7 @@ def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("readme")
     scene = compressor()
     chapters = {name: "".join(blocks("toml", text)) for name, text in GUIDE.items()}
+    chapters["forces"] = "".join(blocks("toml rubbing.toml", GUIDE["forces"])) + chapters["forces"]
     texts = {
         "compressor": scene,
         "compressor_friction": scene + chapters["forces"],
@@ -80,8 +81,8 @@ def folder(tmp_path_factory):
         "study": chapters["study"],
         "sizes": chapters["searching"],
         "plate": chapters["links"],
-        "cam": chapters["cams"],
-        "reducer": chapters["gears"],
+        "cam": "".join(blocks("toml cam.toml", GUIDE["cams"])),
+        "reducer": "".join(blocks("toml reducer.toml", GUIDE["gears"])),
     }
     for name, text in texts.items():
         (path / f"{name}.toml").write_text(text, encoding="utf8")

@@ -10,7 +10,19 @@ from worked_pages import GUIDE, PICTURES, TUTORIAL, append, folder_for, matches,
 PAGES = sorted(GUIDE.rglob("*.md"))
 UNITS = "mm|cm|m|kg|g|N|kN|J|kJ|W|kW|rpm|s|min|L|bar|Pa|kPa|MPa|GPa|rad|°|Hz"
 MEASURED = re.compile(rf"(\d+(?:\.\d+)?)((?:[ ·/](?:{UNITS})(?![A-Za-z])[²³]?|[ ]?°)+)")
-SIGNS = {"·": "*", "²": "**2", "³": "**3", "½": "0.5", "¼": "0.25", "−": "-", "√": "sqrt", "π": "pi", "°": "deg"}
+SIGNS = {
+    "·": "*",
+    "²": "**2",
+    "³": "**3",
+    "⁴": "**4",
+    "^": "**",
+    "½": "0.5",
+    "¼": "0.25",
+    "−": "-",
+    "√": "sqrt",
+    "π": "pi",
+    "°": "deg",
+}
 KNOWN = {name: getattr(math, name) for name in ("sin", "cos", "tan", "asin", "pi")} | {"sqrt": lambda x: x**0.5}
 
 
@@ -84,6 +96,7 @@ def test_tutorial__shows_what_is_printed(page, tutorial):
 
 @pytest.mark.parametrize("page", other_pages(), ids=lambda page: page.stem)
 def test_page__shows_what_is_printed(page, tmp_path):
+    """Pages with plans and friction take some 5 s: they compile machines and draw a dozen sheets."""
     folder = folder_for(page, tmp_path)
     assert run_page(page, folder) == []
     assert [name for name in pictures(page) if not (folder / name).exists() and not (PICTURES / name).exists()] == []
