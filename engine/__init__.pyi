@@ -142,7 +142,7 @@ from engine.scene.structure.ordering import order as order_groups
 from engine.scene.structure.ordering import sliders as sliders_of
 from engine.scene.structure.trains import mesh_axis
 from engine.scene.wrong_input import MOST_PROBLEMS, arms_of, bare_annotation, is_union, wrong_input
-from engine.units.dimensions import DIMENSIONS, common_units
+from engine.units.dimensions import DIMENSIONS, Powers, common_units
 from engine.units.dimensions import described as described_dimension
 from engine.units.display import (
     UnitSystem,
@@ -253,6 +253,7 @@ __all__ = [
     "Pinion",
     "PlainNumber",
     "PlainText",
+    "Powers",
     "Quantity",
     "Rack",
     "Rank",

@@ -2,12 +2,14 @@
 
 import os
 import signal
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from commands import STUDY, said
 from hypothesis import settings
+from numba.core import event
 from press_texts import PRESS, PRESS_WITH_FLYWHEEL
 
 from engine.compiling.threads import set_threads
@@ -22,6 +24,46 @@ if os.environ.get("CI"):
 for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
     if signal.getsignal(number) is signal.SIG_IGN:
         signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
+
+
+class Compiling(event.Listener):
+    """Adds up the processor time of compiling, where functions compile those they call."""
+
+    def __init__(self) -> None:
+        self.depth, self.time = 0, 0.0
+
+    def on_start(self, event: event.Event) -> None:
+        self.time -= time.process_time() if self.depth == 0 else 0.0
+        self.depth += 1
+
+    def on_end(self, event: event.Event) -> None:
+        self.depth -= 1
+        self.time += time.process_time() if self.depth == 0 else 0.0
+
+
+# Each worker measures its own; the summary adds them up.
+_COMPILING = Compiling()
+event.register("numba:compile", _COMPILING)
+_TIMES: list[tuple[float, float]] = []
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    times = _COMPILING.time, time.process_time()
+    output = getattr(session.config, "workeroutput", None)
+    if output is None:
+        _TIMES.append(times)
+    else:
+        output["times"] = times
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node: object) -> None:
+    _TIMES.append(getattr(node, "workeroutput", {}).get("times", (0.0, 0.0)))
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    compiled, used = (sum(column) for column in zip(*_TIMES, strict=True))
+    terminalreporter.write_line(f"{used:.0f} s of processor time in tests, {compiled:.0f} s of them compiling")
 
 
 @pytest.fixture(autouse=True)

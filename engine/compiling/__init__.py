@@ -1,1 +1,1 @@
-"""How the mechanics is compiled: floating-point rules, the cache of machine code, threads."""
+"""Compilation: floating-point rules, decorators, the cache of machine code, threads."""

@@ -1,4 +1,4 @@
-"""Blocks of variants: numbers of LANES of them side by side, and what is found handed out to each."""
+"""Blocks of LANES variants: gather their numbers side by side, and scatter a block's results to the variants."""
 
 import numpy as np
 
@@ -6,14 +6,17 @@ from engine.compiling.decorators import routine
 from engine.compiling.memory import Memory, memory
 from engine.compiling.widths import LANES
 
-# (LANES,) and (…, LANES).
+# Shapes (LANES,) and (…, LANES).
 Row, Rows = Memory(()), Memory((LANES,))
 lane_of, in_lanes = memory(Row), memory(Rows)
 
 
 @routine
 def gather(numbers: np.ndarray, begin: int, block: Rows) -> None:
-    """Numbers of a block of variants; lanes beyond the last variant repeat it."""
+    """Copy LANES variants, from `begin` on, of `numbers` (numbers, variants) to `block` (numbers, LANES).
+
+    A block with fewer variants left repeats the last one in its remaining lanes.
+    """
     count = min(LANES, numbers.shape[1] - begin)
     for i in range(numbers.shape[0]):
         if count == LANES:
@@ -26,7 +29,7 @@ def gather(numbers: np.ndarray, begin: int, block: Rows) -> None:
 
 @routine
 def hand_out_row(row: Row, begin: int, answers: np.ndarray) -> None:
-    """Write a row of a block to its variants."""
+    """Copy a row (LANES,) of a block to the results (variants,) of its variants, the first of which is `begin`."""
     lanes = min(LANES, answers.shape[0] - begin)
     if lanes == LANES:
         for lane in range(LANES):
@@ -38,14 +41,14 @@ def hand_out_row(row: Row, begin: int, answers: np.ndarray) -> None:
 
 @routine
 def hand_out(rows: Rows, begin: int, answers: np.ndarray) -> None:
-    """Write the first rows of a block to its variants, as many as there are answers."""
+    """Copy the first rows (rows, LANES) of a block to the results (results, variants) of its variants."""
     for i in range(answers.shape[0]):
         hand_out_row(rows[i], begin, answers[i])
 
 
 @routine
 def copy_rows(given: Rows, wanted: np.ndarray, block: Rows) -> None:
-    """Copy rows to those rows of the block's numbers that are to receive them, if any."""
+    """Copy row i of `given` to row `wanted[i]` of the block; skip negative entries of `wanted`."""
     for i in range(wanted.shape[0]):
         if wanted[i] >= 0:
             for lane in range(LANES):

@@ -1,17 +1,39 @@
-"""Numba's compilers of functions that compiled code calls: code that waits for its callers', arrays kept apart."""
+"""Numba compilers for functions called only by compiled code: compiled with their callers, arrays without overlap."""
+
+import sys
+from importlib import import_module
 
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 
 
-class PartOfCallers(JITCodeLibrary):
-    """Code that becomes part of its callers' alone: with theirs it is optimised and made into machine code, once.
+def _load_array_functions() -> None:
+    """Load Numba's array functions without SciPy's linear algebra, which takes as long to load as Numba itself.
 
-    A library of Numba's own would be both by itself too, at every level of calls again.
+    They look for its BLAS once, for `np.cov` and a few others; without it these use loops of their own. `np.dot` and
+    `np.linalg` look for it again when they are compiled.
+    """
+    blas = "scipy.linalg.cython_blas"
+    if blas in sys.modules:
+        return
+    sys.modules[blas] = None  # type: ignore[assignment]
+    try:
+        import_module("numba.np.arraymath")
+    finally:
+        del sys.modules[blas]
+
+
+_load_array_functions()
+
+
+class PartOfCallers(JITCodeLibrary):
+    """Library that is optimised and turned into machine code only as part of its callers' libraries.
+
+    Numba's own library would also be optimised and translated separately, again at every level of calls.
     """
 
     def _optimize_final_module(self) -> None:
-        """Leave it to the callers."""
+        """Do nothing: the callers optimise this code."""
 
     def _finalize_final_module(self) -> None:
         self._finalize_dynamic_globals()
@@ -19,38 +41,38 @@ class PartOfCallers(JITCodeLibrary):
         self._finalized = True
 
     def get_pointer_to_function(self, name: str) -> int:
-        """Nowhere: there is no machine code."""
+        """Return 0: the function has no machine code of its own."""
         return 0
 
     @property
     def codegen(self) -> "PartOfCallers":
-        """What takes the environment for Python's objects, of which compiled code alone has none."""
+        """Receiver of the environment of Python objects, which functions called only by compiled code don't have."""
         return self
 
     def set_env(self, name: str, environment: object) -> None:
-        """Nothing reads it."""
+        """Ignore the environment: nothing reads it."""
 
 
 class Within(Compiler):
-    """Compiler of functions that are called by compiled code alone."""
+    """Compiler for functions that only compiled code calls."""
 
     def define_pipelines(self) -> list:
-        """Passes as usual, into a library that waits for its callers'."""
+        """Numba's usual passes, with `PartOfCallers` as the library."""
         self.state.library = PartOfCallers(self.state.targetctx.codegen(), self.state.func_id.func_qualname)
         return super().define_pipelines()
 
 
 class Apart(Compiler):
-    """Compiler that takes it for granted that arrays handed over don't overlap, where one of them is written to.
+    """Compiler that assumes that an array argument that is written to overlaps no other argument.
 
-    It then needs neither checks before every loop nor another, slow loop for when they do.
+    It then emits no overlap check before each loop and no slow second loop for the case of overlap.
     """
 
     def define_pipelines(self) -> list:
-        """Passes as usual, with the promise among the flags."""
+        """Numba's usual passes, with the `noalias` flag."""
         self.state.flags.noalias = True
         return super().define_pipelines()
 
 
 class ApartWithin(Apart, Within):
-    """Both."""
+    """Compiler for functions that only compiled code calls, with array arguments that don't overlap."""

@@ -1,10 +1,11 @@
-"""How functions are compiled: one set of floating-point rules, and a decorator for each use.
+"""One set of floating-point rules, and one decorator for each kind of compiled function.
 
-Rules: `nnan` and `ninf` are left out because a NaN must survive from the position that can't be assembled to the status
-of the variant. `reassoc` is for laws alone: the compiler may take what is the same at all positions out of a loop. Sums
-over positions are added in the order written, and results don't depend on the width of the processor's vectors.
+`nnan` and `ninf` are omitted because a NaN must survive from a position that can't be assembled to the variant's
+status. `reassoc` is for laws only: it lets the compiler move terms that are equal at all positions out of a loop. Sums
+over positions are added in the order written, so results don't depend on the width of the processor's vectors.
 
-Laws stay functions of Python, and Numba is loaded with the first function that is compiled: one machine needs neither.
+Laws stay Python functions, and Numba is imported with the first function that is compiled: a single machine needs
+neither Numba nor compilation.
 """
 
 from collections.abc import Callable
@@ -14,27 +15,26 @@ from engine.compiling.in_python import over_lanes, reading_arrays
 
 RULES = frozenset({"contract", "arcp", "nsz"})
 LAW_RULES = RULES | {"reassoc"}
-# Arrays are borrowed from the caller: where none is made in compiled code, none needs to be counted there.
+# Functions that allocate no arrays only borrow their callers', so they need no reference counting.
 BORROWING = {"_nrt": False}
 
 
 class Law:
-    """A scalar function of the mechanics; division by zero gives infinity or NaN, as in NumPy, and never raises.
+    """A scalar function of mechanics. Division by zero returns infinity or NaN, as in NumPy, and never raises.
 
-    Called from Python it is computed there, element by element of its arguments. Compiled code that calls it has it
-    compiled into itself, and machine code is kept on disk. It is inlined always: whether a first run or one from the
-    cache, results are the same to the last bit.
+    A call from Python is evaluated in Python, element by element. Compiled code always inlines the law, so results are
+    the same to the last bit whether its machine code was just made or loaded from the cache on disk.
 
     Parameters
     ----------
     function : callable
     rules : frozenset of str
-        Floating-point rules of compiled code.
+        LLVM fast-math flags of the compiled law.
 
     Attributes
     ----------
     py_func : callable
-        The function.
+        The Python function.
     """
 
     def __init__(self, function: Callable, rules: frozenset[str]) -> None:
@@ -43,11 +43,11 @@ class Law:
 
     @cached_property
     def in_python(self) -> Callable:
-        """The function with arrays of lanes in place of floats."""
+        """The Python function, adapted to take an array of lanes in place of each float."""
         return reading_arrays(self.py_func)
 
     def __call__(self, *arguments: object) -> object:
-        """Results at each element of the arguments."""
+        """Evaluate the law at each element of its broadcast arguments."""
         return over_lanes(self.in_python, arguments)
 
     @cached_property
@@ -56,22 +56,22 @@ class Law:
 
     @property
     def _numba_type_(self) -> object:
-        """What Numba takes it for: a function that it compiles."""
+        """Numba's type of the compiled law, by which compiled code may call it."""
         return self._compiled._numba_type_
 
 
 def scalar(function: Callable) -> Law:
-    """A law whose sums compiled code may reorder."""
+    """Declare a law whose sums the compiler may reorder."""
     return Law(function, LAW_RULES)
 
 
 def in_order(function: Callable) -> Law:
-    """A law whose operations compiled code takes exactly as they are written."""
+    """Declare a law whose operations the compiler must keep exactly as written."""
     return Law(function, frozenset())
 
 
 def driver(function: Callable, makes_arrays: bool = False) -> Callable:
-    """Compile a function that runs without Python's lock; its machine code is kept on disk."""
+    """Compile a function that runs without Python's lock, and cache its machine code on disk."""
     return _kept(function, RULES, nogil=True, **({} if makes_arrays else BORROWING))
 
 
@@ -86,14 +86,14 @@ def _kept(function: Callable, rules: frozenset[str], **options: bool) -> Callabl
 
 
 def inlined(function: Callable) -> Callable:
-    """Compile a small function of compiled code alone; it becomes part of whatever calls it."""
+    """Compile a small function that only compiled code calls, and inline it into its callers."""
     from engine.compiling.compilers import Within
 
     return _within(function, forceinline=True, pipeline_class=Within)
 
 
 def routine(function: Callable) -> Callable:
-    """Compile a function of compiled code alone that is called; what it writes to overlaps with no other argument."""
+    """Compile a function that only compiled code calls; an array it writes to must overlap no other argument."""
     from engine.compiling.compilers import ApartWithin
 
     return _within(function, forceinline=False, pipeline_class=ApartWithin)

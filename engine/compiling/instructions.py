@@ -1,4 +1,4 @@
-"""Single instructions of the processor that Python has no words for, and what they mean in Python."""
+"""Single processor instructions that Python can't express, with an equivalent in Python."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ Generate = Callable[..., "ir.Value"]
 
 
 class Instruction:
-    """An instruction: Python computes what it means, compiled code is given LLVM's.
+    """A processor instruction: Python evaluates its equivalent, compiled code emits the LLVM instruction.
 
     Parameters
     ----------
     meaning : callable
-        Of numbers or arrays.
+        Equivalent in Python, of numbers or arrays.
     signature : str
-        Types of compiled code, as Numba writes them.
+        Types of the compiled instruction, in Numba's notation.
     generate : callable
-        LLVM's instruction, from a builder and the arguments.
+        Emits the LLVM instruction, from a builder and the arguments.
     """
 
     def __init__(self, meaning: Callable, signature: str, generate: Generate) -> None:
@@ -33,12 +33,12 @@ class Instruction:
         self._meaning, self._signature, self._generate = meaning, signature, generate
 
     def __call__(self, *arguments: object) -> object:
-        """What it means."""
+        """Evaluate the equivalent in Python."""
         return self._meaning(*arguments)
 
     @cached_property
     def _numba_type_(self) -> object:
-        """What Numba takes it for: a function that generates its own code."""
+        """Numba's type of the instruction, by which compiled code may call it."""
         from numba import types
         from numba.core import sigutils
         from numba.core.typing.templates import make_intrinsic_template
@@ -73,10 +73,10 @@ def _freeze(builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
     from llvmlite import ir
 
     class Freeze(ir.Instruction):
-        """LLVM's `freeze`, which llvmlite's builder doesn't know."""
+        """LLVM's `freeze`, which llvmlite's builder lacks."""
 
         def descr(self, lines: list) -> None:
-            """Write it down."""
+            """Append the instruction's text to `lines`."""
             lines.append(f"freeze {self.operands[0].type} {self.operands[0].get_reference()}\n")
 
     found = Freeze(builder.block, x.type, "freeze", [x])
@@ -86,7 +86,7 @@ def _freeze(builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
 
 @_instruction("float64(float64, float64, float64)", lambda builder, a, b, c: builder.fma(a, b, c))
 def fused(a: float, b: float, c: float) -> float:
-    """Product and sum a b + c, rounded once; in Python twice."""
+    """The sum a b + c, rounded once in compiled code and twice in Python."""
     return a * b + c
 
 
@@ -104,20 +104,20 @@ def number_of(bits: int) -> float:
 
 @_instruction("float64(float64)", _freeze)
 def held(x: float) -> float:
-    """A float64 itself, from wherever it was read.
+    """Return x, passed through LLVM's `freeze`.
 
-    Where what is stored is either something new or what was there, LLVM stores under a mask, which takes some
-    processors twenty times as long as storing everything; of a held number it doesn't know that it was there.
+    If a loop stores either a new value or the one already in memory, LLVM emits a masked store, which takes some
+    processors twenty times as long as an unconditional one. `freeze` hides from LLVM that the value came from memory.
     """
     return x
 
 
 @_instruction("float64(boolean, float64, float64)", lambda builder, *given: builder.select(*given))
 def chosen(condition: bool, a: float, b: float) -> float:
-    """One of two float64, a where the condition is true, both of them read.
+    """Return a if the condition is true, else b; both are read.
 
-    A conditional expression on two numbers in memory is compiled to a choice between addresses, which a loop over
-    positions or lanes then looks up one by one, ten times as slowly.
+    LLVM compiles a conditional expression on two numbers in memory to a choice between their addresses. A loop over
+    positions or lanes then loads them one by one, ten times as slowly.
     """
     if isinstance(condition, np.ndarray):
         return np.where(condition, a, b).view(type(condition))

@@ -1,8 +1,8 @@
-"""Machine code kept on disk: in the user's cache, in a folder of its own for each digest of its sources.
+"""Machine code cached on disk, in one folder of the user's cache for each digest of its sources.
 
-Code is run as it is found, so that it is believed only in a folder that belongs to the user and that no one else may
-write to, and only if it agrees with the digest before it. What doesn't is removed and made again; where nothing can be
-written, it is made in every process.
+Cached code is executed, so a file is trusted only if it belongs to the user, only the user may write to it and its
+folder, and its content matches the digest stored before it. Other files are removed and compiled again. Where the cache
+can't be written, every process compiles its own code.
 """
 
 import gc
@@ -24,7 +24,7 @@ from numba.core.serialize import dumps
 
 from engine.compiling.sources import digest_of_module
 
-# Modules of printed sources are named by their digest.
+# Prefix of the names of printed modules; their digest follows.
 PRINTED = "engine_printed_"
 
 _ONE_COMPILES = threading.Lock()
@@ -36,9 +36,9 @@ _DIGEST_SIZE = _DIGEST().digest_size
 
 @contextmanager
 def compiling() -> Iterator[None]:
-    """While one thread compiles, and no other; garbage isn't looked for.
+    """Hold the compile lock, so that one thread compiles at a time, and pause garbage collection.
 
-    Numba makes millions of objects and keeps most: looking through them again and again takes a tenth of the time.
+    Numba makes millions of objects and keeps most of them: collecting among them takes a tenth of the compile time.
     """
     with _ONE_COMPILES:
         collects = gc.isenabled()
@@ -51,12 +51,12 @@ def compiling() -> Iterator[None]:
 
 
 def is_compiling() -> bool:
-    """Whether some thread compiles just now, or loads what was compiled."""
+    """Whether some thread is compiling, or loading compiled code."""
     return _ONE_COMPILES.locked()
 
 
 def cache_folder() -> Path | None:
-    """Folder for machine code in the user's cache, made if it isn't there; None where there is none to be trusted."""
+    """Folder of machine code in the user's cache, created if missing; None if it can't be created or trusted."""
     home = os.environ.get("XDG_CACHE_HOME")
     try:
         folder = (Path(home) if home else Path.home() / ".cache") / "machine-sweeps"
@@ -77,19 +77,19 @@ def cache_folder() -> Path | None:
 
 
 def _is_own(found: os.stat_result) -> bool:
-    """Whether a file or folder belongs to the user, and nobody else may write to it."""
+    """Whether a file or folder belongs to the user and nobody else may write to it."""
     return not hasattr(os, "geteuid") or (found.st_uid == os.geteuid() and not found.st_mode & 0o022)
 
 
 @cache
 def folder_of(digest: str, within: Path) -> Path:
-    """The folder of a digest, made if it isn't there and can be, and marked as used.
+    """Return the folder of a digest, created if possible; its time of modification records its last use.
 
     Parameters
     ----------
     digest : str
     within : Path
-        The cache.
+        The cache folder.
     """
     folder = within / digest[:32]
     with suppress(OSError):
@@ -103,7 +103,7 @@ def folder_of(digest: str, within: Path) -> Path:
 
 
 def _forget_unused(within: Path) -> None:
-    """Remove what no process has used for a long time."""
+    """Remove folders that no process has used for `_UNUSED_FOR` seconds."""
     for folder in within.iterdir():
         with suppress(OSError):
             if time.time() - folder.stat().st_mtime > _UNUSED_FOR:
@@ -116,13 +116,13 @@ def _say_once(what: str) -> None:
 
 
 def keep_compiled(function: Callable) -> None:
-    """Let Numba keep the machine code of a function, so that only what is new is compiled."""
+    """Make Numba cache the machine code of a function on disk, if there is a trusted cache."""
     if cache_folder() is not None:
         function._cache = _KeptFunction(function.py_func)
 
 
 class _Place(_CacheLocator):
-    """Where the machine code of a function lies: its folder tells of which sources it is."""
+    """Location of a function's machine code: the folder of the digest of its sources."""
 
     def __init__(self, folder: Path, line: int) -> None:
         self._folder, self._line = folder, line
@@ -134,7 +134,7 @@ class _Place(_CacheLocator):
         return cls(folder_of(digest, cache_folder()), py_func.__code__.co_firstlineno)
 
     def ensure_cache_path(self) -> None:
-        """What can't be written shows when it is written."""
+        """Do nothing: a cache that can't be written fails in `_VerifiedFiles.save`."""
 
     def get_cache_path(self) -> str:
         return str(self._folder)
@@ -159,10 +159,10 @@ class _KeptFunction(FunctionCache):
 
 
 class _VerifiedFiles(IndexDataCacheFile):
-    """Numba's files of a function's machine code, each with a digest before it."""
+    """Numba's cache files of a function, each preceded by a digest of its content."""
 
     def save(self, key: tuple, data: object) -> None:
-        # Two processes may give one name to different entries, so that each tells whose it is.
+        # Two processes may give different entries the same file name, so each entry stores its key.
         try:
             super().save(key, (key, data))
         except OSError as error:
@@ -187,12 +187,12 @@ class _VerifiedFiles(IndexDataCacheFile):
     def _write(self, path: str, content: object) -> None:
         payload = dumps(content)
         with self._open_for_write(path) as file:
-            # Whatever the user's mask lets others do.
+            # Independent of the user's umask.
             os.chmod(file.name, 0o600)
             file.write(_DIGEST(payload).digest() + payload)
 
     def _verified(self, path: str) -> object:
-        """What a file holds; None if it isn't there, or isn't as it was written or by the user, and is removed."""
+        """Content of a file; None if it is missing, or damaged or not trusted, in which case it is removed."""
         try:
             with open(path, "rb") as file:
                 trusted = all(map(_is_own, (os.stat(self._cache_path), os.fstat(file.fileno()))))

@@ -1,11 +1,11 @@
-"""Memory of compiled code: numbers at a pointer, with known distances between rows, and rows by name.
+"""Memory in compiled code: numbers at a pointer, with constant strides and named rows.
 
-Of arrays the compiler doesn't know them: it would check every pair of rows for overlap before each loop, not vectorise
-where there are too many, and take several times as long.
+The strides of arrays aren't known to the compiler. It would check every pair of rows for overlap before each loop, give
+up vectorising where there are too many pairs, and take several times as long to compile.
 
-A record of rows, `class Walk(NamedTuple)` with a field for each row, gives them their names: `walk.half[lane]`. All
-rows of a record lie at known distances from one pointer. As a tuple of rows it would be one pointer each, and every
-function would take dozens of arguments.
+A record of rows, `class Walk(NamedTuple)` with a field for each row, gives rows names: `walk.half[lane]`. All rows of a
+record lie at known distances from one pointer. A tuple of rows would be one pointer each, and every function would take
+dozens of arguments.
 """
 
 import math
@@ -20,16 +20,18 @@ from numba.extending import infer_getattr, intrinsic, lower_builtin, lower_getat
 
 
 class Memory(types.Type):
-    """Numbers at a pointer, of which all extents but the first are known; only for as long as their array lives.
+    """Numba type of a C-ordered block of float64 at a pointer; all extents but the first are constants.
+
+    It doesn't keep the array it points into alive.
 
     Parameters
     ----------
     inner : tuple of int
-        The extents but the first.
+        All extents but the first.
     record : type of NamedTuple, optional
-        Whose fields name the rows of one dimension.
+        Names the rows along one dimension by its fields.
     before : int
-        How many dimensions lie before that one.
+        Number of dimensions before the one with named rows.
     """
 
     def __init__(self, inner: tuple[int, ...], record: type | None = None, before: int = 0) -> None:
@@ -38,11 +40,11 @@ class Memory(types.Type):
 
     @property
     def distances(self) -> list[int]:
-        """How many numbers lie between neighbours in each dimension."""
+        """Stride of each dimension, in numbers."""
         return [math.prod(self.inner[i:]) for i in range(len(self.inner) + 1)]
 
     def within(self, indices: int) -> types.Type:
-        """What lies at so many indices."""
+        """Type of the element or sub-block at a number of leading indices."""
         if indices > len(self.inner):
             return types.float64
         named = self.record is not None and indices <= self.before
@@ -56,7 +58,7 @@ class _MemoryModel(models.PrimitiveModel):
 
 
 def _indices(index: types.Type) -> int:
-    """How many indices there are."""
+    """Number of indices."""
     return 1 if isinstance(index, types.Integer) else len(index)
 
 
@@ -115,7 +117,7 @@ def _get_row(context: object, builder: object, memory: Memory, value: object, na
 
 
 def memory(kind: Memory) -> Callable:
-    """Intrinsic that takes an array in C order for `Memory` of a kind."""
+    """Make an intrinsic that views a C-ordered array as a kind of `Memory`."""
 
     @intrinsic
     def taken(typing_context: object, array: types.Array) -> tuple:
@@ -128,7 +130,7 @@ def memory(kind: Memory) -> Callable:
 
 
 def _kind_within(kind: types.Type, hint: object) -> types.Type:
-    """What `as_memory` makes of a field: of records their fields, of arrays `Memory` where the record says so."""
+    """Type of a field in the result of `as_memory`: nested records likewise, `Memory` where annotated so."""
     if isinstance(kind, types.BaseNamedTuple):
         hints = get_type_hints(kind.instance_class)
         kinds = [_kind_within(k, hints[name]) for k, name in zip(kind.types, kind.fields, strict=True)]
@@ -145,7 +147,7 @@ def _value_within(context: object, builder: object, kind: types.Type, made: type
 
 @intrinsic
 def as_memory(typing_context: object, arrays: types.BaseNamedTuple) -> tuple:
-    """A record of arrays as the `Memory` that its annotations name; other fields stay what they are."""
+    """View the arrays of a record as the `Memory` that its annotations name; other fields stay as they are."""
     made = _kind_within(arrays, None)
 
     def generate(context: object, builder: object, sig: object, args: list) -> object:

@@ -1,4 +1,4 @@
-"""The function of a machine that has nothing of a sort: no curve that switches anything, nothing that a panel holds."""
+"""The tile function for a machine with nothing to fill in: no switching functions, no held nodes."""
 
 import numpy as np
 
@@ -9,4 +9,4 @@ from engine.compiling.tiles import TILE_SIGNATURE, filling
 def nothing(
     P: np.ndarray, T: np.ndarray, q: np.ndarray, cos_q: np.ndarray, sin_q: np.ndarray, tile: np.ndarray
 ) -> None:
-    """Leave the tile as it is."""
+    """Leave the tile unchanged."""

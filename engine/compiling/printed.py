@@ -1,4 +1,4 @@
-"""Printed modules: their functions are compiled by the signatures that they state, or loaded from the cache."""
+"""Printed modules: load them, with each function compiled for its stated signature or read from the cache."""
 
 import linecache
 import sys
@@ -10,7 +10,7 @@ from engine.compiling.sources import digest_of_text
 
 
 def load_printed(text: str) -> ModuleType:
-    """Module of a printed source; its functions are compiled with it, or loaded from the cache.
+    """Load a module from its printed source; its functions are compiled, or read from the cache.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def _load(text: str) -> ModuleType:
     module = ModuleType(name)
     module.__file__ = file
     sys.modules[name] = module
-    # So that a traceback can show its lines.
+    # Lets tracebacks show the module's lines.
     linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
     exec(compile(text, file, "exec"), module.__dict__)
     return module

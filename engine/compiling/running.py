@@ -1,4 +1,4 @@
-"""Running of drivers: compiled once for the types of their parameters, spread over all threads."""
+"""Run drivers: compile them once for their parameter types, and spread their work over all threads."""
 
 from collections.abc import Callable, Sequence
 from functools import wraps
@@ -12,9 +12,10 @@ from engine.compiling.threads import on_all_threads, pieces_of
 
 
 def prepare(compiled: Callable, parameters: Sequence[types.Type]) -> None:
-    """Compile a `driver` for the types of its parameters, or load it, once.
+    """Compile a `driver` for its parameter types, or load it from the cache, once.
 
-    Types are stated because a function is otherwise a type of its own: the driver would be compiled for every machine.
+    The types are explicit because Numba otherwise gives each function its own type, and would compile the driver again
+    for every machine.
 
     Parameters
     ----------
@@ -31,27 +32,28 @@ def prepare(compiled: Callable, parameters: Sequence[types.Type]) -> None:
 
 
 def spread(compiled: Callable, count: int, arguments: Callable) -> None:
-    """Run a `driver` over a range 0 … count − 1 in pieces on all threads; its first two parameters are the range.
+    """Run a `driver` over the range 0 … count − 1, in pieces on all threads.
 
     Parameters
     ----------
     compiled : callable
+        Its first two parameters are the begin and end of a piece.
     count : int
     arguments : callable
-        Returns what follows the range, for one piece.
+        Returns the remaining arguments, called once for each piece.
     """
     on_all_threads(lambda piece: compiled(*piece, *arguments()), pieces_of(count))
 
 
 def of_all(values: np.ndarray, who: np.ndarray, count: int) -> np.ndarray:
-    """Numbers of some variants, (…, variants), as those of so many, NaN for the others."""
+    """Scatter results (…, selected) of the variants `who` to (…, count) variants; the others get NaN."""
     whole = np.full((*values.shape[:-1], count), np.nan)
     whole[..., who] = values
     return whole
 
 
 def over_variants(function: Callable) -> Callable:
-    """Compile a function over a range of variants; called with their number, it runs in pieces on all threads."""
+    """Compile a function of a range of variants; the result takes their number and runs in pieces on all threads."""
     kernel = driver(function, makes_arrays=True)
 
     @wraps(function)
@@ -64,10 +66,10 @@ def over_variants(function: Callable) -> Callable:
 
 
 def sum_of_rows(rows: np.ndarray) -> np.ndarray:
-    """Sum over the first axis, row after row: NumPy adds the numbers of one variant in another order than of many."""
+    """Sum over the first axis in row order. NumPy's own sum adds in a different order for one variant than for many."""
     return np.add.accumulate(rows, axis=0)[-1]
 
 
 def mean_of_rows(rows: np.ndarray) -> np.ndarray:
-    """Mean over the first axis, row after row."""
+    """Mean over the first axis, summed in row order."""
     return sum_of_rows(rows) / len(rows)

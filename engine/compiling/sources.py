@@ -1,7 +1,7 @@
-"""Which sources compiled code is made from: a file of the engine with all that it imports from the engine.
+"""Source files that compiled code depends on: a module with everything it imports from the engine.
 
-Numba's own cache notices a change only in the file that holds the cached function, not in the files whose functions it
-calls. Machine code is therefore kept in folders named by a digest of every source that it can reach.
+Numba's own cache notices changes in the file of the cached function, but not in the files of the functions it calls.
+Machine code is therefore cached in folders named by a digest of every source it can reach.
 """
 
 import hashlib
@@ -20,13 +20,13 @@ _VERSIONS = f"{numba.__version__} {llvmlite.__version__} {platform.python_versio
 
 @cache
 def _files_of(module: str) -> tuple[Path, ...]:
-    """The source of a module; of a room all that lies in it, as a room loads its modules when they are used."""
+    """Source file of a module; all files of a package, since a package loads its modules on use."""
     path = _ROOT.joinpath(*module.split("."))
     return tuple(path.rglob("*.py")) if path.is_dir() else tuple(p for p in (path.with_suffix(".py"),) if p.exists())
 
 
 def _imported(text: str) -> Iterator[str]:
-    """Modules and rooms of the engine that a source imports, line by line; one too many does no harm."""
+    """Engine modules that a source imports, found line by line; listing one too many does no harm."""
     for line in text.splitlines():
         match line.split(maxsplit=2):
             case ["from", module, names] if module == _PACKAGE:
@@ -47,7 +47,7 @@ def _imports_of(path: Path) -> tuple[str, ...]:
 
 @cache
 def _reached(module: str) -> frozenset[Path]:
-    """Sources of a module and of all that it imports, however far away."""
+    """Source files of a module and of everything it imports, directly or indirectly."""
     found: set[Path] = set()
     pending = [module]
     while pending:
@@ -67,28 +67,29 @@ def _digest(paths: frozenset[Path], text: str = "") -> str:
 
 @cache
 def digest_of_module(module: str) -> str:
-    """Digest of a module of the engine, of all that it imports from the engine, and of the compilers' versions.
+    """Digest of an engine module, of everything it imports from the engine, and of the compiler versions.
 
     Parameters
     ----------
     module : str
-        Of a module elsewhere the digest is that of the whole engine.
+        A module outside the engine gets the digest of the whole engine.
     """
     return _digest(_reached(module)) if module.startswith(f"{_PACKAGE}.") else sources_digest()
 
 
 @cache
 def digest_of_text(text: str) -> str:
-    """Digest of a printed module, as `digest_of_module`.
+    """Digest of the source of a printed module, of everything it imports from the engine, and of the compiler versions.
 
     Parameters
     ----------
     text : str
+        Source of the module.
     """
     return _digest(frozenset().union(*(_reached(module) for module in _imported(text))), text)
 
 
 @cache
 def sources_digest() -> str:
-    """Digest of all sources of the engine and of the compilers' versions."""
+    """Digest of all engine sources and of the compiler versions."""
     return _digest(frozenset((_ROOT / _PACKAGE).rglob("*.py")))

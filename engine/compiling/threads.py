@@ -1,7 +1,7 @@
-"""Threads: work cut into pieces, each piece on a thread.
+"""Work cut into pieces and spread over threads.
 
 Compiled functions run without Python's lock, in Python threads, each over its own range of variants. Numba's own
-parallel loops would take several times as long to compile, abort when two threads enter them, and not survive a fork.
+parallel loops would take several times as long to compile, abort when entered by two threads, and not survive a fork.
 """
 
 import os
@@ -13,13 +13,13 @@ from itertools import pairwise
 
 PIECES_PER_THREAD = 8
 
-# Whether the work on this thread is already one of several pieces.
+# `alone` marks a thread that is already working on one of several pieces.
 _here = threading.local()
 _settings = {"threads": 0}
 
 
 def threads() -> int:
-    """Threads that compiled functions use: as set, or all cores that this process may use."""
+    """Number of threads that compiled functions use: the number set, or all cores available to this process."""
     if _settings["threads"]:
         return _settings["threads"]
     if hasattr(os, "sched_getaffinity"):
@@ -28,22 +28,23 @@ def threads() -> int:
 
 
 def set_threads(count: int) -> None:
-    """Set how many threads compiled functions use; 0 for all cores. Results don't depend on it.
+    """Set the number of threads that compiled functions use. Results don't depend on it.
 
     Parameters
     ----------
     count : int
+        0 for all cores.
     """
     _settings["threads"] = count
 
 
 def pieces_of(count: int) -> list[tuple[int, int]]:
-    """Ranges that some items of work are cut into; one on a thread whose work is such a piece itself.
+    """Cut a number of items into ranges (begin, end) for all threads; one range within a piece of other work.
 
     Parameters
     ----------
     count : int
-        How many items there are.
+        Number of items.
     """
     workers = threads()
     alone = workers == 1 or getattr(_here, "alone", False)
@@ -52,17 +53,18 @@ def pieces_of(count: int) -> list[tuple[int, int]]:
 
 
 def on_all_threads(function: Callable, pieces: Sequence) -> list:
-    """Call a function for every piece of some work, on all threads; what it calls stays on the thread it is on.
+    """Call a function for each piece of work, on all threads; calls nested in a piece stay on its thread.
 
     Parameters
     ----------
     function : callable
+        Takes a piece.
     pieces : sequence
 
     Returns
     -------
     list
-        What the function returned, in the order of the pieces.
+        Return values in the order of the pieces.
     """
     workers = threads()
     if workers == 1 or len(pieces) <= 1 or getattr(_here, "alone", False):
@@ -84,5 +86,5 @@ def _pool(workers: int) -> ThreadPoolExecutor:
 
 
 if hasattr(os, "register_at_fork"):
-    # Threads don't come along into a forked process.
+    # A forked process doesn't inherit its parent's threads.
     os.register_at_fork(after_in_child=_pool.cache_clear)

@@ -1,4 +1,4 @@
-"""What compiled functions that fill tiles, or rows over positions, have in common: signature, options, width."""
+"""Signatures and options shared by compiled functions that fill tiles or rows over positions."""
 
 from collections.abc import Callable
 
@@ -12,15 +12,16 @@ from engine.compiling.decorators import RULES
 from engine.compiling.kept_code import keep_compiled
 
 _ROWS = types.float64[:, ::1]
-# (P, T, q, cos_q, sin_q, tile): numbers × lanes, all tables, three times positions × lanes, curves × positions × lanes.
+# (P, T, q, cos_q, sin_q, tile): numbers (numbers, lanes), all tables, three arrays (positions, lanes), and the tile
+# (curves, positions, lanes).
 TILE_SIGNATURE = types.void(_ROWS, types.float64[::1], _ROWS, _ROWS, _ROWS, types.float64[:, :, ::1])
-# A function of that signature as a parameter of a driver.
+# Type of a driver's parameter that takes such a function.
 FILLS_TILE = types.FunctionType(TILE_SIGNATURE)
 TILE_OPTIONS = {"error_model": "numpy", "fastmath": set(RULES), "nogil": True, "pipeline_class": Apart}
 
 
 def filling(signature: Signature) -> Callable:
-    """Decorator of functions that fill tiles or rows: compiled for one signature, their machine code kept on disk.
+    """Decorator that compiles a function for one signature and caches its machine code on disk.
 
     Parameters
     ----------
@@ -38,22 +39,22 @@ def filling(signature: Signature) -> Callable:
 
 
 def field_signature(dtype: np.dtype) -> Signature:
-    """Signature of functions that fill rows over the positions of one variant.
+    """Signature of functions that fill rows over the positions of one variant, in double precision.
 
-    Their arguments are (p, T, q, cos_q, sin_q, v, rows): the variant's numbers, all tables, positions with cosines and
-    sines, the variant's place, and rows (curves, variants, positions). They compute in double precision.
+    Their arguments are (p, T, q, cos_q, sin_q, v, rows): the variant's numbers, all tables, the positions with their
+    cosines and sines, the variant's index, and rows (curves, variants, positions).
 
     Parameters
     ----------
     dtype : float64 or float32
-        In which the rows are kept.
+        Type in which the rows are stored.
     """
     line = types.float64[::1]
     return types.void(line, line, line, line, line, types.intp, numba.from_dtype(np.dtype(dtype))[:, :, ::1])
 
 
 class TypedFunction(types.WrapperAddressProtocol):
-    """A compiled function of one signature as a value: handed over as it is, it would be looked up at every call.
+    """A compiled function of one signature as a value; Numba would look up a plain function at every call.
 
     Parameters
     ----------
@@ -68,16 +69,16 @@ class TypedFunction(types.WrapperAddressProtocol):
         self._address = compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name)
 
     def __wrapper_address__(self) -> int:
-        """Where its machine code begins."""
+        """Address of its machine code."""
         return self._address
 
     def signature(self) -> Signature:
-        """The signature."""
+        """Its signature."""
         return self._signature
 
 
 class TileFunction(TypedFunction):
-    """A function that fills tiles as a value.
+    """A tile function as a value.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
-"""How much is computed side by side."""
+"""Widths of parallel work: variants in a block, positions on a panel."""
 
-# Variants. With 64 the loops over lanes are vectorised whole.
+# Variants in a block. With 64 the loops over lanes are fully vectorised.
 LANES = 64
 # Positions of a panel, and of each part of a scan.
 PANEL_POSITIONS = 17

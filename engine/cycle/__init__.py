@@ -1,1 +1,1 @@
-"""The cycle: from the curves of a machine to numbers with error figures, by code compiled once for all machines."""
+"""From a machine's curves to results over its cycle, with error estimates, by code compiled once for all machines."""

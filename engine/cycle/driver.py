@@ -1,6 +1,6 @@
-"""The one function that runs every machine: block after block of variants, each through its cycle.
+"""The function that runs every machine: blocks of variants, one after another, each through its cycle.
 
-A machine's own part is handed over as four functions of one signature, and what is asked of it as index arrays.
+A machine supplies four functions of one signature, and index arrays of the results wanted.
 """
 
 import math
@@ -66,7 +66,7 @@ _SCALES, _INTEGRAL, _EXTREME = len(Scales._fields), len(IntegralRows._fields), l
 
 
 class MachineFunctions(NamedTuple):
-    """A machine's functions; see `engine.cycle.machine`."""
+    """The functions of a machine; see `engine.cycle.machine`."""
 
     events: Callable
     levels: Callable
@@ -75,27 +75,28 @@ class MachineFunctions(NamedTuple):
 
 
 class Task(NamedTuple):
-    """What is asked of a machine: the plan of `engine.cycle.machine` in arrays.
+    """The results wanted of a machine: the plan of `engine.cycle.machine` as arrays.
 
-    Everything else is as in the plan. Curves are numbered as in the record; those of integrals, as in the machine.
+    Attributes not listed are those of the plan. Curves are numbered as in the record; those to integrate, as in the
+    machine.
 
     Attributes
     ----------
     most_roots : int
-        How often each switching function may turn, or take one level.
+        Room for turning points of each switching function, and for its crossings of one level.
     kept : ndarray of int
-        Curves to keep over the cycle; they are the first curves of the record.
+        Curves to keep over the cycle: the first curves of the record.
     works : ndarray (works, 2) of int
-        Curves whose running integrals are the record's next curves, and whether about the mean (1 or 0).
+        Curves whose running integrals are the next curves of the record, and 1 if about the mean, else 0.
     angles : ndarray (angles, 2) of int
         Curves with the components of the vectors whose angles are its next curves.
     speeds : ndarray of int
-        Which fluctuations' speeds are its last curves.
+        Indices of the fluctuations whose speeds are its last curves.
     extremes : ndarray (extremes, 4) of int
-        Curves a and b, the row of P with the factor c and what is looked for, as in `engine.cycle.measures.extremes`,
-        of a − c (b − b₀); the row is −1 where only a is meant.
+        Curves a and b, the row of P with the factor c, and the kind of extreme of a − c (b − b₀), as in
+        `engine.cycle.measures.extremes`; row −1 for the extreme of a alone.
     only_integrals : ndarray (curves,) of float
-        1 for the machine's curves of which nothing but integrals is asked, else 0.
+        1 for curves of the machine that are only integrated, else 0.
     """
 
     ends: np.ndarray
@@ -129,12 +130,12 @@ class Task(NamedTuple):
 
 
 class EvaluatedVariants(NamedTuple):
-    """Variants that are evaluated.
+    """The variants to evaluate.
 
     Attributes
     ----------
     blocks : ndarray of int
-        Blocks of LANES variants.
+        Indices of blocks of LANES variants.
     numbers : ndarray (numbers, variants)
         P of all variants.
     tables : ndarray
@@ -147,27 +148,28 @@ class EvaluatedVariants(NamedTuple):
 
 
 class DriverAnswers(NamedTuple):
-    """What the driver fills in: (asked, fields of a record, variants) unless stated otherwise.
+    """Arrays that the driver fills, (results, fields of a record, variants) unless stated otherwise.
 
     Attributes
     ----------
     integrals, roots : ndarray
-        Value and error, of curves and of roots of curves.
+        Integrals of curves and of square roots of curves: value and error estimate.
     sizes : ndarray (curves, variants)
-        Greatest magnitudes.
+        Maximum magnitudes.
     extremes : ndarray (extremes, 2, 4, variants)
-        The least and the greatest value: value, its error, place, its error.
+        Minimum and maximum: value, its error estimate, position, its error estimate.
     fluctuations, averages, arcs, landmarks : ndarray
     firsts : ndarray (kept, variants)
-        First values of the kept curves.
+        Initial values of the kept curves.
     panels : ndarray (variants,)
-        How many panels were taken.
+        Number of panels.
     broken_at : ndarray (variants,)
-        First position where a curve isn't finite; NaN where there is none, infinite where something switches too often.
+        First position at which a curve is NaN or infinite; NaN if there is none, infinite if a function switches too
+        often.
     spaced : ndarray (spaced, variants, positions)
         Values at equally spaced positions.
     short_of_room : ndarray (blocks,) of bool
-        Whether a block would have needed a longer record.
+        Whether a block needs a longer record.
     """
 
     integrals: np.ndarray
@@ -186,29 +188,29 @@ class DriverAnswers(NamedTuple):
 
 
 class Workspace(NamedTuple):
-    """Memory for a block of variants, used again for the next.
+    """Scratch arrays for one block of variants, reused for the next.
 
     Attributes
     ----------
     block : ndarray (numbers, LANES)
         Numbers of the block's variants.
     place : ndarray (3, POSITIONS, LANES)
-        Input positions of each lane's panel with cosine and sine.
+        Positions of each lane's panel, with cosine and sine.
     tile, level_tile, state_tile : ndarray (curves, POSITIONS, LANES), (levels, 1, LANES), (states, 1, LANES)
     figures, scales : many
-        Of each curve.
+        One for each curve.
     scan, scan_beside : Samples
-        Switching functions at the positions scanned, and at some of these changed by their rounding.
+        Switching functions at the scan positions, and at some of these perturbed by their rounding.
     turns, crossings : Roots
-        Where they turn and take levels.
+        Turning points of the switching functions, and their crossings of levels.
     heights : rows
-        Of the levels of crossings.
+        Levels of the crossings.
     broken_at : row
-        First position where a curve isn't finite.
+        First position at which a curve is NaN or infinite.
     too_many : row
-        Whether positions scanned are too far apart, or something switches more often than there is room for.
+        1 if the scan positions are too coarse or there are more roots than room, else 0.
     sign : row
-        Of first values.
+        Sign of the extreme searched for.
     """
 
     block: np.ndarray
@@ -244,7 +246,7 @@ class Workspace(NamedTuple):
 
 
 def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
-    """Memory for a task, with room for so many steps of a walk."""
+    """Allocate the workspace of a task, with a given number of rows of P and of steps of the walk."""
     functions, count = len(task.landmarks), task.tolerance.size
     crossings = len(task.crossings) * task.most_roots
     search = new_record(Search, candidates=steps, series=POSITIONS, other_series=POSITIONS)
@@ -275,7 +277,7 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
 
 @routine
 def mark_broken(curves: int, tile: Panels, q: Rows, walk: Walk, broken_at: Row) -> None:
-    """Note the first position where a curve isn't finite, in lanes where none was noted yet."""
+    """Record the first position at which a curve is NaN or infinite, in lanes that have none yet."""
     for lane in range(LANES):
         if walk.accepted[lane] == 0.0 or not math.isnan(broken_at[lane]):
             continue
@@ -288,7 +290,7 @@ def mark_broken(curves: int, tile: Panels, q: Rows, walk: Walk, broken_at: Row) 
 
 @routine
 def note_too_many(counts: Row, most: int, scale: Row, too_many: Row) -> None:
-    """Note the lanes in which there is no room for all roots, but of functions that aren't finite everywhere."""
+    """Mark lanes with more roots than room, except where the function is NaN or infinite somewhere."""
     for lane in range(LANES):
         more = (counts[lane] > float(most)) & (abs(scale[lane]) < math.inf)
         too_many[lane] = 1.0 if more else too_many[lane]
@@ -296,7 +298,7 @@ def note_too_many(counts: Row, most: int, scale: Row, too_many: Row) -> None:
 
 @routine
 def spoil(curves: int, lanes: Row, tile: Panels) -> None:
-    """Make all curves NaN in some lanes."""
+    """Set all curves to NaN in the marked lanes."""
     for c in range(curves):
         for j in range(POSITIONS):
             for lane in range(LANES):
@@ -305,7 +307,7 @@ def spoil(curves: int, lanes: Row, tile: Panels) -> None:
 
 @routine
 def sample_beside(events: Callable, given: GivenNumbers, samples: Samples, beside: Samples) -> None:
-    """Evaluate the switching functions at some of the positions scanned, changed by their rounding."""
+    """Evaluate the switching functions at some of the scan positions, perturbed by their rounding."""
     at, place, stride = samples.place, beside.place, samples.tile.shape[1] // LOOKED_BESIDE
     q, cos_q, sin_q = in_lanes(place[0]), in_lanes(place[1]), in_lanes(place[2])
     given_q, given_cos, given_sin = in_lanes(at[0]), in_lanes(at[1]), in_lanes(at[2])
@@ -316,8 +318,8 @@ def sample_beside(events: Callable, given: GivenNumbers, samples: Samples, besid
 
 @routine
 def cut(functions: MachineFunctions, task: Task, given: GivenNumbers, work: Workspace) -> int:
-    """Find each lane's landmarks and what follows from them, and lay its edges; returns how many there are."""
-    # By itself: Numba warns of functions in tuples.
+    """Find each lane's landmarks and the numbers that follow from them, and lay its edges; returns their number."""
+    # Unpacked, because Numba warns about functions in tuples.
     events = functions.events
     block, most, place = in_lanes(given.block), task.most_roots, work.place
     turns, crossings, noted, count = work.turns, work.crossings, work.noted, task.landmarks.shape[0]
@@ -351,7 +353,7 @@ def cut(functions: MachineFunctions, task: Task, given: GivenNumbers, work: Work
 
 @routine
 def follow(functions: MachineFunctions, task: Task, given: GivenNumbers, edges: int, work: Workspace) -> bool:
-    """Walk over each lane's range, add up what is to be integrated, keep what is to be kept; whether there is room."""
+    """Walk over each lane's range, integrate and keep curves; returns False if the record has no room for a step."""
     count, kept, walk, record, place = task.tolerance.shape[0], task.kept.shape[0], work.walk, work.record, work.place
     block, tile, figures, scales = in_lanes(given.block), in_panels(work.tile), work.figures, work.scales
     q, cos_q, sin_q = in_lanes(place[0]), in_lanes(place[1]), in_lanes(place[2])
@@ -380,7 +382,7 @@ def follow(functions: MachineFunctions, task: Task, given: GivenNumbers, edges: 
             continue
         if broken:
             mark_broken(count, tile, q, walk, work.broken_at)
-        # A kink within is told as closely as panels need, not to rounding.
+        # Kinks are located only as closely as panels require. Where one is left inside, estimate errors as for a kink.
         if any_positive(walk.bent):
             for c in range(count):
                 panel_figures(tile[c], walk.bent, figures[c])
@@ -403,7 +405,7 @@ def follow(functions: MachineFunctions, task: Task, given: GivenNumbers, edges: 
 
 @routine
 def begin_block(task: Task, work: Workspace) -> None:
-    """Forget the block before."""
+    """Reset sums, scales and marks for a new block."""
     begin_record(work.record)
     for c in range(task.tolerance.shape[0]):
         fill(work.scales[c], _SCALES, 0.0)
@@ -422,7 +424,7 @@ def set_row(row: Row, value: float) -> None:
 
 @routine
 def derive(task: Task, block: Rows, first: int, work: Workspace, answers: DriverAnswers) -> None:
-    """Enter the curves of the record that follow from others; fluctuations are answered on the way."""
+    """Add the record's curves that follow from others; also store the results of the fluctuations."""
     record, kept, search = work.record, task.kept.shape[0], work.search
     for k in range(task.works.shape[0]):
         add_work(record, task.works[k, 0], task.works[k, 1], kept + k, work.sums)
@@ -443,7 +445,7 @@ def derive(task: Task, block: Rows, first: int, work: Workspace, answers: Driver
 
 @routine
 def answer_extremes(task: Task, block: Rows, first: int, work: Workspace, answers: DriverAnswers) -> None:
-    """Least and greatest values."""
+    """Find the extremes and store them."""
     record, search, found, sign = work.record, work.search, work.found, work.sign
     for k in range(task.extremes.shape[0]):
         a, b, row, sides = task.extremes[k, 0], task.extremes[k, 1], task.extremes[k, 2], task.extremes[k, 3]
@@ -476,14 +478,14 @@ def evaluate_blocks(
     Parameters
     ----------
     begin, end : int
-        Range of entries of `variants.blocks`, `end` not among them.
+        Range of entries of `variants.blocks`; `end` is excluded.
     functions : MachineFunctions
     task : Task
     variants : EvaluatedVariants
     answers : DriverAnswers
     workspace : Workspace
     stretches : Stretches or None
-        None where no unloaded arcs are asked: they are asked rarely, and without them there is less to compile.
+        None without unloaded arcs: few machines need them, and without them there is less to compile.
     """
     work, given = as_memory(workspace), GivenNumbers(workspace.block, variants.tables)
     record, search, walk, block = work.record, work.search, work.walk, in_lanes(workspace.block)
@@ -496,7 +498,7 @@ def evaluate_blocks(
         set_out(starts, ends, task.longest, walk)
         edges = cut(functions, task, given, work)
         for lane in range(LANES):
-            # Not for a position of the input.
+            # Infinite, because the cause has no single position.
             work.broken_at[lane] = math.inf if work.too_many[lane] > 0.0 else work.broken_at[lane]
         answers.short_of_room[b] = not follow(functions, task, given, edges, work)
         if answers.short_of_room[b]:

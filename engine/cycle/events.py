@@ -1,7 +1,7 @@
-"""Where a machine's switching functions turn and cross levels: its landmarks and the cuts of its cycle.
+"""Turning points and level crossings of a machine's switching functions: the landmarks and cuts of its cycle.
 
-Each function f(q), given with its derivative, is looked at in positions over each lane's range. Between
-two of them where f′ has opposite signs it turns; between its turns it is monotone and takes a level once at most.
+Each function f(q), supplied with its derivative, is sampled over each lane's range. It turns between two samples of
+opposite sign of f′. Between its turning points it is monotone and crosses a level at most once.
 """
 
 import math
@@ -19,18 +19,18 @@ from engine.cycle.panels.series import larger, smaller
 from engine.cycle.panels.walk import Walk
 from engine.cycle.roots import FOUND, TURN, Roots, Samples, open_row
 
-# Turns of one function, or places where it takes one level, at most: so many in each turn of the input.
+# Maximum number of turning points of a function, and of its crossings of one level, per turn of the input.
 MOST_ROOTS = 12
-# How many of the positions scanned are looked at once more, changed by their rounding.
+# Number of scan positions that are evaluated again, perturbed by their rounding.
 LOOKED_BESIDE = 4
-# A root beside a turn is off by no more than this share of the range.
+# Bound on the error of a root next to a turning point, as a fraction of the range.
 FLAT = 1e-7
-# Positions scanned aren't equally spaced: whole numbers of periods between all of them would hide what moves so fast.
+# Scan positions are unequally spaced: spacings of whole periods would hide fast oscillations.
 UNEVEN = 0.1 / (2.0 * math.pi)
-# Positions are too far apart where in more than this share of the intervals in which a function moves its slope isn't
-# what a cubic tells, by this share of its root mean square: of a sine where they are more than a fifth of its period.
+# The scan is too coarse if a function's slope misses the cubic through its neighbours by more than MISSED of its rms,
+# in more than COARSE of the intervals in which the function moves. A sine needs a sample every fifth of its period.
 COARSE, MISSED = 0.25, 0.05
-# What is no more than so many roundings of a function isn't motion.
+# Changes of a function up to this fraction of its scale count as rounding, not motion.
 STILL = 64.0 * ROUNDING
 
 
@@ -40,13 +40,13 @@ class LandmarkRows(NamedTuple):
     Attributes
     ----------
     least, greatest : row
-        Its least and greatest value.
+        Minimum and maximum.
     least_at, greatest_at : row
-        Their places.
+        Their positions.
     value_error, least_at_error, greatest_at_error : row
-        What values and either place may be off by.
+        Error estimates of the values and of either position.
     scale : row
-        Greatest magnitude.
+        Maximum magnitude.
     """
 
     least: Row
@@ -63,16 +63,16 @@ _LANDMARKS = len(LandmarkRows._fields)
 
 
 class Noted(NamedTuple):
-    """Rows used while roots are entered.
+    """Scratch rows for entering roots.
 
     Attributes
     ----------
     marks : row
-        Which lanes enter one.
+        Lanes that enter a root.
     counts : row
-        How many of a function, or of a function and level, were found.
+        Number of roots found for a function, or for a function and level.
     steepest : row
-        Greatest magnitude of f′.
+        Maximum of |f′|.
     """
 
     marks: Row
@@ -86,11 +86,11 @@ class Level(NamedTuple):
     Attributes
     ----------
     function, number : int
-        Numbers of the function and of the level.
+        Indices of the function and of the level.
     height : row
-        The level.
+        Value of the level.
     scale : row
-        Greatest magnitude of the function.
+        Maximum magnitude of the function.
     """
 
     function: int
@@ -100,14 +100,14 @@ class Level(NamedTuple):
 
 
 class MonotonePiece(NamedTuple):
-    """Each lane's piece of a function.
+    """A monotone piece of a function in each lane.
 
     Attributes
     ----------
     low, high : row
         Ends of the piece.
     at_low, at_high : row
-        The function there.
+        Values of the function at the ends.
     """
 
     low: Row
@@ -118,7 +118,7 @@ class MonotonePiece(NamedTuple):
 
 @routine
 def scan_positions(first: Row, last: Row, count: int, q: Rows) -> None:
-    """Positions over each lane's range, both ends included."""
+    """Fill `count` positions over each lane's range, including both ends."""
     for k in range(count):
         even = k / (count - 1.0)
         share = even + UNEVEN * math.sin(2.0 * math.pi * even)
@@ -130,21 +130,21 @@ def scan_positions(first: Row, last: Row, count: int, q: Rows) -> None:
 
 @routine
 def note_coarse(function: int, samples: Samples, scale: Row, noted: Noted, coarse: Row) -> None:
-    """Note the lanes in which positions are too far apart to tell where a function turns.
+    """Mark lanes whose scan is too coarse to find all turning points of a function.
 
-    Every second position is compared with the cubic through those beside it.
+    At every second position the slope is compared with that of the Hermite cubic through both neighbours.
 
     Parameters
     ----------
     function : int
     samples : Samples
-        All functions at the positions scanned.
+        All functions at the scan positions.
     scale : row
-        Greatest magnitude of the function.
+        Maximum magnitude of the function.
     noted : Noted
-        Used meanwhile: mean square of the slope, in how many intervals it moves, in how many of them it is missed.
+        Scratch: mean square of the slope, number of intervals in which the function moves, and number of those missed.
     coarse : row
-        1 where they are noted.
+        Set to 1 in those lanes.
     """
     room, q = samples.tile.shape[1], in_lanes(samples.place[0])
     square, moving, missed = noted.steepest, noted.marks, noted.counts
@@ -161,10 +161,10 @@ def note_coarse(function: int, samples: Samples, scale: Row, noted: Noted, coars
             width = q[k + 1, lane] - q[k - 1, lane]
             t = (q[k, lane] - q[k - 1, lane]) / width
             chord = (values[k + 1, lane] - values[k - 1, lane]) / width
-            told = 6.0 * t * (1.0 - t) * chord + (1.0 - t) * (1.0 - 3.0 * t) * before + t * (3.0 * t - 2.0) * after
+            predicted = 6.0 * t * (1.0 - t) * chord + (1.0 - t) * (1.0 - 3.0 * t) * before + t * (3.0 * t - 2.0) * after
             least = larger(MISSED * math.sqrt(square[lane]), STILL * scale[lane] / abs(width))
             moving[lane] += 1.0 if larger(larger(abs(before), abs(here)), abs(after)) > least else 0.0
-            missed[lane] += 1.0 if abs(here - told) > least else 0.0
+            missed[lane] += 1.0 if abs(here - predicted) > least else 0.0
     for lane in range(LANES):
         coarse[lane] = 1.0 if missed[lane] > COARSE * moving[lane] else coarse[lane]
 
@@ -173,15 +173,15 @@ def note_coarse(function: int, samples: Samples, scale: Row, noted: Noted, coars
 def find_turns(function: int, samples: Samples, most: int, noted: Noted, turns: Roots) -> None:
     """Enter the intervals in which a function turns as new rows of roots.
 
-    Zero counts as positive; nothing turns where a value isn't finite.
+    Zero counts as positive. NaN and infinite slopes are skipped.
 
     Parameters
     ----------
     function : int
     samples : Samples
-        All functions at the positions scanned.
+        All functions at the scan positions.
     most : int
-        Of what turns more often, by rounding as a rule, the first so many are entered.
+        Only the first `most` turning points are entered; more are usually due to rounding.
     noted : Noted
     turns : Roots
     """
@@ -211,20 +211,20 @@ def find_turns(function: int, samples: Samples, most: int, noted: Noted, turns: 
 def find_landmarks(
     function: int, samples: Samples, beside: Samples, turns: Roots, steepest: Row, found: LandmarkRows
 ) -> None:
-    """Least and greatest value of a function, of the positions scanned and of those where it turns.
+    """Find the minimum and maximum of a function over the scan positions and its turning points.
 
     Parameters
     ----------
     function : int
     samples : Samples
-        All functions at the positions scanned.
+        All functions at the scan positions.
     beside : Samples
-        All functions at some of these, evenly spaced, changed by their rounding.
+        All functions at some of these, evenly spaced, perturbed by their rounding.
     turns : Roots
     steepest : row
-        Used meanwhile: greatest magnitude of f′.
+        Scratch: maximum of |f′|.
     found : LandmarkRows
-        Receives them.
+        Output.
     """
     last, q = samples.tile.shape[1] - 1, in_lanes(samples.place[0])
     values, slopes = in_lanes(samples.tile[2 * function]), in_lanes(samples.tile[2 * function + 1])
@@ -241,7 +241,7 @@ def find_landmarks(
             found.least[lane], found.greatest[lane] = smaller(f, low), larger(f, high)
             found.least_at[lane] = place if f < low else low_at
             found.greatest_at[lane] = place if f > high else high_at
-            # Not finite once, not finite for good.
+            # The scale becomes NaN at the first NaN or infinite value and stays NaN.
             magnitude = abs(f) if abs(f) < math.inf else math.nan
             found.scale[lane] = scale if (scale >= magnitude) | (scale != scale) else magnitude
             steepest[lane] = larger(abs(slopes[k, lane]), steepest[lane])
@@ -267,7 +267,7 @@ def find_landmarks(
             found.greatest[lane] = f if higher else found.greatest[lane]
             found.greatest_at[lane] = place if higher else found.greatest_at[lane]
             found.greatest_at_error[lane] = off if higher else found.greatest_at_error[lane]
-    # Where a function stands still at its end, the end is anywhere there.
+    # During a dwell at the extreme, its position may be anywhere in the dwell.
     for k in range(last):
         for lane in range(LANES):
             here, there = values[k, lane], values[k + 1, lane]
@@ -289,9 +289,9 @@ def find_landmarks(
 
 @inlined
 def crosses(at_low: float, at_high: float, level: float, near: float) -> float:
-    """2 where f touches a level within rounding at the low end of a piece, 1 where it crosses it in between, else 0.
+    """Classify how f meets a level on a piece: 2 if within rounding at the low end, 1 if it crosses inside, else 0.
 
-    Where f touches a level it counts as on neither side of it, whatever its rounding.
+    An end within rounding of the level lies on neither side of it.
     """
     here, there = at_low - level, at_high - level
     apart = ((here > near) & (there < -near)) | ((here < -near) & (there > near))
@@ -300,14 +300,14 @@ def crosses(at_low: float, at_high: float, level: float, near: float) -> float:
 
 @routine
 def enter_crossings(piece: MonotonePiece, level: Level, before: int, most: int, noted: Noted, crossings: Roots) -> None:
-    """Enter the pieces of f marked as by `crosses` as new rows of roots; parameters as for `find_crossings`.
+    """Enter the pieces of f marked by `crosses` as new rows of roots.
 
-    `before` is the first row for this level.
+    Parameters are those of `find_crossings`, and `before`, the first row of this level.
     """
     marks, counts, height = noted.marks, noted.counts, level.height
     for lane in range(LANES):
         row, room = before + int(counts[lane]), counts[lane] < most
-        # What lies on its level all along touches it at every position: of such, any may be left out.
+        # A function that rests on its level touches it at every position; any surplus of these may be dropped.
         counts[lane] += 1.0 if (marks[lane] == 1.0) | (marks[lane] > 0.0) & room else 0.0
         if marks[lane] > 0.0 and room:
             root = open_row(row, level.function, level.number, crossings)
@@ -325,12 +325,12 @@ def find_crossings(level: Level, samples: Samples, turns: Roots, most: int, note
     ----------
     level : Level
     samples : Samples
-        All functions at the positions scanned.
+        All functions at the scan positions.
     turns : Roots
     most : int
-        How many places are entered.
+        Maximum number of roots entered.
     noted : Noted
-        Receives how many there are.
+        Receives the number of roots found.
     crossings : Roots
     """
     before, q, marks, height = crossings.used[0], in_lanes(samples.place[0]), noted.marks, level.height
@@ -340,7 +340,7 @@ def find_crossings(level: Level, samples: Samples, turns: Roots, most: int, note
     for k in range(samples.tile.shape[1] - 1):
         for lane in range(LANES):
             mark = crosses(values[k, lane], values[k + 1, lane], height[lane], ROUNDING * level.scale[lane])
-            # Where it turns within, it isn't monotone.
+            # The function isn't monotone where it turns inside.
             turns_here = (slopes[k, lane] >= 0.0) != (slopes[k + 1, lane] >= 0.0)
             marks[lane] = 0.0 if turns_here & (mark == 1.0) else mark
         if any_positive(marks):
@@ -355,29 +355,29 @@ def find_crossings(level: Level, samples: Samples, turns: Roots, most: int, note
             end, at_end = root.first_high if side else root.first_low, root.f_high if side else root.f_low
             for lane in range(LANES):
                 mark = crosses(at_place[lane], at_end[lane], height[lane], ROUNDING * level.scale[lane])
-                # A turn that touches the level is entered once.
+                # A turning point on the level is entered once.
                 marks[lane] = 0.0 if (side == 1) & (mark == 2.0) else mark
             enter_crossings(MonotonePiece(root.x, end, at_place, at_end), level, before, most, noted, crossings)
 
 
 @routine
 def lay_edges(crossings: Roots, landmarks: Rows, cut_rows: np.ndarray, block: Rows, walk: Walk, edges: Rows) -> int:
-    """Turn roots and positions given in rows of P into edges of a walk, with what their places may be off by.
+    """Turn roots, and positions in rows of P, into the edges of a walk with error estimates of their positions.
 
     Returns
     -------
     int
-        How many edges there are.
+        Number of edges.
     """
     count = crossings.used[0]
     for r in range(count):
         f, root, edge = crossings.function[r], crossings.rows[r], edges[r]
         slopes, value_error = in_lanes(crossings.at.tile[2 * f + 1]), landmarks[f].value_error
         for lane in range(LANES):
-            # Levels may follow from other landmarks, and are off as much.
+            # A level may follow from other landmarks and be as inaccurate as they are.
             off = 2.0 * value_error[lane] / abs(slopes[r, lane])
             edge.place[lane] = walk.direction[lane] * root.x[lane]
-            # Where f turns it is flat.
+            # At a turning point f is flat, which would make the quotient unbounded.
             edge.error[lane] = smaller(off, FLAT * walk.range[lane]) + ROUNDING * abs(root.x[lane])
     for i in range(cut_rows.shape[0]):
         edge, places = edges[count + i], block[cut_rows[i]]
@@ -389,7 +389,7 @@ def lay_edges(crossings: Roots, landmarks: Rows, cut_rows: np.ndarray, block: Ro
 
 @routine
 def sort_edges(count: int, edges: Rows) -> None:
-    """Put each lane's edges in order, those at one place by what they may be off by, NaN last, as infinity.
+    """Sort each lane's edges by position, then by decreasing error estimate; NaN becomes infinity and goes last.
 
     Source: D. L. Shell, A high-speed sorting procedure, Communications of the ACM 2 (1959).
     """

@@ -1,18 +1,18 @@
-"""A machine over its cycle: four functions and what is asked of them, evaluated over variants.
+"""A machine over its cycle: its four functions and a plan of the results, evaluated for many variants.
 
 Each of the four has the signature `engine.compiling.tiles.TILE_SIGNATURE`,
 
     curves(P, T, q, cos_q, sin_q, tile)
 
-with P (numbers, LANES) the numbers of each lane's variant, T tables that all lanes share, q, cos_q and sin_q
-(positions, LANES) input positions with cosine and sine, each lane its own, and tile (curves, at least as many
-positions, LANES), which it fills in at the positions of q.
+with P (numbers, LANES) the numbers of each lane's variant, T the tables shared by all lanes, q, cos_q and sin_q
+(positions, LANES) the input positions of each lane with cosine and sine, and tile (curves, at least as many
+positions, LANES), which the function fills at the positions of q.
 
-- `events` gives switching functions and their derivatives by q by turns: rows 2i and 2i + 1 are f_i and f_i′.
-- `levels` is called once, at a position that means nothing, when the landmarks of these functions (their least and
-  greatest values, and the places of those) stand in P: it gives numbers that follow from them.
-- `states` is called at the middle of each panel: it gives what switches between one panel and the next.
-- `curves` gives what is asked. Within a panel, its ends included, curves are smooth.
+- `events` fills switching functions and their derivatives by q: rows 2i and 2i + 1 are f_i and f_i′.
+- `levels` is called once, when the landmarks of these functions (minimum, maximum and their positions) are in P, with
+  arbitrary q: it fills numbers that follow from the landmarks.
+- `states` is called at the middle of each panel: it fills the nodes held throughout the panel.
+- `curves` fills the curves of the plan. They are smooth within a panel, its ends included.
 """
 
 from __future__ import annotations
@@ -47,82 +47,80 @@ from engine.cycle.measures.extremes import BOTH, ExtremeRows
 from engine.cycle.measures.fluctuation import Fluctuation
 from engine.cycle.measures.unloaded_arcs import Arc, new_stretches
 
-# What is the same in a plan and in its task.
-_SAME = ("ends", "levels", "states", "cuts", "kinks", "integrals", "rooted", "speeds")
-# Steps of the walk that there is room for to begin with, besides two for each level of a crossing; blocks that
-# need more are evaluated again.
+# Fields that are equal in a plan and its task.
+_SHARED = ("ends", "levels", "states", "cuts", "kinks", "integrals", "rooted", "speeds")
+# Initial room for steps of the walk, plus two for each crossing; blocks that need more are evaluated again.
 _STEPS = 24
-# How often positions scanned, and room for roots, are doubled for variants that need more, before they have no results.
+# Doublings of the scan positions and of the room for roots, after which a variant that needs more has no results.
 MOST_DOUBLINGS = 6
 
 
 @dataclass(frozen=True)
 class Plan:
-    """What is asked of a machine, by the numbers of its curves and of rows of P.
+    """Results wanted of a machine, by indices of its curves and of rows of P.
 
     Attributes
     ----------
     ends : tuple of int
-        Rows with the first and the last position of the input; it may run backwards.
+        Rows with the first and last position of the input; it may run backwards.
     curves : int
-        How many curves there are.
+        Number of curves.
     landmarks : sequence of tuples
-        For each switching function the rows that receive its least and greatest value and their places, in this order;
-        −1 where none does.
+        For each switching function the rows that receive its minimum, its maximum and their positions, in this order;
+        −1 for none.
     levels, states : sequence of int
-        Rows that receive what these functions give.
+        Rows that receive the outputs of these functions.
     crossings : sequence of tuples
-        Switching functions, rows with levels of theirs, and how far beyond these: the cycle is cut where a function
-        takes that value.
+        Switching function, row with a level of it, and an offset: the cycle is cut where the function equals their sum.
     cuts : sequence of int
-        Rows with input positions where the cycle is cut; NaN: nowhere.
+        Rows with input positions at which the cycle is cut; NaN for none.
     kinks : sequence of int
-        Curves at whose zeros others bend: panels end there where those need it.
+        Curves at whose zeros other curves have kinks: panels end there if those curves require it.
     integrals : sequence of int
         Curves to integrate over the cycle.
     roots : sequence of int
-        Curves that are nowhere negative, whose roots are to be integrated over the cycle.
+        Nonnegative curves whose square roots are integrated over the cycle.
     rooted : sequence of int
-        Curves that are nowhere negative and whose roots count: panels are as short as these need.
+        Nonnegative curves whose square roots must meet the tolerance too.
     extremes : sequence of int or tuples
-        Curves whose least and greatest values are asked; with one of LEAST, GREATEST and LEAST_MAGNITUDE of
-        `engine.cycle.measures.extremes` after it that alone.
+        Curves whose minimum and maximum are wanted, or (curve, kind) with LEAST, GREATEST or LEAST_MAGNITUDE of
+        `engine.cycle.measures.extremes`.
     works : sequence of int
-        Moments whose work about their mean is asked.
+        Moments whose work about their mean is wanted.
     combinations : sequence of tuples
-        Moment, inertia, row with a factor c, and perhaps LEAST or GREATEST: extremes of W − c (I − I_1) are asked, of
-        the work W about the mean of the moment and the inertia I, I_1 at the first position.
+        Moment, inertia I, row with a factor c, and optionally LEAST or GREATEST: extremes of W − c (I − I_1) are
+        wanted, with W the work of the moment about its mean and I_1 the inertia at the first position.
     fluctuations : sequence of tuples
-        Moment, inertia, rows with mean speed and flywheel's inertia: the speed fluctuation is asked.
+        Moment, inertia, and rows with mean speed and flywheel inertia: the speed fluctuation is wanted.
     compared : sequence of tuples
-        A curve, another, and a row with a factor c: extremes of R − c (b − b₀) are asked, of the running integral R of
-        the one and the other b.
+        Curves r and b, and a row with a factor c: extremes of R − c (b − b₀) are wanted, with R the running integral of
+        r and b₀ the initial value of b.
     angles : sequence of tuples
-        Curves with the components of vectors whose angles, followed over the cycle, are asked; where what is looked for
-        is told, as in `engine.cycle.measures.extremes`, that.
+        Curves with the components of vectors whose continuous angles are wanted, and optionally the kind of extreme, as
+        for `extremes`.
     speeds : sequence of int
-        Which fluctuations' speeds over the cycle are asked.
+        Indices of the fluctuations whose speeds over the cycle are wanted.
     averages : sequence of tuples
-        Mean and mean square are asked of "works", "angles" or "speeds", and which of them.
+        "works", "angles" or "speeds", and an index among them: mean and mean square are wanted.
     spaced : sequence of tuples
-        The same, whose values at equally spaced positions are asked.
+        Likewise: values at equally spaced positions are wanted.
     intervals, positions : int
-        Into how many parts those divide the range, and how many there are.
+        Number of intervals into which those positions divide the range, and number of positions.
     arcs : sequence of tuples
-        Curves with the components of forces and with the squares of their magnitudes, whose unloaded arcs are asked.
+        Curves with the components and the squared magnitudes of forces whose unloaded arcs are wanted.
     tolerance : float or sequence of float
-        What of each curve may be left beyond its series, as a share of its greatest magnitude.
+        Admissible remainder of each curve beyond its series, relative to its maximum magnitude.
     longest : float
-        Longest panel, no more than π/2 where the input is an angle.
+        Maximum length of a panel; at most π/2 if the input is an angle.
     period, turn : float
-        After which length of the input all is the same again, and after which its crank is where it was; infinite where
-        the range is no cycle.
+        Length of the input after which the cycle, or the crank's position, recurs; infinite if the range isn't a cycle.
     scan : int
-        Positions over the range at which switching functions are looked at, doubled for variants that need more.
+        Number of positions over the range at which switching functions are sampled; doubled for variants that need
+        more.
     looks : int
-        How many times they are: twice where some of them depend on landmarks of others.
+        Number of scans: 2 if some switching functions depend on landmarks of others.
     turns : int
-        Turns of the input in the range, for each of which there is room for `MOST_ROOTS`.
+        Turns of the input in the range; there is room for `MOST_ROOTS` roots in each.
     """
 
     ends: tuple[int, int]
@@ -159,11 +157,11 @@ class Plan:
 
 @dataclass(frozen=True)
 class Extremes:
-    """Least and greatest values over the cycle with their places.
+    """Minima and maxima over the cycle and their positions.
 
     Attributes
     ----------
-    least, least_at, greatest, greatest_at : Measured (asked, variants)
+    least, least_at, greatest, greatest_at : Measured (results, variants)
     """
 
     least: Measured
@@ -173,12 +171,12 @@ class Extremes:
 
     @property
     def greatest_magnitude(self) -> Measured:
-        """Greatest magnitude of the values."""
+        """Maximum magnitude."""
         return maximum(self.greatest, -self.least)
 
     @property
     def range(self) -> Measured:
-        """Greatest less least value."""
+        """Maximum minus minimum."""
         return self.greatest - self.least
 
 
@@ -188,12 +186,12 @@ class Fluctuations:
 
     Attributes
     ----------
-    delta : Measured (asked, variants)
-        δ; NaN where the machine would stop within the cycle.
-    slowest_at, fastest_at : Measured (asked, variants)
-        Places of the least and the greatest speed.
-    top : Measured (asked, variants)
-        max[W − ½ω_max² (I − I_1)], for the kinetic energy at the first position: ½ω_max² (I_1 + I_F) less this.
+    delta : Measured (results, variants)
+        δ; NaN if the machine would stop within the cycle.
+    slowest_at, fastest_at : Measured (results, variants)
+        Positions of minimum and maximum speed.
+    top : Measured (results, variants)
+        max[W − ½ω_max² (I − I_1)]; the kinetic energy at the first position is ½ω_max² (I_1 + I_F) minus this.
     """
 
     delta: Measured
@@ -204,32 +202,32 @@ class Fluctuations:
 
 @dataclass(frozen=True)
 class CycleOutcome:
-    """What was asked of a machine, per variant in the last dimension.
+    """Results of a machine's plan; the last dimension is that of the variants.
 
     Attributes
     ----------
-    integrals, roots : Measured (asked, variants)
-        Integrals of curves, and of roots of curves.
+    integrals, roots : Measured (results, variants)
+        Integrals of curves, and of square roots of curves.
     sizes : ndarray (curves, variants)
-        Greatest magnitudes.
+        Maximum magnitudes.
     lengths : ndarray (variants,)
-        Last less first position of the input.
+        Last minus first position of the input.
     extremes, works, combinations, compared, angles, speeds, landmarks : Extremes
-        Of what the plan asks, NaN where one side alone was asked; of the switching functions.
+        As in the plan, NaN for a side that wasn't wanted; `landmarks` are those of the switching functions.
     fluctuations : Fluctuations
-    averages, squares : Measured (asked, variants)
-        Mean, and mean of the square.
-    arcs, arc_middles : Measured (asked, variants)
-        Widest arcs that forces never point to, and their middles.
-    spaced : ndarray (asked, variants, positions)
+    averages, squares : Measured (results, variants)
+        Mean and mean square.
+    arcs, arc_middles : Measured (results, variants)
+        Widest unloaded arcs, and their middles [rad].
+    spaced : ndarray (results, variants, positions)
         Values at equally spaced positions.
     firsts : dict of int to ndarray (variants,)
-        Values at the first position of the curves that anything but integrals is asked of.
+        Initial values of the curves that aren't only integrated.
     panels : ndarray (variants,) of int
-        How many panels were taken.
+        Number of panels.
     broken_at : ndarray (variants,)
-        First input position found where a curve isn't finite; NaN where all are; infinite, and all results NaN, where a
-        switching function goes up and down too often to be looked at.
+        First input position at which a curve is NaN or infinite, or NaN; infinite, with all results NaN, if a switching
+        function oscillates too fast to be scanned.
     """
 
     integrals: Measured
@@ -255,7 +253,7 @@ class CycleOutcome:
 
     @property
     def means(self) -> Measured:
-        """Means of the curves that were integrated."""
+        """Mean values of the integrated curves."""
         return self.integrals / Measured(self.lengths)
 
 
@@ -264,12 +262,12 @@ def _integers(values: Sequence, columns: int = 0) -> np.ndarray:
 
 
 def _record(kind: type, answers: np.ndarray) -> tuple:
-    """The answers (asked, fields, variants) of a record, as far as it is handed out, by name."""
+    """Results (results, fields, variants) as a record; None for the fields that aren't stored."""
     return kind(*np.moveaxis(answers, 1, 0), *[None] * (len(kind._fields) - answers.shape[1]))
 
 
 def _measured(kind: type, answers: np.ndarray, *names: str) -> list[Measured]:
-    """Answers of a record by name, each with its error."""
+    """Named fields of stored results, each with its error estimate."""
     found = _record(kind, answers)
     return [Measured(getattr(found, name), getattr(found, f"{name}_error")) for name in names]
 
@@ -280,13 +278,13 @@ def _extremes(answers: np.ndarray) -> Extremes:
 
 @dataclass(frozen=True)
 class CycleMachine:
-    """A machine's functions and what is asked of them.
+    """A machine's functions and the plan of its results.
 
     Attributes
     ----------
     plan : Plan
     curves, events, levels, states : callable
-        See this module's text.
+        See the module docstring.
     """
 
     plan: Plan
@@ -295,10 +293,10 @@ class CycleMachine:
     levels: Callable = nothing
     states: Callable = nothing
     _task: Task = field(init=False)
-    # The kinds of arguments that the driver is ready for.
+    # Kinds of arguments that the driver is compiled for.
     _prepared: set[tuple] = field(init=False, default_factory=set)
-    # Each thread's workspace, for the next call.
-    _of_thread: threading.local = field(init=False, default_factory=threading.local)
+    # Each thread's workspace, reused by its next call.
+    _per_thread: threading.local = field(init=False, default_factory=threading.local)
 
     def __post_init__(self) -> None:
         plan = self.plan
@@ -329,7 +327,7 @@ class CycleMachine:
             ),
             *((own["speeds", k], own["speeds", k], -1, BOTH) for k in range(len(plan.speeds))),
         ]
-        same = {name: _integers(getattr(plan, name)) for name in _SAME}
+        same = {name: _integers(getattr(plan, name)) for name in _SHARED}
         task = Task(
             **same,
             **{name: getattr(plan, name) for name in ("scan", "looks", "intervals", "longest", "period", "turn")},
@@ -356,16 +354,16 @@ class CycleMachine:
 
     @property
     def task(self) -> Task:
-        """The plan as the driver takes it."""
+        """The plan in the driver's format."""
         return self._task
 
     def evaluate(self, numbers: np.ndarray, tables: np.ndarray | None = None) -> CycleOutcome:
-        """Evaluate variants, on all threads.
+        """Evaluate variants on all threads.
 
         Parameters
         ----------
         numbers : ndarray (numbers, variants)
-            P of all variants; rows that the machine's functions fill in may hold anything.
+            P of all variants; rows that the machine's functions fill may hold anything.
         tables : ndarray, optional
             T.
         """
@@ -377,7 +375,7 @@ class CycleMachine:
             coarse = np.flatnonzero(np.isinf(answers.broken_at))
             if not coarse.size:
                 break
-            # In blocks of their own: what a variant is told depends on nothing but the variant.
+            # In separate blocks, so that a variant's results don't depend on the other variants.
             task = task._replace(scan=2 * task.scan, most_roots=2 * task.most_roots)
             again = self._answers(task, np.ascontiguousarray(numbers[:, coarse]), tables)
             for part, finer in zip(answers[:-2], again[:-2], strict=True):
@@ -429,8 +427,8 @@ class CycleMachine:
         spread(evaluate_blocks, len(variants.blocks), arguments)
 
     def _workspace(self, task: Task, numbers: int, steps: int) -> Workspace:
-        """Memory for this thread: that of the call before where it is large enough."""
-        mine = self._of_thread.__dict__
+        """Workspace of the calling thread, reused if its size fits."""
+        mine = self._per_thread.__dict__
         size = (task.scan, numbers, steps)
         if mine.get("size") != size:
             mine["size"], mine["work"] = size, new_workspace(task, numbers, steps)

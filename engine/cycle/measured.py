@@ -1,8 +1,8 @@
-"""Numbers with what they may be off by.
+"""Values with error estimates.
 
-The error of a result follows from those of its operands to first order, with their magnitudes added up as they may well
-have a common cause, and from the rounding of the operation itself. Where the first order says nothing, at the zero of a
-square root or of a quotient's divisor, the error is as large as the operands' errors make it.
+The error estimate of a result follows from those of its operands to first order, plus the rounding of the operation.
+Contributions are added by magnitude, because they may have a common cause. Where the first order fails, at zeros of
+square roots and of divisors, the estimate is the change that the operands' errors can cause.
 """
 
 from __future__ import annotations
@@ -12,18 +12,18 @@ from collections.abc import Callable
 import numpy as np
 
 _ROUNDING = np.finfo(np.float64).eps
-# Of numbers whose squares are below the least that is kept in full nothing is known but that.
+# A smaller number that was computed from squares is unknown, since its square is subnormal.
 UNKNOWN_ROOT = float(np.sqrt(np.finfo(np.float64).tiny))
 
 
 class Measured:
-    """Values with errors, element by element.
+    """Values with error estimates, element by element.
 
     Parameters
     ----------
     value : array_like
     error : array_like
-        What the value may be off by, at least 0; it says nothing where the value is NaN.
+        Error estimate, at least 0; meaningless where the value is NaN.
     """
 
     __slots__ = ("error", "value")
@@ -73,7 +73,7 @@ class Measured:
         other = measured(other)
         with np.errstate(divide="ignore", invalid="ignore"):
             value = self.value / other.value
-            # Of the divisors that are possible the least; infinite where that is 0.
+            # The smallest divisor within the error; the estimate is infinite where that is 0.
             least = np.abs(other.value) - other.error
             error = (self.error + np.abs(value) * other.error) / np.where(least > 0.0, least, 0.0)
             exact = (self.error == 0.0) & (other.error == 0.0)
@@ -97,12 +97,12 @@ class Measured:
 
 
 def measured(value: object) -> Measured:
-    """A value as `Measured`: what isn't yet is exact."""
+    """Return a value as `Measured`; plain numbers are exact."""
     return value if isinstance(value, Measured) else Measured(value)
 
 
 def sqrt(x: Measured) -> Measured:
-    """Square root; of a value that is 0 within its error, off by at most the root of the greatest that is possible."""
+    """Square root. If x is 0 within its error, the estimate is the square root of the largest possible x."""
     with np.errstate(divide="ignore", invalid="ignore"):
         value = np.sqrt(np.where((x.value < 0.0) & (x.value >= -x.error), 0.0, x.value))
         first_order = 0.5 * x.error / value
@@ -111,12 +111,12 @@ def sqrt(x: Measured) -> Measured:
 
 
 def of_squares(x: Measured) -> Measured:
-    """A number that was made of squares; of a small one they may have vanished."""
+    """Add the underflow of squares to the error estimate of a number computed from them."""
     return Measured(x.value, np.where(np.abs(x.value) < UNKNOWN_ROOT, np.maximum(x.error, UNKNOWN_ROOT), x.error))
 
 
 def atan2(y: Measured, x: Measured) -> Measured:
-    """Angle of the direction (x, y), above −π by more than its error; without a direction, off by half a turn."""
+    """Angle of the direction (x, y) [rad], above −π by more than its error; the estimate is π if it is undefined."""
     y, x = measured(y), measured(x)
     with np.errstate(divide="ignore", invalid="ignore"):
         square = x.value**2 + y.value**2
@@ -131,17 +131,17 @@ def _chosen(first: Measured, second: Measured, better: Callable) -> Measured:
     value = better(first.value, second.value)
     is_first = value == first.value
     own, other = np.where(is_first, first.error, second.error), np.where(is_first, second.error, first.error)
-    # The other one may still be beyond.
+    # The other operand may still be the larger, or the smaller, one within its error.
     return Measured(value, np.maximum(own, other - np.abs(first.value - second.value)))
 
 
 def maximum(first: Measured, second: Measured) -> Measured:
-    """The larger of two values; NaN where either is."""
+    """The larger of two values; NaN if either is NaN."""
     return _chosen(first, second, np.maximum)
 
 
 def minimum(first: Measured, second: Measured) -> Measured:
-    """The smaller of two values; NaN where either is."""
+    """The smaller of two values; NaN if either is NaN."""
     return _chosen(first, second, np.minimum)
 
 

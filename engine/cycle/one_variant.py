@@ -1,6 +1,6 @@
-"""The cycle of one variant by NumPy: curves at any positions, works and speeds, without compiled code.
+"""The cycle of one variant in NumPy: curves at arbitrary positions, work and speed, without compiled code.
 
-Panels are those of compiled cycles: cut where something switches, halved until the series of all curves end.
+Panels are laid as in compiled cycles: cut where something switches, and halved until the series of all curves converge.
 """
 
 import math
@@ -16,38 +16,38 @@ from engine.cycle.regula_falsi import regula_falsi
 from engine.graph.nodes import Found, Graph, Held, Node, reached
 from engine.graph.values import NodeValues
 
-# Positions of a turn, or of the range of a sliding input, at which switching curves are looked at first.
+# Positions per turn, or over the range of a sliding input, at which switching functions are scanned.
 _SCANNED = 180
-# Into how many panels a turn is divided at least, and how often these are halved.
-_EACH_TURN, _HALVINGS = 6, 14
-# What a series may leave of a curve, as a share of its peak.
-_CLOSELY = 1e-11
-# Steps towards a speed fluctuation, the last of them as a share of it; of greater ones the machine stops.
+# Minimum number of panels per turn, and maximum number of halvings.
+_PANELS_PER_TURN, _HALVINGS = 6, 14
+# Tolerance of a series, relative to the curve's peak.
+_TOLERANCE = 1e-11
+# Newton's method for the speed fluctuation: maximum steps, relative last step, and largest δ, at which a machine stops.
 _MOST_STEPS, _FOUND, _MOST = 40, 1e-12, 2.0
 
 
 class WheelNumbers(NamedTuple):
-    """A flywheel: its inertia, or the coefficient of speed fluctuation that it is made for; None where not given."""
+    """A flywheel: its inertia [kg·m²], or the speed fluctuation it is designed for; None for the one not given."""
 
     inertia: float | None
     fluctuation: float | None
 
 
 class Panels(NamedTuple):
-    """Curves as series, panel after panel.
+    """Curves as Chebyshev series, panel by panel.
 
     Attributes
     ----------
     ends : ndarray (panels + 1,)
     series : ndarray (degree + 1, curves, panels)
-        Coefficients of Chebyshev polynomials over −1 … 1.
+        Coefficients over [−1, 1].
     """
 
     ends: np.ndarray
     series: np.ndarray
 
     def integrals(self) -> "Panels":
-        """Integrals of the curves from the first position on."""
+        """Integrals of the curves from the first position."""
         series = chebyshev.chebint(self.series, lbnd=-1) * (0.5 * np.diff(self.ends))
         whole = series.sum(axis=0)
         series[0] += np.cumsum(whole, axis=1) - whole
@@ -58,13 +58,13 @@ class Panels(NamedTuple):
         return Panels(self.ends, chebyshev.chebder(self.series) / (0.5 * np.diff(self.ends)))
 
     def at(self, q: np.ndarray) -> np.ndarray:
-        """Values of the curves at positions, (curves, positions)."""
+        """Values of the curves (curves, positions) at positions."""
         panel = np.clip(np.searchsorted(self.ends, q, "right") - 1, 0, self.ends.size - 2)
         left, right = self.ends[panel], self.ends[panel + 1]
         return chebyshev.chebval((2.0 * q - left - right) / (right - left), self.series[:, :, panel], tensor=False)
 
     def greatest(self, curve: int) -> tuple[float, float]:
-        """Maximum of a curve and the position there."""
+        """Maximum of a curve and its position."""
         values = chebyshev.chebval(PLACES, self.series[:, curve])
         found = tops(values, np.zeros(len(values)))
         k = int(np.argmax(found.values))
@@ -78,11 +78,12 @@ class WheelCycle(NamedTuple):
     Attributes
     ----------
     whole : Panels
-        Work about its mean since the first position, and reduced moment of inertia.
+        Work about the mean since the first position, and reduced inertia.
     wheel, exact : float
-        Inertia of the flywheel, and that of the asked speed fluctuation, which may be negative; NaN if none is asked.
+        Inertia of the flywheel, and the inertia for the required speed fluctuation, possibly negative; NaN if none is
+        required.
     fluctuation, energy : float
-        Coefficient of speed fluctuation, and kinetic energy at the first position; NaN where the machine would stop.
+        Coefficient of speed fluctuation, and kinetic energy at the first position; NaN if the machine would stop.
     """
 
     whole: Panels
@@ -92,14 +93,14 @@ class WheelCycle(NamedTuple):
     energy: float
 
     def speed(self, q: np.ndarray) -> np.ndarray:
-        """Speed of the input, by magnitude (positions,); NaN where the machine would stop within the cycle."""
+        """Magnitude of the input's speed (positions,); NaN if the machine would stop within the cycle."""
         works, inertias = self.whole.at(q)
         with np.errstate(invalid="ignore"):
             return np.sqrt(2.0 * (self.energy + works) / (inertias + self.wheel))
 
 
 class OneVariant:
-    """A variant at any positions of its input.
+    """A variant at arbitrary positions of its input.
 
     Parameters
     ----------
@@ -108,34 +109,34 @@ class OneVariant:
     span : tuple of Node
         First and last position of the input.
     turns : int
-        Turns of the input between them; 1 of a sliding input.
+        Turns of the input between them; 1 for a sliding input.
     """
 
     def __init__(self, graph: Graph, numbers: Mapping[str, float], span: tuple[Node, Node], turns: int) -> None:
-        self.values = NodeValues(graph, numbers, self._end)
+        self.values = NodeValues(graph, numbers, self._extreme_of)
         self._graph, self._turns = graph, turns
         self.first, self.last = (float(self.number(end)) for end in span)
-        self._turning: dict[Node, np.ndarray] = {}
+        self._turning_of: dict[Node, np.ndarray] = {}
 
     def number(self, node: Node) -> float:
-        """A number of the variant or of its cycle."""
+        """Value of a number of the variant or of its cycle."""
         return float(self.values([node], np.zeros(1))[0][0])
 
-    def _end(self, node: Found) -> float:
-        """End of a stroke, or the position there."""
-        places = np.array([self.first, self.last, *self._turns_of(node.curve, node.rate)])
+    def _extreme_of(self, node: Found) -> float:
+        """Minimum or maximum of a curve, or its position."""
+        places = np.array([self.first, self.last, *self._turning_points(node.curve, node.rate)])
         values = self.values([node.curve], places)[0]
         at = (np.argmin if node.which.startswith("low") else np.argmax)(values)
         return places[at] if node.which.endswith("_at") else values[at]
 
-    def _turns_of(self, curve: Node, rate: Node) -> np.ndarray:
-        """Where a curve turns."""
-        if curve not in self._turning:
-            self._turning[curve] = self.roots(rate)
-        return self._turning[curve]
+    def _turning_points(self, curve: Node, rate: Node) -> np.ndarray:
+        """Positions at which a curve turns."""
+        if curve not in self._turning_of:
+            self._turning_of[curve] = self.roots(rate)
+        return self._turning_of[curve]
 
     def roots(self, curve: Node, levels: Sequence[float] = (0.0,), between: Sequence[float] = ()) -> np.ndarray:
-        """Where a curve takes some levels, if it is monotone between the positions looked at and some others."""
+        """Positions where a curve takes one of the levels; it must be monotone between scan positions and `between`."""
         scanned = np.linspace(self.first, self.last, _SCANNED * self._turns + 1)
         grid, levels = np.unique([*scanned, *between]), np.asarray(levels)
         above = self.values([curve], grid)[0] > levels[:, None]
@@ -145,18 +146,18 @@ class OneVariant:
         return regula_falsi(lambda q: self.values([curve], q)[0] - levels[which], grid[places], grid[places + 1])
 
     def cuts(self, nodes: Sequence[Node]) -> np.ndarray:
-        """Ends of the range and positions where something switches on which some nodes depend."""
+        """Ends of the range, and positions at which nodes that `nodes` depend on switch."""
         behind = set(reached([node for node in reached(nodes) if isinstance(node, Held)]))
         levels: dict[tuple[Node, Node], list[float]] = {}
         for c in self._graph.crossings:
             if c.curve in behind:
                 levels.setdefault((c.curve, c.rate), []).append(self.number(c.level) + c.offset)
-        found = [self.roots(curve, some, self._turns_of(curve, rate)) for (curve, rate), some in levels.items()]
+        found = [self.roots(curve, some, self._turning_points(curve, rate)) for (curve, rate), some in levels.items()]
         return np.unique(np.concatenate([[self.first, self.last], *found]))
 
     def panels(self, nodes: Sequence[Node]) -> Panels:
-        """Series of some curves over the cycle."""
-        whole = np.linspace(self.first, self.last, _EACH_TURN * self._turns + 1)
+        """Expand curves over the cycle in series."""
+        whole = np.linspace(self.first, self.last, _PANELS_PER_TURN * self._turns + 1)
         kinks = [self.roots(curve) for curve in self._graph.kinks_behind(nodes)]
         ends = np.unique(np.concatenate([whole, self.cuts(nodes), *kinks]))
         held = [node for node in reached(nodes) if isinstance(node, Held)]
@@ -170,7 +171,7 @@ class OneVariant:
             values = np.array(self.values(nodes, q, known)).reshape(len(nodes), left.size, POSITIONS)
             series = np.einsum("kj,cpj->kcp", SHARES, values)
             sizes = np.fmax(sizes, np.abs(values).max(axis=(1, 2)))
-            rough = (tails(values) > _CLOSELY * sizes[:, None]).any(axis=0)
+            rough = (tails(values) > _TOLERANCE * sizes[:, None]).any(axis=0)
             rough &= halving < _HALVINGS - 1
             done.append((left[~rough], right[~rough], series[:, :, ~rough]))
             if not rough.any():
@@ -185,7 +186,7 @@ class OneVariant:
         return float(self.panels([curve]).integrals().at(np.array([self.last]))[0, 0])
 
     def slope(self, curve: Node, q: np.ndarray) -> np.ndarray:
-        """Derivative of a curve at some positions (positions,)."""
+        """Derivative of a curve (positions,) by the input."""
         return self.panels([curve]).derivatives().at(q)[0]
 
     def extreme(self, curve: Node, sense: str) -> float:
@@ -194,18 +195,18 @@ class OneVariant:
         return sign * Panels(panels.ends, sign * panels.series).greatest(0)[0]
 
     def work(self, moment: Node, q: np.ndarray) -> np.ndarray:
-        """Work of a moment about its mean, from the first position to some positions (positions,)."""
+        """Work of a moment about its mean (positions,), from the first position."""
         return _about_mean(self.panels([moment])).at(q)[0]
 
     def steady(self, moment: Node, inertia: Node, omega: float, flywheel: WheelNumbers) -> WheelCycle:
-        """The steady cycle with a flywheel; see `engine.cycle.measures.fluctuation`.
+        """Steady cycle with a flywheel; see `engine.cycle.measures.fluctuation`.
 
         Parameters
         ----------
         moment, inertia : Node
-            Reduced moment of all but the driver, and reduced moment of inertia.
+            Reduced moment of everything but the driver, and reduced inertia.
         omega : float
-            Mean speed.
+            Mean speed [rad/s].
         flywheel : WheelNumbers
         """
         panels = self.panels([moment, inertia])
@@ -216,7 +217,7 @@ class OneVariant:
         first, square = float(whole.at(np.array([self.first]))[1, 0]), omega * omega
 
         def extreme(sign: float, delta: float) -> tuple[float, float]:
-            """Extreme of W − ½ω² (I − I₁) at the speed of a side, and the inertia less I₁ there."""
+            """Extreme of W − ½ω² (I − I₁) at the maximum (1) or minimum (−1) speed, and I − I₁ there."""
             slope = 0.5 * square * (1.0 + 0.5 * sign * delta) ** 2
             series = sign * (whole.series[:, 0] - slope * whole.series[:, 1])
             value, at = Panels(whole.ends, series[:, None]).greatest(0)

@@ -1,29 +1,29 @@
-"""Roots of many functions side by side, each within a bracket, by NumPy."""
+"""Bracketed roots of many functions at once, in NumPy."""
 
 from collections.abc import Callable
 
 import numpy as np
 
-# A last step of this share of the bracket; the error it leaves is smaller by the share that is left of the other end.
+# Maximum iterations, and the last step as a fraction of the bracket; the error it leaves is smaller still.
 _ITERATIONS, _LAST_STEP = 20, 4e-14
 
 
 def regula_falsi(f: Callable[[np.ndarray], np.ndarray], a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Roots between a and b, where f changes sign, by regula falsi with Anderson's and Björck's weights.
+    """Roots between a and b, where f changes sign, by regula falsi with the weights of Anderson and Björck.
 
     Parameters
     ----------
     f : callable
-        Of an array like a, to an array like a.
+        Maps an array of the shape of a to one of the same shape.
     a, b : ndarray
-        NaN stays.
+        Ends of the brackets; NaN yields NaN.
     """
     fa, fb = f(a), f(b)
     moving, small = np.isfinite(fa + fb), _LAST_STEP * np.abs(b - a)
     for _ in range(_ITERATIONS):
         with np.errstate(all="ignore"):
             c = b - fb * (b - a) / (fb - fa)
-        # A root that is found stays as it is, however long the others take.
+        # A converged root stays fixed, so that it doesn't depend on the iterations of the others.
         c = np.where(moving & np.isfinite(c), c, b)
         fc = f(c)
         moving &= np.abs(c - b) > small

@@ -1,9 +1,8 @@
-"""Roots within brackets: of switching functions in rows and lanes, and one at a time.
+"""Bracketed roots: of switching functions in rows and lanes, and of one function.
 
-In each row and lane there is a root of its own, and all are evaluated together. A row looks either for places where a
-function f takes a level or for places where it turns, that is where f′ is zero. Each root lies between two places where
-what is to vanish has opposite signs. Newton's method, or where no derivative is given the secant through the last two
-places, is kept within that interval, which is halved where they lead out of it.
+Each row and lane has a separate root, and all are evaluated together. A row seeks either a level of a function f or a
+turning point, where f′ = 0. Each root lies in a bracket with opposite signs at its ends. Newton's method, or the secant
+through the last two points where there is no second derivative, stays inside the bracket and bisects it otherwise.
 """
 
 import math
@@ -18,24 +17,24 @@ from engine.compiling.widths import LANES
 from engine.cycle.panels.directions import directions
 from engine.cycle.panels.lanes import any_positive, many, new_record, rows
 
-# The level of a row that looks for a turn.
+# Level of a row that seeks a turning point.
 TURN = -1
-# Length of the last step, as a share of the interval.
+# Length of the last step, as a fraction of the bracket.
 FOUND = 1e-11
 MOST_STEPS = 60
-# Of a root by itself: most steps, no fewer than bisection alone would take, and when it can't be told any better.
-MOST_TURNS, _SETTLED = 80, 4e-16
+# For a single root: maximum steps, at least as many as bisection needs, and relative width at which it has converged.
+MOST_TURNS, _CONVERGED = 80, 4e-16
 
 
 class GivenNumbers(NamedTuple):
-    """What a machine's functions are given besides positions.
+    """Arguments of a machine's functions apart from positions.
 
     Attributes
     ----------
     block : ndarray (numbers, LANES)
         Numbers of each lane's variant.
     tables : ndarray
-        That all lanes share.
+        Shared by all lanes.
     """
 
     block: np.ndarray
@@ -50,7 +49,7 @@ class Samples(NamedTuple):
     place : ndarray (3, room, LANES)
         Positions with cosine and sine.
     tile : ndarray (2 functions, room, LANES)
-        By turns f and f′.
+        f and f′ alternately.
     """
 
     place: np.ndarray
@@ -63,16 +62,17 @@ class Root(NamedTuple):
     Attributes
     ----------
     low, high, at_low, at_high : row
-        Its interval, and f less the level, or f′, at the interval's ends.
+        Its bracket, and f minus the level, or f′, at the bracket's ends.
     x : row
-        Its place.
+        Current estimate.
     before, at_before : row
-        The place before, and what was to vanish there.
+        Previous estimate, and the residual there.
     length, enough : row
-        Length of the last step, and that which is short enough.
+        Length of the last step, and the length at which it has converged.
     mark : row
+        Scratch: 1 if the root hasn't converged, else 0.
     first_low, first_high, f_low, f_high : row
-        Of a turn, the interval to begin with and f at its ends.
+        For a turning point, the initial bracket and f at its ends.
     """
 
     low: Row
@@ -101,11 +101,11 @@ class Roots(NamedTuple):
     ----------
     rows : many Root
     used : ndarray (1,) of int
-        How many rows are used.
+        Number of rows in use.
     function, level : ndarray (rows,) of int
-        What each looks for: the number of f, and that of the level or TURN.
+        Index of f and of the level of each row, or TURN.
     at : Samples
-        All functions at the places.
+        All functions at the roots.
     """
 
     rows: many(Root)
@@ -116,19 +116,19 @@ class Roots(NamedTuple):
 
 
 def new_samples(functions: int, room: int) -> Samples:
-    """Room for so many functions at so many rows of positions."""
+    """Allocate samples of `functions` functions at `room` rows of positions."""
     return Samples(rows(3, room), rows(2 * functions, room))
 
 
 def new_roots(functions: int, room: int) -> Roots:
-    """Room for so many rows of roots of so many functions."""
+    """Allocate `room` rows of roots of `functions` functions."""
     used, function, level = (np.zeros(size, np.int64) for size in (1, room, room))
     return new_record(Roots, rows=room, used=used, function=function, level=level, at=new_samples(functions, room))
 
 
 @routine
 def open_row(row: int, function: int, level: int, roots: Roots) -> Root:
-    """A row of roots; begin it if it is the next one."""
+    """Return a row of roots; initialise it if it is the next unused one."""
     root = roots.rows[row]
     if row == roots.used[0]:
         for part in range(_PARTS):
@@ -150,7 +150,7 @@ def sample(functions: Callable, given: GivenNumbers, count: int, samples: Sample
 
 @routine
 def begin_roots(roots: Roots) -> None:
-    """Begin each root on the straight line between the ends of its interval."""
+    """Start each root at the zero of the chord over its bracket."""
     for r in range(roots.used[0]):
         root = roots.rows[r]
         for lane in range(LANES):
@@ -168,20 +168,20 @@ def begin_roots(roots: Roots) -> None:
 
 @routine
 def improve_roots(levels: Rows, roots: Roots) -> bool:
-    """Move each root by one step.
+    """Move each root by one step; converged roots stay.
 
     Parameters
     ----------
     levels : rows (levels, LANES)
     roots : Roots
-        With all functions at their places.
+        With all functions evaluated at the current estimates.
 
     Returns
     -------
     bool
-        Whether any root isn't found yet. One that is stays.
+        Whether any root hasn't converged.
     """
-    going = False
+    moving = False
     for r in range(roots.used[0]):
         root, f, level = roots.rows[r], roots.function[r], max(roots.level[r], 0)
         values, slopes = in_lanes(roots.at.tile[2 * f, r:]), in_lanes(roots.at.tile[2 * f + 1, r:])
@@ -191,9 +191,9 @@ def improve_roots(levels: Rows, roots: Roots) -> bool:
             x, before = root.x[lane], root.before[lane]
             value = derivative if turns > 0.0 else values[0, lane] - levels[level, lane]
             slope = (value - root.at_before[lane]) / (x - before) if turns > 0.0 else derivative
-            beside_low = (value > 0.0) == (root.at_low[lane] > 0.0)
-            low = x if beside_low else root.low[lane]
-            high = root.high[lane] if beside_low else x
+            like_low = (value > 0.0) == (root.at_low[lane] > 0.0)
+            low = x if like_low else root.low[lane]
+            high = root.high[lane] if like_low else x
             ahead = x - value / slope
             ahead = ahead if (ahead - low) * (ahead - high) <= 0.0 else 0.5 * (low + high)
             ahead = x if value == 0.0 else ahead
@@ -204,20 +204,20 @@ def improve_roots(levels: Rows, roots: Roots) -> bool:
             root.before[lane], root.at_before[lane] = x, value
             root.x[lane] = x if found else ahead
             root.low[lane], root.high[lane] = low, high
-        going |= any_positive(root.mark)
-    return going
+        moving |= any_positive(root.mark)
+    return moving
 
 
 @routine
 def solve_roots(functions: Callable, given: GivenNumbers, levels: Rows, roots: Roots) -> None:
-    """Find the roots of all rows; `roots.at` holds all functions at the places found afterwards.
+    """Find the roots of all rows; `roots.at` then holds all functions at the roots.
 
     Parameters
     ----------
     functions : callable
-        Fills in each function and its derivative.
+        Fills each function and its derivative.
     given : GivenNumbers
-        Handed on to it.
+        Arguments of `functions`.
     levels : rows (levels, LANES)
     roots : Roots
     """
@@ -230,7 +230,7 @@ def solve_roots(functions: Callable, given: GivenNumbers, levels: Rows, roots: R
                 q[r, lane] = roots.rows[r].x[lane]
         if count > 0:
             sample(functions, given, count, roots.at)
-        # Once more where all were found, so that nothing depends on which of them was the last.
+        # Sampled again after the last step, so that no result depends on which root converged last.
         if found:
             break
         found = not improve_roots(levels, roots)
@@ -240,26 +240,26 @@ def solve_roots(functions: Callable, given: GivenNumbers, levels: Rows, roots: R
 def newton_between(
     x: float, over: float, slope: float, rises: bool, low: float, high: float
 ) -> tuple[float, float, float, bool]:
-    """One step towards the zero of a function that has different signs at two bounds.
+    """One step towards the zero of a function whose signs differ at two bounds.
 
     Parameters
     ----------
     x : float
         Between the bounds.
     over, slope : float
-        The function and its derivative there.
+        The function and its derivative at x.
     rises : bool
-        Whether the function is above 0 at the upper bound.
+        Whether the function is positive at the upper bound.
     low, high : float
 
     Returns
     -------
     x : float
-        Nearer to the zero: Newton's step, or half-way between the bounds where that leaves them.
+        Newton's step, or the midpoint of the bounds if that leaves them.
     low, high : float
-        Nearer to each other.
+        The narrower bounds.
     settled : bool
-        Whether it can't be told any better.
+        Whether x has converged to rounding.
     """
     if (over > 0.0) == rises:
         high = x
@@ -268,4 +268,4 @@ def newton_between(
     new = x - over / slope if slope != 0.0 else low
     if not low < new < high:
         new = 0.5 * (low + high)
-    return new, low, high, abs(new - x) <= _SETTLED * abs(new) or high - low <= _SETTLED * abs(high)
+    return new, low, high, abs(new - x) <= _CONVERGED * abs(new) or high - low <= _CONVERGED * abs(high)

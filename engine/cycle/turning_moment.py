@@ -1,9 +1,9 @@
-"""A flywheel straight from a turning-moment diagram, without a mechanism.
+"""Flywheel from a turning-moment diagram, without a mechanism.
 
-The diagram is the moment T(φ) of an engine against a constant load, or the difference of engine and load; its mean
-is carried by whatever is constant. The work of T − mean is integrated exactly: on a table's pieces it is a
-polynomial, and its extremes lie where T crosses the mean, continuously or by a step. With a constant inertia I the
-speed follows from ½I(ω_max² − ω_min²) = A_exc, so I = A_exc/(δω_m²) is exact for ω_m = (ω_max + ω_min)/2.
+The diagram is the torque T(φ) of an engine against a constant load, or the difference of engine and load torque; its
+mean is balanced by a constant torque. The work of T − mean is integrated exactly: on each piece of a table it is a
+polynomial, whose extremes lie where T crosses the mean, continuously or by a step. With a constant inertia I the speed
+follows from ½I(ω_max² − ω_min²) = A_exc, so I = A_exc/(δω_m²) is exact for ω_m = (ω_max + ω_min)/2.
 
 Sources: R. S. Khurmi and J. K. Gupta, Theory of Machines, ch. 16; T. Bevan, The Theory of Machines, ch. 12.
 """
@@ -17,29 +17,29 @@ from scipy import interpolate
 
 from engine.laws.tables import Table, TableError, make_table
 
-# Areas are read from a drawing: what a planimeter misses of their sum, relative to the sum of their magnitudes.
+# Admissible imbalance of areas measured on a drawing, relative to the sum of their magnitudes.
 AREA_TOLERANCE = 0.01
 
-# Peaks that are equal on paper differ by rounding; relative to the excess work.
+# Peaks that are equal in theory differ by rounding; relative to the excess work.
 SAME_PEAK = 1e-12
 
 
 class TurningMoment(NamedTuple):
-    """A turning-moment diagram and its flywheel.
+    """Results of a turning-moment diagram.
 
     Attributes
     ----------
     mean_moment : float
-        [N·m]; NaN from areas alone.
+        [N·m]; NaN if only areas are given.
     excess_work : float
-        A_exc, greatest minus least kinetic energy of the cycle [J].
+        A_exc, maximum minus minimum kinetic energy of the cycle [J].
     fastest_at, slowest_at : float
-        Angle of the greatest and of the least speed, of several equal ones the first [rad]; from areas: how many
-        areas precede it.
+        Angle of maximum and of minimum speed [rad], the first of several equal ones; from areas, the number of areas
+        before it.
     flywheel_inertia : float
-        What must be added to the inertia that is there [kg·m²]; 0 or less: nothing.
+        Inertia to add to the existing one [kg·m²]; 0 or less if none is needed.
     speed_fluctuation : float
-        δ = (ω_max − ω_min)/ω_m that follows: the one asked for, or less where the inertia that is there gives less.
+        Resulting δ = (ω_max − ω_min)/ω_m: the required one, or less if the existing inertia suffices.
     """
 
     mean_moment: float
@@ -59,28 +59,28 @@ def turning_moment_from_table(
     interpolation: str = "linear",
     inertia: float = 0.0,
 ) -> TurningMoment:
-    """Flywheel from a table of moments over the crank angle.
+    """Design a flywheel from a table of torque over the crank angle.
 
     Parameters
     ----------
     phi : array_like (rows,)
-        Crank angles [rad], ascending; with "linear" interpolation an angle given twice is a step.
+        Crank angles [rad], ascending; with "linear" interpolation a repeated angle is a step.
     moment : array_like (rows,)
-        [N·m].
+        Torque [N·m].
     speed : float
         Mean speed ω_m = (ω_max + ω_min)/2, of either sign [rad/s].
     speed_fluctuation : float
-        δ asked for, between 0 and 2.
+        Required δ, between 0 and 2.
     cycle : float, optional
-        Length of the cycle [rad]; without it the rows span the cycle, and the last repeats the first.
+        Length of the cycle [rad]; by default the rows span the cycle, and the last row equals the first.
     interpolation : {"linear", "pchip", "spline"}
     inertia : float
-        Constant inertia that the machine has already [kg·m²].
+        Existing constant inertia of the machine [kg·m²].
 
     Raises
     ------
     TableError
-        Rows from which no periodic table can be made, and numbers outside their limits.
+        If the rows don't form a periodic table, or a number is outside its limits.
     """
     _check(speed, speed_fluctuation, inertia)
     if cycle is None:
@@ -99,21 +99,21 @@ def turning_moment_from_areas(
     speed_fluctuation: float,
     inertia: float = 0.0,
 ) -> TurningMoment:
-    """Flywheel from the areas between a turning-moment diagram and its mean line, as measured on a drawing.
+    """Design a flywheel from the areas between a turning-moment diagram and its mean line, as measured on a drawing.
 
     Parameters
     ----------
     areas : array_like (areas,)
         In the order of the cycle, positive above the mean line, in any unit.
     energy_per_area : float
-        Energy that a unit of area stands for [J].
+        Energy per unit of area [J].
     speed, speed_fluctuation, inertia : float
         As in `turning_moment_from_table`.
 
     Raises
     ------
     TableError
-        Areas that aren't finite numbers or don't balance, and numbers outside their limits.
+        If areas are NaN, infinite or don't balance, or a number is outside its limits.
     """
     _check(speed, speed_fluctuation, inertia)
     if not (math.isfinite(energy_per_area) and energy_per_area > 0.0):
@@ -137,21 +137,21 @@ def turning_moment_from_areas(
 
 
 def fluctuation(excess_work: float, inertia: float, speed: float) -> float:
-    """Coefficient of speed fluctuation that a constant inertia leaves, δ = A_exc/(I ω_m²).
+    """Coefficient of speed fluctuation with a constant inertia, δ = A_exc/(I ω_m²).
 
     Parameters
     ----------
     excess_work : float
         [J].
     inertia : float
-        The whole inertia [kg·m²].
+        Total inertia [kg·m²].
     speed : float
         Mean speed [rad/s].
 
     Returns
     -------
     float
-        NaN from 2 on, where the machine would stop within the cycle.
+        NaN for δ ≥ 2, where the machine would stop within the cycle.
     """
     energy = inertia * speed * speed
     return excess_work / energy if excess_work < 2.0 * energy else math.nan
@@ -167,8 +167,8 @@ def _check(speed: float, speed_fluctuation: float, inertia: float) -> None:
 
 
 def _extremes(table: Table) -> tuple[float, np.ndarray, np.ndarray]:
-    """Mean of a periodic table, the places where its work may be extreme, and the work there."""
-    # A step is a piece without length.
+    """Mean of a periodic table, the positions at which its work may be extreme, and the work there."""
+    # A step is a piece of zero length.
     long = np.diff(table.breaks) > 0.0
     breaks = np.append(table.breaks[:-1][long], table.breaks[-1])
     moment = interpolate.PPoly(table.coefficients[long].T, breaks)
@@ -176,7 +176,7 @@ def _extremes(table: Table) -> tuple[float, np.ndarray, np.ndarray]:
     excess = interpolate.PPoly(moment.c.copy(), breaks)
     excess.c[-1] -= mean
     crossings = excess.roots(discontinuity=False, extrapolate=False)
-    # A piece that lies on the mean has a NaN among the roots; its ends are places anyway.
+    # A piece that lies on the mean yields NaN as a root; its ends are among the positions anyway.
     places = np.unique(np.concatenate((breaks, crossings[np.isfinite(crossings)])))
     return mean, places, excess.antiderivative()(places)
 

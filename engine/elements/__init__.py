@@ -1,4 +1,4 @@
-"""Machine elements: models and laws of what needs no mechanism, or stands beside one."""
+"""Machine elements without a mechanism or separate from it: input models and laws."""
 
 from engine import on_use
 

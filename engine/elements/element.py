@@ -1,10 +1,10 @@
-"""What all machine elements have in common, and the register of their kinds.
+"""Base class of the machine elements, and the register of their kinds.
 
-A kind of element is one class in one file: its numbers (the model that texts are read by), its results, and the law
-that makes these of those. The file bears the name of the kind, so that a scene with `type = "screw"` loads `screw.py`
-and no other: an element that isn't used costs nothing. Nothing else names a kind.
+Each kind of element is one class in one file: its input model, its list of results and the law that computes them. The
+file bears the name of the kind: a scene with `type = "screw"` loads `screw.py` only, so an unused element costs
+nothing. No other module lists the kinds.
 
-An element stands beside the mechanism, if there is one: its load is its own, and the mechanism doesn't feel it.
+An element is separate from the mechanism, if there is one: it has its own load, and does not act on the mechanism.
 """
 
 import math
@@ -31,14 +31,14 @@ from engine.words.verdicts import Verdict
 Numbers = Mapping[str, np.ndarray]
 Columns = dict[str, np.ndarray]
 
-# Roundings of a result's size that an error estimate is made of.
+# Rounding units of a result's size that its error estimate contains.
 ROUNDING = 16
-# Places of curves over a number, and how many diagrams of them are drawn of an element without any of its own.
+# Samples of a curve over an input number, and the most diagrams drawn for an element that defines none.
 PLACES, _MOST_PANELS = 201, 4
 
 
 class Rank(IntEnum):
-    """How much a number matters to the engineer: one asked of the machine, a further one, or a check of the results."""
+    """Importance of a result to the engineer: a main result, a further one, or a check of the others."""
 
     ANSWER = 0
     FURTHER = 1
@@ -46,9 +46,9 @@ class Rank(IntEnum):
 
 
 class ElementResult(NamedTuple):
-    """A result of a law: its name, meaning and unit, the key it needs to be given, whether it may have no value.
+    """A result of a law: name, meaning, unit, the optional key that it requires, and whether it may be undefined.
 
-    One that is `exact` says yes or no and has no error estimate.
+    A result that is `exact` (yes or no) has no error estimate.
     """
 
     name: str
@@ -61,7 +61,7 @@ class ElementResult(NamedTuple):
 
 
 class Answers(NamedTuple):
-    """What is computed of an element: results and their error estimates by name, and verdicts, of all variants."""
+    """Results of an element with their error estimates, by name, and the verdicts, for all variants."""
 
     values: Columns
     errors: Columns
@@ -69,23 +69,23 @@ class Answers(NamedTuple):
 
     @classmethod
     def of(cls, found: Mapping[str, Measured]) -> "Answers":
-        """Results that carry their errors, without a complaint."""
+        """Results with the error estimates that they carry, verdict OK."""
         return cls({name: m.value for name, m in found.items()}, {name: m.error for name, m in found.items()})
 
 
 class Element(Part):
-    """A machine element; a subclass with a `type` of its own registers itself by being defined.
+    """A machine element; defining a subclass with its own `type` registers it.
 
     Attributes
     ----------
     RESULTS : tuple of ElementResult
-        Results of this kind; those that need a key which isn't given are left out.
+        Results of this kind; one is skipped if the key that it requires is absent.
     variants_at_once : int
-        For how many variants at a time it is evaluated.
+        Number of variants evaluated in one call.
     infinite : Verdict
-        On a variant with an infinite result: JAMS where no force or moment moves the element.
+        Verdict on a variant with an infinite result: JAMS if no force or torque moves the element.
     picture : str
-        What its diagrams show, in a word that their files' names end with.
+        Word for the contents of its diagrams, with which the names of their files end.
     """
 
     RESULTS: ClassVar[tuple[ElementResult, ...]] = ()
@@ -100,25 +100,25 @@ class Element(Part):
             _KINDS[get_args(kind.annotation)[0]] = cls
 
     def results(self) -> tuple[ElementResult, ...]:
-        """Results that the element has with what it is given."""
+        """Results available with the keys given."""
         return tuple(r for r in self.RESULTS if r.needs is None or getattr(self, r.needs) is not None)
 
     def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by their names; NaN or infinite where there is none.
+        """Results of a set of variants by name; NaN or infinite where undefined.
 
         Parameters
         ----------
         n : mapping of str to ndarray (variants,)
-            The element's numbers by their keys, such as "engine.load"; those of the model itself are not used.
+            The element's numbers by key, such as "engine.load"; the model's own numbers are not used.
         """
         raise NotImplementedError
 
     def in_order(self, rows: Iterable[np.ndarray]) -> Columns:
-        """Results of a law that gives them in the order of RESULTS, by their names."""
+        """Rows of results in the order of RESULTS, by name."""
         return dict(zip((r.name for r in self.RESULTS), rows, strict=True))
 
     def evaluate(self, n: Numbers) -> Answers:
-        """Results with their error estimates, and verdicts; estimates by nudges unless an element has better ones.
+        """Results with their error estimates, and verdicts; `nudged` gives the estimates unless overridden.
 
         Parameters
         ----------
@@ -128,15 +128,16 @@ class Element(Part):
         return Answers(*nudged(self.values, n))
 
     def own_values(self) -> dict[str, float]:
-        """Results of the element with its own numbers."""
+        """Results with the element's own numbers."""
         return {name: float(row[0]) for name, row in self._found(self.own_numbers(), 1).items()}
 
     def over(self, key: str, values: np.ndarray) -> Columns:
-        """Results over one of its numbers, all others as they are; NaN where there is none.
+        """Results over one of the element's numbers, all others unchanged; NaN where undefined.
 
         Parameters
         ----------
         key : str
+            Key of the number.
         values : ndarray (variants,)
         """
         n = {own: np.repeat(value, values.size) for own, value in self.own_numbers().items()}
@@ -149,12 +150,12 @@ class Element(Part):
         return {name: np.where(np.isfinite(row), row, math.nan) for name, row in rows.items()}
 
     def panels(self, given: Numbers = MappingProxyType({})) -> tuple[Panel, ...]:
-        """Diagrams that show the element: its results over the first of its numbers, unless it has better ones.
+        """Diagrams of the element; by default its results over the first of its numbers.
 
         Parameters
         ----------
         given : mapping of str to ndarray (1,)
-            What the machine of its scene gives it, by the keys that `values` knows it by.
+            Values that the machine of its scene supplies, by the keys that `values` uses.
         """
         key, number = next(self.numbers_within())
         groups: dict[str, list[str]] = {}
@@ -168,16 +169,16 @@ class Element(Part):
     def panels_over(
         self, key: str, x: PanelAxis, values: np.ndarray, groups: Iterable[tuple[str, Sequence[str]]]
     ) -> tuple[Panel, ...]:
-        """Results over one of the element's numbers, in one diagram for those of a unit; an upright line as given.
+        """Results over one of the element's numbers, one diagram for each group; a vertical line marks the given value.
 
         Parameters
         ----------
         key : str
-            Of the number.
+            Key of the number.
         x : PanelAxis
-        values : ndarray (places,)
+        values : ndarray (samples,)
         groups : iterable of (str, sequence of str)
-            Words, and names of results.
+            Label of the y axis, and names of results of one unit.
         """
         found, units = self.over(key, values), {r.name: r.units for r in self.results()}
         given = float(self.own_numbers()[key][0])
@@ -190,7 +191,7 @@ class Element(Part):
         return tuple(made)
 
     def machine_needed(self) -> tuple[str, str]:
-        """Key with a dot before it, and words, of what needs a machine with a crank that turns; ("", "") without."""
+        """Key (with a leading dot) and name of a part that needs a machine with a rotating crank; ("", "") if none."""
         return "", ""
 
 
@@ -199,7 +200,7 @@ _KINDS: dict[str, type[Element]] = {}
 
 @cache
 def _modules() -> dict[str, str]:
-    """Modules of the engine's own kinds: a kind stands in a file of its name."""
+    """Modules of the engine's own kinds: each is in a file of its name."""
     here = Path(__file__).parent
     files = {path.stem: path for path in here.glob("*/*.py")}
     return {
@@ -210,7 +211,7 @@ def _modules() -> dict[str, str]:
 
 
 def element_kind(name: str) -> type[Element] | None:
-    """The kind of element of a name, loaded where it isn't yet; None for one that there isn't.
+    """Class of a kind of element, loaded if necessary; None if there is no such kind.
 
     Parameters
     ----------
@@ -223,14 +224,14 @@ def element_kind(name: str) -> type[Element] | None:
 
 
 def element_kinds() -> dict[str, type[Element]]:
-    """All kinds of elements by their names."""
+    """All kinds of elements by name."""
     for name in _modules():
         element_kind(name)
     return dict(sorted(_KINDS.items()))
 
 
 def _of_its_kind(data: object, handler: Callable, info: ValidationInfo) -> Element:
-    """Read an element by the model of its `type`; refused in pydantic's words of a union, which texts are told by."""
+    """Read an element by the model of its `type`; raise pydantic's errors of a union, which the reports translate."""
     if isinstance(data, Element) or not isinstance(data, Mapping):
         return handler(data)
     if "type" not in data:
@@ -249,7 +250,7 @@ def _of_its_kind(data: object, handler: Callable, info: ValidationInfo) -> Eleme
 
 
 def _with_tag(problem: Mapping[str, Any], tag: str) -> InitErrorDetails:
-    """A problem whose place begins with the kind of element, as in a union."""
+    """A problem whose location starts with the kind of element, as in a union."""
     custom = problem["type"] not in get_args(ErrorType)
     kind = PydanticCustomError(problem["type"], problem["msg"]) if custom else problem["type"]
     return InitErrorDetails(
@@ -261,19 +262,19 @@ MachineElement = SerializeAsAny[Annotated[Element, WrapValidator(_of_its_kind)]]
 
 
 def nudged(values: Callable[[Numbers], Columns], n: Numbers) -> tuple[Columns, Columns]:
-    """Results with their error estimates, found by changing the numbers a little, in turn.
+    """Results with error estimates from the relative change of each number in turn.
 
-    An estimate is made of the rounding of each number, as the law passes it on, and that of the result.
+    An estimate sums the rounding of each number, propagated through the law, and the rounding of the result.
 
     Parameters
     ----------
     values : callable
-        Results by name, from the numbers of all variants.
+        Returns the results by name for the numbers of all variants.
     n : mapping of str to ndarray (variants,)
     """
     table = np.array(list(n.values()))
     count, variants = table.shape
-    # All at once, as further variants: first those that stay as they are.
+    # One call for all, as additional variants; the first copy is unchanged.
     every = np.repeat(table[:, None, :], count + 1, axis=1)
     k = np.arange(count)
     every[k, k + 1] *= 1.0 + NUDGE

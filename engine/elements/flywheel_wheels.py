@@ -1,19 +1,20 @@
-"""The flywheel as a wheel: size, mass and stress of what gives the inertia asked for.
+"""The flywheel as a wheel: size, mass and stress for the required inertia.
 
-The inertia I asked for is reduced to the input link; on a shaft that turns i times as fast J = I/i² does the same.
+The required inertia I is reduced to the input link; on a shaft that turns i times as fast, J = I/i² is equivalent.
 
 - rim: a ring of radial thickness t, J = m(R² + r²)/2, r = R − t;
 - disc: J = mR²/2;
-- arms: a rim, straight arms as uniform rods from the hub's rim to the inner radius of the rim, and the hub, a disc.
-  The rim takes what arms and hub leave of J;
-- mean rim: a thin one of the mean diameter D, m = 4J/D²; its section m/(πDρ) is b t with b = k t. Speed and stress are
-  those of the mean radius, as textbooks have it.
+- arms: a rim, straight arms (uniform rods from the hub to the inner radius of the rim) and a hub (a disc). The rim
+  provides the rest of J;
+- mean rim: a thin rim of mean diameter D, m = 4J/D²; its section m/(πDρ) = b t with b = k t. Speed and stress refer to
+  the mean radius, as in textbooks.
 
-The stress is that of a thin free rim, σ = ρv² at the outer radius; arms bend a rim and add to it, and a solid disc's
-greatest stress is (3 + ν)/8 of it, about 0.41. Spun up, a ductile wheel yields before it bursts, until all of its
-section bears alike: it bursts when the mean hoop stress, ρω²(R² + Rr + r²)/3, is the material's strength (Robinson).
-Arms count as bearing nothing and weighing nothing there. Until then a moment M that drives the wheel beyond its
-greatest speed takes the time H/M, with the angular impulse H = J(ω_b − ω_max), and leaves Jω_b²/2 in it to be caught.
+The stress is that of a thin free rim, σ = ρv² at the outer radius. Arms bend the rim and add to it; the maximum stress
+of a solid disc is (3 + ν)/8 of it, about 0.41. A ductile wheel yields before it bursts, until the stress is uniform
+over the section: it bursts when the mean hoop stress, ρω²(R² + Rr + r²)/3, equals the material's strength (Robinson).
+The burst speed neglects both the strength and the mass of the arms. A torque M that accelerates the wheel from its
+maximum speed takes the time H/M to burst it, with the angular impulse H = J(ω_b − ω_max); the containment must then
+absorb Jω_b²/2.
 
 Sources: S. P. Timoshenko, Strength of Materials, Part II (rotating rims and discs); R. S. Khurmi and J. K. Gupta,
 Theory of Machines, ch. 16 (dimensions of the flywheel rim); E. L. Robinson, Bursting tests of steam-turbine disk
@@ -31,39 +32,39 @@ from engine.parts.skeleton import WheelForm
 
 
 class Material(NamedTuple):
-    """What a flywheel is made of: density [kg/m³] and the rim speed it may run at [m/s]."""
+    """Material of a flywheel: density [kg/m³] and permissible rim speed [m/s]."""
 
     density: float
     rim_speed_limit: float
 
 
-# Handbooks allow 45–90 m/s for cast iron, 70–120 m/s for steel; the lower end holds without a proof of strength.
-# For a cast iron rim on arms textbooks stay at 24–31 m/s: its limit is to be given. 7200 kg/m³: Khurmi and Gupta.
+# Handbooks allow 45–90 m/s for cast iron, 70–120 m/s for steel; the lower limit needs no proof of strength.
+# Textbooks limit cast iron rims on arms to 24–31 m/s; the user must give that limit. 7200 kg/m³: Khurmi and Gupta.
 MATERIALS = {"cast iron": Material(7200.0, 45.0), "steel": Material(7850.0, 70.0)}
 
 
 class Wheel(NamedTuple):
-    """A flywheel as made; every attribute is an ndarray (variants,), 0 where no flywheel is needed.
+    """A designed flywheel; every attribute is an ndarray (variants,), 0 where no flywheel is needed.
 
     Attributes
     ----------
     diameter, mass, width, thickness : ndarray
-        Outer diameter [m], mass with arms and hub [kg], width of the rim or disc [m]; width 0 where arms and hub
-        alone suffice. Radial thickness [m], of a disc its radius.
+        Outer diameter [m], mass with arms and hub [kg], width of the rim or disc [m] (0 if arms and hub suffice),
+        radial thickness [m] (of a disc: its radius).
     rim_speed, rim_speed_share : ndarray
-        Greatest speed of the outer radius, of a mean rim the mean one [m/s], and its share of the limit.
+        Maximum speed at the outer radius, for a mean rim at the mean radius [m/s], and its ratio to the limit.
     hoop_stress : ndarray
         ρv² there [Pa].
     energy : ndarray
-        Kinetic energy at the greatest speed [J].
+        Kinetic energy at the maximum speed [J].
     burst_speed, burst_margin : ndarray
-        Speed of the input link, by magnitude, at which the wheel bursts [rad/s], and how many times that is its
-        greatest; NaN without a strength.
+        Speed of the input link at which the wheel bursts, magnitude [rad/s], and its ratio to the maximum speed; NaN
+        without a strength.
     burst_energy : ndarray
         Kinetic energy of the wheel when it bursts [J].
     burst_impulse : ndarray
-        Angular impulse about the input link that takes the wheel alone from its greatest speed to bursting [N·m·s];
-        below 0 where it has burst.
+        Angular impulse about the input link that accelerates the wheel alone from its maximum speed to bursting
+        [N·m·s]; negative if it bursts below its maximum speed.
     """
 
     diameter: np.ndarray
@@ -81,7 +82,7 @@ class Wheel(NamedTuple):
 
 
 class _Section(NamedTuple):
-    """What a wheel is made of besides its width: masses in kg, inertias in kg·m², for one metre of width."""
+    """Parts of a wheel: mass [kg] and inertia [kg·m²] per metre of width, and of the parts independent of the width."""
 
     mass_per_width: Value
     inertia_per_width: Value
@@ -90,24 +91,23 @@ class _Section(NamedTuple):
 
 
 def make_wheel(form: WheelForm, inertia: Value, speed: Value, numbers: Mapping[str, Value]) -> Wheel:
-    """The wheel that gives an inertia.
+    """Design the wheel for a required inertia.
 
     Parameters
     ----------
     form : WheelForm
-        What it is to be made as.
     inertia : float or ndarray (variants,)
-        I_F asked for on the input link [kg·m²]; 0 or less: no flywheel is needed.
+        I_F required on the input link [kg·m²]; no flywheel is needed if it is 0 or less.
     speed : float or ndarray (variants,)
-        Greatest speed of the input link, of either sign [rad/s].
+        Maximum speed of the input link, of either sign [rad/s].
     numbers : mapping of path to float or ndarray (variants,)
         The form's numbers by their paths in the scene, such as "flywheel.wheel.diameter".
 
     Returns
     -------
     Wheel
-        NaN where there is no such wheel: a hub that reaches the rim, a rim that reaches its own middle, a shaft or
-        input at rest.
+        NaN where no such wheel exists: the hub reaches the rim, the rim reaches the axis, or shaft or input is at
+        rest.
     """
     with np.errstate(all="ignore"):
         material, diameter, shaft_speed = _proportions(form, speed, numbers)
@@ -132,10 +132,10 @@ def make_wheel(form: WheelForm, inertia: Value, speed: Value, numbers: Mapping[s
             burst_speed=burst / ratio,
             burst_margin=burst / shaft_speed,
             burst_energy=made * burst**2 / 2,
-            # A moment on the input link is 1/i of that on the wheel's shaft.
+            # A torque on the input link is i times that on the wheel's shaft.
             burst_impulse=made * (burst - shaft_speed) * ratio,
         )
-        # No number may look right beside a width that doesn't exist.
+        # If one size is undefined, all are.
         defined = np.isfinite(sizes.energy) & np.isfinite(sizes.mass) & (shaft_speed > 0.0)
         return Wheel(*(np.where(inertia <= 0.0, 0.0, np.where(defined, size, np.nan)) for size in sizes))
 
@@ -167,7 +167,7 @@ def _solid(form: WheelForm, density: Value, diameter: Value, asked: Value, numbe
 
 
 def _proportions(form: WheelForm, speed: Value, numbers: Mapping[str, Value]) -> tuple[Material, Value, Value]:
-    """Material, outer or mean diameter and speed of the wheel's shaft, as given or as the material allows."""
+    """Material, outer or mean diameter and shaft speed of the wheel; the diameter defaults to the material's limit."""
     usual = MATERIALS[form.material]
     material = Material(
         *(usual[i] if getattr(form, k) is None else numbers[f"flywheel.wheel.{k}"] for i, k in enumerate(usual._fields))

@@ -1,4 +1,4 @@
-"""Diagrams of an element as data: curves, marks and units, for whoever draws them."""
+"""Diagrams of an element as data for the plotting code: curves, marks and units."""
 
 import math
 from collections.abc import Sequence
@@ -6,21 +6,21 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-# Curves that grow beyond all bounds are shown up to so many times what they are as given.
+# Limit of the y axis for unbounded curves, relative to their value at the given number.
 HIGHEST = 4.0
 
 
 class PanelAxis(NamedTuple):
-    """What runs along an axis: its words, and its unit (SI)."""
+    """Label and unit (SI) of an axis."""
 
     words: str
     unit: str
 
 
 class Curve(NamedTuple):
-    """A curve by its words, NaN where it has no value; one that stands `beside` the element's own is drawn faintly.
+    """A curve with its label, NaN where undefined; a `beside` curve is a reference and drawn faintly.
 
-    It may have `places` of its own; a faint one that has is named at its end, but for a plan.
+    `places`, if given, replace the panel's. A faint curve with its own places is labelled at its end, except in a plan.
     """
 
     words: str
@@ -30,7 +30,7 @@ class Curve(NamedTuple):
 
 
 class Mark(NamedTuple):
-    """A point by its words; an upright line where it has no height, a level one where it has no place."""
+    """A labelled point; a vertical line without `height`, a horizontal line without `place`."""
 
     words: str
     place: float | None
@@ -44,16 +44,16 @@ class Panel(NamedTuple):
     ----------
     x, y : PanelAxis
     places : ndarray
-        At which the curves are known.
+        Abscissae of the curves.
     curves : sequence of Curve
     marks : sequence of Mark
     title : str
     limits : (float, float), optional
-        Of what is shown upwards, in a logarithmic scale where both are above 0; all unless given.
+        Limits of the y axis, logarithmic if both are above 0; default: all values.
     kind : {"curves", "plan", "bars"}
-        A plan has one scale along both axes; bars stand beside each other at every place.
+        A plan has equal scales on both axes; bars of several curves stand side by side at each place.
     names : sequence of str
-        Of the places, where they are no numbers.
+        Labels of the places, if they are not numbers.
     """
 
     x: PanelAxis
@@ -68,7 +68,7 @@ class Panel(NamedTuple):
 
 
 def path(words: str, points: np.ndarray | Sequence[complex], beside: bool = False) -> Curve:
-    """A line through points of a plane, complex."""
+    """A line through points of a plane, given as complex numbers."""
     points = np.asarray(points)
     return Curve(words, points.imag, beside, points.real)
 
@@ -79,30 +79,30 @@ def circle(words: str, radius: float, centre: complex = 0.0, beside: bool = True
 
 
 def plan(curves: Sequence[Curve], title: str = "", unit: str = "m", words: tuple[str, str] = ("x", "y")) -> Panel:
-    """Lines of a plane, to scale.
+    """Lines in a plane, to scale.
 
     Parameters
     ----------
     curves : sequence of Curve
-        With places of their own.
+        Each with its own places.
     title, unit : str
     words : (str, str)
-        What both axes are.
+        Labels of both axes.
     """
     every = np.concatenate([curve.places for curve in curves])
     return Panel(PanelAxis(words[0], unit), PanelAxis(words[1], unit), every, curves, title=title, kind="plan")
 
 
 def bounded(places: np.ndarray, curves: Sequence[Curve], given: float) -> tuple[float, float] | None:
-    """Limits of curves of which some grow beyond all bounds; None where all of them can be shown.
+    """Limits of the y axis if a curve is unbounded; None if all values can be shown.
 
     Parameters
     ----------
     places : ndarray
     curves : sequence of Curve
     given : float
-        Where the element is as given; the curves are shown HIGHEST times as high as there, or as in their midst where
-        they have no value there.
+        Given value of the abscissa. The upper limit is HIGHEST times the largest magnitude there, or HIGHEST times the
+        median if a curve is undefined there.
     """
     drawn = np.array([curve.values for curve in curves])
     if not np.isfinite(drawn).any():

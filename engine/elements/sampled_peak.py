@@ -1,4 +1,4 @@
-"""The peak of a function of many variants at once: where its slope vanishes beside the highest of some samples."""
+"""The peak of a function, for many variants at once: the root of its slope next to the highest sample."""
 
 from collections.abc import Callable
 
@@ -10,14 +10,15 @@ from engine.cycle.regula_falsi import regula_falsi
 def sampled_peak(
     f: Callable[[np.ndarray], np.ndarray], slope: Callable[[np.ndarray], np.ndarray], places: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Greatest value of a function beside the highest of its samples, and where.
+    """Peak of a function next to its highest sample, and its position.
 
     Parameters
     ----------
     f, slope : callable
-        The function, and its slope or what has the sign of it, at places (..., variants).
+        The function, and its slope or a quantity of the same sign, at places (..., variants).
     places : ndarray (samples, variants)
-        Ascending; so close that the slope changes its sign once beside the highest sample, or the peak is at an end.
+        Ascending, and close enough that the slope has only one root next to the highest sample, or the peak is at an
+        end.
 
     Returns
     -------
@@ -31,6 +32,6 @@ def sampled_peak(
     turns = (slope(low) > 0.0) & (slope(high) < 0.0)
     place = np.where(turns, regula_falsi(slope, low, high), there)
     peak, sampled = f(place), np.take_along_axis(samples, best, axis=0)[0]
-    # At a bend the slope may change its sign beside the peak.
+    # At a kink the root of the slope may be off the peak.
     lower = peak < sampled
     return np.where(lower, sampled, peak), np.where(lower, there, place)

@@ -1,1 +1,1 @@
-"""A machine's mathematics as a graph of typed nodes, and the functions that are printed from it and compiled."""
+"""A machine's equations as a graph of typed nodes, and the functions printed from it and compiled."""

@@ -1,24 +1,24 @@
-"""Derivatives of nodes: rules of differentiation along the graph, and those of laws."""
+"""Derivatives of nodes: differentiation rules along the graph, and derivatives of laws."""
 
 from collections.abc import Callable, Mapping
 
 from engine.graph.nodes import LawResult, Node, Operation, Sum, reached
 
-# Derivatives of a law by some of its operands, by the operand's number: each makes a node of the law's operands.
+# Derivatives of each law by some of its operands, by operand index; each builds a node from the law's operands.
 Slopes = Mapping[Callable, Mapping[int, Callable[..., Node]]]
-# A law without a known derivative is taken at two neighbouring values, this share of the operand plus the least step
-# away: the central difference is off by the square of the step, and by rounding over it.
+# Step of the central difference for laws without a known derivative: BESIDE times the operand plus LEAST. Its error is
+# of the order of the step squared, plus rounding divided by the step.
 BESIDE, LEAST = 2.0**-17, 2.0**-30
 
 
 def derivative(node: Node, by: Node, slopes: Slopes) -> Node:
-    """Derivative of a node by another one.
+    """Derivative of a node by another node.
 
     Parameters
     ----------
     node, by : Node
     slopes : mapping
-        Of laws whose derivatives are known; of others it is a central difference.
+        Derivatives of laws where known; other laws are differentiated by central differences.
     """
     graph = node.graph
     found = {by: graph.one}
@@ -68,13 +68,13 @@ def _of_law(result: LawResult, d: Mapping[Node, Node], slopes: Slopes) -> Node:
             continue
         step = BESIDE * abs(operand) + LEAST
         high, low = (
-            _beside(result, [*operands[:i], operand + side * step, *operands[i + 1 :]]) for side in (1.0, -1.0)
+            _law_at(result, [*operands[:i], operand + side * step, *operands[i + 1 :]]) for side in (1.0, -1.0)
         )
         total = total + (high - low) / (2.0 * step) * d[operand]
     return total
 
 
-def _beside(result: LawResult, operands: list[Node]) -> Node:
+def _law_at(result: LawResult, operands: list[Node]) -> Node:
     application = result.application
     made = result.graph.apply(application.law, *application.arguments(operands))
     return made if result.index is None else made[result.index]

@@ -1,14 +1,14 @@
-"""The functions of one machine, printed from its graph: what is asked at a position, what switches, what is held.
+"""Functions of one machine, printed from its graph.
 
-Four of them fill tiles, all with one signature (P, T, q, cos_q, sin_q, tile), so that compiled code takes those of any
+Four functions fill tiles. They share one signature, (P, T, q, cos_q, sin_q, tile), so compiled code takes those of any
 machine as values:
 
-- `events` fills curves that switch something where they cross a level, and their derivatives;
-- `levels` fills numbers of the cycle, known once the ends of strokes are;
-- `states` fills what a panel holds, in the panel's middle;
-- `curves` fills all that is asked.
+- `events` fills the switching functions, at whose level crossings something switches, and their derivatives;
+- `levels` fills numbers of the cycle that follow from extremes of the switching functions;
+- `states` fills the held nodes, at the middle of a panel;
+- `curves` fills all requested curves.
 
-Besides, `fields` fills rows over equally spaced positions, of one variant at a time.
+A fifth, `fields`, fills rows over equally spaced positions, for one variant at a time.
 """
 
 from collections.abc import Iterable, Sequence
@@ -48,7 +48,7 @@ dtype = np.{dtype}
 
 
 class Landmark(NamedTuple):
-    """Rows of P for the ends of a curve over the cycle, and for their places (−1: none)."""
+    """Rows of P for the minimum and maximum of a curve over the cycle, and for their positions; −1: none."""
 
     low: int
     high: int
@@ -57,30 +57,30 @@ class Landmark(NamedTuple):
 
 
 class Functions(NamedTuple):
-    """The functions of one machine and how numbers are laid out for them.
+    """The functions of one machine and the layout of their numbers.
 
     Attributes
     ----------
     text : str
         Source of a module with `events`, `levels`, `states`, `curves`.
     rows : dict of Node to int
-        Row of P of each number: the range of the input first, then numbers of the variant, of the cycle, of the panel.
+        Row of P of each number: the input's range first, then numbers of the variant, the cycle and the panel.
     numbers : tuple of Number or Constant
         Numbers of the variant, in the order of their rows, from row 0 on.
     events : tuple of (Node, Node)
-        Curves that switch something, and their derivatives.
+        Switching functions and their derivatives by the input.
     landmarks : tuple of Landmark
+        One for each event.
     level_rows, held_rows : tuple of int
         Rows of P that `levels` and `states` fill, in order.
     crossings : tuple of (int, int, float)
-        Event, row of P with the level it crosses, and how far beyond that.
+        Index of the event, row of P with the level it crosses, and the offset added to that level.
     curves : dict of Node to int
         Row of the tile of each curve.
     memory : ndarray
-        All tables.
+        All tables, flat.
     looks : int
-        How many times events are to be looked at: twice where some of them depend on numbers of the cycle, such as ends
-        of others.
+        Number of passes over the events: 2 if some depend on numbers of the cycle, such as extremes of other events.
     """
 
     text: str
@@ -105,21 +105,21 @@ def functions_of(
     ends: Iterable[Found] = (),
     fields: Sequence[Node] = (),
 ) -> Functions:
-    """Print the functions that compute some curves.
+    """Print the functions that compute curves over panels.
 
     Parameters
     ----------
     graph : Graph
     title : str
-        What the module's docstring says.
+        Docstring of the printed module.
     first, last : Number
-        Range of the input.
+        Range of the input [rad].
     curves : sequence of Node
-        What is asked at every position.
+        Nodes required at every position.
     ends : iterable of Found
-        Ends of strokes that are asked for themselves.
+        Extremes of curves required for themselves.
     fields : sequence of Node
-        Kept fields, whose numbers are to have rows too; `field_function` prints them.
+        Kept fields, whose numbers get rows too; `field_function` prints them.
     """
     plan = _planned(graph, first, last, curves, curves, ends, fields)
     held = [node.operands[0] for node in plan.held]
@@ -129,8 +129,8 @@ def functions_of(
         plan,
         _events(plan),
         _levels(plan),
-        _Part("states", "What a panel holds.", held),
-        _Part("curves", "All that is asked at a position.", plan.curves, positions=PANEL_POSITIONS, inline_held=False),
+        _Part("states", "Held nodes, at the middle of a panel.", held),
+        _Part("curves", "All curves, over a panel.", plan.curves, positions=PANEL_POSITIONS, inline_held=False),
     )
 
 
@@ -143,7 +143,7 @@ def functions_at(
     watched: Sequence[Node] = (),
     numbers: Sequence[Node] = (),
 ) -> Functions:
-    """Print the functions that compute some curves at positions one by one, what is held at the position itself.
+    """Print the functions that compute curves at single positions, with held nodes evaluated at the position itself.
 
     The text has `events`, `levels` and `curves_at`.
 
@@ -151,15 +151,15 @@ def functions_at(
     ----------
     graph : Graph
     title : str
-        What the module's docstring says.
+        Docstring of the printed module.
     first, last : Number
-        Range of the input.
+        Range of the input [rad].
     curves : sequence of Node
-        What is asked at a position; it may depend on given numbers.
+        Nodes required at a position; they may depend on given numbers.
     watched : sequence of Node
-        Curves whose ends of strokes and crossings are known too.
+        Curves whose extremes and crossings are located too.
     numbers : sequence of Node
-        Numbers that are to have rows too.
+        Further nodes whose numbers get rows.
     """
     plan = _planned(graph, first, last, curves, [*curves, *watched], fields=numbers)
     return _printed(
@@ -168,7 +168,7 @@ def functions_at(
         plan._replace(held=[]),
         _events(plan),
         _levels(plan),
-        _Part("curves_at", "All that is asked at a position.", plan.curves),
+        _Part("curves_at", "All curves, at one position.", plan.curves),
     )
 
 
@@ -181,20 +181,20 @@ def functions_in_motion(
     watched: Sequence[Node],
     states: Sequence[Given],
 ) -> Functions:
-    """Print the functions of a motion: `places`, what depends on the position alone, and `rates`, what follows from it.
+    """Print the functions of a motion: `places` for nodes of the position, `rates` and `watch` for nodes of a state.
 
-    The last rows of P are what `places` fills, in the order of `curves`, and the states; `rates` reads both there, and
-    so does `watch`. The text has `events` and `levels` too.
+    The last rows of P are those that `places` fills, in the order of `curves`, and then the states; `rates` and `watch`
+    read both. The text has `events` and `levels` too.
 
     Parameters
     ----------
     graph : Graph
     title : str
-        What the module's docstring says.
+        Docstring of the printed module.
     first, last : Number
-        Range of the input.
+        Range of the input [rad].
     rates, watched : sequence of Node
-        What is asked in a state.
+        Nodes required in a state.
     states : sequence of Given
     """
     asked = [*rates, *watched]
@@ -209,16 +209,16 @@ def functions_in_motion(
         plan._replace(held=[], rows=rows),
         _events(plan),
         _levels(plan),
-        _Part("places", "All that a state needs of a position.", places),
-        _Part("rates", "Rates of the states and of the gathered integrals.", list(rates), Stage.STATE),
-        _Part("watch", "What is watched in a state.", list(watched), Stage.STATE),
+        _Part("places", "Nodes of the position that nodes of the state depend on.", places),
+        _Part("rates", "Rates of the states and of the integrals.", list(rates), Stage.STATE),
+        _Part("watch", "Watched nodes of the state.", list(watched), Stage.STATE),
     )
 
 
 def places_of(rates: Sequence[Node]) -> list[Node]:
-    """What doesn't depend on the state, of all that some nodes of a state are computed from, and has no row of its own.
+    """Nodes independent of the state from which nodes of a state are computed, and which have no row of their own.
 
-    That is what depends on the position, and what is made of numbers that are given to a variant.
+    These are nodes of the position, and nodes computed from numbers given for a variant.
     """
     found, made = reached(rates, lambda node: node.stage < Stage.STATE), (Operation, Sum, LawResult)
     return [
@@ -229,7 +229,7 @@ def places_of(rates: Sequence[Node]) -> list[Node]:
 
 
 class _Plan(NamedTuple):
-    """What functions are printed from; lists of nodes, and the row of P of each number."""
+    """Lists of the nodes to print, and the row of P of each number."""
 
     curves: list[Node]
     held: list[Held]
@@ -241,12 +241,12 @@ class _Plan(NamedTuple):
 
     @property
     def event_nodes(self) -> list[Node]:
-        """Curves that switch something, each with its derivative after it."""
+        """Switching functions, each followed by its derivative."""
         return [node for event in self.events for node in event]
 
 
 class _Part(NamedTuple):
-    """One of the functions: its name, what its docstring says, what it fills; see `in_lanes`."""
+    """One function to print: its name, its docstring and its outputs; the rest as for `in_lanes`."""
 
     name: str
     doc: str
@@ -257,11 +257,11 @@ class _Part(NamedTuple):
 
 
 def _events(plan: _Plan) -> _Part:
-    return _Part("events", "Curves that switch something, and their derivatives.", plan.event_nodes, positions=None)
+    return _Part("events", "Switching functions and their derivatives by the input.", plan.event_nodes, positions=None)
 
 
 def _levels(plan: _Plan) -> _Part:
-    return _Part("levels", "Numbers of the cycle, from the ends of strokes.", plan.cycle, Stage.CYCLE)
+    return _Part("levels", "Numbers of the cycle, from extremes of the switching functions.", plan.cycle, Stage.CYCLE)
 
 
 def _planned(
@@ -280,7 +280,7 @@ def _planned(
     found = list(dict.fromkeys([*ends, *_of_kind([*watched, *fields, *levels], Found)]))
     events = list(dict.fromkeys([(f.curve, f.rate) for f in found] + [(c.curve, c.rate) for c in crossings]))
     everything = [*curves, *fields, *(node for event in events for node in event), *levels]
-    cycle = _read_numbers(everything)
+    cycle = _cycle_numbers(everything)
     rows = _rows([first, last], everything, levels, found, cycle, held)
     return _Plan(curves, held, crossings, found, events, cycle, rows)
 
@@ -312,7 +312,7 @@ def _printed(graph: Graph, title: str, plan: _Plan, *parts: _Part) -> Functions:
 
 
 def field_function(title: str, fields: Sequence[Node], rows: dict[Node, int], dtype: np.dtype) -> str:
-    """Text of a module with `fields`, which fills rows over equally spaced positions."""
+    """Print a module with `fields`, which fills rows over equally spaced positions."""
     text, laws = over_positions("fields", "Rows over the positions of one variant.", fields, rows)
     imports = ["from engine.compiling.tiles import field_signature, filling", *_imports(laws)]
     head = _HEAD.format(title=title, imports="\n".join(imports), dtype=np.dtype(dtype).name)
@@ -320,8 +320,8 @@ def field_function(title: str, fields: Sequence[Node], rows: dict[Node, int], dt
 
 
 def number_function(title: str, results: Sequence[Node], rows: dict[Node, int]) -> str:
-    """Text of a module with `numbers`, which fills a tile of one position with what numbers of the variant decide."""
-    text, laws = in_lanes("numbers", "What follows from numbers alone.", results, rows, Stage.CYCLE, 1)
+    """Print a module with `numbers`, which fills a tile of one position with results of the variant's numbers."""
+    text, laws = in_lanes("numbers", "Results of numbers of the variant.", results, rows, Stage.CYCLE, 1)
     imports = ["from engine.compiling.tiles import TILE_SIGNATURE, filling", *_imports(laws)]
     head = _HEAD.format(title=title, imports="\n".join(imports), dtype="float64")
     return f"{head}\n\n@filling(TILE_SIGNATURE)\n{text}"
@@ -332,13 +332,13 @@ def _of_kind(nodes: Iterable[Node], kind: type) -> list:
 
 
 def _switching(graph: Graph, held: list[Held]) -> list[Crossing]:
-    """Crossings at which what is held may switch: those of curves that the held nodes depend on."""
+    """Crossings where held nodes may switch: those of curves that the held nodes depend on."""
     behind = set(reached(held))
     return [crossing for crossing in graph.crossings if crossing.curve in behind]
 
 
-def _read_numbers(nodes: list[Node]) -> list[Node]:
-    """Nodes of the cycle that those of positions, or what is asked itself, read as numbers; found ones left out."""
+def _cycle_numbers(nodes: list[Node]) -> list[Node]:
+    """Computed nodes of the cycle that need a row: those in `nodes`, or read by nodes of later stages."""
     kept: dict[Node, None] = {}
 
     def read(node: Node) -> None:

@@ -1,12 +1,12 @@
-"""The nodes of a machine's mathematics: what each is computed from, and how often it changes.
+"""Nodes of a machine's equations: what each is computed from, and how often it changes.
 
-A node is the position of the input, a number, a law applied to nodes, or arithmetic on nodes. Nodes are made by a
-`Graph`, which makes each of them once: the same law applied to the same nodes is the same node. Arithmetic reads like
-the textbook's, `v = w * r - u`, and what is zero or one goes away as it does on paper.
+A node is the position of the input, a number, a law applied to nodes, or arithmetic on nodes. A `Graph` makes each node
+once: the same law applied to the same nodes is the same node. Arithmetic reads like a textbook, `v = w * r - u`, and
+zeros and ones are simplified away.
 
-How often a node changes is its `Stage`. A number of the scene belongs to the variant; what follows from the ends of a
-stroke belongs to the variant's cycle; which segment of a table holds, to the panel; what depends on the speed, the
-acceleration or the time of a motion, to its state; all else to the position.
+A node's `Stage` states how often it changes. A number of the scene belongs to the variant; a result of the ends of
+a stroke to the variant's cycle; the active segment of a table to the panel; a node of the speed, the acceleration or
+the time of a motion to its state; every other node to the position.
 """
 
 import operator
@@ -21,7 +21,7 @@ Compute = Callable[[Mapping[str, float | np.ndarray]], float | np.ndarray]
 
 
 class Stage(IntEnum):
-    """How often a node changes, from the least often on."""
+    """How often a node changes, least often first."""
 
     VARIANT = 0
     CYCLE = 1
@@ -31,16 +31,16 @@ class Stage(IntEnum):
 
 
 class Node:
-    """What has one value for each variant and position.
+    """A quantity with one value for each variant and position.
 
     Attributes
     ----------
     graph : Graph
     stage : Stage
     operands : tuple of Node
-        What it is computed from.
+        Nodes it is computed from.
     label : str
-        What a reader may call it; nothing depends on it.
+        Name for readers; printed code names variables after it.
     """
 
     __slots__ = ("graph", "label", "operands", "stage")
@@ -61,7 +61,7 @@ class Node:
         return self.graph.operation("-", other, self)
 
     def __mul__(self, other: "Node | float") -> "Node":
-        # A vector multiplies its components itself.
+        # A vector multiplies its components itself, in `Vector.__rmul__`.
         return NotImplemented if isinstance(other, tuple) else self.graph.operation("*", self, other)
 
     def __rmul__(self, other: "Node | float") -> "Node":
@@ -94,12 +94,12 @@ class Constant(Node):
 
 
 class Number(Node):
-    """A number of the variant, computed from the scene's.
+    """A number of the variant, computed from the scene's numbers.
 
     Attributes
     ----------
     compute : callable
-        Its values (SI) from the numbers of the variants.
+        Returns its value, or its values for all variants (SI), from the numbers by path.
     """
 
     __slots__ = ("compute",)
@@ -110,24 +110,24 @@ class Number(Node):
 
 
 class NumberTable(Node):
-    """Numbers of the variant that a law looks up by their place: their rows follow each other.
+    """Numbers of the variant, in consecutive rows, that a law looks up by index.
 
-    A law takes it as three arguments: the flat memory of numbers, where the first of them lies there, and the distance
-    from one to the next.
+    A law takes the table as three arguments: the flat memory of numbers, the index of the first number in it, and the
+    distance from one number to the next.
     """
 
     __slots__ = ()
 
 
 class Found(Node):
-    """A number of the variant's cycle that is found by going round it, such as an end of a stroke.
+    """A number of the variant's cycle that is located by a scan of the cycle, such as an end of a stroke.
 
     Attributes
     ----------
     curve, rate : Node
-        The curve it belongs to and its derivative by the input.
+        The curve and its derivative by the input.
     which : {"low", "high", "low_at", "high_at"}
-        Minimum or maximum of the curve, or the input's position there.
+        Minimum or maximum of the curve, or the position of the input there.
     """
 
     __slots__ = ("curve", "rate", "which")
@@ -138,7 +138,7 @@ class Found(Node):
 
 
 class Position(Node):
-    """The position of the input: q itself, or its cosine or sine."""
+    """The position of the input: q [rad], or its cosine or sine."""
 
     __slots__ = ("which",)
 
@@ -148,22 +148,22 @@ class Position(Node):
 
 
 class Given(Node):
-    """A number that whoever evaluates the graph gives: for each variant, position or state, by its stage.
+    """A number that the caller supplies for each variant, position or state, according to its stage.
 
-    Functions read it like a number of the variant, so it is the same at all positions that they fill at once.
+    Functions read it like a number of the variant, so it is equal at all positions of one call.
     """
 
     __slots__ = ()
 
 
 class TableMemory(Node):
-    """The flat memory of all tables, which laws that look something up take as their first argument."""
+    """The flat memory of all tables: the first argument of every law that looks something up."""
 
     __slots__ = ()
 
 
 class Operation(Node):
-    """Arithmetic on two nodes, or a function of the arithmetic unit on one.
+    """Arithmetic on two nodes, or an elementary function of one.
 
     Attributes
     ----------
@@ -179,36 +179,36 @@ class Operation(Node):
 
 
 class Application(Node):
-    """A law applied to nodes; its results are nodes of their own.
+    """A law applied to nodes; its results are separate nodes.
 
     Attributes
     ----------
     law : callable
         A compiled scalar function.
     sizes : tuple of int
-        For each argument of the law how many operands are its parts; 0 where it is a single number.
+        Number of operands in each argument of the law that is a tuple; 0 for a scalar argument.
     """
 
     __slots__ = ("law", "sizes")
 
     def __init__(self, graph: "Graph", law: Callable, operands: tuple[Node, ...], sizes: tuple[int, ...]) -> None:
-        # What numbers alone decide is still computed by the law: once for the cycle.
+        # A law of the variant's numbers alone still runs in compiled code, so its stage is the cycle at the earliest.
         super().__init__(graph, max(Stage.CYCLE, *(o.stage for o in operands)), operands, name_of(law))
         self.law, self.sizes = law, sizes
 
     def arguments(self, operands: Iterable) -> list:
-        """Something of each operand as the law takes it: parts of one argument in a tuple."""
+        """Group values, one for each operand, as the law takes them: a tuple for each argument that is a tuple."""
         each = iter(operands)
         return [tuple(next(each) for _ in range(size)) if size else next(each) for size in self.sizes]
 
 
 class LawResult(Node):
-    """One of the results of an application.
+    """One result of an application.
 
     Attributes
     ----------
     index : int or None
-        Which of several results; None of a law that has one.
+        Index among several results; None if the law has a single result.
     """
 
     __slots__ = ("index",)
@@ -219,15 +219,15 @@ class LawResult(Node):
 
     @property
     def application(self) -> Application:
-        """The application it is a result of."""
+        """The application that yields this result."""
         return self.operands[0]
 
 
 class Held(Node):
-    """A node that keeps, throughout a panel, the value it has in the panel's middle.
+    """A node that keeps its mid-panel value throughout a panel.
 
-    What switches is held: the sign of a velocity, the segment of a table. The panels end where it switches, so that
-    curves are smooth in each up to its very ends.
+    Switches are held: the sign of a velocity, the segment of a table. Panels end where they switch, so that curves are
+    smooth within each panel up to its ends.
     """
 
     __slots__ = ()
@@ -237,7 +237,7 @@ class Held(Node):
 
 
 class Sum(Node):
-    """A linear combination: a constant plus coefficients times curves; linear in the loads.
+    """A linear combination: a constant plus coefficients times curves.
 
     Attributes
     ----------
@@ -254,7 +254,7 @@ class Sum(Node):
 
 
 class Crossing:
-    """Places where something switches: a curve crosses a level there, `level` + `offset`.
+    """Positions at which something switches: where a curve crosses `level` + `offset`.
 
     Attributes
     ----------
@@ -263,9 +263,9 @@ class Crossing:
     level : Node
         Belongs to the variant or to its cycle.
     offset : float
-        So rows of a table that lie at known distances from one level are data, not nodes.
+        Rows of a table at known distances from one level are data, not nodes.
     kink : int
-        Lowest derivative that changes there: 0 of what jumps, 1 of what bends, 2 of what only changes its curvature.
+        Lowest derivative that jumps there: 0 for the value, 1 for the slope, 2 for the curvature.
     """
 
     __slots__ = ("curve", "kink", "level", "offset", "rate")
@@ -275,16 +275,16 @@ class Crossing:
 
 
 class Return(NamedTuple):
-    """A condition on which something has its first value again at the end of a cycle.
+    """A condition on which nodes return to their initial values at the end of a cycle.
 
     Attributes
     ----------
     of : str
-        Path of the part of the scene that it belongs to.
+        Path of the part of the scene that the condition belongs to.
     turns : Node
         Number of the variant: turns, or periods, over the cycle.
     none : bool
-        Whether there must be none of them; otherwise they must be whole.
+        Whether `turns` must be zero; otherwise it must be an integer.
     """
 
     of: str
@@ -293,16 +293,16 @@ class Return(NamedTuple):
 
 
 class Alike(NamedTuple):
-    """A curve of a kind of which weighted sums are one curve of that kind, such as all tables over one abscissa.
+    """A curve of a kind closed under weighted sums, such as all tables over one abscissa.
 
     Attributes
     ----------
     kind : tuple
-        Equal for curves that can be added up so.
+        Equal for curves that can be summed into one.
     data : object
-        What makes this one differ from others of its kind.
+        Distinguishes this curve from others of its kind.
     total : callable
-        The sum, from a list of (weight, data); a weight is a number of the variant.
+        Returns the weighted sum from a list of (weight, data); a weight is a number of the variant.
     """
 
     kind: tuple
@@ -337,7 +337,7 @@ class Graph:
     zero, one : Constant
     q, cos_q, sin_q : Position
     memory : TableMemory
-        Of all tables.
+        All tables.
     tables : list of ndarray
         Contents of the memory, in order.
     """
@@ -360,33 +360,33 @@ class Graph:
         return node
 
     def constant(self, value: float) -> Constant:
-        """A constant."""
+        """Return the node of a constant."""
         return self._once(("constant", float(value)), lambda: Constant(self, float(value)))
 
     def number(self, path: str) -> Number:
-        """A number of the scene as it is."""
+        """Return the node of a number of the scene, unchanged."""
         return self.derived(path, lambda numbers: numbers[path])
 
     def derived(self, label: str, compute: Compute) -> Number:
-        """A number computed once for each variant from the scene's; the same label means the same number."""
+        """Return a number computed once per variant from the scene's numbers; equal labels mean the same number."""
         return self._once(("number", label), lambda: Number(self, label, compute))
 
     def number_table(self, label: str, numbers: Iterable[Number]) -> NumberTable:
-        """Numbers to be looked up by their place; none of them may be used otherwise."""
+        """Return a table of numbers to look up by index; no other node may use these numbers."""
         return self._once(("number table", label), lambda: NumberTable(self, Stage.VARIANT, tuple(numbers), label))
 
     def found(self, curve: Node, rate: Node, which: Literal["low", "high", "low_at", "high_at"]) -> Node:
-        """Minimum or maximum of a curve over the cycle, or its place; of a constant curve that constant."""
+        """Minimum or maximum of a curve over the cycle, or its position; a constant curve is returned unchanged."""
         if curve.stage < Stage.POSITION and not which.endswith("_at"):
             return curve
         return self._once(("found", curve, which), lambda: Found(self, curve, rate, which))
 
     def given(self, label: str, stage: Stage = Stage.POSITION) -> Given:
-        """A number that is given at each position, or as often as its stage says; one label means one number."""
+        """Return a number that the caller supplies, as often as its stage says; equal labels mean the same number."""
         return self._once(("given", label), lambda: Given(self, stage, label=label))
 
     def operation(self, symbol: str, a: Node | float, b: Node | float) -> Node:
-        """Arithmetic on two nodes, simplified as on paper."""
+        """Return arithmetic on two nodes, simplified where an operand is zero, one or constant."""
         a, b = (n if isinstance(n, Node) else self.constant(n) for n in (a, b))
         simple = self._simplified(symbol, a, b)
         if simple is not None:
@@ -419,7 +419,7 @@ class Graph:
         return None
 
     def _of_numbers(self, symbol: str, a: Node, b: Node) -> Number:
-        """Arithmetic on numbers of the variant: a number again."""
+        """Return arithmetic on numbers of the variant, itself such a number."""
         does = _ARITHMETIC[symbol]
         return self.derived(
             f"({a.label} {symbol} {b.label})",
@@ -427,7 +427,7 @@ class Graph:
         )
 
     def function(self, symbol: Literal["sqrt", "abs", "neg"], x: Node) -> Node:
-        """Root, magnitude or negative of a node."""
+        """Square root, absolute value or negative of a node."""
         does = _FUNCTIONS[symbol]
         if isinstance(x, Constant):
             return self.constant(float(does(x.value)) + 0.0)
@@ -438,7 +438,7 @@ class Graph:
         return self._once((symbol, x), lambda: Operation(self, symbol, (x,)))
 
     def apply(self, law: Callable, *arguments: Node | float | tuple) -> Node | tuple[Node, ...]:
-        """Apply a law to nodes, or tuples of nodes; a tuple of nodes where it returns a tuple."""
+        """Apply a law to nodes and tuples of nodes; returns a node, or a tuple of nodes if the law returns a tuple."""
         sizes = tuple(len(a) if isinstance(a, tuple) else 0 for a in arguments)
         parts = [part for a in arguments for part in (a if isinstance(a, tuple) else (a,))]
         nodes = tuple(n if isinstance(n, Node) else self.constant(n) for n in parts)
@@ -450,20 +450,20 @@ class Graph:
 
     @staticmethod
     def results_of(law: Callable) -> int | None:
-        """How many results a law has by its annotation; None: a single one, no tuple."""
+        """Number of results in a law's annotated tuple; None if it returns a single number."""
         return len(get_args(_annotated(law))) or None
 
     def _result(self, applied: Application, index: int | None) -> Node:
         return self._once(("result", applied, index), lambda: LawResult(self, applied, index))
 
     def held(self, node: Node) -> Node:
-        """The value of a node in the middle of a panel, throughout it; what depends on a state follows that."""
+        """Hold a node at its mid-panel value throughout a panel; nodes of other stages are returned unchanged."""
         if node.stage != Stage.POSITION:
             return node
         return self._once(("held", node), lambda: Held(self, node))
 
     def combination(self, terms: Iterable[tuple[Node, Node]]) -> Node:
-        """Sum of coefficients times curves; multiples of one curve are one term: many loads at a place are one load."""
+        """Sum of coefficients times curves; multiples of one curve, such as loads at one place, merge into one term."""
         kept = [(c, b) for c, b in terms if self.zero not in (c, b)]
         multiples: dict[Node, list[tuple[Node, Node]]] = {}
         for c, b in kept:
@@ -473,18 +473,18 @@ class Graph:
             own[0][1] if len(own) == 1 else (self._total([c for c, _ in own]), curve)
             for curve, own in multiples.items()
         ]
-        kept = self._added_up(kept)
+        kept = self._merged(kept)
         if all(isinstance(node, (Number, Constant)) for term in kept for node in term):
             return self._total([c * b for c, b in kept])
         return self._once(("sum", *kept), lambda: Sum(self, tuple(kept)))
 
     def alike(self, curve: Node, alike: Alike) -> Node:
-        """Say that a curve is one of a kind; returns the curve."""
+        """Declare a curve to be one of a kind; returns the curve."""
         self._alike[curve] = alike
         return curve
 
-    def _added_up(self, terms: list[tuple[Node, Node]]) -> list[tuple[Node, Node]]:
-        """Terms, with one for all curves of a kind that are multiplied by the same: many tables are one lookup."""
+    def _merged(self, terms: list[tuple[Node, Node]]) -> list[tuple[Node, Node]]:
+        """Merge terms with curves of one kind and equal factors: many tables become one lookup."""
         kinds: dict[tuple, list[tuple[Node, Node, Node, Alike | None]]] = {}
         for c, b in terms:
             factor, alike = self._of_kind(b) if isinstance(c, (Number, Constant)) else (self.one, None)
@@ -504,14 +504,14 @@ class Graph:
         return found
 
     def _parts(self, curve: Node) -> list[tuple[Node, Node]]:
-        """A curve as a sum of other curves, each with the number that it is multiplied by."""
+        """Split a curve into a sum of curves, each with its numerical factor first."""
         if isinstance(curve, Operation) and curve.symbol in ("+", "-"):
             one, other = (self._parts(operand) for operand in curve.operands)
             return one + (other if curve.symbol == "+" else [(-weight, part) for weight, part in other])
         return [self._multiple(curve)]
 
     def _of_kind(self, curve: Node) -> tuple[Node, Alike | None]:
-        """What a curve of some kind is multiplied by, and its kind; of any other curve, None."""
+        """Factor of a curve of some kind, and its kind; None as the kind of any other curve."""
         if curve in self._alike:
             return self.one, self._alike[curve]
         for one, other in (curve.operands, curve.operands[::-1]) if getattr(curve, "symbol", "") == "*" else ():
@@ -521,7 +521,7 @@ class Graph:
         return self.one, None
 
     def _multiple(self, curve: Node) -> tuple[Node, Node]:
-        """The number that a curve is a multiple of another by, and that other one."""
+        """Split a curve into a numerical factor and the remaining curve."""
         if isinstance(curve, Operation) and curve.symbol == "neg":
             factor, other = self._multiple(curve.operands[0])
             return -factor, other
@@ -531,14 +531,14 @@ class Graph:
         return (curve, self.one) if isinstance(curve, (Number, Constant)) else (self.one, curve)
 
     def _total(self, nodes: Sequence[Node]) -> Node:
-        """Sum of nodes; of numbers, one number."""
+        """Sum of nodes; a single number if all of them are numbers."""
         if len(nodes) < 2 or not all(isinstance(node, (Number, Constant)) for node in nodes):
             return sum(nodes, self.zero)
         label = " + ".join(node.label for node in nodes)
         return self.derived(label, lambda numbers: sum(value_of(node, numbers) for node in nodes))
 
     def switches(self, curve: Node, rate: Node, level: Node | float = 0.0, kink: int = 0, offset: float = 0.0) -> None:
-        """Say that something switches where a curve crosses a level; `kink` and `offset` as for `Crossing`."""
+        """Declare that something switches where a curve crosses a level; `kink` and `offset` as in `Crossing`."""
         if curve.stage == Stage.POSITION and not (isinstance(level, Node) and level.stage > Stage.CYCLE):
             if not isinstance(level, Node) or isinstance(level, Constant):
                 level, offset = self.zero, (level.value if isinstance(level, Node) else float(level)) + offset
@@ -546,40 +546,40 @@ class Graph:
             known.kink = min(known.kink, kink)
 
     def bends(self, node: Node, curve: Node) -> None:
-        """Say that a node has a kink where a curve changes its sign, as |x| has where x does."""
+        """Declare that a node has a kink where a curve changes sign, as |x| has at the zeros of x."""
         if node.stage == curve.stage == Stage.POSITION:
             self._bends.setdefault(curve, set()).add(node)
 
     def kinks_behind(self, nodes: Iterable[Node]) -> list[Node]:
-        """Curves at whose zeros something bends that some nodes depend on."""
+        """Curves at whose zeros some node that `nodes` depend on has a kink."""
         behind = set(reached(nodes))
         return [curve for curve, bent in self._bends.items() if not bent.isdisjoint(behind)]
 
     def returns(self, nodes: Iterable[Node], condition: Return) -> None:
-        """Say on which condition nodes have their first values again at the end of a cycle."""
+        """Declare the condition on which nodes return to their initial values at the end of a cycle."""
         self._returns |= {node: condition for node in nodes if node.stage == Stage.POSITION}
 
     def returns_behind(self, nodes: Iterable[Node]) -> list[Return]:
-        """Conditions on which some nodes have their first values again at the end of a cycle, each once."""
+        """Conditions, without duplicates, on which nodes return to their initial values at the end of a cycle."""
         pending, found, known = list(nodes), {}, set()
         while pending:
-            behind = [node for node in reached(pending, self._settled) if node not in known]
+            behind = [node for node in reached(pending, self._is_periodic) if node not in known]
             known.update(behind)
             found |= {self._returns[node]: None for node in behind if node in self._returns}
             pending = [curve for node in behind if isinstance(node, Found) for curve in (node.curve, node.rate)]
         return list(found)
 
-    def _settled(self, node: Node) -> bool:
-        """Whether a node has its first value again though what it is computed from goes on from cycle to cycle."""
+    def _is_periodic(self, node: Node) -> bool:
+        """Whether a node returns to its initial value although its operands advance from cycle to cycle."""
         return node in self._returns and not self._returns[node].none
 
     @property
     def crossings(self) -> list[Crossing]:
-        """Where what the held nodes hold may switch, each place once."""
+        """All crossings at which held nodes may switch, without duplicates."""
         return list(self._crossings.values())
 
     def store(self, table: np.ndarray) -> Constant:
-        """Put a table into the memory, each of them once; where it begins there."""
+        """Store a table in the memory, unless it is there already, and return the index at which it begins."""
         flat = np.ascontiguousarray(table, float).ravel()
         begin = 0
         for known in self.tables:
@@ -591,13 +591,13 @@ class Graph:
 
 
 def reached(nodes: Iterable[Node], down_to: Callable[[Node], bool] = lambda node: False) -> list[Node]:
-    """All nodes that some depend on, themselves among them, each after what it is computed from.
+    """All nodes that `nodes` depend on, including themselves, each after its operands.
 
     Parameters
     ----------
     nodes : iterable of Node
     down_to : callable
-        Nodes whose own operands aren't followed.
+        True for a node whose operands aren't followed.
     """
     order: list[Node] = []
     done: set[int] = set()

@@ -1,4 +1,4 @@
-"""A scalar law applied to arrays: printed as a function over lanes, compiled once, its machine code kept."""
+"""A scalar law applied to arrays: printed as a function over lanes, compiled once, its machine code cached."""
 
 from collections.abc import Callable
 from functools import cache
@@ -19,7 +19,7 @@ from engine.graph.nodes import Graph
 
 
 class _Scratch(NamedTuple):
-    """Memory for a block of variants: their numbers, results, and the place and tables that no law reads."""
+    """Arrays for one block of variants: their numbers, their results, and the position and tables that no law reads."""
 
     block: np.ndarray
     tile: np.ndarray
@@ -28,14 +28,14 @@ class _Scratch(NamedTuple):
 
 
 def over_arrays(law: Callable, *arguments: float | np.ndarray) -> np.ndarray:
-    """Results of a scalar law, (results, ...).
+    """Apply a scalar law to arrays; returns its results (results, …).
 
     Parameters
     ----------
     law : callable
-        A compiled scalar law that gives a tuple of floats, or one.
-    arguments : float or ndarray (...)
-        At least one of them an array.
+        A compiled scalar law that returns a float or a tuple of floats.
+    arguments : float or ndarray (…)
+        At least one is an array; broadcast against each other.
     """
     function, count = _printed(law, len(arguments))
     table = np.array(np.broadcast_arrays(*arguments), float)
@@ -53,7 +53,7 @@ def over_arrays(law: Callable, *arguments: float | np.ndarray) -> np.ndarray:
 
 @cache
 def _printed(law: Callable, count: int) -> tuple[TileFunction, int]:
-    """A law of `count` numbers as a function that fills a tile of one position, and how many results it has."""
+    """Compile a law of `count` numbers to fill a tile of one position; also returns its number of results."""
     graph = Graph()
     given = [graph.derived(f"number {i}", lambda numbers: 0.0) for i in range(count)]
     results = graph.apply(law, *given)
@@ -64,7 +64,7 @@ def _printed(law: Callable, count: int) -> tuple[TileFunction, int]:
 
 @driver
 def _fill(begin: int, end: int, function: Callable, table: np.ndarray, found: np.ndarray, scratch: _Scratch) -> None:
-    """Fill in what a function finds for blocks `begin` … `end` − 1 of LANES variants."""
+    """Evaluate `function` for blocks `begin` … `end` − 1 of LANES variants, and store its results in `found`."""
     nowhere = scratch.nowhere
     for b in range(begin, end):
         first = b * LANES

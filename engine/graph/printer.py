@@ -1,8 +1,8 @@
-"""From nodes to the text of a function: straight-line mathematics at one position, and the loops around it.
+"""Print nodes as the text of a function: straight-line arithmetic at one position, and the loops around it.
 
-Two orders of loops. In lanes, a tile of positions × lanes is filled, each lane with a variant of its own; this is what
-summaries are computed from. Over positions, the rows of one variant after another are filled; this is what kept
-fields are made of. What is printed is read by compilers and by people, never again by this program.
+There are two orders of loops. Functions in lanes fill a tile of positions × lanes, with one variant in each lane;
+summaries are computed from them. Functions over positions fill the rows of one variant after another; kept fields are
+computed from them. Compilers and people read the printed text; this program never parses it.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -27,22 +27,23 @@ from engine.graph.nodes import (
     reached,
 )
 
-# Longer expressions are broken up by names.
+# Maximum depth of an expression; deeper subexpressions get a name.
 DEEPEST = 5
-# The compiler tells this many rows at any distance apart; more are filled at a fixed distance first.
+# Up to this many rows at arbitrary distances the compiler recognises as separate; more are filled at a fixed distance
+# first.
 FEW_ROWS = 4
-# Positions that are filled at a fixed distance before they are copied: few, so that the next ones are computed while
-# the memory takes these in.
+# Positions filled at a fixed distance before they are copied: few, so that the next ones are computed while these are
+# written to memory.
 CHUNK = 16
 
-# Names of what is around the statements: loops, arguments, modules.
+# Names used around the statements: loop variables, arguments, modules.
 _TAKEN = {"P", "T", "apart", "c", "cos_q", "dtype", "first", "i", "k", "l", "last", "looked_up", "math", "n", "np", "p"}
 _TAKEN |= {"positions", "q"}
 _TAKEN |= {"row", "rows", "sin_q", "t", "tile", "v", *(f"row{c}" for c in range(FEW_ROWS))}
 
 
 class Statements:
-    """Statements that compute some nodes at one position.
+    """Statements that compute nodes at one position.
 
     Parameters
     ----------
@@ -54,23 +55,23 @@ class Statements:
     looked_up : sequence of Node
         Nodes that were computed before and are read.
     taken : iterable of str
-        Names that other statements of the function have.
+        Names used by other statements of the function.
 
     Attributes
     ----------
     statements : list of str
     values : list of str
-        Expression of each output.
+        Expression for each output.
     reads : dict of Node to str
-        Names of the numbers that the statements read.
+        Name of each number that the statements read.
     tables : dict of Node to str
-        Names of the places where tables of numbers begin; `apart` is how far their entries lie apart.
-    positions : dict of str to str
-        Of "q", "cos_q" and "sin_q" those that are read, by themselves.
+        Name of the index at which each table of numbers begins; `apart` is the distance between its entries.
+    positions : list of str
+        Those of "q", "cos_q" and "sin_q" that are read.
     laws : list of callable
         Laws that are called.
     taken : set of str
-        Names, those of other statements among them.
+        All names in use, including those of other statements.
     """
 
     def __init__(
@@ -92,7 +93,7 @@ class Statements:
         self._texts: dict[Node, str] = {}
         self._depth: dict[Node, int] = {}
         order = reached(outputs, self._is_leaf)
-        # Names of laws are functions of the module.
+        # Laws are functions of the module, so their names are taken.
         self.taken.update(name_of(node.law) for node in order if isinstance(node, Application))
         self._uses = _count_uses(order, outputs, self._is_leaf)
         for node in order:
@@ -108,7 +109,7 @@ class Statements:
             return not self._inline_held
         if isinstance(node, (Number, NumberTable, Found, Given)):
             return True
-        # What follows from held nodes or given numbers alone has no row of its own: it is computed where it is used.
+        # Results of held nodes or given numbers alone have no row: they are computed where they are used.
         return node.stage < self._stage and node.stage not in (Stage.VARIANT, Stage.PANEL)
 
     def _write(self, node: Node) -> None:
@@ -139,7 +140,7 @@ class Statements:
     def _name(self, node: Node) -> str:
         wanted = "".join(c if c.isalnum() else "_" for c in node.label).strip("_")
         wanted = wanted if wanted[:1].isalpha() and len(wanted) <= 40 else "x"
-        # Lower numbers are all taken: of thousands of one label, none is tried again.
+        # All lower counts are taken, so thousands of nodes of one label need no repeated search.
         count = self._counts.get(wanted, 1)
         name = wanted if count == 1 else f"{wanted}{count}"
         while name in self.taken:
@@ -190,18 +191,19 @@ class Statements:
         depth = 1 + max((self._depth.get(o, 0) for o in node.operands), default=0)
         if len(self._uses.get(node, ())) > 1 or node.label or depth > DEEPEST or isinstance(node, Sum):
             name = self._name(node)
-            # The brackets around a sum of several terms may be those of two of them.
+            # The outer parentheses of a sum may belong to its first and last terms.
             whole = text[0] == "(" and not isinstance(node, Sum)
             self.statements.append(f"{name} = {text.removeprefix('(').removesuffix(')') if whole else text}")
             text, depth = name, 0
         self._texts[node], self._depth[node] = text, depth
 
 
-def _results_looked_up(outputs: Sequence[Node]) -> list[Node]:
-    """Results of laws that look up numbers of the variant by their place, and of those that find the place.
+def _lookup_results(outputs: Sequence[Node]) -> list[Node]:
+    """Results of laws that look up numbers of the variant by index, and of the laws that find the index.
 
-    They are computed by themselves first: loads from anywhere would keep compilers from computing all else side by
-    side. Both in one go: what says where between two entries a position lies must fit to which entries these are.
+    They are computed first, in a loop of their own: loads from computed addresses would keep the compiler from
+    vectorising everything else. Index and interpolation must come from the same evaluation, so that they agree at the
+    ends of an interval.
     """
     results = [node for node in reached(outputs) if isinstance(node, LawResult)]
     looks = {r.application for r in results if any(isinstance(o, NumberTable) for o in r.application.operands)}
@@ -210,7 +212,7 @@ def _results_looked_up(outputs: Sequence[Node]) -> list[Node]:
 
 
 def _count_uses(order: Iterable[Node], outputs: Iterable[Node], is_leaf: object) -> dict[Node, list]:
-    """For each node the nodes that use it, an output counted twice so that it gets a name."""
+    """Map each node to the nodes that use it; an output counts as a use of itself."""
     uses: dict[Node, list] = {}
     for node in order:
         if not is_leaf(node):
@@ -235,16 +237,16 @@ def in_lanes(
     Parameters
     ----------
     name, doc : str
-        Of the function, and what it is for.
+        Name and docstring of the function.
     outputs : sequence of Node
-        The tile's rows.
+        Rows of the tile.
     rows : mapping of Node to int
         Row of each number in P.
     stage : Stage
-        Of the outputs; what changes less often is read from P.
+        Stage of the outputs; nodes that change less often are read from P.
     positions : int or None
-        Of the tile. As a constant it tells compilers that the tile's rows don't overlap; of tiles of any number of
-        positions, None, rows are copied from where that is known.
+        Number of positions of the tile. A constant lets compilers infer that the tile's rows don't overlap. If None,
+        the number varies, and rows are copied from an array where the compiler can infer it.
     inline_held : bool
         Whether held nodes are computed at each position instead of being read from P.
 
@@ -254,7 +256,7 @@ def in_lanes(
     laws : list of callable
         Functions that the text calls.
     """
-    looked_up = _results_looked_up(outputs) if stage != Stage.STATE else []
+    looked_up = _lookup_results(outputs) if stage != Stage.STATE else []
     before = Statements(looked_up, stage, inline_held)
     body = Statements(outputs, stage, inline_held, looked_up, before.taken if looked_up else ())
     used = [which for which in ("q", "cos_q", "sin_q") if which in (*body.positions, *before.positions)]
@@ -292,10 +294,10 @@ def in_lanes(
 def over_positions(name: str, doc: str, outputs: Sequence[Node], rows: Mapping[Node, int]) -> tuple[str, list]:
     """Print a function that fills rows over the positions of one variant.
 
-    Its arguments are the numbers of the variant, T, the positions with their cosines and sines, the place of the
-    variant, and the rows of all variants (outputs, variants, positions); parameters otherwise as for `in_lanes`.
+    Its arguments are the numbers of the variant, T, the positions with their cosines and sines, the index of the
+    variant, and the rows of all variants (outputs, variants, positions). The parameters are those of `in_lanes`.
     """
-    looked_up = _results_looked_up(outputs)
+    looked_up = _lookup_results(outputs)
     before = Statements(looked_up, Stage.POSITION)
     body = Statements(outputs, Stage.POSITION, looked_up=looked_up, taken=before.taken if looked_up else ())
     used = dict.fromkeys([*before.positions, *body.positions])

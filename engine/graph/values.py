@@ -1,4 +1,4 @@
-"""Values of nodes by NumPy: the graph as it is, without any function being printed."""
+"""Evaluation of nodes in NumPy, directly on the graph, without printing functions."""
 
 import operator
 from collections.abc import Callable, Mapping, Sequence
@@ -27,35 +27,36 @@ _OPERATIONS |= {"sqrt": np.sqrt, "abs": np.abs, "neg": np.negative}
 
 
 class NodeValues:
-    """Values of nodes at any positions of the input.
+    """Evaluates nodes at arbitrary positions of the input.
 
     Parameters
     ----------
     graph : Graph
     numbers : mapping of path to float or ndarray (positions,)
-        Of one variant, or of a variant of its own at each position.
+        Numbers of one variant, or of a different variant at each position.
     cycle_value : callable, optional
-        Value of a `Found` node, where there are such.
+        Returns the value of a `Found` node; required where there are any.
     """
 
     def __init__(
         self, graph: Graph, numbers: Mapping[str, float], cycle_value: Callable[[Node], float] | None = None
     ) -> None:
         self._graph, self._numbers, self._cycle_value = graph, numbers, cycle_value
-        # Values of the variant and of its cycle, which are the same at all positions.
+        # Values of the variant and its cycle, equal at all positions.
         self._once: dict[Node, object] = {}
 
     def __call__(
         self, nodes: Sequence[Node], q: np.ndarray, known: Mapping[Node, np.ndarray] | None = None
     ) -> list[np.ndarray]:
-        """Values at positions, (positions,) for each node.
+        """Evaluate nodes at positions; returns an array (positions,) for each node.
 
         Parameters
         ----------
         nodes : sequence of Node
         q : ndarray (positions,)
+            Positions of the input [rad].
         known : mapping of Node to ndarray, optional
-            Values of nodes that are given or held; a node that is held has elsewhere the value of the position itself.
+            Values of given or held nodes; a held node not among them is evaluated at the position itself.
         """
         found: dict[Node, object] = {**self._once, **(known or {})}
         with np.errstate(all="ignore"):
@@ -74,7 +75,8 @@ class NodeValues:
             case Number():
                 return np.asarray(node.compute(self._numbers), float)[()]
             case NumberTable():
-                # Where its first number lies in memory, and how far the next one is: as in lanes, of each variant.
+                # A law takes a table of numbers as the flat memory, the index of the first number and the stride
+                # between numbers.
                 rows = np.array(np.broadcast_arrays(*operands), float).reshape(len(operands), -1)
                 variants = rows.shape[1]
                 return rows.ravel(), np.arange(variants) if variants > 1 else 0, variants
@@ -87,7 +89,7 @@ class NodeValues:
             case Application():
                 given = node.arguments(found[o] for o in node.operands)
                 tables = node.arguments(isinstance(o, NumberTable) for o in node.operands)
-                # A table of numbers is several arguments.
+                # A table of numbers is three arguments of the law.
                 return node.law(*chain(*(g if t is True else (g,) for g, t in zip(given, tables, strict=True))))
             case LawResult(index=None):
                 return operands[0]

@@ -1,4 +1,4 @@
-"""The ground floor: scalar functions that read like the textbook's equations."""
+"""Laws: scalar functions that read like a textbook's equations."""
 
 from engine import on_use
 

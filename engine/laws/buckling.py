@@ -1,7 +1,7 @@
-"""Buckling of struts: Euler's curve for slender ones, Tetmajer's line or parabola below it, the yield strength at last.
+"""Buckling of struts: Euler's curve for slender ones, Tetmajer's line or parabola below, at most the yield strength.
 
-Source: L. v. Tetmajer, Die Gesetze der Knickungs- und der zusammengesetzten Druckfestigkeit (1896), the coefficients as
-handbooks of machine elements give them in MPa.
+Source: L. v. Tetmajer, Die Gesetze der Knickungs- und der zusammengesetzten Druckfestigkeit (1896), with the
+coefficients in MPa as given by handbooks of machine elements.
 """
 
 import math
@@ -11,18 +11,18 @@ import numpy as np
 
 
 class StrutMaterial(NamedTuple):
-    """What the strength of a strut follows from.
+    """Strength of a strut's material.
 
     Attributes
     ----------
     modulus : float
-        Of elasticity [Pa].
+        Modulus of elasticity [Pa].
     crushing : float
-        Stress that a short strut bears: the yield strength, of brittle materials the compressive strength [Pa].
+        Strength of a short strut: yield strength, or compressive strength of brittle materials [Pa].
     tetmajer : tuple of 3 floats
-        σ = a + b λ + c λ² [Pa].
+        a, b, c of σ = a + b λ + c λ² [Pa].
     slender : float
-        Slenderness from which on Euler's curve holds.
+        Slenderness above which Euler's curve holds.
     """
 
     modulus: float
@@ -39,12 +39,12 @@ MATERIALS = {
 
 
 def critical_stress(slenderness: np.ndarray | float, material: StrutMaterial) -> np.ndarray:
-    """Stress at which a strut fails.
+    """Critical stress of struts [Pa].
 
     Parameters
     ----------
     slenderness : array_like
-        Effective length over the radius of gyration of the section.
+        λ, effective length divided by the radius of gyration of the section.
     material : StrutMaterial
     """
     slenderness = np.asarray(slenderness, float)
@@ -56,10 +56,10 @@ def critical_stress(slenderness: np.ndarray | float, material: StrutMaterial) ->
 
 
 def solid(diameter: float, inner: float = 0.0) -> tuple[float, float]:
-    """Area and radius of gyration of a round section [m2, m]; a tube with an inner diameter."""
+    """Area [m²] and radius of gyration [m] of a round section; with an inner diameter, of a tube."""
     return math.pi / 4.0 * (diameter**2 - inner**2), np.sqrt(diameter**2 + inner**2) / 4.0
 
 
 def flat(width: float, thickness: float) -> tuple[float, float]:
-    """Area and least radius of gyration of a rectangular section [m2, m]."""
+    """Area [m²] and minimum radius of gyration [m] of a rectangular section."""
     return width * thickness, np.minimum(width, thickness) / math.sqrt(12.0)

@@ -1,13 +1,13 @@
-"""Elementary functions made of arithmetic alone: unlike those of the C library they vectorise in a loop.
+"""Elementary functions made of arithmetic only: unlike those of the C library, they vectorise in a loop.
 
-All work in float64, take scalars, have no branches, and miss the true value by little more than one unit in the last
-place (ulp). NaN gives NaN. They are compiled without any licence to reorder sums, whatever the function that calls
-them allows: what rounding leaves over is computed, and would be simplified to zero. Called from Python, where a product
-and sum is rounded twice, they miss by up to four ulp.
+All work in float64, take scalars, have no branches, and are accurate to little more than one unit in the last place
+(ulp). NaN gives NaN. They are compiled in strict order, whatever their callers allow: reordering would simplify the
+computed rounding remainders to zero. Called from Python, where a fused product and sum is rounded twice, they are
+accurate to four ulp.
 
-Sources: J.-M. Muller et al., Handbook of Floating-Point Arithmetic (sums and products with their rounding errors,
-reduction of arguments); S. L. Moshier's Cephes library for the polynomials of `direction_of`. The other polynomials
-interpolate at Chebyshev points, found with 60 digits.
+Sources: J.-M. Muller et al., Handbook of Floating-Point Arithmetic (error-free sums and products, argument
+reduction); S. L. Moshier's Cephes library for the polynomials of `direction_of`. The other polynomials interpolate at
+Chebyshev points, computed with 60 digits.
 """
 
 import math
@@ -17,39 +17,39 @@ import numpy as np
 from engine.compiling.decorators import in_order
 from engine.compiling.instructions import bits_of, fused, number_of
 
-# Added to a number below 2^51 in magnitude it makes a sum whose last bits are the nearest integer.
+# Added to a number below 2^51 in magnitude, it gives a sum whose last bits are the nearest integer.
 _ROUNDER = 1.5 * 2.0**52
 _ROUNDER_BITS = 0x4338000000000000
 _SIGNIFICAND_BITS = 52
-# What the exponent of 1 is stored as.
+# Biased exponent of 1.
 _EXPONENT_OF_ONE = 1023
-# Significands of logarithms lie between √½ and √2.
+# Significands for logarithms lie between √½ and √2.
 _ROOT_HALF_BITS = 0x3FE6A09E667F3BCD
 _LEAST_NORMAL, _NEAR_OVERFLOW = 2.0**-1022, 2.0**1022
 
-# Constants in two parts. The first one of ln 2 is so short that its products with exponents are exact.
+# Constants split into two parts. The first part of ln 2 is short enough for exact products with exponents.
 _LN2, _LN2_REST = 0.6931471805598903, 5.497923018708371e-14
 _HALF_PI, _HALF_PI_REST = 1.5707963267948966, 6.123233995736766e-17
 _INVERSE_HALF_PI = 0.6366197723675814
 _TWO_THIRDS, _TWO_THIRDS_REST = 0.6666666666666666, 3.700743415417188e-17
 _INVERSE_LN2 = 1.4426950408889634
 
-# Logarithms of the greatest number, and of twice the least normal one.
+# Logarithms of the largest number, and of twice the smallest normal number.
 _GREATEST_LOGARITHM, _LEAST_LOGARITHM = 709.782712893384, -707.7032713517042
 
 
 @in_order
 def _cubic(x: float, xx: float, c0: float, c1: float, c2: float, c3: float) -> float:
-    """Cubic in x, lowest power first, given x²; taken in fours, the terms of a polynomial wait less for each other."""
+    """Cubic in x, lowest power first, given x²; grouping terms by four shortens the chain of dependent operations."""
     return fused(xx, fused(x, c3, c2), fused(x, c1, c0))
 
 
 @in_order
 def _logarithm_parts(x: float) -> tuple[float, float]:
-    """Natural logarithm as a sum of two parts, to 4e-20 of itself; of what has none, as for `logarithm`.
+    """Natural logarithm as a sum of two parts, accurate to 4e-20 relative; special values as in `logarithm`.
 
     With x = 2^k m, √½ ≤ m < √2, and s = (m − 1)/(m + 1): ln x = k ln 2 + 2 artanh s = k ln 2 + 2 s + s³ (2/3 + …).
-    Terms up to s³ are carried on with what their rounding leaves over.
+    Terms up to s³ carry their rounding remainders.
     """
     bits = bits_of(x)
     exponent = (bits - _ROOT_HALF_BITS) >> _SIGNIFICAND_BITS
@@ -73,7 +73,7 @@ def _logarithm_parts(x: float) -> tuple[float, float]:
     cube_rest = fused(s_rest, z, fused(s, z_rest, fused(s, z, -cube)))
     t = cube * c
     t_rest = fused(cube_rest, c, fused(cube, c_rest, fused(cube, c, -t)))
-    # Each sum begins with its larger term, or with zero.
+    # In each sum the first term is the larger one, or zero.
     whole = k * _LN2
     first = whole + twice
     first_rest = twice - (first - whole)
@@ -87,7 +87,7 @@ def _logarithm_parts(x: float) -> tuple[float, float]:
 
 @in_order
 def _exponential_of_sum(x: float, rest: float) -> float:
-    """e^(x + rest) for a rest of some roundings of x; see `exponential`."""
+    """e^(x + rest), where the rest is a few roundings of x; see `exponential`."""
     rounded = fused(x, _INVERSE_LN2, _ROUNDER)
     k = rounded - _ROUNDER
     r = fused(-k, _LN2, x) + fused(-k, _LN2_REST, rest)
@@ -97,7 +97,7 @@ def _exponential_of_sum(x: float, rest: float) -> float:
     q = _cubic(r, rr, 0.0013888888888883748, 0.00019841269874820627, 2.4801587325547743e-05, 2.7557255400206422e-06)
     q = fused(r4, fused(rr, 2.0914686968086876e-09, fused(r, 2.5105217004720745e-08, 2.75572736431103e-07)), q)
     power = 1.0 + fused(rr, fused(r4, q, p), r)
-    # The greatest power of two needed is beyond the range of numbers, though half of it is not.
+    # The largest power of two needed overflows, but half of it doesn't.
     scale = number_of((bits_of(rounded) + (_EXPONENT_OF_ONE - 1)) << _SIGNIFICAND_BITS)
     found = (power + power) * scale
     found = math.inf if x > _GREATEST_LOGARITHM else found
@@ -115,7 +115,7 @@ def exponential(x: float) -> float:
     Returns
     -------
     float
-        To 1 ulp; 0 where it is below 4.5e-308, twice the least normal number, and infinite above the greatest number.
+        To 1 ulp; 0 below 4.5e-308, twice the smallest normal number, and infinite above the largest number.
 
     Notes
     -----
@@ -144,7 +144,7 @@ def logarithm(x: float) -> float:
 
 @in_order
 def power(x: float, n: float) -> float:
-    """Power of a number that isn't negative, x^n = e^(n ln x).
+    """Power of a nonnegative number, x^n = e^(n ln x).
 
     Parameters
     ----------
@@ -156,12 +156,12 @@ def power(x: float, n: float) -> float:
     Returns
     -------
     float
-        To 1.5 ulp; 0 and infinite as for `exponential`. 0^n is 0 for n > 0 and infinite for n < 0, ∞^n the other
-        way about; x^0 is 1. NaN for negative x.
+        To 1.5 ulp; 0 and infinite as in `exponential`. 0^n is 0 for n > 0 and infinite for n < 0, ∞^n the reverse; x^0
+        is 1. NaN for negative x.
     """
     x, n = np.float64(x), np.float64(n)
     whole, rest = _logarithm_parts(x)
-    # 0 · ∞ is no number.
+    # 0 · ∞ would be NaN.
     whole = 0.0 if (n == 0.0) & (x >= 0.0) else whole
     product = n * whole
     return _exponential_of_sum(product, fused(n, rest, fused(n, whole, -product)))
@@ -174,24 +174,22 @@ def angle_of(x: float, y: float) -> float:
     Parameters
     ----------
     x, y : float
-        Components; their length doesn't matter.
+        Components; the length doesn't matter.
 
     Returns
     -------
     float
-        [rad], −π < angle ≤ π, to 2 ulp; a zero's sign doesn't count. NaN for a vector without direction: of length
-        zero, or infinite along both axes.
+        [rad], −π < angle ≤ π, to 2 ulp; the sign of a zero is ignored. NaN for a vector without direction: zero, or
+        infinite along both axes.
 
-    Notes
-    -----
-    Of the ratio t of the smaller to the larger component, or where that is above ½ of (t − 1)/(t + 1), which turns by
-    an eighth of a turn, the arctangent is t (1 + t² q(t²)).
+    Notes ----- With t the ratio of the smaller to the larger component, or, where that exceeds ½, (t − 1)/(t + 1),
+    which subtracts an eighth of a turn, the arctangent is t (1 + t² q(t²)).
     """
     x, y = np.float64(x), np.float64(y)
     along, across = abs(x), abs(y)
     steep = across > along
     small, large = (along if steep else across), (across if steep else along)
-    # Near overflow their sum wouldn't be a number.
+    # Near overflow the sum of both would be infinite.
     scale = 0.25 if large >= _NEAR_OVERFLOW else 1.0
     small, large = scale * small, scale * large
     turned = small > 0.5 * large
@@ -204,7 +202,7 @@ def angle_of(x: float, y: float) -> float:
     r = _cubic(z, zz, -0.052400641544110685, 0.04627870086418654, -0.03806224794996687, 0.024999689507521367)
     q = fused(z4, fused(z4, fused(z4, -0.009211063504627926, r), q), p)
     arctangent = fused(t * z, q, t)
-    # In right angles: from which angle the arctangent counts, and which way.
+    # In right angles: the angle from which the arctangent is measured, and its sense.
     start = 0.5 if turned else 0.0
     start = 1.0 - start if steep else start
     start = 2.0 - start if x < 0.0 else start
@@ -216,13 +214,13 @@ def angle_of(x: float, y: float) -> float:
 
 @in_order
 def angle_or_zero(x: float, y: float) -> float:
-    """Angle of a vector as `angle_of` gives it; 0 for a vector of length zero, such as a force that vanishes."""
+    """Angle of a vector as in `angle_of`; 0 for a zero vector, such as a vanishing force."""
     return angle_of(1.0 if (x == 0.0) & (y == 0.0) else x, y)
 
 
 @in_order
 def direction_near_zero(r: float) -> tuple[float, float]:
-    """Cosine and sine of an angle of at most π/4 [rad], to 1 ulp or so."""
+    """Cosine and sine of an angle of at most π/4 in magnitude [rad], to about 1 ulp."""
     z = r * r
     p = fused(z, 1.58962301576546568060e-10, -2.50507477628578072866e-8)
     p = fused(z, p, 2.75573136213857245213e-6)
@@ -250,18 +248,16 @@ def direction_of(angle: float) -> tuple[float, float]:
     Returns
     -------
     cosine, sine : float
-        To 2e-16, and 4e-17 of the angle.
+        To 2e-16 plus 4e-17 of the angle.
 
-    Notes
-    -----
-    The angle is taken to the nearest multiple of a right angle; the polynomials are for angles up to 45 degrees.
-    A right angle is π/2 as rounded, so that a cycle of whole turns, each 2π as rounded, ends exactly where it began.
+    Notes ----- The angle is reduced to the nearest multiple of a right angle; the polynomials hold up to 45 degrees. A
+    right angle is π/2 as rounded, so that a cycle of whole turns, each 2π as rounded, ends exactly where it began.
     """
     angle = np.float64(angle)
     rounded = fused(angle, _INVERSE_HALF_PI, _ROUNDER)
     quarters = rounded - _ROUNDER
     cosine, sine = direction_near_zero(fused(-quarters, _HALF_PI, angle))
-    # The last two bits: turned by 0 to 3 right angles.
+    # The last two bits are the number of right angles, modulo 4.
     turns = bits_of(rounded)
     odd = turns & 1 != 0
     c, s = (sine if odd else cosine), (cosine if odd else sine)

@@ -1,14 +1,13 @@
-"""Indicator diagrams: pressure in the cylinder against the travel of the piston.
+"""Indicator diagrams: pressure in the cylinder over the travel of the piston.
 
-Travel is the distance of the piston from its head-end dead centre [m]; gas volume over piston area is
-travel + clearance · stroke, the clearance being a fraction of the swept volume. Pressures are absolute [Pa].
-Ideal valves: they open at the pressure of the line and lose nothing. Where the diagram jumps (combustion, a
-valve or a port opening), the value is that of the named stroke. Per-position functions, floats in and out.
+Travel is the distance of the piston from its head-end dead centre [m]. Gas volume divided by piston area is
+travel + clearance · stroke, with the clearance as a fraction of the swept volume. Pressures are absolute [Pa].
+Valves are ideal: they open at line pressure without loss. At a jump of the diagram (combustion, opening of a valve or
+port), the value is that of the named stroke. Functions of a position: floats in and out.
 
-Every diagram is made of at most four branches. The gas expands, flows out, flows in, or is compressed: along a
-polytrope p V^n, at the pressure of a line, at the other line's, along another polytrope. A law of each cylinder tells
-the branch at a position, and `branch_pressure` the pressure along it, a smooth function of the travel that goes on
-beyond the branch's ends.
+Each diagram consists of at most four branches: expansion along a polytrope p V^n, outflow and inflow at the pressures
+of the lines, compression along another polytrope. A law for each kind of cylinder selects the branch at a position, and
+`branch_pressure` gives the pressure along it, a smooth function of travel that extends beyond the ends of the branch.
 
 Sources: J. B. Heywood, Internal Combustion Engine Fundamentals (ideal cycles); any textbook of reciprocating
 compressors for the polytropic diagram with clearance.
@@ -22,17 +21,17 @@ from numpy.typing import ArrayLike
 from engine.compiling.decorators import scalar
 from engine.laws.elementary import power
 
-# Stroke [m]; clearance volume / swept volume, above 0; share of the stroke at which compression begins: where the ports
-# close, otherwise 1.
+# Stroke [m]; clearance volume / swept volume, above 0; fraction of the stroke at which compression begins: where the
+# ports close, otherwise 1.
 Cylinder = tuple[float, float, float]
-# Of the lines: suction or intake, and discharge or exhaust; at the head-end dead centre from which the gas expands:
-# after combustion, or `compressor_peak` [Pa].
+# Pressure of the suction or intake line, of the discharge or exhaust line, and at the head-end dead centre before
+# expansion: after combustion, or `compressor_peak` [Pa].
 Pressures = tuple[float, float, float]
 # Polytropic exponents of compression and expansion.
 Exponents = tuple[float, float]
-# Share of a turn within which an angle is that of a dead centre.
+# Fraction of a turn within which an angle counts as a dead centre.
 _SAME_TURN = 1e-6
-# Branches of a diagram, numbered as the strokes of a four-stroke engine follow each other.
+# Branches of a diagram, in the order of a four-stroke engine's strokes.
 EXPANSION, OUTFLOW, INFLOW, COMPRESSION = 0.0, 1.0, 2.0, 3.0
 
 
@@ -45,14 +44,14 @@ def compressor_branch(travel: float, stroke: float, rate: float, discharge_opens
     travel, stroke : float
         [m].
     rate : float
-        Speed of the travel in any unit: negative while the piston moves toward the head.
+        Rate of travel in any unit, negative while the piston moves toward the head.
     discharge_opens, suction_opens : float
-        Travel at which the valves open, as a share of the stroke; from `compressor_opening_travels`.
+        Travel at which the valves open, as fractions of the stroke; from `compressor_opening_travels`.
 
     Returns
     -------
     float
-        EXPANSION, OUTFLOW, INFLOW or COMPRESSION; NaN where travel or rate is.
+        EXPANSION, OUTFLOW, INFLOW or COMPRESSION; NaN if travel or rate is NaN.
     """
     if math.isnan(travel) or math.isnan(rate):
         return math.nan
@@ -76,28 +75,28 @@ def four_stroke_branch(rate: float, phi: float, head_at: float, firing: float, f
     Parameters
     ----------
     rate : float
-        Speed of the travel in any unit: negative while the piston moves toward the head.
+        Rate of travel in any unit, negative while the piston moves toward the head.
     phi : float
         Crank angle [rad].
     head_at : float
         Crank angle of a head-end dead centre [rad].
     firing : float
-        The gas expands from the first head-end dead centre on that follows this angle [rad].
+        Expansion starts at the first head-end dead centre at or after this angle [rad].
     forward : float
         Sign of the crank's speed.
 
     Returns
     -------
     float
-        EXPANSION, OUTFLOW, INFLOW or COMPRESSION; NaN where rate or crank angle is.
+        EXPANSION, OUTFLOW, INFLOW or COMPRESSION; NaN if rate or crank angle is NaN.
     """
     if math.isnan(rate) or math.isnan(phi):
         return math.nan
     turn = 2.0 * math.pi
-    # A dead centre within rounding of the firing angle is meant, not the one a whole turn later.
+    # A dead centre within rounding of the firing angle counts, not the one a turn later.
     turns_to_fire = math.ceil(forward * (firing - head_at) / turn - _SAME_TURN)
     since = forward * (phi - head_at) / turn - turns_to_fire
-    # At a dead centre itself the stroke that the rate tells: the one before, or the one after.
+    # At a dead centre the rate selects the stroke before or after it.
     since += -_SAME_TURN if rate < 0.0 else _SAME_TURN
     if math.floor(since) % 2 == 0:
         return OUTFLOW if rate < 0.0 else EXPANSION
@@ -113,14 +112,14 @@ def two_stroke_branch(travel: float, stroke: float, rate: float, port: float) ->
     travel, stroke : float
         [m].
     rate : float
-        Speed of the travel in any unit: negative while the piston moves toward the head.
+        Rate of travel in any unit, negative while the piston moves toward the head.
     port : float
-        Share of the stroke beyond which the ports are open.
+        Fraction of the stroke beyond which the ports are open.
 
     Returns
     -------
     float
-        EXPANSION, OUTFLOW (ports open) or COMPRESSION; NaN where travel or rate is.
+        EXPANSION, OUTFLOW (ports open) or COMPRESSION; NaN if travel or rate is NaN.
     """
     if math.isnan(travel) or math.isnan(rate):
         return math.nan
@@ -139,7 +138,7 @@ def flows_in(branch: float) -> float:
 
 @scalar
 def line_pressure(branch: float, inflow: float, outflow: float) -> float:
-    """Pressure of the line that the cylinder is open to [Pa].
+    """Pressure of the line to which the cylinder is open [Pa].
 
     Parameters
     ----------
@@ -151,7 +150,7 @@ def line_pressure(branch: float, inflow: float, outflow: float) -> float:
     Returns
     -------
     float
-        [Pa]; NaN in any other branch.
+        [Pa]; NaN on any other branch.
     """
     other = outflow if branch == OUTFLOW else math.nan
     return inflow if branch == INFLOW else other
@@ -161,7 +160,7 @@ def line_pressure(branch: float, inflow: float, outflow: float) -> float:
 def branch_pressure(
     branch: float, travel: float, cylinder: Cylinder, pressures: Pressures, exponents: Exponents
 ) -> float:
-    """Pressure along a branch of a diagram: a smooth function of the travel, without branches of its own.
+    """Pressure along a branch of a diagram: a smooth function of travel.
 
     Parameters
     ----------
@@ -176,21 +175,21 @@ def branch_pressure(
     Returns
     -------
     float
-        [Pa]; NaN for NaN in branch or travel.
+        [Pa]; NaN if branch or travel is NaN.
     """
     stroke, clearance, port = cylinder
     inflow, outflow, peak = pressures
     n_compression, n_expansion = exponents
     least = clearance * stroke
     length = travel + least
-    # Rounding puts the dead centre at a travel just below 0.
+    # Rounding can make the travel at the dead centre slightly negative.
     length = least if travel < 0.0 else length
     expands = branch == EXPANSION
     before = least if expands else port * stroke + least
     pressure = peak if expands else inflow
     exponent = n_compression if branch == COMPRESSION else math.nan
     exponent = n_expansion if expands else exponent
-    # Along a line the exponent is 0.
+    # At line pressure the exponent is 0.
     pressure = outflow if branch == OUTFLOW else pressure
     exponent = 0.0 if (branch == INFLOW) | (branch == OUTFLOW) else exponent
     # p V^n is constant.
@@ -200,15 +199,16 @@ def branch_pressure(
 def compressor_peak(
     clearance: ArrayLike, suction: ArrayLike, discharge: ArrayLike, n_compression: ArrayLike
 ) -> np.ndarray:
-    """Pressure at the head-end dead centre of a compressor: of discharge, or what compression reaches [Pa].
+    """Pressure at the head-end dead centre of a compressor: discharge pressure, or that reached by compression [Pa].
 
     Parameters
     ----------
     clearance : array_like
         Clearance volume / swept volume, above 0.
     suction, discharge : array_like
-        [Pa].
+        Line pressures [Pa].
     n_compression : array_like
+        Polytropic exponent.
     """
     clearance = np.asarray(clearance, float)
     return np.minimum(discharge, suction * ((1.0 + clearance) / clearance) ** n_compression)
@@ -217,18 +217,19 @@ def compressor_peak(
 def compressor_opening_travels(
     clearance: ArrayLike, suction: ArrayLike, discharge: ArrayLike, n_compression: ArrayLike, n_expansion: ArrayLike
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Travel at which the valves of a compressor open, as a share of the stroke.
+    """Travel at which the valves of a compressor open, as a fraction of the stroke.
 
     Parameters
     ----------
     clearance, suction, discharge, n_compression : array_like
-        As for `compressor_peak`.
+        As in `compressor_peak`.
     n_expansion : array_like
+        Polytropic exponent.
 
     Returns
     -------
     discharge_opens, suction_opens : numpy.ndarray
-        On the way toward the head, 0 and below if it never opens; on the way back, 1 and above if it never opens.
+        Toward the head, 0 or less if the valve never opens; on the return stroke, 1 or more if it never opens.
     """
     clearance = np.asarray(clearance, float)
     peak = compressor_peak(clearance, suction, discharge, n_compression)

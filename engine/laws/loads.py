@@ -1,12 +1,12 @@
-"""Loads on a point or a link: resistances that follow the velocity, springs; moments of fluid couplings.
+"""Loads on a point or a link: resistances that depend on velocity, springs, fluid couplings.
 
-A load is a force (or a moment) along a direction of its own. It is positive along that direction, and v is
-the velocity [m/s, or rad/s for a moment] of the loaded point along the same direction: a resistance is
-negative for v > 0. Per-position functions: floats in and out, float32 or float64, NaN for NaN.
+A load is a force (or moment) along its own direction, positive along it. v is the velocity [m/s, or rad/s for a moment]
+of the loaded point along the same direction, so a resistance is negative for v > 0. Functions of a position: floats in
+and out, float32 or float64, NaN for NaN.
 
-Sources: any textbook of machine dynamics; Coulomb's resistance has no value at rest, which is taken as 0
-here (the middle of what it may be). VDI 2153, hydrodynamic power transmission: the moment λ ρ ω² D⁵ of a coupling of
-the diameter D, by its performance coefficient λ.
+Sources: any textbook of machine dynamics. Coulomb's resistance is undetermined at rest; it is taken as 0 here, the
+middle of its range. VDI 2153, hydrodynamic power transmission: torque λ ρ ω² D⁵ of a coupling with diameter D and
+performance coefficient λ.
 """
 
 import math
@@ -36,7 +36,7 @@ def constant_against_motion(magnitude: float, v: float) -> float:
         return -magnitude
     if v < 0.0:
         return magnitude
-    # 0 at rest, and NaN where the velocity is not known.
+    # 0 at rest, NaN for an unknown velocity.
     return v * magnitude
 
 
@@ -52,7 +52,7 @@ def direction_of_motion(vx: float, vy: float) -> tuple[float, float]:
     Returns
     -------
     c, s : float
-        Zero at rest, NaN where the velocity is not known.
+        Zero at rest, NaN for an unknown velocity.
     """
     v = math.sqrt(vx * vx + vy * vy)
     if v == 0.0:
@@ -62,12 +62,12 @@ def direction_of_motion(vx: float, vy: float) -> tuple[float, float]:
 
 @scalar
 def spring(stiffness: float, free_length: float, length: float) -> float:
-    """Force of a linear spring along its growing length: it pushes its ends apart where it is compressed.
+    """Force of a linear spring in the direction of increasing length; positive in compression.
 
     Parameters
     ----------
     stiffness : float
-        [N/m], or [N·m/rad] of a torsion spring.
+        [N/m], or [N·m/rad] for a torsion spring.
     free_length, length : float
         [m], or angles [rad].
 
@@ -81,21 +81,21 @@ def spring(stiffness: float, free_length: float, length: float) -> float:
 
 @scalar
 def lifting_factor(efficiency: float, direction: float, v: float) -> float:
-    """Factor of a weight behind gearing of some efficiency η: 1/η while it is lifted, η while it drives.
+    """Factor on a weight behind gearing with efficiency η: 1/η while it is lifted, η while it drives.
 
     Parameters
     ----------
     efficiency : float
         η.
     direction : float
-        +1 where it is lifted while v > 0, -1 where while v < 0.
+        +1 if the weight is lifted for v > 0, -1 if for v < 0.
     v : float
         Velocity [m/s or rad/s].
 
     Returns
     -------
     float
-        1 at rest; NaN where the velocity is not known.
+        1 at rest; NaN for an unknown velocity.
     """
     lifted = direction * v
     if lifted > 0.0:
@@ -107,7 +107,7 @@ def lifting_factor(efficiency: float, direction: float, v: float) -> float:
 
 @scalar
 def acts_in_direction(direction: float, v: float) -> float:
-    """Factor of a load that acts in one direction of motion only (cutting, not the return stroke).
+    """Factor on a load that acts in one direction of motion only (cutting, not the return stroke).
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def acts_in_direction(direction: float, v: float) -> float:
     Returns
     -------
     float
-        1.0 or 0.0; NaN where a direction is asked of an unknown velocity.
+        1.0 or 0.0; NaN if the direction matters and the velocity is unknown.
     """
     forwards = direction * v
     acts = 0.0 if forwards <= 0.0 else v
@@ -128,7 +128,7 @@ def acts_in_direction(direction: float, v: float) -> float:
 
 @scalar
 def sized(size: float, value: float) -> float:
-    """Size times value; nothing where the size is 0, whatever the value."""
+    """Size times value; 0 for size 0, even if the value is infinite or NaN."""
     return size * value if size != 0.0 else 0.0
 
 
@@ -138,16 +138,16 @@ def fluid_coupling_moment(
     speed: float | np.ndarray,
     diameter: float | np.ndarray,
 ) -> float | np.ndarray:
-    """Moment of a fluid coupling, λ ρ ω² D⁵ [N·m]; arrays too.
+    """Torque of a fluid coupling, λ ρ ω² D⁵ [N·m].
 
     Parameters
     ----------
     coefficient : float or ndarray
         Performance coefficient λ at the slip.
     density : float or ndarray
-        Of the fluid, ρ [kg/m³].
+        Density of the fluid, ρ [kg/m³].
     speed : float or ndarray
-        Of the side that drives, ω [rad/s].
+        Speed of the driving side, ω [rad/s].
     diameter : float or ndarray
         Profile diameter D [m].
     """
@@ -155,7 +155,7 @@ def fluid_coupling_moment(
 
 
 def slip_of(driving: float | np.ndarray, driven: float | np.ndarray) -> float | np.ndarray:
-    """Slip of a coupling, 1 − ω₂/ω₁; 0 where the driving side stands; arrays too.
+    """Slip of a coupling, 1 − ω₂/ω₁; 0 where the driving side is at rest.
 
     Parameters
     ----------

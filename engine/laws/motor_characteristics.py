@@ -1,7 +1,7 @@
-"""Motors: torque as a function of speed, and its constants from what a nameplate says.
+"""Motors: torque as a function of speed, and its constants from nameplate data.
 
-The speed omega and the torque have the same positive direction; a motor that turns clockwise has negative
-speeds and a negative torque throughout. Scalar functions take a speed; the set-up works on whole arrays of variants.
+The speed omega and the torque have the same positive direction; a motor that turns clockwise has negative speed and
+torque throughout. Scalar functions take one speed; the set-up takes arrays of variants.
 
 Sources: R. Fischer, Elektrische Maschinen (Kloss' formula, nameplate data); A. E. Fitzgerald, C. Kingsley
 and S. D. Umans, Electric Machinery (equivalent circuit, DC motors).
@@ -14,22 +14,22 @@ from engine.compiling.decorators import routine, scalar
 from engine.compiling.instructions import chosen
 from engine.units.display import quantity_text
 
-# Two numbers of a nameplate that agree to this are not told apart.
+# Relative difference below which two nameplate values count as equal.
 NAMEPLATE_TOLERANCE = 1e-12
-# Rows of a drive: the straight characteristics together, then each bend of one, then constants of induction motors.
+# Rows of a drive: the sum of the straight characteristics, then each bend, then the constants of induction motors.
 LEVEL, FALL, BENDS = range(3)
 PER_BEND, PER_MOTOR = 2, 5
 
 
 @scalar
 def bend_of(x: float) -> float:
-    """A number above zero, else zero: by so much what bends at zero leaves its straight line."""
+    """Ramp: x above zero, else 0; a characteristic with a bend departs from its straight line by a multiple of it."""
     return chosen(x > 0.0, x, 0.0)
 
 
 @scalar
 def bend_slope(x: float) -> float:
-    """Derivative of `bend_of`; at the bend that below it."""
+    """Derivative of `bend_of`; 0 at the bend itself."""
     return chosen(x > 0.0, 1.0, 0.0)
 
 
@@ -39,19 +39,18 @@ def induction_motor(
 ) -> float:
     """Torque of an induction motor by Kloss' formula.
 
-    M = M_b (2 + a s_b) / (s/s_b + s_b/s + a s_b) with the slip s = (omega_s - omega)/omega_s, here
-    multiplied out by s s_b so that it is 0 at s = 0. It holds for motoring (0 < s < 1), plugging (s > 1)
-    and generating (s < 0).
+    M = M_b (2 + a s_b) / (s/s_b + s_b/s + a s_b) with the slip s = (omega_s - omega)/omega_s, multiplied out by s s_b
+    so that it is 0 at s = 0. It holds for motoring (0 < s < 1), plugging (s > 1) and generating (s < 0).
 
     Parameters
     ----------
     breakdown_torque : float
-        M_b, the greatest torque of the motor as a motor [N·m].
+        M_b, maximum motoring torque [N·m].
     breakdown_slip : float
-        s_b, the slip at the breakdown torque.
+        s_b, slip at the breakdown torque.
     rotor_ratio : float
-        a, twice the ratio of stator resistance to rotor resistance (referred to the stator); 0 gives Kloss'
-        simple formula.
+        a, twice the ratio of stator resistance to rotor resistance (referred to the stator); 0 gives Kloss' simple
+        formula.
     synchronous_speed : float
         omega_s [rad/s].
     omega : float
@@ -60,18 +59,17 @@ def induction_motor(
     Returns
     -------
     float
-        Torque [N·m]. An equivalent circuit has a s_b < 2. Where a fit gives a s_b >= 2, the formula has two
-        poles above synchronous speed; between them it would drive a generator forwards, so it is NaN there.
+        Torque [N·m]. An equivalent circuit has a s_b < 2. If a fit gives a s_b >= 2, the formula has two poles above
+        synchronous speed and drives a generator forwards between them, so it returns NaN there.
     """
     slip = (synchronous_speed - omega) / synchronous_speed
     damping = rotor_ratio * breakdown_slip
     denominator = slip * slip + breakdown_slip * breakdown_slip + damping * breakdown_slip * slip
     factor = breakdown_torque + breakdown_torque + damping * breakdown_torque
-    # Nothing over nothing is NaN in the arguments' own precision, and without a branch: motors of many variants go side
-    # by side.
-    nothing = slip - slip
+    # 0/0 gives NaN in the arguments' own precision and without a branch, so that motors of many variants vectorise.
+    zero = slip - slip
     between = (slip < 0.0) & (denominator <= 0.0)
-    return (nothing if between else factor * breakdown_slip * slip) / (nothing if between else denominator)
+    return (zero if between else factor * breakdown_slip * slip) / (zero if between else denominator)
 
 
 @scalar
@@ -104,19 +102,20 @@ def induction_motor_curvature(
 
 @routine
 def motors_at(drives: np.ndarray, k: int, rows: tuple[int, int], speed: float) -> tuple[float, float]:
-    """Moment of the motors of a variant at a speed, and ∂M/∂ω.
+    """Torque of all motors of a variant at a speed, and its derivative ∂M/∂ω.
 
     Parameters
     ----------
     drives : ndarray (2 + 2 bends + 5 induction motors, variants)
-        Level and slope of the straight characteristics together; by how much they bend, and at which speed; of each
-        induction motor breakdown torque and slip, rotor ratio, synchronous speed, and its speed over the crank's.
+        Torque at standstill and slope of the summed straight characteristics; change of slope and speed of each bend;
+        breakdown torque, breakdown slip, rotor ratio, synchronous speed and speed ratio to the crank of each induction
+        motor.
     k : int
-        Which variant.
+        Index of the variant.
     rows : tuple of two ints
-        How many there are before the induction motors, and altogether.
+        Number of rows before the induction motors, and in total.
     speed : float
-        Of the crank [rad/s].
+        Speed of the crank [rad/s].
     """
     moment, slope = drives[LEVEL, k] + drives[FALL, k] * speed, drives[FALL, k]
     for row in range(BENDS, rows[0], PER_BEND):
@@ -144,13 +143,13 @@ def dc_motor_from_nameplate(power: ArrayLike, rated_speed: ArrayLike, no_load_sp
     Returns
     -------
     numpy.ndarray
-        Stall torque [N·m]; NaN where the nameplate isn't a motor's.
+        Stall torque [N·m]; NaN for impossible nameplate data.
     """
     power, rated_speed, no_load_speed = _floats(power, rated_speed, no_load_speed)
     with np.errstate(all="ignore"):
         slip = (no_load_speed - rated_speed) / no_load_speed
-        sound = (power > 0.0) & (slip > 0.0) & (slip < 1.0)
-        return np.where(sound, power / rated_speed / slip, np.nan)
+        valid = (power > 0.0) & (slip > 0.0) & (slip < 1.0)
+        return np.where(valid, power / rated_speed / slip, np.nan)
 
 
 def kloss_from_nameplate(
@@ -163,14 +162,14 @@ def kloss_from_nameplate(
     """Constants of Kloss' formula from an induction motor's nameplate.
 
     With rated slip s_n, rated torque M_n = power / rated speed, λ = M_b/M_n and σ = M(1)/M_n. Without σ the
-    simple formula (a = 0) through the rated point gives s_b = s_n (λ + √(λ² - 1)). With σ the formula runs
-    through the rated point and the starting point. Both are linear in a s_b,
+    simple formula (a = 0) through the rated point gives s_b = s_n (λ + √(λ² - 1)). With σ the formula passes
+    through the rated point and the starting point. Both conditions are linear in a s_b,
 
-        (λ - 1) a s_b = s_n/s_b + s_b/s_n - 2 λ,        (λ - σ) a s_b = σ (1/s_b + s_b) - 2 λ,
+        (λ - 1) a s_b = s_n/s_b + s_b/s_n - 2 λ,        (λ - σ) a s_b = σ (1/s_b + s_b) - 2 λ.
 
-    and what remains without a s_b is quadratic in s_b: P s_b² + 2 λ (σ - 1) s_b + Q = 0 with
+    Eliminating a s_b leaves a quadratic in s_b: P s_b² + 2 λ (σ - 1) s_b + Q = 0 with
     P = (λ - σ)/s_n - (λ - 1) σ and Q = (λ - σ) s_n - (λ - 1) σ. Its left side is
-    -σ (λ - 1) (1 - s_n)² < 0 at s_n and (λ - σ) (1 - s_n)²/s_n > 0 at 1: for σ < λ exactly one root lies
+    -σ (λ - 1) (1 - s_n)² < 0 at s_n and (λ - σ) (1 - s_n)²/s_n > 0 at 1, so for σ < λ exactly one root lies
     between.
 
     Parameters
@@ -190,24 +189,24 @@ def kloss_from_nameplate(
         [N·m].
     breakdown_slip : numpy.ndarray
     rotor_ratio : numpy.ndarray
-        a >= 0. All three are NaN where there is no solution; `nameplate_trouble` says why.
+        a >= 0. All three are NaN where there is no solution; `nameplate_trouble` gives the reason.
     """
-    # 1.0 only fills the place of a starting ratio that isn't asked for.
+    # 1.0 is a placeholder for a missing starting ratio.
     start = 1.0 if starting_ratio is None else starting_ratio
     power, rated, synchronous, most, start = _floats(power, rated_speed, synchronous_speed, breakdown_ratio, start)
     with np.errstate(all="ignore"):
         rated_slip = (synchronous - rated) / synchronous
-        sound = (power > 0.0) & (rated_slip > 0.0) & (rated_slip < 1.0) & (most > 1.0) & (most < np.inf)
+        valid = (power > 0.0) & (rated_slip > 0.0) & (rated_slip < 1.0) & (most > 1.0) & (most < np.inf)
         breakdown_slip = _simple_breakdown_slip(rated_slip, most)
         ratio = np.zeros_like(breakdown_slip)
         if starting_ratio is not None:
             least = _simple_starting_ratio(breakdown_slip, most) * (1.0 - NAMEPLATE_TOLERANCE)
-            sound &= (breakdown_slip < 1.0) & (start >= least) & (start < most)
+            valid &= (breakdown_slip < 1.0) & (start >= least) & (start < most)
             breakdown_slip = _breakdown_slip(rated_slip, most, start)
             excess = rated_slip / breakdown_slip + breakdown_slip / rated_slip - 2.0 * most
             ratio = np.maximum(excess, 0.0) / (most - 1.0) / breakdown_slip
         constants = (most * power / rated, breakdown_slip, ratio)
-        return tuple(np.where(sound, constant, np.nan) for constant in constants)
+        return tuple(np.where(valid, constant, np.nan) for constant in constants)
 
 
 def nameplate_trouble(
@@ -217,7 +216,7 @@ def nameplate_trouble(
     breakdown_ratio: float,
     starting_ratio: float | None = None,
 ) -> str | None:
-    """Why `kloss_from_nameplate` has no answer for one motor.
+    """Reason why `kloss_from_nameplate` has no solution for one motor.
 
     Parameters
     ----------
@@ -227,7 +226,7 @@ def nameplate_trouble(
     Returns
     -------
     str or None
-        The reason and the remedy in words; None where there is an answer.
+        Reason and remedy in words; None if there is a solution.
     """
     if not power > 0.0:
         return f"power = {quantity_text(float(power), 'W')}: a motor's rated power is positive"
@@ -267,17 +266,17 @@ def _floats(*values: ArrayLike) -> list[np.ndarray]:
 
 
 def _simple_breakdown_slip(rated_slip: ArrayLike, most: ArrayLike) -> np.ndarray:
-    """s_b of Kloss' simple formula; λ² - 1 is factored for the sake of λ near 1."""
+    """s_b of Kloss' simple formula; λ² - 1 is factored to avoid cancellation for λ near 1."""
     return rated_slip * (most + np.sqrt((most - 1.0) * (most + 1.0)))
 
 
 def _simple_starting_ratio(breakdown_slip: ArrayLike, most: ArrayLike) -> np.ndarray:
-    """M(1)/M_n of Kloss' simple formula: the least that a >= 0 can give."""
+    """M(1)/M_n of Kloss' simple formula: the minimum for a >= 0."""
     return 2.0 * most / (1.0 / breakdown_slip + breakdown_slip)
 
 
 def _breakdown_slip(rated_slip: np.ndarray, most: np.ndarray, start: np.ndarray) -> np.ndarray:
-    """Root of the quadratic where it grows, in the form without cancellation for either sign of σ - 1."""
+    """Root of the quadratic with positive slope, in a form without cancellation for either sign of σ - 1."""
     p = (most - start) / rated_slip - (most - 1.0) * start
     q = (most - start) * rated_slip - (most - 1.0) * start
     half = most * (start - 1.0)

@@ -1,6 +1,6 @@
 """Rounding of float64."""
 
-# Distance from 1 to the next number.
+# Machine epsilon: distance from 1 to the next float64.
 EPS = 2.0**-52
-# A share by which a number is moved to see what a result owes to its rounding: half the digits are left for the change.
+# Relative perturbation by which sensitivity to rounding is measured: half of the digits remain for the change.
 NUDGE = 2.0**-26

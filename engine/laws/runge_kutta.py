@@ -1,7 +1,7 @@
-"""Runge–Kutta methods as data, and the method of Dormand and Prince of order eight.
+"""Runge–Kutta methods as data, and the eighth-order method of Dormand and Prince.
 
-Stages 0 to 11 of that method make a step. Stage 12 stands at its end, and with it and three more a polynomial of order
-seven follows the motion within the step.
+Stages 0 to 11 make a step. Stage 12 lies at its end; with it and three more, a polynomial of order seven interpolates
+the motion within the step (dense output).
 
 Source: E. Hairer, S. P. Nørsett and G. Wanner, Solving Ordinary Differential Equations I, second edition, section
 II.10; coefficients as in SciPy.
@@ -14,14 +14,14 @@ from scipy.integrate import DOP853
 
 
 class Tableau(NamedTuple):
-    """A Runge–Kutta method, by its Butcher tableau.
+    """Butcher tableau of a Runge–Kutta method.
 
     Attributes
     ----------
     nodes : ndarray (stages,)
-        c, shares of the step.
+        c, fractions of the step.
     matrix : ndarray (stages, stages)
-        A; strictly lower triangular of an explicit method.
+        A; strictly lower triangular for an explicit method.
     weights : ndarray (stages,)
         b.
     """
@@ -32,33 +32,33 @@ class Tableau(NamedTuple):
 
     @property
     def stages(self) -> int:
-        """How many."""
+        """Number of stages."""
         return self.weights.size
 
 
 class Method(NamedTuple):
-    """A method with everything that steps of lengths of their own need of it.
+    """A method with everything that adaptive steps need.
 
     Attributes
     ----------
     implicit : bool
-        Whether it is a collocation method, whose last stage is the end of the step; its stages are found by Newton's
-        method, however steep a moment is by the speed.
+        Whether it is a collocation method whose last stage is the end of the step. Its stages are found by Newton's
+        method, however stiff the torque characteristics are.
     stages, dense_stages : int
-        How many stages a step has, and with those of its polynomial.
+        Number of stages of a step, without and with those of its dense output.
     matrix : ndarray (dense stages, dense stages)
         A.
     inverse : ndarray (stages, stages)
-        That of A, of an implicit method.
+        Inverse of A for an implicit method.
     weights : ndarray (stages,)
         b.
     nodes : ndarray (dense stages,)
-        Shares of the step.
+        c, fractions of the step.
     fine, coarse : ndarray (formulas, stages)
-        Formulas that vanish up to some order, and up to a lower one: their sizes tell how much what they find fades
-        from order to order.
+        Error formulas that vanish up to some order, and up to a lower order; their ratio gives the decay from order to
+        order.
     parts : ndarray (DENSE_PARTS, dense stages)
-        Weights of the parts of the polynomial p within the step,
+        Weights of the parts of the dense output p,
         p(θ) = p₀θ + p₁θ(1−θ) + p₂θ²(1−θ) + p₃θ²(1−θ)² + …
     """
 
@@ -74,16 +74,16 @@ class Method(NamedTuple):
     parts: np.ndarray
 
 
-# Parts of the polynomial within a step.
+# Parts of the dense output.
 DENSE_PARTS = 7
 
 
 def part_at(part: int, theta: np.ndarray) -> np.ndarray:
-    """One of the functions θ, θ(1−θ), θ²(1−θ), θ²(1−θ)², … that the polynomial within a step is made of."""
+    """Basis function `part` of the dense output, one of θ, θ(1−θ), θ²(1−θ), θ²(1−θ)² and so on."""
     return theta ** ((part + 2) // 2) * (1.0 - theta) ** ((part + 1) // 2)
 
 
-# Stages of a step of order eight, and with those of the polynomial within it.
+# Stages of a step of order eight, without and with those of its dense output.
 STAGES, DENSE_STAGES = 12, 16
 MATRIX = np.zeros((DENSE_STAGES, DENSE_STAGES))
 MATRIX[:STAGES, :STAGES] = DOP853.A
@@ -91,11 +91,11 @@ MATRIX[STAGES, :STAGES] = DOP853.B
 MATRIX[STAGES + 1 :] = DOP853.A_EXTRA
 NODES = np.concatenate([DOP853.C, [1.0], DOP853.C_EXTRA])
 DORMAND_PRINCE = Tableau(NODES[:STAGES], MATRIX[:STAGES, :STAGES], MATRIX[STAGES, :STAGES])
-# Differences of the formula of order eight from those of orders five and three.
+# Differences between the formula of order eight and those of orders five and three.
 ERRORS = np.array([DOP853.E5[:STAGES], DOP853.E3[:STAGES]])
 SHARE_OF_COARSE = 0.1
-# A second formula that vanishes up to order five. Its error of order six, over all rooted trees of six vertices
-# weighted by their symmetry, is as large as that of the first and orthogonal to it: both hardly ever vanish together.
+# A second error formula that vanishes up to order five. Its error of order six, over all rooted trees of six vertices
+# weighted by their symmetry, has the size of the first one's and is orthogonal to it: both hardly ever vanish together.
 _SECOND_ERROR = np.zeros(STAGES)
 _SECOND_ERROR[[0, *range(5, STAGES)]] = [
     -2.16575624753399913e-2,
@@ -110,7 +110,7 @@ _SECOND_ERROR[[0, *range(5, STAGES)]] = [
 
 
 def _parts() -> np.ndarray:
-    """Weights of the parts of the polynomial: the first three from values and slopes at both ends."""
+    """Weights of the parts of the dense output; the first three follow from values and slopes at both ends."""
     weights, first, last = MATRIX[STAGES], np.eye(DENSE_STAGES)[0], np.eye(DENSE_STAGES)[STAGES]
     return np.array([weights, first - weights, 2.0 * weights - first - last, *DOP853.D])
 

@@ -1,4 +1,4 @@
-"""Senses and sides: signs that tell which of several smooth characteristics holds. Scalar functions, NaN for NaN."""
+"""Senses and sides: signs that select one of several smooth characteristics. Scalar functions, NaN for NaN."""
 
 import math
 
@@ -6,8 +6,9 @@ from engine.compiling.decorators import scalar
 from engine.compiling.instructions import chosen
 from engine.laws.elementary import angle_of
 
-# Places nearer to a zero than this [rad or m] can't be told from it; so much beyond, what vanishes with it is small.
-_NEAR_ZERO, _NEAR_TOO = 1e-12, 1e-9
+# Distance from a zero of b within which a position counts as the zero, and within which a zero of a coincides with it
+# [rad or m].
+_AT_ZERO, _COMMON_ZERO = 1e-12, 1e-9
 
 
 @scalar
@@ -28,7 +29,7 @@ def sense(v: float) -> float:
 
 @scalar
 def side(s: float) -> float:
-    """Side of the x axis on which a direction points: +1 above it or on it, −1 below.
+    """Side of the x axis to which a direction points: +1 above or along it, −1 below.
 
     Parameters
     ----------
@@ -44,10 +45,10 @@ def side(s: float) -> float:
 
 @scalar
 def angle_on_side(above: float, c: float, s: float) -> float:
-    """Angle of a direction, smooth across the x axis too: measured from the y axis and back.
+    """Angle of a direction, measured from the y axis so that it is smooth across the x axis.
 
-    The angle in (−π, π] jumps where a direction passes the negative x axis. With the side held it goes on beyond
-    either end of its half turn.
+    The angle in (−π, π] jumps where a direction crosses the negative x axis. With `above` held constant it continues
+    beyond either end of its half turn.
 
     Parameters
     ----------
@@ -66,7 +67,7 @@ def angle_on_side(above: float, c: float, s: float) -> float:
 
 @scalar
 def exceeds(a: float, b: float) -> float:
-    """1 where one number is above another, else 0; NaN where either is not known.
+    """1 if a > b, else 0; NaN if either is NaN.
 
     Parameters
     ----------
@@ -78,18 +79,18 @@ def exceeds(a: float, b: float) -> float:
 
 @scalar
 def kept_positive(forward: float, x: float) -> float:
-    """A number whose sign is known, as a power or a root takes it: what rounding puts below 0 is 0.
+    """A number of known sign as the argument of a power or root: a value that rounding puts below 0 becomes 0.
 
     Parameters
     ----------
     forward : float
-        The number's sense, from `sense`.
+        Sense of the number, from `sense`.
     x : float
 
     Returns
     -------
     float
-        NaN for numbers that are negative by their sense.
+        NaN for a negative sense.
     """
     found = 0.0 if x < 0.0 else x
     return found if forward >= 0.0 else math.nan
@@ -97,13 +98,13 @@ def kept_positive(forward: float, x: float) -> float:
 
 @scalar
 def either(condition: float, a: float, b: float) -> float:
-    """One of two numbers: the first where a condition is 1, the second where it is 0.
+    """Select a where a condition is 1, b where it is 0; NaN for a NaN condition.
 
     Parameters
     ----------
     condition : float
     a, b : float
-        Each may be anything where the other holds, infinite as well.
+        The number that isn't selected may be NaN or infinite.
     """
     found = chosen(condition > 0.5, a, b)
     return found if condition == condition else condition
@@ -113,16 +114,16 @@ def either(condition: float, a: float, b: float) -> float:
 def quotient(on: float, a: float, a_rate: float, b: float, b_rate: float) -> float:
     """a/b along a motion; NaN at a pole, where b vanishes and a doesn't.
 
-    At a zero of b a place is known to so many digits that b may be any value up to its derivative times their
-    rounding. Where a vanishes with b, as in v/|v|, the quotient is that of the derivatives.
+    At a zero of b, rounding of the position leaves b uncertain by its derivative times that rounding. Where a vanishes
+    too, as in v/|v|, the quotient is that of the derivatives.
 
     Parameters
     ----------
     on : float
-        Sign of b beside the place.
+        Sign of b next to the position.
     a, b : float
     a_rate, b_rate : float
-        Their derivatives by the place [1/rad or 1/m].
+        Their derivatives by the position [1/rad or 1/m].
     """
-    beside = chosen(abs(a) <= _NEAR_TOO * abs(a_rate), a_rate / b_rate, math.nan)
-    return chosen(on * b <= _NEAR_ZERO * abs(b_rate), beside, a / b)
+    of_rates = chosen(abs(a) <= _COMMON_ZERO * abs(a_rate), a_rate / b_rate, math.nan)
+    return chosen(on * b <= _AT_ZERO * abs(b_rate), of_rates, a / b)

@@ -1,11 +1,11 @@
-"""Characteristics given as tables: piecewise cubics, set up once by SciPy, evaluated point by point.
+"""Characteristics given as tables: piecewise cubics, set up by SciPy, evaluated point by point.
 
-Every interpolation ends up in the same form, a cubic for each interval, so that a kernel knows only
-one evaluator. What a table does outside its rows is put into the pieces as well.
+Every interpolation has the same form, one cubic per interval, so compiled code needs a single evaluator. The behaviour
+of a table outside its rows is stored as pieces too.
 
-Sources: C. de Boor, A Practical Guide to Splines (the cubic spline and the piecewise form);
-F. N. Fritsch and J. Butland, A method for constructing local monotone piecewise cubic interpolants,
-SIAM J. Sci. Stat. Comput. 5 (1984) (the slopes of "pchip", as in SciPy).
+Sources: C. de Boor, A Practical Guide to Splines (cubic splines, piecewise form); F. N. Fritsch and J. Butland, A
+method for constructing local monotone piecewise cubic interpolants, SIAM J. Sci. Stat. Comput. 5 (1984) (slopes of
+"pchip", as in SciPy).
 """
 
 import math
@@ -21,17 +21,16 @@ from engine.words.glossary import nearest
 INTERPOLATIONS = ("linear", "pchip", "spline")
 OUTSIDE = ("hold", "zero")
 
-# Angles and times come rounded (6.28319 for a revolution, degrees turned into radians). A last row this
-# close to a whole period, relative to the period, is the closing row; values this close, relative to the
-# largest, agree.
+# Angles and times come rounded (6.28319 for a revolution, degrees converted to radians). A last row this close to a
+# whole period, relative to the period, is the closing row; values this close, relative to the largest, are equal.
 CLOSING_TOLERANCE = 1e-5
 
-# In memory a table's breaks begin after so many numbers.
+# Numbers of a table in memory before its breaks.
 HEAD = 3
 
 
 class TableError(ValueError):
-    """Rows from which no table can be made; the text names the row, the value and the remedy."""
+    """Rows that don't form a table; the message names the row, the value and the remedy."""
 
 
 class Table(NamedTuple):
@@ -40,13 +39,13 @@ class Table(NamedTuple):
     Attributes
     ----------
     breaks : numpy.ndarray, shape (n + 1,)
-        Where the pieces begin and end. The first and the last piece reach to infinity.
+        Ends of the pieces. The first and the last piece extend to infinity.
     coefficients : numpy.ndarray, shape (n, 4)
-        Of each piece, highest power first, in the distance from the piece's first break.
+        Coefficients of each piece, highest power first, in the distance from the piece's first break.
     start : float
-        Where the period that the rows describe begins.
+        Start of the period covered by the rows.
     period : float
-        Length of the period; 0.0 where the table isn't periodic.
+        Length of the period; 0.0 for a table that isn't periodic.
     """
 
     breaks: np.ndarray
@@ -68,21 +67,21 @@ def make_table(
     Parameters
     ----------
     x : array_like, shape (rows,)
-        Ascending. With "linear" interpolation two rows may share an x: a step, where the value is that of
-        the second row.
+        Ascending. With "linear" interpolation two rows may share an x: a step, at which the value is that of the second
+        row.
     y : array_like, shape (rows,)
         Value of each row.
     interpolation : {"linear", "pchip", "spline"}
-        Straight lines; monotone cubics (no overshoot, continuous slope); the cubic spline (continuous
-        curvature), natural or, with a period, periodic.
+        Straight lines; monotone cubics (no overshoot, continuous slope); the cubic spline (continuous curvature),
+        natural or, with a period, periodic.
     period : float
-        0.0 (not periodic) or the length of the period in x, of which the rows span at most one. Without a
-        row at the end of the period the first row closes it.
+        0.0 (not periodic) or the length of the period in x; the rows span at most one period. Without a row at the end
+        of the period, the first row closes it.
     outside : {"hold", "zero"}
-        The value beyond the rows: that of the end row, or zero (the end rows themselves belong to the
-        table). Without meaning for a periodic table.
+        Value beyond the rows: that of the end row, or zero (the end rows themselves belong to the table). Ignored for a
+        periodic table.
     names : (str, str)
-        What x and y are called in messages.
+        Names of x and y in messages.
 
     Returns
     -------
@@ -92,8 +91,8 @@ def make_table(
     Raises
     ------
     TableError
-        For rows that aren't finite numbers, don't match, are too few or out of order, for a step that the
-        interpolation can't make, a period that is too short or doesn't close, and unknown names.
+        If rows are NaN, infinite, mismatched, too few or out of order; if the interpolation doesn't allow a step; if
+        the period is too short or doesn't close; for unknown names.
     """
     _check_name("interpolation", interpolation, INTERPOLATIONS)
     _check_name("outside", outside, OUTSIDE)
@@ -112,7 +111,7 @@ def make_table(
 
 @scalar
 def piece_of(memory: np.ndarray, breaks: int, pieces: int, u: float) -> int:
-    """The piece of a table in which u lies; at a step the one after it. Its breaks begin at a place in memory."""
+    """Index of the piece of a table at u, at a step the piece after it; the table's breaks start at index `breaks`."""
     piece, above = 0, pieces
     while above - piece > 1:
         middle = (piece + above) // 2
@@ -151,7 +150,7 @@ def table_value(breaks: np.ndarray, coefficients: np.ndarray, start: float, peri
 
 
 def in_memory(table: Table) -> np.ndarray:
-    """A table as a row of numbers, in which `table_segment` finds its way.
+    """Flatten a table for `table_segment`.
 
     Parameters
     ----------
@@ -160,7 +159,7 @@ def in_memory(table: Table) -> np.ndarray:
     Returns
     -------
     numpy.ndarray, shape (4 + 5 n,)
-        Number n of pieces, start, period, the breaks, and the coefficients of one piece after another.
+        Number n of pieces, start, period, the breaks, and the coefficients piece by piece.
     """
     head = (float(table.coefficients.shape[0]), table.start, table.period)
     return np.concatenate((head, table.breaks, table.coefficients.ravel()))
@@ -168,22 +167,22 @@ def in_memory(table: Table) -> np.ndarray:
 
 @scalar
 def table_segment(memory: np.ndarray, offset: float, x: float) -> tuple[float, float, float, float, float]:
-    """The cubic that a table is at x: c3 t³ + c2 t² + c1 t + c0, t = x − left.
+    """The cubic piece of a table at x: c3 t³ + c2 t² + c1 t + c0, t = x − left.
 
-    Held over a stretch of x without a break of the table, it is smooth up to both ends of the stretch.
+    Held over a range of x without a break of the table, it is smooth up to both ends of the range.
 
     Parameters
     ----------
     memory : array of float64, one-dimensional
         Several tables, each as from `in_memory`.
     offset : float
-        Where the table begins in it.
+        Index at which the table begins.
     x : float
 
     Returns
     -------
     left : float
-        Where the piece begins; of a periodic table, in the period of x.
+        Start of the piece; for a periodic table, in the period of x.
     c3, c2, c1, c0 : float
         At a step those after it.
     """
@@ -203,14 +202,14 @@ def table_segment(memory: np.ndarray, offset: float, x: float) -> tuple[float, f
 def sum_of_segments(
     memory: np.ndarray, offsets: float, count: float, numbers: np.ndarray, begin: int, apart: int, x: float
 ) -> tuple[float, float, float, float]:
-    """The cubic that a weighted sum of tables is at x, in the distance from x.
+    """The cubic piece of a weighted sum of tables at x, in the distance from x.
 
     Parameters
     ----------
     memory : array of float64, one-dimensional
-        Several tables, each as from `in_memory`, and where those of the sum begin.
+        Several tables, each as from `in_memory`, and the indices at which those of the sum begin.
     offsets, count : float
-        Where these places are in it, and how many.
+        Index of the first of these indices, and their number.
     numbers, begin, apart
         A table of numbers: the weights.
     x : float
@@ -234,15 +233,15 @@ def sum_of_segments(
 
 @scalar
 def periods_before(start: float, period: float, x: float) -> float:
-    """Length of the whole periods between the start of a periodic table and x."""
+    """Total length of the whole periods between the start of a periodic table and x."""
     return period * math.floor((x - start) / period)
 
 
 @scalar
 def cycles_before(cycle: float, q: float) -> float:
-    """Length of the whole cycles before a place; the end of a cycle still belongs to it.
+    """Total length of the whole cycles before a position; the end of a cycle belongs to the cycle.
 
-    So a number that is counted anew in each cycle has gone all the way where the cycle ends.
+    A number that restarts in each cycle therefore reaches its final value at the cycle's end.
     """
     whole = math.floor(q / cycle)
     return cycle * (whole - 1.0) if whole > 0.0 and cycle * whole == q else cycle * whole
@@ -250,19 +249,19 @@ def cycles_before(cycle: float, q: float) -> float:
 
 @scalar
 def entry(memory: np.ndarray, index: float) -> float:
-    """A number in the memory."""
+    """Number at an index of the memory."""
     return memory[int(index)]
 
 
 @scalar
 def entry_from(memory: np.ndarray, index: float, at: float, x: float, before: float) -> float:
-    """A number in the memory where x has reached that at another place, otherwise what held before.
+    """Number at `index` of the memory if x has reached the number at `at`, else `before`.
 
     Parameters
     ----------
     memory : array of float
     index, at : float
-        Of the number, and of where it begins to hold.
+        Indices of the number, and of the x at which it starts to hold.
     x, before : float
     """
     return chosen(memory[int(at)] <= x, memory[int(index)], before)
@@ -276,7 +275,7 @@ def _check_name(key: str, name: str, allowed: tuple[str, ...]) -> None:
 
 
 def _numbers(x: ArrayLike, y: ArrayLike, names: tuple[str, str]) -> tuple[np.ndarray, np.ndarray]:
-    """Both columns as float64, of the same length, with at least two finite rows."""
+    """Convert both columns to float64; raise `TableError` unless they have equal lengths and at least 2 finite rows."""
     columns = []
     for key, column in zip(names, (x, y), strict=True):
         try:
@@ -302,9 +301,9 @@ def _numbers(x: ArrayLike, y: ArrayLike, names: tuple[str, str]) -> tuple[np.nda
 
 
 def _closed(x: np.ndarray, y: np.ndarray, period: float, names: tuple[str, str]) -> tuple[np.ndarray, np.ndarray]:
-    """Rows over exactly one period, the last one repeating the first one's value."""
+    """Extend rows to exactly one period, with the first value again in the last row."""
     end = x[0] + period
-    # Only the row that closes the table may be rounded: one a little before it is a row of its own.
+    # Only the closing row may be rounded; a row slightly before it is a separate row.
     closes = (x == x[-1]) & (np.abs(x - end) <= CLOSING_TOLERANCE * period)
     x = np.where(closes, end, x)
     beyond = np.flatnonzero(x > end)
@@ -378,7 +377,7 @@ def _straight(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def _monotone(x: np.ndarray, y: np.ndarray, periodic: bool) -> np.ndarray:
-    """PCHIP; a slope depends on the neighbouring rows only, so one row more each side makes it periodic."""
+    """PCHIP; slopes depend only on neighbouring rows, so one more row on each side makes it periodic."""
     from scipy import interpolate
 
     if not periodic:

@@ -1,4 +1,4 @@
-"""From a scene to its mathematics: kinematics, masses, loads, reactions, friction; and what may be asked."""
+"""Machines: evaluation of the quantities of a scene for sets of variants."""
 
 from engine import on_use
 

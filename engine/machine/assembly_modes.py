@@ -1,4 +1,4 @@
-"""Over which ranges of its input a mechanism can be assembled, and in which modes at the first position."""
+"""Ranges of the input over which a mechanism can be assembled, and assembly modes at the first position."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -13,9 +13,9 @@ from engine.scene.structure.ordering import order
 
 
 def assembly_modes(scene: Scene) -> dict[str, tuple[AssemblyMode, ...] | None]:
-    """The real assembly modes of every group of free links, of groups that hang on others after these.
+    """The real assembly modes of every group of free links, in the order of the groups.
 
-    None stands for those of a group that hangs on one whose mode the scene doesn't tell.
+    None for a group that depends on one whose mode the scene doesn't select.
 
     Parameters
     ----------
@@ -36,18 +36,18 @@ def assembly_modes(scene: Scene) -> dict[str, tuple[AssemblyMode, ...] | None]:
 
 
 def near_of_variant(scene: Scene, values: Mapping[str, float]) -> dict[str, float] | None:
-    """Numbers under `near` that tell a variant's assembly modes, in a scene of its own, as they are carried there.
+    """Numbers under `near` that select a variant's assembly modes when the variant is a separate scene.
 
     Parameters
     ----------
     scene : Scene
     values : mapping of path to float
-        Numbers of the scene (SI) that the variant has anew.
+        Numbers (SI) that replace the scene's.
 
     Returns
     -------
     dict of path to float, or None
-        None where a mode of the scene isn't reached in the variant, or the scene doesn't tell it.
+        None if a mode of the scene isn't reached in the variant, or the scene doesn't select one.
     """
     if not scene.links or not values:
         return {}
@@ -66,7 +66,7 @@ def near_of_variant(scene: Scene, values: Mapping[str, float]) -> dict[str, floa
 
 
 class AssemblyRange(NamedTuple):
-    """A range of the input over which the mechanism can be assembled [rad; m of a sliding input]."""
+    """A range of the input over which the mechanism can be assembled [rad, or m for a sliding input]."""
 
     start: float
     stop: float
@@ -79,13 +79,13 @@ def assembly_ranges(scene: Scene, positions: int = 7200) -> list[AssemblyRange]:
     ----------
     scene : Scene
     positions : int
-        Positions looked at: the ends of the ranges are exact to one interval.
+        Number of positions examined; ends of ranges are accurate to one interval.
 
     Returns
     -------
     list of AssemblyRange
-        One range over the whole cycle if the input turns (or slides) freely; empty if nothing assembles. A range
-        that runs through φ = 0 of a full circle is given with a negative start.
+        One range over the whole cycle if the input moves freely; empty if the mechanism can't be assembled anywhere. A
+        range that contains φ = 0 of a full circle has a negative start.
     """
     fields = [f"{group}.transmission" for group in (*scene.groups, *order(scene).free_groups, *scene.cams)]
     machine = MovingMachine(scene, positions=positions)

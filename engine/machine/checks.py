@@ -1,4 +1,4 @@
-"""Checks of what is asked: of the names, of the positions, and of the numbers that variants are given."""
+"""Checks of requests: names, positions, and values of variants."""
 
 import re
 from collections.abc import Iterable, Mapping
@@ -13,33 +13,33 @@ from engine.units.reading import UnitError, in_text
 from engine.words.glossary import did_you_mean, nearest
 from engine.words.verdicts import Verdict
 
-# Kernels keep rows at a fixed distance.
+# Kernels store rows at a fixed distance.
 MOST_POSITIONS = 1_048_576
-# Known names in a message on an unknown one.
+# Known names listed in the message on an unknown name.
 MOST_LISTED = 8
-# Lengths that are all this many times the scene's are likely millimetres without their unit.
+# Lengths that all exceed the scene's by this factor are probably millimetres without a unit.
 OUT_OF_SCALE = 100.0
 
 
 def check_scene(scene: object) -> None:
-    """Check that a machine is made of a scene.
+    """Check that a machine is made from a scene.
 
     Raises
     ------
     AskError
-        It is something else, such as the name of a file.
+        It is another object, such as the name of a file.
     """
     if not isinstance(scene, Scene):
         raise AskError(f"{scene!r} is not a scene; read one from a file by sweeps.read_scene('press.toml')")
 
 
 def names_of(names: str | Iterable[str]) -> tuple[str, ...]:
-    """Names as a tuple; a single text is one name."""
+    """Names as a tuple; a single string is one name."""
     return (names,) if isinstance(names, str) else tuple(names)
 
 
 def allowed_share(accuracy: float | str | None) -> float | None:
-    """An accuracy as a share.
+    """An accuracy as a fraction.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def allowed_share(accuracy: float | str | None) -> float | None:
 
 
 def size_remarks(limits: Mapping[str, SceneNumber], given: Mapping[str, np.ndarray]) -> tuple[str, ...]:
-    """Remarks on lengths that are far above those of the scene, as millimetres taken for metres are."""
+    """Remarks on lengths far above the scene's, such as millimetres taken for metres."""
     found = []
     for path, values in given.items():
         size, own = np.abs(values), abs(limits[path].value)
@@ -74,7 +74,7 @@ def check_positions(positions: int) -> None:
     Raises
     ------
     AskError
-        It is odd, less than 8, too great, or no whole number.
+        It is odd, less than 8, too large, or not a whole number.
     """
     if isinstance(positions, (int, np.integer)) and positions > MOST_POSITIONS:
         raise AskError(f"positions = {positions}: at most {MOST_POSITIONS} are allowed; try accuracy in their place")
@@ -88,7 +88,7 @@ def check_names(names: Iterable[str], known: Iterable[str], kind: str) -> None:
     Raises
     ------
     AskError
-        One isn't; the message says of what `kind` it should be, and which names are near.
+        A name is unknown; the message gives its expected `kind` and similar names.
     """
     known = list(known)
     for name in names:
@@ -102,7 +102,7 @@ def check_names(names: Iterable[str], known: Iterable[str], kind: str) -> None:
 
 
 def full_names(scene: Scene, text: str) -> str:
-    """A text in which forces in joints, named by the joint's letter on the drawing, have their full names.
+    """Replace forces named by the joint on the drawing by their full names.
 
     "A.reaction.peak" becomes "drive.first.reaction.peak".
 
@@ -115,7 +115,7 @@ def full_names(scene: Scene, text: str) -> str:
     Raises
     ------
     AskError
-        Several pairs are in a joint; the message names them.
+        The joint contains several pairs; the message lists them.
     """
     if scene.input is None or ".reaction" not in text:
         return text
@@ -139,23 +139,23 @@ def full_names(scene: Scene, text: str) -> str:
 def given_numbers(
     limits: Mapping[str, SceneNumber], paths: tuple[str, ...], varied: Mapping[str, np.ndarray], drop: np.ndarray | None
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """What variants are given (SI), as arrays (variants,), and the first verdicts on them, (variants,) of uint8.
+    """Values of variants (SI), as arrays (variants,), and their first verdicts, (variants,) of uint8.
 
     Parameters
     ----------
     limits : mapping of path to SceneNumber
-        Of a scene.
+        Numbers of a scene.
     paths : tuple of str
         Paths that vary.
     varied : mapping of path to ndarray (variants,)
-        Their values, in SI or as texts with units; without any there is one variant.
+        Their values, in SI or as texts with units; one variant if empty.
     drop : ndarray (variants,) of bool, optional
         Variants not to evaluate.
 
     Raises
     ------
     AskError
-        The paths given are not these, or what is given for one is no row of real numbers as long as the others.
+        The paths differ from `paths`, or values are not rows of real numbers of equal length.
     """
     if not isinstance(varied, Mapping):
         raise AskError(f"give values by path, such as {{{next(iter(paths), 'input.length')!r}: [...]}}, not {varied!r}")
@@ -186,7 +186,7 @@ def given_numbers(
 
 
 def _row(path: str, values: object, dimension: str) -> np.ndarray:
-    """What is given for a path, as a row of float64."""
+    """Values for a path as a row of float64."""
     if np.ma.is_masked(values):
         raise AskError(f"{path!r} has masked values: leave out the variants that have none")
     try:

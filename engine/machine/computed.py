@@ -1,4 +1,4 @@
-"""What is computed of a machine at a position, in the mechanic's words."""
+"""Levels of a machine's kinematics and statics that are computed at a position, in words."""
 
 from collections.abc import Iterable
 
@@ -29,7 +29,7 @@ def computed_levels(mechanics: Mechanics, curves: Iterable[Node]) -> dict[str, l
 
 
 def _levels(mechanics: Mechanics) -> dict[str, dict[str, tuple[Node, ...]]]:
-    """Of each subject the nodes of each level that change with the position."""
+    """Position-dependent nodes of each level of each subject."""
     k = mechanics.kinematics
     found = {
         f"group {name} ({_kind(mechanics, name)})": {
@@ -60,7 +60,7 @@ def _levels(mechanics: Mechanics) -> dict[str, dict[str, tuple[Node, ...]]]:
 
 
 def _reaction(mechanics: Mechanics, pair: Pair) -> tuple[Node, ...]:
-    """Components of the reaction in a pair: of a force, or normal force and moment in a guide."""
+    """Components of the reaction in a pair: of a force; of a guide, normal force and moment."""
     parts = ("reaction_x", "reaction_y") if pair.kind == "revolute" else ("reaction", "reaction_moment")
     return tuple(mechanics.reactions.variables[f"{pair.name}.{part}"] for part in parts)
 

@@ -1,4 +1,4 @@
-"""What has to hold in a machine that works: groups are assembled, margins stay positive, springs unwind."""
+"""Conditions for a working machine: groups are assembled, margins are positive, springs unwind."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -8,12 +8,12 @@ from engine.mechanism.mechanics import Mechanics
 from engine.scene.pairs import has_friction
 from engine.words.verdicts import Verdict
 
-# A group whose transmission quality falls below this is singular: about the root of the rounding error.
+# Transmission index below which a group counts as singular: about the square root of the rounding error.
 SINGULAR_SINE = 1e-7
 
 
 class Margin(NamedTuple):
-    """A curve that stays positive in a machine that works; where it doesn't, the verdict, and the group to blame."""
+    """A curve that is positive in a working machine; the verdict if it is not, and the group responsible."""
 
     group: str
     verdict: Verdict
@@ -21,13 +21,13 @@ class Margin(NamedTuple):
 
 
 def taking_part(mechanics: Mechanics, nodes: Iterable[Node]) -> tuple[str, ...]:
-    """Groups on whose position some nodes depend, in the order of the scene."""
+    """Groups on whose position the nodes depend, in the order of the scene."""
     behind, kinematics = set(reached(nodes)), mechanics.kinematics
     return tuple(group for group in kinematics.sines if behind.intersection(kinematics.solution(group)))
 
 
 def wound_springs(mechanics: Mechanics, nodes: Iterable[Node]) -> list[Node]:
-    """Rates of the angles that torsion springs follow on which some nodes depend."""
+    """Angular rates of the links whose torsion springs the nodes depend on."""
     if not mechanics.sprung:
         return []
     behind = set(reached(nodes))
@@ -36,7 +36,7 @@ def wound_springs(mechanics: Mechanics, nodes: Iterable[Node]) -> list[Node]:
 
 
 def margins_against_jamming(mechanics: Mechanics, nodes: Iterable[Node]) -> list[Margin]:
-    """Margins of the groups on whose friction some nodes depend."""
+    """Margins against jamming of the groups on whose friction the nodes depend."""
     if not has_friction(mechanics.scene):
         return []
     behind = set(reached(nodes))
@@ -49,7 +49,7 @@ def margins_against_jamming(mechanics: Mechanics, nodes: Iterable[Node]) -> list
 
 
 def margins_at_cams(mechanics: Mechanics, nodes: Iterable[Node]) -> list[Margin]:
-    """What must stay positive at the cams on which some nodes depend."""
+    """Margins of the cams on which the nodes depend, against undercut and lift-off."""
     kinematics, found = mechanics.kinematics, []
     for name in taking_part(mechanics, nodes) if kinematics.cams else ():
         if name not in kinematics.cams:
@@ -57,6 +57,6 @@ def margins_at_cams(mechanics: Mechanics, nodes: Iterable[Node]) -> list[Margin]
         found += [Margin(name, Verdict.UNDERCUT, curve) for curve in kinematics.cams[name].undercut]
         if mechanics.scene.cams[name].closure == "spring":
             force = mechanics.reactions.variables[f"{name}.contact_force"]
-            # Where nothing has a mass and nothing acts, nothing is said of forces.
+            # Without masses and loads there is no contact force to judge.
             found += [Margin(name, Verdict.LIFTS_OFF, force)] if force.stage == Stage.POSITION else []
     return found

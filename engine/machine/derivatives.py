@@ -1,9 +1,9 @@
-"""Derivatives of summaries by the numbers of a scene: how a result changes with a length, a mass, a load.
+"""Derivatives of summaries with respect to numbers of a scene: sensitivity of a result to a length, a mass, a load.
 
-Neighbours of every variant, in which one number is a little more or less, are evaluated all together and by the same
-kernel as the variants themselves; their differences are extrapolated (see `extrapolation`). What is linear in a number
-comes out exact to rounding. Positions stay where they are: it is the derivative of the summary as computed, whose error
-figure takes part in that of the derivative.
+For every variant, neighbours with one number slightly larger or smaller are evaluated together, by the same kernel as
+the variants; the differences are extrapolated (see `extrapolation`). Derivatives of linear functions are exact within
+rounding. Positions are not adapted: the result is the derivative of the summary as computed, and the summary's error
+estimate is part of the derivative's.
 """
 
 from collections.abc import Callable, Mapping
@@ -20,29 +20,29 @@ from engine.parts.skeleton import CrankInput, NonZero
 from engine.scene.scene import Scene, SceneNumber, scene_numbers
 from engine.words.verdicts import Verdict
 
-# Roundings that a summary is made of.
+# Assumed rounding error of a summary, in units of the machine epsilon.
 ROUNDING = 16
-# Steps as shares of a number's scale; the shorter ones where the longer ones don't do.
+# Steps relative to a number's scale; the shorter ones are used if the longer ones are insufficient.
 LADDERS = (tuple(2.0**-k for k in (2, 3, 4, 5, 6, 7)), tuple(2.0**-k for k in (9, 11, 13, 15, 17)))
-# Evaluations of a variant by one number, where the longer steps do.
+# Evaluations per variant and number if the longer steps suffice.
 EVALUATIONS = 2 * len(LADDERS[0])
-# Shorter steps are tried where longer ones leave more than this share open.
+# Shorter steps are tried if longer ones leave a larger relative error.
 GOOD = 1e-8
-# The place of an extreme may jump from one peak to another.
+# The position of an extreme may jump from one peak to another.
 PLACES = (".min_at", ".max_at")
 
 
 class Move(NamedTuple):
-    """A number to be moved.
+    """A number to be varied for a derivative.
 
     Attributes
     ----------
     at : ndarray (variants,)
         Its value.
     scale : ndarray (variants,)
-        Change of it that would make another machine: steps are shares of this.
+        A substantial change of the number, the unit of the steps.
     varied : callable
-        From values of the number (points,) and the variants they belong to (points,) to what `evaluate` takes.
+        Maps values of the number (points,) and the indices of their variants (points,) to the argument of `evaluate`.
     """
 
     at: np.ndarray
@@ -51,16 +51,16 @@ class Move(NamedTuple):
 
 
 class Derivatives(NamedTuple):
-    """Derivatives by one number.
+    """Derivatives with respect to one number.
 
     Attributes
     ----------
     values, errors : dict of str to ndarray (variants,)
-        Derivative of each asked summary and its error figure, unit of the summary over unit of the number; NaN where
-        there is none.
+        Derivative of each requested summary and its error estimate, unit of the summary over unit of the number; NaN
+        if undefined.
     status : ndarray (variants,) of uint8
-        `Verdict` codes: OK where the variant and a neighbour on one side at least can be evaluated, else what is wrong
-        with the variant, or with its neighbours.
+        `Verdict` codes: OK if the variant and its neighbours on at least one side can be evaluated, else the verdict on
+        the variant or on its neighbours.
     """
 
     values: dict[str, np.ndarray]
@@ -69,21 +69,21 @@ class Derivatives(NamedTuple):
 
 
 def derivatives(machine: Machine | ElementsAlone, varied: Mapping[str, np.ndarray], by: str) -> Derivatives:
-    """Derivatives of all asked summaries by one number of the scene, all others held.
+    """Derivatives of all requested summaries with respect to one number of the scene, with all others fixed.
 
     Parameters
     ----------
     machine : Machine or ElementsAlone
-        Best without fields and in float64.
+        Preferably without fields and in float64.
     varied : mapping of path to ndarray (variants,)
-        As for `evaluate`.
+        As in `evaluate`.
     by : str
-        One of the paths that the machine was made to vary.
+        One of the machine's varied paths.
 
     Raises
     ------
     AskError
-        The number isn't one of those, or there is no derivative by it, or of an asked summary.
+        The number isn't varied, or the derivative with respect to it, or of a requested summary, does not exist.
 
     Examples
     --------
@@ -109,13 +109,13 @@ def derivatives(machine: Machine | ElementsAlone, varied: Mapping[str, np.ndarra
 
 
 def number_moved(scene: Scene, varied: Mapping[str, np.ndarray], by: str) -> Move:
-    """One number of the scene moved by itself.
+    """Variation of one number of the scene alone.
 
     Parameters
     ----------
     scene : Scene
     varied : mapping of path to ndarray (variants,)
-        Values (SI) of what varies, the number among them.
+        Values (SI) of all varied numbers.
     by : str
     """
     arrays = {path: np.atleast_1d(np.asarray(values, float)) for path, values in varied.items()}
@@ -127,7 +127,7 @@ def number_moved(scene: Scene, varied: Mapping[str, np.ndarray], by: str) -> Mov
 
 
 def derivatives_along(machine: Machine | ElementsAlone, move: Move) -> Derivatives:
-    """Derivatives of all asked summaries by whatever a move changes.
+    """Derivatives of all requested summaries along a move.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def derivatives_along(machine: Machine | ElementsAlone, move: Move) -> Derivativ
     Raises
     ------
     AskError
-        An asked summary has no derivative.
+        A requested summary has no derivative.
     """
     for name in machine.asked_summaries:
         if name.endswith(PLACES):
@@ -165,15 +165,15 @@ def derivatives_along(machine: Machine | ElementsAlone, move: Move) -> Derivativ
 
 
 def _is_open(found: Estimate, here: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    """Whether shorter steps may better an estimate."""
+    """Whether shorter steps could improve an estimate."""
     small = GOOD * (np.abs(found.value) + np.abs(here) / scale)
-    # A summary that is undefined by itself has no neighbours either.
-    doubtful = (found.from_steps > small) & (found.from_steps > 0.5 * found.error)
-    return np.isfinite(here) & (~np.isfinite(found.error) | doubtful)
+    # The neighbours of an undefined summary are undefined as well.
+    uncertain = (found.from_steps > small) & (found.from_steps > 0.5 * found.error)
+    return np.isfinite(here) & (~np.isfinite(found.error) | uncertain)
 
 
 class _Neighbours(NamedTuple):
-    """Variants beside some others: steps (levels,), what was moved, verdicts and results (variants, levels, 2)."""
+    """Neighbours of some variants: steps (levels,), displacements, verdicts and results (variants, levels, 2)."""
 
     steps: np.ndarray
     width: np.ndarray
@@ -194,7 +194,7 @@ class _Neighbours(NamedTuple):
 
     @classmethod
     def joined(cls, parts: "list[_Neighbours]") -> "_Neighbours":
-        """Neighbours of the same variants over several ladders."""
+        """Combine neighbours of the same variants over several ladders."""
         whole = [np.concatenate([part[i] for part in parts], axis=min(i, 1)) for i in range(3)]
         tables = ({n: np.concatenate([part[i][n] for part in parts], axis=1) for n in parts[0][i]} for i in (3, 4))
         return cls(*whole, *tables)
@@ -206,16 +206,16 @@ class _Neighbours(NamedTuple):
 
 
 def _tables(outcome: Outcome, shape: tuple[int, ...]) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """Summaries and error figures of neighbours, NaN of those that fail."""
+    """Summaries and error estimates of neighbours; NaN for those that fail."""
     failed = outcome.status != Verdict.OK
     tables = (outcome.summaries, outcome.errors)
     return tuple({n: np.where(failed, np.nan, v).reshape(shape) for n, v in table.items()} for table in tables)
 
 
 def _estimate(
-    machine: Machine | ElementsAlone, around: _Neighbours, name: str, here: np.ndarray, doubt: np.ndarray
+    machine: Machine | ElementsAlone, around: _Neighbours, name: str, here: np.ndarray, here_error: np.ndarray
 ) -> Estimate:
-    samples = Differences(around.steps, around.width, here, doubt, around.summaries[name], around.errors[name])
+    samples = Differences(around.steps, around.width, here, here_error, around.summaries[name], around.errors[name])
     return derivative_of(samples, ROUNDING * float(np.finfo(machine.dtype).eps))
 
 
@@ -223,16 +223,17 @@ def _estimate(
 
 
 def scale_of(scene: Scene, varied: Mapping[str, np.ndarray], by: str) -> np.ndarray:
-    """Change of a number that would make another machine.
+    """A substantial change of a number, as the unit of steps.
 
-    Of what can't be negative its own size, of coordinates and offsets the crank, of angles a radian, of all else its
-    own size; of a 0 the greatest number of its kind in the scene. It is less near a limit, so that both sides fit.
+    It is the value of a nonnegative number; the crank length for coordinates and offsets; 1 rad for angles; else the
+    value. For a value of 0, it is the largest number of the same dimension in the scene. Near a limit it is reduced, so
+    that steps to both sides remain within.
 
     Parameters
     ----------
     scene : Scene
     varied : mapping of path to ndarray (variants,)
-        Values (SI) of what varies, the number among them.
+        Values (SI) of all varied numbers.
     by : str
 
     Returns
@@ -268,7 +269,7 @@ def _reach(scene: Scene, varied: Mapping[str, np.ndarray]) -> float | np.ndarray
 
 
 def _within(number: SceneNumber, values: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    """Scales whose longest step goes half of the way to a limit at most, unless that is too near."""
+    """Reduce scales so that the longest step covers at most half the distance to a limit, unless that is too near."""
     for limit in number.limits:
         room = np.abs(values - _bound(limit)) / (2 * LADDERS[0][0])
         scale = np.where((room > LADDERS[0][-1] * scale) & (room < scale), room, scale)
@@ -283,7 +284,7 @@ def _bound(limit: Gt | Ge | Lt | Le | NonZero) -> float:
 
 
 def unit_over(above: str, below: str) -> str:
-    """Quotient of two units as CF spells them: "J" over "m" is "J m-1", "N m" over "m" is "N"."""
+    """Quotient of two units in CF spelling: "J" over "m" is "J m-1", "N m" over "m" is "N"."""
     powers: dict[str, int] = {}
     for unit, sign in ((above, 1), (below, -1)):
         for symbol in unit.split():

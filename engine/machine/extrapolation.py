@@ -1,15 +1,16 @@
-"""A derivative from differences over steps of several lengths, extrapolated to none, with an error figure.
+"""A derivative by extrapolation of difference quotients to zero step length, with an error estimate.
 
-Let f be known at x and at x ± h for several h. The difference quotient over 2h is f'(x) + a h² + b h⁴ + …, that of
-one side is f'(x) + a h + b h² + …: combined over a window of lengths such that the leading powers cancel, quotients
-give f'(x) much better (Richardson). Of all windows that one is taken whose figure is least. The figure adds up
+Let f be known at x and at x ± h for several h. The central quotient is f'(x) + a h² + b h⁴ + …, the one-sided quotient
+f'(x) + a h + b h² + …. A combination of quotients over a window of step lengths cancels the leading powers and
+approximates f'(x) much better (Richardson). The window with the smallest error estimate is used. The estimate adds up
 
 - truncation: the difference from the window one step coarser;
-- kinks: what the quotients of both sides, extrapolated, differ by, which is 0 for a smooth f;
-- rounding of f, and jitter of f from one x to the next, as positions take turns in giving an extreme.
+- kinks: the difference between the extrapolated one-sided quotients, which is 0 for a smooth f;
+- rounding of f, and jitter of f from one x to the next, where the position that gives an extreme changes.
 
 Source: L. F. Richardson, J. A. Gaunt, The deferred approach to the limit, Phil. Trans. R. Soc. A 226 (1927); for the
-choice by the least figure, C. J. F. Ridders, Accurate computation of F'(x) and F'(x)F''(x), Adv. Eng. Softw. 4 (1982).
+selection by the smallest estimate, C. J. F. Ridders, Accurate computation of F'(x) and F'(x)F''(x), Adv. Eng. Softw. 4
+(1982).
 """
 
 from functools import cache
@@ -17,41 +18,41 @@ from typing import NamedTuple
 
 import numpy as np
 
-# Lengths in a window: central quotients then err by the eighth power of the step.
+# Maximum number of step lengths in a window; the error of central quotients is then of the eighth power of the step.
 WIDEST = 4
-# Error figures that differ by no more than this share are the same.
+# Relative tolerance for equal error estimates.
 ALIKE = 1e-13
-# Powers of the step in a difference quotient, one for each length but the first.
+# Powers of the step in the error of a difference quotient: one fewer than the step lengths of a window.
 CENTRAL, ONE_SIDED, OF_JUMP = (2, 4, 6), (1, 2, 3), (1, 3, 5)
 
 
 class Differences(NamedTuple):
-    """A function beside a place.
+    """A function around a point.
 
     Attributes
     ----------
     steps : ndarray (levels,)
-        Lengths of the steps as shares of a scale, from long to short.
+        Step lengths relative to a scale, in descending order.
     width : ndarray (variants, levels, 2)
-        What x was moved by, up and down: about ± steps, as rounding lets it.
-    here, doubt : ndarray (variants,)
-        f at the place, and its error figure.
+        Displacement of x, up and down: ± steps, within rounding.
+    here, here_error : ndarray (variants,)
+        f at the point, and its error estimate.
     value : ndarray (variants, levels, 2)
-        f at the places moved to; NaN where there is none.
+        f at the displaced points; NaN if undefined.
     error : ndarray (variants, levels, 2)
-        Error figure of each.
+        Error estimate of each.
     """
 
     steps: np.ndarray
     width: np.ndarray
     here: np.ndarray
-    doubt: np.ndarray
+    here_error: np.ndarray
     value: np.ndarray
     error: np.ndarray
 
 
 class Estimate(NamedTuple):
-    """A derivative, its error figure, and the part of that which shorter steps may lessen; (variants,) each."""
+    """A derivative, its error estimate, and the part of that which shorter steps may reduce; (variants,) each."""
 
     value: np.ndarray
     error: np.ndarray
@@ -60,19 +61,19 @@ class Estimate(NamedTuple):
 
 @cache
 def weights(steps: tuple[float, ...], powers: tuple[int, ...]) -> np.ndarray:
-    """What to multiply quotients over several steps by, so that their sum is free of the given powers of the step.
+    """Weights of quotients over several steps whose sum is free of the given powers of the step.
 
     Parameters
     ----------
     steps : tuple of float
         Lengths, all different.
     powers : tuple of int
-        Powers that cancel, one less than there are lengths.
+        Powers to cancel, one fewer than the lengths.
 
     Returns
     -------
     ndarray (lengths,)
-        They add up to 1.
+        With the sum 1.
     """
     relative = np.array(steps) / max(steps)
     rows = np.stack([relative**power for power in (0, *powers)])
@@ -82,7 +83,7 @@ def weights(steps: tuple[float, ...], powers: tuple[int, ...]) -> np.ndarray:
 
 
 def derivative_of(samples: Differences, rounding: float) -> Estimate:
-    """Derivative at the place, by differences to both sides, or to one where only that side has values throughout.
+    """Derivative from central differences, or from one-sided ones if only that side is defined throughout.
 
     Parameters
     ----------
@@ -104,11 +105,11 @@ def derivative_of(samples: Differences, rounding: float) -> Estimate:
 def _best(
     samples: Differences, quotients: np.ndarray, powers: tuple[int, ...], jumps: np.ndarray | None, rounding: float
 ) -> Estimate:
-    """The window with the least figure for each variant; NaN where no two windows have values."""
+    """Result of the window with the smallest estimate for each variant; NaN if fewer than two windows are defined."""
     length = np.abs(samples.width).mean(axis=2)
     size = rounding * np.fmax(np.abs(samples.here), np.abs(_filled(samples.value)).max(axis=(1, 2)))
     jitter, hidden = _jitter(samples, quotients, powers, length, 2 * size)
-    doubt = (size[:, None] + jitter) / length
+    noise = (size[:, None] + jitter) / length
     best = Estimate(*(np.full(samples.here.shape, np.nan) for _ in range(3)))
     for first in range(1, samples.steps.size):
         for last in range(first + 1, min(first + WIDEST, samples.steps.size) + 1):
@@ -117,7 +118,7 @@ def _best(
             steps = np.abs(value - _extrapolated(samples.steps, quotients, powers, coarser))
             if jumps is not None:
                 steps += np.abs(_extrapolated(samples.steps, jumps, OF_JUMP, window))
-            error = steps + _sum(doubt[:, window], np.abs(_weights(samples.steps, powers, window))) + hidden
+            error = steps + _sum(noise[:, window], np.abs(_weights(samples.steps, powers, window))) + hidden
             better = np.isfinite(error) & ~(best.error <= error)
             best = Estimate(*(np.where(better, b, a) for a, b in zip(best, (value, error, steps), strict=True)))
     return best
@@ -133,7 +134,7 @@ def _extrapolated(steps: np.ndarray, quotients: np.ndarray, powers: tuple[int, .
 
 
 def _sum(columns: np.ndarray, factors: np.ndarray) -> np.ndarray:
-    """Sum of columns times factors, to the same bit however many rows there are."""
+    """Weighted sum of columns, bitwise independent of the number of rows."""
     total = columns[:, 0] * factors[0]
     for i in range(1, factors.size):
         total = total + columns[:, i] * factors[i]
@@ -143,12 +144,12 @@ def _sum(columns: np.ndarray, factors: np.ndarray) -> np.ndarray:
 def _jitter(
     samples: Differences, quotients: np.ndarray, powers: tuple[int, ...], length: np.ndarray, least: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Noise of the function at each level (variants, levels), and what its error figure does to slopes (variants,).
+    """Noise of the function at each level (variants, levels), and the slope error from its errors (variants,).
 
-    Windows that disagree, whatever their width, show noise: it isn't taken for more than the function's own error
-    figure. Where places are too near for positions to take turns, a jump or an extreme between two positions hides its
-    motion, and with it up to twice the error figure over a step. What changes by less than `least` altogether, with an
-    error figure that doesn't change at all, doesn't depend on the number.
+    The disagreement of windows, whatever their width, indicates noise; it is limited to the function's error estimate.
+    At points so close that the position of an extreme does not change, a jump or an extreme between two positions stays
+    hidden, and with it up to twice the error estimate over a step. A function that changes by less than `least` in
+    total, with a constant error estimate, doesn't depend on the number.
     """
     apart = np.full(samples.here.shape, np.inf)
     for width in range(2, WIDEST + 1):
@@ -156,8 +157,8 @@ def _jitter(
         values = np.stack([_extrapolated(samples.steps, quotients, powers, window) for window in windows], axis=1)
         gaps = np.abs(np.diff(values, axis=1)) * length[:, 1 : values.shape[1]]
         apart = np.fmin(apart, np.where(np.isfinite(gaps).any(axis=1), _filled(gaps).max(axis=1), np.inf))
-    # Small by chance at one place, an error figure is that of the greatest one so near.
-    figures = np.concatenate([samples.doubt[:, None], _filled(samples.error).max(axis=2)[:, ::-1]], axis=1)
+    # An error estimate may be small by chance: use the largest one at least as near.
+    figures = np.concatenate([samples.here_error[:, None], _filled(samples.error).max(axis=2)[:, ::-1]], axis=1)
     figures = np.maximum.accumulate(figures, axis=1)[:, :0:-1]
     over_steps = np.where(np.isfinite(quotients), 2 * figures / length, np.inf).min(axis=1)
     changes = np.abs(_filled(samples.value - samples.here[:, None, None])).max(axis=(1, 2))
@@ -166,5 +167,5 @@ def _jitter(
 
 
 def _filled(values: np.ndarray) -> np.ndarray:
-    """Values, with 0 for NaN and infinite ones."""
+    """Replace NaN and infinite values by 0."""
     return np.where(np.isfinite(values), values, 0.0)

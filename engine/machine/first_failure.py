@@ -1,6 +1,6 @@
-"""Where on its cycle, or on a part of it, a variant fails first.
+"""First position on a variant's cycle, or on a part of it, at which the variant fails.
 
-A position at which a group can't be assembled is sought in equally spaced ones, then between two of them.
+Equally spaced positions are examined, then the interval before the first failure is bisected.
 """
 
 from collections.abc import Callable, Sequence
@@ -9,19 +9,18 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.graph.nodes import Node
+from engine.machine.conditions import SINGULAR_SINE
 from engine.machine.kept_fields import KeptFields, fill_found
 from engine.machine.measuring import MeasuredCycles, Measuring
 from engine.quantities.expressions import Angle
 from engine.scene.scene import Numbers
 from engine.words.verdicts import Verdict
 
-# A group whose transmission quality falls below this is singular: about the root of the rounding error.
-SINGULAR_SINE = 1e-7
-# A run that turns back within this distance of a singular position has reached it [rad, or of a range of 2π]: beside a
-# dead centre of the driven side the error of a step alone decides where the input stands still.
+# A run that reverses within this distance of a singular position counts as having reached it [rad, for a range of 2π]:
+# near a dead centre of the driven side, the step error alone decides where the input comes to a standstill.
 BESIDE = 1e-6
 
-# Equally spaced positions at which failing variants are examined, and halvings of the step between two of them.
+# Equally spaced positions at which failing variants are examined, and bisections of the interval between two of them.
 LOOKED_AT, HALVINGS = 720, 40
 
 
@@ -34,7 +33,7 @@ def first_failure(
     ----------
     curves : KeptFields
     table : ndarray (numbers, variants)
-        As for `KeptFields.fill`.
+        As in `KeptFields.fill`.
     ends : tuple of int
         Rows of the table with the ends of the input's range.
     fails : callable
@@ -43,9 +42,9 @@ def first_failure(
     Returns
     -------
     which : ndarray (variants,) of int
-        The curve that fails there; −1 where none does at any of the positions looked at.
+        The curve that fails there; −1 if none fails at the positions examined.
     place : ndarray (variants,)
-        The position; NaN where there is none.
+        The position; NaN if there is none.
     """
     count, variants = curves.count, np.arange(table.shape[1])
     share = np.arange(LOOKED_AT + 1) / LOOKED_AT
@@ -74,13 +73,13 @@ class Failures(NamedTuple):
     Attributes
     ----------
     verdict : ndarray of uint8
-        OK where there is no such position.
+        OK if there is no such position.
     group : ndarray of int
-        Index of the group to blame in `Measuring.groups`; −1 where there is none.
+        Index of the group responsible in `Measuring.groups`; −1 if there is none.
     place : ndarray
-        Position of the input; NaN where there is none.
+        Position of the input; NaN if there is none.
     rounding : ndarray
-        What rounding leaves of accelerations and forces where transmission is worst, relative to the greatest.
+        Rounding error of accelerations and forces at the worst transmission, relative to their maximum.
     """
 
     verdict: np.ndarray
@@ -90,15 +89,15 @@ class Failures(NamedTuple):
 
 
 def failures_of(measuring: Measuring, table: np.ndarray, answers: MeasuredCycles) -> Failures:
-    """Failures of variants over the range of the input that was measured.
+    """Failures of variants over the measured range of the input.
 
     Parameters
     ----------
     measuring : Measuring
     table : ndarray (numbers, variants)
-        What was found on the cycle among them.
+        Including the numbers found on the cycle.
     answers : MeasuredCycles
-        Of this table.
+        Measurements for this table.
     """
     broken, groups, count = answers.outcome.broken_at, measuring.groups, table.shape[1]
     verdict, rounding = np.full(count, Verdict.OK, np.uint8), answers.rounding_of_rates(2)
@@ -108,7 +107,7 @@ def failures_of(measuring: Measuring, table: np.ndarray, answers: MeasuredCycles
         failures.verdict[who], failures.group[who], failures.place[who] = verdict, group, place
 
     singular, sines = np.zeros(count, bool), answers.sines()
-    # Where all groups can be assembled, infinite values may come from the dead centre itself.
+    # If all groups can be assembled, infinite values may result from the dead centre.
     assembled = ~np.isnan([least for least, _ in sines]).any(axis=0)
     for k, (least, place) in enumerate(sines):
         fails = (least < SINGULAR_SINE) & ~singular & assembled
@@ -119,7 +118,7 @@ def failures_of(measuring: Measuring, table: np.ndarray, answers: MeasuredCycles
         fields = curves_of(measuring, [measuring.mechanics.kinematics.sines[group] for group in groups])
         at, place = first_failure(fields, table[:, lost], ends_of(measuring), np.isnan)
         for k in range(len(groups)):
-            # Just beside the limit of the links' reach, positions differ by rounding.
+            # At the limit of the links' reach, positions differ by rounding.
             hidden = (at < 0) & np.isnan(sines[k][0][lost]) & np.isfinite(broken[lost])
             here = (at == k) | hidden
             at[hidden] = k
@@ -128,15 +127,15 @@ def failures_of(measuring: Measuring, table: np.ndarray, answers: MeasuredCycles
 
 
 def failures_within(measuring: Measuring, numbers: Numbers, covered: np.ndarray) -> Failures:
-    """Failures of variants over ranges of the input that their runs cover.
+    """Failures of variants over the ranges of the input that their runs cover.
 
     Parameters
     ----------
     measuring : Measuring
     numbers : Numbers
-        Of the variants.
+        Numbers of the variants.
     covered : ndarray (2, variants)
-        Least and greatest position; a range beyond a cycle counts as a cycle, one of NaN has no failures.
+        Minimum and maximum position; a range longer than a cycle is limited to one; a NaN range has no failures.
     """
     table, ends = measuring.numbers(numbers, covered.shape[1]), list(ends_of(measuring))
     (low, high), bounds = covered, np.sort(table[ends], axis=0)
@@ -157,20 +156,20 @@ def failures_within(measuring: Measuring, numbers: Numbers, covered: np.ndarray)
 def curves_of(
     measuring: Measuring, curves: Sequence[Node | Angle], dtype: np.dtype | type[float] = float
 ) -> KeptFields:
-    """Curves of a machine at positions to be chosen.
+    """Fields of a machine at arbitrary positions.
 
     Parameters
     ----------
     measuring : Measuring
     curves : sequence of Node or Angle
     dtype : float64 or float32
-        In which they are kept.
+        Type in which they are stored.
     """
     title = f"The functions of one machine: {measuring.mechanics.scene.title or 'untitled'}."
     return KeptFields(curves, measuring.functions, measuring.machine.levels, np.dtype(dtype), title)
 
 
 def ends_of(measuring: Measuring) -> tuple[int, int]:
-    """Rows of the numbers with the ends of the input's range."""
+    """Rows of the table with the ends of the input's range."""
     rows = measuring.functions.rows
     return rows[measuring.mechanics.first], rows[measuring.mechanics.last]

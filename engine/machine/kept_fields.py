@@ -1,4 +1,4 @@
-"""Kept fields: curves at equally spaced positions, one variant after another."""
+"""Kept fields: curves at equally spaced positions, one variant after the other."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -21,12 +21,12 @@ from engine.graph.nodes import Found, Node
 from engine.laws.elementary import angle_or_zero, direction_of
 from engine.quantities.expressions import Angle
 
-# Rows of the table with the ends of each variant's own range, where positions are the same for all variants.
+# Rows of the ends of each variant's range, if the positions are the same for all variants.
 NONE = (-1, -1)
 
 
 def field_node(curve: Node | Angle) -> Node:
-    """What is computed at a position: the curve; of an angle that between −π and π."""
+    """Node computed at a position: the curve; for an angle, its value between −π and π."""
     if isinstance(curve, Angle):
         x, y = curve.direction
         return x.graph.apply(angle_or_zero, x, y)
@@ -40,18 +40,18 @@ class KeptFields:
     ----------
     curves : sequence of Node or Angle
     functions : Functions
-        Of the machine, the numbers of these curves' `field_node` laid out.
+        Functions of the machine, with the numbers of these curves' `field_node` in their layout.
     levels : callable
-        The machine's function of that name.
+        The machine's `levels` function.
     dtype : float64 or float32
-        In which they are kept; they are computed in double precision.
+        Type in which they are stored; they are computed in double precision.
     title : str
-        Of the machine.
+        Title of the machine.
 
     Attributes
     ----------
     count : int
-        How many curves there are.
+        Number of curves.
     """
 
     def __init__(
@@ -74,15 +74,15 @@ class KeptFields:
         Parameters
         ----------
         table : ndarray (numbers, variants)
-            What was found on the cycle among them, see `fill_found`.
+            Including the numbers found on the cycle, see `fill_found`.
         q : ndarray (positions,)
-            Input positions; shares of each variant's own range where `ends` are given.
+            Input positions; with `ends`, as shares of each variant's range.
         fields : ndarray (fields, variants, positions)
-            Written to.
+            Output.
         places : ndarray (variants,) of int
-            Where in the fields each variant of the table comes.
+            Index in the fields of each variant in the table.
         ends : tuple of int
-            Rows of the table with the ends of each variant's own range.
+            Rows of the table with the ends of each variant's range.
 
         Returns
         -------
@@ -106,15 +106,15 @@ class KeptFields:
 
 
 def fill_found(functions: Functions, table: np.ndarray, landmarks: Extremes) -> None:
-    """Put what was found on the cycle into the numbers of the variants.
+    """Copy the numbers found on the cycle into the table of the variants.
 
     Parameters
     ----------
     functions : Functions
     table : ndarray (numbers, variants)
-        Written to.
+        Modified in place.
     landmarks : Extremes
-        Of the machine's events.
+        Extremes of the machine's events.
     """
     part = {"low": "least", "high": "greatest", "low_at": "least_at", "high_at": "greatest_at"}
     events = [curve for curve, _ in functions.events]
@@ -125,7 +125,7 @@ def fill_found(functions: Functions, table: np.ndarray, landmarks: Extremes) -> 
 
 @routine
 def _follow(row: np.ndarray) -> None:
-    """Make angles between −π and π those of a direction that turns by less than π from each position to the next."""
+    """Unwrap angles between −π and π of a direction that turns by less than π between positions."""
     jumps = False
     for k in range(1, row.shape[0]):
         jumps |= abs(row[k] - row[k - 1]) > math.pi
@@ -158,16 +158,16 @@ class _Kept(NamedTuple):
     Attributes
     ----------
     level_rows : ndarray of int
-        Rows of the table that receive what `levels` gives.
+        Rows of the table for the results of `levels`.
     table : ndarray (numbers, variants)
     memory : ndarray
-        Of all tables.
+        All tables.
     places : ndarray (variants,) of int
     positions : ndarray (3, positions)
         Input positions with cosine and sine.
     ends : tuple of int
     followed : ndarray of int
-        Fields with angles.
+        Fields that are angles.
     """
 
     level_rows: np.ndarray
@@ -180,19 +180,19 @@ class _Kept(NamedTuple):
 
 
 class _Scratch(NamedTuple):
-    """Memory for a block of variants, used again for the next.
+    """Scratch arrays for one block of variants.
 
     Attributes
     ----------
     block : ndarray (numbers, LANES)
         Numbers of the block's variants.
     p : ndarray (numbers,)
-        Those of one of them.
+        Numbers of one of them.
     tile : ndarray (levels, 1, LANES)
     nowhere : ndarray (1, LANES)
         Zeros.
     at : ndarray (3, positions)
-        Input positions with cosine and sine, of one variant.
+        Input positions of one variant, with cosine and sine.
     """
 
     block: np.ndarray

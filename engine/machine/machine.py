@@ -1,4 +1,4 @@
-"""A machine made ready to answer what is asked, for one variant or for millions."""
+"""A machine prepared for evaluation, of one variant or millions."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -44,13 +44,13 @@ from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.scene.structure.input_laws import fixed_by_laws
 from engine.words.verdicts import Verdict
 
-# Errors of what vanishes altogether: of differences of two roots.
+# Errors of quantities that vanish identically: differences of two roots.
 SURELY_NOTHING = 4.0 * UNKNOWN_ROOT
-# Variants of a thread that are measured together: what is known of them stays in its caches.
+# Variants measured together by a thread, so that their data stays in its caches.
 VARIANTS_AT_ONCE = 4096
-# Variants whose governors are given the curves of their machines together.
+# Variants whose machine curves are computed together for governors.
 GOVERNED_AT_ONCE = 1024
-# What compares two numbers with one of them, and is zero where they agree.
+# Summaries that are relative differences, zero if two numbers agree.
 _RELATIVE_ALREADY = ("_difference", "_residual", "_disagreement")
 
 POSITIONS_USED = Quantity("positions_used", "input positions at which it was evaluated", "1", rank=Rank.CHECK)
@@ -64,7 +64,7 @@ OF_ACCURACY = (POSITIONS_USED.name, ACCURACY_REACHED.name)
 
 
 class _NoRegimes(NamedTuple):
-    """What is asked of the regimes of a scene without any; as `motion.regimes.Regimes`."""
+    """Stand-in for `motion.regimes.Regimes` in a scene without regimes."""
 
     summaries: Mapping[str, Quantity] = {}
     fields: Mapping[str, Quantity] = {}
@@ -75,10 +75,10 @@ class _NoRegimes(NamedTuple):
 
 
 class Machine:
-    """A scene with what is asked of it: summaries and fields.
+    """A scene with the requested summaries and fields.
 
-    Summaries are measured on the cycle of every variant, cut where a load of that variant sets in and divided as finely
-    as its curves need. Fields are kept at equally spaced positions.
+    Summaries are measured on the cycle of every variant, which is split where a load of that variant switches, and
+    refined as its curves require. Fields are kept at equally spaced positions.
 
     Parameters
     ----------
@@ -86,28 +86,28 @@ class Machine:
     summaries, fields : str or iterable of str
         Names from `available_summaries` and `available_fields`.
     varied : str or iterable of str
-        Paths of the scene's numbers that `evaluate` will be given.
+        Paths of the scene's numbers whose values are passed to `evaluate`.
     positions : int
-        Intervals per cycle (or over the input's range) of the kept fields, even, at least 8.
+        Intervals of the kept fields per cycle, or over the input's range; even, at least 8.
     dtype : float64 or float32
-        Of the kept fields; summaries are always computed in float64.
+        Type of the kept fields; summaries are always computed in float64.
     accuracy : float or str, optional
-        Allowed error of every summary, such as 0.001 or "0.1 %" of its magnitude; of a statistic of a field, of the
-        field's peak. Without it summaries are as accurate as they can be at next to no cost.
+        Permitted error of every summary, such as 0.001 or "0.1 %", relative to its magnitude; of a statistic of a
+        field, relative to the field's peak. By default summaries are as accurate as is possible at little extra cost.
 
     Attributes
     ----------
     kept_at : dict of str to KeptAt
-        Where asked fields of runs are kept: at instants, or at angles turned. All others are kept at `nodes`.
+        Where requested fields of runs are kept: at instants, or at angles turned. All others are kept at `nodes`.
     fields_with_error : tuple of str
-        Asked fields of regimes, which have an error figure for each variant.
+        Requested fields of regimes, which have an error estimate for each variant.
 
     Raises
     ------
     SceneError
         The scene can't be ordered into structural groups.
     AskError
-        Something asked doesn't exist.
+        A requested quantity doesn't exist.
 
     Examples
     --------
@@ -143,29 +143,29 @@ class Machine:
         check_names(self.varied, self._limits, "number of the scene")
         if isinstance(scene.input, CrankInput) and {"input.start", "input.stop"} & set(self.varied):
             raise AskError("input.start and input.stop of a crank are the same for all variants; vary another number")
-        told = [path for path in self.varied if path.startswith("near.")]
-        if told:
-            raise AskError(f"{told[0]} selects the scene's assembly mode for all variants; vary another number")
+        fixed = [path for path in self.varied if path.startswith("near.")]
+        if fixed:
+            raise AskError(f"{fixed[0]} selects the scene's assembly mode for all variants; vary another number")
         turning = {f"shafts.{cam.on}.ratio": name for name, cam in scene.cams.items()}
-        told = [path for path in self.varied if path in turning]
-        if told:
-            raise AskError(f"{told[0]} turns cam {turning[told[0]]!r}, whose cycle must close; vary another number")
-        told = sorted(set(self.varied) & fixed_by_laws(scene))
-        if told:
-            raise AskError(f"{told[0]}: its turns in a cycle are the same for all variants; vary another number")
+        fixed = [path for path in self.varied if path in turning]
+        if fixed:
+            raise AskError(f"{fixed[0]} turns cam {turning[fixed[0]]!r}, whose cycle must close; vary another number")
+        fixed = sorted(set(self.varied) & fixed_by_laws(scene))
+        if fixed:
+            raise AskError(f"{fixed[0]}: its turns in a cycle are the same for all variants; vary another number")
         self.mechanics = Mechanics(scene, frozenset(self.varied))
         self.register = register_of(self.mechanics)
         self._ask(summaries, fields)
 
     def _ask(self, summaries: Iterable[str], fields: Iterable[str]) -> None:
-        """Take what is asked by name."""
+        """Resolve the requested names."""
         scene, positions, accuracy = self.scene, self.positions, self.accuracy
         summaries, fields = names_of(summaries), names_of(fields)
         self.asked_summaries = list(dict.fromkeys(full_names(scene, name) for name in summaries))
         self.asked_fields = list(dict.fromkeys(full_names(scene, name) for name in fields))
         asked_as = {name: full_names(scene, name) for name in (*summaries, *fields)}
         self._asked_as = {name: full for name, full in asked_as.items() if name != full}
-        # Warnings require summaries that nobody may have asked for.
+        # Warnings require summaries that may not have been requested.
         self._warnings = self._asked_warnings()
         required = self._warnings.reads if self._warnings else ()
         self._computed = list(dict.fromkeys((*self.asked_summaries, *required)))
@@ -194,7 +194,7 @@ class Machine:
         return asked_text(self)
 
     def _check_asked(self) -> None:
-        """Refuse what doesn't exist, with the names that are near."""
+        """Reject unknown names, with similar ones in the message."""
         fields = {**self.register.fields, **self.regimes.fields}
         for name in self.asked_summaries:
             if name in fields and name not in self.available_summaries:
@@ -213,23 +213,23 @@ class Machine:
             if why is not None:
                 raise AskError(why)
 
-    # What may be asked
+    # Available quantities
 
     @property
     def available_fields(self) -> dict[str, Quantity]:
-        """Every field one may ask of this scene."""
+        """Every field of this scene."""
         own = {name: field.quantity for name, field in self.register.available_fields.items()}
         return own | self.regimes.fields
 
     @property
     def available_summaries(self) -> dict[str, Quantity]:
-        """Every summary, without the statistics of fields: FIELD.max, FIELD.rms, … (see STATISTICS)."""
+        """Every summary, except the statistics of fields: FIELD.max, FIELD.rms, … (see STATISTICS)."""
         of_warnings = warnings.asked_warnings.warning_summaries(self.scene, self._has_summary)
         return self._computed_summaries | {q.name: q for q in of_warnings}
 
     @property
     def _computed_summaries(self) -> dict[str, Quantity]:
-        """All but the warnings, which are plain numbers."""
+        """All except the warnings, which are plain numbers."""
         names = [name for name in self.register.summaries if self.register.why_not(name) is None]
         summaries = {name: self.register.summary(name) for name in (*names, *self.asked_summaries)}
         own = {name: summary.quantity for name, summary in summaries.items() if summary is not None}
@@ -244,7 +244,7 @@ class Machine:
         return bool(self.scene.regimes) and name in {q.name for q in motion.quantities.motion_summaries(self.scene)}
 
     def _asked_warnings(self) -> "warnings.asked_warnings.AskedWarnings | None":
-        """Warnings among the asked summaries; None without any."""
+        """Warnings among the requested summaries; None if there are none."""
         if not any(map(warnings.is_warning, self.asked_summaries)):
             return None
         return warnings.asked_warnings.AskedWarnings(self.scene, self.asked_summaries, self._has_summary)
@@ -271,22 +271,22 @@ class Machine:
 
     @property
     def input_values(self) -> np.ndarray:
-        """Values of the input at these positions of the scene as it is [rad, or m of a sliding input]."""
+        """Values of the input at these positions, with the scene's numbers [rad, or m for a sliding input]."""
         drive = self.scene.input
         if isinstance(drive, CrankInput):
             return self.nodes
         return drive.start + (drive.stop - drive.start) * self.nodes
 
-    # What is computed
+    # Computed quantities
 
     @cached_property
     def _curves(self) -> dict[str, Node | Followed]:
-        """What the kept fields are."""
+        """Curves of the kept fields."""
         return {name: field.curve() for name, field in self._fields.items()}
 
     @cached_property
     def _followed(self) -> dict[str, Work | Speed]:
-        """Kept fields that are taken off the cycle as it was measured."""
+        """Kept fields that are read off the measured cycle."""
         return {name: curve for name, curve in self._curves.items() if isinstance(curve, Work | Speed)}
 
     @cached_property
@@ -300,14 +300,14 @@ class Machine:
 
     @cached_property
     def _harmonics(self) -> list[Expression]:
-        """What the machine does to trains that it excites."""
+        """Excitation of torsional trains by the machine."""
         if not self._trains:
             return []
         return machine.drives.excited_trains.machine_harmonics(self.mechanics)
 
     @cached_property
     def _measuring(self) -> Measuring:
-        """Functions and plan for all that is measured, and for whether the regimes' groups can be assembled."""
+        """Functions and plan for all measurements; they also decide whether the regimes' groups can be assembled."""
         expressions = [summary.expression() for summary in self._summaries.values()]
         expressions += self._harmonics
         followed, grid = list(self._followed.values()), (self.positions, self.nodes.size)
@@ -316,43 +316,43 @@ class Machine:
 
     @property
     def _moving(self) -> list[Node]:
-        """All that regimes and elastic drives are computed from at a position."""
+        """Position-dependent nodes required by regimes and elastic drives."""
         return [*self.regimes.nodes, *(self._drives.nodes if self._drives else ())]
 
     @property
     def groups(self) -> tuple[str, ...]:
-        """Structural groups that are evaluated, in the order that `Outcome.status_group` counts."""
+        """Structural groups, in the order of the indices in `Outcome.status_group`."""
         return tuple(self.mechanics.kinematics.sines)
 
     def source(self) -> str:
-        """The printed functions, to be read."""
+        """Source text of the printed functions."""
         text = self._measuring.functions.text
         return f"{text}\n\n{self._kept.text}" if self._kept_curves else text
 
     @property
     def numbers_kept(self) -> int:
-        """Numbers of each variant that are laid out for the printed functions."""
+        """Numbers per variant in the layout of the printed functions."""
         return len(self._measuring.functions.rows)
 
     @property
     def computed(self) -> dict[str, list[str]]:
-        """Which levels (position, velocity, …) of which points, links and groups are computed at a position."""
+        """Levels (position, velocity, …) of points, links and groups that are computed at a position."""
         return machine.computed.computed_levels(self.mechanics, [*self._measuring.curves, *self._moving])
 
     @property
     def left_out(self) -> dict[str, list[str]]:
-        """Levels that nothing asked needs."""
+        """Levels that no requested quantity needs."""
         everything, kept = machine.computed.all_levels(self.mechanics), self.computed
         missing = {s: [level for level in levels if level not in kept.get(s, ())] for s, levels in everything.items()}
         return {subject: levels for subject, levels in missing.items() if levels}
 
     @property
     def has_regimes(self) -> bool:
-        """Whether anything of a regime is asked, such as a run or steady running."""
+        """Whether a quantity of a regime is requested, such as a run or steady running."""
         return self.regimes.schedule is not None
 
     def new_buffer(self, variants: int) -> np.ndarray:
-        """Memory for the asked fields of a number of variants; worth reusing from block to block."""
+        """Allocate memory for the requested fields of a number of variants; reuse it from block to block."""
         return field_room((len(self._spaced), variants, self.nodes.size), self.dtype)
 
     # Evaluation
@@ -368,7 +368,7 @@ class Machine:
         Parameters
         ----------
         varied : mapping of path to ndarray (variants,), or to texts with units such as "50 mm"
-            Values of the paths named as varied, plain numbers in SI; empty for the scene as it is, one variant.
+            Values of the varied paths, plain numbers in SI; empty for the scene's numbers, one variant.
         drop : ndarray (variants,) of bool, optional
             Variants not to evaluate; their status is DROPPED.
         buffer : ndarray (fields over positions, at least variants, positions), optional
@@ -377,7 +377,7 @@ class Machine:
         Raises
         ------
         AskError
-            The paths are not those the machine was made for, or a value is wrong.
+            The paths differ from the machine's varied paths, or a value is invalid.
         """
         arrays, status = given_numbers(self._limits, self.varied, varied, drop)
         variants, whole = status.size, Numbers(self._limits, arrays)
@@ -385,7 +385,7 @@ class Machine:
         status[(status == Verdict.OK) & ~np.asarray(closes)] = Verdict.DOES_NOT_CLOSE
         keep = np.flatnonzero(status == Verdict.OK)
         room = front_of(self.new_buffer(variants) if buffer is None else buffer, variants)
-        # The rest is filled in only for variants without a complaint so far.
+        # Only variants whose status is OK so far are filled in; the rest is NaN.
         room[:, slice(None) if self.regimes.asked else status != Verdict.OK] = np.nan
         spaced = dict(zip(self._spaced, room, strict=True))
         instants = {n: np.full((variants, at.values.size), np.nan, self.dtype) for n, at in self.kept_at.items()}
@@ -401,7 +401,7 @@ class Machine:
 
     @cached_property
     def _units(self) -> dict[str, str]:
-        """SI unit of all that is asked."""
+        """SI unit of every requested quantity."""
         known = self._computed_summaries | self.available_fields
         names = (*self.asked_summaries, *self.asked_fields)
         return {name: known[name].units if name in known else "1" for name in names}
@@ -422,7 +422,7 @@ class Machine:
         self._note_accuracy(outcome, keep, np.concatenate(panels), np.concatenate(excess))
 
     def _fill_elements(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
-        """Write what is asked of the machine elements of the variants `keep`."""
+        """Write the requested results of machine elements for the variants `keep`."""
         batch = GOVERNED_AT_ONCE if self._governing else keep.size
         for first in range(0, keep.size, batch):
             some = slice(first, first + batch)
@@ -430,7 +430,7 @@ class Machine:
             self._elements.fill(outcome.status, outcome.summaries, outcome.errors, keep[some], own)
 
     def _governed(self, numbers: Numbers, variants: int) -> Numbers:
-        """Numbers in which the engines of governors that govern this machine have its inertia and its curves."""
+        """Numbers in which the engine of each governor of this machine has the machine's inertia and curves."""
         if not self._governing:
             return numbers
         engines, machine = self._governed_engines
@@ -439,7 +439,7 @@ class Machine:
 
     @cached_property
     def _governed_engines(self) -> "tuple[machine.drives.governed_engines.GovernedEngines, Machine]":
-        """Engines that governors have in this machine, and the machine as it is asked for them."""
+        """Engines of the governors of this machine, and the machine with the quantities they require."""
         engines = machine.drives.governed_engines.GovernedEngines(self.scene, self._governing)
         positions = elements.governors.places.CYCLE_POSITIONS
         return engines, Machine(self.scene, engines.summaries, engines.fields, self.varied, positions)
@@ -452,18 +452,18 @@ class Machine:
         Returns
         -------
         panels : ndarray (variants,)
-            How many each took.
+            Number of panels used for each.
         excess : ndarray (variants,)
-            The greatest error figure of each as a multiple of what is allowed, where that is asked, else 0.
+            Maximum ratio of error estimate to permitted error of each, if requested, else 0.
         of_trains : dict of str to ndarray
-            What trains are given.
+            Excitation of torsional trains.
         """
         table = self._measuring.numbers(numbers, keep.size)
         answers = self._measuring(table)
         undefined, excess = np.zeros(keep.size, bool), np.zeros(keep.size)
         own = slice(keep[0], keep[-1] + 1) if keep[-1] - keep[0] == keep.size - 1 else keep
         for (name, summary), expression in zip(self._summaries.items(), self._measuring.expressions, strict=False):
-            # An overflow on the way to a number ends as a status, not as a warning.
+            # An overflow in a calculation results in a status, not in a warning.
             with np.errstate(all="ignore"):
                 found = answers.value_of(expression)
                 if ACCURACY_REACHED.name in self.asked_summaries and not name.endswith("_at"):
@@ -486,7 +486,7 @@ class Machine:
         return answers.outcome.panels, excess, self._for_trains(answers, numbers, keep.size)
 
     def _for_trains(self, answers: MeasuredCycles, numbers: Numbers, variants: int) -> dict[str, np.ndarray]:
-        """What the machine does to trains that it excites; nothing where there are none."""
+        """Excitation of torsional trains by the machine; empty without trains."""
         if not self._trains:
             return {}
         harmonics = self._harmonics
@@ -495,9 +495,9 @@ class Machine:
         )
 
     def _move(self, outcome: Outcome, keep: np.ndarray, numbers: Numbers) -> None:
-        """Compute the regimes of those of the variants `keep` that have no complaint so far.
+        """Compute the regimes of the variants `keep` whose status is OK so far.
 
-        Where runs alone count, a group may fail at positions that they don't reach.
+        If only runs are requested, a group may fail at positions that the runs don't reach.
         """
         failing = np.isin(outcome.status[keep], (Verdict.CANNOT_ASSEMBLE, Verdict.SINGULAR))
         failing &= failing.any() and self._runs_alone_count
@@ -505,16 +505,16 @@ class Machine:
         if not ready.size:
             return
         moved, answers = keep[ready], self.regimes.answers(numbers.of_variants(ready), ready.size)
-        told = answers.verdict.copy()
+        verdict = answers.verdict.copy()
         if failing.any():
             some = np.flatnonzero(failing[ready])
             own = numbers.of_variants(ready[some])
             rounding = np.zeros(ready.size)
-            told[some], rounding[some] = self._judge_runs(
-                outcome, moved[some], own, told[some], answers.covered[:, :, some]
+            verdict[some], rounding[some] = self._judge_runs(
+                outcome, moved[some], own, verdict[some], answers.covered[:, :, some]
             )
-            answers = answers.judged(told != answers.verdict, rounding)
-        outcome.status[moved] = told
+            answers = answers.judged(verdict != answers.verdict, rounding)
+        outcome.status[moved] = verdict
         for name, value in answers.values.items():
             outcome.summaries[name][moved], outcome.errors[name][moved] = value, answers.errors[name]
         for name, rows in answers.fields.items():
@@ -523,10 +523,10 @@ class Machine:
     def _judge_runs(
         self, outcome: Outcome, who: np.ndarray, numbers: Numbers, verdict: np.ndarray, covered: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Verdict on variants that fail somewhere on the cycle: that of their runs, where no run reaches the failure.
+        """Verdict on variants that fail somewhere on the cycle: that of their runs, if no run reaches the failure.
 
-        `covered` is as for `RegimeAnswers`. A run that doesn't stay finite has failed at a position of the cycle. With
-        the verdict comes what rounding leaves of accelerations in the runs.
+        `covered` is as in `RegimeAnswers`. A run that becomes infinite or NaN has failed at a position of the cycle.
+        Also returns the rounding error of accelerations in the runs.
         """
         rounding = np.zeros(who.size)
         stays = verdict == Verdict.NOT_FINITE
@@ -541,7 +541,7 @@ class Machine:
 
     @property
     def _runs_alone_count(self) -> bool:
-        """Whether nothing that is asked depends on the cycle as a whole, be it by the ends of a stroke."""
+        """Whether no requested quantity depends on the cycle as a whole, for instance by the ends of a stroke."""
         schedule = self.regimes.schedule
         if schedule is None or self._summaries or self._fields or self._trains or self._governing or self._drives:
             return False
@@ -549,7 +549,7 @@ class Machine:
         return schedule.steady.isdisjoint(schedule.needed) and not strokes and not self._measuring.windings
 
     def _keep(self, room: np.ndarray, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles) -> np.ndarray:
-        """Fill the kept fields; returns which variants have finite values alone."""
+        """Fill the kept fields; return which variants have finite values only."""
         places = {name: row for row, name in enumerate(self._spaced)}
         rows, finite = [places[name] for name in self._kept_curves], np.ones(keep.size, bool)
         if rows:
@@ -559,7 +559,7 @@ class Machine:
             if own is not room:
                 room[rows] = own
         for name, curve in self._followed.items():
-            # In single precision a value may become infinite here.
+            # A value may become infinite in single precision.
             with np.errstate(over="ignore"):
                 values = answers.spaced(curve).astype(self.dtype, copy=False)
             room[places[name]][keep] = values
@@ -568,12 +568,12 @@ class Machine:
 
     @property
     def _ranges_vary(self) -> bool:
-        """Whether each variant has a range of the input of its own."""
+        """Whether the input's range differs between variants."""
         return not isinstance(self.scene.input, CrankInput) and bool({"input.start", "input.stop"} & set(self.varied))
 
     @property
     def _positions_kept(self) -> np.ndarray:
-        """Input positions of the fields, or shares of each variant's own range."""
+        """Input positions of the fields, or shares of each variant's range."""
         return self.nodes if self._ranges_vary else self.input_values
 
     # Verdicts
@@ -581,7 +581,7 @@ class Machine:
     def _judge(
         self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles, undefined: np.ndarray
     ) -> None:
-        """Give every variant its verdict, and those that fail the group to blame and where it fails."""
+        """Give every variant its verdict, and failing ones the group responsible and the position."""
         self._blame_for(outcome, keep, failures_of(self._measuring, table, answers))
         for verdict in (Verdict.UNDERCUT, Verdict.JAMS, Verdict.LIFTS_OFF):
             self._blame_margins(outcome, keep, table, answers, verdict)
@@ -598,12 +598,12 @@ class Machine:
                 continue
             found = tables(numbers)
             verdict, at = (np.broadcast_to(part, keep.shape) for part in (found.verdict, found.at))
-            # What fails before this group leaves it without a path.
+            # A failure in an earlier group leaves this one without a path.
             whole = np.isin(outcome.status_group[keep], [-1, self.groups.index(group)])
             for code in (Verdict.CANNOT_ASSEMBLE, Verdict.SINGULAR, Verdict.MODE_NOT_REACHED, Verdict.OTHER_MODE):
                 here = whole & (verdict == code)
                 self._blame(outcome, keep[here], code, group, at[here])
-            # A path that is whole has its positions, though none may be proved between two of its seeds.
+            # A complete path has all positions, but between two of its seeds none may be proved.
             own = outcome.status_group[keep] == self.groups.index(group)
             lost = own & (verdict == Verdict.OK) & (outcome.status[keep] == Verdict.CANNOT_ASSEMBLE)
             outcome.status[keep[lost]] = Verdict.MODE_NOT_REACHED
@@ -611,7 +611,7 @@ class Machine:
     def _blame_margins(
         self, outcome: Outcome, keep: np.ndarray, table: np.ndarray, answers: MeasuredCycles, verdict: Verdict
     ) -> None:
-        """Give a verdict on variants in which one of its margins doesn't stay positive."""
+        """Give a verdict on variants in which one of its margins is not positive throughout."""
         margins = [margin for margin in self._measuring.margins if margin.verdict == verdict]
         least = [answers.least_of(margin) for margin in margins]
         fails = np.any([margin <= 0.0 for margin, _ in least], axis=0) if margins else np.zeros(keep.size, bool)
@@ -621,7 +621,7 @@ class Machine:
         fields = curves_of(self._measuring, [margin.curve for margin in margins])
         at, place = first_failure(fields, table[:, fails], ends_of(self._measuring), lambda values: ~(values > 0.0))
         for k, (margin, (value, least_at)) in enumerate(zip(margins, least, strict=True)):
-            # One that fails between positions alone is known by the least margin.
+            # A failure between the positions examined is known by the minimum margin only.
             hidden = (at < 0) & (value[fails] <= 0.0)
             here = (at == k) | hidden
             at[hidden] = k
@@ -644,7 +644,7 @@ class Machine:
     # Accuracy
 
     def _note_accuracy(self, outcome: Outcome, keep: np.ndarray, panels: np.ndarray, excess: np.ndarray) -> None:
-        """Columns that say how many positions were used, and whether the accuracy asked for was reached."""
+        """Fill the columns for the number of positions used and for whether the requested accuracy is reached."""
         failed = outcome.status[keep] != Verdict.OK
         if POSITIONS_USED.name in self.asked_summaries:
             used = panels * 17.0
@@ -658,11 +658,11 @@ class Machine:
         outcome.summaries[name][keep], outcome.errors[name][keep] = values, np.where(np.isnan(values), np.nan, 0.0)
 
     def _excess(self, name: str, expression: Expression, found: Measured, answers: MeasuredCycles) -> np.ndarray:
-        """Error figure of a summary as a multiple of what is allowed.
+        """Ratio of a summary's error estimate to the permitted error.
 
-        Values that may vanish are measured by the peaks of the curves they are made of: statistics of a field by its
-        peak, others by what comes of them where these curves are off by the accuracy. The place of an extreme doesn't
-        count: beside a flat one it is hardly known, and nothing depends on it.
+        A quantity that may vanish is judged by the peaks of the curves it is computed from: the statistic of a field by
+        the field's peak, others by their error if these curves were off by the permitted accuracy. Positions of
+        extremes don't count: at a flat extreme the position is hardly defined, and nothing depends on it.
         """
         accuracy, (field, _, statistic) = self.accuracy or 1.0, name.rpartition(".")
         own = accuracy * (1.0 if name.endswith(_RELATIVE_ALREADY) else np.abs(found.value))
@@ -675,25 +675,25 @@ class Machine:
 
 
 def numbers_for_trains(made: Machine) -> dict[str, np.ndarray]:
-    """What a machine as it is does to torsional trains that it excites, as one variant: numbers by their keys.
+    """Excitation of torsional trains by a machine with the scene's numbers, as one variant: numbers by key.
 
     Parameters
     ----------
     made : Machine
-        Something of a train must be asked; else there are none.
+        With a requested quantity of a train; otherwise the result is empty.
     """
     numbers = Numbers(made._limits, {})
     return made._for_trains(made._measuring(made._measuring.numbers(numbers, 1)), numbers, 1)
 
 
 def seconds_of_runs(made: Machine, varied: Mapping[str, np.ndarray]) -> float:
-    """Forecast how long one variant's runs on elastic shafts take [s], the mean of some variants; 0 without runs.
+    """Forecast computing time of one variant's runs on elastic shafts [s], averaged over variants; 0 without runs.
 
     Parameters
     ----------
     made : Machine
     varied : mapping of path to ndarray (variants,)
-        As for `Machine.evaluate`.
+        As in `Machine.evaluate`.
     """
     if made._drives is None or not made._drives.runs:
         return 0.0

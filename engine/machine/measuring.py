@@ -1,7 +1,7 @@
-"""What is asked of a machine, measured on the cycle of every variant.
+"""Measurement of a machine's requested quantities on the cycle of every variant.
 
-Summaries are expressions whose leaves are measurements. From these follow the curves that are asked of the graph, and
-the plan of the cycle that measures them; its answers are put back in their places, as numbers with error figures.
+Summaries are expressions with measurements as leaves. The measurements determine the curves required of the graph and
+the plan of the cycle that measures them. The results are returned as numbers with error estimates.
 """
 
 import dataclasses
@@ -45,42 +45,42 @@ from engine.quantities.expressions import (
 from engine.scene.scene import Numbers
 from engine.words.verdicts import Verdict
 
-# Remainder of each curve beyond its series, as a share of its peak, unless an accuracy is asked.
+# Truncation error allowed for each curve's series, relative to the curve's peak, if no accuracy is requested.
 CLOSELY = 1e-9
-# What may be left of the quality of force transmission is so many times less, or this where that is less still: near a
-# dead centre all else depends on how small it is.
+# The transmission index is computed to FINER times the accuracy, limited to FINELY: near a dead centre all other
+# results depend on how small it is.
 FINER, FINELY = 1e3, 1e-12
-# What may be left of a margin against jamming, unless an accuracy is asked: three digits of it say all.
+# Truncation error allowed for margins against jamming if no accuracy is requested: three digits suffice.
 LOOSELY = 1e-4
-# Errors of accelerations and forces at a transmission angle of 90°, relative to their greatest: a few roundings.
+# Rounding error of accelerations and forces at a transmission angle of 90°, relative to their peak: a few roundings.
 ROUNDING_OF_RATES = 8.0 * np.finfo(float).eps
-# An excess work that is no more than this share of what its moment may do is rounding.
+# An excess work below this share of its moment's maximum possible work is rounding.
 NEGLIGIBLE = 1e-9
-# Positions at which curves that switch something are looked at over a cycle of up to two turns, and in each turn more.
+# Positions at which switching curves are scanned, for a cycle of up to two turns and for each further turn.
 SCANNED, SCANNED_PER_TURN = 36, 18
-# From which accuracy asked on panels of a quarter turn are tried: more often than not they are short enough.
+# Requested accuracy from which panels of a quarter turn are tried: they usually suffice.
 COARSELY = 1e-4
-# Tolerance of curves that panels needn't be made shorter for.
+# Tolerance of curves for which panels are not refined.
 ANY = 1e30
 
 
 class Measuring:
-    """Functions and plan for the measurements that some expressions need.
+    """Functions and plan for the measurements that some expressions require.
 
     Parameters
     ----------
     mechanics : Mechanics
     expressions : sequence of Expression
     fields : sequence of Node
-        Kept fields, whose numbers are to be laid out too.
+        Kept fields, whose numbers are included in the layout.
     followed : sequence of Followed
-        Kept fields that are followed over the cycle.
+        Kept fields that are integrated over the cycle.
     grid : tuple of int
-        Into how many parts the positions of these divide the range, and how many positions there are.
+        Number of intervals and number of positions of these fields.
     accuracy : float or None
-        Allowed error of what is measured, as for `Machine`.
+        Permitted error of measurements, as in `Machine`.
     elsewhere : sequence of Node
-        What is computed of the machine elsewhere: the groups that it depends on take part.
+        Nodes of the machine that are computed elsewhere: the groups they depend on take part.
 
     Attributes
     ----------
@@ -88,11 +88,11 @@ class Measuring:
     groups : tuple of str
         Structural groups that take part, in the order of the scene.
     curves : list of Node
-        All that is computed at a position.
+        All nodes computed at a position.
     margins : list of Margin
-        Against jamming of groups on whose friction something depends, at cams that take part.
+        Margins against jamming of groups whose friction matters, and of cams that take part.
     windings : list of Integral
-        Angles by which the cycle winds up torsion springs that something depends on.
+        Angles by which the cycle winds up torsion springs that matter.
     """
 
     def __init__(
@@ -132,15 +132,15 @@ class Measuring:
         ]
         self.groups = taking_part(mechanics, [*parts, *(margin.curve for margin in self.margins)])
         self._sines = [mechanics.kinematics.sines[group] for group in self.groups]
-        # Pressing forces stop being finite where a group jams first.
+        # Pressing forces become infinite where a group jams first.
         jamming = [margin for margin in self.margins if margin.verdict == Verdict.JAMS]
         pressing = [mechanics.reactions.settlings[margin.group].pressing[0] for margin in jamming]
         curves = list(dict.fromkeys([*curves, *self._sines, *(m.curve for m in self.margins), *pressing]))
         self._kinks = mechanics.graph.kinks_behind(curves)
         curves = list(dict.fromkeys([*curves, *self._kinks]))
-        # At kinks margins jump, however short a panel is; near 0 the forces that are asked take panels short enough.
+        # At kinks margins jump, however short a panel is; near 0 the requested forces keep panels short enough.
         self._jumping = {margin.curve for margin in jamming if self._kinks}
-        self._beside = [*self._kinks, *pressing]
+        self._auxiliary = [*self._kinks, *pressing]
         self.curves = list(dict.fromkeys([*curves, *fields]))
         shared = dict.fromkeys(_shared(a) for a in cycles)
         self._steady = [_Steady(s, {a.result for a in cycles if _shared(a) == s}, mechanics) for s in shared]
@@ -181,9 +181,9 @@ class Measuring:
         self._fluctuations = [s.fluctuation for s in self._steady if s.fluctuation is not None]
         self._speeds = [s for s in self._followed if isinstance(s, Speed)]
         self._averages = list(dict.fromkeys(a.curve for a in of[Average]))
-        unresolved = {a.curve for a in of[Extreme] if not a.resolved}.union(self._beside)
+        unresolved = {a.curve for a in of[Extreme] if not a.resolved}.union(self._auxiliary)
         unresolved = (unresolved - self._resolved(of)).union(self._jumping)
-        # An extreme that lasts, as in a cam's dwell, has no place of its own: figures then reach as far as it may be.
+        # An extreme that lasts, as in a cam's dwell, has no definite position: its error estimate covers the dwell.
         closes = self.mechanics.has_cycle and not self.mechanics.scene.cams
         turns = getattr(self.mechanics.scene.input, "revolutions", 1)
         self.plan = cycle.Plan(
@@ -219,7 +219,7 @@ class Measuring:
         )
 
     def _resolved(self, of: dict[type, list]) -> set[Node]:
-        """Curves that panels are made as short for as they need."""
+        """Curves for which panels are refined."""
         found = [a.curve for a in (*of[Integral], *of[LeastMagnitude], *of[ExtremePosition])]
         found += self._roots
         found += [a.curve for a in of[Extreme] if a.resolved]
@@ -230,16 +230,16 @@ class Measuring:
         return {*found, *self._sines, *(margin.curve for margin in self.margins)}
 
     def _cycle_of(self, asked: SteadyCycle) -> "_Steady":
-        """The steady cycle of which a result is asked."""
+        """The steady cycle to which a result belongs."""
         return next(s for s in self._steady if s.of == _shared(asked))
 
     def _side_of(self, angle: Angle) -> int:
-        """What is looked for of an angle; the same place in another turn counts as another one, but for links."""
+        """Extremes of an angle to measure; one that repeats with each turn of the crank has them in every turn."""
         repeats = self.mechanics.graph.q not in reached(angle.direction)
         return BOTH + EACH_TURN if repeats else BOTH
 
     def _place_of(self, curve: Followed) -> tuple[str, int]:
-        """Where in the plan a curve is that is followed over the cycle."""
+        """Place in the plan of a curve that is integrated over the cycle."""
         if isinstance(curve, Angle):
             return "angles", self._angles.index(curve)
         if isinstance(curve, Work):
@@ -247,7 +247,7 @@ class Measuring:
         return "speeds", self._speeds.index(curve)
 
     def _tolerance(self, curve: Node, accuracy: float | None, unresolved: set[Node]) -> float:
-        """What may be left of a curve beyond its series."""
+        """Truncation error allowed for a curve's series."""
         if curve in unresolved:
             return ANY
         if accuracy is None and any(m.curve is curve and m.verdict == Verdict.JAMS for m in self.margins):
@@ -263,7 +263,7 @@ class Measuring:
 
     @cached_property
     def _first_pass(self) -> cycle.CycleMachine:
-        """The same without speed fluctuations, where these need flywheels that follow from the cycle."""
+        """The machine without speed fluctuations, if these require flywheels that are computed from the cycle."""
         if any(steady.fluctuation is not None and steady.of.wheel is not None for steady in self._steady):
             return self.machine
         without = dict.fromkeys(("fluctuations", "speeds"), ())
@@ -271,9 +271,9 @@ class Measuring:
         return dataclasses.replace(self.machine, plan=dataclasses.replace(self.plan, **without, **kept))
 
     def numbers(self, numbers: Numbers, variants: int) -> np.ndarray:
-        """P of all variants, (numbers, variants); what is found on the cycle is still missing."""
+        """P of all variants, (numbers, variants), without the numbers found on the cycle."""
         table = np.full((len(self.functions.rows), variants), np.nan)
-        # An overflow on the way to a number ends as a status, not as a warning.
+        # An overflow in a calculation results in a status, not in a warning.
         with np.errstate(all="ignore"):
             for node in self.functions.numbers:
                 table[self.functions.rows[node]] = node.value if isinstance(node, Constant) else node.compute(numbers)
@@ -294,7 +294,7 @@ class Measuring:
             with np.errstate(all="ignore"):
                 found = answers.value_of(dataclasses.replace(steady.of, result="flywheel_used"))
             table[self.functions.rows[steady.unknown_wheel]] = found.value
-            # With the flywheel that is asked for the fluctuation is known, but where the machine needs none.
+            # With the required flywheel the fluctuation is known, unless the machine needs no flywheel.
             again |= steady.speed_asked or not (found.value > 0.0).all()
         return MeasuredCycles(self, table, self.machine.evaluate(table, self.functions.memory)) if again else answers
 
@@ -316,7 +316,7 @@ _SIDES = {"least": LEAST, "greatest": GREATEST}
 
 
 def _parts(curve: Followed) -> list[Node]:
-    """Curves that a followed one is made of."""
+    """Curves from which a followed one is computed."""
     match curve:
         case Angle(direction):
             return list(direction)
@@ -327,12 +327,12 @@ def _parts(curve: Followed) -> list[Node]:
 
 
 def _shared(steady: SteadyCycle) -> SteadyCycle:
-    """The steady cycle without the result that is asked of it."""
+    """The steady cycle without its `result`."""
     return dataclasses.replace(steady, result="")
 
 
 class _Steady:
-    """What a steady cycle asks of the plan: works, their combinations with the inertia, the speed fluctuation."""
+    """Requirements of a steady cycle: works, their combinations with the inertia, the speed fluctuation."""
 
     def __init__(self, of: SteadyCycle, results: set[str], mechanics: Mechanics) -> None:
         self.of = of
@@ -357,14 +357,14 @@ class _Steady:
         asked = of.wheel is not None or of.fluctuation is not None
         moving = not results.isdisjoint({"", "speed_fluctuation", "speed_min", "speed_max"})
         self.fluctuation = (of.moment, of.inertia, of.speed, of.wheel or nothing) if asked and moving else None
-        # A flywheel that follows from the cycle, and that the fluctuation is then asked of.
+        # A flywheel that is computed from the cycle, and whose fluctuation is requested.
         self.unknown_wheel = nothing if self.fluctuation is not None and of.wheel is None else None
         self.numbers = [*self.slopes, of.speed, of.wheel or nothing, of.first_kind]
         self.numbers += [of.fluctuation] if of.fluctuation is not None else []
 
 
 class MeasuredCycles:
-    """What was measured on the cycles of some variants.
+    """Measurements on the cycles of some variants.
 
     Parameters
     ----------
@@ -382,14 +382,14 @@ class MeasuredCycles:
         self.value_of = Evaluation(self._with_spread)
 
     def number(self, node: Node) -> Measured:
-        """A number of the variants; exact but for its rounding."""
+        """A per-variant number, exact within rounding."""
         if isinstance(node, Constant):
             return Measured(node.value)
         value = self._table[self._m.functions.rows[node]]
         return Measured(value, _ROUNDING * np.abs(value))
 
     def sines(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Of each group the least magnitude of its quality of transmission and the position there."""
+        """For each group, the minimum magnitude of its transmission index and the position there."""
         found = []
         for sine in self._m._sines:
             k = self._m._extremes.index((sine, LEAST_MAGNITUDE))
@@ -398,7 +398,7 @@ class MeasuredCycles:
         return found
 
     def least_of(self, margin: Margin) -> tuple[np.ndarray, np.ndarray]:
-        """Least value of a margin and the position there."""
+        """Minimum of a margin and the position there."""
         k = self._row(margin.curve)
         return self.outcome.extremes.least[k].value, self.outcome.extremes.least_at[k].value
 
@@ -407,7 +407,7 @@ class MeasuredCycles:
         return next(i for i, (c, side) in enumerate(self._m._extremes) if c is curve and side != LEAST_MAGNITUDE)
 
     def _least_magnitude(self, curve: Node) -> Measured:
-        """Least magnitude of a curve that keeps the sign of its first value."""
+        """Minimum magnitude of a curve that keeps the sign of its first value."""
         found = self.outcome.extremes.least[self._m._extremes.index((curve, LEAST_MAGNITUDE))]
         sense = np.where(self.outcome.firsts[self._m.functions.curves[curve]] < 0.0, -1.0, 1.0)
         value = found.value * sense
@@ -415,10 +415,10 @@ class MeasuredCycles:
 
     @cached_property
     def _transmission(self) -> np.ndarray:
-        """What a relative error is divided by near dead centres: positions once, accelerations of a group twice.
+        """Divisor of relative errors near dead centres: once for positions, twice for accelerations.
 
-        Sines of transmission angles γ, or what takes their place, are known to rounding over themselves; a group hands
-        on what those before it left. Loops that are solved together hand theirs on to each other.
+        The rounding error of the sine of a transmission angle, or of the transmission index, is relative to its value;
+        a group propagates the errors of the groups before it. Loops that are solved together propagate theirs mutually.
         """
         product, free = np.ones(self._table.shape[1]), self._m.mechanics.kinematics.free
         for group, (sine, _) in zip(self._m.groups, self.sines(), strict=True):
@@ -427,11 +427,11 @@ class MeasuredCycles:
         return product
 
     def rounding_of_rates(self, power: int) -> np.ndarray:
-        """What rounding leaves of velocities (1) or accelerations and forces (2), relative to the greatest."""
+        """Rounding error of velocities (1) or of accelerations and forces (2), relative to their maximum."""
         return ROUNDING_OF_RATES / self._transmission**power
 
     def _with_spread(self, asked: Measurement) -> Measured:
-        """What was measured, with what rounding near dead centres makes of it."""
+        """A measurement, with its error estimate increased by the rounding near dead centres."""
         found = self._measured(asked)
         if isinstance(asked, VariantNumber):
             return found
@@ -440,7 +440,7 @@ class MeasuredCycles:
         return Measured(found.value, found.error + spread * (found.error != 0.0))
 
     def allowed(self, expression: Expression, accuracy: float) -> np.ndarray:
-        """Error of an expression whose curves are each off by a share of their peaks."""
+        """Error of an expression if each of its curves is off by a share of the curve's peak."""
 
         def off(asked: Measurement) -> Measured:
             found = self._measured(asked)
@@ -450,7 +450,7 @@ class MeasuredCycles:
         return Evaluation(off)(expression).error
 
     def peak(self, curve: Node | Followed) -> np.ndarray:
-        """Greatest magnitude of a curve that something is asked of; NaN where it is known of none of its powers."""
+        """Maximum magnitude of a measured curve; NaN if neither the curve nor its square is measured."""
         if not isinstance(curve, Node):
             extremes, row = self._extremes_of(curve)
             return extremes.greatest_magnitude.value[row]
@@ -462,7 +462,7 @@ class MeasuredCycles:
         return np.full(self._table.shape[1], np.nan)
 
     def _size(self, asked: Measurement, value: np.ndarray) -> np.ndarray:
-        """Magnitude that an error of what was measured is a share of: that of the curve, where it may cancel."""
+        """Magnitude to which the relative error of a measurement refers: the curve's, where terms may cancel."""
         length = np.abs(self.outcome.lengths)
         match asked:
             case Integral(curve):
@@ -470,7 +470,7 @@ class MeasuredCycles:
             case RootIntegral(square):
                 return np.sqrt(self.peak(square)) * length
             case Extreme(Node() as curve, _, _, rooted):
-                # Where a magnitude is off by as much everywhere, its square is the less, the less it is.
+                # If a magnitude has the same error everywhere, the error of its square decreases with the magnitude.
                 return 2.0 * np.sqrt(np.abs(value) * self.peak(curve)) if rooted else self.peak(curve)
             case Extreme(curve):
                 return self.peak(curve)
@@ -513,14 +513,14 @@ class MeasuredCycles:
         raise TypeError(f"{asked!r} can't be measured")
 
     def _extremes_of(self, curve: Node | Followed) -> tuple[cycle.Extremes, int]:
-        """Extremes among which those of a curve are, and their row."""
+        """Record of extremes that contains a curve's, and their row."""
         if isinstance(curve, Node):
             return self.outcome.extremes, self._row(curve)
         kind, row = self._m._place_of(curve)
         return getattr(self.outcome, kind), row
 
     def spaced(self, curve: Followed) -> np.ndarray:
-        """Values of a kept field that is followed, (variants, positions)."""
+        """Values of a kept field that is integrated over the cycle, (variants, positions)."""
         return self.outcome.spaced[self._m._spaced.index(curve)]
 
     def _stroke_end(self, coordinate: Node, which: str) -> Measured:
@@ -555,7 +555,7 @@ class MeasuredCycles:
         if asked.result == "flywheel_used":
             return wheel
         if asked.wheel is None:
-            # With the flywheel that is asked for the fluctuation is the one asked for; it falls as the inertia grows.
+            # With the required flywheel the fluctuation is the required one; it decreases as the inertia increases.
             whole = Measured(first) + wheel
             found = Measured(delta.value * np.ones(wheel.shape), delta.value * wheel.error / whole.value)
         if self.outcome.fluctuations.delta.shape[0]:
@@ -572,7 +572,7 @@ class MeasuredCycles:
         return works.greatest[k] - works.least[k]
 
     def _combination(self, asked: SteadyCycle, slope: Node, side: int) -> cycle.Extremes:
-        """Extremes of the work less a multiple of the inertia, of one row."""
+        """Extremes of the work minus a multiple of the inertia, of one row."""
         k, extremes = self._m._combinations.index((asked.moment, asked.inertia, slope, side)), self.outcome.combinations
         return cycle.Extremes(*(getattr(extremes, part)[k : k + 1] for part in _PARTS))
 

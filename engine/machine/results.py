@@ -1,4 +1,4 @@
-"""What an evaluation gives back, and the memory of its fields."""
+"""Results of an evaluation, and the memory of its fields."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -12,7 +12,7 @@ CACHE_LINE = 64
 
 
 class AskError(ValueError):
-    """A field, summary or setting that can't be asked of a machine."""
+    """A field, summary or setting that a machine can't provide."""
 
 
 class Outcome(NamedTuple):
@@ -23,17 +23,18 @@ class Outcome(NamedTuple):
     status : ndarray (variants,) of uint8
         `Verdict` codes.
     status_group : ndarray (variants,) of int16
-        Number of the structural group that is to blame (see `Machine.groups`), −1 where none is.
+        Index of the structural group responsible (see `Machine.groups`), −1 if none is.
     status_at : ndarray (variants,)
-        Input position at which it fails [rad, or m of a sliding input]; NaN where it doesn't.
+        Input position of the failure [rad, or m for a sliding input]; NaN without failure.
     summaries, errors : dict of str to ndarray (variants,)
-        Asked summaries and their error figures, SI; fields of regimes have one too, the greatest over their instants.
+        Requested summaries and their error estimates, SI; also the error estimates of regimes' fields, the maximum over
+        their instants.
     fields : dict of str to ndarray (variants, positions)
-        Asked fields, SI; of runs at their instants (see `Machine.kept_at`).
+        Requested fields, SI; for runs, at their instants (see `Machine.kept_at`).
     units : dict of str to str
         SI unit of each summary and field.
     remarks : tuple of str
-        What may be wrong with the numbers given, where no variant works.
+        Possible mistakes in the values, if no variant works.
     """
 
     status: np.ndarray
@@ -46,7 +47,7 @@ class Outcome(NamedTuple):
     remarks: tuple[str, ...] = ()
 
     def with_summaries(self, names: Iterable[str]) -> "Outcome":
-        """The same with these summaries only.
+        """Copy with these summaries only.
 
         Parameters
         ----------
@@ -59,12 +60,12 @@ class Outcome(NamedTuple):
         return self._replace(**dict(zip(("summaries", "errors"), kept, strict=True)))
 
     def with_names(self, others: Mapping[str, str]) -> "Outcome":
-        """The same, with some numbers under other names too.
+        """Copy with alternative names for some of the quantities.
 
         Parameters
         ----------
         others : mapping of str to str
-            The name to find a number under, by the other name.
+            Existing name by alternative name.
         """
         tables = {"summaries": self.summaries, "errors": self.errors, "fields": self.fields, "units": self.units}
         added = {
@@ -88,7 +89,7 @@ class Outcome(NamedTuple):
 
 
 def asked_text(machine: object) -> str:
-    """A machine or elements in a line: what it is, and what is asked of it."""
+    """Description in one line of a machine or of elements, with the requested quantities."""
     title = f" {machine.scene.title!r}" if machine.scene.title else ""
     asked = {"varied": machine.varied, "summaries": machine.asked_summaries, "fields": machine.asked_fields}
     words = "; ".join(f"{kind} {', '.join(names)}" for kind, names in asked.items() if names)
@@ -98,9 +99,9 @@ def asked_text(machine: object) -> str:
 def blank(
     status: np.ndarray, summaries: Iterable[str], fields: dict[str, np.ndarray], with_error: Iterable[str] = ()
 ) -> Outcome:
-    """Outcome of variants of which nothing is known but their status: NaN for every summary, no group to blame.
+    """Outcome of variants of which only the status is known: NaN for every summary, no group responsible.
 
-    `with_error` are the fields that have error figures.
+    `with_error` names the fields that have error estimates.
     """
     names, variants = list(summaries), status.shape[0]
     values = {name: np.full(variants, np.nan) for name in names}
@@ -109,7 +110,7 @@ def blank(
 
 
 def field_room(shape: tuple[int, int, int], dtype: np.dtype) -> np.ndarray:
-    """Memory for fields (fields, variants, positions), from the begin of a cache line on.
+    """Allocate fields (fields, variants, positions), aligned to a cache line.
 
     Vectors that straddle two lines cost time.
     """
@@ -119,6 +120,6 @@ def field_room(shape: tuple[int, int, int], dtype: np.dtype) -> np.ndarray:
 
 
 def front_of(room: np.ndarray, variants: int) -> np.ndarray:
-    """The front of a room as fields of fewer variants, without gaps: kernels are compiled for such arrays."""
+    """The front of `room` as contiguous fields of fewer variants: kernels are compiled for contiguous arrays."""
     fields, _, positions = room.shape
     return room.reshape(-1)[: fields * variants * positions].reshape(fields, variants, positions)

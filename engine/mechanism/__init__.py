@@ -1,4 +1,4 @@
-"""From a scene to its graph: kinematics, masses, loads, reactions and friction, each as nodes."""
+"""Build the graph of a scene: kinematics, masses, loads, reactions and friction as nodes."""
 
 from engine import on_use
 

@@ -1,4 +1,4 @@
-"""What a force or moment on a machine is made of: its size, its characteristic, and where it takes hold."""
+"""Forces and moments on a machine: magnitude, characteristic and point of application."""
 
 from typing import NamedTuple
 
@@ -8,17 +8,18 @@ from engine.mechanism.vectors import Vector
 
 
 class Grip(NamedTuple):
-    """Where a force or moment takes hold.
+    """Where a force or moment is applied.
 
     Attributes
     ----------
     link : str
+        Loaded link.
     at : MovingPoint or None
-        Point of a force; None for a moment.
+        Point of application of a force; None for a moment.
     direction : Vector or None
         Unit vector of a force; None for a moment.
     bearer : tuple of (str, MovingPoint) or None
-        Link and point that bear its counterpart; None where it comes from outside the machine.
+        Link and point that take the reaction; None for an external load.
     """
 
     link: str
@@ -33,20 +34,20 @@ class Load(NamedTuple):
     Attributes
     ----------
     action : str
-        Its name in the scene, or "gravity".
+        Name in the scene, or "gravity".
     coefficient : Node
-        A number of the variant: a force, an area, a drag coefficient at the input's speed.
+        Per-variant number: a force, an area, a drag coefficient at the input speed.
     characteristic : Node
-        Its course over the motion, along the grip's direction.
+        Variation over the motion, along the grip's direction.
     grip : Grip
     velocity : Node
-        Transfer velocity of the grip along the direction, of a moment that of its link.
+        Transfer velocity of the grip along the direction; for a moment, of its link.
     basis : Node
         Velocity × characteristic.
     role : str or None
         "useful", "driving", "harmful" or "braking".
     order : int, float or str
-        Power of the input's speed with which it grows; of a power-law drag the path of its exponent.
+        Power of the input speed in the load; for a power-law drag, the path of its exponent.
     """
 
     action: str
@@ -60,9 +61,9 @@ class Load(NamedTuple):
 
 
 class Characteristic(NamedTuple):
-    """How large a load is: `coefficient` (a number of the variant) × `value`; `order` as for `Load`.
+    """Magnitude of a load: `coefficient` (a per-variant number) × `value`; `order` as in `Load`.
 
-    `role` is that of a part of an action that has another one than the whole: what is lost on the way to it.
+    `role` overrides the action's role for a part of it, such as the transmission losses of a hoist.
     """
 
     coefficient: Node
@@ -72,7 +73,7 @@ class Characteristic(NamedTuple):
 
 
 def load(action: str, size: Characteristic, grip: Grip, velocity: Node, role: str | None) -> Load:
-    """A load and its reduced moment."""
+    """Build a load; its basis is velocity × characteristic."""
     return Load(
         action, size.coefficient, size.value, grip, velocity, velocity * size.value, size.role or role, size.order
     )

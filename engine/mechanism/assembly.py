@@ -1,10 +1,10 @@
-"""What is known of a mechanism as it is put together: points, links, guides and slides, each with its motion.
+"""The mechanism while it is built: points, links, guides and slides, each with its motion.
 
-Rates are by the input: dr/dq and d²r/dq², the transfer functions of the textbooks, q being the crank's angle or the
-displacement of a sliding input.
+Derivatives are taken with respect to the input q (crank angle, or displacement of a sliding input): dr/dq and d²r/dq²
+are the transfer functions of the textbooks.
 
-Positions are counted from the input's pivot, or from the point of its guide. So they are as small as the machine, and
-a machine far from the origin of the scene's coordinates is computed with as many digits as one at the origin.
+Positions are measured from the input's pivot, or from the point of its guide. They are then no larger than the machine,
+so a machine far from the origin of the scene's coordinates loses no digits.
 """
 
 from collections.abc import Callable
@@ -19,24 +19,24 @@ from engine.parts.skeleton import FRAME, CrankInput
 from engine.scene import structure
 from engine.scene.scene import Scene
 
-# The law of the reactions in a dyad, and the geometry that it takes after the loads on its two links.
+# Law of a dyad's reactions, and the geometry it takes after the loads on the dyad's two links.
 DyadStatics = tuple[Callable, tuple]
 
 
 class MovingPoint(NamedTuple):
-    """A point: its position [m], and its first and second derivative by the input."""
+    """A point: position [m], first and second derivative with respect to the input."""
 
     r: Vector
     v: Vector
     a: Vector
 
     def called(self, name: str) -> "MovingPoint":
-        """The same with names that a reader of the printed function will see."""
+        """Label the nodes for the printed function."""
         return MovingPoint(self.r.called(name), self.v.called(f"{name}_phi"), self.a.called(f"{name}_phiphi"))
 
 
 class Turning(NamedTuple):
-    """A link: its origin, the direction of its x axis, and its angular rates dθ/dq and d²θ/dq²."""
+    """A link: origin, direction of its x axis, and angular rates dθ/dq and d²θ/dq²."""
 
     origin: MovingPoint
     u: Vector
@@ -44,12 +44,12 @@ class Turning(NamedTuple):
     e: Node
 
     def at(self, arm: Vector) -> MovingPoint:
-        """The motion of the link's point at an arm from its origin, given in the axes of the frame."""
+        """Motion of the point at `arm` from the link's origin; `arm` is in frame axes."""
         o, w = self.origin, self.w
         return MovingPoint(o.r + arm, o.v + w * arm.normal, o.a + self.e * arm.normal - (w * w) * arm)
 
     def called(self, name: str) -> "Turning":
-        """The same with names that a reader of the printed function will see."""
+        """Label the nodes for the printed function."""
         self.u.called(f"{name}_direction")
         named(self.w, f"{name}_angle_phi")
         named(self.e, f"{name}_angle_phiphi")
@@ -57,43 +57,43 @@ class Turning(NamedTuple):
 
 
 class GuideLine(NamedTuple):
-    """A guide: the link that carries it, a point on it and its direction."""
+    """A guide: its carrier, a point on the guide and its direction."""
 
     carrier: Turning
     r: Vector
     u: Vector
 
     def under(self, r: Vector) -> MovingPoint:
-        """Motion of the carrier's point that lies in a place at the moment."""
+        """Motion of the carrier's point that coincides with `r`."""
         return self.carrier.at(r - self.carrier.origin.r)._replace(r=r)
 
     def along(self, slide: "Slide") -> MovingPoint:
-        """Motion of what slides on the guide itself."""
+        """Motion of a point that slides on the guide."""
         sliding = slide.v * self.u
         under = self.under(self.r + slide.d * self.u)
         return MovingPoint(under.r, under.v + sliding, under.a + self.coriolis(sliding) + slide.a * self.u)
 
     def coriolis(self, sliding: Vector) -> Vector:
-        """Coriolis acceleration 2 w k × v of what slides with a velocity relative to the guide."""
+        """Coriolis acceleration 2 w k × v for the sliding velocity v relative to the guide."""
         return (self.carrier.w + self.carrier.w) * sliding.normal
 
 
 class Slide(NamedTuple):
-    """A slide coordinate [m] and its first two derivatives by the input."""
+    """A slide coordinate [m] and its first two derivatives with respect to the input."""
 
     d: Node
     v: Node
     a: Node
 
     def called(self, name: str) -> "Slide":
-        """The same with names that a reader of the printed function will see."""
+        """Label the nodes for the printed function."""
         for node, suffix in zip(self, ("", "_phi", "_phiphi"), strict=True):
             named(node, f"{name}_slide{suffix}")
         return self
 
 
 class Assembly:
-    """The parts of a mechanism whose motion is known so far.
+    """The parts of a mechanism whose motion is already known.
 
     Parameters
     ----------
@@ -103,21 +103,21 @@ class Assembly:
     Attributes
     ----------
     datum : str
-        Path of the point of the frame that positions are counted from.
+        Path of the frame point from which positions are measured.
     points, links, guides, slides : dict
-        By their names in the scene.
+        By name in the scene.
     angles : dict of str to Node
-        Of links that turn evenly or in mesh with such, over all their turns [rad].
+        Total angle over all turns of links that turn at a constant ratio to the crank or mesh with such a link [rad].
     turned : dict of str to Node
-        Of pinions and second inputs, their angles against what carries them, over all turns [rad].
+        Total angle over all turns of pinions and second inputs, relative to their carrier [rad].
     sines, closures : dict of str to Node
-        Of each group the quality of force transmission, and what its loop misses of being closed.
+        Per group: transmission index (the sine of the transmission angle) and loop-closure residual.
     certificates : dict of str to Node
-        Of each group of free links what proves its assembly mode.
+        Per group of free links: the quantity that proves its assembly mode.
     seed_tables : dict of str to SeedTables
-        Of each group of free links.
+        Per group of free links.
     solutions : dict of str to tuple of Node
-        Nodes that are needed wherever the position of a group of free links is.
+        Nodes required wherever the position of a group is.
     """
 
     def __init__(self, scene: Scene, graph: Graph) -> None:
@@ -140,18 +140,18 @@ class Assembly:
 
     @property
     def has_cycle(self) -> bool:
-        """Whether the input turns fully, so that there is a cycle to close."""
+        """Whether the input turns fully, so that the machine has a closed cycle."""
         return isinstance(self.scene.input, CrankInput) and self.scene.input.start is None
 
     def turns(self, link: str) -> Node:
-        """Turns of a link over the cycle, against that which its angle is known against; 0 where there is no cycle."""
+        """Turns of a link over the cycle, relative to the reference of its angle; 0 without a cycle."""
         if not self.has_cycle:
             return self.graph.zero
         scene, revolutions, net_turns = self.scene, self.scene.input.revolutions, structure.meshes.net_turns
         return self.graph.derived(f"turns of {link}", lambda n: revolutions * net_turns(scene, link, n))
 
     def at_rest(self, r: Vector) -> MovingPoint:
-        """A point that doesn't move."""
+        """A fixed point."""
         return MovingPoint(r, self.nowhere, self.nowhere)
 
     def number(self, path: str) -> Node:
@@ -159,7 +159,7 @@ class Assembly:
         return self.graph.number(path)
 
     def place(self, kind: str, name: str) -> Vector:
-        """A point of a link, or the point of a guide, in the axes of its link; on the frame from the datum on.
+        """Coordinates of a point or guide: in the axes of its link, or, on the frame, relative to the datum.
 
         Parameters
         ----------
@@ -177,33 +177,34 @@ class Assembly:
         return self.graph.derived(f"{own} from {datum}", lambda n: n[own] - n[datum])
 
     def coordinates(self, r: Vector) -> Vector:
-        """The scene's coordinates of a position."""
+        """Convert a position to the scene's coordinates."""
         return r + Vector(self.number(f"{self.datum}.x"), self.number(f"{self.datum}.y"))
 
     def direction(self, path: str) -> Vector:
-        """Direction at an angle of the scene."""
+        """Unit vector at an angle of the scene."""
         return Vector(
             self.graph.derived(f"cos {path}", lambda n: np.cos(n[path])),
             self.graph.derived(f"sin {path}", lambda n: np.sin(n[path])),
         )
 
     def link(self, name: str, link: Turning) -> None:
-        """Add a link of a group."""
+        """Register a link of a group."""
         self.links[name] = link.called(name)
 
     def slider(self, name: str, origin: MovingPoint, guide: GuideLine, slide: Slide) -> None:
-        """Add a link that slides along a guide."""
+        """Register a link that slides along a guide."""
         self.links[name] = Turning(origin, guide.u, guide.carrier.w, guide.carrier.e)
         self.slides[name] = slide.called(name)
 
     def transmits(self, group: str, sine: Node, closure: Node) -> None:
-        """Say how well a group transmits forces, and what its loop misses of being closed."""
+        """Register a group's transmission index and its loop-closure residual."""
         self.sines[group], self.closures[group] = named(sine, f"{group}_sine"), named(closure, f"{group}_closure")
 
     def solution(self, group: str) -> tuple[Node, ...]:
-        """Nodes that are needed wherever a group's position is: the quality of transmission and the law behind it.
+        """Nodes required wherever a group's position is: the transmission index and the operands of its law.
 
-        Where the angle between two guides never changes, the quality follows from numbers alone, the position doesn't.
+        The operands are included because the index of two guides at a fixed angle follows from per-variant numbers
+        alone, while the position does not.
         """
         if group in self.solutions:
             return self.solutions[group]

@@ -1,7 +1,8 @@
-"""Friction in the pairs of a mechanism as nodes: how much of it belongs to what presses, and what presses then.
+"""Friction in the pairs of a mechanism as nodes: friction per newton of pressing force, and the pressing forces.
 
-Against the relative motion in a pair acts a friction proportional to the pressing force: in a journal a moment, that of
-its friction circle; in a guide a force. Which way the pair moves is held; what presses follows group by group.
+Friction opposes the relative motion in a pair and is proportional to the pressing force: in a journal it is a moment
+(friction circle), in a guide a force. The direction of the relative motion is held over each panel; the pressing forces
+are solved group by group.
 """
 
 from collections.abc import Callable, Sequence
@@ -34,8 +35,8 @@ from engine.parts.skeleton import FRAME
 from engine.scene.pairs import Pair, contact_pairs, pairs
 from engine.scene.scene import Numbers
 
-_SETTLED = {1: settled_one, 2: settled_two, 3: settled_three}
-# Passes over more pairs than these laws take; theirs are as many.
+_SOLVERS = {1: settled_one, 2: settled_two, 3: settled_three}
+# Passes for groups with more pairs than these laws take; the laws make the same number.
 _PASSES = 6
 
 
@@ -47,11 +48,11 @@ class Rub(NamedTuple):
     kind : float
         `JOURNAL` or `GUIDE`.
     drag : Node
-        Moment [N·m] or force [N] on the pair's link for each newton that presses, against its motion.
+        Friction moment [N·m] or force [N] on the pair's link per newton of pressing force; it opposes the motion.
     lost : Node
-        Work that each newton that presses costs for each unit of the input's motion.
+        Work lost per newton of pressing force and unit of input motion.
     edge : Node
-        Of a guide the reciprocal of half of the slider's length [1/m], zero where it never tilts or in a journal.
+        For a guide, reciprocal of half the slider's length [1/m]; 0 for a journal and for a slider that never tilts.
     """
 
     kind: float
@@ -61,16 +62,16 @@ class Rub(NamedTuple):
 
 
 class Settled(NamedTuple):
-    """What presses in the rubbing pairs of a group.
+    """Pressing forces in the pairs of a group with friction.
 
     Attributes
     ----------
     pressing : tuple of Node
         Pressing force in each pair [N]; NaN where the group jams.
     margin : Node
-        Against jamming: 1 without friction; 0, or less, where no force, however great, moves the group.
+        Margin against jamming: 1 without friction; 0 or less where no force can move the group.
     residual : Node
-        Share of the pressing forces by which the last pass still changed them.
+        Relative change of the pressing forces in the last pass.
     """
 
     pressing: tuple[Node, ...]
@@ -79,13 +80,7 @@ class Settled(NamedTuple):
 
 
 def rubbing_pairs(kinematics: Kinematics, motion: InputMotion) -> dict[str, Rub]:
-    """Friction of all pairs that have any, by their names; pairs that never move have none.
-
-    Parameters
-    ----------
-    kinematics : Kinematics
-    motion : InputMotion
-    """
+    """Friction in each pair that has friction and moves, by the pair's name."""
     scene = kinematics.scene
     paths = {friction.pair: f"friction.{name}" for name, friction in scene.friction.items()}
     found = {}
@@ -101,7 +96,7 @@ def rubbing_pairs(kinematics: Kinematics, motion: InputMotion) -> dict[str, Rub]
 
 
 def relative_motion(kinematics: Kinematics, pair: Pair) -> tuple[Node, Node]:
-    """Rate of the motion in a pair by the input, of rotation or of sliding, and the derivative of the rate."""
+    """Rate of rotation or sliding in a pair with respect to the input, and its derivative."""
     if pair.kind == "prismatic":
         slide = kinematics.slides[pair.link]
         return slide.v, slide.a
@@ -112,23 +107,23 @@ def relative_motion(kinematics: Kinematics, pair: Pair) -> tuple[Node, Node]:
 
 
 def _sliding_at_cam(kinematics: Kinematics, pair: Pair) -> tuple[Node, Node]:
-    """Rate of a follower's sliding along its cam's tangent, and the derivative of that at what touches at present."""
+    """Sliding rate of a follower along its cam's tangent at the contact, and its derivative."""
     motion, links = kinematics.cams[pair.name.partition(".")[0]], kinematics.links
     follower, cam = (links[name].at(motion.contact - links[name].origin.r) for name in (pair.link, pair.other))
     along, against = motion.normal.normal, follower.v - cam.v
-    swerving = links[pair.link].w * along.normal.dot(against) - links[pair.other].w * along.dot(against.normal)
-    return along.dot(against), along.dot(follower.a - cam.a) + swerving
+    rotation = links[pair.link].w * along.normal.dot(against) - links[pair.other].w * along.dot(against.normal)
+    return along.dot(against), along.dot(follower.a - cam.a) + rotation
 
 
 def rolling_rate(kinematics: Kinematics, name: str) -> tuple[Node, Node]:
-    """Rate by the input at which teeth roll past what carries them, and the derivative of the rate.
+    """Rolling rate of a mesh, relative to its carrier, with respect to the input, and its derivative.
 
     Parameters
     ----------
     kinematics : Kinematics
     name : str
-        A shaft, non-circular wheel or pinion, of which it is the turning against what carries it or its rack; or a
-        rack, of which it is the motion past its pinion's axis.
+        A shaft, non-circular wheel or pinion: its rotation relative to its carrier or rack. A rack: its travel past
+        the pinion's axis.
     """
     scene, links = kinematics.scene, kinematics.links
     if name in scene.racks:
@@ -145,32 +140,32 @@ def rolling_rate(kinematics: Kinematics, name: str) -> tuple[Node, Node]:
 def pressing_in_group(
     rubs: Sequence[Rub], free: Sequence[Components], backs: Sequence[Sequence[Components]]
 ) -> Settled:
-    """What presses in the rubbing pairs of a group with the friction in them.
+    """Solve for the pressing forces in a group with friction.
 
     Parameters
     ----------
     rubs : sequence of Rub
-        One at least.
+        At least one.
     free : sequence of (Node, Node)
         Reaction in each pair without friction in the group.
     backs : sequence of sequence of (Node, Node)
-        [i][j]: what a newton that presses in pair j adds to the reaction in pair i.
+        [i][j]: change of the reaction in pair i per newton of pressing force in pair j.
     """
     graph = rubs[0].drag.graph
-    if len(rubs) not in _SETTLED:
-        return _settled_by_elimination(rubs, free, backs)
+    if len(rubs) not in _SOLVERS:
+        return _solved_by_elimination(rubs, free, backs)
     known: list[Node | float] = []
     for rub, reaction, row in zip(rubs, free, backs, strict=True):
         known += [rub.kind, rub.edge, *reaction]
         known += [component for back in row for component in back]
-    *pressing, margin, residual = graph.apply(_SETTLED[len(rubs)], *known)
+    *pressing, margin, residual = graph.apply(_SOLVERS[len(rubs)], *known)
     return Settled(tuple(pressing), margin, residual)
 
 
-def _settled_by_elimination(
+def _solved_by_elimination(
     rubs: Sequence[Rub], free: Sequence[Components], backs: Sequence[Sequence[Components]]
 ) -> Settled:
-    """The passes of `engine.laws.friction.settled` over any number of pairs, one equation after another."""
+    """The passes of `engine.laws.friction.settled` for any number of pairs, by Gaussian elimination."""
     graph = rubs[0].drag.graph
     old, pressing, determinants = (), [graph.zero] * len(rubs), []
     for _ in range(_PASSES):
@@ -190,9 +185,9 @@ def _settled_by_elimination(
 
 
 def _eliminated(rows: list[list[Node]], forces: list[Node], lengths: Sequence[Node]) -> tuple[list[Node], Node]:
-    """Pressing forces from the equations of a pass, and their determinant over the lengths of the reactions.
+    """Solve the equations of a pass; also their determinant, divided by the lengths of the reactions.
 
-    Pivots stand on the diagonal: each is the margin that the pairs up to it leave, times a length.
+    Pivots stay on the diagonal: each is a length times the margin against jamming of the pairs up to it.
     """
     graph, count = forces[0].graph, len(forces)
     determinant = graph.one
@@ -225,7 +220,7 @@ def _rub(kinematics: Kinematics, motion: InputMotion, pair: Pair, path: str, fri
 
 
 def _drag(motion: InputMotion, pair: Pair, path: str, friction: PairFriction, rate: Node) -> Node:
-    """Friction for each newton that presses, by magnitude: a number, or a curve where it depends on sliding speed."""
+    """Magnitude of friction per newton of pressing force: a number, or a curve over sliding speed (Stribeck)."""
     graph, turns = rate.graph, pair.kind == "revolute"
     factor, arm = _factor(pair, path, friction), _arm(pair, path, friction)
 
@@ -237,7 +232,7 @@ def _drag(motion: InputMotion, pair: Pair, path: str, friction: PairFriction, ra
 
     def drag(n: Numbers) -> float | np.ndarray:
         f = kinetic(n)
-        # Pressure and friction at a right angle add up to a journal's reaction.
+        # The normal and the friction force of a journal are perpendicular; their resultant is the reaction.
         return factor(n) * arm(n) * f / (np.sqrt(1.0 + f * f) if turns else 1.0)
 
     if friction.stribeck_speed is None:
@@ -252,7 +247,7 @@ def _drag(motion: InputMotion, pair: Pair, path: str, friction: PairFriction, ra
 
 
 def _factor(pair: Pair, path: str, friction: PairFriction) -> Callable[[Numbers], float | np.ndarray]:
-    """By how much the pressures in a pair add up to more than their resultant."""
+    """Ratio of the sum of the contact pressures in a pair to their resultant."""
     if friction.form == "vee":
         return lambda n: 1.0 / np.sin(n[f"{path}.vee_angle"] / 2)
     bush = BUSHES.get((friction.contact if pair.kind == "revolute" else friction.form) or "line", 1.0)
@@ -260,7 +255,7 @@ def _factor(pair: Pair, path: str, friction: PairFriction) -> Callable[[Numbers]
 
 
 def _arm(pair: Pair, path: str, friction: PairFriction) -> Callable[[Numbers], float | np.ndarray]:
-    """Radius of a journal; 1 of a guide; of a roller's pin its share of the roller's radius."""
+    """Lever arm of friction: radius of a journal; pin radius over roller radius of a cam roller; 1 for a guide."""
     if pair.kind == "contact" and friction.diameter is not None:
         roller = f"cams.{pair.name.partition('.')[0]}.follower.roller_radius"
         return lambda n: n[f"{path}.diameter"] / 2 / n[roller]

@@ -1,7 +1,7 @@
-"""The inertia of a machine as nodes: reduced to its input, and as forces that shake its frame.
+"""The inertia of a machine as nodes: reduced to its input, and as shaking forces on its frame.
 
-Reduced inertia: I(q) = Σ m (v_S/q̇)² + J (ω/q̇)², and its derivative dI/dq = 2 Σ m v·a + J w e, with the transfer
-functions of the centres and links. By d'Alembert the inertia forces at uniform speed are −m ω² d²r/dq².
+Reduced inertia: I(q) = Σ m (v_S/q̇)² + J (ω/q̇)², with derivative dI/dq = 2 Σ m v·a + J w e, where v, a, w, e are the
+transfer functions of the mass centres and links. By d'Alembert, inertia forces at constant speed are −m ω² d²r/dq².
 Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on reduction and on balancing.
 """
 
@@ -30,13 +30,13 @@ class ReducedInertia(NamedTuple):
     Attributes
     ----------
     first_kind : Node
-        Its constant part, of links that turn uniformly with the input [kg·m², or kg of a sliding input].
+        Constant part, from links at a constant speed ratio to the input [kg·m², or kg for a sliding input].
     inertia : Node
-        All of it.
+        Total.
     slope : Node
-        Its derivative by the input.
+        Derivative of the total with respect to the input.
     slope_terms : tuple of (Node, Node)
-        Masses and moments of inertia, with what half the derivative takes of each.
+        Masses and moments of inertia, each with its factor in half the derivative.
     """
 
     first_kind: Node
@@ -80,7 +80,7 @@ def reduced_inertia(kinematics: Kinematics) -> ReducedInertia:
 
 
 def _first_kind(kinematics: Kinematics, numbers: Numbers) -> float | np.ndarray:
-    """Inertia that reduces to a constant: bodies on the input, shafts geared to it and bodies on those."""
+    """Constant part of the reduced inertia: bodies on the input, shafts geared to it and the bodies on those."""
     scene, total = kinematics.scene, 0.0
     ratios = {scene.input.link: 1.0} if isinstance(scene.input, CrankInput) else {}
     for name, shaft in scene.shafts.items():
@@ -101,7 +101,7 @@ def _first_kind(kinematics: Kinematics, numbers: Numbers) -> float | np.ndarray:
 
 
 class BodyInertiaForces(NamedTuple):
-    """The inertia forces of one body at uniform speed: resultant [N], moment about its centre [N·m], offset [m]."""
+    """Inertia forces of one body at constant speed: resultant [N], moment about its mass centre [N·m], offset [m]."""
 
     force: Vector
     moment: Node
@@ -109,14 +109,7 @@ class BodyInertiaForces(NamedTuple):
 
 
 def inertia_forces(kinematics: Kinematics, name: str) -> BodyInertiaForces:
-    """Inertia forces of a body, even where point masses replace it.
-
-    Parameters
-    ----------
-    kinematics : Kinematics
-    name : str
-        Of the body.
-    """
+    """Inertia forces of the body `name`, also where point masses replace the body."""
     scene, graph = kinematics.scene, kinematics.graph
     centre, e = kinematics.body_centre(name), kinematics.links[scene.bodies[name].link].e
     push = graph.derived(f"inertia force of {name}", _by_square(lambda n: body_mass(scene, name, n)))
@@ -131,29 +124,21 @@ def inertia_forces(kinematics: Kinematics, name: str) -> BodyInertiaForces:
 
 
 def inertia_of(scene: Scene, name: str, numbers: Numbers) -> float | np.ndarray:
-    """Moment of inertia about a body's centre of mass that the dynamics uses: its own, or that of its point masses.
-
-    Parameters
-    ----------
-    scene : Scene
-    name : str
-        Of the body.
-    numbers : Numbers
-    """
+    """Moment of inertia about a body's mass centre as used in the dynamics: its own, or that of its point masses."""
     if scene.bodies[name].replace is None:
         return body_inertia(scene, name, numbers)
     return replacement(scene, name, numbers).inertia()
 
 
 class FrameShaking(NamedTuple):
-    """What shakes the frame at uniform speed: force [N], and moment about a point of the frame [N·m]."""
+    """Shaking force on the frame at constant speed [N], and shaking moment about a point of the frame [N·m]."""
 
     force: Vector
     moment: Node
 
 
 def moment_centre(scene: Scene) -> str:
-    """The point or guide of the frame about which the shaking moment is taken."""
+    """Point or guide of the frame about which the shaking moment is taken."""
     if scene.balance is not None:
         return scene.balance.about
     return scene.input.pivot if isinstance(scene.input, CrankInput) else scene.input.guide
@@ -162,14 +147,14 @@ def moment_centre(scene: Scene) -> str:
 def shaking(
     kinematics: Kinematics, rate: Callable[[MovingPoint], Vector], turning: Callable[[object], Node]
 ) -> FrameShaking:
-    """Inertia forces of all masses and shafts together, by a rate that they are proportional to.
+    """Sum the inertia forces of all masses and shafts; they are proportional to `rate` and `turning`.
 
     Parameters
     ----------
     kinematics : Kinematics
     rate, turning : callable
-        Of a point and of a link: their second derivatives by the input for uniform speed; their first, which the
-        input's acceleration multiplies, at unit speed.
+        Derivative of a point and of a link with respect to the input: the second for the forces at constant speed, the
+        first for the forces per unit input acceleration (at unit speed).
     """
     scene, graph, about = kinematics.scene, kinematics.graph, moment_centre(kinematics.scene)
     centre = kinematics.points[about].r if about in kinematics.points else kinematics.guides[about].r
@@ -195,5 +180,5 @@ def shaking(
 
 
 def _by_square(mass: Callable[[Numbers], float | np.ndarray]) -> Callable[[Numbers], float | np.ndarray]:
-    """−m ω², what a second derivative by the input is multiplied by."""
+    """−m ω², the factor of a second derivative with respect to the input."""
     return lambda n: -mass(n) * n["input.speed"] ** 2

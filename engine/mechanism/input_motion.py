@@ -1,4 +1,4 @@
-"""How the input moves at a position: at its own uniform speed, or at any speed and acceleration."""
+"""Motion of the input at a position: at the scene's constant speed, or at any speed and acceleration."""
 
 import math
 from typing import NamedTuple
@@ -13,7 +13,7 @@ from engine.scene.scene import Scene
 
 
 def input_span(scene: Scene, graph: Graph) -> tuple[Number, Number]:
-    """First and last position of the input [rad, or m of a sliding input]."""
+    """First and last position of the input [rad, or m for a sliding input]."""
     drive = scene.input
     if isinstance(drive, CrankInput) and drive.start is None:
         full = 2.0 * math.pi * drive.revolutions
@@ -22,17 +22,17 @@ def input_span(scene: Scene, graph: Graph) -> tuple[Number, Number]:
 
 
 class InputMotion(NamedTuple):
-    """How the input moves at a position.
+    """Motion of the input at a position.
 
     Attributes
     ----------
     square, epsilon : Node
-        Square of its speed, and its acceleration.
+        Square of the speed, and acceleration.
     speed : Node
-        Its speed by magnitude.
+        Magnitude of the speed.
     given : bool
-        Whether the speed is another than the scene's. Coefficients of loads are then those at unit speed, otherwise
-        those at the speed itself.
+        Whether the speed differs from the scene's. Coefficients of loads then refer to unit speed, otherwise to the
+        scene's speed.
     """
 
     square: Node
@@ -42,18 +42,18 @@ class InputMotion(NamedTuple):
 
     @classmethod
     def uniform(cls, graph: Graph) -> "InputMotion":
-        """The uniform motion at the speed of the scene."""
+        """The motion at the scene's constant speed."""
         square = graph.derived("square of the input's speed", lambda n: n["input.speed"] ** 2)
         speed = graph.derived("magnitude of the input's speed", lambda n: np.abs(n["input.speed"]))
         return cls(square, graph.zero, speed, given=False)
 
     def power(self, order: float | str) -> Node:
-        """Power of the speed by which a load of some order exceeds its coefficient.
+        """Power of the speed by which the coefficient of a load is multiplied.
 
         Parameters
         ----------
         order : int, float or str
-            The exponent, or where it lies in the scene.
+            The exponent, or its path in the scene.
         """
         graph = self.speed.graph
         if not self.given or order == 0:
@@ -63,16 +63,16 @@ class InputMotion(NamedTuple):
         return graph.apply(power, self.speed, graph.number(order) if isinstance(order, str) else order)
 
     def acceleration(self, second: Node, first: Node) -> Node:
-        """Acceleration ω² r″ + ε r′ of what has the transfer functions r″ and r′."""
+        """Acceleration ω² r″ + ε r′ from the transfer functions r″ and r′."""
         return self.square * second + self.epsilon * first
 
     def acceleration_of(self, second: Vector, first: Vector) -> Vector:
-        """Acceleration ω² r″ + ε r′ of a point with the transfer functions r″ and r′."""
+        """Acceleration ω² r″ + ε r′ of a point from its transfer functions r″ and r′."""
         return Vector(*(self.acceleration(a, v) for a, v in zip(second, first, strict=True)))
 
 
 def multiple_angle(graph: Graph, n: int, revolutions: int = 1) -> tuple[Node, Node]:
-    """Cosine and sine of n times the crank's angle over a number of revolutions.
+    """Cosine and sine of n times the crank angle over a number of revolutions.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The kinematics of an ordered mechanism as nodes, one structural group after another.
+"""The kinematics of an ordered mechanism as nodes, one structural group after the other.
 
 Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on the kinematics of structural groups.
 """
@@ -20,7 +20,7 @@ from engine.scene.structure.ordering import Structure
 
 
 def dyad_of(scene: Scene, name: str) -> ModuleType:
-    """The file of a group's type: how it is added to a mechanism, and its statics."""
+    """Module of a group's type, with its `add_dyad` and `dyad_statics`."""
     return getattr(mechanism.groups, scene.groups[name].type.lower())
 
 
@@ -33,12 +33,12 @@ class Kinematics(Assembly):
     structure : Structure
     graph : Graph
     varied : frozenset of str
-        Paths of numbers that will vary.
+        Paths of the varied numbers.
 
     Attributes
     ----------
     masses : dict of str to LinkMass
-        Bodies and the point masses that stand for bodies, those of one link joined.
+        Bodies, and the point masses that replace bodies, combined per link.
     free : dict of str to FreeMotion
         Groups of free links.
     cams : dict of str to CamMotion
@@ -53,7 +53,7 @@ class Kinematics(Assembly):
         self.free: dict[str, mechanism.groups.free.FreeMotion] = {}
         self.cams: dict[str, mechanism.higher_pairs.cam_motion.CamMotion] = {}
         self.noncircular: dict[str, mechanism.higher_pairs.noncircular_motion.NoncircularMotion] = {}
-        # The input may stand before the frame's points in the order; its pivot or guide is on the frame.
+        # The input may precede the frame's points in the order, but needs its pivot or guide on the frame.
         for name, point in scene.points.items():
             if point.link == FRAME:
                 self._point(name)
@@ -75,16 +75,16 @@ class Kinematics(Assembly):
         }
         known = {"point": self.points, "guide": self.guides}
         for element in structure.elements:
-            # Of another kind, an element may have the name of a guide or a point.
+            # An element of another kind may share its name with a guide or a point.
             if element.name not in known.get(element.kind, ()):
                 add[element.kind](element.name)
 
     def mass_centre(self, name: str) -> MovingPoint:
-        """Centre of one of the `masses`: a point known before where it lies in one for every variant."""
+        """Mass centre of one of the `masses`; an existing point where it coincides with one in every variant."""
         return self._centre(name, self.masses[name])
 
     def body_centre(self, name: str) -> MovingPoint:
-        """Centre of mass of a body, even where point masses replace it."""
+        """Mass centre of a body, also where point masses replace the body."""
         return self._centre(name, whole_body(self.scene, name, self.varied))
 
     def _centre(self, name: str, mass: LinkMass) -> MovingPoint:
@@ -142,7 +142,7 @@ class Kinematics(Assembly):
         ratio = self.number(f"shafts.{name}.ratio")
         w, e = ratio * driver.w, ratio * driver.e
         if shaft.carrier is not None:
-            # By Willis: relative to the carrier both turn as the wheels of a common train.
+            # Willis: relative to the carrier, both turn like the wheels of an ordinary train.
             carrier = self.links[shaft.carrier]
             w, e = carrier.w + ratio * (driver.w - carrier.w), carrier.e + ratio * (driver.e - carrier.e)
         if shaft.pivot is None:
@@ -153,7 +153,7 @@ class Kinematics(Assembly):
         self.links[name].called(name)
 
     def _shaft_direction(self, name: str, w: Node) -> Vector:
-        """Direction of a shaft's x axis: by its angle over all turns, or by the direction of what drives it."""
+        """Direction of a shaft's x axis: from its total angle, or from the direction of its driver."""
         shaft, phase = self.scene.shafts[name], self.number(f"shafts.{name}.phase")
         carrier = self.links[shaft.carrier or FRAME]
         if name in turning_evenly(self.scene):
@@ -167,7 +167,7 @@ class Kinematics(Assembly):
             swing = (carrier.u.dot(driver), carrier.u.cross(driver))
             numbers = (self.number(f"shafts.{name}.{key}") for key in ("ratio", "around"))
             turned, clear = self.graph.apply(laws.kinematics.geared_links.geared_turn, *swing, *numbers)
-            # Where what drives it has swung half a turn, its angle isn't known any more.
+            # Beyond half a turn of the driver the shaft's angle is ambiguous.
             self.sines[name] = named(clear, f"{name}_clear")
             self.solutions[name] = (clear, turned)
             return Vector(*self.graph.apply(direction_of, turned + phase)).in_axes(carrier.u)

@@ -1,4 +1,4 @@
-"""What acts on each link: forces and moments one by one, and summed about the link's origin."""
+"""Loads on each link: forces and moments one by one, and their sum about the link's origin."""
 
 from typing import Literal, NamedTuple
 
@@ -6,25 +6,25 @@ from engine.graph.nodes import Node
 from engine.mechanism.assembly import Assembly, MovingPoint
 from engine.mechanism.vectors import Vector
 
-# Components of a reaction: x and y in a joint, normal force and moment in a guide.
+# Components of a reaction: x and y in a joint; normal force and moment in a guide.
 Components = tuple[Node, Node]
 
 
 class LinkForce(NamedTuple):
-    """A force or a moment on a link.
+    """A force or moment on a link.
 
     Attributes
     ----------
     kind : {"weight", "inertia", "load", "reaction", "friction", "gears", "drive"}
-        Of journals friction is a moment; "gears" are moments between wheels whose teeth have no pressure angle.
+        Journal "friction" is a moment; "gears" are moments between wheels whose teeth have no pressure angle.
     name : str
-        Of the body, load, pair or wheel that it belongs to; `WHEEL.teeth` of a force between teeth.
+        Its body, load, pair or wheel; `WHEEL.teeth` for a tooth force.
     link : str
-        On which it acts.
+        Loaded link.
     source : str or None
-        Link from which it comes; None where it comes from outside the machine.
+        Link that exerts it; None for an external load.
     at : Vector or None
-        Point of a force [m]; None of a moment.
+        Point of application of a force [m]; None for a moment.
     force : Vector or None
         [N]
     moment : Node or None
@@ -40,20 +40,20 @@ class LinkForce(NamedTuple):
     moment: Node | None = None
 
     def __add__(self, other: "LinkForce") -> "LinkForce":
-        """What another one like it at the same point adds up to."""
+        """Add another force or moment of the same kind at the same point."""
         if self.moment is not None:
             return self._replace(moment=self.moment + other.moment)
         return self._replace(force=self.force + other.force)
 
     @property
     def opposite(self) -> "LinkForce":
-        """What acts on the link that it comes from."""
+        """The reaction on the link that exerts it."""
         force, moment = (None if part is None else -part for part in (self.force, self.moment))
         return self._replace(link=self.source, source=self.link, force=force, moment=moment)
 
 
 class Wrench(NamedTuple):
-    """A force [N] and its moment [N·m] about the origin of the link it acts on."""
+    """A force [N] and its moment [N·m] about the origin of the loaded link."""
 
     force: Vector
     moment: Node
@@ -63,7 +63,7 @@ class Wrench(NamedTuple):
 
     @property
     def is_nothing(self) -> bool:
-        """Whether it is zero at all positions of all variants."""
+        """Whether it vanishes at all positions of all variants."""
         zero = self.moment.graph.zero
         return self.moment is zero and self.force == (zero, zero)
 
@@ -96,9 +96,9 @@ class LinkLoads:
         self.add(link, self._nothing._replace(moment=moment))
 
     def total(self, link: str) -> Wrench:
-        """Sum of what acts on a link."""
+        """Resultant of all loads on a link."""
         return sum(self._of[link], self._nothing)
 
     def moments(self, link: str) -> list[Node]:
-        """The moments about a link's origin, one of each load."""
+        """Moment of each load about the link's origin."""
         return [wrench.moment for wrench in self._of[link]]

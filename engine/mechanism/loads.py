@@ -1,8 +1,8 @@
-"""All that acts on a machine as nodes: gravity, forces, moments, springs and cylinders, with their reduced moments.
+"""All loads on a machine as nodes: gravity, forces, moments, springs and cylinders, with their reduced moments.
 
-By virtual power a force F at a point with the transfer velocity v reduces to the moment F · v on the input, a moment
-M on a link with the transfer velocity w to M w. Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapter
-on the reduction of forces and masses.
+By virtual power, a force F at a point with transfer velocity v reduces to the moment F · v on the input, and a moment M
+on a link with transfer velocity w to M w. Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapter on the
+reduction of forces and masses.
 """
 
 from collections.abc import Iterator
@@ -28,14 +28,14 @@ class Loads:
     scene : Scene
     kinematics : Kinematics
     time, speed : Node, optional
-        Time [s] and the input's speed by magnitude [rad/s], where the input doesn't move uniformly.
+        Time [s] and magnitude of the input speed [rad/s]; required unless the input moves at constant speed.
 
     Attributes
     ----------
     terms : list of Load
-        Of all actions but motors, gravity first. A load that does no work has a basis of zero.
+        Loads of all actions except motors, gravity first. A load that does no work has a zero basis.
     motors : tuple of str
-        Moments of the scene that are motors: they follow from the speed alone.
+        Names of the moments that are motors; their torque depends on speed only.
     """
 
     def __init__(
@@ -54,12 +54,12 @@ class Loads:
 
     @property
     def actions(self) -> tuple[str, ...]:
-        """Names of the actions with a reduced moment; gravity only where it does work."""
+        """Names of the actions with a reduced moment; gravity only if it does work."""
         zero = self.kinematics.graph.zero
         return tuple(dict.fromkeys(t.action for t in self.terms if t.action != "gravity" or t.basis is not zero))
 
     def _gravity(self) -> Iterator[Load]:
-        """Weights, and the forces of inertia that an accelerated base adds to them."""
+        """Weights, and the inertia forces of an accelerated base."""
         graph, zero = self.kinematics.graph, self.kinematics.graph.zero
         back = graph.constant(-1.0)
         fields = (

@@ -1,4 +1,4 @@
-"""The mechanics of a scene, whole: one graph, and what each chapter of the textbook adds to it when it is asked for."""
+"""The complete mechanics of a scene: one graph, to which each chapter adds its nodes on demand."""
 
 from collections.abc import Iterable, Mapping
 from functools import cached_property
@@ -24,7 +24,7 @@ from engine.scene.scene import Scene, SceneError, scene_numbers
 from engine.scene.structure.closing import how_to_close, is_whole
 from engine.scene.structure.ordering import Structure, order
 
-# What is wrong with turns in a cycle that aren't whole; of tables whose parts allow none at all.
+# Messages for a fractional number of turns per cycle, and for tables whose parts must not turn at all.
 _WHOLE = (
     "{name!r} makes {turns:.12g} turns in a cycle of {revolutions} of the crank, and doesn't come back to its place "
     "with what lies on it"
@@ -38,7 +38,7 @@ _NONE_ALLOWED = {
 
 
 def _holds(condition: Return, turns: float | np.ndarray) -> bool | np.ndarray:
-    """Whether something is in its place again, by turns in a cycle."""
+    """Whether a part is back in its initial position after this number of turns in a cycle."""
     return is_whole(turns) & (np.logical_not(condition.none) | (np.round(turns) == 0.0))
 
 
@@ -49,7 +49,7 @@ class Mechanics:
     ----------
     scene : Scene
     varied : frozenset of str
-        Paths of numbers that will vary; what is zero and doesn't vary is left out.
+        Paths of the varied numbers; numbers that are zero and not varied are dropped.
 
     Attributes
     ----------
@@ -75,18 +75,18 @@ class Mechanics:
 
     @property
     def has_cycle(self) -> bool:
-        """Whether the input turns fully, so that there is a cycle to close."""
+        """Whether the input turns fully, so that the machine has a closed cycle."""
         return self.kinematics.has_cycle
 
     @cached_property
     def conservative_moment(self) -> Node:
-        """Reduced moment of gravity and springs, which do no work over a closed cycle."""
+        """Reduced moment of gravity and springs, which do no net work over a closed cycle."""
         terms = [(t.coefficient, t.basis) for t in self.loads.terms if t.role is None and t.order == 0]
         return self.graph.combination(terms)
 
     @property
     def sprung(self) -> list[tuple[Node, Node]]:
-        """Of links with torsion springs, what the springs follow and the rate of the angle that they wind up by."""
+        """For each torsion spring: its characteristic, and the transfer velocity of its link."""
         if not self.has_cycle:
             return []
         sprung = {name for name, moment in self.scene.moments.items() if isinstance(moment, TorsionSpring)}
@@ -95,7 +95,7 @@ class Mechanics:
     # Whether the cycle closes
 
     def closes(self, numbers: Mapping[str, float | np.ndarray], nodes: Iterable[Node] = ()) -> bool | np.ndarray:
-        """Whether all parts of variants, and some nodes, have their first places and values again after a cycle.
+        """Whether all parts, and the given nodes, return to their initial positions and values after a cycle.
 
         Parameters
         ----------
@@ -112,9 +112,10 @@ class Mechanics:
         return closed
 
     def depends_on_time(self, nodes: Iterable[Node]) -> bool:
-        """Whether some nodes don't repeat themselves with the cycle, as a load in them depends on time.
+        """Whether a time-dependent load keeps some of the nodes from repeating with the cycle.
 
-        Of numbers that vary, a load's period may fit the cycle of some variants: `closes` says of which.
+        Only numbers that do not vary are judged: the period of a load may fit the cycle of some variants, which
+        `closes` decides.
 
         Parameters
         ----------
@@ -126,12 +127,12 @@ class Mechanics:
 
     @property
     def _as_is(self) -> dict[str, float]:
-        """Numbers of the scene."""
+        """Numbers of the scene, unvaried."""
         return {path: number.value for path, number in scene_numbers(self.scene).items()}
 
     @cached_property
     def _returns(self) -> list[Return]:
-        """Conditions on which all parts of the scene are in their places again; a bare shaft has none."""
+        """Conditions for all parts of the scene to return to their initial positions; bare shafts have none."""
         k = self.kinematics
         points = [*k.points.values(), *(k.mass_centre(name) for name in k.masses)]
         nodes = [node for point in points for node in point.r]
@@ -139,11 +140,11 @@ class Mechanics:
         nodes += [slide.d for slide in k.slides.values()]
         nodes += [node for name, link in k.links.items() if name not in self.scene.shafts for node in (*link.u, link.w)]
         nodes += [node for load in self.loads.terms for node in (load.basis, load.characteristic)]
-        # Loads over time may be meant for runs alone.
+        # Time-dependent loads may be intended for runs only.
         return [condition for condition in self.graph.returns_behind(nodes) if condition.of != TIME]
 
     def _open_parts(self) -> list[tuple[str, str]]:
-        """Nodes that don't return to their value after a cycle of the unmodified scene."""
+        """Parts that are not back in their initial position after a cycle, with unvaried numbers."""
         if not self._returns:
             return []
         values, revolutions = self._as_is, self.scene.input.revolutions
@@ -159,12 +160,12 @@ class Mechanics:
 
     @property
     def first(self) -> Number:
-        """Where the range of the input begins [rad, or m of a sliding input]."""
+        """Start of the input's range [rad, or m for a sliding input]."""
         return input_span(self.scene, self.graph)[0]
 
     @property
     def last(self) -> Number:
-        """Where it ends."""
+        """End of the input's range."""
         return input_span(self.scene, self.graph)[1]
 
     @property
@@ -174,12 +175,12 @@ class Mechanics:
 
     @property
     def speed_squared(self) -> Number:
-        """Square of the input's speed."""
+        """Square of the input speed."""
         return self.graph.derived("square of the input's speed", lambda n: n["input.speed"] ** 2)
 
     @property
     def forward(self) -> Number:
-        """Sign of the input's speed: which way the cycle is run through."""
+        """Sign of the input speed, the direction in which the cycle runs."""
         return self.graph.derived("sense of the input", lambda n: np.sign(n["input.speed"]) + 0.0)
 
     @cached_property
@@ -194,20 +195,20 @@ class Mechanics:
 
     @cached_property
     def reactions(self) -> Reactions:
-        """Reactions in the pairs at uniform speed of the input."""
+        """Reactions in the pairs at constant input speed."""
         return Reactions(self.kinematics, self.structure, self.loads.terms, InputMotion.uniform(self.graph))
 
     @cached_property
     def shaking(self) -> FrameShaking:
-        """What shakes the frame at uniform speed."""
+        """Shaking force and moment on the frame at constant speed."""
         return shaking(self.kinematics, lambda point: point.a, lambda link: link.e)
 
     def inertia_forces(self, body: str) -> BodyInertiaForces:
-        """Inertia forces of a body at uniform speed."""
+        """Inertia forces of a body at constant speed."""
         return inertia_forces(self.kinematics, body)
 
     def moment_of(self, roles: frozenset[str | None] | None = None) -> Node:
-        """Reduced moment of the actions with some roles; where none are named, of all but brakes: they are released."""
+        """Reduced moment of the actions with the given roles; by default, of all but the released brakes."""
         terms = [t for t in self.loads.terms if (t.role != "braking" if roles is None else t.role in roles)]
         return self.graph.combination((t.coefficient, t.basis) for t in terms)
 

@@ -1,14 +1,14 @@
 """Kinetostatics of an ordered mechanism as nodes: the reactions in all pairs, last group first.
 
-By d'Alembert inertia forces join the forces that act on a link; each group is then in equilibrium under its own loads
-and what later groups leave on it. The last step is the input link: the reaction of its pivot or guide, and the moment
-or force that drives it; second inputs come in their turn. Gears carry moments alone unless the pressure angle of their
-teeth is given.
+By d'Alembert, inertia forces are added to the loads on each link. Each group is then in equilibrium under its own loads
+and the reactions of the groups that follow it. The last step is the input link: the reaction of its pivot or guide, and
+the drive torque or force; second inputs are solved in their order. Gears transmit pure moments unless the pressure
+angle of their teeth is given.
 
-Friction in pairs acts back within its own group, and on what comes after it in this order.
+Friction in a pair changes the reactions in its own group, and those in all groups solved after it.
 
 Sources: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapter on kinetostatics; N. E. Zhukovsky's lever for
-the input moment by virtual power.
+the drive torque by virtual power.
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
@@ -44,9 +44,9 @@ from engine.scene.pairs import (
 )
 from engine.scene.structure.ordering import Structure
 
-# What friction causes in each kind of pair, as the names of fields have it.
+# Friction fields for each kind of pair.
 _FRICTION = {"revolute": "friction_moment", "prismatic": "friction_force", "contact": "friction_force"}
-# Reactions in the pairs of a group from what acts on its links.
+# Solves for the reactions in a group's pairs, from the loads on its links.
 Solve = Callable[[Mapping[str, Wrench]], Sequence[Components]]
 
 
@@ -58,26 +58,26 @@ class Reactions:
     kinematics : Kinematics
     structure : Structure
     loads : sequence of Load
-        All that acts, gravity included.
+        All loads, including gravity.
     motion : InputMotion
 
     Attributes
     ----------
     variables : dict of str to Node
-        Fields by their names.
+        Fields by name.
     checks : dict of str to Node
-        The equilibrium of the whole: "force" and "moment" left, sums of the magnitudes of all "forces" in pairs and of
-        all "moments" on the frame.
+        Equilibrium of the whole machine: residual "force" and "moment"; for scale, the sums of magnitudes of all pair
+        reactions ("forces") and of all moments on the frame ("moments").
     in_axes : dict of (str, str) to Vector
-        Of each revolute pair and either of its links, the force on that link in its own axes.
+        By revolute pair and link: the force on that link, in the link's axes.
     lost : dict of str to Node
-        Work lost in each pair with friction, for each unit of the input's motion.
+        Work lost in each pair with friction per unit of input motion.
     lost_in_teeth : dict of str to Node
-        Work lost between the teeth of each wheel or rack with an efficiency, for each unit of the input's motion.
+        Work lost in the mesh of each wheel or rack with an efficiency, per unit of input motion.
     moment_of_drives : Node
-        Moment of the input and of second inputs, reduced to the input.
+        Torque of the input and of the second inputs, reduced to the input.
     settlings : dict of str to Settled
-        Of each group with friction what presses in it, and how near it is to jamming.
+        Per group with friction: pressing forces and margin against jamming.
     """
 
     def __init__(
@@ -131,20 +131,20 @@ class Reactions:
         return [name for name in self.kinematics.links if name != FRAME]
 
     def force_in(self, pair: str) -> Vector:
-        """Force of a pair on its link, in the axes of the frame."""
+        """Force exerted by a pair on its link, in frame axes."""
         return Vector(*(self.variables[f"{pair}.reaction_{axis}"] for axis in "xy"))
 
     def link_forces(self) -> list[LinkForce]:
-        """Everything that acts on each link, one by one: each link is in equilibrium, but for the frame."""
+        """All loads on each link, one by one; every link except the frame is in equilibrium under them."""
         found: dict[tuple, LinkForce] = {}
         for one in (*self._on_bodies(), *self._forces):
-            # A load may have several parts, as the pull and the damping of a spring.
+            # A load may have several parts, such as the pull and the damping of a spring.
             key = (one.kind, one.name, one.link, one.source, one.at)
             found[key] = one + found[key] if key in found else one
         return list(found.values())
 
     def _on_bodies(self) -> Iterator[LinkForce]:
-        """Weights and inertia forces of the bodies, even where point masses replace them."""
+        """Weights and inertia forces of the bodies, also where point masses replace them."""
         scene, graph = self.scene, self.graph
         for name, body in scene.bodies.items():
             mass = graph.derived(f"mass of body {name}", partial(body_mass, scene, name))
@@ -161,7 +161,7 @@ class Reactions:
     # Loads
 
     def _loads_on_links(self, loads: Iterable[Load]) -> dict[str, Wrench]:
-        """Forces on every link, inertia forces included unless the scene leaves them out."""
+        """Loads on every link, with inertia forces unless the scene excludes them."""
         of_links = LinkLoads(self.kinematics)
         if self.scene.inertia_in_reactions:
             for name in self.kinematics.masses:
@@ -175,17 +175,17 @@ class Reactions:
                 own = partial(carried_inertia, self.scene, crank)
                 inertia = self.graph.derived(f"inertia of what {crank} carries", own)
                 self._rotary_inertia(of_links, crank, inertia)
-        at_places: dict[Grip, list[Load]] = {}
+        by_grip: dict[Grip, list[Load]] = {}
         for load in loads:
-            # At its speed a machine runs with its brakes released; regimes apply them.
+            # At the scene's constant speed brakes are released; regimes apply them.
             if self.motion.given or load.role != "braking":
-                at_places.setdefault(load.grip._replace(direction=None), []).append(load)
-        for grip, own in at_places.items():
+                by_grip.setdefault(load.grip._replace(direction=None), []).append(load)
+        for grip, own in by_grip.items():
             self._apply(of_links, grip, own)
         return {name: of_links.total(name) for name in self.kinematics.links}
 
     def _inertia(self, of_links: LinkLoads, name: str) -> None:
-        """Inertia force and moment of one of the mechanism's masses."""
+        """Apply the inertia force and moment of one of the mechanism's masses."""
         part, centre = self.kinematics.masses[name], self.kinematics.mass_centre(name)
         mass = self.graph.derived(f"mass of {name}", part.mass)
         acceleration = self.motion.acceleration_of(centre.a, centre.v)
@@ -203,7 +203,7 @@ class Reactions:
         return moment
 
     def _apply(self, of_links: LinkLoads, grip: Grip, loads: list[Load]) -> None:
-        """Forces or moments of the scene at one place, and their counterparts where something bears them."""
+        """Apply the scene's forces or moments at one grip, and their reactions on the bearer, if any."""
         courses = [(load, self.motion.power(load.order) * load.characteristic) for load in loads]
         for load, course in courses:
             self._register(load, load.coefficient * course)
@@ -221,27 +221,27 @@ class Reactions:
             of_links.push(bearer, at, -Vector(x, y))
 
     def _total(self, terms: list[tuple[Node, Node]]) -> Node:
-        """Sum of coefficients times curves."""
+        """Sum of coefficient × curve."""
         return terms[0][0] * terms[0][1] if len(terms) == 1 else self.graph.combination(terms)
 
     def _register(self, load: Load, value: Node) -> None:
-        """Fields of a force or moment of the scene, and what it does to the links it acts on."""
+        """Register the fields and link forces of a force or moment of the scene."""
         grip = load.grip
         bearer, at = grip.bearer or (None, None)
         if grip.at is None:
-            self._acts(load.action, acting_moment=value)
+            self._register_fields(load.action, acting_moment=value)
             found = LinkForce("load", load.action, grip.link, bearer, moment=value)
         else:
             force = value * grip.direction
-            self._acts(load.action, force_x=force.x, force_y=force.y)
+            self._register_fields(load.action, force_x=force.x, force_y=force.y)
             found = LinkForce("load", load.action, grip.link, bearer, grip.at.r, force)
         if load.action != "gravity":
             self._forces.append(found)
             if bearer is not None:
                 self._forces.append(found.opposite._replace(at=None if grip.at is None else at.r))
 
-    def _acts(self, action: str, **parts: Node) -> None:
-        """Fields of a force or moment of the scene; the damping of a spring adds to its pull."""
+    def _register_fields(self, action: str, **parts: Node) -> None:
+        """Register fields of a force or moment of the scene; a spring's damping adds to its pull."""
         if action == "gravity":
             return
         for key, node in parts.items():
@@ -251,7 +251,7 @@ class Reactions:
     # Pairs
 
     def _revolute(self, pair: Pair, force: Vector, within: Collection[str]) -> None:
-        """Register the reaction of a revolute pair; a link beyond the group bears its part."""
+        """Register the reaction of a revolute pair and apply it to the pair's links outside the group."""
         self._in_joint(pair, force)
         at = self._place(pair)
         self._between(LinkForce("reaction", pair.name, pair.link, pair.other, at.r, force))
@@ -259,16 +259,16 @@ class Reactions:
             self._loads.push(link, at, sign * force)
 
     def _between(self, found: LinkForce) -> None:
-        """Register what acts between two links."""
+        """Register a force and its reaction."""
         self._forces += [found, found.opposite]
 
     def _beyond(self, pair: Pair, within: Collection[str]) -> list[tuple[str, float]]:
-        """Links of a pair beyond a group, each with the sign by which it bears what acts on the pair's own link."""
+        """Links of a pair outside a group, each with the sign of the force on it relative to the pair's own link."""
         sides = ((pair.link, 1.0), (pair.other, -1.0))
         return [(link, sign) for link, sign in sides if link not in within]
 
     def _place(self, pair: Pair) -> MovingPoint:
-        """Where a pair's reaction acts: in its joint, or in the origin of what slides."""
+        """Point where a pair's reaction acts: the joint, or the slider's origin."""
         if pair.kind == "revolute":
             return self.kinematics.points[joint_of(pair)]
         return self.kinematics.links[pair.link].origin
@@ -282,7 +282,7 @@ class Reactions:
         self.variables |= {f"{pair.name}.reaction{part}": node for part, node in found.items()}
 
     def _prismatic(self, pair: Pair, normal: Node, moment: Node, within: Collection[str]) -> None:
-        """Register the reaction of a prismatic pair; a link beyond the group bears its part."""
+        """Register the reaction of a prismatic pair and apply it to the pair's links outside the group."""
         link = self.kinematics.links[pair.link]
         force = normal * link.u.normal
         found = {"": normal, "_x": force.x, "_y": force.y, "_moment": moment}
@@ -293,12 +293,12 @@ class Reactions:
             self._loads.push(name, link.origin, sign * force)
             self._loads.twist(name, sign * moment)
 
-    # Groups, last first, then what turns on the frame
+    # Groups, last first, then the links that turn on the frame
 
     def _group(self, name: str) -> None:
         group = self.scene.groups[name]
         links = (group.first.link, group.second.link)
-        self._balanced(name, links, pairs_of_group(self.scene, name), lambda loads: self._solved(name, loads))
+        self._balance(name, links, pairs_of_group(self.scene, name), lambda loads: self._solved(name, loads))
 
     def _free_group(self, motion: "mechanism.groups.free.FreeMotion") -> None:
         group = motion.closure.group
@@ -307,10 +307,10 @@ class Reactions:
             found = mechanism.groups.free_reactions.free_reactions(self.kinematics, motion, loads)
             return [found[pair.name] for pair in group.pairs]
 
-        self._balanced(group.name, group.links, group.pairs, solved)
+        self._balance(group.name, group.links, group.pairs, solved)
 
-    def _balanced(self, name: str, links: Sequence[str], around: Sequence[Pair], solved: Solve) -> None:
-        """Register the reactions in a group's pairs; what it hangs on bears its part."""
+    def _balance(self, name: str, links: Sequence[str], around: Sequence[Pair], solved: Solve) -> None:
+        """Register the reactions in a group's pairs and apply them to the links that carry the group."""
         loads = {link: self._loads.total(link) for link in links}
         for pair, reaction in zip(around, self._with_friction(name, links, around, solved, loads), strict=True):
             if pair.kind == "revolute":
@@ -319,17 +319,17 @@ class Reactions:
                 self._prismatic(pair, *reaction, links)
         unloaded = {link for link, load in loads.items() if load.is_nothing}
         for pair in around:
-            self._kinks(pair, unloaded)
+            self._register_kinks(pair, unloaded)
 
     def _solved(self, name: str, loads: Mapping[str, Wrench]) -> list[Components]:
-        """Reactions in the three pairs of a dyad, two components of each."""
+        """Reactions in the three pairs of a dyad, two components each."""
         law, geometry = dyad_of(self.scene, name).dyad_statics(self.kinematics, name)
         given = [(*load.force, load.moment) for load in loads.values()]
         found = self.graph.apply(law, *given, *geometry)
         return [found[0:2], found[2:4], found[4:6]]
 
     def _cam(self, name: str) -> None:
-        """The contact of a cam holds up its follower against all that acts on it, and what guides it takes the rest."""
+        """Balance a follower by the contact force of its cam; its guide or pivot takes the rest."""
         cam, motion = self.scene.cams[name], self.kinematics.cams[name]
         cam_forces = mechanism.higher_pairs.cam_forces.cam_forces
         links, load = (cam.follower.link,), self._loads.total(cam.follower.link)
@@ -351,10 +351,10 @@ class Reactions:
             self._revolute(holding, Vector(*held), links)
         else:
             self._prismatic(holding, *held, links)
-        self._kinks(holding, frozenset())
+        self._register_kinks(holding, frozenset())
 
     def _shaft(self, name: str) -> None:
-        """Gears balance the moments on a shaft, load its driver by the ratio, and what carries both by the rest."""
+        """Balance the moments on a shaft by gear moments on its driver (by the ratio) and on their common carrier."""
         shaft, load = self.scene.shafts[name], self._loads.total(name)
         if shaft.pressure_angle is not None:
             self._in_mesh(name, load)
@@ -363,25 +363,25 @@ class Reactions:
         if shaft.pivot is not None:
             moment = moment + self._in_pivot(name, load)
         passed = self.graph.number(f"shafts.{name}.ratio") * moment * self._lost_share(name, -moment)
-        self._pass_on(name, shaft.geared_to, shaft.carrier or FRAME, moment, passed)
+        self._transmit(name, shaft.geared_to, shaft.carrier or FRAME, moment, passed)
 
-    def _pass_on(self, name: str, driver: str, carrier: str, moment: Node, passed: Node) -> None:
-        """Balance a wheel, and load its driver and what carries both."""
+    def _transmit(self, name: str, driver: str, carrier: str, moment: Node, passed: Node) -> None:
+        """Balance a wheel by moments on its driver and on their common carrier."""
         self.graph.bends(passed, moment)
         on = ((name, driver, -moment), (driver, name, passed), (carrier, name, moment - passed))
         self._forces += [LinkForce("gears", name, link, source, moment=twist) for link, source, twist in on]
         for link, _, twist in on[1:]:
             self._loads.twist(link, twist)
 
-    def _push_apart(self, name: str, driver: str, place: Vector, force: Vector) -> None:
-        """Load a wheel or rack and its driver by the force between their teeth."""
+    def _apply_tooth_force(self, name: str, driver: str, place: Vector, force: Vector) -> None:
+        """Apply the tooth force to a wheel or rack, and its reaction to the driver."""
         at = self.kinematics.at_rest(place)
         self._loads.push(name, at, force)
         self._loads.push(driver, at, -force)
         self._between(LinkForce("reaction", f"{name}.teeth", name, driver, place, force))
 
     def _in_mesh(self, name: str, load: Wrench) -> None:
-        """Teeth balance the moments on a shaft by a force at the pitch point, and push both wheels apart."""
+        """Balance the moments on a shaft by the tooth force at the pitch point, which also separates the wheels."""
         shaft, found = self.scene.shafts[name], mechanism.higher_pairs.mesh.mesh_of(self.kinematics, name)
         at, radius = found.pitch_point, found.radius
         if shaft.efficiency is not None:
@@ -390,38 +390,38 @@ class Reactions:
             at = at + (radius - found.radius) * found.along
         tangential = load.moment / radius
         self.graph.bends(tangential, load.moment)
-        # What pushes apart has the magnitude of what turns, and bends where that changes its sign.
+        # The separating force has the magnitude of the tangential force times a slope: a kink where that changes sign.
         apart = abs(tangential) * found.slope
         self.graph.bends(apart, tangential)
         force = -(tangential * found.across) + apart * found.away
-        self._push_apart(name, shaft.geared_to, at, force)
+        self._apply_tooth_force(name, shaft.geared_to, at, force)
         self._in_teeth(name, tangential, apart)
         self._in_pivot(name, self._loads.total(name))
 
     def _lost_share(self, name: str, taken: Node) -> Node:
-        """By how much losses between teeth change what loads their driver.
+        """Factor by which mesh losses change the load on the driver.
 
         Parameters
         ----------
         name : str
-            Of what is driven.
+            Driven wheel or rack.
         taken : Node
-            Moment on it from its driver, of a rack the force: with the motion it takes power, which is accounted for.
+            Moment (for a rack, force) exerted by the driver; its sign gives the direction of power flow.
         """
         if name not in self._lossy:
             return self.graph.one
         rate, slope = mechanism.friction.rolling_rate(self.kinematics, name)
         self.graph.switches(rate, slope)
         sense_of_input = input_sense(self.kinematics)
-        way = self.graph.held(self.graph.apply(sense, rate)) * sense_of_input
+        direction = self.graph.held(self.graph.apply(sense, rate)) * sense_of_input
         efficiency = self.graph.number(f"{self._lossy[name]}.efficiency")
-        k = self.graph.apply(laws.friction.teeth.lost_share, way * taken, efficiency)
+        k = self.graph.apply(laws.friction.teeth.lost_share, direction * taken, efficiency)
         self.graph.bends(k, taken)
         self.lost_in_teeth[name] = sense_of_input * ((k - 1.0) * (taken * rate))
         return k
 
     def _noncircular_wheel(self, name: str) -> None:
-        """Teeth balance the moments on a wheel: as a moment passed on by the ratio, or by forces at the pitch point."""
+        """Balance the moments on a wheel: by a moment on the driver (by the ratio), or by tooth forces."""
         wheel, found, load = (
             self.scene.noncircular_wheels[name],
             self.kinematics.noncircular[name],
@@ -429,7 +429,7 @@ class Reactions:
         )
         if wheel.pressure_angle is None:
             passed = -(found.rate * load.moment * self._lost_share(name, -load.moment))
-            self._pass_on(name, wheel.geared_to, FRAME, load.moment, passed)
+            self._transmit(name, wheel.geared_to, FRAME, load.moment, passed)
             self._in_pivot(name, load)
             return
         place = found.pitch_point
@@ -446,21 +446,21 @@ class Reactions:
         self.graph.bends(tangential, load.moment)
         self.graph.bends(apart, load.moment)
         self._in_teeth(name, tangential, apart)
-        self._push_apart(name, wheel.geared_to, place, tangential * found.tangent + apart * found.away)
+        self._apply_tooth_force(name, wheel.geared_to, place, tangential * found.tangent + apart * found.away)
         self._in_pivot(name, self._loads.total(name))
 
     def _line_of_centres(self, name: str) -> Vector:
-        """Direction from the axis of a non-circular wheel's driver to its own."""
+        """Unit vector from the axis of a non-circular wheel's driver to the wheel's axis."""
         links, wheel = self.kinematics.links, self.scene.noncircular_wheels[name]
         line = links[name].origin.r - links[wheel.geared_to].origin.r
         return line * (self.graph.one / line.length)
 
     def _rack(self, name: str) -> None:
-        """Teeth balance all that acts on a rack along its guide, which takes the rest."""
+        """Balance the force along a rack's guide by tooth forces; the guide takes the rest."""
         rack, load = self.scene.racks[name], self._loads.total(name)
         found = mechanism.higher_pairs.rack_motion.toothing(self.kinematics, name)
         tangential = -load.force.dot(found.along)
-        apart = self._apart(name, f"racks.{name}", tangential)
+        apart = self._separating_force(name, f"racks.{name}", tangential)
         force = tangential * found.along - apart * found.away
         arm = found.radius if rack.efficiency is None else found.radius * self._lost_share(name, tangential)
         self._between_teeth(found, arm, force, name, rack.pinion)
@@ -469,18 +469,18 @@ class Reactions:
         self._prismatic(self._pairs[name], normal, -left.moment, {name})
 
     def _pinion(self, name: str) -> None:
-        """Teeth balance the moments on a pinion; its pivot takes the rest, its rack bears the force."""
+        """Balance the moments on a pinion by tooth forces on its rack; the pivot takes the rest."""
         pinion, load = self.scene.pinions[name], self._loads.total(name)
         found = mechanism.higher_pairs.rack_motion.toothing(self.kinematics, name)
         arm = found.radius if pinion.efficiency is None else found.radius / self._lost_share(name, -load.moment)
         tangential = -load.moment / arm
-        apart = self._apart(name, f"pinions.{name}", tangential)
+        apart = self._separating_force(name, f"pinions.{name}", tangential)
         bearer = pinion.rack or self.scene.guides[pinion.guide].link
         self._between_teeth(found, arm, tangential * found.along + apart * found.away, name, bearer)
         self._in_pivot(name, self._loads.total(name))
 
-    def _apart(self, name: str, at: str, tangential: Node) -> Node:
-        """Force by which teeth push apart: by its magnitude, so it bends where what drives changes its sign."""
+    def _separating_force(self, name: str, at: str, tangential: Node) -> Node:
+        """Separating force of a mesh; it has a kink where the tangential force changes sign."""
         slope = self.graph.derived(f"slope of the teeth of {name}", lambda n: np.tan(n[f"{at}.pressure_angle"]))
         apart = abs(tangential) * slope
         self.graph.bends(apart, tangential)
@@ -488,7 +488,7 @@ class Reactions:
         return apart
 
     def _in_teeth(self, name: str, tangential: Node, apart: Node) -> None:
-        """Register the force between teeth, which has one unknown: along the normal to their flanks."""
+        """Register the components of a tooth force, which acts along the normal to the flanks."""
         normal = Vector(tangential, apart).length
         self.graph.bends(normal, tangential)
         parts = {"tangential": tangential, "radial": apart, "normal": normal}
@@ -497,18 +497,18 @@ class Reactions:
     def _between_teeth(
         self, found: "mechanism.higher_pairs.rack_motion.Toothing", arm: Node, force: Vector, on: str, bearer: str
     ) -> None:
-        """Load a rack and its pinion by a force that has an arm about the pinion's axis, by losses not its radius."""
+        """Apply a tooth force to a rack and its pinion, with the arm about the pinion's axis that losses shift."""
         place = found.pitch_point
         if arm is not found.radius:
             place = place + (found.radius - arm) * found.along.normal
-        self._push_apart(on, bearer, place, force)
+        self._apply_tooth_force(on, bearer, place, force)
 
     def _in_pivot(self, name: str, load: Wrench) -> Node:
-        """Register the reaction of a pivot on the frame; the moment of its friction."""
+        """Register the reaction of a pivot; return its friction moment."""
         pair = self._pairs[name]
         self._revolute(pair, -load.force, {pair.link})
-        friction = self._rubbed(pair, self.variables[f"{name}.reaction"], {pair.link})
-        self._kinks(pair, frozenset())
+        friction = self._apply_friction(pair, self.variables[f"{name}.reaction"], {pair.link})
+        self._register_kinks(pair, frozenset())
         return friction
 
     def _input(self) -> None:
@@ -527,19 +527,19 @@ class Reactions:
         self.variables["input_moment_by_equilibrium"] = named(needed, "input_moment_by_equilibrium")
 
     def _in_guide(self, pair: Pair, load: Wrench) -> Node:
-        """Register the reaction of the guide of an input; the force of its friction along it."""
+        """Register the reaction of an input's guide; return its friction force."""
         normal, turning = load.force.cross(self.kinematics.links[pair.link].u), -load.moment
         self._prismatic(pair, normal, turning, {pair.link})
         if pair.name not in self._rubs:
             return self.graph.zero
         edge = self._rubs[pair.name].edge
         pressing = self.graph.apply(laws.friction.feedback.guide_pressing, normal, turning, edge)
-        friction = self._rubbed(pair, pressing, {pair.link})
-        self._kinks(pair, frozenset())
+        friction = self._apply_friction(pair, pressing, {pair.link})
+        self._register_kinks(pair, frozenset())
         return friction
 
     def _second_input(self, name: str) -> None:
-        """A drive balances a second input; what carries the pivot or guide bears it, and the crank where it drives."""
+        """Balance a second input by its drive, which reacts on the carrier, and on the crank if that drives it."""
         load, link, base = self._loads.total(name), self.kinematics.links[name], drive_base(self.scene, name)
         if name in self.kinematics.slides:
             total = load.force.dot(link.u) + self._in_guide(self._pairs[name], load)
@@ -558,9 +558,9 @@ class Reactions:
         self.variables[field] = named(-total, field.replace(".", "_"))
 
     def _moment_of_drives(self) -> Node:
-        """Moment of all drives, reduced to the input: M + Σ M_k dψ_k/dφ, of sliding ones Σ F_k ds_k/dφ.
+        """Torque of all drives reduced to the input: M + Σ M_k dψ_k/dφ, or Σ F_k ds_k/dφ for sliding ones.
 
-        What the crank drives has its share in the crank's own moment.
+        The crank's own torque already includes second inputs that the crank drives.
         """
         total = self.variables["input_moment_by_equilibrium"]
         for name, second in self.scene.inputs.items():
@@ -579,22 +579,22 @@ class Reactions:
         solved: Solve,
         loads: Mapping[str, Wrench],
     ) -> Sequence[Components]:
-        """Reactions in a group: those without its friction, and what each of its rubbing pairs adds."""
+        """Reactions in a group: those without its own friction, plus the effect of each pair with friction."""
         free = solved(loads)
-        rubbing = [(i, pair) for i, pair in enumerate(around) if pair.name in self._rubs]
-        if not rubbing:
+        frictional = [(i, pair) for i, pair in enumerate(around) if pair.name in self._rubs]
+        if not frictional:
             return free
-        backs = [solved(self._for_a_newton(pair, links)) for _, pair in rubbing]
+        backs = [solved(self._loads_per_newton(pair, links)) for _, pair in frictional]
         settled = mechanism.friction.pressing_in_group(
-            [self._rubs[pair.name] for _, pair in rubbing],
-            [free[i] for i, _ in rubbing],
-            [[back[i] for back in backs] for i, _ in rubbing],
+            [self._rubs[pair.name] for _, pair in frictional],
+            [free[i] for i, _ in frictional],
+            [[back[i] for back in backs] for i, _ in frictional],
         )
         self.settlings[name] = settled
         named(settled.margin, f"{name} margin")
         named(settled.residual, f"{name} residual")
-        for (_, pair), pressing in zip(rubbing, settled.pressing, strict=True):
-            self._rubbed(pair, named(pressing, f"{pair.name} pressing"), links)
+        for (_, pair), pressing in zip(frictional, settled.pressing, strict=True):
+            self._apply_friction(pair, named(pressing, f"{pair.name} pressing"), links)
         return [
             tuple(
                 sum((back[i][axis] * n for back, n in zip(backs, settled.pressing, strict=True)), free[i][axis])
@@ -603,31 +603,31 @@ class Reactions:
             for i in range(len(around))
         ]
 
-    def _for_a_newton(self, pair: Pair, links: Sequence[str]) -> dict[str, Wrench]:
-        """Loads on the links of a group by friction in one of its pairs, for each newton that presses."""
+    def _loads_per_newton(self, pair: Pair, links: Sequence[str]) -> dict[str, Wrench]:
+        """Loads on a group's links from friction in one of its pairs, per newton of pressing force."""
         loads = LinkLoads(self.kinematics)
-        self._rub_on(loads, pair, ((pair.link, 1.0), (pair.other, -1.0)), self._rubs[pair.name].drag)
+        self._apply_to_sides(loads, pair, ((pair.link, 1.0), (pair.other, -1.0)), self._rubs[pair.name].drag)
         return {link: loads.total(link) for link in links}
 
-    def _rub_on(self, loads: LinkLoads, pair: Pair, sides: Iterable[tuple[str, float]], friction: Node) -> None:
-        """Load sides of a pair, each with its sign, by friction on the pair's link."""
+    def _apply_to_sides(self, loads: LinkLoads, pair: Pair, sides: Iterable[tuple[str, float]], friction: Node) -> None:
+        """Apply the friction on a pair's link to the given links, each with its sign."""
         for name, sign in sides:
             if pair.kind == "revolute":
                 loads.twist(name, sign * friction)
             else:
-                at, along = self._rubs_along(pair)
+                at, along = self._friction_line(pair)
                 loads.push(name, at, (sign * friction) * along)
 
-    def _rubs_along(self, pair: Pair) -> tuple[MovingPoint, Vector]:
-        """Where friction in a guide or on a cam acts, and its direction."""
+    def _friction_line(self, pair: Pair) -> tuple[MovingPoint, Vector]:
+        """Point and direction of friction in a guide or on a cam."""
         if pair.kind == "prismatic":
             link = self.kinematics.links[pair.link]
             return link.origin, link.u
         motion = self.kinematics.cams[pair.name.partition(".")[0]]
         return self.kinematics.at_rest(motion.contact), motion.normal.normal
 
-    def _rubbed(self, pair: Pair, pressing: Node, within: Collection[str]) -> Node:
-        """Friction on a pair's link by its pressing force; a link beyond the group bears its part."""
+    def _apply_friction(self, pair: Pair, pressing: Node, within: Collection[str]) -> Node:
+        """Friction on a pair's link from its pressing force; also applied to the pair's links outside the group."""
         if pair.name not in self._rubs:
             return self.graph.zero
         rub = self._rubs[pair.name]
@@ -635,19 +635,19 @@ class Reactions:
         friction = rub.drag * pressing
         self.variables[f"{pair.name}.{_FRICTION[pair.kind]}"] = friction
         self.lost[pair.name] = rub.lost * pressing
-        self._rub_on(self._loads, pair, self._beyond(pair, within), friction)
+        self._apply_to_sides(self._loads, pair, self._beyond(pair, within), friction)
         if pair.kind == "revolute":
             self._between(LinkForce("friction", pair.name, pair.link, pair.other, moment=friction))
         else:
-            at, along = self._rubs_along(pair)
+            at, along = self._friction_line(pair)
             self._between(LinkForce("friction", pair.name, pair.link, pair.other, at.r, friction * along))
         return friction
 
-    def _kinks(self, pair: Pair, unloaded: Iterable[str]) -> None:
-        """Say where the load of a pair has kinks, because it touches zero or a slider changes the edge it bears on.
+    def _register_kinks(self, pair: Pair, unloaded: Iterable[str]) -> None:
+        """Register the kinks in a pair's load: a reaction touches zero, or a slider changes the edge it bears on.
 
-        A reaction passes through zero where a link that bears nothing but pairs changes from push to pull: friction
-        leans it to one side or the other, but its component along a bar, or across a slide, changes its sign.
+        The reaction passes through zero where a link loaded only by its pairs changes from compression to tension.
+        Friction tilts the reaction, but its component along a bar, or across a slide, still changes sign there.
         """
         rub, found = self._rubs.get(pair.name), []
         loads = [self._pressing[pair.name]] if rub is not None else []
@@ -667,7 +667,7 @@ class Reactions:
                 self.graph.bends(load, curve)
 
     def _losses(self) -> None:
-        """Powers lost to friction, and the moment on the input that stands for them."""
+        """Register friction power, and the equivalent moment on the input."""
         for pair, lost in self.lost.items():
             kind = (self._pairs | self._contacts)[pair].kind
             self.variables.setdefault(f"{pair}.{_FRICTION[kind]}", self.graph.zero)
@@ -678,10 +678,10 @@ class Reactions:
         self.variables["friction_moment"] = named(-(input_sense(self.kinematics) * total), "friction_moment")
         self.variables["input_moment_with_friction"] = self.moment_of_drives
 
-    # The whole
+    # The whole machine
 
     def _power(self) -> None:
-        """Input moment by virtual power: that of all forces on all links, inertia forces among them, is zero."""
+        """Drive torque by virtual power: the power of all forces on all links, inertia forces included, is zero."""
         power = self.variables.get("friction_moment", self.graph.zero)
         for name in self._moving:
             link, load = self.kinematics.links[name], self._own[name]
@@ -689,10 +689,10 @@ class Reactions:
         self.variables["input_moment_by_power"] = -power
 
     def _frame(self) -> dict[str, Node]:
-        """What the machine does to its frame, and the equilibrium of the machine without it."""
+        """Register the forces of the machine on its frame; return the equilibrium check of the moving links."""
         left = self._loads.total(FRAME)
         on_frame = self._own[FRAME] + left
-        # The origin of the scene's coordinates, not that of the frame's as positions are counted.
+        # About the origin of the scene's coordinates, not about the datum of positions.
         about_origin = on_frame.moment + self.kinematics.coordinates(self.kinematics.nowhere).cross(on_frame.force)
         for key, node in zip(("x", "y", "moment"), (*on_frame.force, about_origin), strict=True):
             self.variables[f"frame.reaction_{key}"] = named(node, f"frame reaction_{key}")
@@ -712,5 +712,5 @@ class Reactions:
 
 
 def _components(force: Vector, link: Turning) -> Vector:
-    """A force in the axes of a link: along it, and to its left across it."""
+    """Components of a force along a link and across it, to its left."""
     return Vector(force.dot(link.u), link.u.cross(force))

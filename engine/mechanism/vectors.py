@@ -1,4 +1,4 @@
-"""Plane vectors of nodes, so that kinematics read as in the textbook."""
+"""Plane vectors of nodes, so that kinematics reads as in the textbook."""
 
 from typing import NamedTuple
 
@@ -6,7 +6,7 @@ from engine.graph.nodes import Node
 
 
 class Vector(NamedTuple):
-    """A vector by its components in the axes of the frame."""
+    """A vector by its components in frame axes."""
 
     x: Node
     y: Node
@@ -27,7 +27,7 @@ class Vector(NamedTuple):
 
     @property
     def normal(self) -> "Vector":
-        """The vector turned left by a right angle, k × v."""
+        """The vector turned left by 90°, k × v."""
         return Vector(-self.y, self.x)
 
     def dot(self, other: "Vector") -> Node:
@@ -39,7 +39,7 @@ class Vector(NamedTuple):
         return self.x * other.y - self.y * other.x
 
     def in_axes(self, direction: "Vector") -> "Vector":
-        """Of a vector given in a link's own axes its components in those of the frame; `direction` is the link's."""
+        """Transform from link axes to frame axes; `direction` is the link's x axis."""
         return direction * self.x + direction.normal * self.y
 
     @property
@@ -48,13 +48,13 @@ class Vector(NamedTuple):
         return self.x.graph.function("sqrt", self.dot(self))
 
     def called(self, name: str) -> "Vector":
-        """The same with names that a reader of the printed function will see."""
+        """Label the nodes for the printed function."""
         for axis, node in zip("xy", self, strict=True):
             named(node, f"{name}_{axis}")
         return self
 
 
 def named(node: Node, name: str) -> Node:
-    """The node, called by a name unless it has one."""
+    """Label a node, unless it already has a label."""
     node.label = node.label or name
     return node

@@ -1,4 +1,4 @@
-"""True motion of a machine: the equation of motion under its motors and loads, its regimes, its flywheel."""
+"""Actual motion of a machine: the equation of motion under its motors and loads, its regimes, its flywheel."""
 
 from engine import on_use
 

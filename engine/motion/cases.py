@@ -1,8 +1,8 @@
-"""The five cases of I·ε + ½ω²·dI/dφ = M, and what each of a scene's regimes is solved by.
+"""The five cases of I·ε + ½ω²·dI/dφ = M, and the case and method of each of a scene's regimes.
 
 (1) I, M constant; (2) I constant, M(φ) or M(ω) or M(t); (3) I(φ), M(φ); (4) I constant, M(φ, ω); (5) I(φ), M(φ, ω).
-Which of them a regime is follows from the structure of the machine alone: which links turn in a fixed ratio to the
-crank, and which actions are at work.
+The case of a regime follows from the structure of the machine only: from the links in a fixed ratio to the crank, and
+the acting forces and torques.
 
 Source: K. V. Frolov et al., Theory of Mechanisms and Machines (the equation of motion and its cases).
 """
@@ -27,10 +27,10 @@ _WORDS = {
 
 
 def regime_text(mechanics: Mechanics) -> list[tuple[str, str, str]]:
-    """For every regime of a scene its name, its case in a sentence, and the method used.
+    """Name, case in words and method of every regime of a scene.
 
-    Moments that depend on time as well count as those that depend on the speed, but for M(t) alone. The method is
-    "energy form" or "time form", and one that a run names; runs in the energy form go in time near rest.
+    Torques that also depend on time count as dependent on the speed, except M(t) alone. The method is "energy form" or
+    "time form", plus the method that a run names; runs in the energy form use the time form near rest.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def regime_text(mechanics: Mechanics) -> list[tuple[str, str, str]]:
 
 
 def _case_of(dynamics: Dynamics, regime: Regime) -> tuple[str, str]:
-    """The case of a regime in a sentence, and its method."""
+    """The case of a regime in words, and its method."""
     sources, mechanics = _sources(dynamics), dynamics.reduction.mechanics
     arguments = frozenset().union(*sources.values())
     turning = _varies(mechanics.reduced.inertia)
@@ -70,7 +70,7 @@ def _number(turning: bool, arguments: frozenset[str]) -> int:
 
 
 def _sources(dynamics: Dynamics) -> dict[str, frozenset[str]]:
-    """What the moment of each acting motor and load depends on: "φ", "ω", "t"."""
+    """Arguments "φ", "ω", "t" on which the torque of each acting motor and load depends."""
     reduction = dynamics.reduction
     found = {name: frozenset("ω") for name in dynamics.motors}
     for load in reduction.loads.terms:
@@ -106,7 +106,7 @@ def _moment(dynamics: Dynamics, sources: dict[str, frozenset[str]]) -> str:
 
 
 def _named(scene: Scene, name: str) -> str:
-    """Name of an action, and its type in words where the name alone doesn't say it."""
+    """Name of an action, with its type in words unless the name contains it."""
     tables = (scene.forces, scene.moments, scene.cylinders)
     kind = next((table[name].type for table in tables if name in table), None)
     if kind is None:

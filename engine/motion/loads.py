@@ -1,9 +1,9 @@
-"""Loads on the pairs of a machine, and what it does to its frame, at its true motion.
+"""Loads on the pairs of a machine, and shaking forces on its frame, for its actual motion.
 
-They follow from ω² and ε at every crank angle by the same steps as at uniform speed. ε comes from the equation of
-motion, so what the input link needs for its equilibrium is what motors and flywheel give.
+They follow from ω² and ε at every crank angle by the same equations as at constant speed. ε is from the equation of
+motion, so the torque that the input link needs for equilibrium is that of motors and flywheel.
 
-A flywheel loads no pair but by its weight, which a scene doesn't know; its inertia turns the frame.
+A flywheel loads the pairs by its weight only, which a scene does not contain; its inertia affects the frame.
 """
 
 from collections.abc import Iterable
@@ -20,18 +20,18 @@ from engine.mechanism.reactions import Reactions
 from engine.motion.moments.dynamics import Variants
 from engine.motion.moments.tabulation import Tabulation
 
-# Moments in which the inertia of a flywheel takes part.
+# Moments that include the inertia of the flywheel.
 WITH_FLYWHEEL = ("frame.reaction_moment", "shaking_moment")
 
 
 class PairLoads:
-    """Reactions in the pairs and shaking forces of a machine, however its input moves.
+    """Reactions in the pairs and shaking forces of a machine for any motion of its input.
 
     Parameters
     ----------
     mechanics : Mechanics
     asked : iterable of str
-        Fields, by the names that they have at uniform speed.
+        Fields, by their names at constant speed.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class PairLoads:
         self.scene, self.names = mechanics.scene, tuple(sorted(set(asked)))
         speed, square, epsilon = (graph.given(f"{part} of the input") for part in ("speed", "square", "acceleration"))
         motion = InputMotion(square, epsilon, speed)
-        # How large a load is, is given with the variant: 0 of what is off.
+        # The coefficient of each load is a number of the variant: 0 for actions that are off.
         self._sizes: dict[Given, tuple[str, Node]] = {}
         loads = []
         for i, load in enumerate(Loads(mechanics.scene, kinematics, graph.given("time"), speed).terms):
@@ -72,13 +72,13 @@ class PairLoads:
         return [coefficient for _, coefficient in self._sizes.values()]
 
     def parameters(self, variants: Variants, off: frozenset[str]) -> np.ndarray:
-        """Numbers of variants, (numbers, variants), for the way that they turn.
+        """Numbers of variants, (numbers, variants), for their direction of motion.
 
         Parameters
         ----------
         variants : Variants
         off : frozenset of str
-            Actions that don't act.
+            Actions that are off.
         """
         tabulation = self._tabulation
         made = tabulation.parameters(variants.numbers, variants.direction, variants.ends)
@@ -88,7 +88,7 @@ class PairLoads:
                 action, coefficient = self._sizes[node]
                 made[rows[node]] = 0.0 if action in off else made[rows[coefficient]]
             elif node not in self._moving:
-                # In a motion that repeats itself nothing that depends on time acts.
+                # In steady running no load depends on time.
                 made[rows[node]] = 0.0
         return made
 
@@ -101,18 +101,18 @@ class PairLoads:
         epsilon: np.ndarray,
         clock: np.ndarray | None = None,
     ) -> dict[str, np.ndarray]:
-        """The fields at given places of a motion, each (places, variants).
+        """The fields at given instants of a motion, each (places, variants).
 
         Parameters
         ----------
         variants : Variants
-            With the flywheel they go with.
+            With the flywheel of the motion.
         parameters : ndarray (numbers, variants)
-            From `parameters`, for the way that each turns.
+            From `parameters`, for the direction of each variant.
         places : ndarray (places, variants)
             Crank angles [rad].
         omega : ndarray (places, variants)
-            Speed by magnitude [rad/s].
+            Magnitude of the speed [rad/s].
         epsilon : ndarray (places, variants)
             Acceleration, counter-clockwise positive [rad/s²].
         clock : ndarray (places, variants), optional
@@ -126,7 +126,7 @@ class PairLoads:
         found = tabulation(parameters, places, given)
         fields = {name: found[row] for name, row in self._rows.items()}
         made = self.scene.flywheel
-        # The wheel's shaft turns so many times as fast, with an inertia smaller by the square of it.
+        # The wheel's shaft, `ratio` times as fast as the crank, has the inertia I/ratio² and the acceleration ratio·ε.
         ratio = variants.numbers["flywheel.wheel.ratio"] if made is not None and made.wheel is not None else 1.0
         for name in WITH_FLYWHEEL:
             if name in fields:
@@ -135,7 +135,7 @@ class PairLoads:
 
 
 def _shaking(mechanics: Mechanics, motion: InputMotion) -> dict[str, Node]:
-    """Shaking force and moment: that of accelerations ω² r″, and with ε that of r′."""
+    """Shaking force and moment: of the accelerations ω² r″ plus ε r′."""
     second = shaking(mechanics.kinematics, lambda point: point.a, lambda link: link.e)
     first = shaking(mechanics.kinematics, lambda point: point.v, lambda link: link.w)
 

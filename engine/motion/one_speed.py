@@ -1,8 +1,8 @@
-"""A machine's equation of motion as a system of rates: its states, what is gathered along, and its guards, as nodes.
+"""A machine's equation of motion as a system of rates: states, accumulated integrals and guards, as nodes.
 
-Along the crank angle the state is the kinetic energy E, with dE/dφ = M(φ, ω) and ω = √(2E/I); along time the angle
-turned and the speed, with I ε + ½ω² dI/dφ = M(φ, ω, t). Moments count in the direction of motion, so that ω is never
-negative: a machine that moves backwards is one whose input is meant to turn the other way.
+Over the crank angle the state is the kinetic energy E, with dE/dφ = M(φ, ω) and ω = √(2E/I); over time the states are
+the angle turned and the speed, with I ε + ½ω² dI/dφ = M(φ, ω, t). Torques are positive in the direction of motion, so ω
+is never negative: a machine that moves backwards has the opposite nominal direction of its input.
 """
 
 from typing import NamedTuple
@@ -28,9 +28,9 @@ from engine.mechanism.reactions import Reactions
 from engine.motion.moments.tabulation import Tabulation
 from engine.stepping.system import Guard, PrintedSystem, System
 
-# Sorts of work that are told apart where works are asked.
+# Kinds of work that are reported separately.
 CHANNELS = ("driving", "useful", "harmful", "braking", "other")
-# Powers of the speed whose loads are added up at a position.
+# Powers of the speed whose loads are summed at a position.
 POLYNOMIAL_ORDERS = (0, 1, 2)
 
 SLOPES = {
@@ -41,18 +41,18 @@ SLOPES = {
     bend_slope: {0: lambda x: x.graph.zero},
     exponential: {0: lambda x: x.graph.apply(exponential, x)},
     power: {0: lambda x, n: n * x.graph.apply(power, x, n) / x},
-    # What switches with a speed is what it is on either side.
+    # A sign of a speed is constant on either side of its switch.
     sense: {0: lambda x: x.graph.zero},
     side: {0: lambda x: x.graph.zero},
 }
-# A speed that is none, but has a sign [rad/s].
+# Replaces a speed of zero, with a sign [rad/s].
 AT_REST = 1e-150
-# Share of its energy that a machine may lose before it is near to rest, however steep its motor.
+# Fraction of its energy that a machine with a steep motor may lose before it counts as near rest.
 MUCH = 0.5
 
 
 class Sizes(NamedTuple):
-    """Numbers that a motion gives to its system: how large each load is, which motors act, and how it moves."""
+    """Numbers that a motion supplies to its system: the size of each load, the acting motors, the direction."""
 
     loads: dict[Given, tuple[str, Node]]
     motors: dict[Given, str]
@@ -66,28 +66,28 @@ class Sizes(NamedTuple):
 
 
 class StateMoments(NamedTuple):
-    """StateMoments in the direction of motion: of the motors, and of each channel of loads."""
+    """Torques in the direction of motion: of the motors, and of each channel of loads."""
 
     motors: Node
     channels: dict[str, Node]
 
     @property
     def total(self) -> Node:
-        """Of all that acts."""
+        """Sum of all torques."""
         return self.motors + sum(self.channels.values())
 
 
 def inertia_with_flywheel(mechanics: Mechanics) -> tuple[Node, Given]:
-    """Reduced inertia with the flywheel of a motion, and the latter [kg·m²]."""
+    """Reduced inertia including the flywheel of a motion, and the flywheel [kg·m²]."""
     wheel = mechanics.graph.given("flywheel of a motion", Stage.VARIANT)
     return mechanics.reduced.inertia + wheel, wheel
 
 
 def sizes_of(mechanics: Mechanics, speed: Node, side: str = "") -> tuple[Loads, Given, Sizes]:
-    """Loads of a machine, or of one side of it, at a speed; the time they depend on; and the numbers given to them."""
+    """Loads of a machine, or of one side of it, at a speed; their time; and the numbers supplied to them."""
     graph, (_, wheel) = mechanics.graph, inertia_with_flywheel(mechanics)
     clock = graph.given("time of a state", Stage.STATE)
-    # A step that ends at rest looks a little beyond it, and what is at rest resists the way that it faces.
+    # A step that ends at rest evaluates slightly beyond; a machine at rest resists motion in the direction it faces.
     loads = Loads(mechanics.scene, mechanics.kinematics, clock, abs(speed) + AT_REST)
 
     def number(label: str) -> Given:
@@ -102,7 +102,7 @@ def sizes_of(mechanics: Mechanics, speed: Node, side: str = "") -> tuple[Loads, 
 def moments_of(
     mechanics: Mechanics, loads: Loads, sizes: Sizes, speed: Node, works: bool, off: frozenset[str] = frozenset()
 ) -> StateMoments:
-    """StateMoments at a speed, by the sort of work where works are asked, but for actions that never act."""
+    """Torques at a speed, by kind of work if `works`, without the actions in `off`."""
     graph = mechanics.graph
     motion = InputMotion(speed * speed, graph.zero, speed)
     by_magnitude = motion._replace(speed=abs(speed))
@@ -111,7 +111,7 @@ def moments_of(
         if load.basis is graph.zero or load.action in off:
             continue
         channel = load.role if load.role in CHANNELS else "other"
-        # What is off is zero at rest too, where the speed to a negative power is infinite.
+        # `sized` returns 0 for an action that is off, also at rest, where a negative power of the speed is infinite.
         polynomial = load.order in POLYNOMIAL_ORDERS
         power_of_speed = (motion if polynomial else by_magnitude).power(load.order)
         term = graph.apply(sized, size, load.basis if polynomial else load.basis * power_of_speed)
@@ -119,7 +119,7 @@ def moments_of(
         orders.setdefault(power_of_speed if polynomial else graph.one, []).append(term)
     channels = {}
     for channel, orders in by_channel.items():
-        # What depends on the position alone is added up there.
+        # Sum the terms that depend on the position only before multiplying by the power of the speed.
         parts = [(sizes.way * sum(terms, graph.zero)) * at_speed for at_speed, terms in orders.items()]
         channels[channel] = sum(parts, graph.zero)
     acting = {name: on for on, name in sizes.motors.items() if name not in off}
@@ -128,15 +128,15 @@ def moments_of(
 
 
 def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tuple[System, Sizes]:
-    """The equation of motion over the crank angle; of what is gathered besides time, what is asked.
+    """The equation of motion over the crank angle, with time and the requested integrals.
 
     Parameters
     ----------
     mechanics : Mechanics
     works : bool
-        Whether the works of useful and harmful loads, … are told apart.
+        Whether the works of useful and harmful loads, … are separate.
     asked : frozenset of str
-        Of "motors", "squares", "fading", ∫ ∂M/∂E dφ, and the channels of work.
+        Integrals: "motors", "squares", "fading" (∫ ∂M/∂E dφ), and the channels of work.
     """
     graph = mechanics.graph
     energy = graph.given("kinetic energy", Stage.STATE)
@@ -153,7 +153,7 @@ def along_angle(mechanics: Mechanics, works: bool, asked: frozenset[str]) -> tup
     guards = (
         Guard("above", sizes.above - speed),
         Guard("below", speed - sizes.below),
-        # A steep motor answers before much of the energy is gone.
+        # A steep motor restores the speed before much of the energy is lost.
         Guard("slow", graph.apply(greater, sizes.brisk, -MUCH * steepness) * energy + total),
     )
     gathered = {"time": pace} | {name: node for name, node in known.items() if name in asked}
@@ -170,7 +170,7 @@ def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str], rubs: b
     turned, speed = (graph.given(label, Stage.STATE) for label in ("angle turned", "speed of a state"))
     (loads, clock, sizes), (inertia, _) = sizes_of(mechanics, speed), inertia_with_flywheel(mechanics)
     moments, unknown = moments_of(mechanics, loads, sizes, speed, works), {}
-    # Motors make a step stiff; friction doesn't, and its derivative is as long as all reactions.
+    # Motors make a step stiff, friction does not; its derivative would contain those of all reactions.
     smooth = (moments.total - (0.5 * speed * speed) * (sizes.way * mechanics.reduced.slope)) / inertia
     if rubs:
         unknown[speed] = graph.given("acceleration", Stage.STATE)
@@ -195,7 +195,7 @@ def along_time(mechanics: Mechanics, works: bool, asked: frozenset[str], rubs: b
 
 
 def friction_of(mechanics: Mechanics, loads: Loads, sizes: Sizes, speed: Node, epsilon: Node) -> Node:
-    """Moment that stands for friction in the pairs, in the direction of motion."""
+    """Torque equivalent to friction in the pairs, in the direction of motion."""
     motion = InputMotion(speed * speed, sizes.way * epsilon, speed)
     acting = [load._replace(coefficient=size) for size, load in zip(sizes.loads, loads.terms, strict=True)]
     reactions = Reactions(mechanics.kinematics, mechanics.structure, acting, motion)
@@ -203,14 +203,7 @@ def friction_of(mechanics: Mechanics, loads: Loads, sizes: Sizes, speed: Node, e
 
 
 class MachineSystem(PrintedSystem):
-    """A machine's system with its printed functions.
-
-    Parameters
-    ----------
-    system : System
-    sizes : Sizes
-    mechanics : Mechanics
-    """
+    """A machine's system with its printed functions."""
 
     def __init__(self, system: System, sizes: Sizes, mechanics: Mechanics) -> None:
         super().__init__(system, mechanics.graph, mechanics.first, mechanics.last)

@@ -1,4 +1,4 @@
-"""What can be asked of a regime: names, words and units."""
+"""Results available from a regime: names, descriptions and units."""
 
 from typing import NamedTuple
 
@@ -15,12 +15,12 @@ from engine.quantities.register import Field
 from engine.scene.pairs import has_friction
 from engine.scene.scene import Scene
 
-# Sorts of power, by the channel that gives it or, of what resists, takes it.
+# Kinds of power, by the channel that supplies or absorbs it.
 POWERS = ("driving_power", "useful_power", "harmful_power", "braking_power", "other_power")
 EFFICIENCY_NOW = "instantaneous_efficiency"
 WORKS = ("motor_work", "driving_work", "useful_work", "harmful_work", "brake_heat", "other_work")
 
-# Of every regime; `{name}` is the regime's.
+# Summaries of every regime; `{name}` is the regime's.
 COMMON = {
     "speed_min": ("minimum angular speed of the input link in {name}", "rad s-1"),
     "speed_max": ("maximum angular speed of the input link in {name}", "rad s-1"),
@@ -48,26 +48,26 @@ STEADY = {
     "multiplier": ("factor by which a small disturbance of the energy grows from cycle to cycle in {name}", "1"),
     "return_residual": ("relative difference of the energy after a cycle in {name}", "1"),
 }
-# Of a motor that alone drives, at its own shaft.
+# Torques at the shaft of a single driving motor.
 AT_SHAFT = {"peak": "peak torque", "rms": "rms torque over time"}
-# Of these, what checks the others.
+# Summaries that check the others.
 CHECKS = ("work_residual", "multiplier", "return_residual", "implicit_steps")
 RUN = {
     "time": ("duration of {name}", "s"),
     "angle": ("angle turned in {name}", "rad"),
     "final_speed": ("angular speed of the input link at the end of {name}", "rad s-1"),
 }
-# Of a run with an input that doesn't turn fully.
+# Summaries of a run with an input of limited range.
 WITHIN_RANGE = {
     "final_position": ("position of the input at the end of {name}", "rad"),
     "end_reached": ("end of its range at which the input arrives in {name}: −1 the lower, 1 the upper, 0 none", "1"),
     "impact_energy": ("kinetic energy that the end of the range takes up in {name}", "J"),
 }
-# Of a sliding input: names, words and units that are others than a crank's.
+# Names, descriptions and units for a sliding input that differ from a crank's.
 SLIDING = {"angle": "displacement"}
 SLIDING_WORDS = (("angular ", ""), ("angle turned", "displacement"), ("torque", "force"), ("moment", "force"))
 SLIDING_UNITS = {"rad": "m", "rad s-1": "m s-1", "rad s-2": "m s-2", "N m": "N"}
-# Of a run with a coupling that isn't open; `{coupling}` is its name, `{shaft}` that of its shaft.
+# Summaries of a run with a coupling that is not open; `{coupling}` is its name, `{shaft}` that of its shaft.
 COUPLED = {
     "{coupling}_heat": ("heat of {coupling} in {name}", "J"),
     "{coupling}_slip_angle": ("angle by which shaft {shaft} slipped in {name}", "rad"),
@@ -79,13 +79,13 @@ CLUTCHED = {
     "{coupling}_lock_up_speed": ("angular speed of the input link at lock-up of {coupling} in {name}", "rad s-1"),
 }
 FLUID = {"{coupling}_slip": ("angle slipped by the angle of shaft {shaft} in {name}", "1")}
-# Of a steady regime, in which a clutch holds.
+# Summaries of a steady regime, in which a clutch does not slip.
 _MOMENT = "{coupling}_moment_peak"
 HELD = {_MOMENT: COUPLED[_MOMENT]}
 MEAN_SPEED = {"{shaft}_mean_speed": ("mean angular speed of shaft {shaft} in {name}", "rad s-1")}
-# Of a run with a coupling, be it open.
+# Summaries of a run with a coupling, open or not.
 AT_TWO_SPEEDS = {"{shaft}_final_speed": ("angular speed of shaft {shaft} at the end of {name}", "rad s-1")}
-# What may have no value: nothing drives a machine that runs down, a clutch needn't come to hold.
+# Summaries that may be undefined: a coasting machine has no driving work, a clutch may never lock.
 MAY_BE_UNDEFINED = (".efficiency", "_lock_up_time", "_lock_up_speed")
 FIELDS = {
     "speed": ("angular speed of the input link in {name}", "rad s-1"),
@@ -102,7 +102,7 @@ FIELDS = {
     "other_power": ("power of gravity, springs and all else in {name}, over time", "W"),
     EFFICIENCY_NOW: ("instantaneous efficiency in {name}: 1 less the lost share of the power supplied", "1"),
 }
-# Of the place and the instant that fields are kept at, the one that the other follows from.
+# Of the position and the instant at which fields are stored, one is given and the other computed.
 INSTANT, TURNED = "instant", "turned"
 AXES = {
     INSTANT: ("time after the start of {name}", "s"),
@@ -114,7 +114,7 @@ LOADS = (
     *(f"shaking_{part}" for part in ("force", "force_x", "force_y", "moment")),
 )
 
-# Of fields of runs: extremes, with their places and instants.
+# Statistics of fields of runs: extremes, with their positions and instants.
 EXTREMES = {key: words for key, words in STATISTICS.items() if key not in ("mean", "rms")} | {
     "min_time": "time (after the start) of the minimum",
     "max_time": "time (after the start) of the maximum",
@@ -122,14 +122,14 @@ EXTREMES = {key: words for key, words in STATISTICS.items() if key not in ("mean
 
 
 class KeptAt(NamedTuple):
-    """Where fields of a run are kept: what runs along them, and its values (instants,), times [s] or angles [rad]."""
+    """Where fields of a run are stored: the axis, and its values (instants,), times [s] or angles [rad]."""
 
     quantity: Quantity
     values: np.ndarray
 
 
 class Asked(NamedTuple):
-    """What is asked of a regime: its name, that of a field (or of a summary), and a statistic of the field or ""."""
+    """A requested result of a regime: names of the regime and of the field (or summary), and a statistic or ""."""
 
     regime: str
     field: str
@@ -137,7 +137,7 @@ class Asked(NamedTuple):
 
     @classmethod
     def of(cls, name: str) -> "Asked":
-        """The parts of a name."""
+        """Split a name into its parts."""
         regime, _, rest = name.partition(".")
         field, _, statistic = rest.rpartition(".")
         known = statistic in STATISTICS or statistic in EXTREMES
@@ -154,14 +154,14 @@ def _made(scene: Scene, name: str, table: dict[str, tuple[str, str]]) -> list[Qu
 
 
 def of_sliding(words: str, unit: str) -> tuple[str, str]:
-    """Words and unit of a sliding input's motion, from those of a crank's."""
+    """Description and unit for a sliding input, from those for a crank."""
     for of_crank, of_slider in SLIDING_WORDS:
         words = words.replace(of_crank, of_slider)
     return words, SLIDING_UNITS.get(unit, unit)
 
 
 def only_motor(scene: Scene, regime: Regime) -> list[str]:
-    """The motor that alone drives in a regime, whose torque at its own shaft is known; none of several."""
+    """The only motor that drives in a regime, whose torque at its own shaft is known; empty for several motors."""
     motors = [n for n, moment in scene.moments.items() if isinstance(moment, Motor) and n not in regime.off]
     return motors if len(motors) == 1 else []
 
@@ -192,7 +192,7 @@ def motion_summaries(scene: Scene) -> list[Quantity]:
 
 
 def _at_two_speeds(scene: Scene, regime: Regime) -> bool:
-    """Whether both sides of a coupling have speeds of their own: in runs, and through a fluid coupling."""
+    """Whether both sides of a coupling have separate speeds: in runs, and through a fluid coupling."""
     fluid = any(coupling.type == "fluid_coupling" for coupling in scene.couplings.values())
     return fluid or (regime.type == "run" and bool(scene.couplings))
 
@@ -229,7 +229,7 @@ def motion_fields(mechanics: Mechanics, kind: str = "steady") -> list[Quantity]:
 
 
 def kept_at_of(scene: Scene) -> dict[str, KeptAt]:
-    """Where the fields of runs are kept, by the names of the runs that say so."""
+    """Where the fields of runs are stored, by the names of the runs that specify it."""
     found = {}
     for name, regime in scene.regimes.items():
         at = regime.at if regime.type == "run" else None
@@ -242,7 +242,7 @@ def kept_at_of(scene: Scene) -> dict[str, KeptAt]:
 
 
 def kept_fields(mechanics: Mechanics) -> list[Quantity]:
-    """Fields that are kept of the runs of a scene, each at its instants or angles."""
+    """Fields stored for the runs of a scene, each at its instants or angles."""
     if mechanics.scene.couplings:
         return []
     axes = {f"{name}.": at.quantity.name for name, at in kept_at_of(mechanics.scene).items()}
@@ -253,7 +253,7 @@ def kept_fields(mechanics: Mechanics) -> list[Quantity]:
 
 
 def load_fields(mechanics: Mechanics) -> dict[str, tuple[str, str]]:
-    """Loads on the pairs and on the frame, at the true motion of a regime: words and unit by their names."""
+    """Descriptions and units of the loads on pairs and frame, for the actual motion of a regime, by name."""
     declared = [q for part in (reactions, inertia) for q in part.declare(mechanics) if isinstance(q, Field)]
     found = {q.name: q for q in declared if q.name.rpartition(".")[2] in LOADS}
     table = {key: (q.long_name.replace(AT_UNIFORM_SPEED, ""), q.units) for key, q in found.items()}
@@ -279,7 +279,7 @@ def cycle_statistics(field: Quantity) -> list[Quantity]:
 
 
 def run_extremes(field: Quantity, q: str) -> list[Quantity]:
-    """Extremes of a field along a run, with their places, in the unit `q` of the input, and instants."""
+    """Extremes of a field in a run, with their positions, in the unit `q` of the input, and instants."""
     units = {"_at": q, "_time": "s"}
     return [
         Quantity(

@@ -1,4 +1,4 @@
-"""The regimes of a machine: what may be asked of them, and the answers for many variants."""
+"""The regimes of a machine: available results, and their values for many variants."""
 
 from collections.abc import Iterable
 
@@ -25,28 +25,28 @@ from engine.words.verdicts import Verdict
 
 
 class Regimes:
-    """What is asked of a machine's regimes.
+    """Requested results of a machine's regimes.
 
     Parameters
     ----------
     mechanics : Mechanics
     asked : iterable of str
-        Names of summaries and fields; those that belong to no regime are left aside.
+        Names of summaries and fields; names that belong to no regime are ignored.
     steps : int
-        Steps a cycle; even.
+        Even number of steps in a cycle.
     accuracy : float, optional
-        How exact what is asked should be, as a share of it.
+        Requested relative accuracy of the results.
 
     Attributes
     ----------
     summaries, fields : dict of str to Quantity
-        What may be asked; of the statistics of fields, those that are asked.
+        Available results; only the requested ones among the statistics of fields.
     asked : tuple of str
-        What is asked, summaries and fields.
+        Requested summaries and fields.
     kept_at : dict of str to KeptAt
-        Where the fields that belong to runs are kept; those of steady regimes are kept over the cycle.
+        Where the fields of runs are stored; those of steady regimes are stored over the cycle.
     schedule : Schedule or None
-        The regimes in their order; None where nothing is asked of them.
+        The regimes in order; None if no result of them is requested.
     """
 
     def __init__(self, mechanics: Mechanics, asked: Iterable[str], steps: int, accuracy: float | None = None) -> None:
@@ -67,7 +67,7 @@ class Regimes:
 
     def _statistics(self, names: Iterable[str]) -> dict[str, Quantity]:
         """The statistics of fields among some names."""
-        # Where nothing is put in there is no efficiency, so none is the least.
+        # Without input power the efficiency is undefined, and so is its minimum.
         asked = (one for one in map(Asked.of, names) if one.statistic and one.field != EFFICIENCY_NOW)
         fields = {f"{one.regime}.{one.field}" for one in asked}
         known = [s for name in fields if name in self._of_cycles for s in cycle_statistics(self.fields[name])]
@@ -78,17 +78,17 @@ class Regimes:
 
     @property
     def nodes(self) -> list[Node]:
-        """All that the motion is computed from at a position."""
+        """Nodes from which the motion is computed at a position."""
         return [] if self.schedule is None else self.schedule.nodes
 
     def answers(self, numbers: Numbers, count: int) -> "motion.regimes_in_order.RegimeAnswers":
-        """Everything asked, of a number of variants.
+        """Requested results of a number of variants.
 
         Parameters
         ----------
         numbers : Numbers
         count : int
-            How many.
+            Number of variants.
         """
         found = self.schedule.answers(numbers, count)
         missing = np.zeros(count, bool)

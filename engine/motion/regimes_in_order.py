@@ -1,9 +1,9 @@
-"""A schedule: the regimes of a scene one after another, for many variants, with an error figure on every number.
+"""A schedule: the regimes of a scene in order, for many variants, with an error estimate for every number.
 
-Runs over the crank angle and steady motions carry along what their steps may miss; fields of a steady motion are told
-once more with all of it added, at half the positions. All else is run twice, for the second time with steps that may
-miss 64 times as much and turn twice as far. The error figure is what was carried along, or the change if that is
-greater, and the rounding of the energies.
+Runs over the crank angle and steady running propagate the errors of their steps; fields of steady running are evaluated
+again with these errors added, at half the positions. All other motions run twice, the second time with 64 times the
+tolerance and twice the maximum step. The error estimate is the larger of the propagated error and the change, plus the
+rounding of the energies.
 """
 
 from collections.abc import Callable
@@ -58,46 +58,46 @@ from engine.scene.pairs import has_friction
 from engine.scene.scene import Numbers, SceneError
 from engine.words.verdicts import Verdict
 
-# What a step of a steady motion may miss, of the greatest work of a step: where nothing is said, by the accuracy asked
-# for, and at least.
+# Tolerance of a step in steady running, relative to the maximum work in a step: default, fraction of the requested
+# accuracy, minimum.
 TOLERANCE, SURER, LEAST_TOLERANCE = 1e-9, 0.1, 1e-13
-# A step of a run in time, and one over the angle, whose errors are known; where nothing is said, the latter may miss so
-# much of what one in time may.
+# Tolerances of a step in time and of a step over the angle, whose errors are known, relative to the requested accuracy;
+# default tolerance over the angle, relative to that in time.
 SURER_IN_RUNS, FINER = (0.1, 0.3), 0.03
-# Runs by equal steps whose time, angle or speed at the end change by more with steps of twice the length tell nothing.
+# Largest relative change of the final time, angle or speed with equal steps of twice the length; beyond: TOO_COARSE.
 TELLS_NOTHING = 0.01
-# Variants that go together: as many as keep their tables, of so many rows, in a cache that the cores share.
+# Bytes of cache shared by the cores, and rows of tables: they limit the variants computed together.
 CACHE, ROWS = 16e6, 6
-# Variants in steady motion that go together: blocks of many, and few enough for a cache.
+# Variants in steady running computed together: many blocks, but few enough for a cache.
 TOGETHER = 4096
 WORTH_A_THREAD = 128
-# A line of the cache holds so many numbers.
+# Numbers in a cache line.
 ODD = 8
-# How far apart a run at two speeds is looked at, at most [rad].
+# Longest distance between samples of a run at two speeds [rad].
 BETWEEN_LOOKS = FARTHEST_TURN / (LOOKS.size - 1)
 ROUNDING = 16 * np.finfo(float).eps
-# So many steps round as much as everything else: each by half a unit in the last place.
+# Steps whose rounding equals all other rounding: half a unit in the last place each.
 STEPS_OF_ROUNDING = 32
 
 TURN = 2.0 * np.pi
-# What is told by the least and the greatest speed.
+# Results that need the minimum and maximum speed.
 EXTREMES_OF_SPEED = ("speed_min", "speed_max", "motor_moment_peak")
 
 
 def share_of_change(name: str) -> float:
-    """Which share of the change from less sure steps an answer may be off by."""
+    """Factor from the change with coarser steps to the error estimate of a result."""
     last = name.rpartition(".")[2]
-    # Of an extreme that two places share, either may be the one; what else may be missed is a step.
+    # Two positions may share an extreme; the estimate of a position is one step instead.
     if last in ("min_at", "max_at", "min_time", "max_time"):
         return 0.0
-    # Means over time and extremes are of no order at all where a steep motor catches up with a jump within a step.
+    # Means over time and extremes converge without an order if a steep motor recovers from a jump within a step.
     return 2.0 if last in ("mean", "rms", "mean_speed", "speed_min", "speed_max") else 1.0
 
 
 class Standing(NamedTuple):
-    """Where every variant stands between two regimes: crank angle [rad], speed [rad/s], time [s], verdict.
+    """State of every variant between two regimes: crank angle [rad], speed [rad/s], time [s], verdict.
 
-    `coupled` says where a shaft behind a coupling stands; None where it turns along.
+    `coupled` is the state of a shaft behind a coupling; None if it turns with the crank.
     """
 
     angle: np.ndarray
@@ -108,10 +108,10 @@ class Standing(NamedTuple):
 
 
 class RegimeAnswers(NamedTuple):
-    """Values, fields, error figures by name, and the verdict on each variant.
+    """Values, fields and error estimates by name, and the verdict on each variant.
 
-    A field has one error figure for each variant, the greatest over the instants of a run or the places of a cycle.
-    `covered` are the least and the greatest position of the input in each run, (runs, 2, variants), in order.
+    A field has one error estimate for each variant, the maximum over the instants of a run or the positions of a cycle.
+    `covered` is the range of the input positions in each run, (runs, 2, variants), in order.
     """
 
     values: dict[str, np.ndarray]
@@ -121,7 +121,7 @@ class RegimeAnswers(NamedTuple):
     covered: np.ndarray
 
     def judged(self, lost: np.ndarray, share: np.ndarray) -> "RegimeAnswers":
-        """The same without the numbers of `lost` variants, error figures greater by a share of what they belong to.
+        """The same with NaN for `lost` variants, and error estimates increased by a fraction of the values.
 
         Parameters
         ----------
@@ -138,20 +138,20 @@ class RegimeAnswers(NamedTuple):
 
 
 class Gone(NamedTuple):
-    """What a number of variants did with one number of steps.
+    """Results of a number of variants with one number of steps.
 
     Attributes
     ----------
     values, fields : dict of str to ndarray
     verdict : ndarray (variants,) of uint8
     scales : dict of str to ndarray (variants,)
-        Magnitude that each value's rounding is a share of, where not its own.
+        Magnitudes to which the rounding of values is relative, where not the value itself.
     missed : dict of str to ndarray (variants,)
-        How far extremes between nodes may be beyond those at nodes.
+        Propagated error estimates, and how far extremes between nodes may exceed those at nodes.
     by_equal_steps : dict of str to ndarray (3, variants)
-        Angle turned [rad], speed at the end [rad/s] and time [s] of the runs by steps of one length.
+        Angle turned [rad], final speed [rad/s] and time [s] of the runs by equal steps.
     covered : list of ndarray (2, variants)
-        Of each run the least and the greatest position of the input.
+        For each run the minimum and maximum position of the input.
     """
 
     values: dict[str, np.ndarray]
@@ -164,14 +164,14 @@ class Gone(NamedTuple):
 
 
 class Known(NamedTuple):
-    """A run that is known already: of which variants, from which begin, and its outcome."""
+    """A run that is already known: its variants, initial state and outcome."""
 
     variants: np.ndarray
     begin: Begin
     outcome: RunOutcome
 
     def tells(self, variants: np.ndarray, begin: Begin) -> np.ndarray:
-        """Of which variants it tells what changed steps would lead to, (variants,) of bool."""
+        """For which variants it predicts the effect of coarser steps, (variants,) of bool."""
         if not np.array_equal(variants, self.variants):
             return np.zeros(variants.size, bool)
         alike = np.all([now == then for now, then in zip(begin, self.begin, strict=True)], axis=0)
@@ -187,18 +187,18 @@ class Schedule:
     asked : set of str
         Summaries and fields, "REGIME.quantity".
     steps : int
-        Steps a cycle; even.
+        Even number of steps in a cycle.
     accuracy : float, optional
-        How exact what is asked should be, as a share of it.
+        Requested relative accuracy of the results.
 
     Attributes
     ----------
     tolerance : float
-        What a step of a steady motion may miss, of the greatest work of a step.
+        Tolerance of a step in steady running, relative to the maximum work in a step.
     loads : PairLoads or None
-        Loads on the pairs, where any are asked.
+        Loads on the pairs, if requested.
     keys : RunKeys
-        Of the kind of its input.
+        For the kind of input.
     """
 
     def __init__(self, mechanics: Mechanics, asked: set[str], steps: int, accuracy: float | None = None) -> None:
@@ -207,7 +207,7 @@ class Schedule:
         pairs = (
             (f"{name}.{n}_shaft_torque_{key}", f"{name}.motor_moment_{key}", n) for name, n in own for key in AT_SHAFT
         )
-        # Torques of motors at their own shafts, with those reduced to the input that they follow from.
+        # Torques of motors at their own shafts, with the torques reduced to the input from which they follow.
         self.at_shaft = {name: (reduced, n) for name, reduced, n in pairs if name in asked}
         self.only_for_shafts = {reduced for reduced, _ in self.at_shaft.values()} - asked
         asked = self.asked = asked | self.only_for_shafts
@@ -246,11 +246,11 @@ class Schedule:
 
     @property
     def nodes(self) -> list[Node]:
-        """All that the motion and the loads asked of it are computed from at a position."""
+        """Nodes from which the motion and the requested loads are computed at a position."""
         return [*self.reduction.nodes, *(self.loads.nodes if self.loads else ())]
 
     def _refuse_equal_steps(self) -> None:
-        """See that runs by a method that they name go over the crank angle."""
+        """Raise SceneError if a run names a method of equal steps but cannot be computed over the crank angle."""
         for name in self.needed:
             regime = self.regimes[name]
             if name in self.steady or regime.method is None:
@@ -268,7 +268,7 @@ class Schedule:
                 raise SceneError([(f"regimes.{name}.method", message)])
 
     def _needed(self) -> list[str]:
-        """Regimes that are asked, and those that they begin from."""
+        """Requested regimes, and the runs before them that set their initial state."""
         wanted = {name.partition(".")[0] for name in self.asked}
         needed, pending = [], False
         for name, regime in reversed(self.regimes.items()):
@@ -278,22 +278,16 @@ class Schedule:
         return needed[::-1]
 
     def _begins_anew(self, regime: RunRegime) -> bool:
-        """Whether a run says itself where and how fast it begins, its clock at zero, whatever went before."""
+        """Whether a run specifies its initial position and speed, and so needs no previous regime; its clock is 0."""
         return None not in (getattr(regime, self.keys.from_speed), getattr(regime, self.keys.from_place))
 
     def answers(self, numbers: Numbers, count: int) -> RegimeAnswers:
-        """Everything asked, of a number of variants.
-
-        Parameters
-        ----------
-        numbers : Numbers
-        count : int
-        """
-        # What is looked at is tabled over the steps of a cycle.
+        """Requested results of a number of variants."""
+        # Fields are tabulated over the steps of a cycle.
         looked_at = any(self.fields[name] for name in self.needed)
         together = int(CACHE / (8 * ROWS * (2 * self.steps + 1))) + 1 if looked_at else TOGETHER
         pieces = max(-(-count // together), min(threads(), count // WORTH_A_THREAD), 1)
-        # Rows whose lengths are multiples of a power of two would crowd into a few sets of the cache.
+        # Row lengths that are multiples of a power of two would map to a few sets of the cache.
         width = -(-count // pieces)
         width += (ODD - width) % (2 * ODD) if pieces > 1 else 0
         cuts = [np.arange(first, min(first + width, count)) for first in range(0, count, width)]
@@ -302,7 +296,7 @@ class Schedule:
     def _of_chunk(self, numbers: Numbers, count: int) -> RegimeAnswers:
         variants = self.variants(numbers, count)
         driven = {off: dynamics.driven(variants) for off, dynamics in self.dynamics.items()}
-        # What isn't finite ends as a verdict, not as a warning.
+        # Infinite or NaN numbers cause a verdict, not a warning.
         with np.errstate(all="ignore"):
             fine, coarse = self._go(driven), self._go(driven, half=True)
         rough = np.zeros(count, bool)
@@ -311,7 +305,7 @@ class Schedule:
             rough |= ~(change <= TELLS_NOTHING * size).all(axis=0) | (coarse.verdict != Verdict.OK)
         told = np.where(rough & (fine.verdict == Verdict.OK), Verdict.TOO_COARSE, fine.verdict).astype(np.uint8)
         fine = fine._replace(verdict=told)
-        # A verdict that half the steps don't share is one of the method, not of the machine.
+        # A verdict with coarser steps only is due to the method, not to the machine.
         values = {name: np.where(fine.verdict == Verdict.OK, v, np.nan) for name, v in fine.values.items()}
         errors = {}
         for name, value in values.items():
@@ -320,7 +314,7 @@ class Schedule:
             errors[name] = doubt + ROUNDING * np.maximum(np.abs(value), fine.scales.get(name, 0.0))
         for name, rows in fine.fields.items():
             size, other = _greatest(np.abs(rows)), coarse.fields[name]
-            # Of a cycle of half as many places those of the other that are the same.
+            # The positions of the coarser cycle are a subset.
             change = _greatest(np.abs(rows[:, :: rows.shape[1] // other.shape[1]] - other))
             doubt = np.where(coarse.verdict == Verdict.OK, change, size)
             doubt += ROUNDING * np.maximum(size, fine.scales.get(name, 0.0))
@@ -328,7 +322,7 @@ class Schedule:
         return RegimeAnswers(values, errors, fine.fields, fine.verdict, np.reshape(fine.covered, (-1, 2, count)))
 
     def variants(self, numbers: Numbers, count: int) -> Variants:
-        """A number of variants, with the flywheel that the scene gives them."""
+        """A number of variants, with the flywheel of the scene."""
         direction = np.broadcast_to(np.sign(numbers["input.speed"]), (count,)).astype(float)
         flywheel = np.zeros(count)
         if "flywheel.inertia" in numbers:
@@ -337,18 +331,18 @@ class Schedule:
 
     @property
     def turns(self) -> bool:
-        """Whether the input turns fully."""
+        """Whether the input rotates fully."""
         return self.reduction.has_cycle
 
     def at_begin(self, variants: Variants) -> Standing:
-        """Where machines stand before their first regime: at φ = 0, or where their range begins, at rest."""
+        """Initial state before the first regime: at φ = 0 or at the start of the input's range, at rest."""
         zero = np.zeros(variants.count)
         low, high = self.reduction.range_of(variants.numbers, variants.count)
         begin = zero if self.turns else np.where(variants.direction > 0.0, low, high)
         return Standing(begin, zero, zero, np.full(variants.count, Verdict.OK, np.uint8))
 
     def _go(self, driven: dict[frozenset[str], Variants], half: bool = False) -> Gone:
-        """Go through the regimes."""
+        """Compute all needed regimes in order."""
         count, steps = next(iter(driven.values())).count, self.steps // 2 if half else self.steps
         standing = self.at_begin(next(iter(driven.values())))
         gone = Gone({}, {}, standing.verdict, {}, {}, {}, [])
@@ -384,7 +378,7 @@ class Schedule:
                 off = {} if half else spread_errors(outcome, outcome.changed, told)
                 gone.missed.update({f"{name}.{key}": row for key, row in off.items()})
                 found |= self._at_end(outcome, standing)
-                # A residual of works is a share of them, and rounds as they do.
+                # The work residual is relative to the works, and rounds as they do.
                 scale |= {"end_reached": np.zeros(count), "work_residual": np.ones(count)}
                 gone.missed.update({f"{name}.{key}": most for key, most in extremes.missed.items()})
             else:
@@ -397,7 +391,7 @@ class Schedule:
                 gone.missed.update({f"{name}.{key}": most for key, most in cycle.missed.items()})
             asked = {key: v for key, v in found.items() if f"{name}.{key}" in self.asked}
             gone.values.update({f"{name}.{key}": v for key, v in asked.items()})
-            # Rounding gathers from step to step.
+            # Rounding accumulates from step to step.
             growth = 1.0 + np.abs(made) / STEPS_OF_ROUNDING
             gone.scales.update({f"{name}.{key}": growth * np.abs(scale.get(key, v)) for key, v in asked.items()})
             gone.scales[f"{name}.energy_change"] = growth * energy
@@ -415,9 +409,9 @@ class Schedule:
         return gone._replace(verdict=standing.verdict)
 
     def hindered(self, name: str, dynamics: Dynamics, variants: Variants) -> np.ndarray:
-        """Verdict on what keeps a regime from being computed at all.
+        """Verdict that rules out a regime before it is computed.
 
-        That is a brake that locks, an inertia of zero, a begin outside the range of the input.
+        Causes: a brake that locks, zero inertia, a start outside the range of the input.
         """
         verdict = np.where(dynamics.locked(variants), Verdict.LOCKS, Verdict.OK)
         if not self.turns and getattr(self.regimes[name], self.keys.from_place) is not None:
@@ -427,7 +421,7 @@ class Schedule:
         if self.at_two_speeds(name):
             bare = self.sides[frozenset(self.regimes[name].off)].without_inertia(variants)
             return np.where(bare, Verdict.NO_INERTIA, verdict).astype(np.uint8)
-        # With the flywheel that is asked for there is an inertia everywhere.
+        # A flywheel to be determined provides inertia everywhere.
         if f"{name}.flywheel" not in self.asked:
             verdict = np.where(self.reduction.without_inertia(variants), Verdict.NO_INERTIA, verdict)
         return verdict.astype(np.uint8)
@@ -435,7 +429,7 @@ class Schedule:
     # Runs
 
     def _number(self, name: str, key: str, variants: Variants, otherwise: float) -> np.ndarray:
-        """A number of a run, of every variant; another one where it isn't given."""
+        """A number of a run for every variant; `otherwise` if it is not given."""
         given = getattr(self.regimes[name], key) is not None
         value = variants.numbers[f"regimes.{name}.{key}"] if given else otherwise
         return np.broadcast_to(value, (variants.count,)).astype(float)
@@ -448,18 +442,18 @@ class Schedule:
         loose: bool = False,
         record: Callable[[CoupledFields], Observer] | None = None,
     ) -> tuple[CoupledOutcome, FieldAnswers, Standing]:
-        """Run a regime of a machine with a coupling from where it stands.
+        """Run a regime of a machine with a coupling from its current state.
 
         Parameters
         ----------
         name : str
         variants : Variants
-            With the inertia of everything.
+            With the inertia of all parts.
         standing : Standing
         loose : bool
-            Whether steps may miss more, for comparison.
+            Whether to use a looser tolerance, for comparison.
         record : callable, optional
-            Makes the observer that sees the run in place of the requested fields.
+            Creates the observer of the run, which replaces the requested fields.
         """
         regime, zero = self.regimes[name], np.zeros(variants.count)
         two, cycle = self.sides[frozenset(regime.off)], self.reduction.cycle
@@ -506,7 +500,7 @@ class Schedule:
         return Precision(self._run_tolerance[0], coarser)
 
     def at_two_speeds(self, name: str) -> bool:
-        """Whether both sides of a coupling have speeds of their own in a regime: but for a clutch that holds."""
+        """Whether both sides of a coupling have separate speeds in a regime: always, except for a locked clutch."""
         return bool(self.sides) and (name not in self.steady or self.sides[frozenset(self.regimes[name].off)].is_fluid)
 
     def settled_at_two_speeds(
@@ -517,9 +511,9 @@ class Schedule:
         loose: bool = False,
         record: Callable[[CoupledFields, np.ndarray], Observer] | None = None,
     ) -> tuple[CoupledSteady, CoupledOutcome, Standing]:
-        """Steady motion through a fluid coupling, and one cycle of it; parameters as for `run_at_two_speeds`.
+        """Steady running through a fluid coupling, and one cycle of it; parameters as for `run_at_two_speeds`.
 
-        `record` is given the variants, too, that have such a motion.
+        `record` also receives the indices of the variants in steady running.
         """
         two, count, zero = self.sides[frozenset(self.regimes[name].off)], variants.count, np.zeros(variants.count)
         ready = np.flatnonzero(standing.verdict == Verdict.OK)
@@ -527,7 +521,7 @@ class Schedule:
         precision = self._precision(loose)
         steady = settled_at_two_speeds(sides, precision)
         good = np.flatnonzero(steady.verdict == Verdict.OK)
-        # Numbers of those that have one, and NaN for the others.
+        # Numbers of the variants in steady running, NaN for the others.
         moving = sides.some(good)
         watching = [] if record is None else [record(CoupledFields(moving, zero[good], self.loads), ready[good])]
         gone = one_cycle(moving, steady.speeds[:, good], precision, watching).over_all(ready[good], count)
@@ -561,7 +555,7 @@ class Schedule:
         return gone, cycle, after, found
 
     def _fluid_cycle(self, along: CoupledFields, states: CycleStates, half: bool) -> Cycle:
-        """The settled cycle through a fluid coupling with its fields."""
+        """The steady cycle through a fluid coupling with its fields."""
         variants, steps = along.variants, self.steps // 2 if half else self.steps
         sided = variants._replace(breaks=variants.breaks.two_sided())
         grid = along.dynamics.grid(sided, np.zeros(variants.count), along.dynamics.cycle, steps)
@@ -593,7 +587,7 @@ class Schedule:
         half: bool = False,
         record: Callable[[RunFields], Observer] | None = None,
     ) -> tuple[RunOutcome, FieldAnswers, Standing]:
-        """Run a regime from where the machines stand; what `record` makes looks at it instead of what is asked."""
+        """Run a regime from the current state; the observer from `record` replaces the requested fields."""
         regime, count = self.regimes[name], variants.count
 
         def number(key: str, otherwise: float) -> np.ndarray:
@@ -607,7 +601,7 @@ class Schedule:
         ends = Ends(
             number("cycles", np.inf) * dynamics.cycle,
             number("time", np.inf),
-            # Near a speed that is never reached the time to it is as unsure as that speed's last digits.
+            # Near a speed that is never reached, the time to reach it is as uncertain as its last digits.
             number(keys.speed, np.inf) * rounded,
             regime.rest is True,
             number("at_most", np.inf) * dynamics.cycle,
@@ -632,7 +626,7 @@ class Schedule:
             variants.kept[key] = Known(ready, begin, outcome)
         extremes = FieldAnswers({}, {}, {}, {})
         if self.fields[name] and record is None:
-            # Looked at are those that come to their end.
+            # Fields are evaluated for runs that reach their end.
             good = np.flatnonzero(outcome.verdict == Verdict.OK)
             chosen = ends.some(good)
             found = self._extremes(name, dynamics, part.some(good), begin.some(good), chosen, half)
@@ -640,13 +634,13 @@ class Schedule:
         outcome = _over_all(outcome, ready, count)
         verdict = np.where(standing.verdict == Verdict.OK, outcome.verdict, standing.verdict)
         turned, time = outcome.state.turned, outcome.state.time
-        # An end of the range stops what arrives there.
+        # An end of the range stops the input.
         omega = np.where(outcome.arrived != 0, 0.0, outcome.state.omega)
         angle = angle + variants.direction * turned
         return outcome, extremes, Standing(angle, omega, standing.clock + time, verdict.astype(np.uint8))
 
     def _at_end(self, outcome: RunOutcome, standing: Standing) -> dict[str, np.ndarray]:
-        """Where an input that doesn't turn fully ends a run, and with which energy it arrives at a stop."""
+        """Final position of an input of limited range, and the energy of its impact on a stop."""
         if self.turns:
             return {}
         taken = np.where(outcome.arrived != 0, outcome.ended, 0.0)
@@ -662,13 +656,13 @@ class Schedule:
         return Stepping(farthest=TURN / steps, classical=True, extremes=extremes)
 
     def _along(self, name: str, dynamics: Dynamics, part: Variants, begin: Begin) -> RunFields:
-        """Fields along a run."""
+        """Fields in a run."""
         return RunFields(dynamics, part, begin.angle, begin.clock, self.loads, frozenset(self.regimes[name].off))
 
     def _extremes(
         self, name: str, dynamics: Dynamics, part: Variants, begin: Begin, ends: Ends, half: bool
     ) -> FieldAnswers:
-        """What is asked of the fields along a run, looked at half as often for comparison."""
+        """Requested fields of a run, with half the samples if `half`, for comparison."""
         steps, along = self.steps // 2 if half else self.steps, self._along(name, dynamics, part, begin)
         asked = [one for one in self.fields[name] if one.statistic]
         kept = [one.field for one in self.fields[name] if not one.statistic]
@@ -698,7 +692,7 @@ class Schedule:
         change = outcome.ended - outcome.started
         return found | _work_values(dynamics, state.works, state.squares, state.time, change, energy)
 
-    # Steady motion
+    # Steady running
 
     def _steady(
         self, name: str, dynamics: Dynamics, variants: Variants, standing: Standing, half: bool
@@ -710,7 +704,7 @@ class Schedule:
             found["flywheel"], verdict = flywheel_for(dynamics, variants, self.tolerance, delta, half)
             wheel = np.where(verdict == Verdict.OK, found["flywheel"], variants.flywheel)
             variants = variants._replace(flywheel=wheel, kept={})
-        # A force may jump where its moment only bends, for want of motion: at a dead centre.
+        # A force may jump where its torque has only a kink, as at a dead centre, where the velocity is zero.
         sided = variants._replace(breaks=variants.breaks.two_sided()) if asked else variants
         looked = bool(asked or self.sides)
         grid = dynamics.grid(sided, zero, dynamics.cycle, self.steps // 2 if half else self.steps) if looked else None
@@ -719,7 +713,7 @@ class Schedule:
         if dynamics.friction is not None:
             steady = settled_motion(dynamics, variants, self.tolerance, half, nodes)
         else:
-            # Without nodes both are the same for the second time.
+            # Without nodes the second call is identical.
             if nodes is not None or "steady" not in variants.kept:
                 variants.kept["steady"] = steady_motion(dynamics, variants, self.tolerance, nodes)
             steady, off = variants.kept["steady"]
@@ -747,7 +741,7 @@ class Schedule:
         return found, missed, cycle, Standing(zero, begin, zero, verdict.astype(np.uint8), held)
 
     def _of_steady(self, name: str, dynamics: Dynamics, variants: Variants, steady: Steady) -> dict[str, np.ndarray]:
-        """Numbers of a steady motion by their names without the regime's."""
+        """Results of steady running by their names without the regime's."""
         low, high, period = steady.slowest, steady.fastest, steady.period
         found = {"speed_min": low, "speed_max": high, "speed_fluctuation": steady.fluctuation}
         found |= {"period": period, "mean_speed": dynamics.cycle / period, "multiplier": steady.multiplier}
@@ -761,7 +755,7 @@ class Schedule:
     def _slips(
         self, name: str, variants: Variants, mean_speed: np.ndarray, gone: CoupledOutcome | None = None
     ) -> dict[str, np.ndarray]:
-        """Mean slips of induction motors; those on a coupled shaft go at its speed."""
+        """Mean slips of induction motors; those on a coupled shaft run at its speed."""
         scene, n, slips = self.scene, variants.numbers, {}
         for motor, action in scene.moments.items():
             if action.type == "induction_motor" and motor not in self.regimes[name].off:
@@ -780,7 +774,7 @@ def _work_values(
     change: np.ndarray,
     turned_over: np.ndarray,
 ) -> dict[str, np.ndarray]:
-    """Everything about work and power."""
+    """Results for work and power."""
     with np.errstate(all="ignore"):
         found = {
             "motor_work": works[0],
@@ -799,7 +793,7 @@ def _work_values(
 
 
 def _joined(parts: list[RegimeAnswers]) -> RegimeAnswers:
-    """Answers of several chunks as one."""
+    """Results of several chunks as one."""
 
     def joined(tables: list[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
         return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
@@ -814,24 +808,24 @@ def _joined(parts: list[RegimeAnswers]) -> RegimeAnswers:
 
 
 def _positions(variants: Variants, end: np.ndarray, turned: np.ndarray, covered: np.ndarray) -> np.ndarray:
-    """Least and greatest position of the input in runs that end at `end`, of the angles turned."""
+    """Minimum and maximum position of the input in runs that end at `end`, from the angles turned."""
     return np.sort(end + variants.direction * (covered - turned), axis=0)
 
 
 def _greatest(rows: np.ndarray) -> np.ndarray:
-    """The greatest of each row that is a number; 0 where none is."""
+    """Maximum of each row, ignoring NaN; 0 for a row of NaN."""
     return np.fmax.reduce(rows, axis=1, initial=0.0)
 
 
 def _greatest_energy(dynamics: Dynamics, variants: Variants, angle: np.ndarray, outcome: RunOutcome) -> np.ndarray:
-    """About the greatest kinetic energy of a run: at its ends, or at its greatest speed."""
+    """Approximate peak kinetic energy of a run: at its ends, or at its maximum speed."""
     inertia = dynamics.rows(variants, angle[None]).inertia[0]
     fastest = np.maximum(np.abs(outcome.fastest), np.abs(outcome.slowest))
     return np.maximum(0.5 * inertia * fastest**2, np.maximum(outcome.started, outcome.ended))
 
 
 def _over_all(outcome: RunOutcome, ready: np.ndarray, count: int) -> RunOutcome:
-    """An outcome of some variants as one of all, NaN for the others."""
+    """An outcome of some variants expanded to all, NaN for the others."""
     state = type(outcome.state)(*(of_all(x, ready, count) for x in outcome.state))
     verdict = np.full(count, Verdict.OK, np.uint8)
     verdict[ready] = outcome.verdict

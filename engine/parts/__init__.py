@@ -1,4 +1,4 @@
-"""What a scene may hold: models of its parts, with their quantities, units and formulas."""
+"""Models of the parts of a scene, with their quantities, units and formulas."""
 
 from engine import on_use
 

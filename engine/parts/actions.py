@@ -1,12 +1,11 @@
-"""What acts on a machine: forces on points, moments on links, springs, and gas or liquid in cylinders.
+"""Actions on a machine: forces on points, moments on links, springs, motors and brakes.
 
 Conventions
 -----------
-A force acts at a point along `angle`, measured from the x axis of the link it turns with (the frame's unless
-`turns_with` names another); a positive value acts along that direction. A moment acts on a link, positive
-counter-clockwise. `acts` limits an action to the part of the cycle in which its point moves "along" or
-"against" its direction. `role` sorts the work: "driving", "useful" (the resistance the machine is for) or
-"harmful" (losses).
+A force acts at a point along `angle`, measured from the x axis of the frame, or of the link named in `turns_with`; a
+positive value acts in that direction. A moment acts on a link, positive counter-clockwise. `acts` limits an action to
+the part of the cycle in which its point moves "along" or "against" its direction. `role` classifies its work:
+"driving", "useful" (the resistance that the machine exists to overcome) or "harmful" (losses).
 """
 
 import math
@@ -51,7 +50,12 @@ Interpolation = Literal["linear", "pchip", "spline"]
 
 
 class OnPoint(Part):
-    """A force at a point, along a fixed direction of the frame or of a link."""
+    """A force at a point, along a fixed direction of the frame or of a link.
+
+    `on` is the loaded point. `angle` is the direction of a positive force, measured from the x axis of the frame.
+    `turns_with` names a link whose x axis replaces the frame's. `acts` limits the force to motion of its point "along"
+    or "against" its direction. `role` classifies its work: "driving", "useful" or "harmful" (losses).
+    """
 
     on: PointRef
     angle: Angle
@@ -61,7 +65,12 @@ class OnPoint(Part):
 
 
 class ResistingOnPoint(Part):
-    """A force that opposes the velocity of a point: all of it, or its component along `angle` when given."""
+    """A force that opposes the velocity of a point, or, with `angle`, its component in that direction.
+
+    `on` is the loaded point. `turns_with` names a link from whose x axis, instead of the frame's, `angle` is measured.
+    `acts` limits the force to motion of its point "along" or "against" that direction. `role` classifies its work:
+    "driving", "useful" or "harmful" (losses).
+    """
 
     on: PointRef
     angle: Angle | None = None
@@ -77,7 +86,11 @@ class ResistingOnPoint(Part):
 
 
 class OnLink(Part):
-    """A moment on a link or shaft."""
+    """A moment on a link or shaft.
+
+    `on` is the loaded link or shaft. `acts` limits the moment to rotation "along" (counter-clockwise) or "against" its
+    positive direction. `role` classifies its work: "driving", "useful" or "harmful" (losses).
+    """
 
     on: LinkRef
     acts: Literal["always", "along", "against"] = "always"
@@ -93,9 +106,11 @@ class ResistingOnLink(OnLink):
 class Tabled(Part):
     """A characteristic given by a table over the crank angle, a slider's stroke, or time.
 
-    Exactly one of `over_angle`, `over_stroke`, `over_time` holds the abscissae. Over a stroke, `slider` names
-    the slider and `measured_from` the zero: the guide's point, or the low or high end of the stroke (then the
-    distance from that end, positive inwards). Over the angle the table repeats with the cycle.
+    Exactly one of `over_angle`, `over_stroke`, `over_time` holds the abscissae. Over a stroke, `slider` names the
+    slider. `measured_from` is the zero of the stroke: the guide's point, or the low or high end of the stroke (distance
+    from that end, positive inwards). Over the angle the table repeats with the cycle. `interpolation` joins the rows by
+    straight lines, a monotone cubic ("pchip") or a cubic spline. `outside` its rows a table holds its end values or is
+    zero. `scale` multiplies all values.
     """
 
     over_angle: list[Angle] | None = None
@@ -109,7 +124,7 @@ class Tabled(Part):
 
     @property
     def abscissae(self) -> list[float]:
-        """The abscissae given, whichever they are."""
+        """The abscissae, of whichever kind."""
         return next(t for t in (self.over_angle, self.over_stroke, self.over_time) if t is not None)
 
     @property
@@ -125,7 +140,7 @@ class Tabled(Part):
         if (given == ["over_stroke"]) != (self.slider is not None):
             raise ValueError("over_stroke and slider belong together: name the slider whose stroke is meant")
         if given != ["over_stroke"] and self.gives("measured_from"):
-            raise ValueError(f"measured_from is of a stroke, and has no meaning with {given[0]}; leave it out")
+            raise ValueError(f"measured_from has no meaning with {given[0]}, only with over_stroke; leave it out")
         try:
             names = (given[0], "force" if hasattr(self, "force") else "moment")
             rows = self.abscissae, self.ordinates
@@ -136,42 +151,42 @@ class Tabled(Part):
 
 
 class ConstantForce(OnPoint):
-    """A force of constant value."""
+    """A constant force."""
 
     type: Literal["constant"]
     force: Force
 
 
 class TableForce(OnPoint, Tabled):
-    """A force by a table."""
+    """A force given by a table."""
 
     type: Literal["table"]
     force: list[Force]
 
 
 class ForceAgainstMotion(ResistingOnPoint):
-    """A resistance of constant value against the motion."""
+    """A resistance of constant magnitude against the motion."""
 
     type: Literal["against_motion"]
     force: Annotated[Force, Field(ge=0)]
 
 
 class LinearDragForce(ResistingOnPoint):
-    """Viscous resistance −c v."""
+    """Viscous resistance −c v, with the `coefficient` c."""
 
     type: Literal["linear_drag"]
     coefficient: Annotated[Damping, Field(ge=0)]
 
 
 class QuadraticDragForce(ResistingOnPoint):
-    """Aerodynamic or hydraulic resistance −c v|v|."""
+    """Aerodynamic or hydraulic resistance −c v|v|, with the `coefficient` c."""
 
     type: Literal["quadratic_drag"]
     coefficient: Annotated[QuadraticDrag, Field(ge=0)]
 
 
 class PowerDragForce(ResistingOnPoint):
-    """Resistance that grows with a power of the speed: `force` at `at_speed`, times (v/at_speed)^exponent."""
+    """A resistance proportional to a power of the speed: `force` at `at_speed`, times (v/at_speed)^`exponent`."""
 
     type: Literal["power_drag"]
     force: Annotated[Force, Field(ge=0)]
@@ -180,11 +195,11 @@ class PowerDragForce(ResistingOnPoint):
 
 
 class FormulaForce(ResistingOnPoint, ByFormula):
-    """A force by a formula, positive along `angle`, or along the motion of the point where no angle is given.
+    """A force given by a formula, positive along `angle`, or, without an angle, along the motion of the point.
 
-    Beside its own `numbers` the formula may use the crank angle `phi`, the velocity `v` of the point along the force,
-    the crank's angular velocity `omega`, the time `t`, the motion of the machine, such as `ram.slide`, and numbers of
-    the scene by their paths: see `engine.scene.load_formulas`.
+    The formula may use its own `numbers`, the crank angle `phi`, the velocity `v` of the point along the force, the
+    crank's angular velocity `omega`, the time `t`, the motion of the machine, such as `ram.slide`, and numbers of the
+    scene by their paths; see `engine.scene.load_formulas`.
     """
 
     type: Literal["formula"]
@@ -193,49 +208,49 @@ class FormulaForce(ResistingOnPoint, ByFormula):
 
 
 class ConstantMoment(OnLink):
-    """A moment of constant value."""
+    """A constant moment."""
 
     type: Literal["constant"]
     moment: Moment
 
 
 class TableMoment(OnLink, Tabled):
-    """A moment by a table."""
+    """A moment given by a table."""
 
     type: Literal["table"]
     moment: list[Moment]
 
 
 class FormulaMoment(OnLink, ByFormula):
-    """A moment by a formula, as for forces; `omega` is the angular velocity of the link that it acts on."""
+    """A moment given by a formula, as for forces; `omega` is the angular velocity of the loaded link."""
 
     type: Literal["formula"]
     moment: FormulaText
 
 
 class MomentAgainstMotion(ResistingOnLink):
-    """A resisting moment of constant value against the rotation."""
+    """A resisting moment of constant magnitude against the rotation."""
 
     type: Literal["against_motion"]
     moment: Annotated[Moment, Field(ge=0)]
 
 
 class LinearDragMoment(ResistingOnLink):
-    """Viscous resistance −c ω."""
+    """Viscous resistance −c ω, with the `coefficient` c."""
 
     type: Literal["linear_drag"]
     coefficient: Annotated[TorsionalDamping, Field(ge=0)]
 
 
 class QuadraticDragMoment(ResistingOnLink):
-    """Fan or hydraulic resistance −c ω|ω|."""
+    """Fan or hydraulic resistance −c ω|ω|, with the `coefficient` c."""
 
     type: Literal["quadratic_drag"]
     coefficient: Annotated[TorsionalQuadraticDrag, Field(ge=0)]
 
 
 class PowerDragMoment(ResistingOnLink):
-    """Resistance that grows with a power of the speed: `moment` at `at_speed`, times (ω/at_speed)^exponent."""
+    """A resistance proportional to a power of the speed: `moment` at `at_speed`, times (ω/at_speed)^`exponent`."""
 
     type: Literal["power_drag"]
     moment: Annotated[Moment, Field(ge=0)]
@@ -244,20 +259,20 @@ class PowerDragMoment(ResistingOnLink):
 
 
 class Brake(Part):
-    """A brake on a link or shaft, against the rotation: in regimes that don't name it as `off`, and only there."""
+    """A brake on a link or shaft; it acts against the rotation, in regimes only, unless a regime lists it as `off`."""
 
     on: LinkRef
 
     @property
     def role(self) -> str:
-        """Its work is heat in the brake."""
+        """Work of a brake: heat."""
         return "braking"
 
 
 class BlockBrake(Brake):
-    """Blocks pressed on a drum, M = n f N R; `force` on each of the `blocks`.
+    """Blocks pressed on a drum, M = n f N R; `force` acts on each of the `blocks`.
 
-    Long blocks that embrace the angle `embrace` each hold a little better than short ones.
+    `embrace` is the angle of contact of a long block, which brakes slightly better than a short one.
     """
 
     type: Literal["block_brake"]
@@ -269,7 +284,7 @@ class BlockBrake(Brake):
 
 
 class DiscBrake(Brake):
-    """A disc or plates between linings, M = n f P r_m; `faces` rub, worn in (uniform wear) or new (pressure)."""
+    """A disc or plates between linings, M = n f P r_m; n friction `faces`; `linings` worn in (uniform wear) or new."""
 
     type: Literal["disc_brake"]
     force: Annotated[Force, Field(ge=0)]
@@ -287,11 +302,12 @@ class DiscBrake(Brake):
 
 
 class BandBrake(Brake):
-    """A band round a drum, by Euler; a lever of `lever_arm` pulls its ends on arms of `slack_arm` and `tight_arm`.
+    """A band around a drum (Euler); `force` acts on a lever of length `lever_arm`, which pulls the ends of the band.
 
-    Arms are those of the band's slack and tight end about the lever's fulcrum; one of them 0 for a simple band,
-    of opposite signs for a differential band. A band lined with `blocks`, each embracing `block_angle` of the drum, has
-    these in place of `wrap`; its `radius` is that of the band.
+    `slack_arm` and `tight_arm` are the arms of the band's slack and tight end about the lever's fulcrum: one of them 0
+    for a simple band, opposite signs for a differential band. `wrap` is the angle of contact. A band lined with
+    `blocks`, each with the angle of contact `block_angle`, has these instead of `wrap`; its `radius` is that of the
+    band.
     """
 
     type: Literal["band_brake"]
@@ -311,8 +327,8 @@ class BandBrake(Brake):
             raise ValueError("give slack_arm or tight_arm: the lever must pull an end of the band")
         if not self.slack_arm + self.tight_arm > 0.0:
             raise ValueError(
-                "slack_arm + tight_arm must be above 0, or the force on the lever slackens the band: turn a sign "
-                "round, or give the end that the lever draws the longer arm"
+                "slack_arm + tight_arm must be above 0, or the lever slackens the band: change a sign, or make the arm "
+                "of the end that the lever tightens the longer one"
             )
         if (self.blocks is None) != (self.block_angle is None):
             raise ValueError("blocks and block_angle belong together: give both, or neither")
@@ -322,7 +338,10 @@ class BandBrake(Brake):
 
 
 class TorsionSpring(Part):
-    """A torsion spring between a link and the frame: −k (θ − free_angle), θ in (−π, π]."""
+    """A torsion spring between a link and the frame: −k (θ − θ₀), θ in (−π, π].
+
+    `stiffness` is k. `free_angle` is θ₀.
+    """
 
     type: Literal["torsion_spring"]
     on: LinkRef
@@ -331,10 +350,10 @@ class TorsionSpring(Part):
 
 
 class Carried(Part):
-    """Masses that a drum or wheel on the crank or on a shaft moves along a straight way, at the speed of its rim.
+    """Masses moved along a straight path by a drum or wheel on the crank or a shaft, at its rim speed.
 
-    With `forwards` the way that the drum turns as they go forward is said: up, where the way rises. Their `gravity` is
-    the scene's if nothing else is said, and 9.80665 m/s² where the scene has none.
+    `forwards` is the rotation that moves the masses forwards, which is up for a hoist and for a positive slope.
+    `gravity` defaults to the scene's, or to 9.80665 m/s² if the scene has none.
     """
 
     masses: ClassVar[tuple[str, ...]] = ("mass",)
@@ -343,7 +362,7 @@ class Carried(Part):
     forwards: Literal["counter-clockwise", "clockwise"] = "counter-clockwise"
     gravity: Annotated[Acceleration, Field(gt=0)] | None = None
     role: Role = "useful"
-    # Keys that mean nothing unless one of others is given.
+    # Keys that are meaningless unless one of the others is given.
     needs: ClassVar[dict[str, tuple[str, ...]]] = {}
 
     @model_validator(mode="after")
@@ -357,8 +376,8 @@ class Carried(Part):
 class HoistMoment(Carried):
     """A load on the rope of a drum: its weight m g r, and its mass as the inertia m r².
 
-    `efficiency` is that of all between the load and the drum: lifting takes m g r/η, lowering gives back m g r η.
-    What is lost is harmful work, whatever the `role` of the load.
+    `efficiency` is that of the transmission between load and drum: lifting takes m g r/η, lowering gives back m g r η.
+    Losses count as harmful work, whatever the `role` of the load.
     """
 
     type: Literal["hoist"]
@@ -370,8 +389,8 @@ class HoistMoment(Carried):
 class VehicleMoment(Carried):
     """A vehicle on its driven wheels: rolling resistance f m g cos α, slope m g sin α, drag ½ ρ c A v², inertia m r².
 
-    `rolling` is the coefficient f, `slope` the angle α, positive where it rises forwards; `drag_area` is c A of the
-    body, in air of the density `air_density`.
+    `rolling` is the coefficient f. `slope` is the angle α, positive if the path rises forwards. `drag_area` is c A of
+    the body. `air_density` is ρ.
     """
 
     radius: ClassVar[str] = "wheel_radius"
@@ -391,8 +410,9 @@ class VehicleMoment(Carried):
 class ConveyorMoment(Carried):
     """A belt conveyor on its drum: friction C f (m_b + m_l) g cos δ, lift m_l g sin δ, inertia (m_b + m_l) r².
 
-    `load_mass` m_l lies on the belt, `belt_mass` m_b counts the belt and what turns of its idlers; `friction` is the
-    coefficient f, `length_coefficient` C what the ends of a short conveyor add to it, `incline` the angle δ.
+    `load_mass` is m_l, the mass on the belt. `belt_mass` is m_b, the belt and the rotating mass of its idlers.
+    `friction` is the coefficient f. `length_coefficient` is C, the allowance for the ends of a short conveyor.
+    `incline` is the angle δ.
     """
 
     masses: ClassVar[tuple[str, ...]] = ("load_mass", "belt_mass")
@@ -410,7 +430,7 @@ class ConveyorMoment(Carried):
 
 
 class DCCharacteristic(Part):
-    """The straight characteristic of a DC motor, M = stall_moment (1 − ω/no_load_speed)."""
+    """The straight characteristic of a DC motor, M = `stall_moment` (1 − ω/`no_load_speed`)."""
 
     no_load_speed: Annotated[AngularSpeed, Field(gt=0)]
     stall_moment: Annotated[Moment, Field(gt=0)] | None = None
@@ -428,7 +448,7 @@ class DCCharacteristic(Part):
 
 
 class Motor(Part):
-    """A motor on the crank or a shaft geared to it: its moment follows from its speed alone."""
+    """A motor on the crank or a shaft geared to it; its torque depends on its speed only."""
 
     on: LinkRef
 
@@ -436,14 +456,19 @@ class Motor(Part):
 class DCMotor(Motor, DCCharacteristic):
     """A DC motor, M = stall_moment (1 − ω/no_load_speed), on the crank or a shaft geared to it.
 
-    Instead of the stall moment, the nameplate's power and rated speed may be given.
+    The nameplate's `power` and `rated_speed` may replace `stall_moment`.
     """
 
     type: Literal["dc_motor"]
 
 
 class InductionCharacteristic(Part):
-    """The characteristic of an induction motor, by Kloss' formula or from its nameplate."""
+    """The characteristic of an induction motor, by Kloss' formula or from its nameplate.
+
+    Kloss' formula takes `synchronous_speed`, `breakdown_moment` (the maximum torque) and `breakdown_slip` (the slip at
+    that torque). The nameplate gives `synchronous_speed`, `power`, `rated_speed`, `breakdown_ratio` (breakdown torque
+    over rated torque) and, if known, `starting_ratio` (starting torque over rated torque).
+    """
 
     synchronous_speed: Annotated[AngularSpeed, Field(gt=0)]
     breakdown_moment: Annotated[Moment, Field(gt=0)] | None = None
@@ -473,15 +498,15 @@ class InductionCharacteristic(Part):
 
 
 class InductionMotor(Motor, InductionCharacteristic):
-    """An induction motor by Kloss or by its nameplate, on the crank or a shaft geared to it."""
+    """An induction motor by Kloss' formula or from its nameplate, on the crank or a shaft geared to it."""
 
     type: Literal["induction_motor"]
 
 
 class TableCharacteristic(Part):
-    """The characteristic of a motor by a table of its moment over its speed, with straight lines between.
+    """A motor's torque given by a table over its speed, with linear interpolation.
 
-    The outermost lines continue. All moments are multiplied by `scale`.
+    The first and last segments are extrapolated. All torques are multiplied by `scale`.
     """
 
     speed: list[AngularSpeed]
@@ -500,10 +525,10 @@ class TableCharacteristic(Part):
 
 
 class TableMotor(Motor, TableCharacteristic):
-    """A motor by a table of its torque over its speed, on the crank or a shaft geared to it.
+    """A motor on the crank or a shaft geared to it, with its torque given by a table over its speed.
 
-    Straight lines join the rows, and the outermost ones continue; above some speed it must no longer drive. All torques
-    are multiplied by `scale`.
+    Interpolation is linear. The first and last segments are extrapolated; above some speed the torque must vanish. All
+    torques are multiplied by `scale`.
     """
 
     type: Literal["table_motor"]
@@ -522,7 +547,7 @@ class TableMotor(Motor, TableCharacteristic):
 
     @property
     def no_load_speed(self) -> float:
-        """The greatest speed at which its torque vanishes [rad/s]."""
+        """The highest speed at which the torque vanishes [rad/s]."""
         rows = list(zip(self.speed, self.moment, strict=True))
         drives = max(i for i, moment in enumerate(self.moment) if moment > 0.0)
         (low, driving), (high, beyond) = rows[min(drives, len(rows) - 2) :][:2]
@@ -562,7 +587,10 @@ MomentAction = Annotated[
 
 
 class Spring(Part):
-    """A spring with an optional damper between two points: pulls with k (L − free_length) + c dL/dt."""
+    """A spring with an optional damper between two points: it pulls with k (L − l) + c dL/dt.
+
+    `between` names the two points. `stiffness` is k. `free_length` is l. `damping` is c.
+    """
 
     between: tuple[PointRef, PointRef]
     stiffness: Stiffness = 0.0

@@ -1,10 +1,10 @@
-"""Couplings as a scene describes them, between a shaft and all that turns with the crank.
+"""Couplings of a scene, between a shaft and everything that turns with the crank.
 
 Conventions
 -----------
-The shaft is geared to the crank; while its coupling slips it turns at a speed of its own, with the inertia, the motors
-and the moments that are on it. Slip is the shaft's speed less the one at which the crank would turn it. In regimes that
-name the coupling as `off` it is open.
+The shaft is geared to the crank. While its coupling slips, the shaft turns at a separate speed, with its inertia,
+motors and moments. Slip is the shaft's speed minus the speed at which the crank would drive it. The coupling is open in
+regimes that list it as `off`.
 """
 
 from typing import Annotated, Literal
@@ -18,10 +18,10 @@ Share = Annotated[Number, Field(ge=0)]
 
 
 class FrictionClutch(Part):
-    """A friction clutch: it transmits up to `capacity` [N·m of its shaft], and slips beyond.
+    """A friction clutch: it transmits up to `capacity` (torque on its shaft), and slips beyond.
 
-    From when it is engaged on, the capacity grows evenly within the time `engagement`, or by a table of its `share`
-    `over_time`, linear between its rows and held after the last; without either it is there at once.
+    After its engagement the capacity rises linearly within the time `engagement`, or by a table of its `share`
+    `over_time`, interpolated linearly and held after the last row; without either it is complete at once.
     """
 
     type: Literal["friction_clutch"]
@@ -48,9 +48,9 @@ class FrictionClutch(Part):
 
 
 class FluidCoupling(Part):
-    """A fluid coupling: the faster side drives the slower one with the moment λ(s) ρ ω² D⁵, ω being its own speed.
+    """A fluid coupling: the faster side drives the slower one with the torque λ(s) ρ ω² D⁵, ω being the faster speed.
 
-    `coefficient` λ by a table over the `slip` s = 1 − ω₂/ω₁, held after its last row; it begins with 0 at no slip.
+    `coefficient` is λ, a table over the `slip` s = 1 − ω₂/ω₁, held after its last row; it starts at 0 for no slip.
     """
 
     type: Literal["fluid_coupling"]

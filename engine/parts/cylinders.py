@@ -1,4 +1,4 @@
-"""Cylinders of a scene: gas or liquid that presses on a piston."""
+"""Cylinders of a scene: gas or liquid that acts on a piston."""
 
 from typing import Annotated, Literal
 
@@ -9,11 +9,11 @@ from engine.parts.skeleton import Angle, Length, LinkRef, Number, Part, Pressure
 
 
 class Cylinder(Part):
-    """Gas or liquid behind a piston: a slider, its bore, and at which end of the stroke the cylinder head is.
+    """Gas or liquid behind a piston, which is a slider, with the `bore` of the cylinder.
 
-    `head` "high": the head lies beyond the high end of the slide coordinate, and pressure pushes the piston
-    towards the low end. `ambient` is the pressure on the other side of the piston. `clearance` is the
-    clearance volume over the swept volume.
+    `head` is the end of the stroke with the cylinder head; with "high" the head is beyond the high end of the slide
+    coordinate, and pressure pushes the piston towards the low end. `ambient` is the pressure on the other side of the
+    piston. `clearance` is the clearance volume over the swept volume.
     """
 
     piston: LinkRef
@@ -23,7 +23,10 @@ class Cylinder(Part):
 
 
 class Compressor(Cylinder):
-    """A reciprocating compressor: polytropic compression and expansion between two pressures."""
+    """A reciprocating compressor: polytropic compression and expansion between the pressures `suction` and `discharge`.
+
+    `n_compression` and `n_expansion` are the polytropic exponents.
+    """
 
     type: Literal["compressor"]
     clearance: Annotated[Number, Field(gt=0)]
@@ -41,7 +44,7 @@ class Compressor(Cylinder):
 
 
 class Pump(Cylinder):
-    """A piston pump: suction pressure away from the head, discharge pressure towards it."""
+    """A piston pump: suction pressure as the piston moves away from the head, discharge pressure towards it."""
 
     type: Literal["pump"]
     suction: Annotated[Pressure, Field(ge=0)]
@@ -50,7 +53,10 @@ class Pump(Cylinder):
 
 
 class EngineCylinder(Cylinder):
-    """The cylinder of an engine: polytropic expansion from `peak`, and compression from `intake`."""
+    """The cylinder of an engine: polytropic expansion from `peak`, and compression from `intake`.
+
+    `exhaust` is the pressure during the exhaust. `n_compression` and `n_expansion` are the polytropic exponents.
+    """
 
     clearance: Annotated[Number, Field(gt=0)]
     intake: Annotated[Pressure, Field(gt=0)]
@@ -64,7 +70,7 @@ class EngineCylinder(Cylinder):
 class FourStroke(EngineCylinder):
     """A four-stroke engine: expansion, exhaust, intake, compression.
 
-    The power stroke begins at the head-end dead centre that follows φ = `firing_angle` (needs 2 revolutions a cycle).
+    The power stroke starts at the first head-end dead centre after φ = `firing_angle`. The cycle takes 2 revolutions.
     """
 
     type: Literal["four_stroke"]
@@ -72,7 +78,7 @@ class FourStroke(EngineCylinder):
 
 
 class TwoStroke(EngineCylinder):
-    """A two-stroke engine: expansion until the ports open after the fraction `port` of the stroke."""
+    """A two-stroke engine: expansion until the ports open at the fraction `port` of the stroke."""
 
     type: Literal["two_stroke"]
     port: Annotated[Number, Field(gt=0, le=1)]

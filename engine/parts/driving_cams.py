@@ -1,4 +1,4 @@
-"""Cams that drive a mechanism: on the crank or a shaft geared to it, their followers links of the mechanism."""
+"""Cams in a mechanism, on the crank or a shaft geared to it; their followers are links of the mechanism."""
 
 from typing import Annotated, Literal
 
@@ -9,10 +9,10 @@ from engine.parts.skeleton import Angle, GuideRef, LinkRef, Mode, Name, Part, Po
 
 
 class SlidingFollower(Part):
-    """A link that slides on a guide of the frame and moves away from the cam in the guide's direction.
+    """A link that slides on a guide of the frame; it moves away from the cam in the guide's direction.
 
-    Its origin is the centre of the roller or the knife edge; on a flat face, which is square to the guide, it lies on
-    the guide too. The guide may pass beside the cam's axis.
+    Its origin is the centre of the roller or the knife edge; with a flat face, which is perpendicular to the guide, it
+    is the face's point on the guide. The guide may be offset from the cam's axis.
     """
 
     type: Literal["translating"]
@@ -30,8 +30,8 @@ class SlidingFollower(Part):
 class SwingingFollower(Part):
     """A link that turns about a point of the frame, its x axis from there to the roller or edge, or along the face.
 
-    The roller or edge is `arm` away from the pivot; a flat face goes through it. Mode +1: as one looks from the pivot
-    to the cam's axis, the arm lies to the left.
+    `arm` is the distance of the roller or edge from the pivot; a flat face passes through the pivot. `mode` +1: seen
+    from the pivot towards the cam's axis, the arm lies to the left.
     """
 
     type: Literal["oscillating"]
@@ -51,12 +51,12 @@ class SwingingFollower(Part):
 
 
 class DrivingCam(CamProgram):
-    """A cam on the crank, or on a shaft with a pivot that is geared to it; its follower is a link of the mechanism.
+    """A cam on the crank, or on a pivoted shaft geared to it; its follower is a link of the mechanism.
 
-    The first section begins at the crank angle `begin`; sections follow each other as the crank's angle grows,
-    whichever way the cam turns. `base_radius` is the least of the cam's surface where the displacement is zero. With
-    `closure` by a spring or other loads a follower that they don't press on the cam lifts off; a groove drives it both
-    ways.
+    The first section starts at the crank angle `begin`; sections follow as the crank angle increases, in whichever
+    direction the cam turns. `base_radius` is the minimum radius of the cam's surface, at zero displacement. `closure`
+    "spring" relies on a spring or other loads to press the follower on the cam, which otherwise lifts off; "form" is a
+    groove that drives the follower in both directions.
     """
 
     on: LinkRef

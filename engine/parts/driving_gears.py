@@ -1,4 +1,4 @@
-"""Racks, pinions and non-circular wheels that drive a mechanism, as a scene describes them."""
+"""Racks, pinions and non-circular wheels of a scene."""
 
 import math
 from typing import Annotated, Literal
@@ -8,17 +8,17 @@ from pydantic import Field, model_validator
 
 from engine.parts.skeleton import Angle, GuideRef, Length, LinkRef, Name, NonZero, Number, Part, PointRef
 
-# Lobes of a wheel, and harmonics of a law: more would be teeth.
+# Lobes of a wheel and harmonics of a law; more would be teeth.
 MOST_LOBES, MOST_HARMONICS = 8, 12
 
 
 class ToothedBar(Part):
-    """What a rack that is driven and a pinion that is driven have in common.
+    """Common keys of driven racks and driven pinions.
 
-    `pivot` is the pinion's axis: a point of what carries the rack's guide, or of a slider on that guide. With a
-    positive `radius` of the pinion's pitch circle the rack moves along the guide's direction as the pinion turns
-    counter-clockwise, and lies to the right of the axis; with a negative one it is the other way round. `efficiency`
-    is that of the mesh, the pinion's axis held, whichever drives.
+    `pivot` is the pinion's axis: a point of the link that carries the rack's guide, or of a slider on that guide. For a
+    positive pitch circle `radius` of the pinion, the rack is to the right of the axis and moves along the guide's
+    direction as the pinion turns counter-clockwise; a negative radius reverses both. `efficiency` is that of the mesh
+    with the pinion's axis fixed, whichever part drives.
     """
 
     pivot: PointRef
@@ -28,10 +28,10 @@ class ToothedBar(Part):
 
 
 class Rack(ToothedBar):
-    """A link that slides on a `guide`, driven by a `pinion`: the crank, a shaft with a pivot, or another pinion.
+    """A link that slides on a `guide`, driven by a `pinion`: the crank, a pivoted shaft, or another pinion.
 
-    Its origin lies on the guide, `start` beyond the pinion's axis where the pinion's angle against what carries the
-    guide is zero; its x axis lies along the guide.
+    Its origin is on the guide, its x axis along it. `start` is the distance of the origin beyond the pinion's axis
+    where the pinion's angle relative to the guide's carrier is zero.
     """
 
     pinion: LinkRef
@@ -40,10 +40,10 @@ class Rack(ToothedBar):
 
 
 class Pinion(ToothedBar):
-    """A link that turns about its `pivot`, driven by a `rack`, which is any slider on a guide.
+    """A link that turns about its `pivot`, driven by a `rack`, which may be any slider on a guide.
 
-    Without a rack that moves, it rolls on one that lies along the `guide` on which its axis slides. Its angle against
-    what carries the guide is `phase` where the rack's origin, or the guide's point, is beside the axis.
+    Without a moving rack, the pinion rolls on a fixed one along the `guide` on which its axis slides. `phase` is its
+    angle relative to the guide's carrier where the rack's origin, or the guide's point, is level with the axis.
     """
 
     rack: LinkRef | None = None
@@ -58,9 +58,10 @@ class Pinion(ToothedBar):
 
 
 class EllipticalLaw(Part):
-    """Ellipses that turn about their foci; with lobes, their like of higher order.
+    """Ellipses that turn about their foci; with lobes, ellipses of higher order.
 
-    The driven wheel turns fastest where the law begins. With equal numbers of lobes `eccentricity` is the ellipse's.
+    The driven wheel turns fastest where the law starts. `eccentricity` is that of the ellipse if both wheels have the
+    same number of lobes.
     """
 
     type: Literal["elliptical"]
@@ -68,7 +69,7 @@ class EllipticalLaw(Part):
 
 
 class RateHarmonic(Part):
-    """A harmonic of the driven wheel's speed over a lobe of the driver: coefficients as shares of the mean."""
+    """A harmonic of the driven wheel's speed over a lobe of the driver; coefficients relative to the mean speed."""
 
     order: Annotated[int, Field(ge=1, le=MOST_HARMONICS)]
     cosine: Number = 0.0
@@ -76,14 +77,14 @@ class RateHarmonic(Part):
 
 
 class HarmonicLaw(Part):
-    """The driven wheel's speed is 1 + Σ c cos kθ + s sin kθ of its mean, θ the driver's angle times its lobes."""
+    """Speed of the driven wheel: 1 + Σ (c cos kθ + s sin kθ) times its mean, with θ the driver's angle × its lobes."""
 
     type: Literal["harmonic"]
     harmonics: Annotated[dict[Name, RateHarmonic], Field(min_length=1)]
 
     @model_validator(mode="after")
-    def _goes_on(self) -> "HarmonicLaw":
-        # Thirty steps to a period of the highest harmonic.
+    def _never_reverses(self) -> "HarmonicLaw":
+        # 30 points per period of the highest harmonic.
         angles = np.linspace(0.0, 2.0 * math.pi, 30 * MOST_HARMONICS + 1)
         terms = [
             h.cosine * np.cos(h.order * angles) + h.sine * np.sin(h.order * angles) for h in self.harmonics.values()
@@ -101,10 +102,10 @@ class HarmonicLaw(Part):
 class NoncircularWheel(Part):
     """A link that turns about a `pivot` of the frame, in mesh with a wheel on the crank, a shaft or another such wheel.
 
-    They turn against each other, `driver_lobes` turns of it to `lobes` of the driver's on average; within a lobe of
-    the driver the `law` says how unevenly. `begin` is the driver's angle at which the law begins, and `phase` this
-    wheel's angle there. With the `pressure_angle` of the teeth, forces between them are part of reactions.
-    `efficiency` is that of the mesh, whichever wheel drives.
+    The wheels turn in opposite directions, on average `driver_lobes` turns of this wheel to `lobes` turns of the
+    driver. The `law` gives the variation of the ratio within a lobe of the driver. `begin` is the driver's angle at
+    which the law starts. `phase` is this wheel's angle there. With the `pressure_angle` of the teeth, reactions include
+    the tooth forces. `efficiency` is that of the mesh, whichever wheel drives.
     """
 
     geared_to: LinkRef

@@ -1,6 +1,6 @@
-"""What a cam does to its follower over a turn, as a scene says it: sections by laws of motion, or a table.
+"""Motion programs over a turn of a cam or crank: sections by laws of motion, or a table.
 
-Second inputs, which have drives of their own, move by the same.
+Cam followers and second inputs move by them.
 """
 
 import math
@@ -25,12 +25,12 @@ LawName = Literal[
 ]
 _ONE_PROGRAM = "give sections, or a table of the motion over a turn, one of the two"
 TURN = 2.0 * math.pi
-# Shares of a turn, or of a stroke, by which sums of sections may miss their end.
+# Relative tolerance for the sums of angles and strokes of sections.
 CLOSING = 1e-9
 
 
 class RiseSection(Part):
-    """A part of the turn in which what slides moves away by `lift`, or what turns by `swing`; `law` says how."""
+    """A part of the turn with an outward motion by `lift` (translating) or `swing` (oscillating), by the `law`."""
 
     type: Literal["rise"]
     law: LawName
@@ -40,7 +40,7 @@ class RiseSection(Part):
 
 
 class ReturnSection(Part):
-    """A part of the turn in which what moves comes back, all the way unless `lift` or `swing` is given."""
+    """A part of the turn with a return motion, by `lift` or `swing`; without them, complete."""
 
     type: Literal["return"]
     law: LawName
@@ -50,7 +50,7 @@ class ReturnSection(Part):
 
 
 class DwellSection(Part):
-    """A part of the turn in which what moves rests."""
+    """A part of the turn without motion."""
 
     type: Literal["dwell"]
     angle: Annotated[Angle, Field(gt=0)] | None = None
@@ -60,9 +60,9 @@ Section = Annotated[RiseSection | ReturnSection | DwellSection, Field(discrimina
 
 
 class MotionTable(Part):
-    """A motion over a turn by rows: `lift` of what slides, or `swing` of what turns, over the cam's or crank's angle.
+    """A motion over a turn by rows: `lift` (translating) or `swing` (oscillating) over the angle of the cam or crank.
 
-    A spline has a continuous acceleration; "pchip" never goes beyond the rows, but its acceleration jumps.
+    The acceleration of a "spline" is continuous; "pchip" never exceeds the rows, but its acceleration jumps.
     """
 
     over_angle: list[Angle]
@@ -84,7 +84,7 @@ class MotionTable(Part):
 
     @property
     def rows(self) -> list[float]:
-        """Displacement of each row."""
+        """Displacements of the rows."""
         return self.lift if self.swing is None else self.swing
 
 
@@ -96,12 +96,12 @@ class MotionProgram(Part):
 
     @property
     def translating(self) -> bool:
-        """Whether what moves slides."""
+        """Whether the moved link translates."""
         raise NotImplementedError
 
     @property
     def advance(self) -> float:
-        """How far what moves gets on in a turn; a follower comes back [m or rad]."""
+        """Net motion per turn [m or rad]; 0 for a follower."""
         return 0.0
 
     @model_validator(mode="after")
@@ -126,19 +126,19 @@ class MotionProgram(Part):
     def _check_angles(self) -> None:
         angles = [section.angle for section in self.sections.values()]
         whole = sum(angle for angle in angles if angle is not None)
-        told = f"the angles of the sections add up to {math.degrees(whole):g} deg"
+        total = f"the angles of the sections add up to {math.degrees(whole):g} deg"
         if angles.count(None) > 1:
-            raise ValueError("angle: only one section may leave it out, and take what is left of the turn")
+            raise ValueError("angle: only one section may omit it; that section takes the rest of the turn")
         if angles.count(None) == 1 and not whole < 2 * math.pi:
-            raise ValueError(f"{told}: nothing is left for the section without an angle; make one smaller")
+            raise ValueError(f"{total}: nothing is left for the section without an angle; make one smaller")
         if None not in angles and abs(whole - 2 * math.pi) > CLOSING:
-            raise ValueError(f"{told}, not to 360 deg; leave out one angle, and it follows")
+            raise ValueError(f"{total}, not to 360 deg; leave out one angle, and it follows")
         left = 0.0
         for name, section in self.sections.items():
             if isinstance(section, ReturnSection) and not left > 0.0:
-                raise ValueError(f"sections.{name}: it is back already; a return comes after a rise")
+                raise ValueError(f"sections.{name}: the follower is back already; a return comes after a rise")
             left = self._after(section, left)
-        if abs(left - self.advance) > CLOSING * self._greatest_stroke():
+        if abs(left - self.advance) > CLOSING * self._maximum_stroke():
             raise ValueError(f"the motion ends the turn {left:g} away from where it began; add a return")
 
     def _after(self, section: Section, before: float) -> float:
@@ -150,20 +150,15 @@ class MotionProgram(Part):
                 return 0.0 if stroke is None else before - stroke
         return before
 
-    def _greatest_stroke(self) -> float:
+    def _maximum_stroke(self) -> float:
         return sum(self.stroke_of(s) for s in self.sections.values() if isinstance(s, RiseSection))
 
     def stroke_of(self, section: RiseSection | ReturnSection) -> float | None:
-        """How far the motion goes in a section; None for all the way back.
-
-        Parameters
-        ----------
-        section : RiseSection or ReturnSection
-        """
+        """Stroke of a section; None for a complete return."""
         return section.lift if self.translating else section.swing
 
     def _check_no_jumps(self) -> None:
-        """Refuse laws by which masses can't move."""
+        """Reject laws with velocity jumps."""
         for name, section in self.sections.items():
             if getattr(section, "law", None) == "uniform":
                 raise ValueError(
@@ -179,7 +174,7 @@ class CamProgram(MotionProgram):
 
     @property
     def translating(self) -> bool:
-        """Whether the follower slides."""
+        """Whether the follower translates."""
         return self.follower.type == "translating"
 
     @model_validator(mode="after")
@@ -190,9 +185,9 @@ class CamProgram(MotionProgram):
 
 
 class Sections(NamedTuple):
-    """Sections of a turn with the numbers of some variants: lists of float or ndarray (variants,), one for each.
+    """Sections of a turn for some variants; one entry per section: float or ndarray (variants,).
 
-    `whole` says for each variant whether they make a turn that ends where that of the scene does.
+    `whole` is true for variants in which the sections add up to a turn and to the net motion of the program.
     """
 
     begin: list[float | np.ndarray]
@@ -209,7 +204,7 @@ def sections_of(program: MotionProgram, at: str, numbers: Mapping[str, float | n
     ----------
     program : MotionProgram
     at : str
-        What stands before its keys in the paths of numbers, with a dot at its end.
+        Prefix of the paths of its numbers, with the final dot.
     numbers : mapping of str to float or ndarray (variants,)
     """
     key = "lift" if program.translating else "swing"
@@ -217,7 +212,7 @@ def sections_of(program: MotionProgram, at: str, numbers: Mapping[str, float | n
     missing = TURN - sum(given.values())
     is_open = len(given) < len(program.sections)
     whole = missing > 0.0 if is_open else np.abs(missing) <= CLOSING * TURN
-    found, begin, before, greatest = ([], [], [], []), 0.0, 0.0, 0.0
+    found, begin, before, largest = ([], [], [], []), 0.0, 0.0, 0.0
     for name, section in program.sections.items():
         stroke = 0.0
         if isinstance(section, RiseSection):
@@ -228,23 +223,18 @@ def sections_of(program: MotionProgram, at: str, numbers: Mapping[str, float | n
         for row, value in zip(found, (begin, angle, before, stroke), strict=True):
             row.append(value)
         begin, before = begin + angle, before + stroke
-        greatest = np.maximum(greatest, before)
-        whole = whole & (before >= -CLOSING * greatest)
-    return Sections(*found, whole & (np.abs(before - program.advance) <= CLOSING * greatest))
+        largest = np.maximum(largest, before)
+        whole = whole & (before >= -CLOSING * largest)
+    return Sections(*found, whole & (np.abs(before - program.advance) <= CLOSING * largest))
 
 
 def check_roller(contact: str, radius: float | None) -> None:
-    """Refuse a roller without a radius, and the radius of what is none.
-
-    Parameters
-    ----------
-    contact : str
-    radius : float or None
+    """Check that a roller, and nothing else, has a radius.
 
     Raises
     ------
     ValueError
-        A roller has none, or what is no roller has one.
+        A roller has no radius, or another contact has one.
     """
     if contact == "roller" and radius is None:
         raise ValueError("roller_radius is missing: contact = 'roller' needs it")

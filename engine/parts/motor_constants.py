@@ -1,4 +1,4 @@
-"""Characteristics of motors, torque by speed, in the form that everything evaluates: a line, bends of it, Kloss."""
+"""Motor characteristics, torque over speed, in the common form: a line, changes of its slope, Kloss' formula."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -12,18 +12,18 @@ Value = float | np.ndarray
 
 
 class MotorCurve(NamedTuple):
-    """Torque by speed: level + slope ω + Σ bend (ω − speed), of those speeds that it has passed, + Kloss' formula.
+    """Torque over speed: level + slope ω + Σ bend (ω − speed) for all speeds exceeded, + Kloss' formula.
 
     Attributes
     ----------
     level, slope : float or ndarray
         [N·m], [N·m·s].
     bends : tuple of (float or ndarray, float or ndarray)
-        By how much the slope changes [N·m·s], and at which speed [rad/s].
+        Changes of slope [N·m·s], each with its speed [rad/s].
     kloss : tuple or None
-        Breakdown torque and slip, rotor ratio and synchronous speed, as `induction_motor` takes them.
+        Breakdown torque and slip, rotor ratio and synchronous speed, as in `induction_motor`.
     no_load_speed : float or ndarray
-        Beyond it the motor doesn't drive [rad/s].
+        Speed above which the motor does not drive [rad/s].
     """
 
     level: Value
@@ -34,19 +34,19 @@ class MotorCurve(NamedTuple):
 
 
 def bends_of(motor: DCCharacteristic | InductionCharacteristic | TableCharacteristic) -> int:
-    """How often the characteristic of a motor bends."""
+    """Number of changes of slope in a motor's characteristic."""
     return len(motor.speed) - 2 if isinstance(motor, TableCharacteristic) else 0
 
 
 def stall_moment(motor: DCCharacteristic, at: str, numbers: Mapping[str, Value]) -> Value:
-    """Stall moment of a DC motor, as given or from its nameplate."""
+    """Stall torque of a DC motor, given or from its nameplate."""
     if motor.stall_moment is not None:
         return numbers[f"{at}.stall_moment"]
     return dc_motor_from_nameplate(*(numbers[f"{at}.{key}"] for key in ("power", "rated_speed", "no_load_speed")))
 
 
 def kloss_constants(motor: InductionCharacteristic, at: str, numbers: Mapping[str, Value]) -> tuple:
-    """Breakdown moment and slip, rotor ratio and synchronous speed, as given or from the motor's nameplate."""
+    """Breakdown torque and slip, rotor ratio and synchronous speed, given or from the nameplate."""
     synchronous = numbers[f"{at}.synchronous_speed"]
     if motor.breakdown_moment is not None:
         return numbers[f"{at}.breakdown_moment"], numbers[f"{at}.breakdown_slip"], 0.0, synchronous
@@ -58,15 +58,15 @@ def kloss_constants(motor: InductionCharacteristic, at: str, numbers: Mapping[st
 def motor_curve(
     motor: DCCharacteristic | InductionCharacteristic | TableCharacteristic, at: str, numbers: Mapping[str, Value]
 ) -> MotorCurve:
-    """Characteristic of a motor by its own speed.
+    """Characteristic of a motor over the motor's speed.
 
     Parameters
     ----------
     motor : DCCharacteristic, InductionCharacteristic or TableCharacteristic
     at : str
-        Its path in the scene.
+        Path of the motor in the scene.
     numbers : mapping of str to float or ndarray
-        By their paths.
+        By path.
     """
     if isinstance(motor, DCCharacteristic):
         stall, no_load = stall_moment(motor, at, numbers), numbers[f"{at}.no_load_speed"]

@@ -1,4 +1,4 @@
-"""Friction in the pairs of a mechanism as a scene describes it, `[friction.NAME]`."""
+"""Friction in the pairs of a scene, `[friction.NAME]`."""
 
 from typing import Annotated, Literal
 
@@ -7,23 +7,24 @@ from pydantic import Field, model_validator
 from engine.laws.friction.coefficients import SLIDING, STATIC_AND_KINETIC
 from engine.parts.skeleton import Angle, Number, Part, Positive, Speed
 
-# Kinetic coefficients; of a range its middle.
+# Kinetic coefficients; the middle of a range.
 MATERIALS = {name: (pair.low + pair.high) / 2 for name, pair in SLIDING.items()}
 MATERIALS |= {name: pair.kinetic for name, pair in STATIC_AND_KINETIC.items()}
 
 
 class PairFriction(Part):
-    """Friction in a pair, dry, or with a `coefficient` that accounts for its lubrication.
+    """Friction in a pair: dry, or with a `coefficient` for the lubricated pair.
 
     `pair` is GROUP.first, GROUP.inner or GROUP.second, LINK.JOINT or LINK.GUIDE of a free link, input, a shaft with a
-    pivot, CAM.guide or CAM.pivot of a cam's follower, or CAM.contact. At a contact a flat face or a knife edge slides;
-    a roller rubs on its pin, which has the `diameter`. A revolute pair has the `diameter` of its journal, in `contact`
-    with its bush on a line, or on half of it, new or worn in; or, by a rule of practice, a coefficient that is
-    `above_prismatic` by 25 % (worn in) to 50 % (new). A prismatic pair may have a `form` of its guide and the `length`
-    of its slider, whose middle lies in the slider's first joint (without one in its origin): where the moment on it is
-    large it tilts and bears with its edges; without a length the normal force alone presses.
+    pivot, CAM.guide or CAM.pivot of a cam's follower, or CAM.contact. At a cam contact a flat face or a knife edge
+    slides on the cam; a roller has friction on its pin, of the given `diameter`. In a revolute pair `diameter` is that
+    of the journal, and `contact` that with its bush: on a line, or on half the bush, new or worn in. Alternatively,
+    `above_prismatic` raises the coefficient by the rule of practice, from 25 % (worn in) to 50 % (new). In a prismatic
+    pair `form` is that of the guide. `length` is that of the slider, whose middle is its first joint (without a joint,
+    its origin): under a large moment the slider tilts and bears on its edges; without a length only the normal force
+    counts.
 
-    `static_coefficient` with `stribeck_speed` raises the coefficient at low speeds of sliding.
+    `static_coefficient` with `stribeck_speed` raises the coefficient at low sliding speeds.
     """
 
     pair: str
@@ -47,7 +48,7 @@ class PairFriction(Part):
         if (self.static_coefficient is None) != (self.stribeck_speed is None):
             raise ValueError("static_coefficient and stribeck_speed belong together: give both, or neither")
         if self.contact is not None and self.above_prismatic is not None:
-            raise ValueError("contact and above_prismatic both say how much a journal rubs: give one of the two")
+            raise ValueError("contact and above_prismatic both describe the contact of a journal: give one of the two")
         if (self.form == "vee") != (self.vee_angle is not None):
             raise ValueError("vee_angle goes with form = 'vee': give both, or neither")
         return self

@@ -1,13 +1,13 @@
-"""The regimes of a machine as a scene describes them: what it does, one after another, and what acts meanwhile.
+"""The regimes of a scene: how the machine moves in each, one after the other, and which actions are off.
 
 Conventions
 -----------
-Regimes follow one another in the order of the text: each begins where the one before it ended, the first one at rest
-at φ = 0, or where the range of an input that doesn't turn fully begins. Everything in the scene acts, but for what a
-regime names as `off`: motors, forces, moments, springs, cylinders, brakes, "gravity", or a coupling, which is then
-open. Speeds are magnitudes, in the direction of `input.speed`.
+Regimes follow one another in the order of the text. Each starts where the one before it ended; the first starts at rest
+at φ = 0, or at the start of the range of an input that doesn't turn fully. All actions of the scene are on except those
+that a regime lists as `off`: motors, forces, moments, springs, cylinders, brakes, "gravity", or a coupling, which is
+then open. Speeds are magnitudes, in the direction of `input.speed`.
 
-An end of the range of an input stops it: a run that arrives there ends, and the next one begins there at rest.
+An end of the input's range stops the input: a run that reaches it ends, and the next one starts there at rest.
 """
 
 import math
@@ -37,7 +37,7 @@ MOST_INSTANTS = 100_000
 
 
 def _spaced(dimension: str, unit: str) -> Callable[[object], object]:
-    """What makes a list of equally spaced values of a text such as "0 s to 2 s, 201"; a list stays as it is."""
+    """Validator that expands a text such as "0 s to 2 s, 201" into equally spaced values; lists pass unchanged."""
 
     def read(value: object) -> object:
         if not isinstance(value, str):
@@ -57,10 +57,10 @@ def _spaced(dimension: str, unit: str) -> Callable[[object], object]:
 
 
 class Instants(Part):
-    """Where fields of a run are kept: at `times` since it began, or at `angles` turned since then.
+    """Instants at which fields of a run are kept: `times` after its start, or `angles` turned since its start.
 
-    Each a list that rises, or a text such as "0 s to 2 s, 201": the first, the last, how many. Beyond the end of a run
-    its rows are NaN.
+    Each is a rising list, or a text such as "0 s to 2 s, 201": first, last, number. Rows beyond the end of the run are
+    NaN.
     """
 
     times: Annotated[list[Time], BeforeValidator(_spaced("time", "s"))] | None = None
@@ -86,7 +86,10 @@ class Instants(Part):
 
 
 class SteadyRegime(Part):
-    """Steady running, found directly: each cycle is like the one before."""
+    """Steady running, a motion periodic with the cycle, found directly.
+
+    `off` lists the actions that are off.
+    """
 
     type: Literal["steady"]
     off: tuple[ActionRef, ...] = ()
@@ -95,20 +98,20 @@ class SteadyRegime(Part):
 class RunRegime(Part):
     """Motion until one of: a number of `cycles`, a `time`, a `speed` reached from below or above, `rest` = true.
 
-    At rest a machine stays where it is under all that acts, as friction or a brake holds it. Where it only turns back,
-    as a load does that swings, it first stands still for a moment: `reversal` = true ends a run there.
+    `rest` = true ends a run when the machine stays at rest under all loads, as friction or a brake holds it. `reversal`
+    = true ends a run when the machine first comes to a standstill, even for an instant, as a swinging load does.
 
-    With an input that doesn't turn fully, `end_of_range` = true: until it arrives at an end of its range. A sliding
-    input has a `velocity` for its speed, and begins by `from_velocity` and `from_position`, its displacement.
+    `end_of_range` = true ends a run when an input that doesn't turn fully reaches an end of its range. A sliding input
+    has `velocity` instead of `speed`, and the initial values `from_velocity` and `from_position`.
 
-    With a clutch, `lock_up` = true: until it holds both sides together. `from_speed` and `from_angle` set the begin,
-    instead of where the regime before ended, and both together set the clock of loads over time to zero;
-    `from_shaft_speed` sets that of a shaft behind a coupling, which otherwise turns along with from_speed. A run that
-    hasn't ended after `at_most` cycles is given up. `at` says where fields of the run are kept.
+    `lock_up` = true ends a run when a clutch holds both sides together. `from_speed` and `from_angle` are the initial
+    values, by default those at the end of the regime before; both together reset the time of time-dependent loads to
+    zero. `from_shaft_speed` is the initial speed of a shaft behind a coupling, by default that given by `from_speed`. A
+    run is abandoned after `at_most` cycles. `at` gives the instants at which fields of the run are kept.
 
-    Steps are as long as their errors allow; with `method` = "rk4" they are `steps_per_turn` equal ones a turn of the
-    crank, by the classical method of Runge and Kutta of order four, but near rest. The error figure is then what steps
-    of twice the length change.
+    `off` lists the actions that are off. Steps are as long as the error control allows. `method` = "rk4" takes
+    `steps_per_turn` equal steps per turn of the crank instead, by the classical fourth-order Runge–Kutta method, except
+    near rest; the error estimate is then the change of the result with steps of twice the length.
     """
 
     type: Literal["run"]
@@ -152,7 +155,7 @@ class RunRegime(Part):
 
 
 class RunKeys(NamedTuple):
-    """Keys of a run for the speed at its end, and for speed and place at its begin, by the kind of the input."""
+    """Keys of a run for its final speed, and for its initial speed and position, by kind of input."""
 
     speed: str
     from_speed: str
@@ -164,7 +167,7 @@ OF_SLIDER = RunKeys("velocity", "from_velocity", "from_position")
 
 
 def run_keys(drive: CrankInput | SliderInput) -> RunKeys:
-    """Keys of runs with a crank, or with a sliding input."""
+    """Keys of runs for a crank or a sliding input."""
     return OF_CRANK if isinstance(drive, CrankInput) else OF_SLIDER
 
 

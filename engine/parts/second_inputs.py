@@ -1,4 +1,4 @@
-"""Second inputs as a scene describes them: links that move by laws of the first input or of time."""
+"""Second inputs of a scene: links that move by laws of the first input or of time."""
 
 import math
 from typing import Annotated, Literal
@@ -8,12 +8,12 @@ from pydantic import Field, model_validator
 from engine.parts.motion_programs import MotionProgram
 from engine.parts.skeleton import Angle, AngularSpeed, GuideRef, Length, Name, Number, Part, PointRef, Time
 
-# Beyond this a harmonic of a drive's law is vibration.
+# Harmonics above this order would be vibration.
 _MOST_ORDER = 24
 
 
 class AngleHarmonic(Part):
-    """A harmonic of the angle of a second input over a turn of its law: `cosine` · cos kτ + `sine` · sin kτ."""
+    """A harmonic of a second input's angle over a turn of its law: `cosine` · cos kτ + `sine` · sin kτ."""
 
     order: Annotated[int, Field(ge=1, le=_MOST_ORDER)]
     cosine: Angle = 0.0
@@ -21,7 +21,7 @@ class AngleHarmonic(Part):
 
 
 class SlideHarmonic(Part):
-    """A harmonic of the place of a second input that slides: `cosine` · cos kτ + `sine` · sin kτ."""
+    """A harmonic of a sliding second input's displacement: `cosine` · cos kτ + `sine` · sin kτ."""
 
     order: Annotated[int, Field(ge=1, le=_MOST_ORDER)]
     cosine: Length = 0.0
@@ -32,10 +32,11 @@ Drive = Literal["own", "crank"]
 
 
 class MovedByLaw(MotionProgram):
-    """A motion by a law that is periodic in its argument τ, with period 2π.
+    """A motion by a law that repeats with each turn of its argument τ.
 
-    The crank's angle φ is the argument of a law without `period` and `travel`. With a `period` it is 2π t/period, the
-    time t being zero with the first input's coordinate; under a first input that slides by s, 2π s/`travel`.
+    Without `period` and `travel` the argument is the crank angle φ. With a `period` it is 2π t/`period`, the time t
+    being zero where the first input's coordinate is. With a `travel`, under a first input that slides by s, it is
+    2π s/`travel`.
     """
 
     drive: Drive = "own"
@@ -45,35 +46,35 @@ class MovedByLaw(MotionProgram):
 
     @property
     def repeats(self) -> bool:
-        """Whether its motion has parts that come again with each turn of τ."""
+        """Whether parts of its motion repeat with each turn of τ."""
         return bool(self.harmonics or self.sections or self.table)
 
     @model_validator(mode="after")
     def _has_one_argument(self) -> "MovedByLaw":
         if self.period is not None and self.travel is not None:
-            raise ValueError("give period, of a law of time, or travel, of one of the first input, one of the two")
+            raise ValueError("give either period (a law of time) or travel (a law of the first input)")
         lost = self.gives("period", "travel")
         if lost and not self.repeats and getattr(self, "ratio", 0.0) == 0.0:
-            raise ValueError(f"{lost[0]} is what a ratio, harmonics, sections or a table go by, and there are none")
+            raise ValueError(f"{lost[0]} has no meaning without a ratio, harmonics, sections or a table")
         if self.gives("begin") and not self.sections and self.table is None:
-            raise ValueError("begin is where sections or a table begin, and there are none; leave it out")
+            raise ValueError("begin has no meaning without sections or a table; leave it out")
         if self.drive == "crank" and (self.period is not None or getattr(self, "speed", 0.0) != 0.0):
             key = "speed" if self.period is None else "period"
             raise ValueError(
-                f"{key}: what the crank drives follows the crank's angle, not the time; leave {key} out, or set "
+                f"{key}: with drive = 'crank' the input follows the crank angle, not time; leave {key} out, or set "
                 "drive = 'own'"
             )
         return self
 
 
 class SecondCrank(MovedByLaw):
-    """A link that is turned about a `pivot` by a law of the first input or of time.
+    """A link that is turned about a `pivot` by a law of the first input or of time; it can carry other parts.
 
-    Its angle against the link that the pivot is a point of is `phase` + `ratio`·τ + `speed`·t, the sum of `harmonics`,
-    and the swing of `sections` or of a `table`, which begin at τ = `begin`. τ is the crank's angle φ, or goes through
-    a turn in each `period` or `travel`. After sections that don't come back the next turn of τ goes on from where they
-    end. It can carry points, guides and bodies. Its `drive` is its own, or the crank's: gears or cams, not described,
-    that stand on the frame and that it drives.
+    Its angle relative to the link that carries the pivot is `phase` + `ratio`·τ + `speed`·t, plus the sum of
+    `harmonics` and the swing of `sections` or of a `table`, which start at τ = `begin`. τ is the crank angle φ, or
+    makes a turn in each `period` or `travel`. If the sections don't return fully, the next turn of τ continues from
+    their end. `drive` is "own", a separate drive, or "crank": gears or cams that stand on the frame, not modelled,
+    driven by the crank.
     """
 
     type: Literal["crank"]
@@ -85,12 +86,12 @@ class SecondCrank(MovedByLaw):
 
     @property
     def translating(self) -> bool:
-        """Whether it slides."""
+        """Whether it translates."""
         return False
 
     @property
     def advance(self) -> float:
-        """How far its sections turn it on in a turn of the crank [rad]."""
+        """Net rotation by its sections per turn of τ [rad]."""
         before = 0.0
         for section in self.sections.values():
             before = self._after(section, before)
@@ -102,20 +103,20 @@ class SecondCrank(MovedByLaw):
             raise ValueError("this link never moves: give a ratio, a speed, harmonics, sections or a table")
         if self.advance < 0.0:
             raise ValueError(
-                f"sections: they go {math.degrees(-self.advance):g} deg further back than out; make a return shorter, "
-                "or leave its swing out, and it returns fully"
+                f"sections: the returns exceed the rises by {math.degrees(-self.advance):g} deg; shorten a return, or "
+                "omit its swing for a full return"
             )
         self._check_no_jumps()
         return self
 
 
 class SecondSlider(MovedByLaw):
-    """A link that is moved along a `guide` by a law of the first input or of time.
+    """A link that is moved along a `guide` by a law of the first input or of time; it can carry other parts.
 
-    Its origin lies on the guide, beyond the guide's point by `start`, the sum of `harmonics`, and the lift of
-    `sections` or of a `table`, which begin at τ = `begin`. τ is the crank's angle φ, or goes through a turn in each
-    `period` or `travel`. It can carry points, guides and bodies. Its `drive` is its own, or the crank's: gears or cams,
-    not described, that stand on the frame and that it drives.
+    The distance of its origin from the guide's point is `start`, plus the sum of `harmonics` and the lift of `sections`
+    or of a `table`, which start at τ = `begin`. τ is the crank angle φ, or makes a turn in each `period` or `travel`.
+    `drive` is "own", a separate drive, or "crank": gears or cams that stand on the frame, not modelled, driven by the
+    crank.
     """
 
     type: Literal["slider"]
@@ -125,7 +126,7 @@ class SecondSlider(MovedByLaw):
 
     @property
     def translating(self) -> bool:
-        """Whether it slides."""
+        """Whether it translates."""
         return True
 
     @model_validator(mode="after")

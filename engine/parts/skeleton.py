@@ -1,18 +1,18 @@
-"""The parts of a machine as a scene describes them: points, guides, the input, structural groups, bodies, shafts.
+"""The parts of a scene: points, guides, the input, structural groups, bodies, shafts.
 
 Conventions
 -----------
-A point, a guide and a body belong to a link; the frame is the link called "frame". Coordinates on a link are in
-its own axes: origin and x axis of
+A point, a guide and a body belong to a link; the frame is the link called "frame". Coordinates on a link refer to the
+link's axes: the origin and x axis of
 
 - a crank or shaft: its pivot, towards the pin (a shaft: along its angle);
 - a link of RRR and the rod of RRP: its outer joint, towards the inner joint;
-- a slider: its joint (the outer joint of a block of RPR or RPP), along the guide or slot it slides on;
+- a slider: its joint (for a block of RPR or RPP, the outer joint), along its guide or slot;
 - the rocker of RPR: its pivot, along the slot;
-- the sliding link of RPP: the crossing of slot and guide, along the guide;
-- a free link: its first joint, towards the second; on a guide along that; see `FreeLink`.
+- the sliding link of RPP: the intersection of slot and guide, along the guide;
+- a free link: its first joint, towards the second; on a guide, along the guide; see `FreeLink`.
 
-Numbers are SI when given as numbers and take units when given as text ("80 mm").
+Plain numbers are SI; text takes units ("80 mm").
 """
 
 import math
@@ -39,14 +39,14 @@ from engine.units.display import quantity_text
 from engine.units.reading import in_text, to_si
 
 FRAME = "frame"
-# What a coefficient of speed fluctuation is: relative to the mean of both speeds, not to that over time.
+# Definition of the coefficient of speed fluctuation: relative to the mean of both speeds, not to the mean over time.
 OF_FLUCTUATION = "2 (ω_max − ω_min)/(ω_max + ω_min)"
 
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*$")]
 
 
 class Refers(NamedTuple):
-    """Mark of a name that refers to a "point", "guide", "link" or "action" of the scene."""
+    """Marks a name that refers to a "point", "guide", "link" or "action" of the scene."""
 
     kind: str
 
@@ -56,7 +56,7 @@ LinkRef, ActionRef = Annotated[Name, Refers("link")], Annotated[Name, Refers("ac
 
 
 def _printable(text: str) -> str:
-    """A text that may be shown anywhere: without control characters, which terminals and files take as commands."""
+    """Reject control characters, which terminals and files could take as commands."""
     for character in text:
         if not character.isprintable() and character not in "\n\t":
             raise ValueError(f"contains the control character {character!r}; write plain text")
@@ -67,13 +67,7 @@ PlainText = Annotated[str, AfterValidator(_printable)]
 
 
 class NonZero(AfterValidator):
-    """Marks a number that must not be 0, in a scene and in every variant.
-
-    Parameters
-    ----------
-    why : str
-        What the message says.
-    """
+    """Marks a number that must not be 0, in a scene and in every variant; `why` is the message."""
 
     ne = 0.0
 
@@ -117,7 +111,7 @@ Mode = Literal[1, -1]
 
 
 class SceneNumber(NamedTuple):
-    """A number of a scene: its value (SI), its dimension, and the limits or choices it must keep."""
+    """A number of a scene: its value (SI), its dimension, and its limits or choices."""
 
     value: float
     dimension: str
@@ -126,19 +120,19 @@ class SceneNumber(NamedTuple):
 
 
 class Part(BaseModel):
-    """Base of everything in a scene: unknown keys are refused, values can't be changed afterwards."""
+    """Base of everything in a scene: unknown keys are rejected, and values are immutable."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     def numbers_within(self, path: str = "") -> Iterator[tuple[str, SceneNumber]]:
-        """Every number that a study may vary, of this part and the parts in it, by its path.
+        """Every number of this part and its subparts that a study may vary, by path.
 
-        Entries of tables, counts (revolutions, arms) and numbers that aren't given are not among them.
+        Excluded are entries of tables, counts (revolutions, arms) and numbers that aren't given.
 
         Parameters
         ----------
         path : str
-            Of this part.
+            Path of this part.
         """
         for key, field in type(self).model_fields.items():
             value = getattr(self, key)
@@ -156,12 +150,12 @@ class Part(BaseModel):
                     yield here, SceneNumber(float(value), "number", (), get_args(Mode))
 
     def references(self, path: str = "") -> Iterator[tuple[str, str, str]]:
-        """Every name that this part and the parts in it refer to: path, kind of what it names, name.
+        """Every name that this part and its subparts refer to: path, kind of the target, name.
 
         Parameters
         ----------
         path : str
-            Of this part.
+            Path of this part.
         """
         for key in type(self).model_fields:
             value, here = getattr(self, key), f"{path}.{key}" if path else key
@@ -177,9 +171,9 @@ class Part(BaseModel):
                 yield from ((here, kind, name) for name in ([value] if isinstance(value, str) else value))
 
     def gives(self, *keys: str) -> list[str]:
-        """Which of some keys are given values of their own, not their defaults.
+        """Which of the keys differ from their defaults.
 
-        What has no meaning where it stands is refused: ignored, it would be taken for granted.
+        Keys without effect where they stand are rejected: if ignored, they would be taken to have an effect.
 
         Parameters
         ----------
@@ -193,7 +187,7 @@ class Part(BaseModel):
 
 
 def _marks(annotation: object, metadata: list) -> list:
-    """All marks in a field's annotation, those inside optionals too."""
+    """All marks in a field's annotation, including those inside optionals."""
     found = []
     for mark in metadata:
         found += mark.metadata if isinstance(mark, FieldInfo) else [mark]
@@ -204,7 +198,7 @@ def _marks(annotation: object, metadata: list) -> list:
 
 @cache
 def _marked(kind: type[Part], key: str) -> tuple[str | None, tuple]:
-    """Dimension of a number that a kind of part has, and its limits."""
+    """Dimension and limits of a number in a kind of part."""
     field = kind.model_fields[key]
     marks = _marks(field.annotation, field.metadata)
     dimension = next((str(m) for m in marks if isinstance(m, DimensionMark)), None)
@@ -213,7 +207,7 @@ def _marked(kind: type[Part], key: str) -> tuple[str | None, tuple]:
 
 @cache
 def _referred(kind: type[Part], key: str) -> str | None:
-    """Kind of what a field of a part names, or of what its keys name where it holds named parts."""
+    """Kind of target of a field; for a table, of its keys."""
     field = kind.model_fields[key]
     if get_origin(field.annotation) is dict:
         marks = _marks(tuple[get_args(field.annotation)[0]], [])
@@ -223,7 +217,7 @@ def _referred(kind: type[Part], key: str) -> str | None:
 
 
 class Point(Part):
-    """A point of a link (of the frame when no link is named), in the link's axes."""
+    """A point of a link (by default of the frame), in the link's axes."""
 
     link: LinkRef = FRAME
     x: Length
@@ -231,7 +225,7 @@ class Point(Part):
 
 
 class Guide(Part):
-    """A straight guide on a link (the frame when none is named), through a point, at an angle to the link's x axis."""
+    """A straight guide on a link (by default the frame), through a point, at an angle to the link's x axis."""
 
     link: LinkRef = FRAME
     x: Length = 0.0
@@ -241,12 +235,12 @@ class Guide(Part):
 
 _RUNS = NonZero("the input is at rest: give its mean speed, such as '60 rpm' (negative: the other way)")
 _GEARED = NonZero("a shaft with the ratio 0 never turns: give the ratio of its speed to that of its link")
-# Turns of the crank in a cycle: more would be looked at too coarsely.
+# Maximum number of crank turns in a cycle; longer cycles would be sampled too coarsely.
 MOST_REVOLUTIONS = 24
 
 
 class CrankInput(Part):
-    """Rotating input link: a crank from a pivot on the frame to a pin; the generalised coordinate is its angle.
+    """Rotating input link: a crank from a `pivot` on the frame to a `pin`; the generalised coordinate is its angle.
 
     `start` and `stop` limit a crank that doesn't turn fully; without them a cycle is `revolutions` turns.
     """
@@ -273,7 +267,11 @@ class CrankInput(Part):
 
 
 class SliderInput(Part):
-    """Sliding input link on a guide of the frame; the generalised coordinate is its displacement along the guide."""
+    """Sliding input link on a guide of the frame; the generalised coordinate is its displacement along the guide.
+
+    `start` and `stop` are the ends of its travel. `speed` is its mean speed, positive in the direction of the guide.
+    `point` names its point on the guide, at which other links can be hinged.
+    """
 
     type: Literal["slider"]
     link: Name
@@ -291,7 +289,7 @@ class SliderInput(Part):
 
 
 class Hinged(Part):
-    """A link of a group between its outer joint (a known point) and the inner joint, at a distance of `length`."""
+    """A link of a group between its outer joint (a known point) and the inner joint, at the distance `length`."""
 
     link: Name
     joint: PointRef
@@ -299,7 +297,7 @@ class Hinged(Part):
 
 
 class Sliding(Part):
-    """A slider of a group on a known guide, its joint at `offset` to the left of the guide."""
+    """A slider of a group on a known guide; `offset` is the distance of its joint to the left of the guide."""
 
     link: Name
     guide: GuideRef
@@ -314,7 +312,7 @@ class Block(Part):
 
 
 class Rocker(Part):
-    """The slotted link of RPR, pivoted at a known point; the block's pivot lies `offset` to the left of the slot."""
+    """The slotted link of RPR, pivoted at a known point; `offset` is the distance of the block's pivot to its left."""
 
     link: Name
     joint: PointRef
@@ -322,7 +320,7 @@ class Rocker(Part):
 
 
 class Yoke(Part):
-    """The slotted link of RPP: slides on a known guide, its slot at `slot_angle` to that guide."""
+    """The slotted link of RPP on a known guide; `slot_angle` is the angle of its slot to the guide."""
 
     link: Name
     guide: GuideRef
@@ -330,7 +328,7 @@ class Yoke(Part):
 
 
 class RRR(Part):
-    """Dyad of two bars; mode +1: the inner joint lies to the left of the line first joint → second joint."""
+    """Dyad of two bars; `mode` +1: the inner joint lies to the left of the line first joint → second joint."""
 
     type: Literal["RRR"]
     inner: Name
@@ -340,7 +338,7 @@ class RRR(Part):
 
 
 class RRP(Part):
-    """Dyad of a rod and a slider; mode +1: of two places for the slider, the one farther along the guide."""
+    """Dyad of a rod and a slider; `mode` +1: of the two possible slider positions, the one farther along the guide."""
 
     type: Literal["RRP"]
     inner: Name
@@ -350,7 +348,7 @@ class RRP(Part):
 
 
 class RPR(Part):
-    """Dyad of a pivoted block and a slotted rocker; mode +1: the rocker points from its pivot to the block."""
+    """Dyad of a pivoted block and a slotted rocker; `mode` +1: the rocker points from its pivot to the block."""
 
     type: Literal["RPR"]
     first: Block
@@ -359,7 +357,7 @@ class RPR(Part):
 
 
 class PRP(Part):
-    """Dyad of two sliders on two guides, hinged together; it has a single assembly."""
+    """Dyad of two sliders on two guides, hinged together; it has a single assembly mode."""
 
     type: Literal["PRP"]
     inner: Name
@@ -368,7 +366,7 @@ class PRP(Part):
 
 
 class RPP(Part):
-    """Dyad of a pivoted block in the slot of a link that slides on a guide (Scotch yoke); a single assembly."""
+    """Dyad of a pivoted block in the slot of a link that slides on a guide (Scotch yoke); a single assembly mode."""
 
     type: Literal["RPP"]
     first: Block
@@ -379,12 +377,12 @@ Group = Annotated[RRR | RRP | RPR | PRP | RPP, Field(discriminator="type")]
 
 
 class FreeLink(Part):
-    """A link whose group the program finds by itself: the joints it is hinged at, or the guide it slides on.
+    """A link whose group the program finds: `joints` connect it to other links, or a `guide` on which it slides.
 
-    A point of another link is a joint by being named here. With two joints, `length` apart, the link's origin is the
-    first of them and its x axis goes to the second; with one that is the origin. On a `guide` its x axis lies along
-    the guide and its origin at `offset` to the guide's left. A link that others are hinged at, by points of its own,
-    needs none: its axes are then free.
+    Naming a point of another link here makes it a joint. With two joints, `length` apart, the link's origin is the
+    first and its x axis points to the second; with one joint, the origin is that joint. On a `guide` its x axis is
+    parallel to the guide. `offset` is the distance of the origin to the left of the guide. A link connected only by
+    other links that name its points needs no joints; its axes are then arbitrary.
     """
 
     joints: tuple[Name, ...] = ()
@@ -411,7 +409,7 @@ class FreeLink(Part):
 
 
 class Near(Part):
-    """About where a point of a free link lies at the first position: it tells assembly modes apart."""
+    """Approximate position of a point of a free link at the input's first position; it selects the assembly mode."""
 
     x: Length
     y: Length
@@ -464,14 +462,14 @@ STANDARD_GRAVITY = 9.80665
 
 
 class Swinging(Part):
-    """Small swings of a body in the field of gravity, that of the earth unless given; `period` is there and back."""
+    """Small swings of a body under `gravity`, by default the earth's; `period` is a full swing, there and back."""
 
     period: Annotated[Time, Field(gt=0)]
     gravity: Annotated[Acceleration, Field(gt=0)] = STANDARD_GRAVITY
 
 
 class CompoundPendulum(Swinging):
-    """Swings about a knife edge at a `distance` h from the centre of mass: J = mgh T²/4π² − mh²."""
+    """Swings about a knife edge at a `distance` h from the mass centre: J = mgh T²/4π² − mh²."""
 
     type: Literal["compound"]
     distance: Annotated[Length, Field(gt=0)]
@@ -489,7 +487,7 @@ class CompoundPendulum(Swinging):
 
 
 class BifilarSuspension(Swinging):
-    """Turning swings on two parallel wires `spacing` d apart and `length` L long: J = mg d² T²/(16π² L)."""
+    """Torsional swings on two parallel wires, `spacing` d apart and `length` L long: J = mg d² T²/(16π² L)."""
 
     type: Literal["bifilar"]
     spacing: Annotated[Length, Field(gt=0)]
@@ -497,7 +495,7 @@ class BifilarSuspension(Swinging):
 
 
 class TrifilarSuspension(Swinging):
-    """Turning swings on three parallel wires on a circle of `radius` r, `length` L long: J = mg r² T²/(4π² L)."""
+    """Torsional swings on three parallel wires on a circle of `radius` r, `length` L long: J = mg r² T²/(4π² L)."""
 
     type: Literal["trifilar"]
     radius: Annotated[Length, Field(gt=0)]
@@ -508,11 +506,11 @@ Swing = Annotated[CompoundPendulum | BifilarSuspension | TrifilarSuspension, Fie
 
 
 class Replacement(Part):
-    """Point masses that stand for a body, at named points of its link; "centre" is the body's centre of mass.
+    """Point masses that replace a body, at named points of its link; "centre" is the body's mass centre.
 
-    `static` keeps the mass and the centre: two points on a line through the centre, or any three. `dynamic` keeps
-    the moment of inertia too: one point, its conjugate is found; two and the `mass` at the first, a third is found;
-    three on a line through the centre; or four.
+    "static" conserves mass and mass centre: two points on a line through the centre, or any three. "dynamic" also
+    conserves the moment of inertia: one point (its conjugate is computed); two points and the `mass` at the first (a
+    third is computed); three points on a line through the centre; or four.
     """
 
     type: Literal["static", "dynamic"]
@@ -536,13 +534,13 @@ class Replacement(Part):
 
 
 class Body(Part):
-    """A mass on a link: mass, centre of mass in the link's axes and moment of inertia about it, or a shape.
+    """A mass on a link: mass, mass centre in the link's axes and moment of inertia about it, or a shape.
 
-    With a shape, the inertia follows from it; the mass is given, or follows from `density` and the shape's
-    thickness (a rod's area). A rod's centre is its middle unless x, y say otherwise. With `replace`, point masses
-    stand for the body in everything that is computed. Instead of `inertia`, `swing` gives the time in which the body
-    was seen to swing as a pendulum or on wires: as a pendulum about an axis normal to the plane of motion, on wires
-    about an upright axis through its centre of mass that is normal to that plane in the machine.
+    With a `shape` the inertia follows from it; the mass is given, or follows from `density` and the shape's thickness
+    (a rod's area). The mass centre of a rod is its middle unless x, y are given. With `replace`, point masses replace
+    the body in all calculations. Instead of `inertia`, `swing` gives the measured period of the body as a pendulum or
+    on wires. The axis of a pendulum is perpendicular to the plane of motion. On wires, the body hangs with that
+    perpendicular vertical and turns about a vertical axis through its mass centre.
     """
 
     link: LinkRef
@@ -579,10 +577,10 @@ class Body(Part):
 
 
 class AcceleratedBase(Part):
-    """The frame moves with a constant acceleration, as in a vehicle that brakes or a lift that starts.
+    """Constant acceleration of the frame, as in a braking vehicle or a starting lift.
 
-    The machine's motion is relative to the frame. Each mass has the inertia force −m a in addition to its weight; both
-    together are "gravity" in the names of results.
+    The machine's motion is relative to the frame. In addition to its weight, each mass is loaded by −m a, which counts
+    as "gravity" in all results.
     """
 
     acceleration_x: Acceleration = 0.0
@@ -590,22 +588,22 @@ class AcceleratedBase(Part):
 
 
 class Balance(Part):
-    """What the shaking of the machine refers to: the point of the frame about which its moment is taken."""
+    """Reference point of the shaking moment: `about` is a point of the frame."""
 
     about: PointRef
 
 
 class Shaft(Part):
-    """A shaft geared to a link that turns: its speed is `ratio` times that link's (negative: reversed).
+    """A shaft geared to a turning link; its speed is `ratio` times that link's (negative: reversed).
 
-    With a `pivot` it is a link like another, and can carry points and bodies: with a point of the frame, at which what
-    it is geared to is hinged too, or with a `carrier`, a point of that; then what it is geared to has its wheel about
-    another joint or point of the carrier, or is the frame, with its wheel about the carrier's pivot. The `ratio` is
-    that of the speeds relative to the carrier (negative: external teeth), and `phase` the angle at the crank angle 0,
-    or, geared to what turns unevenly, against the carrier where that link and the carrier have one direction. Unless
-    the ratio is whole, a link of a group has to swing by less than half a turn to either side of the angle `around`
-    against the carrier. With the `pressure_angle` of its teeth, forces between them are part of reactions.
-    `efficiency` is that of the mesh, the carrier held, whichever wheel drives.
+    With a `pivot` the shaft is a link that can carry points and bodies. Without a `carrier` the pivot is a point of the
+    frame, and the driver is hinged to the frame too. With a `carrier` it is a point of the carrier; the driver's wheel
+    is on another joint or point of the carrier, or fixed to the frame about the carrier's pivot. `ratio` is that of the
+    speeds relative to the carrier (negative: external teeth). `phase` is the shaft's angle at crank angle 0; with an
+    unevenly turning driver, its angle relative to the carrier where driver and carrier are parallel. Unless the ratio
+    is whole, such a driver must swing by less than half a turn to either side of the angle `around` relative to the
+    carrier. With the `pressure_angle` of the teeth, reactions include the tooth forces. `efficiency` is that of the
+    mesh with the carrier fixed, whichever wheel drives.
     """
 
     geared_to: LinkRef
@@ -626,7 +624,7 @@ class Shaft(Part):
         return self
 
 
-# Keys of wheels of some types alone.
+# Keys that apply to some types of wheels only.
 _OF_WHEELS = {
     ("arms", "arm_area", "hub_diameter", "hub_width"): ("arms",),
     ("thickness_ratio",): ("rim", "arms"),
@@ -635,13 +633,13 @@ _OF_WHEELS = {
 
 
 class WheelForm(Part):
-    """What the flywheel is to be made as.
+    """Design of the flywheel.
 
-    `rim`: a rim of radial thickness `thickness_ratio` × diameter; `disc`: a solid disc; `arms`: a rim with
-    `arms` straight arms of section `arm_area` and a hub; `mean rim`: the textbook's rim, all of its mass at half the
-    `mean_diameter`, as wide as `width_ratio` × its thickness. Without a diameter, the largest that the rim speed
-    allows is taken. The wheel sits on a shaft turning `ratio` times as fast as the input link. With the `strength` of
-    its material, the bursting speed is given.
+    Type "rim" is a rim of radial thickness `thickness_ratio` × diameter; "disc" a solid disc; "arms" a rim with `arms`
+    straight arms of section `arm_area` and a hub; "mean rim" the textbook's rim, with all mass at half the
+    `mean_diameter`, and a width of `width_ratio` × its thickness. The default `diameter` is the largest that the rim
+    speed allows. `ratio` is the speed of the wheel's shaft over that of the input link. With the `strength` of the
+    material, the bursting speed is reported.
     """
 
     type: Literal["rim", "disc", "arms", "mean rim"]
@@ -679,9 +677,9 @@ class WheelForm(Part):
 
 
 class Flywheel(Part):
-    """The flywheel: `inertia` on the input link if there is one, `speed_fluctuation` asked for, and its make.
+    """The flywheel: its `inertia` on the input link, the required `speed_fluctuation`, and its design.
 
-    That is δ = (ω_max − ω_min)/ω_m, relative to the mean of both, ω_m = (ω_max + ω_min)/2, which is `input.speed`.
+    `speed_fluctuation` is δ = (ω_max − ω_min)/ω_m, with ω_m = (ω_max + ω_min)/2 equal to `input.speed`.
     """
 
     inertia: Annotated[Inertia, Field(ge=0)] | None = None

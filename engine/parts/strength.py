@@ -1,4 +1,4 @@
-"""Pins and rods of a mechanism with the sizes that their stresses follow from, `[pins.NAME]` and `[struts.NAME]`."""
+"""Pins and rods whose stresses are computed, `[pins.NAME]` and `[struts.NAME]`."""
 
 from typing import Annotated, Literal
 
@@ -6,12 +6,12 @@ from pydantic import Field, model_validator
 
 from engine.parts.skeleton import LinkRef, Number, Part, Positive
 
-# Those of `engine.laws.buckling`.
+# The materials of `engine.laws.buckling`.
 StrutMaterialName = Literal["S235", "E335", "grey cast iron"]
 
 
 class Pin(Part):
-    """The pin of a revolute pair, by its `diameter` and the `width` of its bearing.
+    """The pin of a revolute pair: its `diameter` and the `width` of its bearing.
 
     `pair` is GROUP.first, GROUP.inner or GROUP.second, LINK.JOINT of a free link, input, or a shaft with a pivot.
     """
@@ -24,8 +24,8 @@ class Pin(Part):
 class Strut(Part):
     """A rod between two joints that may buckle: of a `diameter`, a tube, or flat with a `width` and a `thickness`.
 
-    `end_fixity` is the effective length over the distance of its joints, 1 between two pins. Its `material` may be
-    S235 (mild structural steel), E335 (harder machine steel) or grey cast iron.
+    `end_fixity` is the effective length over the distance of its joints, 1 between two pins. `material` is S235 (mild
+    structural steel), E335 (harder machine steel) or grey cast iron.
     """
 
     link: LinkRef

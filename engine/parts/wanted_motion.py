@@ -1,4 +1,4 @@
-"""What a scene's motion is compared with: a path wanted of a point, or a motion wanted over the crank angle."""
+"""Motion wanted of a mechanism: the path of a point, or a motion over the crank angle."""
 
 import math
 from typing import Annotated, ClassVar, Literal
@@ -9,14 +9,14 @@ from engine import laws
 from engine.parts.actions import Interpolation
 from engine.parts.skeleton import Angle, CrankInput, Length, LinkRef, Part, PointRef, SliderInput
 
-# Each place is a curve of its own, whose least value is sought.
+# Each place adds a curve whose minimum is computed.
 MOST_PLACES = 100
 
 
 class WantedPath(Part):
-    """Places that the path of a point is to pass through, at whatever positions of the input.
+    """Points through which the path of a point should pass, at any positions of the input.
 
-    The deviation at a place is its distance from the path.
+    The deviation at each is its distance from the path.
     """
 
     type: Literal["path"]
@@ -34,9 +34,9 @@ class WantedPath(Part):
 
 
 class _OverAngle(Part):
-    """A motion wanted over the crank angle, from the first row to the last; elsewhere anything goes.
+    """A motion wanted over the crank angle, from the first row to the last; elsewhere it is free.
 
-    The deviation is what the motion is beyond `offset` and the curve through the rows.
+    The deviation is the motion minus `offset` and the curve through the rows.
     """
 
     rows: ClassVar[str]
@@ -68,7 +68,7 @@ class WantedSlide(_OverAngle):
 
 
 class WantedAngle(_OverAngle):
-    """Angle of a link; the deviation is at most half a turn either way."""
+    """Angle of a link; the deviation is at most half a turn in either direction."""
 
     rows: ClassVar[str] = "angle"
     type: Literal["link"]
@@ -81,14 +81,7 @@ WantedMotion = Annotated[WantedPath | WantedSlide | WantedAngle, Field(discrimin
 
 
 def wrong_angles(name: str, wanted: WantedMotion, drive: CrankInput | SliderInput) -> list[tuple[str, str]]:
-    """What is wrong with the crank angles of a wanted motion, as (path, message).
-
-    Parameters
-    ----------
-    name : str
-    wanted : WantedMotion
-    drive : CrankInput or SliderInput
-    """
+    """Problems with the crank angles of a wanted motion, as (path, message)."""
     if isinstance(wanted, WantedPath):
         return []
     path = f"wanted.{name}.over_angle"

@@ -1,4 +1,4 @@
-"""Limits of good practice that a scene may set, `[limits]`: beyond them the program warns."""
+"""Limits of good practice that a scene may set, `[limits]`; the program warns beyond them."""
 
 import math
 from typing import Annotated
@@ -9,12 +9,13 @@ from engine.parts.skeleton import Angle, Length, Number, Part
 
 
 class WarningLimits(Part):
-    """Limits beyond which the program warns; they change no result, and limits of zero or very large ones never warn.
+    """Limits beyond which the program warns; they change no result, and zero or very large limits never warn.
 
-    `transmission_angle` is the least one allowed: 40° is usual, 30° serves slow machines. `clearance` is the largest
-    clearance volume over the swept volume, `slenderness` that of a rod in compression, its length over the radius of
-    gyration of its section. `rim_width` is the least width of a flywheel's rim, `flywheel_ratio` the largest inertia of
-    a flywheel over the mean reduced inertia of the machine, `friction` the largest coefficient of friction.
+    `transmission_angle` is the minimum: 40° is usual, 30° suffices for slow machines. `clearance` is the maximum
+    clearance volume over the swept volume. `slenderness` is the maximum of a rod in compression, its length over the
+    radius of gyration of its section. `rim_width` is the minimum width of a flywheel's rim. `flywheel_ratio` is the
+    maximum inertia of a flywheel over the mean reduced inertia of the machine. `friction` is the maximum coefficient
+    of friction.
     """
 
     transmission_angle: Annotated[Angle, Field(ge=0, lt=math.pi / 2)] = math.radians(40)

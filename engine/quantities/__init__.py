@@ -1,4 +1,4 @@
-"""The register of quantities: each declared once, with its name, unit, words, and what it is computed from."""
+"""The register of quantities: each declared once, with its name, unit, meaning and expression."""
 
 from engine import on_use
 

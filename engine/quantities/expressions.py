@@ -1,7 +1,7 @@
-"""Numbers of a variant as expressions: what is measured on its cycle, and arithmetic on that.
+"""Per-variant numbers as expressions: measurements on a variant's cycle, and arithmetic with them.
 
-A summary is declared as an expression, `mean(moment) * speed`. What it needs follows from it: the measurements at its
-leaves. Its value and its error figure follow together, as measured numbers carry theirs through arithmetic.
+A summary is declared as an expression, `mean(moment) * speed`. Its leaves are the measurements it requires. Its value
+and its error estimate are computed together, as measured numbers propagate their errors through arithmetic.
 """
 
 import math
@@ -20,7 +20,7 @@ Compute = Callable[..., Measured]
 
 
 class Expression:
-    """A number of each variant, with its error figure."""
+    """A per-variant number with its error estimate."""
 
     def __add__(self, other: "Expression | float") -> "Expression":
         return Formula(lambda a, b: a + b, (self, _expression(other)))
@@ -61,7 +61,7 @@ class Formula(Expression):
 
 
 class Measurement(Expression):
-    """What is measured on a variant's cycle, or known of it beforehand; equal ones are measured once."""
+    """A measurement on a variant's cycle, or a number known before it; equal ones are measured once."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ class Exactly(Measurement):
 
 @dataclass(frozen=True)
 class VariantNumber(Measurement):
-    """A number of the variant, known before its cycle."""
+    """A per-variant number, known before the cycle is computed."""
 
     number: Node
 
@@ -87,7 +87,7 @@ class Integral(Measurement):
 
 @dataclass(frozen=True)
 class RootIntegral(Measurement):
-    """Integral of the root of a curve over the range of the input."""
+    """Integral of the square root of a curve over the range of the input."""
 
     square: Node
 
@@ -101,19 +101,19 @@ class Angle:
 
 @dataclass(frozen=True)
 class Work:
-    """Work of a moment about its mean since the first position."""
+    """Work of a moment minus its mean, from the first position on."""
 
     moment: Node
 
 
 @dataclass(frozen=True)
 class Speed:
-    """Speed of the input, by magnitude, over the steady cycle that a `SteadyCycle` describes."""
+    """Magnitude of the input speed over the steady cycle described by a `SteadyCycle`."""
 
     steady: "SteadyCycle"
 
 
-# Curves that are followed over the whole cycle, as their values at a position depend on those before it.
+# Curves integrated over the whole cycle: their value at a position depends on earlier positions.
 Followed = Angle | Work | Speed
 
 
@@ -125,10 +125,11 @@ class Extreme(Measurement):
     ----------
     curve : Node or Followed
     sense : {"least", "greatest"}
+        Minimum or maximum.
     resolved : bool
-        Whether panels are made as short as the curve needs. A curve that is rounding alone never becomes smooth.
+        Whether panels are refined until they resolve the curve. A curve of pure rounding errors never becomes smooth.
     rooted : bool
-        Whether the root of the value is asked.
+        Whether the result is the root of the extreme value.
     """
 
     curve: Node | Followed
@@ -139,7 +140,7 @@ class Extreme(Measurement):
 
 @dataclass(frozen=True)
 class ExtremePosition(Measurement):
-    """Position of the input where a curve has its least or greatest value."""
+    """Position of the input at the minimum or maximum of a curve."""
 
     curve: Node | Followed
     sense: Literal["least", "greatest"]
@@ -147,14 +148,14 @@ class ExtremePosition(Measurement):
 
 @dataclass(frozen=True)
 class LeastMagnitude(Measurement):
-    """Least magnitude of a curve that never changes its sign, and 0 where it does."""
+    """Minimum magnitude of a curve that never changes sign; 0 for one that does."""
 
     curve: Node
 
 
 @dataclass(frozen=True)
 class Average(Measurement):
-    """Mean of a curve that is followed, or of its square (power 2)."""
+    """Mean of a followed curve, or of its square (power 2)."""
 
     curve: Followed
     power: Literal[1, 2]
@@ -162,7 +163,7 @@ class Average(Measurement):
 
 @dataclass(frozen=True)
 class Unbalanced(Measurement):
-    """Greatest difference between the change of a curve and the integral of its derivative, by magnitude."""
+    """Maximum magnitude of the difference between the change of a curve and the integral of its derivative."""
 
     curve: Node
     rate: Node
@@ -170,14 +171,14 @@ class Unbalanced(Measurement):
 
 @dataclass(frozen=True)
 class UnloadedArc(Measurement):
-    """Widest arc that a force never points to, or its middle: see `engine.cycle.measures.unloaded_arcs`.
+    """Widest arc of directions in which a force never points, or its middle; see `engine.cycle.measures.unloaded_arcs`.
 
     Attributes
     ----------
     force : Vector
         In the axes of a link.
     square : Node
-        Of its magnitude.
+        Square of the force's magnitude.
     which : {"arc", "middle"}
     """
 
@@ -197,18 +198,18 @@ class StrokeEnd(Measurement):
 
 @dataclass(frozen=True)
 class SteadyCycle(Measurement):
-    """A result of the steady cycle under the constant moment that closes it: see `engine.cycle.measures.fluctuation`.
+    """A result of the steady cycle under a constant drive torque; see `engine.cycle.measures.fluctuation`.
 
     Attributes
     ----------
     inertia, moment : Node
-        Reduced moment of inertia, and reduced moment of all but the driver.
+        Reduced moment of inertia, and reduced moment of all loads except the drive.
     speed : Node
         Mean speed of the input.
     fluctuation, first_kind, wheel : Node or None
-        Coefficient of speed fluctuation asked for, constant part of the inertia, inertia of a given flywheel.
+        Required coefficient of speed fluctuation, constant part of the inertia, inertia of a given flywheel.
     result : str
-        Which of its results.
+        Name of the result.
     """
 
     inertia: Node
@@ -230,7 +231,7 @@ def length_of_range(first: Node, last: Node) -> Expression:
 
 
 def least(curve: Node | Followed) -> Expression:
-    """Least value of a curve."""
+    """Minimum of a curve."""
     return _extreme(curve, "least")
 
 
@@ -240,42 +241,42 @@ def _extreme(curve: Node | Followed, sense: Literal["least", "greatest"]) -> Exp
 
 
 def square_of(curve: Node | Followed) -> Node | None:
-    """What a curve is the root of, if it is one: that is smooth where the root nearly has a kink."""
+    """Operand of a curve that is a square root, else None: the operand is smooth where the root nearly has a kink."""
     return curve.operands[0] if isinstance(curve, Operation) and curve.symbol == "sqrt" else None
 
 
 def of_root(curve: Node | Followed, found: Expression) -> Expression:
-    """A statistic of a curve, which may be the root of squares."""
+    """Statistic of a curve, with the error of a root if the curve is one."""
     return found if square_of(curve) is None else Formula(numbers.of_squares, (found,))
 
 
 def greatest(curve: Node | Followed) -> Expression:
-    """Greatest value of a curve."""
+    """Maximum of a curve."""
     return _extreme(curve, "greatest")
 
 
 def place_of(curve: Node | Followed, sense: Literal["least", "greatest"]) -> Expression:
-    """Position of the input where a curve has its least or greatest value."""
+    """Position of the input at the minimum or maximum of a curve."""
     return ExtremePosition(square_of(curve) or curve, sense)
 
 
 def peak(curve: Node | Followed) -> Expression:
-    """Greatest magnitude of a curve."""
+    """Maximum magnitude of a curve."""
     return greatest(curve) if square_of(curve) is not None else maximum(abs(least(curve)), abs(greatest(curve)))
 
 
 def unresolved_peak(curve: Node) -> Expression:
-    """Greatest magnitude of a curve that is rounding alone where all is well, or of what that is compared with."""
+    """Maximum magnitude of a curve of pure rounding errors, or of its reference, without refinement of panels."""
     return maximum(*(abs(Extreme(curve, sense, resolved=False)) for sense in ("least", "greatest")))
 
 
 def sqrt(x: Expression) -> Expression:
-    """Root of a number."""
+    """Square root of a number."""
     return Formula(numbers.sqrt, (x,))
 
 
 def maximum(*of: Expression) -> Expression:
-    """The greatest of some numbers."""
+    """Maximum of some numbers."""
     found = of[0]
     for other in of[1:]:
         found = Formula(numbers.maximum, (found, other))
@@ -283,7 +284,7 @@ def maximum(*of: Expression) -> Expression:
 
 
 def minimum(*of: Expression) -> Expression:
-    """The least of some numbers."""
+    """Minimum of some numbers."""
     found = of[0]
     for other in of[1:]:
         found = Formula(numbers.minimum, (found, other))
@@ -301,7 +302,7 @@ def _hypot(x: Measured, y: Measured) -> Measured:
 
 
 def share(part: Expression, whole: Expression) -> Expression:
-    """What is left of a check as a share of a whole, without an error figure; 0 where there is nothing of either."""
+    """Residual relative to a reference, without error estimate; 0 if the residual is 0."""
     return Formula(_share, (part, whole))
 
 
@@ -312,7 +313,7 @@ def _share(part: Measured, whole: Measured) -> Measured:
 
 
 def measurements(expressions: Iterable[Expression]) -> list[Measurement]:
-    """What some expressions need, each once."""
+    """Measurements required by some expressions, without repetition."""
     found: dict[Measurement, None] = {}
     pending, seen = list(expressions), set()
     while pending:
@@ -326,7 +327,7 @@ def measurements(expressions: Iterable[Expression]) -> list[Measurement]:
 
 
 def nodes_of(asked: object) -> Iterator[Node]:
-    """All nodes that an expression, or a followed curve, is made of.
+    """All nodes in an expression or a followed curve.
 
     Parameters
     ----------
@@ -344,12 +345,12 @@ def nodes_of(asked: object) -> Iterator[Node]:
 
 
 class Evaluation:
-    """Values of expressions from what was measured.
+    """Evaluates expressions from measurements.
 
     Parameters
     ----------
     measured : callable
-        What was measured, for a measurement.
+        Returns the measured number of a measurement.
     """
 
     def __init__(self, measured: Callable[[Measurement], Measured]) -> None:
@@ -357,7 +358,7 @@ class Evaluation:
         self._known: dict[int, Measured] = {}
 
     def __call__(self, expression: Expression) -> Measured:
-        """Value and error figure of an expression."""
+        """Value and error estimate of an expression."""
         if isinstance(expression, Exactly):
             return Measured(expression.value)
         if isinstance(expression, Measurement):

@@ -6,7 +6,7 @@ from engine.elements.element import Rank
 from engine.parts.skeleton import CrankInput
 from engine.scene.scene import Scene
 
-# Of a field, put before its meaning.
+# Prefix to the meaning of a field.
 STATISTICS = {
     "min": "minimum",
     "max": "maximum",
@@ -21,7 +21,7 @@ STATISTICS = {
 
 
 class Quantity(NamedTuple):
-    """A quantity one may ask: its name, meaning and unit (SI, spelt as CF does), symbol if any, and rank."""
+    """A quantity: name, meaning, unit (SI, CF spelling), symbol if any, and rank."""
 
     name: str
     long_name: str
@@ -31,7 +31,7 @@ class Quantity(NamedTuple):
 
 
 class InputUnits(NamedTuple):
-    """Units that depend on the input: of its coordinate q, of what is reduced, and of derivatives."""
+    """Units that depend on the input: of its coordinate q, of reduced inertia and moment, and of 1/q."""
 
     q: str
     inertia: str
@@ -47,27 +47,27 @@ class InputUnits(NamedTuple):
 
     @property
     def speed(self) -> str:
-        """Of the input's speed."""
+        """Unit of the input speed."""
         return f"{self.q} s-1"
 
     @property
     def acceleration(self) -> str:
-        """Of the input's acceleration."""
+        """Unit of the input acceleration."""
         return f"{self.q} s-2"
 
 
 def has_cycle(scene: Scene) -> bool:
-    """Whether the input turns fully, so that there is a cycle to close."""
+    """Whether the input turns fully, so that the machine has a closed cycle."""
     return isinstance(scene.input, CrankInput) and scene.input.start is None
 
 
 def drive_words(scene: Scene) -> str:
-    """The torque or force at the input that keeps its speed constant."""
+    """Name of the drive torque or force for constant input speed."""
     return f"drive {'torque' if isinstance(scene.input, CrankInput) else 'force'} for constant speed"
 
 
 def called(kind: str, name: str) -> str:
-    """A part by kind and name: "motor M1"; by the name alone where that says the kind: "main_motor"."""
+    """A part by kind and name, "motor M1", or by name only if that contains the kind, "main_motor"."""
     return name if kind in name else f"{kind} {name}"
 
 

@@ -1,4 +1,4 @@
-"""What may be asked of a machine: fields, curves over the positions, and summaries, one number for each variant."""
+"""The available quantities of a machine: fields, curves over the positions; and summaries, one number per variant."""
 
 from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
@@ -27,17 +27,18 @@ from engine.scene.load_formulas import NOTHING_REPEATS, time_dependent
 
 
 class Field(NamedTuple):
-    """A curve one may ask: its name, its meaning, its unit (SI, spelt as CF does), and what it is.
+    """A curve over the positions.
 
     Attributes
     ----------
     name, long_name, units : str
+        Name, meaning, SI unit in CF spelling.
     curve : callable
-        Makes the node, or what is followed, when it is asked for.
+        Makes the node, or followed curve, on request.
     symbol : str
-        As textbooks write it.
+        Textbook symbol.
     answers : tuple of str
-        Its statistics that an engineer asks of the machine, such as "peak".
+        Statistics of interest to an engineer, such as "peak".
     """
 
     name: str
@@ -49,22 +50,22 @@ class Field(NamedTuple):
 
     @property
     def quantity(self) -> Quantity:
-        """What it tells of itself."""
+        """Its description."""
         return Quantity(self.name, self.long_name, self.units, self.symbol)
 
 
 class Summary(NamedTuple):
-    """A number of each variant one may ask.
+    """A number per variant.
 
     Attributes
     ----------
     name, long_name, units : str
     expression : callable
-        Makes what it is computed from when it is asked for.
+        Makes the expression on request.
     may_be_undefined : bool
-        Whether NaN is an answer and not a failure.
+        Whether NaN is a valid result, not a failure.
     symbol : str
-        As textbooks write it.
+        Textbook symbol.
     rank : Rank
     """
 
@@ -78,7 +79,7 @@ class Summary(NamedTuple):
 
     @property
     def quantity(self) -> Quantity:
-        """What it tells of itself."""
+        """Its description."""
         return Quantity(self.name, self.long_name, self.units, self.symbol, self.rank)
 
 
@@ -100,7 +101,7 @@ def mean_square(mechanics: Mechanics, curve: Node | Followed) -> Expression:
 
 
 def statistic_summaries(field: Field, mechanics: Mechanics) -> Iterable[Summary]:
-    """Summaries that are statistics of a field: FIELD.min, FIELD.max, FIELD.mean and so on."""
+    """Statistics of a field as summaries: FIELD.min, FIELD.max, FIELD.mean and so on."""
     q = InputUnits.of(mechanics.scene).q
     curve = field.curve()
     declared = {
@@ -127,7 +128,7 @@ def statistic_summaries(field: Field, mechanics: Mechanics) -> Iterable[Summary]
 
 
 class Register:
-    """Everything that may be asked of a machine, by name.
+    """All quantities of a machine, by name.
 
     Parameters
     ----------
@@ -137,7 +138,7 @@ class Register:
     Attributes
     ----------
     fields, summaries : dict
-        By name; statistics of fields aren't among the summaries, but `summary` makes them.
+        By name; statistics of fields are not among the summaries, but `summary` makes them.
     """
 
     def __init__(self, mechanics: Mechanics, declared: Iterable[Field | Summary]) -> None:
@@ -156,12 +157,12 @@ class Register:
         self._statistics: dict[str, Summary] = {}
 
     def why_not(self, name: str) -> str | None:
-        """Why a summary or field is undefined over the cycle, as a load in it depends on time; None where it isn't.
+        """Reason why a quantity is undefined over the cycle: a load depends on time; None if it is defined.
 
         Parameters
         ----------
         name : str
-            Of a field, of a summary or of a statistic of a field.
+            A field, a summary or a statistic of a field.
         """
         m = self.mechanics
         timed = time_dependent(m.scene) if m.has_cycle else []
@@ -177,7 +178,7 @@ class Register:
 
     @property
     def answers(self) -> tuple[str, ...]:
-        """Summaries and statistics of fields that an engineer asks of the machine, the most important first."""
+        """Summaries and statistics of fields of interest to an engineer, most important first."""
         return tuple(name for name in self._answers if self.why_not(name) is None)
 
     @property
@@ -186,7 +187,7 @@ class Register:
         return {name: field for name, field in self.fields.items() if self.why_not(name) is None}
 
     def summary(self, name: str) -> Summary | None:
-        """A summary, or a statistic of a field; None where there is none of that name."""
+        """A summary, or a statistic of a field; None for an unknown name."""
         if name in self.summaries:
             return self.summaries[name]
         field, _, statistic = name.rpartition(".")

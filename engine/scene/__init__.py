@@ -1,4 +1,4 @@
-"""What a machine is: its parts, units, names, and their structural order."""
+"""The scene: parts, names and structural order of a machine."""
 
 from engine import on_use
 

@@ -1,4 +1,4 @@
-"""Mass and moment of inertia of the bodies of a scene: given, from their shapes, or from the time of a swing."""
+"""Mass and moment of inertia of a scene's bodies: given, from their shapes, or from the period of a swing."""
 
 import math
 from collections.abc import Mapping
@@ -20,9 +20,10 @@ from engine.scene.scene import Scene
 
 
 def inertia_from_swing(scene: Scene, name: str, numbers: Mapping[str, Value]) -> Value:
-    """Moment of inertia of a body that has a swing, about its centre of mass [kg·m²], for every variant.
+    """Moment of inertia of a body with a swing, about its mass centre [kg·m²], for every variant.
 
-    It is arithmetic alone, so that numbers may carry errors; negative where the body swings faster than a point mass.
+    Only arithmetic is used, so that numbers may carry error estimates. Negative if the body swings faster than a point
+    mass.
     """
     at, mass = f"bodies.{name}.swing", numbers[f"bodies.{name}.mass"]
     period, weight = numbers[f"{at}.period"], mass * numbers[f"{at}.gravity"]
@@ -57,7 +58,7 @@ def body_mass(scene: Scene, name: str, numbers: Mapping[str, Value]) -> Value:
 
 
 def carried_inertia(scene: Scene, link: str, numbers: Mapping[str, Value]) -> Value:
-    """Inertia m r² of all that hoists, vehicles and conveyors on a link move with it [kg·m²], for every variant."""
+    """Inertia m r² of all masses moved by the hoists, vehicles and conveyors on a link [kg·m²], for every variant."""
     total = 0.0
     for name, load in carried_on(scene, link).items():
         radius = numbers[f"moments.{name}.{load.radius}"]
@@ -71,9 +72,9 @@ def carried_on(scene: Scene, link: str) -> dict[str, Carried]:
 
 
 def body_inertia(scene: Scene, name: str, numbers: Mapping[str, Value]) -> Value:
-    """Moment of inertia of a body about its centre of mass [kg·m²], for every variant.
+    """Moment of inertia of a body about its mass centre [kg·m²], for every variant.
 
-    0 where none is given, NaN where a swing is faster than a point mass's.
+    0 if none is given; NaN if a swing is faster than that of a point mass.
     """
     body, at = scene.bodies[name], f"bodies.{name}.shape"
     if body.swing is not None:
@@ -94,7 +95,7 @@ def body_inertia(scene: Scene, name: str, numbers: Mapping[str, Value]) -> Value
 
 
 def centre_along(scene: Scene, body: str, numbers: Mapping[str, Value]) -> Value:
-    """Coordinate of a body's centre of mass along its link: as given; otherwise a rod's middle, or the origin."""
+    """Coordinate of a body's mass centre along its link: as given, else the middle of a rod, or the origin."""
     part = scene.bodies[body]
     if part.x is not None:
         return numbers[f"bodies.{body}.x"]

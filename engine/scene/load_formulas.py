@@ -1,20 +1,20 @@
-"""What the formulas of a scene's loads may use, and whether they give forces and moments.
+"""Names that the formulas of a scene's loads may use, and checks of these formulas.
 
 A formula may use
 
-- its own numbers, which stand beside it;
-- `phi`, the crank angle from 0 on, within a cycle; `t`, the time;
-- `v`, the velocity of a force's point along the force; `omega`, the angular velocity of the link that a moment acts
-  on, in a force that of the crank;
+- its own numbers, given in the same table;
+- `phi`, the crank angle within a cycle, starting at 0; `t`, the time;
+- `v`, the velocity of a force's point along the force; `omega`, the angular velocity of the link on which a moment
+  acts, or, in a force, of the crank;
 - the motion of points, links and sliders: `A.x`, `A.y`, `A.vx`, `A.vy`; `rod.angle` in (−π, π], `rod.angular_velocity`;
   `ram.slide`, `ram.velocity`;
-- of the stroke of a slider the length and the ends, `ram.stroke`, `ram.stroke_low`, `ram.stroke_high`, and how far the
-  slider is from these, `ram.from_low`, `ram.from_high`;
+- the stroke of a slider and its ends, `ram.stroke`, `ram.stroke_low`, `ram.stroke_high`, and the distances from these
+  ends, `ram.from_low`, `ram.from_high`;
 - numbers of the scene by their paths, such as `input.length`.
 """
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,25 +34,22 @@ from engine.parts.regimes import RunRegime
 from engine.parts.skeleton import FRAME, CrankInput
 from engine.scene.names import Problem, definitions, sliders
 from engine.scene.scene import Numbers, Scene, scene_numbers
-from engine.units.dimensions import described
+from engine.units.dimensions import Powers, described
 from engine.units.reading import UNIT_NAMES, any_quantity
 from engine.words.glossary import unknown_name_message
 
-if TYPE_CHECKING:
-    from pint.util import UnitsContainer
-
 TIME = "t"
-# Why nothing settles, and no cycle closes, under a load that depends on time.
+# Why steady running and closed cycles are impossible under a time-dependent load.
 NOTHING_REPEATS = "no motion is periodic"
-# Velocities: they grow with the input's speed.
+# Velocities, which are proportional to the input speed.
 _RATES = {"v", "omega", "vx", "vy", "velocity", "angular_velocity"}
 _OF_POINT = {"x": "m", "y": "m", "vx": "m s-1", "vy": "m s-1"}
 _OF_LINK = {"angle": "rad", "angular_velocity": "rad s-1"}
 _OF_SLIDER = {"slide": "m", "velocity": "m s-1", "stroke": "m", "stroke_low": "m", "stroke_high": "m"}
 _OF_SLIDER |= {"from_low": "m", "from_high": "m"}
-# Of how many sets of values some have to be finite.
+# Number of random sets of values of which at least one must give a finite result.
 _DRAWS = 32
-# Accelerations follow from the loads.
+# Accelerations are results of the loads, so formulas can't use them.
 _ACCELERATIONS = {"ax", "ay", "acceleration", "angular_acceleration"}
 
 
@@ -71,28 +68,28 @@ class LoadFormula(NamedTuple):
 
     @property
     def key(self) -> str:
-        """Path of its text."""
+        """Path of the formula's text."""
         return f"{self.at}.{'force' if isinstance(self.action, FormulaForce) else 'moment'}"
 
     @property
     def expression(self) -> TextExpression:
-        """What it says."""
+        """The parsed formula."""
         text = self.action.force if isinstance(self.action, FormulaForce) else self.action.moment
         return parse(text, any_quantity)
 
     @property
     def velocities(self) -> set[str]:
-        """Those of its names that stand for velocities."""
+        """Names in the formula that are velocities."""
         names = set(self.expression.names) - set(self.action.numbers)
         return {name for name in names if name.rpartition(".")[2] in _RATES}
 
     @property
     def depends_on_time(self) -> bool:
-        """Whether it does by name."""
+        """Whether the formula names the time."""
         return TIME in self.expression.names
 
     def switching_times(self, numbers: Numbers) -> list[float | np.ndarray]:
-        """Times at which it switches because time by itself passes a number of the variants [s]."""
+        """Times at which the formula switches because the time passes a per-variant number [s]."""
         known = {path: numbers[path] for path in numbers}
         known |= {name: numbers[f"{self.at}.numbers.{name}"] for name in self.action.numbers}
         found, switching = [], parts.formulas.switching
@@ -124,7 +121,7 @@ def time_dependent(scene: Scene) -> list[str]:
 
 
 def units_of_names(scene: Scene, formula: LoadFormula) -> dict[str, str]:
-    """SI units of all names that a formula may use, the plainest first."""
+    """SI units of all names that a formula may use, simplest names first."""
     crank = isinstance(scene.input, CrankInput)
     force = isinstance(formula.action, FormulaForce)
     units = {name: described(number.dimension).unit for name, number in formula.action.numbers.items()}
@@ -146,14 +143,14 @@ def units_of_names(scene: Scene, formula: LoadFormula) -> dict[str, str]:
 
 
 def formula_problems(scene: Scene) -> list[Problem]:
-    """What is wrong with the formulas of a scene: names, dimensions, what two speeds can't take."""
+    """Problems of a scene's formulas: names, dimensions, and switching that the solvers can't follow."""
     formulas = load_formulas(scene)
     found = [problem for name, formula in formulas.items() for problem in _problems(scene, name, formula)]
     return found + _timed_where_motion_repeats(scene)
 
 
 def _timed_where_motion_repeats(scene: Scene) -> list[Problem]:
-    """Loads that depend on time, and are on in what motion settles to."""
+    """Time-dependent loads that are on in steady running or in an element that needs periodic motion."""
     settled = {f"regimes.{n}": regime for n, regime in scene.regimes.items() if not isinstance(regime, RunRegime)}
     settled |= {f"elements.{n}": e for n, e in scene.elements.items() if e.type == "machine_drive"}
     governing = [n for n, e in scene.elements.items() if e.machine_needed()[0] == ".engine.machine" and e.is_followed]
@@ -180,7 +177,7 @@ def _problems(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem
     if taken or unknown:
         return
     try:
-        known: Mapping[str, UnitsContainer] = {n: check.dimension_of_unit(units[n]) for n in expression.names}
+        known: Mapping[str, Powers] = {n: check.dimension_of_unit(units[n]) for n in expression.names}
         wanted = check.dimension_of_unit("N" if isinstance(formula.action, FormulaForce) else "N m")
         check.check_yields(expression, wanted, known)
         _check_curves(expression)
@@ -197,7 +194,7 @@ def _problems(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem
 
 
 def _unknown(name: str, units: Mapping[str, str], formula: LoadFormula) -> str:
-    """What is wrong with a name, and what is allowed."""
+    """Problem of an unknown name, with the allowed names."""
     quantity = name.rpartition(".")[2]
     if name == "input.speed":
         return "'input.speed' is the mean speed alone; a formula takes the true one, omega, v or NAME.velocity"
@@ -216,14 +213,14 @@ def _unknown(name: str, units: Mapping[str, str], formula: LoadFormula) -> str:
 
 
 def _check_curves(expression: TextExpression) -> None:
-    """Refuse comparisons that hold in single places."""
+    """Reject comparisons that hold at isolated points only."""
     for tree in parts.formulas.switching.operations(expression.tree):
         if tree.name in ("==", "!="):
             raise _refused(expression, tree, f"{tree.name} holds in single places at most; compare by < or >")
 
 
 def _check_turns(scene: Scene, formula: LoadFormula) -> None:
-    """Refuse what switches so often in a cycle, or nobody knows how often, that some of it would be missed."""
+    """Reject formulas that may switch too often per cycle for every switching event to be found."""
     expression, switching = formula.expression, parts.formulas.switching
     cycles = dict.fromkeys([*formula.action.numbers, *scene_numbers(scene)], 0.0)
     if isinstance(scene.input, CrankInput):
@@ -241,7 +238,7 @@ def _check_turns(scene: Scene, formula: LoadFormula) -> None:
 
 
 def _check_finite(expression: TextExpression, tree: Tree) -> None:
-    """Refuse constant infinities and NaN, such as 1 / 0 or 1 / (phi - phi)."""
+    """Reject parts that are never finite, such as 1 / 0 or 1 / (phi - phi)."""
     if isinstance(tree, TextOperation):
         for operand in tree.operands:
             _check_finite(expression, operand)
@@ -256,7 +253,7 @@ def _check_finite(expression: TextExpression, tree: Tree) -> None:
 
 
 def _wrong_in_motion(scene: Scene, name: str, formula: LoadFormula) -> Iterator[Problem]:
-    """What true motion can't take: a jump at some speed; in elastic drives, a speed but by its powers."""
+    """Formulas that the actual motion excludes: a jump at a speed; for elastic drives, anything but speed powers."""
     regimes = {f"regimes.{n}": regime for n, regime in scene.regimes.items() if name not in regime.off}
     jump = parts.formulas.speed_powers.jump_at_a_speed(formula.expression.tree, formula.velocities) if regimes else None
     if jump is not None:

@@ -1,4 +1,4 @@
-"""The masses of a machine as its dynamics uses them: each body, or the point masses that stand for it."""
+"""The masses of a machine in its dynamics: each body, or the point masses that replace it."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -18,7 +18,7 @@ CENTRE = "centre"
 
 
 class LinkMass(NamedTuple):
-    """A mass on a link, its numbers computed from those of the variants.
+    """A mass on a link, computed for every variant.
 
     Attributes
     ----------
@@ -26,13 +26,13 @@ class LinkMass(NamedTuple):
     mass : callable
         [kg].
     inertia : callable or None
-        Moment of inertia about its centre [kg·m²]; None where there is none for any variant.
+        Moment of inertia about its centre [kg·m²]; None if it is zero in every variant.
     along, across : callable
         Its centre in the link's axes [m].
     point : str or None
-        The point of the scene that it lies in, if it does for every variant.
+        Point of the scene that coincides with the centre in every variant, if any.
     at_origin : bool
-        Whether it lies at the link's origin for every variant.
+        Whether the centre is the link's origin in every variant.
     """
 
     link: str
@@ -45,13 +45,13 @@ class LinkMass(NamedTuple):
 
 
 def masses(scene: Scene, varied: frozenset[str]) -> dict[str, LinkMass]:
-    """The masses of a scene: a body under its own name, replacement masses under BODY__1, BODY__2 and so on.
+    """The masses of a scene: bodies by name, replacement masses as BODY__1, BODY__2 and so on.
 
     Parameters
     ----------
     scene : Scene
     varied : frozenset of str
-        Paths of numbers that will vary.
+        Paths of the varied numbers.
     """
     found = {}
     for name, body in scene.bodies.items():
@@ -63,16 +63,16 @@ def masses(scene: Scene, varied: frozenset[str]) -> dict[str, LinkMass]:
 
 
 def resultant_masses(scene: Scene, varied: frozenset[str]) -> dict[str, LinkMass]:
-    """The masses of a scene, those of one link joined: what moves together acts as one body.
+    """The masses of a scene, combined per link.
 
-    A mass that is alone on its link keeps its name, others are found under LINK__bodies. Mass, centre and moment of
-    inertia follow from the sums and the parallel axis theorem.
+    A single mass of a link keeps its name; combined masses are named LINK__bodies. Mass, centre and moment of inertia
+    follow from the sums and the parallel axis theorem.
 
     Parameters
     ----------
     scene : Scene
     varied : frozenset of str
-        Paths of numbers that will vary.
+        Paths of the varied numbers.
     """
     on_link: dict[str, dict[str, LinkMass]] = {}
     for name, mass in masses(scene, varied).items():
@@ -84,7 +84,7 @@ def resultant_masses(scene: Scene, varied: frozenset[str]) -> dict[str, LinkMass
 
 
 def _joined(link: str, parts: list[LinkMass]) -> LinkMass:
-    """The masses of a link as one."""
+    """Combine the masses of a link."""
 
     def mass(n: Numbers) -> float | np.ndarray:
         return sum(part.mass(n) for part in parts)
@@ -92,7 +92,7 @@ def _joined(link: str, parts: list[LinkMass]) -> LinkMass:
     def centre(n: Numbers, coordinate: Callable[[LinkMass], Compute]) -> float | np.ndarray:
         total, first = np.asarray(mass(n)), coordinate(parts[0])(n)
         moment = sum(part.mass(n) * (coordinate(part)(n) - first) for part in parts)
-        # Bodies without mass have no centre; wherever it is, it plays no part.
+        # Massless bodies have no centre; any position will do.
         return first + np.divide(moment, total, out=np.zeros(np.broadcast(moment, total).shape), where=total != 0.0)
 
     def along(n: Numbers) -> float | np.ndarray:
@@ -117,14 +117,14 @@ def _joined(link: str, parts: list[LinkMass]) -> LinkMass:
 
 
 def whole_body(scene: Scene, name: str, varied: frozenset[str]) -> LinkMass:
-    """A body itself, even where point masses replace it.
+    """A body itself, also where point masses replace it.
 
     Parameters
     ----------
     scene : Scene
     name : str
     varied : frozenset of str
-        Paths of numbers that will vary.
+        Paths of the varied numbers.
     """
     body, at = scene.bodies[name], f"bodies.{name}"
     rod = body.shape is not None and body.shape.type == "rod"
@@ -143,15 +143,7 @@ def whole_body(scene: Scene, name: str, varied: frozenset[str]) -> LinkMass:
 
 
 def replacement_mass(scene: Scene, name: str, i: int) -> LinkMass:
-    """One of the point masses that stand for a body, counted from 0.
-
-    Parameters
-    ----------
-    scene : Scene
-    name : str
-        Of the body.
-    i : int
-    """
+    """Point mass number `i`, from 0, of those that replace the body `name`."""
     body = scene.bodies[name]
     chosen = body.replace.at[i] if i < len(body.replace.at) else CENTRE
     return LinkMass(
@@ -166,12 +158,12 @@ def replacement_mass(scene: Scene, name: str, i: int) -> LinkMass:
 
 
 def point_name(body: str, i: int) -> str:
-    """Name of a replacement mass of a body, from 0. Names of a scene can't hold two underscores in a row."""
+    """Name of replacement mass `i`, from 0. It is unique: names in a scene can't hold two underscores in a row."""
     return f"{body}__{i + 1}"
 
 
 def count_points(scene: Scene, body: str) -> int:
-    """How many point masses stand for a body, those found with those chosen; 0 where none do."""
+    """Number of point masses that replace a body, chosen and computed ones; 0 without replacement."""
     replace = scene.bodies[body].replace
     if replace is None:
         return 0
@@ -179,7 +171,7 @@ def count_points(scene: Scene, body: str) -> int:
 
 
 def replacement(scene: Scene, name: str, numbers: Numbers) -> "laws.masses.replacement_masses.PointMasses":
-    """The point masses that stand for a body, for every variant.
+    """Point masses that replace a body, for every variant.
 
     Parameters
     ----------
@@ -227,7 +219,7 @@ def _method(scene: Scene, name: str) -> str:
 
 
 def places_on(scene: Scene, link: str) -> dict[str, tuple[str | None, str | None]]:
-    """Points that belong to a link: the paths of their coordinates in the link's axes, None for zero."""
+    """Points of a link, with the paths of their coordinates in the link's axes; None for zero."""
     origin, found = (None, None), {}
     drive = scene.input
     if link == drive.link:
@@ -260,7 +252,7 @@ def places_on(scene: Scene, link: str) -> dict[str, tuple[str | None, str | None
 
 
 def replacement_problems(scene: Scene) -> list[Problem]:
-    """Bodies whose replacement names points of other links, or can't be made of the scene's numbers."""
+    """Bodies whose replacement names points of other links, or is impossible with the scene's numbers."""
     found: list[Problem] = []
     for name, body in scene.bodies.items():
         if body.replace is None:

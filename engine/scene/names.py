@@ -1,4 +1,4 @@
-"""The names in a scene: what each one is, what refers to it, and what may carry what."""
+"""The names in a scene: what each denotes, what refers to it, and which parts may carry which."""
 
 import math
 
@@ -16,13 +16,13 @@ Problem = tuple[str, str]
 
 
 def input_point(scene: Scene) -> str:
-    """Name of the point that the input link moves: the crank's pin, or the sliding input's point."""
+    """Name of the point moved by the input link: the crank's pin, or the sliding input's point."""
     return scene.input.pin if isinstance(scene.input, CrankInput) else scene.input.point
 
 
 @once
 def definitions(scene: Scene) -> tuple[dict[str, str], dict[str, str], dict[str, str]]:
-    """Where each point, guide and link is defined.
+    """Path at which each point, guide and link is defined.
 
     Raises
     ------
@@ -93,13 +93,13 @@ def definitions(scene: Scene) -> tuple[dict[str, str], dict[str, str], dict[str,
 
 
 def acting(scene: Scene) -> set[str]:
-    """Names of everything that acts on the machine and that a regime may switch off."""
+    """Names of all actions on the machine, which a regime may switch off."""
     return {"gravity", *scene.forces, *scene.moments, *scene.springs, *scene.cylinders, *scene.couplings}
 
 
 @once
 def sliders(scene: Scene) -> tuple[str, ...]:
-    """Links with a slide coordinate: on a guide, or (a block) in the slot of the other link of its group."""
+    """Links with a slide coordinate: on a guide, or, for a block, in the slot of the other link of its group."""
     found = [] if isinstance(scene.input, CrankInput) else [scene.input.link]
     for group in scene.groups.values():
         found += [part.link for part in (group.first, group.second) if isinstance(part, (Sliding, Yoke))]
@@ -112,7 +112,7 @@ def sliders(scene: Scene) -> tuple[str, ...]:
 
 
 def guide_of(scene: Scene, link: str) -> str | None:
-    """Guide that a link slides on; None for a link that turns, and for a block in a slot."""
+    """Guide on which a link slides; None for a turning link, and for a block in a slot."""
     if link == scene.input.link:
         return None if isinstance(scene.input, CrankInput) else scene.input.guide
     for group in scene.groups.values():
@@ -127,7 +127,7 @@ def guide_of(scene: Scene, link: str) -> str | None:
 
 @once
 def joint_owners(scene: Scene) -> dict[str, str]:
-    """Of each joint that free links name the link that carries it: the one whose point it is, or the first of them."""
+    """Link that carries each joint named by free links: the joint's own link, or the first free link to name it."""
     owners = {input_point(scene): scene.input.link}
     for group in scene.groups.values():
         if hasattr(group, "inner"):
@@ -140,7 +140,7 @@ def joint_owners(scene: Scene) -> dict[str, str]:
 
 
 def misplaced(scene: Scene) -> list[Problem]:
-    """Everything that hangs on something that can't carry it."""
+    """Parts that are attached to something that can't carry them."""
     checks = (
         _off_the_frame,
         _wrong_shafts,
@@ -151,7 +151,7 @@ def misplaced(scene: Scene) -> list[Problem]:
         _no_stroke,
         _no_cycle,
     )
-    checks += (_open_tables, _wrong_wanted, _wrong_regimes, _wrong_couplings, _wrong_ways_at_two_speeds, _wrong_drives)
+    checks += (_open_tables, _wrong_wanted, _wrong_regimes, _wrong_couplings, _wrong_at_two_speeds, _wrong_drives)
     return [problem for check in checks for problem in check(scene)]
 
 
@@ -161,12 +161,7 @@ def _geared_to_input(scene: Scene) -> set[str]:
 
 @once
 def turning_evenly(scene: Scene) -> set[str]:
-    """Links whose angle is a multiple of the crank's: the crank, and shafts with pivots that all gears lead back to it.
-
-    Parameters
-    ----------
-    scene : Scene
-    """
+    """Links whose angle is a multiple of the crank's: the crank, and pivoted shafts geared to it through all gears."""
     if not isinstance(scene.input, CrankInput):
         return set()
     even, grown = {FRAME, scene.input.link}, True
@@ -197,7 +192,7 @@ def _off_the_frame(scene: Scene) -> list[Problem]:
 
 
 def _wrong_shafts(scene: Scene) -> list[Problem]:
-    """Shafts that turn about the frame, but not by gears."""
+    """Shafts on the frame that are not driven by gears."""
     problems, geared = [], _geared_to_input(scene)
     for name, shaft in scene.shafts.items():
         if shaft.carrier is None and shaft.geared_to == FRAME:
@@ -210,7 +205,7 @@ def _wrong_shafts(scene: Scene) -> list[Problem]:
 
 
 def _wrong_inputs(scene: Scene) -> list[Problem]:
-    """Second inputs whose law has no argument to follow, or doesn't close, and what counts with one drive alone."""
+    """Second inputs whose law has no argument or doesn't close, and parts that require a single drive."""
     if not scene.inputs:
         return []
     problems = []
@@ -238,7 +233,7 @@ def _wrong_inputs(scene: Scene) -> list[Problem]:
 
 
 def _wrong_argument(scene: Scene, name: str) -> list[Problem]:
-    """A second input whose law isn't of what the first input does."""
+    """A second input whose law does not fit the motion of the first input."""
     second, at, slides = scene.inputs[name], f"inputs.{name}", not isinstance(scene.input, CrankInput)
     if not slides and second.travel is not None:
         message = "is of a first input that slides, and this one turns: leave it out, for a law of the crank's angle"
@@ -253,7 +248,7 @@ def _wrong_argument(scene: Scene, name: str) -> list[Problem]:
 
 
 def _open_laws(scene: Scene) -> list[Problem]:
-    """Second inputs that aren't back where they began after a cycle of a crank that turns fully."""
+    """Second inputs that are not back at their start after a cycle of a crank that turns fully."""
     drive, problems = scene.input, []
     if not isinstance(drive, CrankInput) or drive.start is not None:
         return []
@@ -275,7 +270,7 @@ def _open_laws(scene: Scene) -> list[Problem]:
 
 
 def _wrong_train(scene: Scene, name: str) -> list[Problem]:
-    """A second input that the crank would drive across a link that moves."""
+    """A second input that the crank would drive through a moving link."""
     second = scene.inputs[name]
     key, parts = ("guide", scene.guides) if second.type == "slider" else ("pivot", scene.points)
     held = getattr(second, key)
@@ -331,12 +326,7 @@ def _wrong_bodies(scene: Scene) -> list[Problem]:
 
 @once
 def still_links(scene: Scene) -> set[str]:
-    """Links that never turn: the frame, and what slides on guides of links that never turn.
-
-    Parameters
-    ----------
-    scene : Scene
-    """
+    """Links that never turn: the frame, and links that slide on guides of links that never turn."""
     still = {FRAME} if isinstance(scene.input, CrankInput) else {FRAME, scene.input.link}
     grown = True
     while grown:
@@ -397,7 +387,7 @@ def _no_stroke(scene: Scene) -> list[Problem]:
 
 
 def _no_cycle(scene: Scene) -> list[Problem]:
-    """What needs an input that turns fully, or an even number of revolutions a cycle."""
+    """Parts that need an input that turns fully, or an even number of revolutions per cycle."""
     drive, problems = scene.input, []
     turns = isinstance(drive, CrankInput) and drive.start is None
     if scene.flywheel is not None and not turns:
@@ -459,7 +449,7 @@ def _wrong_regimes(scene: Scene) -> list[Problem]:
 
 
 def _wrong_for_range(drive: CrankInput | SliderInput, name: str, regime: Regime) -> list[Problem]:
-    """What of a regime has no meaning for its input: one that turns fully, one that doesn't, one that slides."""
+    """Keys of a regime that do not apply to its input: one that turns fully, one that doesn't, one that slides."""
     at, turns = f"regimes.{name}", isinstance(drive, CrankInput) and drive.start is None
     if regime.type == "steady":
         message = "an input that doesn't turn fully has no cycle, so no steady motion; use type = 'run'"
@@ -484,7 +474,7 @@ def _wrong_for_range(drive: CrankInput | SliderInput, name: str, regime: Regime)
 
 
 def _wrong_drives(scene: Scene) -> list[Problem]:
-    """Machines that aren't driven through the elastic shaft that an element says."""
+    """Machines that the elastic shaft of an element can't drive."""
     problems = []
     for name, element in scene.elements.items():
         if element.type != "machine_drive":
@@ -511,7 +501,7 @@ def _wrong_drives(scene: Scene) -> list[Problem]:
     return problems
 
 
-# Moments that depend on nothing but the speed of the shaft that they are on.
+# Moments that depend on nothing but the speed of their shaft.
 _BY_SPEED_ALONE = (
     *("constant", "against_motion", "linear_drag", "quadratic_drag", "power_drag"),
     *("dc_motor", "induction_motor", "table_motor", "block_brake", "disc_brake", "band_brake"),
@@ -553,8 +543,8 @@ def _wrong_couplings(scene: Scene) -> list[Problem]:
     return problems
 
 
-def _wrong_ways_at_two_speeds(scene: Scene) -> list[Problem]:
-    """What of the regimes needs a coupling, or a clutch that is engaged."""
+def _wrong_at_two_speeds(scene: Scene) -> list[Problem]:
+    """Regimes that need a coupling, or an engaged clutch."""
     problems: list[Problem] = []
     clutches = {name for name, coupling in scene.couplings.items() if coupling.type == "friction_clutch"}
     for name, regime in scene.regimes.items():

@@ -1,4 +1,4 @@
-"""The lower pairs of a machine, with which link each acts on and from what."""
+"""The lower pairs of a machine, each with the two links it connects."""
 
 from collections.abc import Iterator
 from typing import Literal, NamedTuple
@@ -16,9 +16,8 @@ OF_GUIDES = ("form", "vee_angle", "length")
 class Pair(NamedTuple):
     """A lower pair: `GROUP.first`, `GROUP.inner`, `GROUP.second`, `LINK.JOINT`, `LINK.GUIDE`, `input`.
 
-    Shafts, second inputs, non-circular wheels, racks and pinions have one each, of their own name.
-
-    A cam's follower is held in `CAM.guide` or `CAM.pivot`.
+    Shafts, second inputs, non-circular wheels, racks and pinions have one pair each, of the same name. The pair of a
+    cam's follower is `CAM.guide` or `CAM.pivot`.
 
     Attributes
     ----------
@@ -27,9 +26,9 @@ class Pair(NamedTuple):
     link : str
         Link on which its reaction acts.
     other : str
-        Link from which it acts.
+        Link that exerts the reaction.
     place : str
-        Where, in words: "joint A", "guide way", "the slot of rocker".
+        Description: "joint A", "guide way", "the slot of rocker".
     """
 
     name: str
@@ -48,7 +47,7 @@ class RodPairs(NamedTuple):
 
 
 def holder_of(scene: Scene, point: str) -> str:
-    """Link that takes a force on a point: of two in an inner joint the one that slides, otherwise the first."""
+    """Link that takes a force on a point; of the two links of an inner joint the sliding one, else the first."""
     if point in scene.points:
         return scene.points[point].link
     for group in scene.groups.values():
@@ -69,25 +68,25 @@ def bearer_of(scene: Scene, slider: str) -> str:
 
 
 def drive_base(scene: Scene, name: str) -> str:
-    """Link that the drive of a second input stands on: that which carries its pivot or guide."""
+    """Base of a second input's drive: the link that carries its pivot or guide."""
     second = scene.inputs[name]
     return scene.guides[second.guide].link if second.type == "slider" else holder_of(scene, second.pivot)
 
 
 def own_drives(scene: Scene) -> list[str]:
-    """Second inputs with drives of their own."""
+    """Second inputs with a separate drive."""
     return [name for name, second in scene.inputs.items() if second.drive == "own"]
 
 
 @once
 def lossy_meshes(scene: Scene) -> list[str]:
-    """Shafts, non-circular wheels, racks and pinions whose teeth lose power."""
+    """Shafts, non-circular wheels, racks and pinions with mesh losses."""
     driven = {**scene.shafts, **scene.noncircular_wheels, **scene.racks, **scene.pinions}
     return [name for name, part in driven.items() if part.efficiency is not None]
 
 
 def mesh_driver(scene: Scene, name: str) -> str:
-    """What drives a shaft, non-circular wheel, rack or pinion by its teeth; of a fixed rack the link it is on."""
+    """Driver of a shaft, non-circular wheel, rack or pinion; for a fixed rack, the link that carries it."""
     if name in scene.racks:
         return scene.racks[name].pinion
     if name in scene.pinions:
@@ -97,18 +96,18 @@ def mesh_driver(scene: Scene, name: str) -> str:
 
 
 def has_friction(scene: Scene) -> bool:
-    """Whether a machine loses power to friction, in pairs or between teeth."""
+    """Whether a machine loses power to friction, in pairs or meshes."""
     return bool(scene.friction or lossy_meshes(scene))
 
 
 def driving_field(scene: Scene, name: str) -> str:
-    """Name of the field of what the drive of a second input gives."""
+    """Name of the field for the drive force or moment of a second input."""
     return f"{name}.driving_force" if scene.inputs[name].type == "slider" else f"{name}.driving_moment"
 
 
 @once
 def pairs(scene: Scene) -> list[Pair]:
-    """All pairs of a scene: those of inputs, of shafts, and those of groups."""
+    """All lower pairs of a scene: of inputs, shafts, groups, gears, free links and cam followers."""
     drive = scene.input
     if isinstance(drive, CrankInput):
         found = [_joint(scene, "input", drive.link, drive.pivot)]
@@ -131,12 +130,12 @@ def pairs(scene: Scene) -> list[Pair]:
 
 @once
 def held_by_frame(scene: Scene) -> frozenset[str]:
-    """Links and sliders that a pair joins to the frame."""
+    """Links connected to the frame by a pair."""
     return frozenset(pair.link for pair in pairs(scene) if pair.other == FRAME)
 
 
 def follower_pair(scene: Scene, cam: str) -> Pair:
-    """The pair in which the frame holds a cam's follower."""
+    """The pair that connects a cam's follower to the frame."""
     follower = scene.cams[cam].follower
     if follower.type == "translating":
         return _on_guide(scene, f"{cam}.guide", follower.link, follower.guide)
@@ -145,14 +144,14 @@ def follower_pair(scene: Scene, cam: str) -> Pair:
 
 @once
 def contact_pairs(scene: Scene) -> list[Pair]:
-    """Contacts of cams with their followers, `CAM.contact`: no lower pairs, but they may rub like such."""
+    """Contacts of cams with their followers, `CAM.contact`: higher pairs, which may have friction."""
     found = ((name, cam.follower.link, cam.on) for name, cam in scene.cams.items())
     return [Pair(f"{name}.contact", "contact", link, on, f"the contact of cam {name}") for name, link, on in found]
 
 
 @once
 def free_pairs(scene: Scene) -> list[Pair]:
-    """The pairs of free links, `LINK.JOINT` and `LINK.GUIDE`, each with the link that names it first."""
+    """The pairs of free links: `LINK.JOINT` for each joint that another link owns, and `LINK.GUIDE`."""
     owners, found = joint_owners(scene), []
     for name, link in scene.links.items():
         found += [_joint(scene, f"{name}.{j}", name, j) for j in link.joints if owners[j] != name]
@@ -188,7 +187,7 @@ def _joint(scene: Scene, name: str, link: str, point: str) -> Pair:
 
 
 def _pivot_of_shaft(scene: Scene, name: str, point: str) -> Pair:
-    """In a joint of two links the carrier bears a shaft."""
+    """The pivot pair of a shaft; in a joint of two links, the carrier holds the shaft."""
     pair, carrier = _joint(scene, name, name, point), scene.shafts[name].carrier
     return pair if carrier is None or pair.other == FRAME else pair._replace(other=carrier)
 
@@ -198,7 +197,7 @@ def _on_guide(scene: Scene, name: str, link: str, guide: str) -> Pair:
 
 
 def friction_problems(scene: Scene) -> list[Problem]:
-    """Frictions of pairs that don't exist, or have one already, and keys that don't belong to their kind of pair."""
+    """Friction of unknown pairs, or of pairs that already have one, and keys that don't fit the kind of pair."""
     known = {pair.name: pair for pair in [*pairs(scene), *contact_pairs(scene)]}
     problems: list[Problem] = []
     first: dict[str, str] = {}
@@ -231,7 +230,7 @@ def friction_problems(scene: Scene) -> list[Problem]:
 
 
 def strength_problems(scene: Scene) -> Iterator[Problem]:
-    """Pins of pairs that don't exist or don't turn, struts that are no rods between two joints."""
+    """Pins of unknown or non-revolute pairs, and struts that are not rods between two joints."""
     turning = [pair.name for pair in pairs(scene) if pair.kind == "revolute"]
     for name, pin in scene.pins.items():
         if pin.pair not in turning:
@@ -267,7 +266,7 @@ def _pairs_in(scene: Scene, joint: str, link: str) -> Iterator[Pair]:
 
 
 def _wrong_at_cam(path: str, friction: PairFriction, rolls: bool) -> Iterator[Problem]:
-    """Keys that don't belong to the contact of a cam, which a roller rubs at with its pin."""
+    """Keys that don't fit the contact of a cam; a roller has friction at its pin."""
     own = ("coefficient", "material", "diameter") if rolls else ("coefficient", "material")
     for key in (*OF_GUIDES, *OF_JOURNALS, "static_coefficient"):
         if key not in own and getattr(friction, key) is not None:

@@ -1,4 +1,4 @@
-"""A scene: one machine, whole, and the numbers in it by their paths."""
+"""A scene: the description of one machine, and its numbers by path."""
 
 from collections.abc import Callable, Iterator, Mapping
 from functools import wraps
@@ -47,7 +47,7 @@ from engine.units.display import UnitSystem
 
 
 class SceneError(ValueError):
-    """A scene that is refused; `problems` holds (path, message) pairs in the mechanic's words."""
+    """A rejected scene; `problems` holds pairs (path, message) for the user."""
 
     def __init__(self, problems: list[tuple[str, str]]) -> None:
         self.problems = tuple(problems)
@@ -64,7 +64,7 @@ class _RefusedInWords(type(Part)):
             raise SceneError(scene.wrong_input.wrong_input(cls, data, error)) from None
 
 
-# What a scene of machine elements alone may have.
+# Tables allowed in a scene of machine elements without a mechanism.
 _ALONE = {"title", "source", "units", "limits", "elements"}
 
 
@@ -72,13 +72,13 @@ _SINGULAR = {"bodies": "body"}
 
 
 class Scene(Part, metaclass=_RefusedInWords):
-    """One machine: geometry, input, structural groups, bodies, and what acts on it.
+    """One machine: geometry, input, structural groups, bodies, and loads.
 
-    Groups may stand in any order; free `links` make up groups of any class, whose assembly mode `near` tells. `gravity`
-    acts along −y, and the `base` may be accelerated. Without `inertia_in_reactions`, for slow machines, reactions are
-    those of the acting forces alone; what else is computed keeps its inertia. `source` says where the numbers come
-    from. Numbers are shown in `units`, whatever the scene is written in. What is `wanted` of the motion is compared
-    with it. Beyond its `limits` the program warns. A scene of machine elements alone has no input.
+    Groups may be listed in any order; free `links` form groups of any class, whose assembly mode `near` selects.
+    `gravity` acts along −y. The `base` may be accelerated. Without `inertia_in_reactions`, for slow machines, reactions
+    include the applied loads only; all other results keep the inertia. `source` cites the origin of the numbers.
+    Results are shown in `units`, whatever units the scene uses. The motion is compared with what is `wanted`. Beyond
+    its `limits` the program warns. A scene of machine elements only has no input.
     """
 
     hints: ClassVar[dict[str, str]] = {
@@ -174,7 +174,7 @@ Found = TypeVar("Found")
 
 
 def once(function: Callable[[Scene], Found]) -> Callable[[Scene], Found]:
-    """Keep what a function finds of a scene as long as the scene lives: a scene never changes, and is asked often."""
+    """Cache a function's result for the lifetime of the scene, which is immutable."""
     found: dict[int, Found] = {}
 
     @wraps(function)
@@ -192,13 +192,13 @@ def once(function: Callable[[Scene], Found]) -> Callable[[Scene], Found]:
 def scene_numbers(scene: Scene) -> dict[str, SceneNumber]:
     """Every number of a scene that a study may vary, by its path, such as "groups.rod.first.length".
 
-    Entries of tables, counts (revolutions, arms) and numbers that the scene doesn't give are not among them.
+    Excluded are entries of tables, counts (revolutions, arms) and numbers that the scene doesn't give.
     """
     return dict(scene.numbers_within())
 
 
 def within_limits(number: SceneNumber, values: np.ndarray) -> np.ndarray:
-    """Which values keep the number's limits and are finite; an assembly mode must be +1 or −1.
+    """Which values are finite and within the number's limits; an assembly mode must be +1 or −1.
 
     Parameters
     ----------
@@ -223,7 +223,7 @@ def within_limits(number: SceneNumber, values: np.ndarray) -> np.ndarray:
 
 
 class Numbers(Mapping[str, float | np.ndarray]):
-    """The numbers of a scene for a set of variants: those that vary as arrays, all others as floats.
+    """The numbers of a scene for a set of variants: varied numbers as arrays, all others as floats.
 
     Parameters
     ----------
@@ -239,15 +239,15 @@ class Numbers(Mapping[str, float | np.ndarray]):
     def __getitem__(self, path: str) -> float | np.ndarray:
         if path in self._varied:
             return self._varied[path]
-        # As NumPy's number, so that what overflows or is divided by zero becomes inf or NaN, as in an array.
+        # A NumPy float: overflow and division by zero give inf or NaN, as in an array.
         return np.float64(self._fixed[path].value)
 
     def with_values(self, values: Mapping[str, np.ndarray]) -> "Numbers":
-        """The same numbers with some of them replaced."""
+        """Copy with some of the numbers replaced."""
         return Numbers(self._fixed, {**self._varied, **values})
 
     def on_the_way(self, share: float | np.ndarray) -> "Numbers":
-        """Numbers at a share of the way from the scene's own to these; choices are made at once.
+        """Numbers interpolated from the scene's (share 0) to these (share 1); discrete choices are taken from these.
 
         Parameters
         ----------
@@ -268,18 +268,12 @@ class Numbers(Mapping[str, float | np.ndarray]):
         Parameters
         ----------
         chosen : ndarray of int or bool
-            Index into the variants.
+            Index of the variants.
         """
         return Numbers(self._fixed, {path: values[chosen] for path, values in self._varied.items()})
 
     def below(self, path: str) -> dict[str, float | np.ndarray]:
-        """The numbers of a part by their keys in it, with those that it is given beside its own.
-
-        Parameters
-        ----------
-        path : str
-            Of the part.
-        """
+        """The numbers of the part at `path`, by their keys in the part, including varied keys it does not give."""
         start = f"{path}."
         paths = dict.fromkeys((*self._fixed, *self._varied))
         return {known.removeprefix(start): self[known] for known in paths if known.startswith(start)}

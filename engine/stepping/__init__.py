@@ -1,4 +1,4 @@
-"""Steps of any system of rates along an angle or along time: methods, walks, cycles that close."""
+"""Integration of any system of rates over an angle or time: methods, walks, closed cycles."""
 
 from engine import on_use
 

@@ -1,10 +1,10 @@
-"""The cycle that comes back to its own energy, in lanes: Newton's method on the return map.
+"""The cycle that returns to its own energy, in lanes: Newton's method on the return map.
 
-The return map takes the kinetic energy E at the begin of a cycle to the energy P(E) at its end. Its derivative comes
-along with it, ln(dP/dE) = ∮ ∂M/∂E dφ. Motions never cross, so P grows with E: a machine that stalls from some energy
-stalls from every lower one, and one that is faster after a cycle than before settles at a higher energy. The search
-begins at an energy at which loads should win and keeps to what is known to lie below and above. Steps are laid for the
-first cycle, and then repeated as long as they miss little enough.
+The return map takes the kinetic energy E at the start of a cycle to the energy P(E) at its end. Its derivative is
+computed along with it, ln(dP/dE) = ∮ ∂M/∂E dφ. Motions never cross, so P increases with E: a machine that stalls from
+some energy stalls from every lower one, and one that is faster after a cycle settles at a higher energy. The search
+starts at an energy at which loads should dominate, and stays within the known bounds. Step lengths are chosen in the
+first cycle and then reused as long as their errors are small enough.
 """
 
 import math
@@ -39,18 +39,18 @@ from engine.words.verdicts import Verdict
 OK, STALLS, RUNS_AWAY, ANY_SPEED, NOT_FINITE = (
     float(v) for v in (Verdict.OK, Verdict.STALLS, Verdict.RUNS_AWAY, Verdict.ANY_SPEED, Verdict.NOT_FINITE)
 )
-# A lane whose energy is still searched; one whose motor is too steep for these steps.
+# Verdict of a lane still being searched, and of one whose motor is too steep for explicit steps.
 SEARCHING, TOO_STEEP = -1.0, -2.0
-# Cycles at most. An energy is found where the next one differs by a smaller share of itself, or of what steps miss; or
-# by NEARLY_CLOSED of itself where rounding lets it come no nearer.
+# Most cycles. An energy is accepted if the next differs by less than CLOSED (relative) or UNTOLD (fraction of the error
+# of the steps), or by less than NEARLY_CLOSED if rounding prevents that.
 MOST_CYCLES, CLOSED, UNTOLD, NEARLY_CLOSED = 60, 1e-12, 0.01, 1e-8
-# Repeated steps that miss so many times what is allowed are laid anew before their cycle counts.
+# Reused steps whose error exceeds the tolerance by this factor are chosen again before the cycle is accepted.
 ALLOWED = 10.0
-# Energies are raised by so much, and fall to no less than so much of themselves or of the way to one that is too low.
+# Largest factor by which an energy is raised; smallest fraction, of its distance to the lower bound, to which it drops.
 RAISED, LEFT = 8.0, 0.25
-# Where moments do less work than this share of their magnitude, and disturbances fade by no more, it is rounding.
+# If the work relative to its terms, and the decay of disturbances, are below this, they are rounding.
 NO_WORK = 1e-9
-# A stretch so short between an energy that falls and one that stalls holds no motion that repeats itself.
+# An interval of this relative width between a falling and a stalling energy contains no steady running.
 NARROW = 1e-3
 
 
@@ -60,20 +60,20 @@ class CycleSearch(NamedTuple):
     Attributes
     ----------
     energy : row
-        At the begin of the cycle that is gone through.
+        At the start of the current cycle.
     low, high : row
-        Greatest energy that is known to rise or to stall, least one that is known to fall [J].
+        Highest energy known to rise or to stall, lowest energy known to fall [J].
     stalls : row
-        1 where the lower one stalls.
+        1 if the machine stalls from the lower one.
     rising : row
-        1 where the last whole cycle rose.
+        1 if the energy rose in the last complete cycle.
     off, cycles : row
-        |P(E) − E|/E of the last cycle, and how many there were.
+        |P(E) − E|/E of the last cycle, and the number of cycles.
     moved : row
-        1 where any step was ever made.
+        1 if any step was made.
     verdict : row
     laying : row
-        1 where the steps of the next cycle are laid.
+        1 if the next cycle chooses its steps.
     """
 
     energy: Row
@@ -93,24 +93,24 @@ TOLD = ("off", "verdict")
 
 
 class CycleRoom(NamedTuple):
-    """Memory for a block."""
+    """Scratch arrays for a block."""
 
     walk: Room
     search: np.ndarray
 
 
 class CycleBatch(NamedTuple):
-    """What the search is given, and what comes of it.
+    """Input and output of the search.
 
     Attributes
     ----------
     walks : WalkBatch
-        From the energies that are tried first; they are carried to the ends of the cycles found.
+        From the first trial energies; updated to the ends of the cycles found.
     energies : ndarray (variants,)
-        At the begins of the cycles found.
+        At the starts of the cycles found.
     told : ndarray (TOLD, variants)
     fading : int
-        Row of the states in which ∮ ∂M/∂E dφ is gathered.
+        Row of the states with ∮ ∂M/∂E dφ.
     """
 
     walks: WalkBatch
@@ -120,13 +120,13 @@ class CycleBatch(NamedTuple):
 
 
 def new_cycle_room(room: Room) -> CycleRoom:
-    """Memory for a block."""
+    """Scratch arrays for a block."""
     return CycleRoom(room, rows(len(CycleSearch._fields)))
 
 
 @routine
 def begin_cycle(lane: int, energy: float, edges: int, task: WalkTask, room: CycleRoom) -> None:
-    """Stand at the begin of a cycle."""
+    """Set a lane to the start of a cycle."""
     own, search, begin, doubts = (
         rows_of(room.walk.lane),
         search_of(room.search),
@@ -144,7 +144,7 @@ def begin_cycle(lane: int, energy: float, edges: int, task: WalkTask, room: Cycl
 
 @routine
 def judge_cycle(lane: int, fading: int, edges: int, task: WalkTask, room: CycleRoom) -> None:
-    """See what the cycle says of the energy it began with, and begin the next one; or find that the search is over."""
+    """Evaluate a cycle and start the next one, or set the verdict of the search."""
     own, search, end = rows_of(room.walk.lane), search_of(room.search), in_lanes(room.walk.begin)
     laid, before, after = search.laying[lane] > 0.0, search.energy[lane], end[0, lane]
     search.moved[lane] = 1.0 if own.steps[lane] > 0.0 else search.moved[lane]
@@ -166,7 +166,7 @@ def judge_cycle(lane: int, fading: int, edges: int, task: WalkTask, room: CycleR
         settled = abs(newton - before) <= max(CLOSED * before, UNTOLD * unsure)
         settled = settled or (abs(newton - before) <= NEARLY_CLOSED * before and off >= 0.5 * last)
         search.off[lane] = off
-        # Where the work is too small to show in the energy, it goes on as before.
+        # If the work is too small to change the energy, keep the previous direction.
         search.rising[lane] = search.rising[lane] if after == before else 1.0 if after > before else 0.0
         first = search.low[lane] == 0.0 and not search.high[lane] < math.inf
         if first and abs(after - before) <= NO_WORK * own.scale[lane] and abs(multiplier - 1.0) <= NO_WORK:
@@ -199,7 +199,7 @@ def judge_cycle(lane: int, fading: int, edges: int, task: WalkTask, room: CycleR
 def next_energy(
     whole: bool, newton: float, multiplier: float, before: float, after: float, low: float, high: float
 ) -> float:
-    """Energy to try next between one that is too low and one that is too high."""
+    """Next trial energy between a lower and an upper bound."""
     sound = whole and multiplier < 1.0 - NO_WORK
     if not high < math.inf:
         return newton if sound and before < newton < RAISED * before else RAISED * before
@@ -223,7 +223,7 @@ def find_cycles(
     task: WalkTask,
     room: CycleRoom,
 ) -> None:
-    """Find the cycles of the blocks begin … end − 1 of variants that come back to their own energies.
+    """Find the cycles that return to their own energies, for the blocks begin … end − 1 of variants.
 
     Parameters
     ----------
@@ -232,7 +232,7 @@ def find_cycles(
         Printed functions.
     batch : CycleBatch
     task : WalkTask
-        Along the angle, with an end after a cycle.
+        Over the angle, to the end of a cycle.
     room : CycleRoom
     """
     walks, search = batch.walks, search_of(room.search)

@@ -1,8 +1,8 @@
-"""Sums over the stages of methods, printed once for each of them.
+"""Sums over the stages of methods, printed as code once for each method.
 
-A step of a method with stages k_i = f(y + h Σ a_ij k_j) ends at y + h Σ b_i k_i. What differs from that in formulas of
-a lower order estimates its error. The sums are printed with the coefficients written out: they stay in registers, which
-makes a step five times as fast as loops over the tableau.
+A step of a method with stages k_i = f(y + h Σ a_ij k_j) ends at y + h Σ b_i k_i. The difference from embedded formulas
+of lower order estimates its error. The coefficients are printed as constants, so the sums stay in registers: a step is
+five times as fast as with loops over the tableau.
 """
 
 import linecache
@@ -16,26 +16,26 @@ from engine.compiling.widths import LANES
 from engine.laws.runge_kutta import ORDER_EIGHT
 from engine.stepping.tableaux import ORDER_FOUR, ORDER_NINE
 
-# Numbers of the methods.
+# Indices of the methods.
 EIGHT, FOUR, NINE = 0, 1, 2
 METHODS = (ORDER_EIGHT, ORDER_FOUR, ORDER_NINE)
 
 
 def _weighted(weights: np.ndarray) -> str:
-    """Sum of the rates of some row q over the stages, as text."""
+    """Weighted sum of the rates of row q over the stages, as code."""
     terms = [f"{float(w)!r} * rates[{k} * width + q, l]" for k, w in enumerate(weights) if w != 0.0]
     return " + ".join(terms)
 
 
 def _squares(formulas: np.ndarray) -> str:
-    """Sum of the squares of such sums, as text."""
+    """Sum of the squares of such sums, as code."""
     return " + ".join(f"({_weighted(weights)}) ** 2" for weights in formulas)
 
 
 def _stage_text() -> list[str]:
     lines = ["def at_stage(method, s, states, width, begin, h, rates, state):"]
     for number, method in enumerate(METHODS):
-        # Stages of an implicit method follow from all of them.
+        # The stages of an implicit method are solved for together.
         for s in range(1, 0 if method.implicit else method.dense_stages):
             lines += [
                 f"    if method == {number} and s == {s}:",
@@ -55,7 +55,7 @@ def _end_text() -> list[str]:
             "            for l in range(LANES):",
             f"                after[q, l] = begin[q, l] + h[l] * ({_weighted(method.weights)})",
         ]
-        # A method of steps of one length has no other formula.
+        # A method of equal steps has no embedded formula.
         if method.fine.any():
             lines += [
                 "        for q in range(judged):",
@@ -68,7 +68,7 @@ def _end_text() -> list[str]:
 
 
 def _compiled(lines: list[str]) -> Callable:
-    """A function of compiled code by its text."""
+    """A compiled function from its code."""
     text, file = "\n".join(lines) + "\n", f"<{lines[0].split('(')[0]}>"
     linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
     names = {"LANES": LANES, "math": math}
@@ -76,6 +76,6 @@ def _compiled(lines: list[str]) -> Callable:
     return routine(names[lines[0].removeprefix("def ").split("(")[0]])
 
 
-# The state of a stage; the end of a step, and the estimated errors of its first rows. `rates` holds `width` rows for
-# each stage, those of the states first; all are rows of lanes.
+# State of a stage; end of a step, and the error estimates of its first rows. `rates` holds `width` rows for each stage,
+# those of the states first; all are rows of lanes.
 at_stage, step_end = _compiled(_stage_text()), _compiled(_end_text())

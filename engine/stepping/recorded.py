@@ -1,4 +1,4 @@
-"""What was recorded of the steps of walks, read at any place of them."""
+"""Recorded steps of walks, interpolated at any position."""
 
 import math
 
@@ -9,7 +9,7 @@ from engine.stepping.system import SHOWN
 
 
 def _slopes() -> np.ndarray:
-    """Derivatives at the places of a recorded step of the polynomials that are 1 at one of them and 0 at the others."""
+    """Derivatives of the Lagrange polynomials of the recorded samples, at these samples."""
     whole = [np.polynomial.Polynomial.fit(SHOWN, row, SHOWN.size - 1).deriv()(SHOWN) for row in np.eye(SHOWN.size)]
     return np.array(whole)
 
@@ -28,9 +28,9 @@ def read_steps(
     off: bool,
     found: np.ndarray,
 ) -> None:
-    """Energy, time and moment at angles turned, each of one of the variants, from what was recorded of their steps.
+    """Energy, time and torque at angles turned, each for one of the variants, from their recorded steps.
 
-    Where they are `off`, by what they may be off by at the begin of each step. Source: J.-P. Berrut and
+    If `off`, shifted by their error estimates at the start of each step. Source: J.-P. Berrut and
     L. N. Trefethen, Barycentric Lagrange interpolation, SIAM Review 46 (2004).
     """
     shown = SLOPES.shape[0]
@@ -51,7 +51,7 @@ def read_steps(
         for j in range(shown):
             apart = theta - (0.5 - 0.5 * math.cos(math.pi * j / (shown - 1)))
             weight = (0.5 if j in (0, shown - 1) else 1.0) * (1.0 - 2.0 * (j % 2))
-            # At a place itself nothing else counts.
+            # At a sample only its own value counts.
             weight = weight / apart if at < 0 else 1.0 if j == at else 0.0
             slope = 0.0
             for i in range(shown):

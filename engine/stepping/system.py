@@ -1,4 +1,4 @@
-"""What moves, as a system of rates: states, integrals gathered along the way, and guards, as nodes; printed, walked."""
+"""A motion as a system of rates: states, accumulated integrals and guards, as nodes; printed and integrated."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -18,37 +18,38 @@ from engine.stepping.closed_cycle import TOLD, CycleBatch, CycleRoom, find_cycle
 from engine.stepping.methods import EIGHT, METHODS
 from engine.stepping.walk import FOUND, GIVEN, LONGER, RESPONSES, STEEPEST, Room, WalkBatch, WalkTask, new_room, walk
 
-# Shares of a step at which its polynomial of degree seven is recorded.
+# Fractions of a step at which its polynomial of degree seven is recorded.
 SHOWN = 0.5 - 0.5 * np.cos(np.pi * np.arange(8) / 7.0)
 
 
 class Guard(NamedTuple):
-    """Something that ends a step: its name, and a number that is positive until then."""
+    """An event that ends a step: its name, and a number that is positive before it."""
 
     name: str
     value: Node
 
 
 class System(NamedTuple):
-    """What moves.
+    """A system of ordinary differential equations.
 
     Attributes
     ----------
     along : {"angle", "time"}
+        Independent variable.
     states : tuple of Given
     unknown : dict of Given to Given
-        The rate of a state that depends on itself, by that state; or none.
+        For a state whose rate is implicit: the node of that rate. At most one.
     rates : tuple of Node
-        Of the states, along the way.
+        Derivatives of the states.
     gathered : dict of str to Node
-        What is added up along the way: time, works, …
+        Integrands of accumulated integrals: time, works, …
     speed, size, steepness, slope : Node
-        Speed; magnitudes that the first rate is made of; its derivative by the first state; what has the sign of the
-        speed's slope.
+        Speed; magnitude of the terms of the first rate; its derivative with respect to the first state; a node with
+        the sign of the derivative of the speed.
     slopes : tuple of Node
-        Derivatives of the rates of the energy or the speeds by each of them, where an implicit method may be worth it.
+        Jacobian of the rates of the energy or the speeds, where an implicit method may pay.
     responses : tuple of Node
-        Derivatives of what is gathered by the first state, where errors are carried along.
+        Derivatives of the integrands with respect to the first state, where errors are propagated.
     guards : tuple of Guard
     clock : Given
         The time.
@@ -70,7 +71,7 @@ class System(NamedTuple):
 
 
 class Walks(NamedTuple):
-    """How a number of walks went, (variants,) each.
+    """Results of a number of walks, (variants,) each.
 
     `states`, `doubts`, `ending` (states and gathered, variants) and `recorded` are as in
     `engine.stepping.walk.WalkBatch`, others as in `engine.stepping.walk.Lane`.
@@ -92,23 +93,23 @@ class Walks(NamedTuple):
     recorded: np.ndarray
 
     def some(self, chosen: np.ndarray) -> "Walks":
-        """Those of some variants, by index."""
+        """A subset of the variants, by index."""
         return Walks(*(rows[..., chosen] for rows in self))
 
 
 class Closed(NamedTuple):
-    """Cycles that come back to their own energies; those of variants that have none stand for nothing.
+    """Cycles that return to their own energies; meaningless for variants without one.
 
     Attributes
     ----------
     energy : ndarray (variants,)
-        At the begin [J].
+        At the start [J].
     states, doubts : ndarray (states and gathered, variants)
-        At the end, and what they would be off by if the begin weren't.
+        At the end, and their error estimates for an exact start.
     off : ndarray (variants,)
         |P(E) − E|/E.
     verdict : ndarray (variants,)
-        As numbered in `Verdict`, or `TOO_STEEP`.
+        Numbers of `Verdict`, or `TOO_STEEP`.
     """
 
     energy: np.ndarray
@@ -125,14 +126,14 @@ class PrintedSystem:
     ----------
     system : System
     graph : Graph
-        Of its nodes.
+        Graph of its nodes.
     first, last : Node
         Range of the position.
 
     Attributes
     ----------
     names : dict of str to int
-        Rows of what is gathered, by name; those of the states come before.
+        Rows of the integrals, by name; the rows of the states precede them.
     """
 
     def __init__(self, system: System, graph: Graph, first: Node, last: Node) -> None:
@@ -147,7 +148,7 @@ class PrintedSystem:
         self.names = {name: len(system.states) + i for i, name in enumerate(system.gathered)}
 
     def task(self, cycle: float, method: int = EIGHT, extremes: bool = False, longer: float = 1.0) -> WalkTask:
-        """What a walk is to do."""
+        """Settings of a walk."""
         system, made, rows = self.system, METHODS[method], self.functions.rows
         timed = system.clock in rows
         return WalkTask(
@@ -190,7 +191,7 @@ class PrintedSystem:
         doubts: np.ndarray | None = None,
         recorded: int = 0,
     ) -> Walks:
-        """Walk; parameters as in `engine.stepping.walk.WalkBatch`, rows of lanes by name, steps to record."""
+        """Walk; parameters as in `engine.stepping.walk.WalkBatch`, `given` rows of lanes by name, steps to record."""
         states = np.array(states, float, order="C")
         doubts = np.zeros_like(states) if doubts is None else np.array(doubts, float, order="C")
         batch = self._batch(task, numbers, edges, instants, given, states, doubts, recorded)
@@ -210,7 +211,7 @@ class PrintedSystem:
         given: Mapping[str, np.ndarray],
         energies: np.ndarray,
     ) -> Closed:
-        """Find the cycles that come back to their own energies, from energies at which loads should win."""
+        """Find the cycles that return to their own energies, from energies at which loads should dominate."""
         states, nothing = np.zeros((task.width, energies.size)), np.zeros((0, energies.size))
         states[0] = energies
         walks = self._batch(task, numbers, edges, nothing, given, states, np.zeros_like(states), 0)
@@ -249,7 +250,7 @@ class PrintedSystem:
         task: WalkTask,
         room: Callable[[], Room | CycleRoom],
     ) -> None:
-        """Let a driver go through all blocks of a batch."""
+        """Run a driver over all blocks of a batch."""
         module = load_printed(self.functions.text)
         functions = [TileFunction(getattr(module, name)) for name in ("places", "rates", "watch")]
         if not driver.overloads:
@@ -258,7 +259,7 @@ class PrintedSystem:
         spread(driver, -(-count // LANES), lambda: (*functions, batch, task, room()))
 
     def limited(self, numbers: np.ndarray, limits: Mapping[Given, np.ndarray | float]) -> np.ndarray:
-        """Numbers of variants with those given that nothing but guards follows from."""
+        """Numbers of variants with `limits` set, which only guards use."""
         numbers = numbers.copy()
         for node, values in limits.items():
             if node in self.functions.rows:

@@ -1,9 +1,9 @@
-"""Methods besides that of order eight, as data.
+"""Methods other than that of order eight, as data.
 
-The classical method of Runge and Kutta, of order four, goes by steps of one length, without an estimated error; within
-a step the cubic follows the motion that has the values and the slopes of its ends. Radau IIA, of order nine, is for
-motors and couplings so steep that explicit steps would be as short as their time constant: it is L-stable, its last
-stage is the end of the step, and its collocation polynomial is the one within it.
+The classical Runge–Kutta method of order four uses equal steps without an error estimate; the dense output is the cubic
+with the values and slopes at both ends. Radau IIA of order nine is for motors and couplings so steep that explicit
+steps would be as short as their time constant: it is L-stable, its last stage is the end of the step, and its dense
+output is the collocation polynomial.
 
 Sources: W. Kutta, Beitrag zur näherungsweisen Integration totaler Differentialgleichungen, Z. Math. Phys. 46 (1901);
 E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, section IV.5.
@@ -23,7 +23,7 @@ _FOUR_MATRIX[4, :4] = _FOUR_WEIGHTS
 
 
 def _parts_of_cubic() -> np.ndarray:
-    """Weights of the parts of the cubic: from values and slopes at both ends."""
+    """Weights for the coefficients of the cubic from values and slopes at both ends."""
     parts, whole = np.zeros((DENSE_PARTS, 5)), np.append(_FOUR_WEIGHTS, 0.0)
     first, last = np.eye(5)[0], np.eye(5)[4]
     parts[:3] = whole, first - whole, 2.0 * whole - first - last
@@ -38,7 +38,7 @@ ORDER_FOUR = Method(
     inverse=np.zeros((0, 0)),
     weights=_FOUR_WEIGHTS,
     nodes=np.array([0.0, 0.5, 0.5, 1.0, 1.0]),
-    # No other formula is there to compare: its error follows from steps of twice the length.
+    # There is no embedded formula: the error estimate comes from steps of twice the length.
     fine=np.zeros((1, 4)),
     coarse=np.zeros((1, 4)),
     parts=_parts_of_cubic(),
@@ -53,13 +53,13 @@ FIVE_NODES = np.array(
         1.0,
     ]
 )
-# Nodes of formulas of lower orders, with which errors are estimated.
+# Nodes of formulas of lower order, for error estimates.
 FEWER, FEWEST = (1, 2, 3, 4), (0, 2, 4)
 SHARE_OF_COARSE = 0.1
 
 
 def integrals(nodes: np.ndarray) -> list[Polynomial]:
-    """Integrals from 0 on of the polynomials that are 1 at one of the nodes and 0 at the others."""
+    """Integrals from 0 of the Lagrange polynomials of the nodes."""
     found = []
     for i, node in enumerate(nodes):
         others = np.delete(nodes, i)
@@ -68,7 +68,7 @@ def integrals(nodes: np.ndarray) -> list[Polynomial]:
 
 
 def _tableau(nodes: np.ndarray) -> Tableau:
-    """The collocation method of some nodes."""
+    """The collocation method with the given nodes."""
     own = integrals(nodes)
     return Tableau(
         nodes,
@@ -78,7 +78,7 @@ def _tableau(nodes: np.ndarray) -> Tableau:
 
 
 def _quadrature(nodes: np.ndarray, chosen: tuple[int, ...]) -> np.ndarray:
-    """Weights over the step of some of the nodes."""
+    """Weights over the step of a subset of the nodes."""
     weights = np.zeros(nodes.size)
     weights[list(chosen)] = [integral(1.0) for integral in integrals(nodes[list(chosen)])]
     return weights
@@ -87,7 +87,7 @@ def _quadrature(nodes: np.ndarray, chosen: tuple[int, ...]) -> np.ndarray:
 def _method(tableau: Tableau, fine: np.ndarray, coarse: np.ndarray) -> Method:
     count = tableau.stages
     values = np.array([[part_at(i, theta) for i in range(count)] for theta in tableau.nodes])
-    # Weights of the parts of the collocation polynomial.
+    # Weights for the coefficients of the collocation polynomial.
     parts = np.zeros((DENSE_PARTS, count))
     parts[:count] = np.linalg.solve(values, tableau.matrix)
     return Method(
@@ -105,7 +105,7 @@ def _method(tableau: Tableau, fine: np.ndarray, coarse: np.ndarray) -> Method:
 
 
 RADAU = _tableau(FIVE_NODES)
-# Through five nodes there is no other formula of the finer ones' order.
+# Five nodes allow no second formula of the same order as `fine`.
 ORDER_NINE = _method(
     RADAU,
     (RADAU.weights - _quadrature(FIVE_NODES, FEWER))[None],

@@ -6,6 +6,7 @@ not a speed of rotation.
 
 import re
 from collections.abc import Mapping
+from fractions import Fraction
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -23,6 +24,37 @@ class Dimension(NamedTuple):
 
     unit: str
     example: str
+
+
+class Powers(NamedTuple):
+    """Powers of the base units in a quantity; quantities multiply and divide, so do their powers."""
+
+    mass: Fraction = Fraction(0)
+    length: Fraction = Fraction(0)
+    time: Fraction = Fraction(0)
+    angle: Fraction = Fraction(0)
+
+    @classmethod
+    def of(cls, powers: Mapping[str, int]) -> "Powers":
+        """Powers by the names of their bases, such as {"[mass]": 1, "[length]": 2}."""
+        return cls(**{base.strip("[]"): Fraction(power) for base, power in powers.items()})
+
+    @property
+    def plain(self) -> "Powers":
+        """The powers without that of the angle."""
+        return self._replace(angle=Fraction(0))
+
+    def __bool__(self) -> bool:
+        return any(self)
+
+    def __mul__(self, other: "Powers") -> "Powers":
+        return Powers(*map(Fraction.__add__, self, other))
+
+    def __truediv__(self, other: "Powers") -> "Powers":
+        return Powers(*map(Fraction.__sub__, self, other))
+
+    def __pow__(self, exponent: Fraction) -> "Powers":
+        return Powers(*(exponent * power for power in self))
 
 
 DIMENSIONS: Mapping[str, Dimension] = MappingProxyType(

@@ -105,7 +105,8 @@ def run(
     from sweeps.study.study_reader import read_study
 
     started = time.perf_counter()
-    found = changed_study(read_study(find_study(study)), settings, positions, accuracy)
+    file = find_study(study)
+    found = changed_study(read_study(file), settings, positions, accuracy)
     out = out or Path("results") / f"{found.name}.h5"
     make_folder(out)
     use_threads(jobs)
@@ -122,7 +123,7 @@ def run(
         if as_json:
             best = result.best()
             told = [best] if best is not None else range(min(found.design.size, 1))
-            made = [out, *([] if no_plots else plots_of(result))]
+            made = [out, *([] if no_plots else plots_of(result, file))]
             further = {"warnings": warnings_of(result), "files": [str(path) for path in made]}
             tell_data(result_data(result, told) | further)
             stop_without_answer(result)
@@ -134,7 +135,7 @@ def run(
         tell_warnings(result)
         if hidden := between_positions_text(found):
             tell(hidden)
-        made = [out, *([] if no_plots else plots_of(result))]
+        made = [out, *([] if no_plots else plots_of(result, file))]
         tell_files(made, started)
         tell_outdated(out, made)
     stop_without_answer(result)
@@ -171,7 +172,8 @@ def optimise(
     from sweeps.study.study_reader import read_study
 
     started = time.perf_counter()
-    found = read_study(find_study(study))
+    file = find_study(study)
+    found = read_study(file)
     out = out or Path("results") / f"{found.name}_optimised.h5"
     make_folder(out)
     use_threads(jobs)
@@ -189,7 +191,7 @@ def optimise(
         tell(counts_text(result))
         tell(optimum_text(result, every))
         tell_warnings(result)
-        made = [out, *([] if no_plots else plots_of(result))]
+        made = [out, *([] if no_plots else plots_of(result, file))]
         tell_files(made, started)
         tell_outdated(out, made)
     stop_without_answer(result)

@@ -267,25 +267,36 @@ def tell_files(made: list[Path], started: float) -> None:
     tell("\n".join(f"  {path}" for path in made))
 
 
-def tell_outdated(out: Path, made: list[Path]) -> None:
-    """Report pictures and pages of a result that are older than its numbers."""
+def pictures_beside(out: Path) -> list[Path]:
+    """Pictures and pages of a result."""
     others = [file.stem for file in out.parent.glob("*.h5") if file.stem.startswith(f"{out.stem}_")]
-    found = [
-        file.name
+    return [
+        file
         for file in sorted(out.parent.iterdir())
         if file.suffix in (".html", ".png", ".svg", ".pdf", ".gif")
-        and file not in made
         and f"{file.stem}_".startswith(f"{out.stem}_")
         and not any(f"{file.stem}_".startswith(f"{other}_") for other in others)
-        and file.stat().st_mtime < out.stat().st_mtime
     ]
-    if found:
-        tell_aside(f"Older than {out}: {', '.join(found)}; `sweeps plot` and `sweeps report` remake them.")
 
 
-def plots_of(result: object) -> list[Path]:
-    """Plot a result; report what can't be drawn on standard error."""
+def tell_outdated(out: Path, made: list[Path]) -> None:
+    """Report pictures and pages of a result that are older than its numbers."""
+    older = [f for f in pictures_beside(out) if f not in made and f.stat().st_mtime < out.stat().st_mtime]
+    if older:
+        names = ", ".join(file.name for file in older)
+        tell_aside(f"Older than {out}: {names}; `sweeps plot` and `sweeps report` remake them.")
+
+
+def plots_of(result: "SweepResult", study: Path) -> list[Path]:
+    """Plot a result, unless its plots are newer than it and its study; report on standard error what can't be drawn."""
     from sweeps.pictures.picture_error import PictureError
+
+    # That of the sweep, or of the only machine, is drawn last.
+    last, newest = result.path.with_suffix(".png"), max(file.stat().st_mtime for file in (result.path, study))
+    if last.exists() and last.stat().st_mtime > newest:
+        return [
+            file for file in pictures_beside(result.path) if file.suffix == ".png" and file.stat().st_mtime > newest
+        ]
     from sweeps.pictures.sweep import result_pictures
 
     try:

@@ -10,6 +10,7 @@ from sweeps.pictures.machine.diagrams import diagrams
 from sweeps.pictures.machine.field_curves import POSITIONS, field_curves
 from sweeps.pictures.machine.hodographs import hodographs
 from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.style import format_of
 from sweeps.text.scene_text import with_values
 
 Named = tuple[Scene, Mapping[str, float], str]
@@ -53,13 +54,13 @@ def machine_pictures(
     Raises
     ------
     PictureError
-        The mechanism can't be assembled, or an element can't be drawn.
+        Unknown extension; the mechanism can't be assembled, or an element can't be drawn.
     """
+    format_of(path)
     made, whole = [], with_values(scene, values)
     if scene.input is not None:
         made = [path, path.with_name(f"{path.stem}_diagrams{path.suffix}")]
         motion = DrawnMotion(scene, values, known)
-        picture(motion, path, at, paths, shown)
         diagrams(motion.machine, made[1])
         made += cycle_pictures(motion.machine, path, parts)
     # Rarely needed modules are imported on demand.
@@ -71,6 +72,9 @@ def machine_pictures(
         from sweeps.pictures.elements.element_pictures import element_pictures
 
         made += element_pictures(whole, path)
+    if scene.input is not None:
+        # Last: where it is there, so are the others.
+        picture(motion, path, at, paths, shown)
     return made
 
 

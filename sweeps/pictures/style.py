@@ -144,6 +144,20 @@ def degree_ticks(axis: Axis, span: float) -> None:
     axis.set_major_locator(MultipleLocator(next(s for s in (10, 30, 60, 90, 180) if span <= 6 * s or s == 180)))
 
 
+def format_of(path: Path | str) -> str:
+    """Extension of a picture file.
+
+    Raises
+    ------
+    PictureError
+        Unknown extension.
+    """
+    ending = Path(path).suffix.lower()
+    if ending not in FORMATS:
+        raise PictureError(f"{path}: unknown picture format {ending!r}; allowed: {', '.join(FORMATS)}")
+    return ending
+
+
 def save(figure: Figure, path: Path | str) -> None:
     """Save a figure as .svg, .pdf (vector fonts) or .png, the same bytes every time.
 
@@ -152,9 +166,7 @@ def save(figure: Figure, path: Path | str) -> None:
     PictureError
         Unknown extension, or the file can't be written.
     """
-    ending = Path(path).suffix.lower()
-    if ending not in FORMATS:
-        raise PictureError(f"{path}: unknown picture format {ending!r}; allowed: {', '.join(FORMATS)}")
+    ending = format_of(path)
     undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {}}[ending]
     try:
         Path(path).parent.mkdir(parents=True, exist_ok=True)

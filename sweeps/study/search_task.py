@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from pint.util import UnitsContainer
 
 from engine import (
     ExpressionError,
+    Powers,
     TextExpression,
     UnitError,
     any_quantity,
@@ -188,7 +188,7 @@ class _TaskReader:
         known = self._dimensions(expression)
         return unit_of_dimension(dimension_of(expression, known)) or "1" if None not in known.values() else ""
 
-    def _dimensions(self, expression: TextExpression) -> dict[str, UnitsContainer | None]:
+    def _dimensions(self, expression: TextExpression) -> dict[str, Powers | None]:
         return dimensions_by_unit({name: self.units[name] for name in expression.names})
 
     def _expression(self, key: str, text: str) -> TextExpression | None:

@@ -12,11 +12,11 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from pint.util import UnitsContainer
 
 from engine import (
     ExpressionError,
     ExpressionTree,
+    Powers,
     TextExpression,
     TextOperation,
     any_quantity,
@@ -91,13 +91,13 @@ class Condition:
         return cls(parse_expression(text, any_quantity))
 
     @classmethod
-    def read(cls, text: str, dimensions: Mapping[str, UnitsContainer | None]) -> "Condition":
+    def read(cls, text: str, dimensions: Mapping[str, Powers | None]) -> "Condition":
         """Read a condition over names of known dimensions, and check it.
 
         Parameters
         ----------
         text : str
-        dimensions : mapping of str to UnitsContainer or None
+        dimensions : mapping of str to Powers or None
             As for `check`.
 
         Raises
@@ -110,7 +110,7 @@ class Condition:
         return condition
 
     @classmethod
-    def read_all(cls, where: Where, dimensions: Mapping[str, UnitsContainer | None]) -> "Condition":
+    def read_all(cls, where: Where, dimensions: Mapping[str, Powers | None]) -> "Condition":
         """Read conditions that must all hold as one, each checked as by `read`."""
         for text in [where] if isinstance(where, str) else where:
             cls.read(text, dimensions)
@@ -126,12 +126,12 @@ class Condition:
         """Names used."""
         return self.expression.names
 
-    def check(self, dimensions: Mapping[str, UnitsContainer | None]) -> None:
+    def check(self, dimensions: Mapping[str, Powers | None]) -> None:
         """Check names and dimensions.
 
         Parameters
         ----------
-        dimensions : mapping of str to UnitsContainer or None
+        dimensions : mapping of str to Powers or None
             Dimension of every allowed name; None skips the check of dimensions.
 
         Raises

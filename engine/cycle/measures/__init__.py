@@ -1,1 +1,1 @@
-"""What is asked of curves over the whole cycle: extremes, works, speeds, angles, averages, arcs without load."""
+"""Results of curves over the whole cycle: extremes, work, speeds, angles, averages, unloaded arcs."""

@@ -1,7 +1,7 @@
-"""Directions followed over the cycle: the angle of a vector of two kept curves, continuous from its first position on.
+"""Angle of a vector of two kept curves, continuous over the cycle.
 
-From one position to the next the vector turns by less than half a turn either way. Where it turns sharply, its series
-tell on which side of zero it passes; where that is within their errors, and where it turns back at once, nobody knows.
+From one position to the next the vector is taken to turn by less than π. Where it turns sharply, its series show on
+which side it passes zero; where the dip is within their errors, or the vector reverses at once, the turn is unknown.
 """
 
 import math
@@ -19,13 +19,13 @@ from engine.cycle.panels.series import TINY, larger, series_at, smaller
 from engine.laws.elementary import angle_of
 
 TURN = 2.0 * math.pi
-# A vector that turns by more from one position to the next [rad] may be nearly 0 in between, and turn either way.
+# A vector that turns by more than this between two positions [rad] may pass near zero and turn in either sense.
 SHARP = 0.5
-# It turns back at once where it turns by half a turn within this [rad].
+# A turn within this of π [rad] is a reversal.
 BACK = 1e-9
-# What a vector is followed to between positions, instead of a value of its square: where it turns back, or is least.
+# Targets of `place_where`, apart from a value of the square: where the vector reverses its turning, or is shortest.
 TURNS_BACK, IS_LEAST = 0.0, -1.0
-# Of the interval between two positions.
+# Bisections of the interval between two positions.
 HALVINGS = 50
 
 
@@ -45,22 +45,22 @@ class VectorSeries(NamedTuple):
 
 
 class FollowedAngle(NamedTuple):
-    """Used meanwhile.
+    """Scratch rows for following an angle.
 
     Attributes
     ----------
     reached : row
-        The angle reached.
+        Angle so far [rad].
     x, y : row
         The vector there.
     shortest : row
-        The shortest vector of a panel.
+        Minimum length of the vector in a panel.
     sharpest : row
-        By how much it turns at most there from one position to the next.
+        Maximum turn between two positions of the panel [rad].
     off : row
-        What the vector may be off by there.
+        Error estimate of the vector in the panel.
     unknown : row
-        Turns of which nobody knows whether they are taken so far [rad].
+        Sum of the turns so far whose sense is unknown [rad].
     """
 
     reached: Row
@@ -74,7 +74,7 @@ class FollowedAngle(NamedTuple):
 
 @routine
 def vector_at(vector: VectorSeries, x: float) -> tuple[float, float, float, float]:
-    """Components of a vector; how fast it turns times its square, half of how fast its square grows."""
+    """Components of a vector, its rate of turn times its square, and half the rate of its square."""
     fx, slope_x, _ = series_at(vector.x, vector.lane, x)
     fy, slope_y, _ = series_at(vector.y, vector.lane, x)
     return fx, fy, fx * slope_y - fy * slope_x, fx * slope_x + fy * slope_y
@@ -82,27 +82,27 @@ def vector_at(vector: VectorSeries, x: float) -> tuple[float, float, float, floa
 
 @routine
 def place_where(vector: VectorSeries, low: float, high: float, square: float) -> float:
-    """Where between two places a vector turns back or is least, or its square takes a value; else the second one."""
+    """Position where a vector reverses its turning, is shortest, or its square takes a value; else `high`."""
     fx, fy, turning, growing = vector_at(vector, low)
     at_low = fx * fx + fy * fy - square if square > 0.0 else (turning if square == TURNS_BACK else growing)
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         fx, fy, turning, growing = vector_at(vector, middle)
         here = fx * fx + fy * fy - square if square > 0.0 else (turning if square == TURNS_BACK else growing)
-        beside_low = (here > 0.0) == (at_low > 0.0)
-        low, high = middle if beside_low else low, high if beside_low else middle
+        like_low = (here > 0.0) == (at_low > 0.0)
+        low, high = middle if like_low else low, high if like_low else middle
     return 0.5 * (low + high)
 
 
 @inlined
 def turn_to(x: float, y: float, x_after: float, y_after: float) -> float:
-    """Angle from one vector to another, from −π to π [rad]."""
+    """Angle from one vector to another, between −π and π [rad]."""
     return math.atan2(x * y_after - y * x_after, x * x_after + y * y_after)
 
 
 @routine
 def _follow(of_x: Rows, of_y: Rows, half: Row, angle: Rows, state: FollowedAngle) -> None:
-    """Angles at the positions of a step; lanes without a panel there stay where they are."""
+    """Compute the angles at the positions of a step; lanes without a panel keep theirs."""
     for lane in range(LANES):
         state.shortest[lane], state.sharpest[lane] = np.inf, 0.0
     for j in range(POSITIONS):
@@ -110,7 +110,7 @@ def _follow(of_x: Rows, of_y: Rows, half: Row, angle: Rows, state: FollowedAngle
             x, y, x_before, y_before = of_x[j, lane], of_y[j, lane], state.x[lane], state.y[lane]
             reached, shortest, size = state.reached[lane], state.shortest[lane], np.sqrt(x * x + y * y)
             turned = angle_of(x_before * x + y_before * y, x_before * y - y_before * x)
-            # A vector without length doesn't turn.
+            # A zero vector doesn't turn.
             turned = 0.0 if size == 0.0 else turned
             panel = half[lane] != 0.0
             taken = panel & (size != 0.0)
@@ -124,7 +124,7 @@ def _follow(of_x: Rows, of_y: Rows, half: Row, angle: Rows, state: FollowedAngle
 
 @routine
 def _pass_dips(vector: VectorSeries, of_x: Rows, of_y: Rows, angle: Rows, state: FollowedAngle) -> None:
-    """Let a lane's angles in a panel pass zero on the side on which the vector does between two positions."""
+    """Correct a lane's angles in a panel where the vector passes zero on the other side between two positions."""
     lane, shift = vector.lane, 0.0
     for j in range(1, POSITIONS):
         x, y, x_after, y_after = of_x[j - 1, lane], of_y[j - 1, lane], of_x[j, lane], of_y[j, lane]
@@ -141,7 +141,7 @@ def _pass_dips(vector: VectorSeries, of_x: Rows, of_y: Rows, angle: Rows, state:
 
 @routine
 def add_angle(record: Record, x: int, y: int, angle: int, state: FollowedAngle) -> None:
-    """Enter the angle of a vector of two kept curves as another kept curve [rad].
+    """Compute the angle [rad] of a vector of two kept curves as another kept curve.
 
     Parameters
     ----------
@@ -151,10 +151,10 @@ def add_angle(record: Record, x: int, y: int, angle: int, state: FollowedAngle) 
     angle : int
         Curve of the record that receives the angle.
     state : FollowedAngle
-        Used meanwhile.
+        Scratch.
     """
     values, of_x, of_y, offset = record.values, record.whole[x], record.whole[y], record.whole[angle].offset
-    # Angles are counted from the direction of the first axis.
+    # Angles start from the x-axis.
     for lane in range(LANES):
         state.reached[lane] = state.y[lane] = state.unknown[lane] = 0.0
         state.x[lane] = 1.0

@@ -1,4 +1,4 @@
-"""Mean and mean square over the cycle of curves that follow from others, such as angles, works and speeds."""
+"""Mean and mean square over the cycle of derived curves: angles, work and speeds."""
 
 from typing import NamedTuple
 
@@ -19,11 +19,11 @@ class Averages(NamedTuple):
     ----------
     mean, mean_error : row
     square, square_error : row
-        Mean of the square.
+        Mean square.
     length : row
-        Of the range.
+        Length of the range.
     offset : row
-        Used meanwhile.
+        Scratch: error of the curve's values.
     """
 
     mean: Row
@@ -48,7 +48,7 @@ def _add(half: Row, figures: Figures, offset: Row, total: Row, error: Row) -> No
 
 @routine
 def find_averages(record: Record, curve: int, result: Averages) -> None:
-    """Mean and mean square of a curve of the record."""
+    """Compute the mean and mean square of a curve of the record."""
     whole, shifted, figures, offset = record.whole[curve], record.work.shifted, record.figures, result.offset
     fill(result, _ROWS, 0.0)
     for step in range(record.steps[0]):

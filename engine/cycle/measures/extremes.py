@@ -1,12 +1,12 @@
-"""Greatest and least values over the cycle, between the positions too, with their places and what both may be off by.
+"""Minima and maxima over the cycle, also between the positions, with error estimates of values and positions.
 
-Looked for is the greatest value of s (a − c (b − b₀)), s = ±1, of two kept curves a and b with a factor c of each
-lane's own; b₀ is the value of b at the first position. Of a single curve, c = 0.
+The search maximises s (a − c (b − b₀)), s = ±1, for two kept curves a and b and a factor c of each lane; b₀ is the
+initial value of b. For a single curve, c = 0.
 
-In each panel, the position that its neighbours don't exceed and beside which the curve may reach farthest is a
-candidate. Of its candidates each lane takes the one that may reach farthest, finds the top of the polynomial there by
-Newton's method, kept between the neighbours, and goes on with the next for as long as that may reach beyond what it
-has found. Panels include their ends, so a curve that jumps from one to the next has its extremes on either side.
+In each panel, the candidate is the local maximum among the positions next to which the curve may rise highest. Each
+lane takes its candidate with the highest bound, finds the polynomial's peak there by Newton's method, confined between
+the neighbouring positions, and continues with the next candidate while its bound exceeds the peak found. Panels include
+their ends, so a curve that jumps between two panels has an extreme on either side.
 """
 
 import math
@@ -23,11 +23,11 @@ from engine.cycle.panels.lanes import any_positive, many, one
 from engine.cycle.panels.record import Record, known_slot
 from engine.cycle.panels.series import TINY, larger, series_at, series_value, smaller
 
-# What is looked for: both, one of them, or the least magnitude of a curve that keeps the sign of its first value; of
-# what repeats itself with each turn of the crank, in addition EACH_TURN.
+# Kinds of extremes: minimum, maximum, or minimum magnitude of a curve that keeps its initial sign. EACH_TURN is added
+# for a curve that recurs with each turn of the crank.
 LEAST, GREATEST, LEAST_MAGNITUDE, EACH_TURN = 1, 2, 4, 8
 BOTH = LEAST + GREATEST
-# Of no candidate.
+# Step or position of no candidate.
 NONE = -1.0
 
 
@@ -38,7 +38,7 @@ class ExtremeRows(NamedTuple):
     ----------
     value, value_error : row
     at, at_error : row
-        Its place.
+        Its position.
     other : row
         b − b₀ there.
     """
@@ -54,14 +54,14 @@ _ROWS = len(ExtremeRows._fields)
 
 
 class SoughtExtreme(NamedTuple):
-    """What is looked for: the greatest value of s (a − c (b − b₀)).
+    """An extreme to search for: the maximum of s (a − c (b − b₀)).
 
     Attributes
     ----------
     a, b : int
-        Curves of the record; the same where only one is meant.
+        Curves of the record; equal for a single curve.
     factor : row
-        c, 0 where only one curve is meant.
+        c; 0 for a single curve.
     sign : row
         s, 1 or −1.
     """
@@ -78,9 +78,9 @@ class Candidate(NamedTuple):
     Attributes
     ----------
     reach, position : row
-        How far the best may reach, and its position.
+        Upper bound of the best candidate, and its index among the positions.
     next_reach : row
-        How far the next best may reach.
+        Upper bound of the second best.
     """
 
     reach: Row
@@ -89,33 +89,34 @@ class Candidate(NamedTuple):
 
 
 class Climb(NamedTuple):
-    """The candidate that each lane takes, and how far it is on the way to its top.
+    """The candidate of each lane and the progress towards its peak.
 
     Attributes
     ----------
     best : row
-        Greatest value at any position.
+        Maximum over all positions.
     taken, step, at_position : row
-        How far the candidate may reach; its step and position.
+        Upper bound of the candidate, its step and its index among the positions.
     half, middle : row
         Half length and middle of its panel.
     cut_before, cut_after : row
-        Errors of the places of the cuts at its ends.
+        Error estimates of the positions of the cuts at the panel's ends.
     beyond_series : row
-        What lies beyond the series there.
+        Remainder beyond the series in the panel.
     bent : row
-        1 where something bends in the panel, else 0.
+        1 if the panel has a kink, else 0.
     low, high : row
-        The interval in which Newton's method is at `x`.
+        Bracket of Newton's method.
     x, length : row
-        Place, and length of the last step.
+        Current estimate on [−1, 1], and length of the last step.
     start : row
-        Value at the position.
+        Value at the candidate's position.
     top, top_bend : row
-        Value and bend at the top.
+        Value and second derivative at the peak.
     here, slope, bend : row
-        Value, slope and bend at `x`.
+        Value, first and second derivative at `x`.
     mark : row
+        Scratch.
     range : row
         Length of the range.
     """
@@ -145,17 +146,17 @@ class Climb(NamedTuple):
 
 
 class Search(NamedTuple):
-    """Memory for a search.
+    """Arrays for a search.
 
     Attributes
     ----------
     candidates : many Candidate
-        Of each step.
+        One for each step.
     series, other_series : rows (POSITIONS, LANES)
-        Coefficients of what is searched and of b, in the panel of each lane's candidate.
+        Coefficients of the curve searched and of b, in the panel of each lane's candidate.
     climb : Climb
     period : row
-        After which length positions are the same again; infinite where the range is no cycle.
+        Length after which positions recur; infinite if the range isn't a cycle.
     zero, up, down : row
         0, 1 and −1 in all lanes.
     """
@@ -171,11 +172,12 @@ class Search(NamedTuple):
 
 
 def _beyond() -> tuple[np.ndarray, np.ndarray]:
-    """How far a curve may go beyond a position, as shares of how far it falls to its neighbours on either side.
+    """Bound of a curve's rise above a position, as fractions of its fall to the left and right neighbours.
 
-    Twice what a parabola through the three may: with distances g and h to the neighbours, at equal heights of the
-    position and the neighbour at h, it rises by h²/(4 g (g + h)) of the fall to that at g. At an end of a panel, where
-    the fall from the neighbour to the next but one takes the place of that on the outside, by g²/(4 h (g + h)) of it.
+    The bound is twice the rise of the parabola through the three points. With distances g and h to the neighbours, and
+    the neighbour at h as high as the position, the parabola rises by h²/(4 g (g + h)) of the fall to the one at g. At
+    an end of a panel, the fall from the neighbour to the next position replaces the missing one, with the fraction
+    g²/(4 h (g + h)).
     """
     gap = np.diff(PLACES)
     g, h = gap[:-1], gap[1:]
@@ -186,10 +188,10 @@ def _beyond() -> tuple[np.ndarray, np.ndarray]:
 
 
 LEFT, RIGHT = _beyond()
-# The last of Newton's steps, as a share of half the panel: it leaves the square of this.
+# Last Newton step, as a fraction of half the panel; the remaining error is its square.
 FOUND = 1e-5
 MOST_TOPS, MOST_STEPS = 8, 40
-# Rounding of values tells on slopes as 1/√(1 − x²), but at the ends of a panel.
+# Rounding of values affects slopes as 1/√(1 − x²), which is limited near the ends of a panel.
 STEEPEST = 0.05
 
 
@@ -201,7 +203,7 @@ def combined(of_a: Rows, of_b: Rows, factor: float, sign: float, j: int, lane: i
 
 @routine
 def scan(record: Record, sought: SoughtExtreme, step: int, candidate: Candidate, search: Climb) -> None:
-    """Candidates in the panels of a step; widen the greatest value by those there."""
+    """Find the candidates in the panels of a step, and update the maximum over all positions."""
     slot, base, half = step * record.curves, record.whole[sought.b].first, record.panels[step].half
     of_a, of_b = record.values[slot + sought.a], record.values[slot + sought.b]
     for lane in range(LANES):
@@ -209,7 +211,7 @@ def scan(record: Record, sought: SoughtExtreme, step: int, candidate: Candidate,
         here, after = combined(of_a, of_b, c, s, 0, lane), combined(of_a, of_b, c, s, 1, lane)
         fall = larger(after - combined(of_a, of_b, c, s, 2, lane), 0.0)
         best, reach, next_reach, position = here, -math.inf, -math.inf, NONE
-        # In two, each short enough to be unrolled.
+        # Two loops, each short enough for the compiler to unroll.
         for j in range(MIDDLE):
             after = combined(of_a, of_b, c, s, j + 1, lane)
             rise = here - after
@@ -238,7 +240,7 @@ def scan(record: Record, sought: SoughtExtreme, step: int, candidate: Candidate,
 
 @routine
 def take_farthest(steps: int, candidates: Rows, search: Climb, found: ExtremeRows) -> bool:
-    """Take each lane's candidate that may reach farthest; whether any lane has one that may reach far enough."""
+    """Take each lane's candidate with the highest bound; returns whether any bound is high enough to be tried."""
     for lane in range(LANES):
         search.taken[lane], search.step[lane] = -math.inf, NONE
     for step in range(steps):
@@ -248,7 +250,7 @@ def take_farthest(steps: int, candidates: Rows, search: Climb, found: ExtremeRow
             search.taken[lane] = reach[lane] if farther else search.taken[lane]
             search.step[lane] = float(step) if farther else search.step[lane]
     for lane in range(LANES):
-        # What may be as high as what was found is its rival.
+        # A candidate that may equal the extreme found is its rival.
         reach = search.taken[lane] + found.value_error[lane]
         enough = (reach >= search.best[lane]) & (reach > found.value[lane])
         search.step[lane] = search.step[lane] if enough else NONE
@@ -258,11 +260,11 @@ def take_farthest(steps: int, candidates: Rows, search: Climb, found: ExtremeRow
 
 @routine
 def leave_next(of_a: Rows, of_b: Rows, sought: SoughtExtreme, lane: int, candidate: Candidate, search: Climb) -> None:
-    """Where a lane's best candidate of a step was taken, the next best becomes its best; there is none after that."""
+    """After a lane's best candidate of a step is taken, promote the second best; no third is known."""
     c, s = sought.factor[lane], sought.sign[lane]
     reach, position, done = -math.inf, NONE, int(search.at_position[lane])
     for j in range(POSITIONS):
-        # Of an end of the panel, the fall from the neighbour to the next but one.
+        # At an end of the panel, use the fall from the neighbour to the next position.
         inner = 1 if j == 0 else j
         fall = combined(of_a, of_b, c, s, inner, lane) - combined(of_a, of_b, c, s, 2 if j == 0 else j - 1, lane)
         inner = DEGREE - 1 if j == DEGREE else j
@@ -278,7 +280,7 @@ def leave_next(of_a: Rows, of_b: Rows, sought: SoughtExtreme, lane: int, candida
 
 @routine
 def fetch(record: Record, sought: SoughtExtreme, work: Search) -> None:
-    """Copy what is known of the panel of each lane's candidate, and cross this off."""
+    """Copy the panel and series of each lane's candidate to the search, and remove the candidate."""
     search, series, other, base = work.climb, work.series, work.other_series, record.whole[sought.b].first
     for lane in range(LANES):
         if search.step[lane] < 0.0:
@@ -303,19 +305,19 @@ def fetch(record: Record, sought: SoughtExtreme, work: Search) -> None:
 
 @routine
 def evaluate(series: Rows, search: Climb) -> None:
-    """Value and first two derivatives of a series at each lane's x."""
+    """Evaluate a series and its first two derivatives at each lane's x."""
     for lane in range(LANES):
         search.here[lane], search.slope[lane], search.bend[lane] = series_at(series, lane, search.x[lane])
 
 
 @routine
 def improve(search: Climb) -> bool:
-    """Move each lane by a step of Newton's method towards the top, or by half the interval where that leads out of it.
+    """Move each lane by a Newton step towards the peak, or bisect where that leaves the bracket; converged lanes stay.
 
     Returns
     -------
     bool
-        Whether any lane isn't there yet. A lane that is there stays.
+        Whether any lane hasn't converged.
     """
     for lane in range(LANES):
         x, slope, bend = search.x[lane], search.slope[lane], search.bend[lane]
@@ -323,12 +325,12 @@ def improve(search: Climb) -> bool:
         high = search.high[lane] if slope > 0.0 else x
         ahead = x - slope / bend
         ahead = ahead if (bend < 0.0) & (ahead >= low) & (ahead <= high) else 0.5 * (low + high)
-        there, step, length = not search.length[lane] > FOUND, ahead - x, search.length[lane]
+        converged, step, length = not search.length[lane] > FOUND, ahead - x, search.length[lane]
         top, top_ahead = search.top[lane], search.here[lane] + step * (slope + 0.5 * bend * step)
         bend_before = search.top_bend[lane]
-        search.top[lane], search.top_bend[lane] = top if there else top_ahead, bend_before if there else bend
-        search.length[lane] = length if there else abs(step)
-        search.x[lane] = x if there else ahead
+        search.top[lane], search.top_bend[lane] = top if converged else top_ahead, bend_before if converged else bend
+        search.length[lane] = length if converged else abs(step)
+        search.x[lane] = x if converged else ahead
         search.low[lane], search.high[lane] = low, high
         search.mark[lane] = 1.0 if search.length[lane] > FOUND else 0.0
     return any_positive(search.mark)
@@ -336,7 +338,7 @@ def improve(search: Climb) -> bool:
 
 @routine
 def climb(series: Rows, search: Climb) -> None:
-    """From the positions of the candidates taken to the tops beside them."""
+    """Climb from the candidates' positions to the peaks next to them."""
     for lane in range(LANES):
         taken = search.step[lane] >= 0.0
         j = int(search.at_position[lane]) if taken else 0
@@ -354,7 +356,7 @@ def climb(series: Rows, search: Climb) -> None:
 
 @routine
 def compare(record: Record, sought: SoughtExtreme, work: Search, found: ExtremeRows) -> None:
-    """Take each lane's top for its extreme if it is higher than what was found so far."""
+    """Update each lane's extreme if the new peak is higher, and its error estimates if the two may be equal."""
     a, b, search = record.whole[sought.a], record.whole[sought.b], work.climb
     for lane in range(LANES):
         weight, tail = abs(sought.factor[lane]), search.beyond_series[lane]
@@ -362,31 +364,31 @@ def compare(record: Record, sought: SoughtExtreme, work: Search, found: ExtremeR
         offset = a.offset[lane] + weight * b.offset[lane]
         start, top, x = search.start[lane], search.top[lane], search.x[lane]
         half, middle = search.half[lane], search.middle[lane]
-        # What rises above the position by no more than rounding isn't known to be higher.
+        # A rise above the position within rounding isn't significant.
         value, place = top if top > start + noise else start, middle + half * x
-        # Between the positions the series is off by 2 |sin 16θ sin mθ| times coefficient 16 + m, where x = cos θ.
+        # Between the positions, coefficient 16 + m leaves an error of 2 |sin 16θ sin mθ| times it, where x = cos θ.
         cosine = 2.0 * x * x - 1.0
         cosine = 2.0 * cosine * cosine - 1.0
         cosine = 2.0 * cosine * cosine - 1.0
         cosine = 2.0 * cosine * cosine - 1.0
-        # Beside a kink the curve leaves the series at the positions, too.
+        # Near a kink the curve leaves the series at the positions, too.
         beyond = larger(math.sqrt(larger(1.0 - cosine * cosine, 0.0)), search.bent[lane])
         value_error = noise + offset + 2.0 * tail * beyond
-        # An extreme at a cut lies where the cut does.
+        # An extreme at a cut shares the error of the cut's position.
         cut = search.cut_before[lane] if x <= -1.0 else (search.cut_after[lane] if x >= 1.0 else 0.0)
         value_error += cut * abs(search.slope[lane] / half)
         across = larger(math.sqrt(larger(1.0 - x * x, 0.0)), STEEPEST)
         bend = larger(-search.top_bend[lane], TINY)
-        aside = (2.0 * DEGREE * tail + 8.0 * (noise + offset) / across) / bend
-        aside += search.length[lane] * search.length[lane]
-        place_error = ROUNDING * abs(place) + (abs(half) * smaller(aside, 1.0) if abs(x) < 1.0 else cut)
-        # Of two that may be the same, either may be the extreme; where the cycle closes, they may be neighbours.
+        x_error = (2.0 * DEGREE * tail + 8.0 * (noise + offset) / across) / bend
+        x_error += search.length[lane] * search.length[lane]
+        place_error = ROUNDING * abs(place) + (abs(half) * smaller(x_error, 1.0) if abs(x) < 1.0 else cut)
+        # Of two equal peaks, either may be the extreme; where the cycle closes, they may be neighbours.
         before, at_before = found.value[lane], found.at[lane]
         taken = search.step[lane] >= 0.0
         higher = taken & (value > before)
         distance_apart = abs(value - before)
         rivals = taken & (distance_apart <= value_error + found.value_error[lane])
-        # The place of the first of them is told, and the other one may still be higher.
+        # Report the position of the first; the second may still be the higher one.
         first = (higher & (not rivals)) | (rivals & ((place - at_before) * half < 0.0))
         kept_error = place_error if first else found.at_error[lane]
         other_error = found.at_error[lane] if first else place_error
@@ -404,16 +406,16 @@ def compare(record: Record, sought: SoughtExtreme, work: Search, found: ExtremeR
 
 @routine
 def find_extreme(record: Record, sought: SoughtExtreme, work: Search, found: ExtremeRows) -> None:
-    """Greatest (sign 1) or least (−1) value of a − c (b − b₀) over each lane's cycle.
+    """Find the maximum (sign 1) or minimum (−1) of a − c (b − b₀) over each lane's cycle.
 
     Parameters
     ----------
     record : Record
     sought : SoughtExtreme
     work : Search
-        Used meanwhile.
+        Scratch.
     found : ExtremeRows
-        Receives the extreme; NaN where any value isn't finite.
+        Output; NaN if any value is NaN or infinite.
     """
     search, candidates, steps = work.climb, work.candidates, record.steps[0]
     scale_a, scale_b = record.whole[sought.a].scale, record.whole[sought.b].scale
@@ -436,9 +438,9 @@ def find_extreme(record: Record, sought: SoughtExtreme, work: Search, found: Ext
         missed = left & (search.step[lane] >= 0.0)
         beyond = search.taken[lane] - found.value[lane] if missed else 0.0
         found.value_error[lane] = larger(found.value_error[lane], beyond)
-        # With so many rivals the extreme may be anywhere.
+        # With this many rivals left, the extreme may be anywhere.
         found.at_error[lane] += search.range[lane] if missed else 0.0
-        # Where a value isn't finite, the greatest magnitude isn't.
+        # A NaN or infinite value shows in the curves' scales.
         unknown = not abs(found.value[lane]) + scale_a[lane] + scale_b[lane] < math.inf
         found.value[lane] = sought.sign[lane] * found.value[lane]
         for part in range(_ROWS):

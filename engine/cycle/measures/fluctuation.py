@@ -1,13 +1,13 @@
-"""The coefficient of speed fluctuation δ of the steady cycle with a given flywheel.
+"""Coefficient of speed fluctuation δ of the steady cycle with a given flywheel.
 
 Let W be the work about the mean since the first position, I the machine's inertia and I_F that of the flywheel, both
-reduced to the input link. The kinetic energy ½ω² (I + I_F) changes by W. With ω_max,min = ω_m (1 ± δ/2), the energy
-both at the greatest and that at the least speed differ from the first one's by extremes of W − ½ω² I at fixed ω:
+reduced to the input link. The kinetic energy ½ω² (I + I_F) changes by W. With ω_max,min = ω_m (1 ± δ/2), the energies
+at maximum and minimum speed differ from the initial one by extremes of W − ½ω² I at constant ω:
 
     h(δ) = max[W − ½ω_max² (I − I_1)] − min[W − ½ω_min² (I − I_1)] − δ ω_m² (I_1 + I_F) = 0,
 
-Wittenbauer's condition, I_1 = I at the first position. No nearly equal numbers are subtracted, however small δ is. At
-an extreme the derivative by its place is 0, so h′(δ) needs nothing but I at the places of the extremes, and Newton's
+Wittenbauer's condition, with I_1 = I at the first position. No nearly equal numbers are subtracted, however small δ is.
+At an extreme the derivative by its position is 0, so h′(δ) needs only I at the positions of the extremes. Newton's
 method converges from δ = 0.
 """
 
@@ -33,13 +33,13 @@ class Fluctuation(NamedTuple):
     delta, delta_error : row
         δ.
     slowest_at, slowest_at_error, fastest_at, fastest_at_error : row
-        Places of the least and the greatest speed.
+        Positions of minimum and maximum speed.
     top, top_error : row
         max[W − ½ω_max² (I − I_1)].
     fast, slow : row
-        Used meanwhile: ½ω² at the greatest and the least speed.
+        Scratch: ½ω² at maximum and minimum speed.
     step : row
-        Used meanwhile: length of the last step.
+        Scratch: length of the last step.
     """
 
     delta: Row
@@ -63,7 +63,7 @@ class SteadyWheel(NamedTuple):
     work, inertia : int
         Curves of the record with W and I.
     omega, flywheel : row
-        Mean speed, by its magnitude or not, and the flywheel's inertia.
+        Mean speed, of either sign, and inertia of the flywheel.
     """
 
     work: int
@@ -73,13 +73,13 @@ class SteadyWheel(NamedTuple):
 
 
 class SpeedEnds(NamedTuple):
-    """Used meanwhile: extremes at the greatest and the least speed, and a row.
+    """Scratch: extremes at maximum and minimum speed, and a row.
 
     Attributes
     ----------
     high, low : ExtremeRows
     slowest : row
-        The least of ω (I + I_F), of which an error of the energy is a share.
+        Minimum of ω (I + I_F); an error of the energy divided by it is an error of the speed.
     """
 
     high: one(ExtremeRows)
@@ -88,7 +88,7 @@ class SpeedEnds(NamedTuple):
 
 
 _ROWS = len(Fluctuation._fields)
-# Greatest δ: the machine stops at its slowest.
+# Maximum δ, at which the machine just stops.
 MOST = 2.0
 FOUND = 1e-6
 MOST_STEPS = 40
@@ -104,7 +104,7 @@ def _slopes(omega: Row, result: Fluctuation) -> None:
 
 @routine
 def _improve(steady: SteadyWheel, first: Row, ends: SpeedEnds, result: Fluctuation) -> bool:
-    """One step of Newton's method; whether any lane isn't there yet. A lane that is there stays."""
+    """Take one Newton step; returns whether any lane hasn't converged. Converged lanes stay."""
     omega, flywheel, high, low = steady.omega, steady.flywheel, ends.high, ends.low
     for lane in range(LANES):
         delta, square = result.delta[lane], omega[lane] * omega[lane]
@@ -113,40 +113,40 @@ def _improve(steady: SteadyWheel, first: Row, ends: SpeedEnds, result: Fluctuati
         turning = (1.0 + 0.5 * delta) * high.other[lane] + (1.0 - 0.5 * delta) * low.other[lane]
         fall = square * (0.5 * turning + inertia)
         ahead = larger(delta + excess / fall, 0.0)
-        # Once it has been tried in vain it stops within the cycle.
+        # If the step leads beyond MOST again, the machine stops within the cycle.
         ahead = math.nan if (ahead > MOST) & (delta == MOST) else smaller(ahead, MOST)
         ahead = ahead if abs(excess) < math.inf else math.nan
-        there = not result.step[lane] > 0.0
+        converged = not result.step[lane] > 0.0
         step = abs(ahead - delta)
-        result.step[lane] = 0.0 if there else (step if step > FOUND * ahead else -1.0)
-        # The last step leaves its square.
+        result.step[lane] = 0.0 if converged else (step if step > FOUND * ahead else -1.0)
+        # Newton's method converges quadratically: the remaining error is the square of the last step.
         off = (high.value_error[lane] + low.value_error[lane]) / fall + step * step
-        result.delta[lane] = delta if there else ahead
-        result.delta_error[lane] = result.delta_error[lane] if there else off
-        result.slowest_at[lane] = result.slowest_at[lane] if there else low.at[lane]
-        result.slowest_at_error[lane] = result.slowest_at_error[lane] if there else low.at_error[lane]
-        result.fastest_at[lane] = result.fastest_at[lane] if there else high.at[lane]
-        result.fastest_at_error[lane] = result.fastest_at_error[lane] if there else high.at_error[lane]
-        gone = 0.5 * square * (1.0 + 0.5 * delta) * (ahead - delta) * high.other[lane]
-        result.top[lane] = result.top[lane] if there else high.value[lane] - gone
-        result.top_error[lane] = result.top_error[lane] if there else high.value_error[lane]
+        result.delta[lane] = delta if converged else ahead
+        result.delta_error[lane] = result.delta_error[lane] if converged else off
+        result.slowest_at[lane] = result.slowest_at[lane] if converged else low.at[lane]
+        result.slowest_at_error[lane] = result.slowest_at_error[lane] if converged else low.at_error[lane]
+        result.fastest_at[lane] = result.fastest_at[lane] if converged else high.at[lane]
+        result.fastest_at_error[lane] = result.fastest_at_error[lane] if converged else high.at_error[lane]
+        descent = 0.5 * square * (1.0 + 0.5 * delta) * (ahead - delta) * high.other[lane]
+        result.top[lane] = result.top[lane] if converged else high.value[lane] - descent
+        result.top_error[lane] = result.top_error[lane] if converged else high.value_error[lane]
     return any_positive(result.step)
 
 
 @routine
 def find_fluctuation(record: Record, steady: SteadyWheel, search: Search, ends: SpeedEnds, result: Fluctuation) -> None:
-    """Coefficient of speed fluctuation of each lane.
+    """Find the coefficient of speed fluctuation of each lane.
 
     Parameters
     ----------
     record : Record
     steady : SteadyWheel
     search : Search
-        Used meanwhile.
+        Scratch.
     ends : SpeedEnds
-        Used meanwhile.
+        Scratch.
     result : Fluctuation
-        Receives it; NaN where the machine would stop within the cycle.
+        Output; NaN if the machine would stop within the cycle.
     """
     fill(result, _ROWS, 0.0)
     for lane in range(LANES):
@@ -165,18 +165,18 @@ def find_fluctuation(record: Record, steady: SteadyWheel, search: Search, ends: 
 
 @routine
 def add_speed(record: Record, steady: SteadyWheel, ends: SpeedEnds, result: Fluctuation, speed: int) -> None:
-    """Enter the speed over the steady cycle as another kept curve: ω = √(2 E/(I + I_F)).
+    """Compute the speed over the steady cycle, ω = √(2 E/(I + I_F)), as another kept curve.
 
     Parameters
     ----------
     record : Record
     steady : SteadyWheel
     ends : SpeedEnds
-        Used meanwhile.
+        Scratch.
     result : Fluctuation
-        What `find_fluctuation` found.
+        Output of `find_fluctuation`.
     speed : int
-        Curve of the record that receives the speed, by magnitude.
+        Curve of the record that receives the magnitude of the speed.
     """
     omega, flywheel, slowest = steady.omega, steady.flywheel, ends.slowest
     work, inertia = record.whole[steady.work], record.whole[steady.inertia]

@@ -1,8 +1,8 @@
 """Integrals of magnitudes |F| = √S over the cycle, from the series of their squares.
 
-S is smooth where |F| dips or, where F vanishes, has a kink. So panels need only be as short as the series of S asks.
-Where the root doesn't follow in such a panel, the panel is walked over once more in parts, the shorter, the nearer they
-are to the dip, with values of S from its series: nothing of the machine is evaluated again.
+S is smooth where |F| dips or, where F vanishes, has a kink. So panels need only be as short as the series of S
+requires. A panel in which the root's series doesn't converge is walked again in parts, shorter towards the dip, with
+values of S from its series: the machine isn't evaluated again.
 """
 
 import math
@@ -29,29 +29,28 @@ from engine.cycle.panels.walk import (
     set_out,
 )
 
-# Share of what may be left of the square that may be missing of the root's mean in a panel.
+# Tolerance of the root's mean in a panel, relative to the tolerance of the square.
 OF_TOLERANCE = 1e-3
-# The coefficients of a root fall more slowly in the end than before, as it has branch points: so many times more may be
-# missing of its integral.
+# Safety factor on the integral's remainder: a root has branch points, so its coefficients finally decay more slowly.
 OF_ROOT = 16.0
 _ROWS = len(IntegralRows._fields)
 
 
 class Parts(NamedTuple):
-    """Memory for a walk over the parts of panels.
+    """Arrays for a walk over the parts of panels.
 
     Attributes
     ----------
     walk : Walk
     edges : many Edge
-        None.
+        Unused: a walk over parts has no edges.
     scales : Scales
     low, high : row
-        Ends of the range of parts, which is empty in lanes whose panel needs none.
+        Ends of the range of parts; empty in lanes whose panel needs none.
     off : row
-        What the square may be off by between the positions.
+        Error estimate of the square between the positions.
     none : row
-        0: nothing bends in a part but what its series tells.
+        0: no kinks in a part but those that its series shows.
     """
 
     walk: one(Walk)
@@ -65,7 +64,7 @@ class Parts(NamedTuple):
 
 @routine
 def _roots_at_positions(values: Rows, roots: Rows) -> None:
-    """Roots of the values at a panel's positions."""
+    """Square roots of the values at a panel's positions."""
     for j in range(POSITIONS):
         for lane in range(LANES):
             roots[j, lane] = math.sqrt(values[j, lane])
@@ -73,7 +72,7 @@ def _roots_at_positions(values: Rows, roots: Rows) -> None:
 
 @routine
 def _roots_in_part(series: Rows, walk: Walk, roots: Rows, slopes: Rows) -> None:
-    """Roots of the series, and its slopes, at the positions of each lane's part of the panel."""
+    """Square roots of the series, and its slopes, at the positions of each lane's part of the panel."""
     for j in range(POSITIONS):
         for lane in range(LANES):
             square, slope, _ = series_at(series, lane, walk.middle[lane] + walk.half[lane] * PLACES[j])
@@ -81,8 +80,8 @@ def _roots_in_part(series: Rows, walk: Walk, roots: Rows, slopes: Rows) -> None:
 
 
 @routine
-def _add_whole(record: Record, curve: int, step: int, tolerance: float, parts: Parts, sums: IntegralRows) -> bool:
-    """Add the panels in which the root's own series says enough; whether any doesn't."""
+def _add_converged(record: Record, curve: int, step: int, tolerance: float, parts: Parts, sums: IntegralRows) -> bool:
+    """Add the panels in which the root's own series converges; returns whether any doesn't."""
     slot, panels, own = step * record.curves + curve, record.panels[step], record.whole[curve]
     roots, figures = record.work.shifted, record.figures
     last, tail = record.values[slot, DEGREE], record.left[slot].tail
@@ -95,7 +94,7 @@ def _add_whole(record: Record, curve: int, step: int, tolerance: float, parts: P
         parts.low[lane], parts.high[lane] = -1.0, 1.0 if bends else -1.0
         whole = tail[lane] + own.offset[lane]
         parts.off[lane] = 2.0 * whole + ROUNDING * own.scale[lane]
-        # Rounding of values, and of the places of the panel's ends; what a jump does there.
+        # Rounding of the values and of the panel's ends, and jumps at the ends.
         ends = 0.5 * ONE_EDGE * (abs(middle) + abs(half))
         off = figures.magnitude[lane] * (2.0 * ROUNDING * abs(half) + ends)
         off += abs(roots[0, lane] - sums.end[lane]) * panels.opened[lane]
@@ -113,7 +112,7 @@ def _add_parts(record: Record, half_length: Row, parts: Parts, sums: IntegralRow
     for lane in range(LANES):
         half, accepted = half_length[lane] * walk.half[lane], walk.accepted[lane] > 0.0
         off, least = parts.off[lane], math.sqrt(parts.off[lane])
-        # An error of the square is one of the root, the greater, the less that is.
+        # An error of the square causes an error of the root, larger where the root is smaller.
         total = 0.0
         for j in range(POSITIONS):
             total += off / larger(roots[j, lane], least)
@@ -124,27 +123,28 @@ def _add_parts(record: Record, half_length: Row, parts: Parts, sums: IntegralRow
 
 @routine
 def integrate_roots(record: Record, curve: int, tolerance: float, parts: Parts, sums: IntegralRows) -> None:
-    """Integral over the cycle of the root of a curve of the record, which is nowhere negative.
+    """Integrate the square root of a nonnegative curve of the record over the cycle.
 
     Parameters
     ----------
     record : Record
     curve : int
     tolerance : float
-        What may be left of the curve, as a share of its greatest magnitude.
+        Admissible remainder of the curve, relative to its maximum magnitude.
     parts : Parts
+        Scratch.
     sums : IntegralRows
-        Receives value and error.
+        Output: value and error estimate.
     """
     walk, scales, figures = parts.walk, parts.scales, record.figures
-    # The roots, and a tile that is free here.
+    # The roots, and a tile that is free at this point.
     roots, slopes, fine = record.work.shifted, record.work.folded, OF_TOLERANCE * tolerance
     fill(sums, _ROWS, 0.0)
     for step in range(record.steps[0]):
         slot = step * record.curves + curve
         _roots_at_positions(record.values[slot], roots)
         panel_figures(roots, record.panels[step].bent, figures)
-        if not _add_whole(record, curve, step, fine, parts, sums):
+        if not _add_converged(record, curve, step, fine, parts, sums):
             continue
         series = record.coefficients[known_slot(record, curve, step)]
         set_out(parts.low, parts.high, 2.0, walk)
@@ -156,7 +156,7 @@ def integrate_roots(record: Record, curve: int, tolerance: float, parts: Parts, 
             panel_figures(roots, parts.none, figures)
             note_rounding(roots, scales, walk)
             compare_with_tolerance(figures, fine, 1.0, scales, walk)
-            # Parts end where the square is least: a dip inside may be missed by a part that happens to fit.
+            # End parts at the minimum of the square: a part that happens to converge could hide a dip.
             find_kink(slopes, walk)
             if judge(2.0, walk):
                 _add_parts(record, record.panels[step].half, parts, sums)

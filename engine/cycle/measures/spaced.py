@@ -1,4 +1,4 @@
-"""Curves of the record at equally spaced positions, as fields are kept."""
+"""Curves of the record at equally spaced positions, as kept fields need them."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from engine.compiling.widths import LANES
 from engine.cycle.panels.record import Record, known_slot
 from engine.cycle.panels.series import series_value
 
-# A position beyond the end of a panel by no more than this share of it is at its end.
+# A position this fraction of half a panel beyond its end counts as its end.
 BEYOND = 1e-9
 
 
@@ -16,20 +16,20 @@ BEYOND = 1e-9
 def fill_spaced(
     record: Record, curve: int, first: Row, last: Row, intervals: int, begin: int, values: np.ndarray
 ) -> None:
-    """Values of a curve of the record at equally spaced positions; where it jumps, those after the jump.
+    """Evaluate a curve of the record at equally spaced positions; at a jump, after the jump.
 
     Parameters
     ----------
     record : Record
     curve : int
     first, last : row
-        The range.
+        Ends of the range.
     intervals : int
-        Into how many parts positions divide it; where there are as many positions, its last end is left out.
+        Number of intervals of the range; with as many positions, the last end is excluded.
     begin : int
         Variant of the first lane.
     values : ndarray (variants, positions)
-        Receives them.
+        Output.
     """
     for step in range(record.steps[0]):
         series, panels = record.coefficients[known_slot(record, curve, step)], record.panels[step]

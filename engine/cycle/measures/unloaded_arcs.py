@@ -1,14 +1,14 @@
-"""Where on its circumference a bearing is never loaded: the widest arc that a force over the cycle never points to.
+"""Unloaded arc of a bearing: the widest arc of its circumference to which the force never points over the cycle.
 
-A film of oil is fed where it is never loaded. In the axes of the link that holds the bush the force on it points to the
-place that is pressed; in those of the link with the journal it points away from it. Where the force is less than
-`LEAST_LOAD` of its greatest it counts as none.
+Oil is supplied through the unloaded arc. In the axes of the link with the bush, the force on it points to the loaded
+spot; in those of the link with the journal it points away from it. A force below `LEAST_LOAD` of its peak counts as
+zero.
 
-Over each panel the force, where it counts, sweeps stretches of directions. The widest gap between all of these is found
-from the positions; then the directions on either side of it are found between the positions, too, until no other
-may reach into the widest gap.
+Over each panel the nonzero force sweeps stretches of directions. The widest gap between them is found from the
+positions. Then the directions at its ends are refined between the positions, until no other stretch may reach into the
+gap.
 
-Source: any course of machine elements, chapter on plain bearings (polar diagrams of bearing load; place of the oil
+Source: any course of machine elements, chapter on plain bearings (polar diagrams of bearing load; location of the oil
 hole).
 """
 
@@ -35,19 +35,21 @@ from engine.cycle.panels.integrals import ROUNDING
 from engine.cycle.panels.lanes import new_record, one
 from engine.cycle.panels.record import Record, known_slot
 
-# Share of the greatest load below which a bearing counts as unloaded.
+# Fraction of the peak load below which a bearing counts as unloaded.
 LEAST_LOAD = 1e-3
-# Stretches that there is room for.
+# Room for stretches.
 MOST_STRETCHES = 1024
 
 
 class Arc(NamedTuple):
-    """The widest arc that a force never points to.
+    """The widest arc to which a force never points.
 
     Attributes
     ----------
     arc, arc_error : row
+        Width [rad].
     middle, middle_error : row
+        Direction of its middle [rad].
     """
 
     arc: Row
@@ -64,15 +66,15 @@ class Stretches(NamedTuple):
     step : ndarray (stretches,) of int
         Step of the record.
     ends, errors : ndarray (stretches, 2)
-        Counted from the panel's first direction.
+        Directions of the ends [rad], continuous along the stretch, and their error estimates.
     places : ndarray (stretches, 2) of int
-        Their positions in the panel.
+        Indices of the ends among the panel's positions.
     known : ndarray (stretches, 2) of bool
-        Whether they are known between the positions, too.
+        Whether an end has been refined between the positions.
     order : ndarray (stretches,) of int
-        Stretches by their lower ends.
+        Stretches in the order of their lower ends.
     arc : Arc
-        Receives what is found.
+        Output.
     """
 
     step: np.ndarray
@@ -93,7 +95,7 @@ class Force(NamedTuple):
         Curves of the record.
     lane : int
     least : float
-        Below this magnitude it counts as none.
+        Magnitude below which it counts as zero.
     """
 
     x: int
@@ -103,7 +105,7 @@ class Force(NamedTuple):
 
 
 def new_stretches() -> Stretches:
-    """Memory for stretches."""
+    """Allocate stretches."""
     pairs = {name: np.zeros((MOST_STRETCHES, 2)) for name in ("ends", "errors")}
     places, known = np.zeros((MOST_STRETCHES, 2), np.int64), np.zeros((MOST_STRETCHES, 2), np.bool_)
     step, order = (np.zeros(MOST_STRETCHES, np.int64) for _ in range(2))
@@ -112,7 +114,7 @@ def new_stretches() -> Stretches:
 
 @routine
 def add_stretch(angle: float, step: int, j: int, count: int, stretches: Stretches) -> int:
-    """Enter a stretch that is one direction so far, where there is room; returns how many there are, or would be."""
+    """Add a stretch of one direction if there is room; returns the number of stretches, with one that has no room."""
     if count < stretches.ends.shape[0]:
         stretches.step[count] = step
         for side in range(2):
@@ -123,15 +125,15 @@ def add_stretch(angle: float, step: int, j: int, count: int, stretches: Stretche
 
 @routine
 def find_stretches(record: Record, force: Force, stretches: Stretches) -> int:
-    """Stretches of directions of a force over the panels of a lane, from its values at the positions.
+    """Find the stretches of a force's directions over the panels of a lane, from its values at the positions.
 
-    Where it begins or ceases to count, or turns sharply, it may turn there and back between two positions: those beside
-    are stretches of their own, too.
+    Where the force starts or ceases to count, or turns sharply, it may turn back and forth between two positions: the
+    adjacent positions then become separate stretches too.
 
     Returns
     -------
     int
-        How many there are, one more than there is room for where there are too many.
+        Number of stretches; one more than there is room for if there are too many.
     """
     lane, least, ends, places, count = force.lane, force.least, stretches.ends, stretches.places, 0
     for step in range(record.steps[0]):
@@ -144,11 +146,11 @@ def find_stretches(record: Record, force: Force, stretches: Stretches) -> int:
             fx, fy = of_x[j, lane], of_y[j, lane]
             counts = fx * fx + fy * fy >= least * least
             turned = turn_to(x_before, y_before, fx, fy)
-            goes_on = counts & loaded & (abs(turned) <= SHARP)
-            if loaded and not goes_on:
+            continues = counts & loaded & (abs(turned) <= SHARP)
+            if loaded and not continues:
                 count = add_stretch(angle, step, j - 1, count, stretches)
-            angle, x_before, y_before = angle + turned if goes_on else math.atan2(fy, fx), fx, fy
-            if counts and not goes_on:
+            angle, x_before, y_before = angle + turned if continues else math.atan2(fy, fx), fx, fy
+            if counts and not continues:
                 count = add_stretch(angle, step, j, count, stretches) if j > 0 else count
                 count = add_stretch(angle, step, j, count, stretches)
             if count > ends.shape[0]:
@@ -163,7 +165,7 @@ def find_stretches(record: Record, force: Force, stretches: Stretches) -> int:
 
 @routine
 def extend(record: Record, force: Force, stretches: Stretches, i: int, side: int) -> None:
-    """Move one end of a stretch to where it is between the positions, and say what that may be off by."""
+    """Refine one end of a stretch between the positions, and estimate its error."""
     step, j, sense = stretches.step[i], stretches.places[i, side], 2.0 * side - 1.0
     lane, least = force.lane, force.least
     slot_x, slot_y = known_slot(record, force.x, step), known_slot(record, force.y, step)
@@ -191,7 +193,7 @@ def extend(record: Record, force: Force, stretches: Stretches, i: int, side: int
         turned = turn_to(fx, fy, hx, hy)
         if turned * sense > farthest:
             farthest, size = turned * sense, math.sqrt(hx * hx + hy * hy)
-            # Where it begins to count isn't known better than the force.
+            # The force starts to count at a position that is only as accurate as the force.
             moved = abs(turning / growing) * off / size if ends else 0.0
             error = off / size + moved
     stretches.ends[i, side] += sense * farthest
@@ -200,9 +202,9 @@ def extend(record: Record, force: Force, stretches: Stretches, i: int, side: int
 
 @routine
 def margin_of(record: Record, force: Force, stretches: Stretches, i: int, side: int) -> float:
-    """How far one end of a stretch may be beyond its position: as far as the force turns to its neighbours.
+    """Bound of an end's extension beyond its position: the turn of the force to its neighbours [rad].
 
-    Where it turns sharply, it may be anywhere.
+    A sharp turn may lead anywhere, so its bound is π.
     """
     slot, j, lane, most = stretches.step[i] * record.curves, stretches.places[i, side], force.lane, 0.0
     of_x, of_y = record.values[slot + force.x], record.values[slot + force.y]
@@ -214,7 +216,7 @@ def margin_of(record: Record, force: Force, stretches: Stretches, i: int, side: 
 
 @routine
 def extend_near(record: Record, force: Force, stretches: Stretches, count: int, edge: float, side: int) -> bool:
-    """Extend the ends of stretches that may reach beyond an edge of the widest gap; whether there were any."""
+    """Refine the ends of stretches that may reach beyond an edge of the widest gap; returns whether there were any."""
     any_extended = False
     for i in range(count):
         if stretches.known[i, side]:
@@ -229,7 +231,7 @@ def extend_near(record: Record, force: Force, stretches: Stretches, count: int, 
 
 @routine
 def widest_gap(stretches: Stretches, count: int) -> tuple[float, int, int]:
-    """Widest gap between stretches on the circle: its width, the stretch before it and the one after."""
+    """Widest gap between stretches on the circle: its width [rad], the stretch before it and the stretch after it."""
     ends, order = stretches.ends, stretches.order
     for i in range(count):
         turns = math.floor((ends[i, 0] + math.pi) / TURN) * TURN
@@ -242,7 +244,7 @@ def widest_gap(stretches: Stretches, count: int) -> tuple[float, int, int]:
         order[k] = i
     widest, before, after, last = -1.0, order[0], order[0], order[0]
     reach = ends[last, 1]
-    # Stretches that begin before the turn's end may go on beyond its begin.
+    # Stretches that begin before the end of the turn may extend beyond its start.
     for i in range(count):
         if ends[i, 1] - TURN > reach:
             last, reach = i, ends[i, 1] - TURN
@@ -258,7 +260,7 @@ def widest_gap(stretches: Stretches, count: int) -> tuple[float, int, int]:
 
 @routine
 def find_unloaded_arcs(record: Record, x: int, y: int, greatest: Row, stretches: Stretches) -> None:
-    """Widest arc that a force never points to, and its middle.
+    """Find the widest arc to which a force never points, and its middle.
 
     Parameters
     ----------
@@ -266,10 +268,10 @@ def find_unloaded_arcs(record: Record, x: int, y: int, greatest: Row, stretches:
     x, y : int
         Curves of the record: the force in the axes of a link.
     greatest : row
-        Its greatest magnitude.
+        Its maximum magnitude.
     stretches : Stretches
-        Its `arc` receives them [rad]; the arc is a whole turn, without a middle, where there is no force at all, and
-        less than nothing is 0; NaN where a force isn't finite, or has too many stretches.
+        Its `arc` is the output [rad]: 2π without a middle if there is no force, 0 if there is no gap, NaN if a force is
+        NaN or infinite or has too many stretches.
     """
     found, ends, errors = stretches.arc, stretches.ends, stretches.errors
     for lane in range(LANES):
@@ -283,10 +285,10 @@ def find_unloaded_arcs(record: Record, x: int, y: int, greatest: Row, stretches:
         if count == 0 or count > ends.shape[0]:
             continue
         arc, before, after = widest_gap(stretches, count)
-        going = arc > 0.0
-        while going:
-            going = extend_near(record, force, stretches, count, ends[before, 1], 1)
-            going |= extend_near(record, force, stretches, count, ends[after, 0], 0)
+        refining = arc > 0.0
+        while refining:
+            refining = extend_near(record, force, stretches, count, ends[before, 1], 1)
+            refining |= extend_near(record, force, stretches, count, ends[after, 0], 0)
             arc, before, after = widest_gap(stretches, count)
         error = errors[before, 1] + errors[after, 0] + 2.0 * ROUNDING * TURN
         middle = ends[before, 1] + 0.5 * arc

@@ -1,7 +1,6 @@
 """Running integrals of kept curves from the first position: work of a moment about its mean, or integral of a rate.
 
-What is constant is taken out before anything is added up, so that a constant moment does no work at all about its mean,
-exactly.
+The initial value is subtracted before summation, so a constant moment does exactly zero work about its mean.
 """
 
 from typing import NamedTuple
@@ -17,22 +16,22 @@ from engine.cycle.panels.transforms import to_integrals
 
 
 class WorkSums(NamedTuple):
-    """Used meanwhile.
+    """Scratch rows for a running integral.
 
     Attributes
     ----------
     total : row
-        Integral of the curve less its first value.
+        Integral of the curve minus its initial value.
     length : row
         Length of the range.
     reached : row
-        Integral reached.
+        Running integral so far.
     mean : row
-        Mean less the first value.
+        Mean minus initial value.
     ended : row
-        Value of the curve where the last panel ended.
+        Value of the curve at the end of the last panel.
     within : row
-        What running integrals miss at most within a panel.
+        Maximum error of running integrals within a panel.
     """
 
     total: Row
@@ -59,7 +58,7 @@ def _add_total(integrals: Rows, half: Row, sums: WorkSums) -> None:
 
 @routine
 def _from_first(integrals: Rows, half: Row, sums: WorkSums) -> None:
-    """From integrals over [−1, x] of one panel to those of the curve less its mean from the first position."""
+    """Turn integrals over [−1, x] of a panel into running integrals of the curve minus its mean."""
     for j in range(POSITIONS):
         for lane in range(LANES):
             work = half[lane] * (integrals[j, lane] - sums.mean[lane] * (1.0 + PLACES[j]))
@@ -70,9 +69,9 @@ def _from_first(integrals: Rows, half: Row, sums: WorkSums) -> None:
 
 @routine
 def _errors(record: Record, step: int, moment: int, work: int, sums: WorkSums) -> None:
-    """What lies beyond the series of the work in a panel, and what its values may be off by.
+    """Estimate the remainder of the work's series in a panel, and the error of its values.
 
-    Where the moment jumps at a cut, it does so within what the cut's place may be off by.
+    A jump of the moment at a cut contributes the error of the cut's position.
     """
     slot, panels = step * record.curves, record.panels[step]
     values, left, of_work = record.values[slot + moment], record.left[slot + moment], record.left[slot + work]
@@ -90,7 +89,7 @@ def _errors(record: Record, step: int, moment: int, work: int, sums: WorkSums) -
 
 @routine
 def add_work(record: Record, moment: int, about_mean: int, work: int, sums: WorkSums) -> None:
-    """Enter the running integral of a kept curve as another kept curve.
+    """Compute the running integral of a kept curve as another kept curve.
 
     Parameters
     ----------
@@ -98,11 +97,11 @@ def add_work(record: Record, moment: int, about_mean: int, work: int, sums: Work
     moment : int
         Curve of the record.
     about_mean : int
-        Whether its mean is taken out, 1 or 0.
+        1 to subtract the mean, else 0.
     work : int
         Curve of the record that receives the integral.
     sums : WorkSums
-        Used meanwhile.
+        Scratch.
     """
     first, offset, tiles = record.whole[moment].first, record.whole[work].offset, record.work
     for lane in range(LANES):

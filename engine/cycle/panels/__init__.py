@@ -1,1 +1,1 @@
-"""Panels: the stretches that a cycle is divided into, series of curves on them, and what is kept of these."""
+"""Panels: the intervals a cycle is divided into, the series of curves on them, and the record of these."""

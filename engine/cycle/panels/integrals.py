@@ -1,4 +1,4 @@
-"""Integrals over the cycle, added up panel by panel, with what they may be off by."""
+"""Integrals over the cycle, summed panel by panel, with error estimates."""
 
 from typing import NamedTuple
 
@@ -28,15 +28,15 @@ class IntegralRows(NamedTuple):
     end: Row
 
 
-# What values of a curve and weighted sums of them are off by, as a share of the greatest magnitude.
+# Rounding of a curve's values and of weighted sums of them, relative to the maximum magnitude.
 ROUNDING = 12.0 * np.finfo(np.float64).eps
 
 
 @routine
 def add_panels(curve: Rows, figures: Figures, walk: Walk, integral: IntegralRows) -> None:
-    """Add the accepted panels' share to the integral of a curve.
+    """Add the accepted panels to the integral of a curve.
 
-    Where a curve jumps at an edge, it does so within what the edge's place may be off by.
+    A jump of the curve at an edge contributes the error of the edge's position.
 
     Parameters
     ----------
@@ -48,11 +48,11 @@ def add_panels(curve: Rows, figures: Figures, walk: Walk, integral: IntegralRows
     for lane in range(LANES):
         half, accepted = walk.half[lane], walk.accepted[lane] > 0.0
         share = half * figures.sum[lane]
-        # Rounding of values, and of the places of the panel's ends.
+        # Rounding of the values and of the positions of the panel's ends.
         noise = figures.magnitude[lane] * (2.0 * ROUNDING * abs(half) + 0.5 * walk.close[lane])
         off = abs(half) * figures.missing[lane] + noise
         off += abs(curve[0, lane] - integral.end[lane]) * walk.opened[lane]
-        # Chosen before it is added: then the sum is rounded the same, whatever code surrounds it.
+        # Selected before the addition, so that the sum is rounded in the same way in any surrounding code.
         integral.value[lane] += chosen(accepted, share, 0.0)
         integral.error[lane] += chosen(accepted, off, 0.0)
         integral.end[lane] = curve[DEGREE, lane] if accepted else integral.end[lane]

@@ -1,12 +1,12 @@
-"""Lanes: variants computed side by side, and memory laid out for them.
+"""Lanes: variants computed side by side, and arrays laid out for them.
 
-Every quantity of a block of variants is a row of LANES numbers, one lane each, and the innermost loop of everything
-runs over the lanes. A row begins on a cache line: an accumulator a quarter line off makes sums more than twice as slow.
-Loads are also held up by stores a multiple of a page away. The rows of a tile come to lie on every eighth of a page;
-what is added up while a tile is read lies half a row off from all of them.
+Every quantity of a block of variants is a row of LANES numbers, and every innermost loop runs over the lanes. Rows
+begin on cache lines: an accumulator off by a quarter line makes sums more than twice as slow. Loads also stall behind
+stores that are a multiple of a page away. The rows of a tile lie at every eighth of a page; accumulators used while a
+tile is read lie half a row off all of them.
 
-In compiled code rows are `Memory`, a pointer with known distances between rows. A NamedTuple with a field for each row
-names them. The annotations of a record of arrays say which of them are `Memory` in compiled code, and of which record.
+In compiled code rows are `Memory`, a pointer with constant strides, and a NamedTuple with a field for each row names
+them. The annotations of a record of arrays state which of them are `Memory` in compiled code, and of which record.
 """
 
 import math
@@ -25,18 +25,18 @@ _PAGE = 4096
 # Half a row, in numbers.
 ASIDE = LANES // 2
 
-# (…, POSITIONS, LANES).
+# Shape (…, POSITIONS, LANES).
 Panels = Memory((POSITIONS, LANES))
 in_panels = memory(Panels)
 
 
 def one(record: type) -> Memory:
-    """The rows of a record."""
+    """Kind of memory with the rows of one record."""
     return Memory((LANES,), record)
 
 
 def many(record: type) -> Memory:
-    """The rows of many records of one kind."""
+    """Kind of memory with the rows of many records of one type."""
     return Memory((len(record._fields), LANES), record, 1)
 
 
@@ -58,7 +58,7 @@ def fill(rows: Rows, count: int, value: float) -> None:
 
 
 def rows(*shape: int, aside: int = 0) -> np.ndarray:
-    """Array (…, LANES) of zeros that begins `aside` numbers after the beginning of a page."""
+    """Allocate zeros (…, LANES) that begin `aside` numbers after the start of a page."""
     size = math.prod(shape) * LANES
     memory = np.zeros(size + aside + _PAGE // 8)
     start = -(memory.ctypes.data // 8) % (_PAGE // 8) + aside
@@ -66,22 +66,22 @@ def rows(*shape: int, aside: int = 0) -> np.ndarray:
 
 
 def tiles(count: int) -> np.ndarray:
-    """Array (count, POSITIONS, LANES) of zeros that begins on a page."""
+    """Allocate zeros (count, POSITIONS, LANES) that begin on a page."""
     return rows(count, POSITIONS)
 
 
-# Looked up once: every evaluation makes some tens of records.
+# Cached, because every evaluation allocates tens of records.
 _kinds_of = cache(get_type_hints)
 
 
 def new_record(record: type, /, **given: object) -> tuple:
-    """A record of arrays with memory for what its annotations name.
+    """Allocate a record of arrays according to its annotations.
 
     Parameters
     ----------
     record : type of NamedTuple
     given : int or object
-        How many rows, tiles or records there are of a field; of a field that is no memory what it holds.
+        For a field of memory, its number of rows, tiles or records; for any other field, its value.
     """
     made = {}
     for name, kind in _kinds_of(record).items():

@@ -1,6 +1,6 @@
-"""Curves kept over the whole cycle, for what is asked of them once all of it is known: extremes, works, zeros.
+"""Curves kept over the whole cycle, for results that need all of it: extremes, work, zeros.
 
-A record grows by a step at a time. In each, some lanes took a panel; others didn't, and the half length of theirs is 0.
+A record grows by one step at a time. Lanes that took no panel in a step have half length 0 there.
 """
 
 import math
@@ -18,17 +18,17 @@ from engine.cycle.panels.series import Figures, larger, panel_figures
 from engine.cycle.panels.transforms import Tiles, to_coefficients
 from engine.cycle.panels.walk import Scales, Walk
 
-# How many times the rounding that was measured values may be off.
+# Safety factor on the measured rounding of values.
 OF_ROUNDING = 16.0
 
 
 class Left(NamedTuple):
-    """What is left of a curve in a step.
+    """Remainder of a curve in a step.
 
     Attributes
     ----------
     tail, missing : row
-        What lies beyond the series, and what the sum over the positions misses of the integral.
+        Remainder of the curve beyond its series, and of its integral beyond the quadrature sum.
     """
 
     tail: Row
@@ -41,11 +41,11 @@ class KeptPanel(NamedTuple):
     Attributes
     ----------
     middle, half : row
-        Middle and half the length.
+        Middle and half length.
     opened, closed : row
-        Errors of the places of the cuts where it begins and ends.
+        Error estimates of the positions of the cuts where it begins and ends.
     bent : row
-        1 where something in it bends, else 0.
+        1 if it has a kink inside, else 0.
     """
 
     middle: Row
@@ -61,11 +61,11 @@ class Whole(NamedTuple):
     Attributes
     ----------
     scale : row
-        Greatest magnitude, infinite where a value isn't finite.
+        Maximum magnitude, infinite if a value is NaN or infinite.
     first : row
         Value at the first position.
     offset : row
-        What values may be off by, more than by rounding.
+        Error estimate of the values beyond rounding.
     """
 
     scale: Row
@@ -74,29 +74,29 @@ class Whole(NamedTuple):
 
 
 class Record(NamedTuple):
-    """Kept curves; that of curve k in step i lies in slot i · curves + k.
+    """Kept curves; curve k in step i is in slot i · curves + k.
 
     Attributes
     ----------
     curves : int
-        How many are kept.
+        Number of kept curves.
     most_steps : int
-        How many steps there is room for.
+        Room for steps.
     steps : ndarray (1,) of int
-        How many there are.
+        Number of steps so far.
     values : panels (slots, POSITIONS, LANES)
         Values at the positions of each panel.
     coefficients : panels (slots, POSITIONS, LANES)
-        Of their Chebyshev series, where `known`.
+        Coefficients of their Chebyshev series, where `known`.
     left : many Left
-        Of each slot.
+        One for each slot.
     panels : many KeptPanel
-        Of each step.
+        One for each step.
     whole : many Whole
-        Of each curve.
+        One for each curve.
     work : Tiles
     figures : Figures
-        Used meanwhile.
+        Scratch.
     known : ndarray (slots,) of int
         1 where the coefficients are known.
     to_coefficients, to_integrals : ndarray
@@ -119,7 +119,7 @@ class Record(NamedTuple):
 
 
 def room_for(curves: int, steps: int) -> Record:
-    """Arrays for a record of so many curves and steps."""
+    """Allocate a record of `curves` curves and `steps` steps."""
     slots = curves * steps
     return new_record(
         Record,
@@ -139,7 +139,7 @@ def room_for(curves: int, steps: int) -> Record:
 
 @routine
 def begin_record(record: Record) -> None:
-    """Forget what a record holds."""
+    """Clear a record."""
     known = record.known
     record.steps[0] = 0
     for slot in range(known.shape[0]):
@@ -152,14 +152,14 @@ def begin_record(record: Record) -> None:
 
 @routine
 def keep_rounding(scales: Scales, whole: Whole) -> None:
-    """Note what values of a curve may be off by rounding, as far as its scales in a walk tell."""
+    """Include the rounding of a curve that the walk measured in the error estimate of its values."""
     for lane in range(LANES):
         whole.offset[lane] = larger(OF_ROUNDING * scales.rounding[lane], whole.offset[lane])
 
 
 @routine
 def keep_panels(walk: Walk, panels: KeptPanel) -> None:
-    """Enter each lane's panel of a step; the half length of those that aren't accepted is 0."""
+    """Store each lane's panel of a step; half length 0 if it wasn't accepted."""
     for lane in range(LANES):
         panels.middle[lane] = walk.middle[lane]
         panels.half[lane] = walk.half[lane] if walk.accepted[lane] > 0.0 else 0.0
@@ -170,7 +170,7 @@ def keep_panels(walk: Walk, panels: KeptPanel) -> None:
 
 @routine
 def keep_curve(curve: Rows, figures: Figures, walk: Walk, record: Record, step: int, kept: int) -> None:
-    """Enter a curve of a tile as a curve of a step.
+    """Store a curve of a tile as a curve of a step.
 
     Parameters
     ----------
@@ -190,7 +190,7 @@ def keep_curve(curve: Rows, figures: Figures, walk: Walk, record: Record, step: 
         left.tail[lane], left.missing[lane] = figures.tail[lane], figures.missing[lane]
         accepted, first = walk.accepted[lane] > 0.0, walk.taken[lane] == 1.0
         whole.scale[lane] = _scale(figures, whole, lane, accepted)
-        # What acts from a cut on or up to it moves with it.
+        # A function that starts or ends at a cut shifts with the cut's position.
         moved = larger(walk.opened[lane], walk.next_opened[lane]) / abs(walk.half[lane])
         middle = curve[MIDDLE, lane]
         moved *= larger(abs(curve[0, lane] - middle), abs(curve[DEGREE, lane] - middle))
@@ -201,7 +201,7 @@ def keep_curve(curve: Rows, figures: Figures, walk: Walk, record: Record, step: 
 
 @inlined
 def _scale(figures: Figures, whole: Whole, lane: int, taken: bool) -> float:
-    """Greatest magnitude of a curve with that in a panel, where it was taken."""
+    """Maximum magnitude of a curve, including the panel's if it was taken."""
     finite = abs(figures.sum[lane]) < math.inf
     scale = larger(figures.magnitude[lane] if finite else math.inf, whole.scale[lane])
     return scale if taken else whole.scale[lane]
@@ -209,7 +209,7 @@ def _scale(figures: Figures, whole: Whole, lane: int, taken: bool) -> float:
 
 @routine
 def keep_derived(record: Record, step: int, curve: int) -> None:
-    """Enter what is known of a curve whose values in a step were computed from those of others."""
+    """Store the figures of a curve whose values in a step were computed from those of other curves."""
     slot, whole, figures = step * record.curves + curve, record.whole[curve], record.figures
     left, panels = record.left[slot], record.panels[step]
     panel_figures(record.values[slot], panels.bent, figures)
@@ -220,7 +220,7 @@ def keep_derived(record: Record, step: int, curve: int) -> None:
 
 @routine
 def known_slot(record: Record, curve: int, step: int) -> int:
-    """Slot of a curve in a step, with its coefficients known."""
+    """Return the slot of a curve in a step; compute its coefficients if they aren't known."""
     slot = step * record.curves + curve
     if record.known[slot] == 0:
         to_coefficients(record.to_coefficients, record.values[slot], record.work, record.coefficients[slot])

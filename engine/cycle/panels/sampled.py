@@ -1,6 +1,6 @@
-"""Curves sampled at the positions of panels, as arrays: how well polynomials follow them, integrals, greatest values.
+"""Curves sampled at the positions of panels, as arrays: convergence of their polynomials, integrals, peaks.
 
-For what is evaluated in NumPy; the cycle of a machine has the same in lanes.
+For NumPy evaluations; a machine's cycle has the same in lanes.
 """
 
 from typing import NamedTuple
@@ -10,18 +10,18 @@ import numpy as np
 from engine.cycle.panels.chebyshev import DEGREE, PLACES, POSITIONS, SHARES
 from engine.laws.rounding import EPS
 
-# Coefficients by which a polynomial's convergence is judged.
+# Number of last coefficients by which convergence is judged.
 _LAST = 3
 _K = np.arange(POSITIONS)
 _OF_T = np.where(_K % 2 == 0, 2.0 / (1.0 - np.where(_K % 2 == 0, _K, 0) ** 2.0), 0.0)
 _WEIGHTS = (_OF_T @ SHARES)[None]
 _NEWTON_STEPS = 6
-# What the series of a curve that is followed to rounding ends with, as a share of its magnitude.
+# Last coefficients of a curve resolved to rounding, relative to its magnitude.
 _ROUNDING = 64 * EPS
 
 
 class Tops(NamedTuple):
-    """Greatest values of polynomials (panels,): their places on [−1, 1], and second derivatives there."""
+    """Maxima of polynomials (panels,), their positions on [−1, 1], and the second derivatives there."""
 
     values: np.ndarray
     places: np.ndarray
@@ -29,34 +29,34 @@ class Tops(NamedTuple):
 
 
 def _weighted(weights: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Sums over the positions (weights, ...), added up in their order however many panels there are."""
+    """Weighted sums over the positions (weights, …), in their order for any number of panels."""
     return sum(np.multiply.outer(weights[:, j], values[..., j]) for j in range(POSITIONS))
 
 
 def tails(values: np.ndarray) -> np.ndarray:
-    """Magnitude of the last coefficients of polynomials (...): about what they miss.
+    """Largest of the last coefficients of polynomials (…): an estimate of their truncation error.
 
     Parameters
     ----------
-    values : ndarray (..., POSITIONS)
+    values : ndarray (…, POSITIONS)
     """
     return np.abs(_weighted(SHARES[-_LAST:], values)).max(axis=0)
 
 
 def panel_integrals(values: np.ndarray) -> np.ndarray:
-    """Integrals of polynomials over [−1, 1] (...).
+    """Integrals of polynomials over [−1, 1] (…).
 
     Parameters
     ----------
-    values : ndarray (..., POSITIONS)
+    values : ndarray (…, POSITIONS)
     """
     return _weighted(_WEIGHTS, values)[0]
 
 
 def root_inside(values: np.ndarray) -> np.ndarray:
-    """Where curves change their sign between their inner positions, as far as polynomials follow them (panels,).
+    """Positions (panels,) on [−1, 1] where curves change sign between their inner positions; 0 for none.
 
-    On [−1, 1]; 0 where they don't change it.
+    A curve that its polynomial doesn't resolve to rounding gets 0, too.
 
     Parameters
     ----------
@@ -79,12 +79,12 @@ def _at(place: np.ndarray, series: np.ndarray) -> np.ndarray:
 
 
 def tops(values: np.ndarray, noise: np.ndarray) -> Tops:
-    """Greatest values of polynomials between the positions too; of equals the first.
+    """Maxima of polynomials, also between the positions; the first of equal ones.
 
     Parameters
     ----------
     values : ndarray (panels, POSITIONS)
-        Sampled densely enough that a top is next to the greatest of them.
+        Sampled densely enough that each maximum is next to the largest value.
     noise : ndarray (panels,)
         Values that differ by less are equal.
     """

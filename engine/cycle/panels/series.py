@@ -1,9 +1,9 @@
-"""The Chebyshev series of a curve within a panel: its integral, what is missing beyond degree 16, its values anywhere.
+"""Chebyshev series of a curve on a panel: its integral, its remainder beyond degree 16, its values anywhere.
 
-The coefficients of a smooth curve fall by a constant factor in the end. By how much the last three are below those
-eight degrees before them tells what the next ones would be. Those also tell how far the integral is off, of which far
-less is missed: the rule for degree 16 is nearly exact for the next few. Where coefficients don't fall, as what is left
-is rounding or something within the panel bends or jumps, they are taken to fall by SLOWEST.
+The coefficients of a smooth curve finally decay by a constant factor. The ratio of the last three to those eight
+degrees lower gives this factor, and so the coefficients beyond degree 16. These also give the error of the integral,
+which is far smaller, because the rule for degree 16 is nearly exact for the next few degrees. Where coefficients don't
+decay, because they are rounding or the panel has a kink or a jump inside, a decay by SLOWEST is assumed.
 """
 
 import math
@@ -17,18 +17,18 @@ from engine.cycle.panels.chebyshev import DEGREE, EVEN, MIDDLE, MISSED, ODD, WEI
 
 
 class Figures(NamedTuple):
-    """What is known of a curve in a panel.
+    """Figures of a curve on a panel.
 
     Attributes
     ----------
     sum : row
-        Sum over the positions with the weights of the integral over [−1, 1].
+        Integral over [−1, 1] by the quadrature weights.
     tail, missing : row
-        What of the curve and of that integral lies beyond degree 16.
+        Estimated remainder of the curve and of that integral beyond degree 16.
     magnitude : row
-        Greatest magnitude.
+        Maximum magnitude.
     flat : row
-        Whether the last coefficients are level (1 or 0).
+        1 if the last coefficients don't decay, else 0.
     """
 
     sum: Row
@@ -38,45 +38,45 @@ class Figures(NamedTuple):
     flat: Row
 
 
-# Share by which each coefficient is taken to fall at least.
+# Slowest assumed decay from one coefficient to the next.
 SLOWEST = 0.85
-# The last coefficients are level where they are no less than this share of those eight degrees before: those of a kink
-# are a fifth of them, those of a jump two fifths.
+# The last coefficients count as level if they are at least this fraction of those eight degrees lower; for a kink they
+# are a fifth of them, for a jump two fifths.
 LEVEL = 0.5
-# By how much what is left may exceed what the fall makes of it, of random curves, in one case of a thousand.
+# Safety factor on the extrapolated remainder; of random curves, one in a thousand exceeds it.
 MARGIN = 3.0
-# The coefficients of a kink, a fifth of those eight degrees before, fall by a power of the degree, not by a factor; at
-# the end of a panel they hardly fall. Then the integral may miss as much as the curve.
+# The coefficients of a kink, a fifth of those eight degrees lower, decay by a power of the degree, and hardly at all
+# for a kink at the end of a panel. Above this ratio, the integral's remainder is taken to be as large as the curve's.
 KINKED = 0.1
 TINY = 1e-300
 
 
 @inlined
 def larger(a: float, b: float) -> float:
-    """The larger of two numbers in one instruction; b where either is NaN."""
+    """The larger of two numbers in one instruction; b if either is NaN."""
     a, b = held(a), held(b)
     return a if a > b else b
 
 
 @inlined
 def smaller(a: float, b: float) -> float:
-    """The smaller of two numbers in one instruction; b where either is NaN."""
+    """The smaller of two numbers in one instruction; b if either is NaN."""
     a, b = held(a), held(b)
     return a if a < b else b
 
 
 @routine
 def panel_figures(curve: Rows, bent: Row, figures: Figures) -> None:
-    """Figures of a curve in each lane's panel.
+    """Compute the figures of a curve on each lane's panel.
 
     Parameters
     ----------
     curve : rows (POSITIONS, LANES)
     bent : row
-        1 where something in the panel is known to bend: its coefficients are taken for those of a kink, however small
-        they are beside the curve's own; else 0.
+        1 if the panel is known to have a kink inside: its coefficients are then taken for a kink's, however small they
+        are relative to the curve's own; else 0.
     figures : Figures
-        Receives them.
+        Output.
     """
     for lane in range(LANES):
         middle = curve[MIDDLE, lane]
@@ -121,7 +121,7 @@ def series_at(series: Rows, lane: int, x: float) -> tuple[float, float, float]:
 
 @inlined
 def series_value(series: Rows, lane: int, x: float) -> float:
-    """Value of a lane's series at x."""
+    """Value of a lane's series at x, by Clenshaw's recurrence."""
     b = b_before = 0.0
     for i in range(DEGREE):
         b, b_before = series[DEGREE - i, lane] + ((x + x) * b - b_before), b

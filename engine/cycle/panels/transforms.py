@@ -1,8 +1,8 @@
-"""From values in a panel to the coefficients of its Chebyshev series, back, and to running integrals.
+"""Transforms of a panel's values to Chebyshev coefficients and to running integrals.
 
-All three are products of a matrix with a panel's values. As positions mirror each other, sums of values at a position
-and its mirror image have to do with one half of the results only, and differences with the other: the matrix falls into
-two of half the size.
+Each is the product of a matrix with the panel's values. Positions lie symmetrically, so sums of values at mirrored
+positions contribute to one half of the results only, and differences to the other: the matrix splits into two of half
+the size.
 """
 
 from typing import NamedTuple
@@ -16,7 +16,7 @@ from engine.cycle.panels.chebyshev import DEGREE, MIDDLE, PLACES
 
 
 class Tiles(NamedTuple):
-    """Tiles of one curve that are used meanwhile.
+    """Scratch tiles of one curve.
 
     Attributes
     ----------
@@ -30,7 +30,7 @@ class Tiles(NamedTuple):
 
 @routine
 def _folded(values: Rows, folded: Rows) -> None:
-    """Sums of values at a position and its mirror image, less twice the value in the middle; then differences."""
+    """Sums of mirrored values minus twice the middle one, then differences of mirrored values."""
     for j in range(MIDDLE):
         for lane in range(LANES):
             left, right, middle = values[j, lane], values[DEGREE - j, lane], values[MIDDLE, lane]
@@ -40,8 +40,8 @@ def _folded(values: Rows, folded: Rows) -> None:
 
 @routine
 def _product(matrix: np.ndarray, folded: Rows, result: Rows) -> None:
-    """The rows for sums times the sums, then the rows for differences times the differences."""
-    # Lengths are read off the matrix: the compiler would write out loops of known length, all of them.
+    """Multiply the sums by the first half of the matrix's rows, and the differences by the rest."""
+    # Loop lengths come from the matrix: the compiler would fully unroll loops of constant length.
     size = matrix.shape[0]
     for i in range(size):
         first = 0 if i < (size + 1) // 2 else MIDDLE
@@ -54,7 +54,7 @@ def _product(matrix: np.ndarray, folded: Rows, result: Rows) -> None:
 
 @routine
 def to_coefficients(matrix: np.ndarray, values: Rows, work: Tiles, coefficients: Rows) -> None:
-    """Coefficients of the Chebyshev series from the values at the positions.
+    """Compute Chebyshev coefficients from the values at the positions.
 
     Parameters
     ----------
@@ -62,9 +62,9 @@ def to_coefficients(matrix: np.ndarray, values: Rows, work: Tiles, coefficients:
         `chebyshev.TO_COEFFICIENTS`.
     values : rows (POSITIONS, LANES)
     work : Tiles
-        Used meanwhile.
+        Scratch.
     coefficients : rows (POSITIONS, LANES)
-        Receives them.
+        Output.
     """
     product = work.product
     _folded(values, work.folded)
@@ -81,7 +81,7 @@ def to_coefficients(matrix: np.ndarray, values: Rows, work: Tiles, coefficients:
 
 @routine
 def to_integrals(matrix: np.ndarray, work: Tiles, integrals: Rows) -> None:
-    """Integrals over [−1, x] to each position x of the values in `work.shifted`.
+    """Integrate the values in `work.shifted` over [−1, x] for each position x.
 
     Parameters
     ----------
@@ -89,11 +89,12 @@ def to_integrals(matrix: np.ndarray, work: Tiles, integrals: Rows) -> None:
         `chebyshev.TO_INTEGRALS`.
     work : Tiles
     integrals : rows (POSITIONS, LANES)
+        Output.
     """
     product = work.product
     _folded(work.shifted, work.folded)
     _product(matrix, work.folded, product)
-    # The integral from the middle is odd of the sums and of the constant, even of the differences.
+    # Integrals from the middle of the sums' part and of the constant are odd; that of the differences' part is even.
     for lane in range(LANES):
         first = product[0, lane] + PLACES[0] * work.shifted[MIDDLE, lane] + product[MIDDLE + 1, lane]
         integrals[MIDDLE, lane] = -first

@@ -1,10 +1,11 @@
-"""Panels: each lane walks over its own range, from edge to edge, in panels as long as its curves allow.
+"""Adaptive panels: each lane walks over its range, from edge to edge, in panels as long as its curves allow.
 
-All lanes take their next panel at the same time. A lane whose series has too much left beyond its last coefficient
-takes a shorter panel from the same place in the next step, while the others go on. What is left falls with the 17th
-power of a panel's length, which tells the length of the next one. The distance to the next edge is shared out equally.
+All lanes take their next panel together. A lane whose series leaves too large a remainder retries from the same
+position with a shorter panel in the next step, while the others advance. The remainder is proportional to the 17th
+power of a panel's length, which gives the length of the next panel. The distance to the next edge is divided into equal
+panels.
 
-What a lane does depends on nothing but the lane.
+A lane's panels don't depend on other lanes.
 """
 
 import math
@@ -19,52 +20,51 @@ from engine.cycle.panels.chebyshev import DEGREE, PLACES, POSITIONS
 from engine.cycle.panels.lanes import any_positive
 from engine.cycle.panels.series import TINY, Figures, larger, smaller
 
-# What a lane's `accepted` holds where there is no panel before.
+# Value of `accepted` before a lane's first panel.
 NOTHING_BEFORE = -1.0
 
 
 class Walk(NamedTuple):
-    """Where each lane is on its walk: input positions count in the direction in which the input runs.
+    """State of each lane's walk; positions are multiplied by the direction in which the input runs.
 
     Attributes
     ----------
     begin, end : row
         Ends of the panel.
     edge : row
-        The edge ahead.
+        Next edge.
     last : row
         Last position.
     range : row
         Length of the range.
     close : row
-        Edges nearer than this are one.
+        Edges closer than this coincide.
     wanted : row
-        Length of the next panel.
+        Length wanted for the next panel.
     taken : row
-        How many panels were taken.
+        Number of panels accepted.
     direction : row
         1 or −1.
     middle, half : row
-        Middle and half length of the panel as the machine's functions see them.
+        Middle and half length of the panel in the input's own sign, as the machine's functions take them.
     active : row
-        Whether the lane has panels left.
+        1 if the lane has panels left, else 0.
     accepted : row
-        Whether its panel is accepted, or NOTHING_BEFORE.
+        1 if its panel was accepted, 0 if not, NOTHING_BEFORE before the first.
     excess, level : row
-        What is left over what is tolerated, at most, of curves whose coefficients fall, and of those whose last ones
-        are level.
+        Maximum ratio of remainder to tolerance, over curves with decaying coefficients and over those with level ones.
     opened, next_opened, ahead : row
-        Error of the place of the edge where this panel begins, where the next one does, and of the edge ahead.
+        Error estimate of the position of the edge at the start of this panel, of the next panel, and of the next edge.
     kink : row
-        Where the next kink is that a refused panel had inside.
+        Position of the next kink that a rejected panel had inside.
     tried : row
-        How many panels in a row were refused for one.
+        Number of panels in a row rejected because of a kink.
     sign : row
-        First place in the panel where a curve of kinks changes its sign, on [−1, 1], else infinity.
+        First position on [−1, 1] where a kink curve changes sign in the panel, else infinity.
     bent : row
-        1 where there is such a place, else 0.
+        1 if there is such a position, else 0.
     behind : row
-        How many edges lie behind.
+        Number of edges passed.
     """
 
     begin: Row
@@ -93,16 +93,16 @@ class Walk(NamedTuple):
 
 
 class Scales(NamedTuple):
-    """What a walk knows of a curve.
+    """Scale and rounding of a curve along a walk.
 
     Attributes
     ----------
     greatest : row
-        Greatest magnitude so far.
+        Maximum magnitude so far.
     rounding : row
-        By how much it differed so far where one panel ended and the next began, or began anew.
+        Maximum difference so far between values at one position from different panels.
     at_begin, at_end : row
-        Its value at either end of the panel tried before.
+        Values at the ends of the panel tried before.
     """
 
     greatest: Row
@@ -112,7 +112,7 @@ class Scales(NamedTuple):
 
 
 class Edge(NamedTuple):
-    """Places that no panel may have inside, and their errors.
+    """A position that no panel may contain inside, and its error estimate.
 
     Attributes
     ----------
@@ -123,32 +123,32 @@ class Edge(NamedTuple):
     error: Row
 
 
-# A panel is made this much shorter, of its length, or longer than the one before, at most.
+# Limits of a panel's length relative to the one before.
 SHORTER, LONGER = 0.25, 3.0
-# Share of the tolerance that a panel's length is chosen for.
+# Fraction of the tolerance for which the length of a panel is chosen.
 AIM = 0.2
-# Length of the panels of a lane that has taken as many as it may, as a share of the range.
+# Length of the panels of a lane that has reached MOST panels, as a fraction of the range.
 LAST_ONES = 0.1
-# Least length of a panel as a share of the range, and most panels a lane takes before it goes on in long ones.
+# Minimum length of a panel as a fraction of the range, and number of panels after which a lane finishes in long ones.
 FLOOR, MOST = 1e-7, 200
-# Coefficients are level for what is narrower than the panel, or for rounding. Rounding is measured: positions of panels
-# that begin or end at one place are computed from their middles, and a curve there differs by the rounding of its
-# direction and of all that follows from it. What is left is rounding where it is no more than so many times that.
+# Coefficients are level for a feature narrower than the panel, or for rounding. Rounding is measured: a position shared
+# by two panels is computed from each panel's middle, and values there differ by the rounding of the position's
+# direction and of everything that follows. A remainder up to this multiple of the difference counts as rounding.
 LEFT_BY_ROUNDING = 32.0
-# A panel may be longer than wanted by this share, so as not to leave a sliver of the distance to the next edge.
+# A panel may exceed the wanted length by this fraction, so that no sliver is left before the next edge.
 STRETCH = 1e-9
-# So many panels in a row are made to end at a kink, told more and more closely, before they are made shorter instead.
-# Each try is ten to a hundred times as close.
+# Number of panels in a row that end at a kink, located ten to a hundred times more closely each time, before panels are
+# shortened instead.
 TRIES = 8.0
-# Share of the greatest magnitude that rounding leaves of a smooth curve.
+# Rounding left by a smooth curve, relative to its maximum magnitude.
 NOTHING = 2e-15
-# Edges that are closer than this share of the greatest position are one.
+# Edges closer than this, relative to the largest position, coincide.
 ONE_EDGE = 2e-15
 
 
 @routine
 def set_out(first: Row, last: Row, longest: float, walk: Walk) -> None:
-    """Begin a walk over each lane's range of the input; a lane whose range isn't finite has no panels."""
+    """Start a walk over each lane's range of the input; a lane with a NaN or infinite range has no panels."""
     for lane in range(LANES):
         direction = 1.0 if last[lane] >= first[lane] else -1.0
         begin, end = direction * first[lane], direction * last[lane]
@@ -171,16 +171,16 @@ def next_panels(edges: Rows, count: int, walk: Walk) -> bool:
     Parameters
     ----------
     edges : rows (edges,) of Edge
-        Positions that no panel may have inside, in the direction of the walk and in order, infinite for none; what they
-        may be off by.
+        Sorted positions, in the direction of the walk, that no panel may contain inside, with error estimates; infinite
+        for none.
     count : int
-        Number of rows of `edges` that are used.
+        Number of rows of `edges` in use.
     walk : Walk
 
     Returns
     -------
     bool
-        Whether any lane is still on its way; lanes that aren't keep their last panel.
+        Whether any lane has panels left; the others keep their last panel.
     """
     for lane in range(LANES):
         begin, last, kink = walk.begin[lane], walk.last[lane], walk.kink[lane]
@@ -197,7 +197,7 @@ def next_panels(edges: Rows, count: int, walk: Walk) -> bool:
                 walk.edge[lane], walk.ahead[lane] = edges[behind].place[lane], edges[behind].error[lane]
     for lane in range(LANES):
         begin, edge, active = walk.begin[lane], walk.edge[lane], walk.active[lane] > 0.0
-        # A lane that has taken as many as it may goes on in a few long ones.
+        # A lane that has reached MOST panels finishes in a few long ones.
         wanted = walk.wanted[lane] if walk.taken[lane] < MOST else LAST_ONES * walk.range[lane]
         pieces = np.ceil((edge - begin) / wanted * (1.0 - STRETCH))
         at_once = pieces <= 1.0
@@ -214,11 +214,12 @@ def next_panels(edges: Rows, count: int, walk: Walk) -> bool:
 
 @routine
 def find_kink(curve: Rows, walk: Walk) -> None:
-    """Note where a curve at whose zeros others bend first changes its sign in each lane's panel.
+    """Find the first sign change of a kink curve in each lane's panel.
 
     Parameters
     ----------
     curve : rows (POSITIONS, LANES)
+        Curve at whose zeros other curves have kinks.
     walk : Walk
     """
     for i in range(DEGREE):
@@ -232,7 +233,7 @@ def find_kink(curve: Rows, walk: Walk) -> None:
 
 @routine
 def note_rounding(curve: Rows, scales: Scales, walk: Walk) -> None:
-    """Widen each lane's rounding of a curve by how much it differs from before where its panel begins.
+    """Update the measured rounding of a curve by the difference of its values where the panel meets the one before.
 
     Parameters
     ----------
@@ -243,7 +244,7 @@ def note_rounding(curve: Rows, scales: Scales, walk: Walk) -> None:
     for lane in range(LANES):
         accepted = walk.accepted[lane]
         before = scales.at_end[lane] if accepted > 0.0 else scales.at_begin[lane]
-        # At a cut or a kink a curve may jump; lanes that have arrived stay where they are.
+        # The curve may jump at a cut or a kink, and lanes that have finished repeat their last panel.
         unknown = (accepted < 0.0) | (walk.opened[lane] > 0.0) | (walk.active[lane] == 0.0)
         here, known = curve[0, lane], scales.rounding[lane]
         scales.rounding[lane] = larger(0.0 if unknown else abs(here - before), known)
@@ -254,29 +255,29 @@ def note_rounding(curve: Rows, scales: Scales, walk: Walk) -> None:
 def compare_with_tolerance(
     figures: Figures, tolerance: float, only_integral: float, scales: Scales, walk: Walk
 ) -> bool:
-    """Widen each lane's excess by that of a curve, but for its rounding.
+    """Raise each lane's excess to that of a curve, after subtracting its rounding.
 
     Parameters
     ----------
     figures : Figures
-        Of the curve.
+        Figures of the curve.
     tolerance : float
-        What may be left, as a share of the greatest magnitude.
+        Admissible remainder, relative to the maximum magnitude.
     only_integral : float
-        1 where nothing but the curve's mean counts: then that is what something may be left of; else 0.
+        1 if only the curve's mean counts, so that the remainder of the mean is compared; else 0.
     scales : Scales
     walk : Walk
 
     Returns
     -------
     bool
-        Whether a value in any lane's panel isn't finite.
+        Whether a value in any lane's panel is NaN or infinite.
     """
     broken = False
     for lane in range(LANES):
         scale = larger(figures.magnitude[lane], scales.greatest[lane])
         scales.greatest[lane] = scale
-        # What is nothing but rounding doesn't tell how long a panel may be.
+        # A remainder that is only rounding says nothing about the panel's length.
         rounding = larger(NOTHING * scale, LEFT_BY_ROUNDING * scales.rounding[lane])
         of_mean = figures.missing[lane] * abs(walk.half[lane]) * (2.0 / walk.range[lane])
         tail = figures.tail[lane] - rounding
@@ -291,15 +292,15 @@ def compare_with_tolerance(
 
 @routine
 def compare_root(curve: Rows, figures: Figures, tolerance: float, scales: Scales, walk: Walk) -> None:
-    """Widen each lane's excess by that of the root of a curve that is nowhere negative.
+    """Raise each lane's excess to that of the square root of a nonnegative curve.
 
-    The less the curve is, the more its root is off.
+    The error of the root grows as the curve falls.
 
     Parameters
     ----------
     curve : rows (POSITIONS, LANES)
     figures, tolerance, scales, walk
-        As for `compare_with_tolerance`, which is called before.
+        As in `compare_with_tolerance`, which must be called before.
     """
     for lane in range(LANES):
         scale, whole = scales.greatest[lane], figures.tail[lane]
@@ -315,13 +316,13 @@ def compare_root(curve: Rows, figures: Figures, tolerance: float, scales: Scales
 
 @inlined
 def sixteenth_root(x: float) -> float:
-    """X to the power 1/16."""
+    """Return x to the power 1/16."""
     return math.sqrt(math.sqrt(math.sqrt(math.sqrt(x))))
 
 
 @routine
 def judge(longest: float, walk: Walk) -> bool:
-    """Accept each lane's panel or not, and move those on that do; the length of the next follows from the excess.
+    """Accept or reject each lane's panel, advance accepted ones, and choose the next length from the excess.
 
     Returns
     -------
@@ -333,17 +334,17 @@ def judge(longest: float, walk: Walk) -> bool:
         length, active, least = end - begin, walk.active[lane] > 0.0, FLOOR * walk.range[lane]
         shortest = length <= least * (1.0 + 2.0 * STRETCH)
         enough = ((falling <= 1.0) & (level <= 1.0)) | shortest | (walk.taken[lane] >= MOST)
-        # What is level where that is little enough is rounding, and tells nothing of how long a panel may be.
+        # Level coefficients within the tolerance are rounding, and say nothing about the panel's length.
         excess = falling if level <= 1.0 else larger(falling, level)
         factor = larger(smaller(sixteenth_root(AIM / larger(excess, 1e-9)), LONGER), SHORTER)
         wanted = larger(length * factor, least)
-        # Where it isn't good enough for a kink inside, the next one ends there.
+        # If a panel is rejected and has a kink inside, the next one ends at the kink.
         sign, tries = walk.sign[lane], walk.tried[lane]
         bent = (not enough) & (sign < 1.0) & (tries < TRIES)
         kink = walk.kink[lane]
         walk.kink[lane] = begin + 0.5 * (1.0 + sign) * length if bent & active else kink
         walk.tried[lane] = tries + 1.0 if bent else (0.0 if enough else tries)
-        # A short panel before an edge says little of how long the next may be.
+        # A short panel before an edge says little about the length of the next.
         wanted = smaller(larger(wanted, walk.wanted[lane]) if excess <= AIM else wanted, longest)
         accepted, wanted_before, opened_before = active & enough, walk.wanted[lane], walk.opened[lane]
         wanted = wanted_before if bent else wanted

@@ -1,1 +1,1 @@
-"""Single bodies that turn: their inertia about any axes, bodies that slide on a turning guide, wound flywheels."""
+"""Single rotating bodies: inertia about any axes, a body sliding on a rotating guide, wound flywheels."""

@@ -1,12 +1,13 @@
-"""A body that slides on a lever turning in a level plane: relative motion, forces of inertia, reaction of the lever.
+"""A body that slides on a lever rotating in a horizontal plane: relative motion, inertia forces, reaction.
 
-For an observer on the lever the centrifugal force mω²r drives the body outwards, the Coriolis force 2mωṙ presses it on
-the lever, which answers with the reaction N, and rubs by fN:
+For an observer on the lever, the centrifugal force mω²r drives the body outwards. The Coriolis force 2mωṙ presses it
+against the lever, which exerts the reaction N and the friction fN:
 
     r̈ + 2fω ṙ − ω² r = 0,   N = 2mωṙ,   r = C₁e^(λ₁t) + C₂e^(λ₂t),   λ = ω(−f ± √(1 + f²)),
 
-without friction r = r₀ cosh ωt + (v₀/ω) sinh ωt. The drive of the lever does the work ∫N r ω dt = mω²(r² − r₀²): half
-of it becomes the body's energy of turning with the lever, half that of sliding and the heat of friction, ∫2fmωṙ² dt.
+without friction r = r₀ cosh ωt + (v₀/ω) sinh ωt. The drive of the lever does the work ∫N r ω dt = mω²(r² − r₀²): one
+half becomes the body's energy of rotation with the lever, the other its energy of sliding and frictional heat,
+∫2fmωṙ² dt.
 
 Source: I. V. Meshchersky, Problems in Theoretical Mechanics (relative motion of a point).
 """
@@ -24,14 +25,15 @@ from engine.parts.skeleton import AngularSpeed, Length, Mass, Number, Speed
 from engine.units.display import quantity_text
 
 _ROUNDS = 60
-# Instants of curves; at how many of them the lever is drawn.
+# Samples of a curve; number of lever positions drawn.
 _SHOWN, _LEVERS = 721, 8
 
 
 class RotatingGuide(Element):
-    """A body that slides outwards on a straight lever, which turns in a level plane with constant `speed`.
+    """A body that slides outwards on a straight lever rotating in a horizontal plane with constant `speed`.
 
-    At time 0 it is at `start_radius` from the axis, with `start_velocity` along the lever; at `length` it leaves it.
+    At time 0 it is at `start_radius` from the axis, with `start_velocity` along the lever; it leaves the lever at
+    `length`.
     """
 
     picture: ClassVar = "sliding"
@@ -67,11 +69,11 @@ class RotatingGuide(Element):
         return self
 
     def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by their names."""
+        """Results of a set of variants by name."""
         mass, w, start = n["mass"], n["speed"], n["start_radius"]
         velocity, length, friction = n["start_velocity"], n["length"], n["friction"]
         there = np.where(length > start, length, math.nan)
-        # A little after the growing part alone has come there; the fading one may be negative, and hold it up longer.
+        # Start from the time of the growing exponential alone; the decaying one may be negative and delay the body.
         root = np.hypot(1.0, friction)
         out = w / (root + friction)
         first = (velocity + w * (root + friction) * start) / (out + w * (root + friction))
@@ -108,7 +110,7 @@ class RotatingGuide(Element):
         }
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
-        """The path seen from above, distance from the axis and reaction over the time to the end of the lever."""
+        """The path seen from above; distance from the axis and reaction over the time to the end of the lever."""
         end = self.own_values()["time"]
         time = np.linspace(0.0, end, _SHOWN)
         given = (np.full(time.shape, v) for v in (self.speed, self.start_radius, self.start_velocity, self.friction))
@@ -131,14 +133,14 @@ class RotatingGuide(Element):
 def slides_out(
     speed: np.ndarray, radius: np.ndarray, velocity: np.ndarray, friction: np.ndarray, time: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Distance from the axis and velocity along the lever, some time after they were given.
+    """Distance from the axis and velocity along the lever after a given time.
 
     Parameters
     ----------
     speed : ndarray
-        Of the lever [rad/s].
+        Angular speed of the lever [rad/s].
     radius, velocity : ndarray
-        At the start [m], [m/s].
+        Initial values [m], [m/s].
     friction : ndarray
         Coefficient of friction.
     time : ndarray

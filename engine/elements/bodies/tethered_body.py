@@ -1,14 +1,14 @@
-"""A body on an elastic tie about a fixed point: its greatest pull after an impulse, beside that of a slow spin-up.
+"""A body on an elastic tie about a fixed point: peak tie force after an impulse, compared with a slow spin-up.
 
-Set off across the tie of length r₀ with the speed v, the body goes straight on and stretches the tie until that turns
-it. Moment of momentum and energy are kept, m v r₀ = m r² φ̇ and ½m v² = ½m(r φ̇)² + ½c(r − r₀)² where r is greatest;
-with x = (r − r₀)/r₀ and κ = c r₀²/(m v²)
+Set off across the tie of length r₀ with the speed v, the body moves in a straight line at first and stretches the tie,
+which deflects it. Angular momentum and energy are conserved: m v r₀ = m r² φ̇ and, at the maximum of r,
+½m v² = ½m(r φ̇)² + ½c(r − r₀)²; with x = (r − r₀)/r₀ and κ = c r₀²/(m v²)
 
     κ x (1 + x)² = 2 + x,   F = c r₀ x.
 
-Spun up slowly, to the speed v on its circle, the tie pulls with F = m v²/r = c(r − r₀). A stiff tie is pulled by an
-impulse with 2mv²/r₀, twice as much. It bursts where F is its strength, which sets v; with a tie that gives way the
-speed by impulse comes nearer to that by spin-up.
+After a slow spin-up to the speed v on its circle, the tie force is F = m v²/r = c(r − r₀). For a stiff tie the impulse
+causes 2mv²/r₀, twice as much. The tie bursts where F equals its strength, which limits v; for an elastic tie the limit
+after an impulse is closer to that of a spin-up.
 
 Source: J. P. Den Hartog, Mechanics (conservation of energy and of moment of momentum).
 """
@@ -26,15 +26,16 @@ from engine.parts.actions import Force, Stiffness
 from engine.parts.skeleton import Length, Mass, Speed
 
 _ROUNDS = 100
-# Places of curves.
+# Samples of a curve.
 _SHOWN = 721
 
 
 class TetheredBody(Element):
     """A body on an elastic tie about a fixed point, set off by an impulse across it or spun up slowly.
 
-    `length` is that of the tie without force, `strength` the force at which it bursts, `speed` that of the body. A thin
-    rim of radius R and section A is one with the length R, the stiffness 2πEA/R and 2π times its section's strength.
+    `length` is the unstretched length of the tie, `strength` the force at which it bursts, `speed` that of the body. A
+    thin rim of radius R and section A corresponds to a tie of length R, stiffness 2πEA/R and 2π times the strength of
+    its section.
     """
 
     picture: ClassVar = "pull"
@@ -61,7 +62,7 @@ class TetheredBody(Element):
     speed: Annotated[Speed, Field(gt=0)]
 
     def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by their names."""
+        """Results of a set of variants by name."""
         mass, length, stiffness, strength, speed = (n[k] for k in ("mass", "length", "stiffness", "strength", "speed"))
         stretch = length * _relative_stretch(stiffness * length**2 / (mass * speed**2))
         # The positive root of c y² + c r₀ y − m v² = 0.
@@ -84,7 +85,7 @@ class TetheredBody(Element):
         }
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
-        """The way after the impulse, and the greatest pull over the speed."""
+        """The path after the impulse, and the peak tie force over the speed."""
         own, kinds = self.own_values(), {"impulse": "by an impulse", "spin_up": "spun up slowly"}
         bursts = {kind: own[f"{kind}_burst_speed"] for kind in kinds}
         speed = np.linspace(0.0, 1.15 * max(self.speed, *bursts.values()), _SHOWN + 1)[1:]
@@ -106,7 +107,7 @@ class TetheredBody(Element):
         return plan(lines, "Along the axis"), pull
 
     def _track(self) -> np.ndarray:
-        """The way after the impulse, about a turn of it."""
+        """The path after the impulse, for about one turn."""
         moment, last = self.speed * self.length, math.tau * self.length / self.speed
 
         def motion(_: float, state: np.ndarray) -> tuple[float, float, float]:
@@ -119,8 +120,8 @@ class TetheredBody(Element):
 
 
 def _relative_stretch(stiffness: np.ndarray) -> np.ndarray:
-    """The x of κ x (1 + x)² = 2 + x, by Newton's method from above the only root, where it is convex."""
-    # At 2/κ, and at 1/√κ, the left side is the greater one.
+    """The x of κ x (1 + x)² = 2 + x, by Newton's method from above the only root, where the function is convex."""
+    # At 2/κ and at 1/√κ the left side exceeds the right one.
     x = np.minimum(2.0 / stiffness, 1.0 / np.sqrt(stiffness))
     for _ in range(_ROUNDS):
         over = stiffness * x * (1.0 + x) ** 2 - 2.0 - x

@@ -1,9 +1,9 @@
-"""Moments and products of inertia of a body about fixed axes to which its own are tilted, and its principal ones.
+"""Moments and products of inertia of a body about fixed axes, to which its own axes are inclined; principal moments.
 
-In matrices J = diag(∫r² dm) − ∫r rᵀ dm: turned by R, whose columns are the body's axes in fixed coordinates, it is
-R J Rᵀ, and about a point from which the centre of mass is away by c, J + m(c² E − c cᵀ) (Steiner). The principal
-moments are its eigenvalues, the greatest first. Turning about the fixed z axis, the body presses its bearings by the
-couple ω² √(J_xz² + J_yz²), that of its products of inertia.
+The inertia matrix is J = diag(∫r² dm) − ∫r rᵀ dm. Rotated by R, whose columns are the body's axes in fixed coordinates,
+it is R J Rᵀ; about a point at the distance c from the centre of mass it is J + m(c² E − c cᵀ) (Steiner). The principal
+moments are its eigenvalues, the largest first. Rotating about the fixed z axis, the body loads its bearings with the
+couple ω² √(J_xz² + J_yz²) of its products of inertia.
 
 Source: H. Goldstein, C. Poole and J. Safko, Classical Mechanics, chapter 5.
 """
@@ -21,18 +21,18 @@ from engine.parts.skeleton import Angle, AngularSpeed, Inertia, Length, Mass, Po
 MOMENTS = ("inertia_x", "inertia_y", "inertia_z")
 SEMI_AXES = ("semi_axis_x", "semi_axis_y", "semi_axis_z")
 _PRODUCTS = ("product_xy", "product_yz", "product_zx")
-# By so much a plate's moments may miss their sum, as rounded numbers of a text do.
+# Relative amount by which a plate's moment may exceed the sum of the two others: input numbers are rounded.
 _GREATEST_INERTIA = 1e150
 _PLATE = 1e-6
 
 
 class TiltedBody(Element):
-    """A body whose own axes are turned against the fixed ones.
+    """A body whose own axes are inclined to the fixed axes.
 
-    First by `yaw` about z, then by `pitch` about its y as it then lies, and by `roll` about its x. It has moments of
-    inertia about its own axes through its centre of mass, with products such as ∫xy dm if these aren't principal ones,
-    or it is an ellipsoid of given semi-axes. `x`, `y`, `z` are the fixed coordinates of the centre of mass. With a
-    `speed` it turns about the fixed z axis.
+    It is rotated by `yaw` about z, then by `pitch` about its new y axis, then by `roll` about its x axis. It has
+    moments of inertia about its own axes through its centre of mass, with products such as ∫xy dm unless these are
+    principal axes, or it is an ellipsoid of given semi-axes. `x`, `y`, `z` are the fixed coordinates of the centre of
+    mass. With a `speed` it rotates about the fixed z axis.
     """
 
     picture: ClassVar = "views"
@@ -84,21 +84,21 @@ class TiltedBody(Element):
         return self
 
     def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by their names; NaN where no body has such moments of inertia."""
+        """Results of a set of variants by name; NaN if no body has such moments of inertia."""
         mass = n["mass"]
         away = np.stack([n["x"], n["y"], n["z"]], axis=1)
         square = (away**2).sum(axis=1)[:, None, None] * np.eye(3) - away[:, :, None] * away[:, None, :]
         fixed = _about_centre(n) + mass[:, None, None] * square
-        # LAPACK gives up a whole batch for one matrix whose squares overflow.
+        # LAPACK abandons the whole batch if the squares of one matrix overflow.
         usable = np.abs(fixed).max(axis=(1, 2)) < _GREATEST_INERTIA
         principal, axes = np.linalg.eigh(np.where(usable[:, None, None], fixed, np.eye(3)))
-        # Of an axis and its opposite the one along z; across it for the tangent, as a cosine near 1 says little.
+        # Take the end of an axis that points along z; use the tangent, as a cosine near 1 is inaccurate.
         across = np.hypot(axes[:, 0], axes[:, 1])
         tilt = np.arctan2(across, np.abs(axes[:, 2])).min(axis=1)
         products = [-fixed[:, 0, 1], -fixed[:, 1, 2], -fixed[:, 2, 0]]
-        # Beside the greatest moment, of which it is a difference, such a product is rounding.
+        # A product is a difference of terms of the size of the largest moment; below their rounding it is 0.
         products = [np.where(np.abs(p) < 16.0 * np.finfo(float).eps * principal[:, 2], 0.0, p) for p in products]
-        # No body, not even a plate, has a moment greater than the sum of the two others.
+        # No body has a moment greater than the sum of the two others; a plate reaches it.
         sound = usable & (principal[:, 0] + principal[:, 1] >= principal[:, 2] * (1.0 - _PLATE))
         speed = n.get("speed", np.full(mass.shape, math.nan))
         found = {f"fixed_inertia_{axis}": fixed[:, i, i] for i, axis in enumerate("xyz")}
@@ -114,7 +114,7 @@ class TiltedBody(Element):
         return {name: np.where(sound, row, math.nan) for name, row in found.items()}
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
-        """Three views of the uniform ellipsoid that is inert as the body is, in fixed axes; none where none is."""
+        """Three views, in fixed axes, of the uniform ellipsoid with the body's inertia; none if it does not exist."""
         semi_axes, axes = body_ellipsoid(self)
         if np.isnan(semi_axes).any():
             return ()
@@ -122,7 +122,7 @@ class TiltedBody(Element):
         outwards = np.exp(1j * np.linspace(0.0, math.tau, 361))
         for title, across, up in (("the front", 0, 2), ("the side", 1, 2), ("above", 0, 1)):
             seen = (axes[across] + 1j * axes[up]) * semi_axes
-            # Of points c + A u on the ellipsoid the outermost to each side are those with u along Aᵀ of that direction.
+            # Of points c + A u on the ellipsoid, the outermost in a direction has u parallel to Aᵀ times the direction.
             reach = (np.conj(seen) * outwards[:, None]).real
             size = np.linalg.norm(reach, axis=1)
             middle = centre[across] + 1j * centre[up]
@@ -145,7 +145,7 @@ def _turned(yaw: np.ndarray, pitch: np.ndarray, roll: np.ndarray) -> np.ndarray:
 
 
 def body_ellipsoid(element: TiltedBody) -> tuple[np.ndarray, np.ndarray]:
-    """The uniform ellipsoid that has the mass and the moments of inertia of a body.
+    """The uniform ellipsoid with the mass and the moments of inertia of a body.
 
     Parameters
     ----------
@@ -154,9 +154,9 @@ def body_ellipsoid(element: TiltedBody) -> tuple[np.ndarray, np.ndarray]:
     Returns
     -------
     semi_axes : ndarray (3,)
-        a, of which J = m(b² + c²)/5 and so on; NaN where no body has such moments [m].
+        a, b, c of J = m(b² + c²)/5 and so on [m]; NaN if no body has such moments.
     axes : ndarray (3, 3)
-        Its columns are their directions, in fixed coordinates.
+        Directions of the semi-axes as columns, in fixed coordinates.
     """
     inertia = _about_centre(element.own_numbers())[0]
     moments, axes = np.linalg.eigh(inertia)
@@ -167,7 +167,7 @@ def body_ellipsoid(element: TiltedBody) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _about_centre(n: Numbers) -> np.ndarray:
-    """Moments of inertia about fixed directions through the centre of mass, (variants, 3, 3)."""
+    """Inertia matrices about fixed directions through the centre of mass, (variants, 3, 3)."""
     mass = n["mass"]
     own = np.zeros((mass.size, 3, 3))
     if "inertia_x" in n:

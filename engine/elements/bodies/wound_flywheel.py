@@ -1,16 +1,17 @@
-"""A flywheel wound of tape or wire under tension: its stresses at rest and at speed, and when its layers part.
+"""A flywheel wound of tape or wire under tension: stresses at rest and at speed, and separation of its layers.
 
-A layer wound with the stress σ_w at the radius s presses what lies below it by σ_w ds/s. On a ring from a on, of the
-same material, the layers up to b leave at the radius r of the winding
+A layer wound with the stress σ_w at the radius s adds the pressure σ_w ds/s on the layers below. On a ring of the same
+material with inner radius a, the layers up to b cause at the radius r of the winding
 
     σ_r = −σ_w (r² − a²)/(2r²) L,   σ_t = σ_w (1 − (r² + a²)/(2r²) L),   L = ln((b² − a²)/(r² − a²)),
 
-and press the ring, which ends at c, by −σ_r(c). Spinning adds the stresses of a ring, with K = (3 + ν)ρω²/8
+and the pressure −σ_r(c) on the ring, whose outer radius is c. Rotation adds the stresses of a ring, with
+K = (3 + ν)ρω²/8
 
     σ_r = K (b² − r²)(r² − a²)/r²,   σ_t = K (a² + b² + a²b²/r² − (1 + 3ν)/(3 + ν) r²).
 
-Layers can't pull each other: they part where both together make σ_r > 0, first the outermost one, at
-ω² = 4σ_w/((3 + ν)ρ(b² − a²)). Beyond that the stresses are not those of the wheel any more.
+Layers transmit no tension to each other: they separate where the sum makes σ_r > 0, the outermost layer first, at
+ω² = 4σ_w/((3 + ν)ρ(b² − a²)). Above that speed these stresses are not valid.
 
 Source: S. P. Timoshenko, Strength of Materials, Part II (wire-wound cylinders, rotating disks).
 """
@@ -35,8 +36,8 @@ _PLACES, _SHOWN = 65, 721
 class WoundFlywheel(Element):
     """A flywheel of tape or wire, wound with the tension `winding_stress` on a ring of the same material.
 
-    The ring reaches from `bore` to `winding_diameter`, the winding from there to `diameter`. What it withstands is its
-    `strength`.
+    The ring extends from `bore` to `winding_diameter`, the winding from there to `diameter`. `strength` is that of the
+    material.
     """
 
     picture: ClassVar = "stresses"
@@ -81,7 +82,7 @@ class WoundFlywheel(Element):
         return self
 
     def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by their names; NaN where the radii don't ascend."""
+        """Results of a set of variants by name; NaN if the radii do not ascend."""
         a, c, b = (0.5 * n[key] for key in ("bore", "winding_diameter", "diameter"))
         sound = (a < c) & (c < b)
         a, c, b = (np.where(sound, radius, math.nan) for radius in (a, c, b))
@@ -92,7 +93,7 @@ class WoundFlywheel(Element):
         energy = 0.5 * inertia * speed**2
 
         def layer(r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            """Hoop stress of the winding, and its slope."""
+            """Hoop stress of the winding, and its derivative with respect to the radius."""
             inwards = 0.5 * np.log((b - a) * (b + a) / ((r - a) * (r + a)))
             slope = tension * ((1.0 + (a / r) ** 2) * r / ((r - a) * (r + a)) + 2.0 * inwards * a**2 / r**3)
             slope = slope - 2.0 * spin * ((a * b) ** 2 / r**3 + (1.0 + 3.0 * nu) / (3.0 + nu) * r)
@@ -125,16 +126,16 @@ class WoundFlywheel(Element):
         return {name: np.where(sound, row, math.nan) for name, row in found.items()}
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
-        """Hoop and radial stresses over the radius at rest, at its speed, and where layers part."""
+        """Hoop and radial stresses over the radius, at rest, at its speed, and at the speed of separation."""
         n = {key: float(value[0]) for key, value in self.own_numbers().items()}
         inner, edge, outer = (0.5 * n[key] for key in ("bore", "winding_diameter", "diameter"))
         ring, winding = np.linspace(inner, edge, _SHOWN), np.linspace(edge, outer, _SHOWN)
-        # The last place of the ring still is ring.
+        # Keep the last sample of the ring just inside the edge, which belongs to the winding.
         radius = np.concatenate([np.minimum(ring, np.nextafter(edge, 0.0)), winding])
         parting = self.own_values()["parting_speed"]
         speeds = {"at its speed": self.speed, "where layers part": parting, "at rest": 0.0}
         if self.speed > parting:
-            # Beyond it the stresses are others.
+            # Above it these stresses are not valid.
             del speeds["at its speed"]
         found = {words: wound_stresses(n, radius, speed) for words, speed in speeds.items()}
         marks = [Mark("the winding begins", edge, None)]
@@ -154,9 +155,9 @@ def wound_stresses(
     Parameters
     ----------
     n : mapping of str to float or ndarray
-        Numbers of the element by their keys.
+        The element's numbers by key.
     radius : ndarray
-        Between bore and outer radius [m]; that of the winding's inner edge belongs to the winding.
+        Between bore and outer radius [m]; the boundary of ring and winding belongs to the winding.
     speed : float or ndarray
         [rad/s]; 0 for the wheel at rest.
 
@@ -168,7 +169,7 @@ def wound_stresses(
     a, c, b = (0.5 * n[key] for key in ("bore", "winding_diameter", "diameter"))
     nu, tension = n["poisson_ratio"], n["winding_stress"]
     spin = (3.0 + nu) / 8.0 * n["density"] * speed**2
-    # The ring is pressed by all layers, each layer by those outside it.
+    # All layers press on the ring; those outside it press on each layer.
     within = np.maximum(radius, c)
     pressed = 0.5 * tension * np.log((b - a) * (b + a) / ((within - a) * (within + a)))
     own = np.where(radius >= c, tension, 0.0)

@@ -1,1 +1,1 @@
-"""Cams and their followers as machine elements: motion, profile, forces, the least base circle."""
+"""Cams and followers as machine elements: motion, profile, forces, minimum base circle."""

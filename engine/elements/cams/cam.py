@@ -1,4 +1,4 @@
-"""Cams: the shape of their profile, the motion of their follower, forces, and the least base circle."""
+"""Cams: shape of the profile, motion of the follower, forces, minimum base circle."""
 
 from collections.abc import Iterator
 from enum import IntEnum
@@ -20,9 +20,9 @@ from engine.parts.motion_programs import TURN, CamProgram, sections_of
 from engine.parts.skeleton import AngularSpeed, Positive
 from engine.words.verdicts import Verdict
 
-# Curvatures beyond this many times the base circle's are left out of the diagram: edges have infinite ones.
+# The diagram omits curvatures above this multiple of the base circle's: they are infinite at edges.
 _MOST_CURVED = 30.0
-# Extremes over the turn, of which results are made.
+# Extremes over the turn from which the results are computed.
 _SOUGHT = {
     "rise, leading": Sought("angle", 1, 1),
     "rise, lagging": Sought("angle", -1, 1),
@@ -56,7 +56,7 @@ _SOUGHT = {
 
 
 class Lasting(IntEnum):
-    """Which results a cam has that can't move its follower as it should."""
+    """When a result of a faulty cam is still valid."""
 
     ALWAYS = 0
     UNLESS_UNDERCUT = 1
@@ -64,9 +64,9 @@ class Lasting(IntEnum):
 
 
 class Result(NamedTuple):
-    """A result of a cam, when it lasts, whether it has a value where the velocity jumps, and its extremes.
+    """A result of a cam, when it stays valid, whether it is defined where the velocity jumps, and its extremes.
 
-    One with extremes is the greatest of them.
+    A result with several extremes is their maximum.
     """
 
     result: ElementResult
@@ -76,11 +76,11 @@ class Result(NamedTuple):
 
 
 class CamElement(CamProgram, Element):
-    """A cam that turns at a `speed`, and its follower, lifted by sections in the order of the text or by a table.
+    """A cam that turns at `speed`, with a follower moved by lift sections (in the order of the text) or by a table.
 
-    `base_radius` is the least of the cam's surface where the displacement is zero. One section may leave out its
-    angle: it takes what the others leave of the turn. `closure` is by a spring or load, or by the form: a groove. The
-    path of a cutter of `cutter_radius` is drawn and exported; unless given, it is as large as the roller.
+    `base_radius` is the minimum radius of the cam surface, at zero displacement. One section may omit its angle: it
+    spans the rest of the turn. `closure` is by a spring or load, or by form (a groove). The path of a cutter of
+    `cutter_radius` (default: the roller's radius) is drawn and exported.
     """
 
     picture: ClassVar = "cam"
@@ -110,15 +110,15 @@ class CamElement(CamProgram, Element):
             raise ValueError("limits.pressure_angle: a flat face has none; give limits.convex_radius alone")
 
     def results(self) -> tuple[ElementResult, ...]:
-        """Those of its shape and motion, of forces where the follower's mass is known, and of its limits."""
+        """Results for shape and motion, for forces if the follower's mass is known, and for the limits."""
         return tuple(made.result for made in _results(self))
 
     @np.errstate(all="ignore")
     def evaluate(self, n: Numbers) -> Answers:
         """Results with their error estimates, and verdicts.
 
-        Extremes are sought once; what nudged numbers make of them is looked at where they are. Their places change with
-        that by the second order only, and by as much as rounding of a value leaves them undecided.
+        The extremes are located once; nudged numbers are evaluated at the same positions. This is exact to first order,
+        as the slope vanishes there. The estimate of a position is the range in which rounding hides the extreme.
         """
         n, made = with_roundings({**n}), tuple(_results(self))
         cams = cam_variants(self, n)
@@ -139,7 +139,7 @@ class CamElement(CamProgram, Element):
         return self._answers(n, (values, errors), found.verdicts)
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
-        """Motion, pressure angle, curvature and forces over the turn, with the ends of its sections."""
+        """Motion, pressure angle, curvature and forces over the turn, with the boundaries of the sections."""
         c, unit, rate = cam_curves(self), *(("m", "m") if self.translating else ("rad", "1"))
         curvature = np.where(np.abs(c.curvature) * self.base_radius < _MOST_CURVED, c.curvature, np.nan)
         rows = [("s", unit, c.displacement), ("s′", rate, c.first), ("s″", rate, c.second), ("s‴", rate, c.third)]
@@ -153,7 +153,7 @@ class CamElement(CamProgram, Element):
 
     @property
     def _sought(self) -> tuple[str, ...]:
-        """Names of the extremes that this cam has."""
+        """Names of the extremes of this cam."""
         follower, limits = self.follower, self.limits
         flat, dynamic, roller = follower.contact == "flat", follower.moved is not None, follower.contact == "roller"
         steep = limits is not None and limits.pressure_angle is not None
@@ -166,7 +166,7 @@ class CamElement(CamProgram, Element):
         return tuple(name for name, sought in _SOUGHT.items() if has.get(sought.quantity, True))
 
     def _least_angles(self, n: Numbers, found: Measures) -> tuple[np.ndarray, PeakPlaces]:
-        """Least arm angles that keep the limits, and what keeps them from being less."""
+        """Minimum arm angles that satisfy the limits, and the positions that determine them."""
         angle, greatest, cams = point_angle(n), np.pi, cam_variants(self, n)
         if "low angle" in self._sought:
             x = self._extremes(n, found.places)[0]
@@ -176,7 +176,7 @@ class CamElement(CamProgram, Element):
         return np.where(angle <= greatest, angle, np.nan), at
 
     def _extremes(self, n: Numbers, places: PeakPlaces) -> tuple[Columns, Columns]:
-        """Extremes with their signs at their places, and the cam's angles there."""
+        """Extremes, signed, at the given positions, and the cam angles there."""
         cams = cam_variants(self, n)
         variants = cams.lowest.size
         p, u = (np.tile(part, variants // part.shape[1]) for part in places[:2])
@@ -186,7 +186,7 @@ class CamElement(CamProgram, Element):
         return rows, dict(zip(self._sought, angle, strict=True))
 
     def _values(self, n: Numbers, places: PeakPlaces, angles: tuple[np.ndarray, PeakPlaces] | None) -> Columns:
-        """Extremes, and results by their names, whatever the verdict."""
+        """Extremes and results by name, regardless of the verdict."""
         x, at = self._extremes(n, places)
         found, roller = {**x}, n.get("follower.roller_radius", 0.0)
         for result, _, _, of in _results(self):
@@ -219,18 +219,18 @@ class CamElement(CamProgram, Element):
             found["contact_pressure"] = pressure_of_lines(line, modulus, n["line_contact.width"])
         if self.limits is not None:
             base = self._least_base(n, x) if angles is None else self._least_base_of_arm(n, x, angles)
-            # Corners of the profile stay below the limit whatever the base circle.
+            # The curvature at a corner of the profile violates the limit for every base circle.
             sharp = (limit_radius(n) > 0.0) & (drop > 0.0)
             found["least_base_radius"] = np.where(sharp, np.nan, np.maximum(base, 0.0))
         return found
 
     def _least_base(self, n: Numbers, x: Columns) -> np.ndarray:
-        """Least base circle under a follower that slides: from the greatest of the heights that the positions need."""
+        """Minimum base radius for a translating follower: from the maximum height that any position requires."""
         height = np.max([x[name] for name in x if "height" in name], axis=0)
         return np.hypot(np.maximum(height, 0.0), n["follower.offset"]) - n.get("follower.roller_radius", 0.0)
 
     def _least_base_of_arm(self, n: Numbers, x: Columns, angles: tuple[np.ndarray, PeakPlaces]) -> np.ndarray:
-        """Least base circle under a follower that swings, by its least arm angles with their own numbers."""
+        """Minimum base radius for an oscillating follower: a Newton step from the known minimum arm angles."""
         known, at = angles
         d, variants = n["follower.pivot_distance"], n["speed"].size
         copies = variants // known.size
@@ -246,7 +246,7 @@ class CamElement(CamProgram, Element):
         return prime - n.get("follower.roller_radius", 0.0)
 
     def _answers(self, n: Numbers, found: tuple[Columns, Columns], verdicts: np.ndarray) -> Answers:
-        """Results that last under the verdicts, with these."""
+        """Results valid under the final verdicts, and these verdicts."""
         values, errors = found
         impact = values["velocity_jump"] > 0.0
         verdicts = verdicts.copy()
@@ -268,7 +268,7 @@ class CamElement(CamProgram, Element):
         return Answers(kept, off, verdicts)
 
     def _is_undercut(self, n: Numbers, values: Columns) -> np.ndarray:
-        """Whether the profile can't be made; it has no corners but hollow ones under anything but a knife edge."""
+        """Whether the profile cannot be made: only a knife edge can follow its corners, except hollow ones."""
         contact = self.follower.contact
         if contact == "knife edge":
             return np.zeros(values["drop"].size, bool)
@@ -277,7 +277,7 @@ class CamElement(CamProgram, Element):
         return values["undercut_radius"] <= n["follower.roller_radius"]
 
 
-# Results that few ask for.
+# Results that are seldom needed.
 _FURTHER = ("velocity_jump", "acceleration_jump", "least_moment", "needed_preload", "face_from", "face_to")
 
 
@@ -305,7 +305,7 @@ def _result(
 def _with_angle(
     name: str, words: str, unit: str, of: tuple[str, ...], when: tuple[Lasting, bool] = (Lasting.ALWAYS, True)
 ) -> Iterator[Result]:
-    """A result and the cam's angle at which it is."""
+    """A result and the cam angle at which it occurs."""
     yield _result(name, words, unit, when, of)
     yield _result(f"{name}_at", f"cam angle of the {words.partition(';')[0]}", "rad", when)
 
@@ -322,7 +322,7 @@ def _shape() -> Iterator[Result]:
 
 
 def _flat_shape(cam: CamElement) -> Iterator[Result]:
-    """Curvature under a flat face, and the part of the face that is touched."""
+    """Curvature under a flat face, and the part of the face in contact."""
     origin, made = "off the axis" if cam.translating else "from the pivot", (Lasting.UNLESS_UNDERCUT, True)
     found = (
         _result("convex_radius", "minimum radius of curvature of the profile", "m", of=("minimum radius",)),
@@ -351,7 +351,7 @@ def _motion(cam: CamElement) -> Iterator[Result]:
 
 
 def _forces(cam: CamElement) -> Iterator[Result]:
-    """Contact force, spring, driving moment."""
+    """Contact force, spring, drive torque."""
     touching, spring = (Lasting.WHILE_TOUCHING, False), cam.closure == "spring"
     of = ("pressed",) if spring else ("pressed", "slack")
     yield from _with_angle("greatest_contact_force", "peak force between cam and follower", "N", of, touching)

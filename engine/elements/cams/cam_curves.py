@@ -1,4 +1,4 @@
-"""Courses of one cam over its turn, to be drawn and made: motion, pressure angle, curvature, forces, profile."""
+"""Curves of one cam over its turn, for drawing and manufacture: motion, pressure angle, curvature, forces, profile."""
 
 import math
 from typing import NamedTuple
@@ -10,27 +10,27 @@ from engine.parts.motion_programs import CamProgram
 
 
 class CamCurves(NamedTuple):
-    """Courses over a turn, at angles that ascend; where a law jumps, an angle stands twice. All ndarray (points,).
+    """Curves over a turn at ascending angles; a jump has two points at its angle. All ndarray (points,).
 
     Attributes
     ----------
     angle : ndarray
-        Of the cam [rad].
+        Cam angle [rad].
     displacement, first, second, third : ndarray
-        s [m or rad] and its derivatives by the angle.
+        s [m or rad] and its derivatives with respect to the angle.
     pressure_angle : ndarray
         [rad]; 0 under a flat face.
     curvature : ndarray
-        Of the profile [1/m]; positive where it is convex, infinite at edges.
+        Curvature of the profile [1/m]; positive if convex, infinite at edges.
     force, moment : ndarray
-        Between cam and follower [N], and that turns the cam [N·m]; 0 without dynamics.
+        Contact force [N] and drive torque [N·m]; 0 without dynamics.
     profile, pitch, cutter : ndarray of complex
-        Surface of the cam, path of the follower's roller or edge (under a flat face the contact) and of the cutter's
-        centre, in the cam's axes [m]: those of the frame at the angle 0.
+        Cam surface, path of the roller's centre or edge (under a flat face the contact) and path of the cutter's
+        centre, in cam axes [m]: the frame's axes at angle 0.
     contact, follower : ndarray of complex
-        Contact and the roller's centre in the frame [m].
+        Contact and roller centre in the frame [m].
     sense : int
-        1 where the cam is drawn turning counter-clockwise, −1 clockwise.
+        1 if the cam is drawn turning counter-clockwise, −1 if clockwise.
     """
 
     angle: np.ndarray
@@ -51,19 +51,19 @@ class CamCurves(NamedTuple):
 
 
 def cam_curves(cam: CamProgram, points: int = 720) -> CamCurves:
-    """Courses of a cam with its own numbers.
+    """Curves of a cam with its own numbers.
 
     Parameters
     ----------
     cam : CamProgram
         A `CamElement`.
     points : int
-        About how many over the turn; every smooth piece has at least nine.
+        Approximate number over the turn; every smooth piece has at least nine.
 
     Returns
     -------
     CamCurves
-        Empty where the cam's sections make no turn, or its follower doesn't reach the base circle.
+        Empty if the sections do not form a closed turn, or the follower does not reach the base circle.
     """
     cams = cam_variants(cam, cam.own_numbers())
     turn, where, u = cams.turn, [np.empty(0, int)], [np.empty(0)]
@@ -82,7 +82,7 @@ def cam_curves(cam: CamProgram, points: int = 720) -> CamCurves:
 
 @np.errstate(divide="ignore")
 def _courses(cam: CamProgram, angle: np.ndarray, found: dict[str, np.ndarray]) -> CamCurves:
-    """Courses from what is found at points; places as complex numbers."""
+    """Curves from the quantities at the points; points of the plane as complex numbers."""
     follower, sense, flat = cam.follower, sense_of(cam.follower), cam.follower.contact == "flat"
     y, s1, none = found["y"], found["s1"], np.zeros(angle.size)
     radius = follower.roller_radius or 0.0

@@ -1,4 +1,4 @@
-"""Followers of a cam, what is pressed between them, and the limits that a cam has to keep."""
+"""Followers of a cam, their contact, and the limits that the cam must satisfy."""
 
 import math
 from typing import Annotated, Literal
@@ -15,17 +15,17 @@ TorsionalStiffness = Annotated[quantity("torsional_stiffness"), Field(ge=0)]
 
 
 def _check_forces(follower: Part, moved: str) -> None:
-    """Refuse what presses a follower on its cam where no forces are computed."""
+    """Raise ValueError if spring or load are given without the mass or inertia that forces require."""
     lost = follower.gives("preload", "stiffness", "load")
     if lost and getattr(follower, moved) is None:
         raise ValueError(f"{lost[0]} matters to forces, which need the follower's {moved}: give that, or leave it out")
 
 
 class TranslatingFollower(Part):
-    """A follower that slides; `offset` of its line of motion from the cam's axis, positive lowers α on the rise.
+    """A translating follower; a positive `offset` of its line of motion from the cam's axis lowers α on the rise.
 
-    `load` presses it on the cam at all times, its weight included. Friction in its guide needs `guide_length` and
-    `overhang`, by which it stands out of the guide when it is lowest.
+    `load` presses it onto the cam at all times and includes its weight. Friction in the guide requires `guide_length`
+    and `overhang`, by which the follower projects from the guide at its lowest position.
     """
 
     type: Literal["translating"]
@@ -55,15 +55,15 @@ class TranslatingFollower(Part):
 
     @property
     def moved(self) -> float | None:
-        """What inertia the follower has; None without dynamics."""
+        """Mass [kg]; None without dynamics."""
         return self.mass
 
 
 class OscillatingFollower(Part):
     """A follower that swings about a pivot at `pivot_distance` from the cam's axis, with a roller or edge on its `arm`.
 
-    A flat face goes through the pivot. As it moves away from the cam it turns against the cam's rotation unless
-    `opens` says "with" it. `load` and `preload` are moments about the pivot that press it on the cam.
+    A flat face passes through the pivot. Moving away from the cam, the follower turns against the cam's rotation,
+    or with it for `opens` = "with". `load` and `preload` are moments about the pivot that press it onto the cam.
     """
 
     type: Literal["oscillating"]
@@ -87,12 +87,12 @@ class OscillatingFollower(Part):
 
     @property
     def moved(self) -> float | None:
-        """What inertia the follower has; None without dynamics."""
+        """Moment of inertia about the pivot [kg·m²]; None without dynamics."""
         return self.inertia
 
 
 class LineContact(Part):
-    """Contact along a line of a `width`, for its pressure by Hertz; cam and follower have the same material."""
+    """Line contact of a given `width`, for the Hertzian pressure; cam and follower have the same material."""
 
     width: Positive
     elastic_modulus: Annotated[quantity("pressure"), Field(gt=0)] = 206e9
@@ -100,7 +100,7 @@ class LineContact(Part):
 
 
 class CamLimits(Part):
-    """What the least base circle must keep: the greatest pressure angle, the least convex radius of the profile."""
+    """Limits for the minimum base circle: maximum pressure angle, minimum convex radius of the profile."""
 
     pressure_angle: Annotated[Angle, Field(gt=0, lt=math.pi / 2)] | None = None
     convex_radius: NotNegative | None = None

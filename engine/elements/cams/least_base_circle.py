@@ -1,9 +1,9 @@
-"""The least base circle of a cam whose follower swings: its pressure angle and curvature keep their limits.
+"""Minimum base circle of a cam with an oscillating follower, for limits on pressure angle and curvature.
 
-At each position of the cam the pressure angle sets the arm an interval of angles ψ, in closed form. The curvature may
-be kept, lost and kept again as ψ grows. So the least angle ψ₀ is approached from below: where the profile is curved
-most, the next ψ is sought at which the limit is kept, until it is kept all around. No step passes an angle at which it
-is, so that ψ₀ is the least.
+At each cam position the pressure angle limits the arm angle ψ to an interval, known in closed form. The curvature limit
+may be satisfied, violated and satisfied again as ψ grows. The minimum angle ψ₀ is therefore approached from below: at
+the position of maximum curvature, find the next ψ that satisfies the limit; repeat until the whole turn satisfies it.
+No step passes a feasible angle, so ψ₀ is the minimum.
 """
 
 import numpy as np
@@ -15,15 +15,15 @@ from engine.laws.cams.profiles import curvature_room, face_room, least_arm_angle
 from engine.laws.rounding import EPS
 from engine.words.verdicts import Verdict
 
-# An arm that is nearly in line with the line of centres; in line, its cam would have no room.
+# An arm almost in line with the line of centres; exactly in line, the cam would have no room.
 _LEAST_ANGLE = 1e-9
-# Positions whose curvature is limited, one after the other, and steps to the angle at which each keeps it. Both come
-# nearer as Newton's method does.
+# Most positions whose curvature is limited in turn, and most steps to the feasible angle of each. Both iterations
+# converge as Newton's method does.
 _POSITIONS, _STEPS = 60, 200
 
 
 def point_angle(n: dict[str, np.ndarray]) -> np.ndarray:
-    """The angle at which the base circle is a point, if the arm reaches so far; the least angle otherwise."""
+    """Arm angle at which the base circle is a point, if the arm reaches that far; otherwise a minimal angle."""
     arm, d = n.get("follower.arm"), n["follower.pivot_distance"]
     if arm is None:
         return np.full(d.size, _LEAST_ANGLE)
@@ -35,7 +35,7 @@ def point_angle(n: dict[str, np.ndarray]) -> np.ndarray:
 def room_at(
     cams: CamVariants, psi: np.ndarray, p: np.ndarray, v: np.ndarray, u: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """How far positions at arm angles are within the limit of curvature, its slope by them, a bound of its bend."""
+    """Margin of the curvature limit at given arm angles, its derivative, and a bound on its second derivative."""
     n, sense = cams.n, sense_of(cams.cam.follower)
     s, s1, s2, _ = cams.turn.motion(p, v, u)
     d = n["follower.pivot_distance"][v]
@@ -46,26 +46,26 @@ def room_at(
 
 @np.errstate(all="ignore")
 def least_arm_angles(cams: CamVariants, begin: np.ndarray) -> tuple[np.ndarray, PeakPlaces]:
-    """Least arm angles, from given ones upwards, at which the curvature of cams keeps its limit.
+    """Minimum arm angles, from given ones upwards, that satisfy the curvature limit.
 
     Parameters
     ----------
     cams : CamVariants
     begin : ndarray (variants,)
-        Angles where the displacement is zero.
+        Angles at zero displacement.
 
     Returns
     -------
     angles : ndarray (variants,)
-        NaN where none keeps the limit.
+        NaN where no angle satisfies the limit.
     places : PeakPlaces (variants,)
-        What keeps them from being less; u is NaN where they are those given.
+        Positions that determine the angles; u is NaN where the given angle suffices.
     """
     flat = cams.cam.follower.contact == "flat"
     sought, limit = [Sought("radius", -1) if flat else Sought("curvature", 1)], limit_radius(cams.n)
     psi, at = begin.copy(), PeakPlaces(np.zeros(begin.size, int), *np.full((2, begin.size), np.nan))
     left = np.flatnonzero(np.isfinite(begin) & (flat | (limit > 0.0)))
-    # Forces and limits have nothing to do with it.
+    # Forces and limits do not affect the curvature.
     bare = cams.cam.model_copy(
         update={"limits": None, "follower": cams.cam.follower.model_copy(update={"inertia": None})}
     )
@@ -85,9 +85,9 @@ def least_arm_angles(cams: CamVariants, begin: np.ndarray) -> tuple[np.ndarray, 
 
 
 def _next_angle(cams: CamVariants, psi: np.ndarray, p: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """The next arm angles that keep the curvature of positions; NaN where there is none.
+    """The next arm angles that satisfy the curvature limit at given positions; NaN if none does.
 
-    Below the parabola that the bound of the second derivative allows no root can lie: the step to its root is safe.
+    The root of the parabola with the bound on the second derivative never lies beyond the true root: the step is safe.
     """
     v = np.arange(psi.size)
     s = cams.turn.motion(p, v, u)[0]

@@ -1,7 +1,7 @@
-"""Greatest values over the turn of a cam with their places, and the mean of its moment, on Chebyshev panels.
+"""Extremes over the turn of a cam with their positions, and the mean of its torque, on Chebyshev panels.
 
-Every smooth piece of the turn is a panel to begin with. Panels are cut where friction bends a quantity, and halved
-until polynomials follow all quantities that are looked at; their tops are the extremes.
+Initially each smooth piece of the turn is one panel. A panel is cut where friction causes a kink, and halved until
+polynomials represent every quantity sought; the peaks of the polynomials are the extremes.
 """
 
 from collections.abc import Sequence
@@ -16,19 +16,19 @@ from engine.laws.rounding import EPS
 from engine.parts.motion_programs import TURN
 from engine.words.verdicts import Verdict
 
-# What polynomials may leave of a quantity's greatest magnitude; how often a piece is halved for it, and how often where
-# it has its least or greatest value.
+# Truncation error of the polynomials relative to the peak; most halvings of a piece, and most halvings next to an
+# extreme.
 _TOLERANCE, _HALVINGS, _MOST_HALVINGS = 1e-12, 10, 20
-# More panels to be halved at once, beside two of every piece, aren't due to peaks or bends but to rounding.
+# Most panels halved at once, in addition to two for each piece: more are due to rounding, not to peaks or kinks.
 _CROWD = 64
-# Values that differ by less than this many roundings of the greatest magnitude are equal.
+# Values that differ by fewer rounding units of the peak are equal.
 _EQUAL = 64
-# How far a polynomial may go beyond its samples, as a share of their range.
+# How far a polynomial may exceed its samples, relative to their range.
 _BEYOND = 0.25
 
 
 class Sought(NamedTuple):
-    """The greatest of sign × a quantity over the turn, in rises (1), returns (−1) or everywhere (0)."""
+    """Maximum of sign × quantity over the turn: in rises (1), returns (−1) or everywhere (0)."""
 
     quantity: str
     sign: int
@@ -36,9 +36,9 @@ class Sought(NamedTuple):
 
 
 class PeakPlaces(NamedTuple):
-    """Where what is sought is the greatest (sought, variants): piece, u in it, NaN where there is none.
+    """Positions of extremes (sought, variants): piece and local variable u, NaN if there is none.
 
-    `blurs` times the root of what a value may be off by is what its place may be off by [rad].
+    `blurs` times the square root of a value's error estimate is the error estimate of its position [rad].
     """
 
     pieces: np.ndarray
@@ -47,9 +47,9 @@ class PeakPlaces(NamedTuple):
 
 
 class Measures(NamedTuple):
-    """What is found over the turn of some variants: places of extremes, verdicts, integrals of the moment.
+    """Extremes over the turn of some variants: positions, verdicts, integrals of the torque.
 
-    `moment` is its mean, `moment_size` that of its magnitude, and `moment_missed` what polynomials leave of it
+    `moment` is the mean torque, `moment_size` the mean of its magnitude and `moment_missed` the truncation error
     (variants,).
     """
 
@@ -61,7 +61,7 @@ class Measures(NamedTuple):
 
 
 class _Panels(NamedTuple):
-    """Panels: their piece, variant and both ends (panels,); samples of quantities (quantities, panels, POSITIONS)."""
+    """Panels: piece, variant and both ends (panels,); samples of the quantities (quantities, panels, PLACES)."""
 
     p: np.ndarray
     v: np.ndarray
@@ -75,13 +75,7 @@ class _Panels(NamedTuple):
 
 @np.errstate(all="ignore")
 def measure(cams: CamVariants, sought: Sequence[Sought]) -> Measures:
-    """Find extremes over the turn.
-
-    Parameters
-    ----------
-    cams : CamVariants
-    sought : sequence of Sought
-    """
+    """Find the extremes over the turn."""
     turn, variants = cams.turn, cams.lowest.size
     stands = turn.whole & (cams.lowest > 0.0) & (cams.lowest < np.inf)
     verdicts = np.where(stands, Verdict.OK, np.where(turn.whole, Verdict.CANNOT_ASSEMBLE, Verdict.OUTSIDE_LIMITS))
@@ -133,7 +127,7 @@ def measure(cams: CamVariants, sought: Sequence[Sought]) -> Measures:
 def _greatest(
     cams: CamVariants, panels: _Panels, s: Sought, which: tuple[int, np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Piece, u and blur of an extreme (variants,); of equal ones the first over the turn."""
+    """Piece, u and blur of an extreme (variants,); the first over the turn if several are equal."""
     quantity, scale = which
     directions = cams.turn.directions[panels.p]
     some = np.flatnonzero((directions == s.direction) | (s.direction == 0))
@@ -146,7 +140,7 @@ def _greatest(
     p, v, left, right = (part[near] for part in (p, v, left, right))
     noise = _EQUAL * EPS * np.where(np.isfinite(scale), scale, 0.0)[v]
     found = tops(values[near], noise)
-    # Where a curve jumps its polynomial goes beyond it.
+    # Near a jump the polynomial overshoots.
     rough, high = tails(values[near]) > _TOLERANCE * scale[v], values[near].argmax(axis=1)
     sampled = Tops(values[near].max(axis=1), PLACES[high], found.bends)
     found = Tops(*(np.where(rough, one, other) for one, other in zip(sampled, found, strict=True)))

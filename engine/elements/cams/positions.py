@@ -1,4 +1,4 @@
-"""A cam and its follower at positions: pressure angle, curvature, motion, forces; what a least base circle needs."""
+"""A cam and its follower at given positions: pressure angle, curvature, motion, forces, base circle required."""
 
 from typing import NamedTuple
 
@@ -20,13 +20,13 @@ from engine.laws.cams.profiles import (
 )
 from engine.parts.motion_programs import CamProgram
 
-# A law's rounding counts so many times that of a number.
+# Rounding of a motion law, relative to that of a number.
 _LAW_ROUNDINGS = 16.0
 _ORDERS = range(4)
 
 
 class CamVariants(NamedTuple):
-    """Cams of one kind with the numbers of some variants.
+    """Cams of one kind with the numbers of several variants.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class CamVariants(NamedTuple):
     n : mapping of str to ndarray (variants,)
     turn : CamTurn
     lowest : ndarray (variants,)
-        Height or arm angle of the follower where the displacement is zero; NaN where there is none.
+        Height or arm angle of the follower at zero displacement; NaN if it cannot be assembled.
     """
 
     cam: CamProgram
@@ -44,24 +44,18 @@ class CamVariants(NamedTuple):
     lowest: np.ndarray
 
     def chosen(self, some: np.ndarray, lowest: np.ndarray) -> "CamVariants":
-        """Some of the variants, with other lowest positions of their followers."""
+        """A subset of the variants, with new lowest positions of their followers."""
         n = {key: row[some] for key, row in self.n.items()}
         return CamVariants(self.cam, n, turn_of(self.cam, n), lowest)
 
 
 def sense_of(follower: TranslatingFollower | OscillatingFollower) -> int:
-    """−1 where an arm opens with the cam's rotation, else 1."""
+    """−1 if the arm opens with the cam's rotation, else 1."""
     return -1 if follower.type == "oscillating" and follower.opens == "with" else 1
 
 
 def cam_variants(cam: CamProgram, n: Numbers) -> CamVariants:
-    """Cams with their followers on the base circle where the displacement is zero.
-
-    Parameters
-    ----------
-    cam : CamProgram
-    n : mapping of str to ndarray (variants,)
-    """
+    """Cams whose followers touch the base circle at zero displacement."""
     prime = n["base_radius"] + n.get("follower.roller_radius", 0.0)
     if cam.translating:
         lowest = over_arrays(least_height, prime, n["follower.offset"])
@@ -73,16 +67,16 @@ def cam_variants(cam: CamProgram, n: Numbers) -> CamVariants:
 
 
 def with_roundings(n: Numbers) -> Numbers:
-    """Numbers, and factors of the follower's motion that stand for the rounding of its law."""
+    """Numbers, and unit factors of the follower's motion, which are nudged for the rounding of its law."""
     return {**n, **{f"factor of order {k}": np.ones_like(n["speed"]) for k in _ORDERS}}
 
 
 @np.errstate(all="ignore")
 def at_positions(some: CamVariants, p: np.ndarray, v: np.ndarray, u: np.ndarray) -> dict[str, np.ndarray]:
-    """All there is at places u of the pieces p of variants v (...).
+    """All quantities at u in the pieces p of variants v, each (...).
 
-    `reached` says whether there is such a position: the arm or follower is on its side of the cam; where one of `kinks`
-    changes its sign, friction bends forces.
+    `reached` is true where the position exists: the arm or follower is on its side of the cam. Friction causes a kink
+    in the forces where one of `kinks` changes its sign.
     """
     cam, n, turn, lowest = some
     sense, limits = sense_of(cam.follower), cam.limits is not None
@@ -122,7 +116,7 @@ def at_positions(some: CamVariants, p: np.ndarray, v: np.ndarray, u: np.ndarray)
 
 
 def _limits(some: CamVariants, v: np.ndarray, found: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Heights or arm angles, where the displacement is zero, at which a position keeps its limits."""
+    """Heights or arm angles at zero displacement for which a position satisfies the limits."""
     (cam, n, _, _), s, s1, rows = some, found["s"], found["s1"], {}
     offset = n["follower.offset"][v] if cam.translating else 0.0
     if cam.translating:
@@ -140,14 +134,14 @@ def _limits(some: CamVariants, v: np.ndarray, found: dict[str, np.ndarray]) -> d
 
 
 def limit_radius(n: Numbers) -> np.ndarray:
-    """Least radius of curvature of the pitch curve (variants,)."""
+    """Minimum radius of curvature of the pitch curve (variants,)."""
     return n.get("limits.convex_radius", 0.0) + n.get("follower.roller_radius", np.zeros_like(n["speed"]))
 
 
 def _forces(
     some: CamVariants, p: np.ndarray, v: np.ndarray, found: dict[str, np.ndarray], normal: tuple[np.ndarray, ...]
 ) -> dict[str, np.ndarray]:
-    """Contact force, moment of the cam, what lifts the follower off, force times curvatures; infinite where it jams."""
+    """Contact force, drive torque, lift-off terms, force times curvatures; infinite where the follower jams."""
     (cam, n, turn, _), (sine, cosine, leverage) = some, normal
     s, s1, speed = found["s"], found["s1"], n["speed"][v]
     preload, load, stiffness = (n[f"follower.{key}"][v] for key in ("preload", "load", "stiffness"))
@@ -161,7 +155,7 @@ def _forces(
         share = cosine - turn.directions[p] * n["follower.friction"][v] * leans * np.abs(sine)
     force = np.where(share > 0.0, total / (share * leverage), np.where(np.isnan(share), np.nan, np.inf))
     rows = {"force": force, "moment": total * s1 * (cosine / share), "shortfall": preload - total}
-    # What the square of the speed takes off the contact force, as a share of it at rest.
+    # Relative decrease of the contact force with the square of the speed.
     rows["growth"] = np.where(still > 0.0, -impelled / still, np.inf)
     if cam.follower.contact == "flat":
         return rows | {"inner": force / found["radius"]}

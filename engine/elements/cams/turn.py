@@ -1,6 +1,6 @@
-"""The turn of a cam as smooth pieces: where they begin and end, and the follower's motion in each of them.
+"""The turn of a cam as smooth pieces: their boundaries, and the follower's motion in each.
 
-A piece has a variable u of its own, on which the law of its section, or a cubic of a table, depends.
+The law of a section, or a cubic of a table, is a function of the local variable u of its piece.
 """
 
 import math
@@ -15,30 +15,29 @@ from engine.laws.cams.motion_laws import DWELL, LAW_BREAKS, LAW_KINDS, unit_moti
 from engine.laws.tables import make_table
 from engine.parts.motion_programs import CamProgram, DwellSection, MotionTable, RiseSection, sections_of
 
-# Places of a piece at which its greatest velocity and acceleration are looked at; not the middle, where many laws have
-# no acceleration.
+# Samples of a piece that scale its velocity and acceleration; not the middle, where many laws have zero acceleration.
 _LOOKED_AT = np.array([0.0, 0.3, 1.0])
-# Jumps below this share of the greatest value are rounding.
+# Jumps below this multiple of the peak are rounding.
 _ROUNDING_OF_JUMPS = 1e-9
 
 
 class CamTurn(NamedTuple):
-    """The pieces of some variants.
+    """Pieces of the turn of several variants.
 
     Attributes
     ----------
     directions : ndarray (pieces,)
         1 in a rise, −1 in a return, 0 in a dwell.
     first, last : ndarray (pieces,)
-        u at both ends.
+        u at the start and the end.
     kinds : ndarray (pieces,)
-        Of the sections' laws.
+        Kinds of the sections' laws.
     cubics : ndarray (3, pieces) or None
-        Coefficients of a table's pieces, of u³, u² and u.
+        Coefficients of u³, u² and u for the pieces of a table.
     begin, angle, before, stroke : ndarray (pieces, variants)
-        Cam angle at u = 0, and for each unit of u [rad]; displacement at u = 0, and for each unit of the law.
+        Cam angle at u = 0 and per unit of u [rad]; displacement at u = 0 and per unit of the law.
     whole : ndarray (variants,) of bool
-        Whether they make a turn that ends where it began.
+        Whether the pieces form a closed turn.
     """
 
     directions: np.ndarray
@@ -53,7 +52,7 @@ class CamTurn(NamedTuple):
     whole: np.ndarray
 
     def motion(self, p: np.ndarray, v: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Displacement and its derivatives by the cam's angle at places of pieces, of variants (...)."""
+        """Displacement and three derivatives with respect to the cam angle, at u in pieces p of variants v (...)."""
         before, stroke, rate = self.before[p, v], self.stroke[p, v], 1.0 / self.angle[p, v]
         if self.cubics is None:
             shape = over_arrays(unit_motion, self.kinds[p], u, 0.5 * (self.first[p] + self.last[p]))
@@ -63,11 +62,11 @@ class CamTurn(NamedTuple):
         return before + stroke * shape[0], *(stroke * rate**k * shape[k] for k in (1, 2, 3))
 
     def cam_angle(self, p: np.ndarray, v: np.ndarray, u: np.ndarray) -> np.ndarray:
-        """Angle of the cam at places of pieces (...)."""
+        """Cam angle at u in pieces p of variants v (...)."""
         return self.begin[p, v] + self.angle[p, v] * u
 
     def jumps(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Greatest jump and drop of s', greatest jump of s'' (variants,); such as rounding makes count as none."""
+        """Maximum jump and drop of s′, maximum jump of s″ (variants,); jumps within rounding are 0."""
         p, v = np.indices(self.before.shape)
         ends = self.first + _LOOKED_AT[:, None] * (self.last - self.first)
         _, s1, s2, _ = self.motion(p[None], v[None], ends[:, :, None])
@@ -80,14 +79,7 @@ class CamTurn(NamedTuple):
 
 
 def turn_of(program: CamProgram, n: Numbers) -> CamTurn:
-    """The turn of a cam.
-
-    Parameters
-    ----------
-    program : CamProgram
-    n : mapping of str to ndarray (variants,)
-        Its numbers.
-    """
+    """Pieces of the turn of a cam with the numbers `n`."""
     variants = next(iter(n.values())).size
     if program.table is not None:
         return _tabled(program.table, variants)
@@ -104,7 +96,7 @@ def turn_of(program: CamProgram, n: Numbers) -> CamTurn:
 
 
 def _tabled(motion: MotionTable, variants: int) -> CamTurn:
-    """The turn by a table: its cubics, cut once more where the follower turns back."""
+    """The turn given by a table: its cubics, cut also at reversals of the follower."""
     table = make_table(motion.over_angle, motion.rows, motion.interpolation, 2 * math.pi)
     pieces = []
     for left, right, (c3, c2, c1, c0) in zip(table.breaks, table.breaks[1:], table.coefficients, strict=False):

@@ -1,1 +1,1 @@
-"""Stiffness and damping of shafts, rods, beams, meshes and couplings, and of what they make up together."""
+"""Stiffness and damping of shafts, rods, beams, meshes and couplings, and of their combinations."""

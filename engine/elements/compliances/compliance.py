@@ -1,4 +1,4 @@
-"""The parts of a drive in series: their stiffness and damping as one shaft feels them, and their shares."""
+"""Elastic parts of a drive in series: stiffness and damping reduced to one shaft, and the contribution of each part."""
 
 import math
 from typing import Annotated, ClassVar, Literal
@@ -16,10 +16,10 @@ from engine.units.display import quantity_text
 
 
 class ComplianceElement(Element):
-    """Parts of a drive in series, reduced to one shaft: that whose speed the parts' ratios are counted from.
+    """Parts of a drive in series, reduced to one shaft, relative to which the parts' speed ratios are defined.
 
-    With a `moment` on that shaft every part has its moment and twist; with the `frequency` of a vibration, energy
-    absorption and damping follow from each other.
+    A `moment` on that shaft gives the moment and twist of every part; the `frequency` of a vibration relates energy
+    absorption and damping.
     """
 
     picture: ClassVar = "shares"
@@ -29,7 +29,7 @@ class ComplianceElement(Element):
     frequency: Annotated[quantity("angular_speed"), Field(gt=0)] | None = None
 
     def results(self) -> tuple[ElementResult, ...]:
-        """Those of the whole and of every part."""
+        """Results of the whole and of every part."""
         given = {key: getattr(self, key) is not None for key in ("moment", "frequency")}
         found = [
             ElementResult("stiffness", "torsional stiffness of all parts, reduced", "N m rad-1"),
@@ -50,7 +50,7 @@ class ComplianceElement(Element):
         return tuple(found)
 
     def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by their names."""
+        """Results of a set of variants by name."""
         whole = in_series({name: reduced_part(part, n, f"parts.{name}") for name, part in self.parts.items()})
         found = {
             "stiffness": whole.stiffness,
@@ -69,7 +69,7 @@ class ComplianceElement(Element):
         return found
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
-        """What share of the energy each part has, in series that of the twist, the softest last."""
+        """Each part's share of the energy (in series: of the twist), the softest part last."""
         own = self.own_values()
         shares = {name.removesuffix(".share"): value for name, value in own.items() if name.endswith(".share")}
         parts = sorted(shares, key=shares.get)

@@ -1,4 +1,4 @@
-"""Parts of a drive that give way to a moment, one by one, in series and in parallel, as a scene has them."""
+"""Elastic parts of a drive, single, in series and in parallel, as in a scene."""
 
 from typing import Annotated, Literal
 
@@ -12,10 +12,10 @@ PartModulus = Annotated[quantity("pressure"), Field(gt=0)]
 
 
 class _TurningPart(Part):
-    """What all parts have: `ratio`, the speed of the part's own axis over that of the shaft that all is reduced to.
+    """Common keys of all parts: `ratio` is the speed of the part's axis over that of the shaft reduced to.
 
-    Its damper is given by `damping`, about its own axis, or by `energy_absorption`, the share of its greatest energy
-    dissipated in a cycle.
+    `damping`, about the part's own axis, or `energy_absorption`, the fraction of its maximum energy dissipated in a
+    cycle, defines its damper.
     """
 
     ratio: Annotated[Number, Field(gt=0)] = 1.0
@@ -49,7 +49,7 @@ class ShaftPart(_TurningPart):
 
 
 class RodPart(_TurningPart):
-    """A rod in tension, or a strand of a belt, whose force acts at a `radius`; `strands` of them side by side."""
+    """A rod in tension, or a strand of a belt, whose force acts at a `radius`; the number of parallel `strands`."""
 
     type: Literal["rod"]
     area: Annotated[Area, Field(gt=0)]
@@ -60,7 +60,7 @@ class RodPart(_TurningPart):
 
 
 class StrandPart(_TurningPart):
-    """A belt, chain, rack or thread whose stiffness is known by data, and which acts at a `radius`."""
+    """A belt, chain, rack or thread of known stiffness that acts at a `radius`."""
 
     type: Literal["strand"]
     stiffness: Annotated[Stiffness, Field(gt=0)]
@@ -68,9 +68,9 @@ class StrandPart(_TurningPart):
 
 
 class MeshPart(_TurningPart):
-    """Teeth in mesh, seen from the axis of the wheel with this `base_radius`; `mesh_stiffness` is that of a width of 1.
+    """A gear mesh, seen from the axis of the wheel with this `base_radius`; `mesh_stiffness` is per unit of face width.
 
-    ISO 6336 has 20 N/(mm µm) for usual spur gears of steel; 14 is nearer to what heavy loads leave of it.
+    ISO 6336 gives 20 N/(mm µm) for usual spur gears of steel; 14 is more realistic under heavy load.
     """
 
     type: Literal["gear_mesh"]
@@ -80,14 +80,14 @@ class MeshPart(_TurningPart):
 
 
 class CouplingPart(_TurningPart):
-    """A coupling, key, spline or anything else whose torsional stiffness is known by data."""
+    """A coupling, key, spline or any other part of known torsional stiffness."""
 
     type: Literal["coupling"]
     stiffness: Annotated[TorsionalStiffness, Field(gt=0)]
 
 
 class SeriesPart(_TurningPart):
-    """Parts one after another: each carries the whole moment."""
+    """Parts in series: each carries the whole moment."""
 
     type: Literal["series"]
     parts: Annotated[dict[Name, "ElasticPart"], Field(min_length=1)]
@@ -98,7 +98,7 @@ class SeriesPart(_TurningPart):
 
 
 class ParallelPart(_TurningPart):
-    """Parts side by side: each is twisted by the whole angle."""
+    """Parts in parallel: each is twisted by the whole angle."""
 
     type: Literal["parallel"]
     parts: Annotated[dict[Name, "ElasticPart"], Field(min_length=1)]

@@ -1,9 +1,9 @@
-"""Stiffness and damping of parts reduced to one shaft, in series and in parallel, and each part's share in the whole.
+"""Stiffness and damping of parts reduced to one shaft, in series and in parallel, and each part's share of the whole.
 
-With i the speed of a part's axis over that of the shaft that all is reduced to, stiffness and damping are reduced with
-i², a moment with i. In series compliances add and in parallel stiffnesses do. What a damper dissipates goes with the
-square of its own twist, so that in series dampings don't add as compliances would but as Σ b_j (δ_j/δ)², with δ_j/δ the
-part's share of the twist; that holds as long as damping hardly changes how the twist is shared.
+With i the speed of a part's axis over that of the shaft reduced to, stiffness and damping are reduced with i², a moment
+with i. Compliances add in series, stiffnesses in parallel. The energy that a damper dissipates is proportional to the
+square of its own twist. So dampings in series do not add as compliances do, but as Σ b_j (δ_j/δ)², where δ_j/δ is the
+part's share of the twist; this assumes that damping hardly changes these shares.
 
 Source: K. V. Frolov et al., Theory of Mechanisms and Machines (elastic links; reduction of stiffnesses).
 """
@@ -28,18 +28,18 @@ from engine.elements.element import Numbers
 
 
 class ReducedPart(NamedTuple):
-    """A part, or parts together, as another shaft feels them.
+    """A part, or a group of parts, reduced to another shaft.
 
     Attributes
     ----------
     stiffness, damping : ndarray (variants,)
-        [N·m/rad], [N·m·s/rad]; the damping that doesn't depend on a frequency.
+        [N·m/rad], [N·m·s/rad]; the frequency-independent part of the damping.
     absorption : ndarray (variants,)
-        Share ψ of the greatest energy that the others dissipate in a cycle.
+        Fraction ψ of the maximum energy that the other dampers dissipate in a cycle.
     roundings : ndarray (variants,)
-        What the stiffness may be off by, over eps of it: that of the numbers with that of the calculation.
+        Relative error estimate of the stiffness, in multiples of eps: rounding of the numbers and of the calculation.
     within : dict of str to PartShare
-        Of all parts that aren't made of others, by their paths such as "key" or "gearbox.parts.first".
+        Shares of all single parts, by their paths such as "key" or "gearbox.parts.first".
     """
 
     stiffness: np.ndarray
@@ -50,16 +50,16 @@ class ReducedPart(NamedTuple):
 
 
 class PartShare(NamedTuple):
-    """What a part is in the whole.
+    """A part's share of the whole.
 
     Attributes
     ----------
     stiffness : ndarray (variants,)
-        About its own axis [N·m/rad].
+        Stiffness about its own axis [N·m/rad].
     energy : ndarray (variants,)
-        Its share of the energy of the whole, which in series is that of the compliance.
+        Share of the energy of the whole; in series, share of the compliance.
     moment, twist : ndarray (variants,)
-        About its own axis, over the moment [1] and over the twist [1] of the whole.
+        About its own axis, relative to the moment [1] and to the twist [1] of the whole.
     """
 
     stiffness: np.ndarray
@@ -69,7 +69,7 @@ class PartShare(NamedTuple):
 
 
 def leaf_paths(parts: Mapping[str, ElasticPart], path: str = "") -> Iterator[str]:
-    """Paths of all parts that aren't made of others."""
+    """Paths of all single parts."""
     for name, part in parts.items():
         if isinstance(part, (SeriesPart, ParallelPart)):
             yield from leaf_paths(part.parts, f"{path}{name}.parts.")
@@ -96,12 +96,12 @@ def _own_stiffness(part: ElasticPart, n: Numbers, path: str) -> np.ndarray:
             found = at_radius(per_width * width, radius)
         case _:
             (found,) = numbers("stiffness")
-    # A bore as wide as the shaft leaves nothing.
+    # A bore as wide as the shaft has no stiffness.
     return np.where(found > 0.0, found, math.nan)
 
 
 def _roundings(part: ElasticPart, n: Numbers, path: str, none: np.ndarray) -> np.ndarray:
-    """Roundings of a part's stiffness: of a few numbers and steps, and of a thin wall between two diameters."""
+    """Rounding of a part's stiffness: of a few numbers and operations, and of a thin wall between two diameters."""
     if not isinstance(part, ShaftPart):
         return none + 8.0
     diameter, bore = n[f"{path}.diameter"], n[f"{path}.bore"]
@@ -110,21 +110,21 @@ def _roundings(part: ElasticPart, n: Numbers, path: str, none: np.ndarray) -> np
 
 
 def _most_rounded(parts: Mapping[str, ReducedPart]) -> np.ndarray:
-    """Roundings of a sum of terms of one sign: no more than of the worst of them, and those of the sum."""
+    """Rounding of a sum of terms of one sign: at most that of the worst term, and of the additions."""
     return np.max([part.roundings for part in parts.values()], axis=0) + 2.0 * len(parts)
 
 
 def reduced_part(part: ElasticPart, n: Numbers, path: str) -> ReducedPart:
-    """A part as the shaft feels it from which its ratio is counted.
+    """A part reduced to the shaft relative to which its ratio is defined.
 
     Parameters
     ----------
     part : ElasticPart
-        Its kind; its numbers are not used.
+        The kind; its own numbers are not used.
     n : mapping of str to ndarray (variants,)
         Numbers by their paths.
     path : str
-        Of the part among them.
+        Path of the part.
     """
     ratio = n[f"{path}.ratio"]
     if isinstance(part, (SeriesPart, ParallelPart)):
@@ -147,12 +147,7 @@ def reduced_part(part: ElasticPart, n: Numbers, path: str) -> ReducedPart:
 
 
 def in_series(parts: Mapping[str, ReducedPart]) -> ReducedPart:
-    """Parts one after another.
-
-    Parameters
-    ----------
-    parts : mapping of str to ReducedPart
-    """
+    """Parts in series, by name."""
     compliance = sum(1.0 / part.stiffness for part in parts.values())
     shares = {name: 1.0 / part.stiffness / compliance for name, part in parts.items()}
     damping = sum(part.damping * shares[name] ** 2 for name, part in parts.items())
@@ -165,12 +160,7 @@ def in_series(parts: Mapping[str, ReducedPart]) -> ReducedPart:
 
 
 def in_parallel(parts: Mapping[str, ReducedPart]) -> ReducedPart:
-    """Parts side by side.
-
-    Parameters
-    ----------
-    parts : mapping of str to ReducedPart
-    """
+    """Parts in parallel, by name."""
     stiffness = sum(part.stiffness for part in parts.values())
     shares = {name: part.stiffness / stiffness for name, part in parts.items()}
     within = {
@@ -183,7 +173,7 @@ def in_parallel(parts: Mapping[str, ReducedPart]) -> ReducedPart:
 
 
 def _absorbed(parts: Mapping[str, ReducedPart], shares: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Energy absorption of the whole: that of every part by its share of the energy."""
+    """Energy absorption of the whole: each part's, weighted with its share of the energy."""
     return sum(part.absorption * shares[name] for name, part in parts.items())
 
 
@@ -199,7 +189,7 @@ def damping_and_absorption(whole: ReducedPart, frequency: np.ndarray) -> tuple[n
     ----------
     whole : ReducedPart
     frequency : ndarray (variants,)
-        Of the vibration [rad/s].
+        Frequency of the vibration [rad/s].
 
     Returns
     -------

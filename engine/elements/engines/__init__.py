@@ -1,1 +1,1 @@
-"""Engines: layouts, orders of shaking and torque, balance shafts, firing."""
+"""Engines: cylinder layouts, shaking forces and torque by orders, balance shafts, firing."""

@@ -1,13 +1,13 @@
-"""Engines: forces and couples that shake them, and their torque, by orders.
+"""Engines: shaking forces and couples, and torque, by orders.
 
-The equations are those of `engine.elements.engines.shaking` and `engine.elements.engines.engine_torque`. Throws of a
-layout cancel each other but for rounding; what is no greater than that counts as balanced. The greatest and the least
-size of a force or couple of one order are the half axes of its ellipse: the least is 0 where it swings on a line, and
-equal to the greatest where it circles.
+The equations are those of `engine.elements.engines.shaking` and `engine.elements.engines.engine_torque`. The throws of
+a balanced layout cancel except for rounding; a remainder within rounding counts as balanced. The maximum and minimum of
+a force or couple of one order are the semi-axes of its ellipse: the minimum is 0 for a vector along a line, and equals
+the maximum for a rotating one.
 
-Error figures: numbers of an engine act in proportion or turn a phase, so that what their rounding does is known from
-the sizes of the terms. That of the ratio of crank to rod does more as the rod becomes hardly longer than the crank,
-but stays within what is allowed for: 0.9 of it at a ratio of 0.99999.
+Error estimates: the numbers of an engine are factors or phases, so the effect of their rounding follows from the sizes
+of the terms. The effect of the crank-to-rod ratio grows as the rod length approaches the crank radius, but stays within
+the estimate: 0.9 of it at a ratio of 0.99999.
 """
 
 import math
@@ -49,18 +49,18 @@ from engine.units.display import quantity_text
 MassOrNone = Annotated[Mass, Field(ge=0)]
 Pressure = Annotated[quantity("pressure"), Field(gt=0)]
 Exponent = Annotated[Number, Field(gt=0)]
-# Numbers in memory at a time.
+# Array elements in memory at a time.
 _BLOCK = 2**19
 
 _WORDS = {1: "primary", 2: "secondary", 3: "third_order", 4: "fourth_order", 5: "fifth_order", 6: "sixth_order"}
-# Keys that matter to forces and couples alone.
+# Keys used only for forces and couples.
 OF_SHAKING = ("spacing", "rod_distance", "throw_mass", "balanced_rotating", "balanced_reciprocating", "crank_angle")
 _SHARES = ("balanced_rotating", "balanced_reciprocating")
 _DIRECTIONS = {"along": "along the engine's axis", "across": "across the engine's axis, to its left"}
 
 
 class EngineGas(Part):
-    """Ideal four-stroke diagram of every cylinder, as for a cylinder of type "four_stroke"."""
+    """Ideal four-stroke indicator diagram of every cylinder, as for a cylinder of type "four_stroke"."""
 
     bore: Positive
     clearance: Annotated[Number, Field(gt=0)]
@@ -73,19 +73,19 @@ class EngineGas(Part):
 
 
 class EngineElement(Element):
-    """An engine of equal cylinders, whose rods all turn on the crankpins, or on a radial engine's master rod.
+    """An engine of equal cylinders, with all rods on the crankpins, or on the master rod of a radial engine.
 
-    `bank_angle` lies between neighbouring banks of a V or W. `throws` are the angles of the throws, of one cylinder or
-    of the pair, or row across, that works on it; usual ones where not given. By `pin_offset` a split crankpin of a V
-    leads for the second bank. `spacing` is that of the throws, `rod_distance` that of the rods on one throw: without
-    `spacing` there are no couples. `rod_centre` is the distance of the rod's centre of mass from the crankpin,
-    `throw_mass` is reduced to the crankpin. Counterweights balance the shares `balanced_rotating` and
-    `balanced_reciprocating` of the masses at each throw. At a `crank_angle` forces are told with their directions.
+    `bank_angle` is the angle between neighbouring banks of a V or W. `throws` are the angles of the throws, one for
+    each cylinder, or for each pair or row of cylinders on one throw; the usual ones by default. The split crankpin of a
+    V leads by `pin_offset` for the second bank. `spacing` is the distance between throws, `rod_distance` between rods
+    on one throw; couples require `spacing`. `rod_centre` is the distance of the rod's centre of mass from the crankpin,
+    `throw_mass` is reduced to the crankpin. Counterweights balance the fractions `balanced_rotating` and
+    `balanced_reciprocating` of the masses at each throw. Force components are given at `crank_angle`.
 
-    `gudgeon_offset` is the distance of the gudgeon pins' lines of motion from the crank's axis, to the left of each
-    cylinder as it points outwards: of an offset pin or an offset cylinder. With `knuckle_radius` and `link_rod` the rod
-    is that of `master_cylinder`; the others have link rods, with their centres of mass at `link_rod_centre` from the
-    knuckle pins. `gas` gives the torque; `rod_inertia`, about the centre of mass, matters to it alone.
+    `gudgeon_offset` is the distance of the gudgeon pins' line of motion from the crank axis, to the left of each
+    cylinder seen outwards, due to an offset pin or an offset cylinder. With `knuckle_radius` and `link_rod`, the rod
+    is that of `master_cylinder`; the other cylinders have link rods with the centre of mass at `link_rod_centre` from
+    the knuckle pin. The torque requires `gas`; `rod_inertia`, about the centre of mass, affects the torque only.
     """
 
     picture: ClassVar = "orders"
@@ -157,12 +157,12 @@ class EngineElement(Element):
             raise ValueError(f"{lost[0]} matters to the torque alone, which needs gas: give gas, or leave it out")
 
     def pattern(self) -> Pattern:
-        """The cylinders, with sizes still open.
+        """Arrangement of the cylinders, without dimensions.
 
         Raises
         ------
         LayoutError
-            This layout doesn't have so many cylinders or throws.
+            The layout is impossible with this number of cylinders or throws.
         """
         if self.layout == "radial":
             return radial_engine(self.cylinders)
@@ -172,17 +172,17 @@ class EngineElement(Element):
 
     @cached_property
     def nominal_layout(self) -> EngineLayout:
-        """The layout with the element's own sizes; without `spacing` with one of 1."""
+        """The layout with the element's dimensions; `spacing` defaults to 1."""
         return self.pattern().layout(**{key: getattr(self, key) for key in SIZES if getattr(self, key) is not None})
 
     @cached_property
     def order_of_firing(self) -> tuple[int, ...]:
-        """Numbers of the cylinders from 1 on as they fire: those given, or an order with even intervals.
+        """Cylinder numbers, from 1, in firing order: the given order, or one with even intervals.
 
         Raises
         ------
         ValueError
-            None is given and the throws allow no even one.
+            No order is given and the throws allow no even one.
         """
         found = self.firing_order or even_firing_order(self.nominal_layout)
         if found is None:
@@ -191,26 +191,26 @@ class EngineElement(Element):
 
     @property
     def master_index(self) -> int | None:
-        """Index of the master rod's cylinder from 0; None where all rods turn on the crankpins."""
+        """Index of the master rod's cylinder, from 0; None if all rods are on the crankpins."""
         return None if self.knuckle_radius is None else self.master_cylinder - 1
 
     @property
     def variants_at_once(self) -> int:
-        """Few where the motion of rods on a master rod is followed."""
+        """Few if the motion of link rods is computed."""
         positions = POSITIONS * self.cylinders if self.master_index is not None else 256
         return max(1, _BLOCK // positions)
 
     def results(self) -> tuple[ElementResult, ...]:
-        """Those of its orders, of couples with a spacing, of the torque with gas."""
+        """Results for the orders, for couples if `spacing` is given, and for the torque if `gas` is given."""
         return tuple(r for r in _results(self) if r.needs is None or getattr(self, r.needs) is not None)
 
     def evaluate(self, n: Numbers) -> Answers:
-        """Results with errors made of the sizes of their terms."""
+        """Results with error estimates from the sizes of their terms."""
         with np.errstate(invalid="ignore", divide="ignore"):
             return Answers.of(engine_results(self, n))
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
-        """Its vectors of force and couple and their orders, throws along the crank, torque."""
+        """Hodographs and orders of force and couple, throws along the crank, torque."""
         return engine_panels(self)
 
 
@@ -219,7 +219,7 @@ def _w(cylinders: int, throws: tuple[float, ...] | None) -> Pattern:
 
 
 def shaking_orders(engine: EngineElement) -> tuple[int, ...]:
-    """Orders of the forces: odd ones beside the first where gudgeon pins are offset or rods turn on a master rod."""
+    """Orders of the forces, odd ones above the first only with offset gudgeon pins or a master rod."""
     return (1, 2, 4, 6) if engine.gudgeon_offset is None and engine.master_index is None else tuple(_WORDS)
 
 
@@ -247,18 +247,12 @@ def _results(engine: EngineElement) -> Iterator[ElementResult]:
 
 
 def torque_name(order: float) -> str:
-    """Name of the result that holds an order of the torque, such as "torque_order_2_5"."""
+    """Name of the result for an order of the torque, such as "torque_order_2_5"."""
     return f"torque_order_{order:g}".replace(".", "_")
 
 
 def engine_results(engine: EngineElement, numbers: Numbers) -> dict[str, Measured]:
-    """All results of an engine for a set of variants.
-
-    Parameters
-    ----------
-    engine : EngineElement
-    numbers : mapping of str to ndarray (variants,)
-    """
+    """All results of an engine for a set of variants."""
     made = made_engine(engine, numbers)
     weights = crankshaft_counterweights(made, *(numbers[key] for key in _SHARES))
     orders = shaking_orders(engine)
@@ -283,17 +277,17 @@ def engine_results(engine: EngineElement, numbers: Numbers) -> dict[str, Measure
 
 
 def _rounded(value: np.ndarray, size: np.ndarray) -> Measured:
-    """A sum of terms, with the rounding of their sizes."""
+    """A sum with the rounding error of its terms, given the sum of their magnitudes."""
     return Measured(value, EPS * size)
 
 
 def _carried(engine: EngineElement, n: Numbers, made: Engine, terms: np.ndarray, orders: tuple[int, ...]) -> np.ndarray:
-    """Roundings of 1 that sums of terms (..., orders) carry, with those of the numbers they are made of."""
+    """Rounding of sums (..., orders) in multiples of eps, including the rounding of the input numbers."""
     steps = np.array(orders)
     _, lean, _, lead, _, _ = np.abs(np.array(engine.pattern(), float)).max(axis=0)
     bank, offset = (np.abs(n.get(key, np.zeros(1)))[..., None] for key in ("bank_angle", "pin_offset"))
     phases = (steps + 1) * lean * bank + steps * lead * offset
-    # A transform gives every harmonic with the rounding of the whole motion.
+    # The Fourier transform gives every harmonic the rounding of the whole motion.
     whole = steps**2 * (1.0 if made.master is None else 1.0 + (made.rod / made.radius)[..., None])
     return (ROUNDED_ORDERS + phases) * terms + 4 * whole * terms[..., :1]
 
@@ -301,7 +295,7 @@ def _carried(engine: EngineElement, n: Numbers, made: Engine, terms: np.ndarray,
 def _couples_carry(
     engine: EngineElement, n: Numbers, made: Engine, left: EngineShaking, orders: tuple[int, ...]
 ) -> np.ndarray:
-    """As `_carried`, of couples: arms are sums of two lengths."""
+    """As `_carried`, for couples: their arms are sums of two lengths."""
     places, shifts = np.abs(np.array(engine.pattern(), float)).T[4:]
     pitch, apart = (np.abs(n.get(key, np.ones(1)))[..., None] for key in ("spacing", "rod_distance"))
     longest = (places * pitch + shifts * apart).max(axis=-1)
@@ -322,7 +316,7 @@ def _torque_results(engine: EngineElement, n: Numbers) -> dict[str, Measured]:
 
 
 def _at_angle(forces: Hodograph, terms: np.ndarray, carried: np.ndarray, numbers: Numbers) -> dict[str, Measured]:
-    """Primary and whole force at the element's crank angle."""
+    """Components of the primary and the total force at the element's crank angle."""
     steps = np.array(forces.orders) * numbers["crank_angle"][..., None]
     square = np.square(numbers["speed"])
     orders = forces.forward * np.exp(1j * steps) + forces.backward * np.exp(-1j * steps)
@@ -338,6 +332,6 @@ def _at_angle(forces: Hodograph, terms: np.ndarray, carried: np.ndarray, numbers
 
 
 def _settled(found: Hodograph, least: np.ndarray) -> Hodograph:
-    """With parts that are nothing but rounding set to 0."""
+    """The vector with parts within rounding set to 0."""
     parts = (np.where(np.abs(part) <= least, 0.0, part) for part in (found.forward, found.backward))
     return Hodograph(found.orders, *parts)

@@ -1,15 +1,15 @@
-"""Layouts of engines: where the cylinders stand, on which throws they work; and an engine with its masses.
+"""Engine layouts: position of the cylinders and their throws; and an engine with its masses.
 
-Along the crankshaft z runs from the crank's middle, x and y lie across it, x being the engine's own axis (the one
-between the banks, usually drawn upwards). A cylinder's axis leans from x by its bank angle beta, its throw leads
-cylinder 1's by alpha, both counter-clockwise as the crank turns: at the crank angle phi the crank stands at
-phi + alpha, and at theta = phi + alpha − beta from the cylinder's axis. A piston is at its outer dead centre at
+The z axis runs along the crankshaft from its middle; x and y are across it, with x the engine's own axis (midway
+between the banks, usually drawn upwards). A cylinder's axis is at its bank angle beta from x, its throw leads that of
+cylinder 1 by alpha, both counter-clockwise in the sense of rotation: at the crank angle phi the throw is at
+phi + alpha, and at theta = phi + alpha − beta from the cylinder's axis. The piston is at its outer dead centre at
 theta = 0.
 
-Cylinders are numbered bank by bank, and within a bank along the crank; in a radial engine as the crank passes them.
+Cylinders are numbered bank by bank, and along the crank within a bank; in a radial engine in the sense of rotation.
 
-A `Pattern` is a layout whose sizes are still open: bank angle, offset of the crankpins of one throw (a split pin),
-spacing of the throws, distance of the rods on one throw. With numbers for these it is an `EngineLayout`.
+A `Pattern` is a layout without dimensions: bank angle, offset of the crankpins of one throw (a split pin), spacing of
+the throws, distance of the rods on one throw. With these numbers it becomes an `EngineLayout`.
 """
 
 import math
@@ -23,18 +23,18 @@ TURN = 2 * math.pi
 
 
 class LayoutError(ValueError):
-    """A layout that doesn't exist; the message says what is possible."""
+    """An impossible layout; the message states what is possible."""
 
 
 class EngineLayout(NamedTuple):
-    """Where cylinders stand and on which throws they work.
+    """Positions and throws of the cylinders.
 
     Attributes
     ----------
     banks, throws : ndarray (..., cylinders)
-        Bank angles beta and angles of the crankpins alpha [rad].
+        Bank angles beta and crankpin angles alpha [rad].
     positions : ndarray (..., cylinders)
-        Along the crank, from its middle [m].
+        Position along the crank, from its middle [m].
     """
 
     banks: np.ndarray
@@ -50,7 +50,7 @@ class Station(NamedTuple):
     bank, lean : float
         Bank angle: bank + lean · bank angle of the engine [rad].
     throw, lead : float
-        Angle of the crankpin: throw + lead · offset of the pins [rad].
+        Crankpin angle: throw + lead · offset of the pins [rad].
     place, shift : float
         Position: place · spacing + shift · distance of the rods.
     """
@@ -64,7 +64,7 @@ class Station(NamedTuple):
 
 
 class Pattern(tuple[Station, ...]):
-    """The cylinders of a layout whose sizes are still open."""
+    """Cylinders of a layout without dimensions."""
 
     __slots__ = ()
 
@@ -75,18 +75,18 @@ class Pattern(tuple[Station, ...]):
         spacing: ArrayLike = 1.0,
         rod_distance: ArrayLike = 0.0,
     ) -> EngineLayout:
-        """The layout with its sizes.
+        """The layout with dimensions.
 
         Parameters
         ----------
         bank_angle : array_like (...)
-            Between neighbouring banks [rad].
+            Angle between neighbouring banks [rad].
         pin_offset : array_like (...)
-            By which a split crankpin's part for the second bank leads that for the first one [rad].
+            Angle by which the second bank's part of a split crankpin leads the first bank's [rad].
         spacing : array_like (...)
-            Of the throws [m].
+            Distance between throws [m].
         rod_distance : array_like (...)
-            Of the rods of neighbouring banks on one throw [m].
+            Distance between the rods of neighbouring banks on one throw [m].
         """
         bank, lean, throw, lead, place, shift = np.array(self, dtype=float).T
         angle, offset, pitch, apart = (
@@ -96,16 +96,12 @@ class Pattern(tuple[Station, ...]):
 
 
 def usual_throws(throws: int) -> tuple[float, ...]:
-    """Throws of the usual in-line crank: even intervals for four strokes, like halves mirrored where there are two.
-
-    Parameters
-    ----------
-    throws : int
+    """Throws of the usual in-line crank: even four-stroke intervals, mirror-symmetric if the halves are alike.
 
     Returns
     -------
     tuple of float
-        Angles [rad]. Two throws stand opposite each other.
+        Angles [rad]. Two throws are opposite each other.
     """
     step = TURN / throws
     if throws in _IN_TURN:
@@ -116,7 +112,7 @@ def usual_throws(throws: int) -> tuple[float, ...]:
     return tuple(half + half[::-1])
 
 
-# Firing orders 1-2-4-5-3 of five, 1-5-3-6-2-4 of six and 1-6-2-5-8-3-7-4 of eight in line.
+# Firing orders 1-2-4-5-3 (five), 1-5-3-6-2-4 (six) and 1-6-2-5-8-3-7-4 (eight in line).
 _IN_TURN = {5: (0, 3, 2, 1, 4)}
 _HALVES = {6: (0, 2, 1), 8: (0, 2, 3, 1)}
 CROSS_PLANE = (0.0, TURN / 4, 3 * TURN / 4, TURN / 2)
@@ -129,7 +125,7 @@ def in_line_engine(cylinders: int, throws: Sequence[float] | None = None) -> Pat
     ----------
     cylinders : int
     throws : sequence of float, optional
-        Of each cylinder [rad]; `usual_throws` where not given.
+        Angle of each cylinder's throw [rad]; default: `usual_throws`.
 
     Raises
     ------
@@ -139,13 +135,13 @@ def in_line_engine(cylinders: int, throws: Sequence[float] | None = None) -> Pat
 
 
 def v_engine(cylinders: int, throws: Sequence[float] | None = None) -> Pattern:
-    """Two banks, whose cylinders work on common throws.
+    """Two banks, with pairs of cylinders on common throws.
 
     Parameters
     ----------
     cylinders : int
     throws : sequence of float, optional
-        Of each pair of cylinders [rad]; `usual_throws` where not given, but a cross-plane crank for eight cylinders.
+        Angle of each pair's throw [rad]; default: a cross-plane crank for eight cylinders, else `usual_throws`.
 
     Raises
     ------
@@ -155,13 +151,13 @@ def v_engine(cylinders: int, throws: Sequence[float] | None = None) -> Pattern:
 
 
 def w_engine(cylinders: int, banks: int = 3, throws: Sequence[float] | None = None) -> Pattern:
-    """Banks in a fan, whose cylinders work on common throws: W engines with three of them.
+    """Several banks in a fan, with rows of cylinders on common throws; three banks are a W engine.
 
     Parameters
     ----------
     cylinders, banks : int
     throws : sequence of float, optional
-        Of each throw [rad]; `usual_throws` where not given.
+        Angle of each throw [rad]; default: `usual_throws`.
 
     Raises
     ------
@@ -179,16 +175,16 @@ def w_engine(cylinders: int, banks: int = 3, throws: Sequence[float] | None = No
 
 
 def boxer_engine(cylinders: int, throws: Sequence[float] | None = None) -> Pattern:
-    """Pairs of opposed pistons that move against each other, each on its own throw.
+    """Pairs of opposed pistons that move in opposite directions, each on its own throw.
 
-    The spacing is that of neighbouring throws, those of a pair or of two pairs.
+    The spacing is the distance between neighbouring throws, within a pair and between pairs.
 
     Parameters
     ----------
     cylinders : int
     throws : sequence of float, optional
-        Of the first cylinder of each pair [rad]; the second one's throw stands opposite. As `usual_throws` where not
-        given, for four cylinders 0 and 180°.
+        Angle of the first cylinder's throw in each pair [rad]; the second throw is opposite. Default: `usual_throws`,
+        for four cylinders 0 and 180°.
 
     Raises
     ------
@@ -206,15 +202,12 @@ def boxer_engine(cylinders: int, throws: Sequence[float] | None = None) -> Patte
 
 
 def radial_engine(cylinders: int) -> Pattern:
-    """A star of cylinders on one throw, evenly spaced.
-
-    Parameters
-    ----------
-    cylinders : int
+    """Evenly spaced cylinders around one throw.
 
     Raises
     ------
     LayoutError
+        Fewer than two cylinders.
     """
     if cylinders < 2:
         raise LayoutError(f"a radial engine has two cylinders at least, not {cylinders}")
@@ -234,18 +227,18 @@ def _checked(throws: Sequence[float] | None, count: int) -> tuple[float, ...]:
 
 
 class MasterRod(NamedTuple):
-    """A radial engine's master rod, on whose big end the link rods of all other cylinders turn.
+    """A radial engine's master rod, whose big end carries the knuckle pins of the link rods.
 
     Attributes
     ----------
     cylinder : int
-        Index of the master rod's, from 0.
+        Index of the master rod's cylinder, from 0.
     knuckle_radius, link_rod : ndarray (...)
-        From the crankpin to a knuckle pin, and length of a link rod [m].
+        Distance from the crankpin to a knuckle pin, and length of a link rod [m].
     knuckle_mass : ndarray (...)
-        Mass at each knuckle pin [kg]: the link rod's share there. The crankpin carries the rest.
+        Mass at each knuckle pin [kg]: the link rod's fraction there. The crankpin carries the rest.
 
-    A knuckle pin stands in line with its cylinder when the crank points to the master rod's.
+    Each knuckle pin is in line with its cylinder when the crank points to the master rod's cylinder.
     """
 
     cylinder: int
@@ -257,22 +250,22 @@ class MasterRod(NamedTuple):
 class Engine(NamedTuple):
     """An engine: layout, cranks and masses.
 
-    Numbers of the whole engine have the variants' axes (...), those of each cylinder one more (..., cylinders), or
-    one of length 1 where all cylinders are alike.
+    Numbers of the whole engine have the variants' axes (...); numbers of each cylinder have one more axis
+    (..., cylinders), of length 1 if all cylinders are alike.
 
     Attributes
     ----------
     layout : EngineLayout
     radius, rod : ndarray (...)
-        [m].
+        Crank radius and rod length [m].
     reciprocating_mass, rotating_mass : ndarray (..., cylinders)
-        Of each cylinder, at its piston pin and at its crankpin [kg].
+        Masses of each cylinder at the piston pin and at the crankpin [kg].
     offset : ndarray (...)
-        Of the cylinders' axes from the crank's, to the left of each axis as it points outwards [m].
+        Offset of the cylinder axes from the crank axis, to the left of each cylinder seen outwards [m].
     rod_correction : ndarray (...)
-        J_S − m a b of each rod [kg·m²]; matters to the torque alone.
+        J_S − m a b of each rod [kg·m²]; affects the torque only.
     master : MasterRod, optional
-        Without it all rods turn on the crankpin.
+        Default: all rods are on the crankpins.
     """
 
     layout: EngineLayout

@@ -1,4 +1,4 @@
-"""An engine by orders of its crank, to be looked at: vectors of its forces and couples, its torque over the cycle."""
+"""Diagrams of an engine by orders of the crank speed: hodographs of forces and couples, torque over the cycle."""
 
 import math
 from typing import NamedTuple
@@ -16,26 +16,21 @@ from engine.laws.rounding import EPS
 
 SHOWN_ORDERS = (1, 2, 3, 4, 5, 6)
 BEFORE, AFTER = "without counterweights", "with counterweights"
-# Roundings of the whole motion that are left in a harmonic, beside the square of its order.
+# Rounding of a harmonic by the whole motion, in eps times the square of its order.
 _WHOLE = 32
 _SHOWN = 721
 _ORDER = PanelAxis("order of the crank's speed", "1")
 
 
 class Shaken(NamedTuple):
-    """Forces [N] and couples [N·m] of an engine by orders, without and with its counterweights."""
+    """Forces [N] and couples [N·m] of an engine by orders, without and with counterweights."""
 
     forces: tuple[Hodograph, Hodograph]
     couples: tuple[Hodograph, Hodograph]
 
 
 def shaken(engine: Element) -> Shaken:
-    """Forces and couples of an engine at its speed; what balances but for rounding is 0.
-
-    Parameters
-    ----------
-    engine : EngineElement
-    """
+    """Forces and couples of an engine at its speed; values within rounding are 0."""
     n = engine.own_numbers()
     made = made_engine(engine, n)
     found = engine_shaking(made, SHOWN_ORDERS)
@@ -48,14 +43,14 @@ def shaken(engine: Element) -> Shaken:
 
 
 def _scaled(vector: Hodograph, terms: np.ndarray, factor: float) -> Hodograph:
-    # Besides the rounding of sums, a transform gives every harmonic the rounding of the whole motion.
+    # In addition to the rounding of sums, the Fourier transform gives every harmonic the rounding of the whole motion.
     least = EPS * (ROUNDED_ORDERS * terms + _WHOLE * np.square(vector.orders) * terms[..., :1])
     parts = (np.where(np.abs(p) <= least, 0.0, p)[0] * factor for p in (vector.forward, vector.backward))
     return Hodograph(vector.orders, *parts)
 
 
 def torque_orders(engine: Element, orders: np.ndarray) -> tuple[float, np.ndarray]:
-    """Mean torque and its orders [N·m]; what balances but for rounding is 0.
+    """Mean torque and its orders [N·m]; values within rounding are 0.
 
     Parameters
     ----------
@@ -68,18 +63,13 @@ def torque_orders(engine: Element, orders: np.ndarray) -> tuple[float, np.ndarra
 
 
 def engine_panels(engine: Element) -> tuple[Panel, ...]:
-    """Hodographs and orders of an engine's forces and couples, throws along the crank, and its torque.
-
-    Parameters
-    ----------
-    engine : EngineElement
-    """
+    """Hodographs and orders of an engine's forces and couples, throws along the crank, and torque."""
     found, panels = shaken(engine), []
     kinds = [("force", "N", found.forces)]
     kinds += [] if engine.spacing is None else [("couple", "N m", found.couples)]
     for word, unit, both in kinds:
         phi = np.linspace(0.0, math.tau, _SHOWN)
-        # The engine's own axis is drawn upwards.
+        # The engine's own axis points upwards.
         ways = [1j * vector.at(phi) for vector in both]
         lines = path(BEFORE, ways[0], True), path(AFTER, ways[1])
         marks = [Mark("crank at 0" if k else "", way[0].real, way[0].imag) for k, way in enumerate(ways)]
@@ -100,7 +90,7 @@ def engine_panels(engine: Element) -> tuple[Panel, ...]:
 
 
 def _torque(engine: Element) -> tuple[Panel, Panel]:
-    """Torque over the cycle with the firing, and its orders."""
+    """Torque over the cycle with the firing angles, and its orders."""
     phi, steps = np.linspace(0.0, FOUR_STROKE, _SHOWN), np.arange(1, 33) / 2
     mean, parts = torque_orders(engine, steps)
     torque = mean + (parts @ np.exp(1j * np.multiply.outer(steps, phi))).real

@@ -1,13 +1,13 @@
-"""Torque of equal cylinders by orders of the crank, of many engines at once: gas and inertia, by quadrature.
+"""Torque of equal cylinders by orders of the crank, for many engines at once: gas and inertia, by quadrature.
 
-Over each stroke torque and kinetic energy are smooth, so a Gauss rule of each of the four strokes has their harmonics
-to rounding, where evenly spaced positions would feel the kinks at the dead centres. With theta from the outer dead
-centre at which a cylinder fires, the torque of its gas is (p − p_0) A dx/dtheta, x being the piston's travel from
-there, and that of its inertia −d/dtheta ½ (m x'² + K psi'²), m being the reciprocating mass and K the rod's
-J_S − m a b. Cylinders that fire at f_k add up to the harmonics of one times Σ exp(−i n f_k).
+Torque and kinetic energy are smooth within each stroke, so Gauss quadrature over each of the four strokes gives their
+harmonics to rounding, whereas evenly spaced positions would suffer from the kinks at the dead centres. With theta from
+the outer dead centre at which a cylinder fires, the gas torque is (p − p_0) A dx/dtheta, where x is the piston's travel
+from there, and the inertia torque is −d/dtheta ½ (m x'² + K psi'²), where m is the reciprocating mass and K the rod's
+J_S − m a b. For cylinders that fire at f_k, multiply the harmonics of one cylinder by Σ exp(−i n f_k).
 
-How far a rule of half the nodes is off tells how far this one may be: singular points of the motion lie near for rods
-hardly longer than the crank, those of the gas for small clearances.
+The error estimate comes from the rule with half the nodes: singularities of the motion are close for rods hardly longer
+than the crank, those of the gas for small clearances.
 """
 
 from collections.abc import Sequence
@@ -23,14 +23,14 @@ NODES = 48
 
 
 class Indicator(NamedTuple):
-    """Ideal diagram of a four-stroke engine, as in `engine.laws.indicator_diagrams`.
+    """Ideal indicator diagram of a four-stroke engine, as in `engine.laws.indicator_diagrams`.
 
     Attributes
     ----------
     clearance : float
         1/(compression ratio − 1).
     intake, exhaust, peak, outside : float
-        Pressures, absolute; outside that below the piston [Pa].
+        Absolute pressures; `outside` acts below the piston [Pa].
     n_compression, n_expansion : float
         Polytropic exponents.
     """
@@ -45,16 +45,16 @@ class Indicator(NamedTuple):
 
 
 class Torque(NamedTuple):
-    """Torque of one cylinder, from the outer dead centre at which it fires.
+    """Torque of one cylinder, with angles from the outer dead centre at which it fires.
 
     Attributes
     ----------
     mean : ndarray (...)
-        [N·m].
+        Mean torque [N·m].
     orders : ndarray of complex (..., orders)
-        [N·m].
+        Harmonics [N·m].
     sizes : ndarray (..., 1 + orders)
-        Of the mean and of all orders: magnitudes whose rounding they carry [N·m].
+        Magnitudes of the terms of the mean and of each harmonic, which carry rounding [N·m].
     """
 
     mean: np.ndarray
@@ -63,14 +63,14 @@ class Torque(NamedTuple):
 
 
 class CylinderParts(NamedTuple):
-    """What moves in a cylinder.
+    """Moving parts of a cylinder.
 
     Attributes
     ----------
     radius, rod, offset : ndarray (...)
-        [m].
+        Crank radius, rod length, offset of the cylinder axis [m].
     mass, rod_correction, speed : ndarray (...)
-        Reciprocating mass [kg], J_S − m a b [kg·m²], speed of the crank [rad/s].
+        Reciprocating mass [kg], J_S − m a b [kg·m²], crank speed [rad/s].
     """
 
     radius: np.ndarray
@@ -89,16 +89,16 @@ def cylinder_torque(indicator: Indicator, bore: np.ndarray, moving: CylinderPart
     indicator : Indicator
         With numbers (...).
     bore : ndarray (...)
-        [m].
+        Cylinder bore [m].
     moving : CylinderParts
     orders : sequence of float
-        Multiples of ½, above 0.
+        Positive multiples of ½.
     """
     (mean, found, sizes), (half_mean, half, _) = (
         _by_quadrature(indicator, bore, moving, orders, nodes) for nodes in (NODES, NODES // 2)
     )
     off = np.concatenate([np.abs(mean - half_mean)[..., None], np.abs(found - half)], axis=-1)
-    # Convergence is geometric: relative to 1 the whole rule errs by the square of half of it; 1.5 leaves some room.
+    # Convergence is geometric: the full rule's relative error is the square of the half rule's; 1.5 adds margin.
     return Torque(mean, found, sizes * (1 + (off / sizes) ** 1.5 / EPS))
 
 
@@ -106,7 +106,7 @@ def cylinder_torque(indicator: Indicator, bore: np.ndarray, moving: CylinderPart
 def _by_quadrature(
     indicator: Indicator, bore: np.ndarray, moving: CylinderParts, orders: Sequence[float], nodes: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Mean, harmonics and their sizes by a rule of so many nodes in each stroke."""
+    """Mean, harmonics and their sizes by Gauss quadrature with this number of nodes per stroke."""
     m = CylinderParts(*(np.asarray(x, float)[..., None, None] for x in moving))
     lines = Indicator(*(np.asarray(x, float)[..., None, None] for x in indicator))
     outer = np.sqrt((m.rod + m.radius) ** 2 - m.offset**2)
@@ -128,7 +128,7 @@ def _by_quadrature(
     shape = *np.broadcast_shapes(gas.shape, energy.shape)[:-2], -1
     gas, energy, turned = (np.broadcast_to(a, (*shape[:-1], 4, nodes)).reshape(shape) for a in (gas, energy, turned))
     steps = np.asarray(orders, float)
-    # Of energies only whole orders remain: both turns are alike.
+    # Kinetic energy has whole orders only: both turns are alike.
     derived = -1j * steps * (steps % 1 == 0)
     half_turn = np.exp(-0.5j * turned)
     waves = dict(enumerate(accumulate([half_turn] * round(2 * steps.max()), np.multiply), 1))
@@ -142,7 +142,7 @@ def _by_quadrature(
 
 
 def _strokes(out: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Beginnings and widths of the strokes power, exhaust, intake, compression (..., 4, 1)."""
+    """Start and length of the strokes power, exhaust, intake, compression (..., 4, 1)."""
     back = TURN - out
     return np.concatenate([0 * out, out, TURN + 0 * out, TURN + out], axis=-2), np.concatenate(
         [out, back, out, back], axis=-2

@@ -1,7 +1,7 @@
-"""Firing of a four-stroke engine: at which crank angles its cylinders fire, in which intervals and orders.
+"""Firing of a four-stroke engine: crank angles, intervals and orders.
 
-A cylinder fires at its outer dead centre, phi = beta − alpha and whole turns; the firing order says in which of the
-two turns of its cycle. The rods are taken to turn on the crankpin: link rods reach their dead centres a few degrees
+A cylinder fires at its outer dead centre, phi = beta − alpha plus whole turns; the firing order decides in which of the
+two turns of its cycle. All rods are assumed to be on the crankpin: link rods reach their dead centres a few degrees
 earlier or later.
 """
 
@@ -15,29 +15,29 @@ from numpy.typing import ArrayLike
 from engine.elements.engines.engine_layout import TURN, EngineLayout, LayoutError
 
 FOUR_STROKE = 2 * TURN
-# Angles that are equal but for rounding.
+# Angles closer than this are equal except for rounding.
 _SAME = 1e-9
 
 
 def firing_angles(layout: EngineLayout, order: Sequence[int]) -> np.ndarray:
-    """Crank angle at which each cylinder fires, from that of the first one in the order on.
+    """Crank angle at which each cylinder fires, starting from the first in the order.
 
     Parameters
     ----------
     layout : EngineLayout
         One engine, without variants.
     order : sequence of int
-        Numbers of the cylinders from 1 on, each once.
+        Cylinder numbers, from 1, each once.
 
     Returns
     -------
     ndarray (cylinders,)
-        Within one cycle of the first [rad], by cylinder.
+        Angles by cylinder, within one cycle of the first [rad].
 
     Raises
     ------
     LayoutError
-        Not every cylinder once, or the throws don't let the cylinders fire in this order within one cycle.
+        A cylinder is missing or repeated, or the throws do not allow this order within one cycle.
     """
     count = layout.banks.shape[-1]
     if sorted(order) != list(range(1, count + 1)):
@@ -52,20 +52,20 @@ def firing_angles(layout: EngineLayout, order: Sequence[int]) -> np.ndarray:
 
 
 def firing_sequence(layout: EngineLayout, order: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
-    """Crank angles at which cylinders fire one after another, each as soon as its throw lets it.
+    """Crank angles at which the cylinders fire in turn, each as early as its throw allows.
 
     Parameters
     ----------
     layout : EngineLayout
     order : sequence of int
-        Numbers of the cylinders from 1 on, each once.
+        Cylinder numbers, from 1, each once.
 
     Returns
     -------
     angles : ndarray (..., cylinders)
-        From that of the first one in the order on [rad], by cylinder.
+        Firing angles by cylinder, starting from that of the first in the order [rad].
     taken : ndarray (...)
-        From the first to the last [rad]; to be less than the cycle.
+        Angle from the first firing to the last [rad]; must be less than the cycle.
     """
     centres = layout.banks - layout.throws
     now = np.zeros(centres.shape[:-1])
@@ -78,17 +78,17 @@ def firing_sequence(layout: EngineLayout, order: Sequence[int]) -> tuple[np.ndar
 
 
 def firing_intervals(angles: np.ndarray) -> np.ndarray:
-    """Angles from each firing to the next one, the last one to the first of the next cycle.
+    """Angles from each firing to the next, the last one to the first of the next cycle.
 
     Parameters
     ----------
     angles : ndarray (cylinders,)
-        As for `firing_angles`, in any order.
+        As from `firing_angles`, in any order.
 
     Returns
     -------
     ndarray (cylinders,)
-        [rad].
+        Intervals [rad].
     """
     fired = np.sort(angles % FOUR_STROKE)
     return np.diff(fired, append=fired[0] + FOUR_STROKE)
@@ -105,7 +105,7 @@ def even_firing_order(layout: EngineLayout) -> tuple[int, ...] | None:
     Returns
     -------
     tuple of int or None
-        Beginning with cylinder 1; None where the throws allow no even one.
+        Starts with cylinder 1; None if the throws allow no even order.
     """
     count = layout.banks.shape[-1]
     centres = (layout.banks - layout.throws) - (layout.banks - layout.throws)[0]
@@ -121,27 +121,27 @@ def even_firing_order(layout: EngineLayout) -> tuple[int, ...] | None:
 
 
 def firing_sums(orders: Sequence[float], angles: ArrayLike) -> np.ndarray:
-    """Sums of the unit vectors exp(−i n f_k) of all cylinders: what each order of one's torque is multiplied by.
+    """Sums of the unit vectors exp(−i n f_k) of all cylinders, the factor of each order of one cylinder's torque.
 
-    With even intervals all orders vanish but multiples of the firings per turn.
+    With even intervals all orders vanish except multiples of the number of firings per turn.
 
     Parameters
     ----------
     orders : sequence of float
     angles : array_like (..., cylinders)
-        [rad].
+        Firing angles [rad].
 
     Returns
     -------
     ndarray of complex (..., orders)
-        Their size is the number of cylinders in the major orders, 0 in those that balance.
+        Their magnitude is the number of cylinders for major orders, 0 for balanced ones.
     """
     angles = np.asarray(angles, float)
     return np.exp(-1j * angles[..., None, :] * np.asarray(orders, float)[:, None]).sum(axis=-1)
 
 
 def _farthest(fitting: list[int], last: int) -> int:
-    """Of the cylinders that may fire now, the one farthest from the last, to spare the bearing between; 1 first."""
+    """The cylinder farthest from the last one to fire, to spare the bearing between them; the first one starts."""
     return fitting[0] if last == fitting[0] else max(fitting, key=lambda c: abs(c - last))
 
 

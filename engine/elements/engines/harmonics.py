@@ -1,17 +1,17 @@
 """Harmonics of the slider-crank: the piston's acceleration, to any order.
 
-The crank r stands at the angle theta from the cylinder's axis, the piston runs at the distance e beside that axis
-(0 in most engines; a désaxé engine has one). With λ = r/l and ε = e/l the piston is at
+The crank r is at the angle theta from the cylinder's axis; the piston's line of motion is offset by e from the crank
+axis (0 in most engines; a désaxé engine has an offset). With λ = r/l and ε = e/l the piston is at
 
     x = r cos theta + l √(1 − (λ sin theta − ε)²),   −ẍ/(r ω²) = Re Σ c_n exp(i n theta)
 
-and without an offset c_n = A_n is real, A_1 = 1, no other odd order exists, and
+Without an offset c_n = A_n is real, A_1 = 1, the other odd orders vanish, and
 
     A_2 = λ + λ³/4 + 15 λ⁵/128 + …,  A_4 = −λ³/4 − 3 λ⁵/16 − …,  A_6 = 9 λ⁵/128 + …
 
-The series are not summed: x is smooth and periodic, so a discrete Fourier transform over N positions is off
-by terms of the order of exp(−(N − n) a) alone, with cosh a = (1 − |ε|)/λ, where the motion's nearest singularity in
-the complex plane lies. N is chosen by that bound; what is left is rounding, some n² ulp of x/r.
+The series are not summed: x is smooth and periodic, so a discrete Fourier transform over N positions has an aliasing
+error of the order of exp(−(N − n) a), with cosh a = (1 − |ε|)/λ at the nearest singularity of the motion in the complex
+plane. N is chosen by that bound; the remaining error is rounding, about n² ulp of x/r.
 
 Sources: C. F. Taylor, The Internal-Combustion Engine in Theory and Practice, vol. 2 (engine balance and vibration);
 J. P. Den Hartog, Mechanical Vibrations (multicylinder engines).
@@ -25,22 +25,22 @@ from numpy.typing import ArrayLike
 
 from engine.laws.masses.replacement_masses import inertia_error, static_two
 
-# −ln(eps), and the most positions: λ + |ε| up to 1 − 3e-6, beyond which there are no harmonics to rounding.
+# −ln(eps), and the fewest and most positions: enough up to λ + |ε| = 1 − 3e-6; beyond, the result is NaN.
 _DIGITS = 37.0
 FEWEST, MOST = 32, 2**14
-# Numbers in memory at a time.
+# Array elements in memory at a time.
 _BLOCK = 2**18
 
 
 class CrankMasses(NamedTuple):
-    """A crank throw, rod and piston as masses at the crankpin and at the piston pin.
+    """Crank throw, rod and piston as two masses, at the crankpin and at the piston pin.
 
     Attributes
     ----------
     reciprocating, rotating : ndarray (...)
-        At the piston pin and at the crankpin [kg].
+        Masses at the piston pin and at the crankpin [kg].
     rod_correction : ndarray (...)
-        J_S − m a b of the rod, by which the two masses miss its moment of inertia [kg·m²].
+        J_S − m a b of the rod: its moment of inertia minus that of the two masses [kg·m²].
     """
 
     reciprocating: np.ndarray
@@ -63,9 +63,9 @@ def crank_masses(
     piston : array_like (...)
         Mass of piston, rings and pin [kg].
     rod_mass, rod, rod_centre : array_like (...)
-        The rod's mass [kg], its length, and the distance of its centre of mass from the crankpin [m].
+        Mass of the rod [kg], its length, and the distance of its centre of mass from the crankpin [m].
     rod_inertia : array_like (...), optional
-        J_S of the rod [kg·m²]; without it the rod counts as its two masses and the correction is 0.
+        J_S of the rod [kg·m²]; default: that of the two masses, with correction 0.
     throw : array_like (...)
         Mass of the throw, reduced to the crankpin [kg].
     """
@@ -78,7 +78,7 @@ def crank_masses(
 
 @np.errstate(divide="ignore", invalid="ignore")
 def crank_radius(stroke: ArrayLike, rod: ArrayLike, offset: ArrayLike = 0.0) -> np.ndarray:
-    """Radius of the crank that gives a stroke: half of it, a little less with an offset.
+    """Crank radius for a given stroke: half of it, slightly less with an offset.
 
     From s = √((l + r)² − e²) − √((l − r)² − e²): r² = ¼ s² (l² − e² − ¼ s²)/(l² − ¼ s²).
 
@@ -90,7 +90,7 @@ def crank_radius(stroke: ArrayLike, rod: ArrayLike, offset: ArrayLike = 0.0) -> 
     Returns
     -------
     ndarray (...)
-        [m]; NaN where there is none.
+        [m]; NaN if the stroke is impossible.
     """
     half, rod, offset = np.divide(stroke, 2.0), np.asarray(rod, float), np.asarray(offset, float)
     left = rod**2 - half**2
@@ -103,26 +103,26 @@ def piston_harmonics(ratio: ArrayLike, orders: Sequence[int], offset: ArrayLike 
     Parameters
     ----------
     ratio, offset : array_like (...)
-        λ = r/l and ε = e/l; the crank turns where λ + |ε| < 1.
+        λ = r/l and ε = e/l; the crank can rotate if λ + |ε| < 1.
     orders : sequence of int
-        From 1 on.
+        From 1.
 
     Returns
     -------
     ndarray of complex (..., orders)
-        NaN where the crank doesn't turn, or all but doesn't (see the module's text).
+        NaN if the crank cannot rotate, or λ + |ε| is too close to 1 (`MOST`).
     """
     return _transformed(ratio, offset, orders) * np.square(orders)
 
 
 def _piston(cosine: np.ndarray, sine: np.ndarray, ratio: np.ndarray, offset: np.ndarray) -> np.ndarray:
-    """x/r less a constant; the rod's part as a quotient, which doesn't cancel where the rod is long."""
+    """x/r minus a constant; the rod's part is a quotient, which avoids cancellation for long rods."""
     root, middle = np.sqrt(1 - (ratio * sine - offset) ** 2), np.sqrt(1 - offset**2)
     return cosine - sine * (ratio * sine - 2 * offset) / (root + middle)
 
 
 def _transformed(ratio: ArrayLike, offset: ArrayLike, orders: Sequence[int]) -> np.ndarray:
-    """Complex amplitudes of x/r, with as many positions as each variant needs."""
+    """Complex amplitudes of x/r, with the number of positions that each variant needs."""
     ratio, offset = np.broadcast_arrays(np.asarray(ratio, float), np.asarray(offset, float))
     flat_ratio, flat_offset = ratio.ravel(), offset.ravel()
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -1,11 +1,12 @@
-"""Vectors that turn with the orders of the crank: shaking forces and couples as circles, lines and ellipses.
+"""Vectors that rotate with the orders of the crank: shaking forces and couples as circles, lines and ellipses.
 
-A plane vector that repeats with the crank's turn is, written as x + iy, the sum over the orders n of
+A plane vector with the period of the crank's turn, written as x + iy, is the sum over the orders n of
 
     F_n exp(i n phi) + B_n exp(−i n phi),
 
-one part turning with the crank and one against it. Alone, either draws a circle; equal in size they draw a line; in
-general an ellipse with the half axes |F_n| + |B_n| and ||F_n| − |B_n||, the longer one at half the sum of their angles.
+one part rotating with the crank and one against it. One part alone describes a circle; two of equal magnitude describe
+a line; in general they describe an ellipse with the semi-axes |F_n| + |B_n| and ||F_n| − |B_n||, the major axis at half
+the sum of their angles.
 """
 
 from typing import NamedTuple
@@ -21,7 +22,7 @@ class Hodograph(NamedTuple):
     ----------
     orders : tuple of int
     forward, backward : ndarray of complex (..., orders)
-        Parts that turn with the crank and against it.
+        Parts that rotate with the crank and against it.
     """
 
     orders: tuple[int, ...]
@@ -30,22 +31,22 @@ class Hodograph(NamedTuple):
 
     @property
     def major(self) -> np.ndarray:
-        """Longer half axes of the ellipses: the greatest size of each order (..., orders)."""
+        """Semi-major axes of the ellipses: the maximum magnitude of each order (..., orders)."""
         return np.abs(self.forward) + np.abs(self.backward)
 
     @property
     def minor(self) -> np.ndarray:
-        """Shorter half axes, 0 for a line, as long as the longer ones for a circle (..., orders)."""
+        """Semi-minor axes (..., orders): 0 for a line, equal to the semi-major axes for a circle."""
         return np.abs(np.abs(self.forward) - np.abs(self.backward))
 
     @property
     def direction(self) -> np.ndarray:
-        """Angle of the longer half axes [rad], within a half turn about 0 (..., orders); none for a circle."""
+        """Angle of the major axes [rad], within a quarter turn of 0 (..., orders); arbitrary for a circle."""
         return np.angle(self.forward * self.backward) / 2
 
     @property
     def rms(self) -> np.ndarray:
-        """Root mean square of the size of all orders together (...)."""
+        """Rms magnitude of all orders together (...)."""
         return np.sqrt((np.abs(self.forward) ** 2 + np.abs(self.backward) ** 2).sum(axis=-1))
 
     def of(self, order: int) -> tuple[np.ndarray, np.ndarray]:
@@ -59,7 +60,7 @@ class Hodograph(NamedTuple):
         Parameters
         ----------
         phi : array_like (positions,)
-            [rad].
+            Crank angles [rad].
 
         Returns
         -------
@@ -69,5 +70,5 @@ class Hodograph(NamedTuple):
         return self.forward @ turned + self.backward @ np.conj(turned)
 
     def plus(self, other: "Hodograph") -> "Hodograph":
-        """The sum with another one of the same orders."""
+        """The sum with another vector of the same orders."""
         return Hodograph(self.orders, self.forward + other.forward, self.backward + other.backward)

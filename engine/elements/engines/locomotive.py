@@ -1,15 +1,15 @@
-"""A locomotive's driving axle: balance weights, and the unbalance that they can't take.
+"""A locomotive's driving axle: balance weights, and the unbalance that remains.
 
-Per cylinder, a share of the masses at the crankpin is balanced by weights that turn. Along the track remains
-what isn't balanced, s_rot and c being the shares,
+For each cylinder, rotating weights balance fractions s_rot and c of the masses at the crankpin and the piston pin. The
+unbalanced force along the track is
 
     F = ω² r Re Σ ((1 − s_rot) m_rot + (1 − c) m_rec) exp(i(φ + α_k)),
 
-which varies the tractive effort and, with the cylinders' places as arms, sways the locomotive. Upright act all rotating
-masses and weights, those for the reciprocating masses with nothing against them: the hammer blow in either wheel's
-plane is that of the weights for c m_rec, and of what s_rot leaves or takes too much of m_rot.
+which varies the tractive effort and, with the cylinders' positions as arms, sways the locomotive. Vertically, all
+rotating masses and weights act, but nothing opposes the weights for the reciprocating masses: the hammer blow in the
+plane of each wheel is that of the weights for c m_rec, plus that of the excess (s_rot − 1) m_rot.
 
-For two cylinders at a right angle these are the textbook's √2 (1 − c) m_rec ω² r, (a/√2) (1 − c) m_rec ω² r and
+For two cylinders at right angles these are the textbook's √2 (1 − c) m_rec ω² r, (a/√2) (1 − c) m_rec ω² r and
 B ω² b.
 
 Sources: R. S. Khurmi and J. K. Gupta, Theory of Machines, chapter 22 (balancing of locomotives); S. S. Rattan, Theory
@@ -28,20 +28,20 @@ from engine.elements.rotors.unbalance import Resultant, unbalance_in_two_planes
 from engine.parts.actions import Force
 from engine.parts.skeleton import Angle, AngularSpeed, Length, Mass, Number, Positive
 
-# Two cylinders start from every position with cranks at a right angle; three and four have even ones.
+# Two cylinders start from every position with cranks at right angles; three and four are evenly spaced.
 USUAL_THROW_ANGLES = {1: 0.0, 2: math.pi / 2, 3: 2 * math.pi / 3, 4: math.pi / 2}
-# Places of curves; speeds up to so many times the one given.
+# Samples of a curve; highest speed drawn, relative to the given one.
 _SHOWN, _FASTEST = 361, 1.5
 _SIDES = ("left", "right")
 
 
 class LocomotiveElement(Element):
-    """Horizontal cylinders, `cylinder_spacing` apart, on one axle, whose wheels carry balance weights in their planes.
+    """Horizontal cylinders, `cylinder_spacing` apart, on one axle, with balance weights in the planes of its wheels.
 
-    Every throw follows the one before, from left to right, by `throw_angle`; `crank_angle` is that of the first one
-    from its cylinder's axis. `rotating_mass`, at the crankpin, and `reciprocating_mass` are those of a cylinder.
-    Weights at `balance_radius` balance the shares `balanced_rotating` and `balanced_reciprocating` of them. Rods count
-    as long: orders above the first are left out. `wheel_load` is what a wheel presses on its rail at rest.
+    Each throw follows the previous one, from left to right, by `throw_angle`; `crank_angle` is the angle of the first
+    throw from its cylinder's axis. `rotating_mass` (at the crankpin) and `reciprocating_mass` are for one cylinder.
+    Weights at `balance_radius` balance the fractions `balanced_rotating` and `balanced_reciprocating` of them. Rods are
+    assumed long: orders above the first are neglected. `wheel_load` is the static load of a wheel on its rail.
     """
 
     picture: ClassVar = "shaking"
@@ -87,7 +87,7 @@ class LocomotiveElement(Element):
     crank_angle: Angle | None = None
 
     def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by their names."""
+        """Results of a set of variants by name."""
         apart, track, stroke, radius = (n[k] for k in ("cylinder_spacing", "wheel_spacing", "stroke", "balance_radius"))
         rotating, reciprocating, speed = n["rotating_mass"], n["reciprocating_mass"], n["speed"]
         s_rot, c = n["balanced_rotating"], n["balanced_reciprocating"]
@@ -119,13 +119,13 @@ class LocomotiveElement(Element):
         return found
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
-        """Forces and the swaying couple over a turn, hammer blows over the speed."""
+        """Forces and swaying couple over a turn, hammer blows over the speed."""
         angle = np.linspace(0.0, math.tau, _SHOWN)
         turn = self.model_copy(update={"crank_angle": 0.0}).over("crank_angle", angle)
         forces = [Curve("along the track", turn["tractive_force"])]
         forces += [Curve(f"up, {side} wheel", turn[f"{side}_rail_force"]) for side in _SIDES]
         x, lifts = PanelAxis("crank angle", "rad"), self.own_values().get("lift_off_speed", math.nan)
-        # A well balanced one would lift off far beyond all speeds.
+        # A well-balanced axle would lift off far beyond all operating speeds.
         fastest = max(_FASTEST * self.speed, 1.1 * lifts if lifts < 4 * self.speed else 0.0)
         speed = np.linspace(1e-3, 1.0, _SHOWN) * fastest
         found = self.over("speed", speed)
@@ -141,6 +141,6 @@ class LocomotiveElement(Element):
 
 
 def _in_wheels(pins: np.ndarray, arms: np.ndarray, track: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """What unit masses at the crankpins amount to in the planes of the left and the right wheel."""
+    """Equivalent unbalances in the planes of the left and the right wheel, for unit masses at the crankpins."""
     resultant = Resultant(pins.sum(axis=0), (arms * pins).sum(axis=0), np.zeros(()))
     return unbalance_in_two_planes(resultant, -track / 2, track / 2)

@@ -1,4 +1,4 @@
-"""An engine with the numbers of all variants, and the torque of its cylinders."""
+"""An engine with the numbers of all variants, and its torque."""
 
 from collections.abc import Sequence
 
@@ -12,20 +12,14 @@ from engine.elements.engines.harmonics import CrankMasses, crank_masses, crank_r
 
 SIZES = ("bank_angle", "pin_offset", "spacing", "rod_distance")
 _GAS = ("bore", "clearance", "intake", "exhaust", "peak", "n_compression", "n_expansion", "ambient")
-# Roundings of a sum over cylinders, relative to the sum of the sizes of its terms: phases up to 6 · 2π, products, sums,
-# and masses, shares and the speed as they are given.
+# Rounding of a sum over cylinders, in eps times the sum of the magnitudes of its terms: phases up to 6 · 2π, products,
+# sums, and the given masses, fractions and speed.
 ROUNDED_ORDERS = 64
 TORQUE_ORDERS = tuple(k / 2 for k in range(1, 13))
 
 
 def made_engine(engine: Element, numbers: Numbers) -> Engine:
-    """The engine of an element, with the numbers of all variants.
-
-    Parameters
-    ----------
-    engine, numbers
-        As for `engine_results`.
-    """
+    """The engine of an element, with the numbers of all variants."""
     n = numbers
     layout = engine.pattern().layout(**{key: n[key] for key in SIZES if key in n})
     offset = n.get("gudgeon_offset", np.zeros_like(n["stroke"]))
@@ -50,23 +44,23 @@ def _masses(n: Numbers, which: str, inertia: np.ndarray | None = None) -> CrankM
 def engine_torque(
     engine: Element, n: Numbers, orders: Sequence[float] = TORQUE_ORDERS
 ) -> tuple[Torque, np.ndarray, np.ndarray]:
-    """Torque of the gas and the inertia of all cylinders.
+    """Gas and inertia torque of all cylinders.
 
     Parameters
     ----------
     engine, n
         As for `engine_results`; with gas.
     orders : sequence of float
-        Multiples of ½, above 0.
+        Positive multiples of ½.
 
     Returns
     -------
     one : Torque
-        Of one cylinder.
+        Torque of one cylinder.
     found : ndarray of complex (variants, orders)
-        Of all; T = mean + Re Σ T_n exp(i n phi). NaN where the throws don't let the cylinders fire in their order.
+        Harmonics of the sum, T = mean + Re Σ T_n exp(i n phi). NaN if the throws do not allow the firing order.
     angles : ndarray (variants, cylinders)
-        At which the cylinders fire [rad].
+        Firing angles [rad].
     """
     made = made_engine(engine, n)
     gas = {key: n[f"gas.{key}"] for key in _GAS}

@@ -1,12 +1,12 @@
-"""Motion of a radial engine's pistons with master and link rods: exact positions, and their harmonics by transform.
+"""Motion of a radial engine's pistons with master and link rods: exact positions, and harmonics by Fourier transform.
 
-The master rod's big end turns on the crankpin and carries the knuckle pins, at the radius c from the crankpin, of the
-link rods. With the master rod leaning by psi from its cylinder's axis beta_m, the knuckle pin of a cylinder beta is at
+The big end of the master rod is on the crankpin and carries the knuckle pins of the link rods, at the radius c from the
+crankpin. With the master rod inclined by psi to its cylinder's axis beta_m, the knuckle pin of a cylinder beta is at
 
     K = r exp(i phi) + c exp(i(beta + psi))
 
-and its piston at Re(K exp(−i beta)) + √(l'² − Im(K exp(−i beta))²) along its axis. So each piston has harmonics of its
-own, and the outer dead centres aren't evenly spaced.
+and its piston at Re(K exp(−i beta)) + √(l'² − Im(K exp(−i beta))²) along its axis. So the harmonics differ from piston
+to piston, and the outer dead centres are unevenly spaced.
 
 Source: C. F. Taylor, The Internal-Combustion Engine in Theory and Practice, vol. 2 (articulated rods); the positions
 follow from the triangle of each rod.
@@ -18,26 +18,26 @@ import numpy as np
 
 from engine.elements.engines.engine_layout import Engine
 
-# Harmonics fall off as those of the piston do (see `harmonics`): to rounding for λ + |ε| up to 0.97.
+# Harmonics decay as the piston's do (see `harmonics`): to rounding for λ + |ε| up to 0.97.
 POSITIONS = 512
 
 
 def positions(engine: Engine, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pistons along their axes, and knuckle pins as seen from the crankpin.
+    """Pistons along their axes, and knuckle pins relative to the crankpin.
 
     Parameters
     ----------
     engine : Engine
         With a master rod.
     phi : ndarray (positions,)
-        [rad].
+        Crank angles [rad].
 
     Returns
     -------
     ndarray (..., cylinders, positions)
-        From the crank's axis, along the cylinder's [m].
+        Piston position from the crank axis, along the cylinder [m].
     ndarray of complex (..., cylinders, positions)
-        The master rod's own place holds 0 [m].
+        Knuckle pins [m]; 0 for the master rod's cylinder.
     """
     layout, master = engine.layout, engine.master
     radius, rod, offset, knuckle, link = (
@@ -56,21 +56,21 @@ def positions(engine: Engine, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def master_rod_harmonics(engine: Engine, orders: Sequence[int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Harmonics of the pistons' and the knuckle pins' accelerations.
+    """Harmonics of the accelerations of pistons and knuckle pins.
 
     Parameters
     ----------
     engine : Engine
         With a master rod.
     orders : sequence of int
-        From 1 on.
+        From 1.
 
     Returns
     -------
     ndarray of complex (..., cylinders, orders)
-        Pistons: −ẍ/ω² = Re Σ exp(i n phi) [m].
+        Pistons: amplitudes c_n of −ẍ/ω² = Re Σ c_n exp(i n phi) [m].
     ndarray of complex (..., cylinders, orders), twice
-        Knuckle pins as seen from the crankpin: parts that turn with the crank and against it [m].
+        Knuckle pins relative to the crankpin: parts that rotate with the crank and against it [m].
     """
     pistons, pins = positions(engine, 2 * np.pi * np.arange(POSITIONS) / POSITIONS)
     orders = np.array(orders)

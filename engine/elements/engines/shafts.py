@@ -1,13 +1,13 @@
-"""Counterweights on the crank and balance shafts: which leave no force and couple, and what remains with them.
+"""Counterweights on the crank and balance shafts: those that cancel forces and couples, and what remains with them.
 
-An unbalance U on a shaft that turns at n times the crank's speed pulls with n² U exp(i n phi), over ω² of the crank;
-on one that turns the other way with n² U exp(−i n phi). So each part of each order has its own shaft:
+An unbalance U on a shaft at n times the crank speed exerts n² U exp(i n phi), divided by ω² of the crank; on a
+shaft in the opposite sense it exerts n² U exp(−i n phi). So each part of each order needs its own shaft:
 
-- the first order's part that turns with the crank: counterweights on the crank itself;
-- a part that turns alone (a circle): a single shaft;
-- both parts, equal in size (a line): a pair of shafts that turn against each other, as Lanchester's.
+- the first order's part that rotates with the crank: counterweights on the crank itself;
+- one rotating part alone (a circle): a single shaft;
+- both parts, of equal magnitude (a line): a pair of counter-rotating shafts, as in Lanchester's balancer.
 
-Two unbalances on a shaft balance a force and a couple at once: those of two planes that amount to the same.
+Two unbalances on a shaft balance a force and a couple at once: the equivalent unbalances in two planes.
 
 Sources: F. W. Lanchester's harmonic balancer (1910); C. F. Taylor, The Internal-Combustion Engine in Theory and
 Practice, vol. 2 (balance shafts).
@@ -28,19 +28,19 @@ from engine.elements.rotors.unbalance import Resultant, unbalance_in_two_planes
 class BalanceShaft(NamedTuple):
     """A shaft with unbalances, parallel to the crank, or the crank itself with its counterweights.
 
-    Across the crank, a single shaft anywhere but on the crank's axis adds a rolling moment of its order; a pair that
-    stands evenly on both sides of the engine's axis, as far from the crank's, adds none.
+    A single shaft off the crank axis adds a rolling moment of its order; a counter-rotating pair placed
+    symmetrically to the engine's axis adds none.
 
     Attributes
     ----------
     order : int
-        Speed of the shaft over that of the crank.
+        Ratio of the shaft's speed to the crank's.
     sense : int
-        1: turns with the crank, −1: against it.
+        1: rotates with the crank, −1: against it.
     unbalances : ndarray of complex (..., planes)
-        When the crank is at phi = 0 [kg·m].
+        Unbalances with the crank at phi = 0 [kg·m].
     planes : ndarray (..., planes)
-        Along the crank, from its middle [m].
+        Position along the crank, from its middle [m].
     """
 
     order: int
@@ -50,12 +50,12 @@ class BalanceShaft(NamedTuple):
 
     @property
     def force(self) -> np.ndarray:
-        """Force over ω² of the crank at phi = 0 (...) [kg·m]."""
+        """Force divided by ω² of the crank, at phi = 0 (...) [kg·m]."""
         return self.order**2 * self.unbalances.sum(axis=-1)
 
     @property
     def couple(self) -> np.ndarray:
-        """Couple over ω² of the crank at phi = 0 (...) [kg·m²]."""
+        """Couple divided by ω² of the crank, at phi = 0 (...) [kg·m²]."""
         return self.order**2 * (self.unbalances * self.planes).sum(axis=-1)
 
 
@@ -68,12 +68,12 @@ def crankshaft_counterweights(
     ----------
     engine : Engine
     rotating, reciprocating : array_like (...)
-        Shares of the masses that they balance; ½ of a single cylinder's reciprocating mass halves its first order.
+        Fractions of the masses to balance; ½ of a single cylinder's reciprocating mass halves its first order.
 
     Returns
     -------
     BalanceShaft
-        The crank with them, the unbalances in the planes of the throws.
+        The crank, with the unbalances in the planes of the throws.
     """
     shares = (np.asarray(x, float)[..., None] for x in (rotating, reciprocating))
     masses = (np.asarray(x, float) for x in (engine.rotating_mass, engine.reciprocating_mass))
@@ -83,22 +83,22 @@ def crankshaft_counterweights(
 
 
 def balance_shafts(found: EngineShaking, planes: tuple[float, float], tolerance: float = 1e-9) -> list[BalanceShaft]:
-    """Shafts that leave no force and no couple of any order given.
+    """Shafts that cancel forces and couples of all given orders.
 
     Parameters
     ----------
     found : EngineShaking
-        Of an engine, or what already remains with counterweights and other shafts.
+        Shaking of an engine, or the remainder with counterweights and other shafts.
     planes : tuple of float
-        Where the shafts carry their unbalances [m]; of twice the same plane, couples are left as they are.
+        Positions of the unbalances on each shaft [m]; two equal planes leave the couples as they are.
     tolerance : float
-        What is no greater than this share of the sizes of all that the cylinders contribute needs no shaft.
+        Forces and couples below this multiple of the cylinders' total contribution need no shaft.
 
     Returns
     -------
     list of BalanceShaft
-        For each order the one that turns with the crank and the one against it, where there is something to balance.
-        For the first order and with the crank it is the crank itself.
+        For each order with something to balance, one shaft that rotates with the crank and one against it. The shaft of
+        the first order that rotates with the crank is the crank itself.
     """
     shafts, apart = [], planes[0] != planes[1]
     for i, order in enumerate(found.forces.orders):
@@ -119,19 +119,19 @@ def _shaft(order: int, sense: int, force: np.ndarray, couple: np.ndarray, planes
 
 
 def remaining_shaking(found: EngineShaking, shafts: Iterable[BalanceShaft]) -> EngineShaking:
-    """What remains with counterweights and shafts.
+    """Shaking that remains with counterweights and shafts.
 
     Parameters
     ----------
     found : EngineShaking
-        Of an engine, or what already remains.
+        Shaking of an engine, or a previous remainder.
     shafts : iterable of BalanceShaft
-        Those of other orders change nothing.
+        Shafts of orders other than `found`'s have no effect.
 
     Returns
     -------
     EngineShaking
-        With the sizes of the shafts' contributions in its terms.
+        Its terms include the magnitudes of the shafts' contributions.
     """
     for shaft in shafts:
         here = (np.array(found.forces.orders) == shaft.order) * shaft.order**2

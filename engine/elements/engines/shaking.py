@@ -1,20 +1,20 @@
-"""Shaking forces and couples of an engine by orders of the crank, over ω².
+"""Shaking forces and couples of an engine by orders of the crank, divided by ω².
 
-A piston of the mass m on the axis beta pulls the engine along it with −m ẍ. With its harmonics c_n and the crank at
-theta = phi + alpha − beta that is, as a complex number across the crank, m r ω² times the sum over n of
+A piston of mass m on the axis beta exerts −m ẍ on the engine along that axis. With its harmonics c_n and the crank at
+theta = phi + alpha − beta, as a complex number in the plane across the crank, this is m r ω² times the sum over n of
 
     ½ c_n exp(i(n alpha − (n − 1) beta)) exp(i n phi) + ½ c_n* exp(−i(n alpha − (n + 1) beta)) exp(−i n phi),
 
-half of it turning with the crank and half against it. Rotating masses add m_rot r exp(i alpha) to the first order that
-turns with the crank. Couples are the same with each cylinder's position as its arm, about the crank's middle, drawn in
-the direction of the forces; the couple's axis stands a quarter turn before it. Gas forces are within the engine and
-shake it only by the reaction to its torque.
+one half rotating with the crank and one against it. Rotating masses add m_rot r exp(i alpha) to the first order that
+rotates with the crank. Couples are the same with each cylinder's position as its arm, about the crank's middle, drawn
+in the direction of the forces; the axis of the couple is a quarter turn ahead. Gas forces are internal and shake the
+engine only by the reaction to its torque.
 
-Everything is over ω², a force in kg·m and a couple in kg·m²: an unbalance, as that of a rotor.
+All quantities are divided by ω²: a force in kg·m and a couple in kg·m², as the unbalance of a rotor.
 
 Sources: C. F. Taylor, The Internal-Combustion Engine in Theory and Practice, vol. 2 (engine balance); J. P. Den Hartog,
 Mechanical Vibrations, §5.2 (multicylinder engines); H. Maass, H. Klier, Kräfte, Momente und deren Ausgleich in der
-Verbrennungskraftmaschine (method of the two star-shaped vectors, one turning each way).
+Verbrennungskraftmaschine (method of two counter-rotating star vectors).
 """
 
 from collections.abc import Sequence
@@ -31,14 +31,14 @@ SHAKING_ORDERS = (1, 2, 4, 6)
 
 
 class EngineShaking(NamedTuple):
-    """What shakes an engine's frame, over ω², without counterweights and shafts.
+    """Shaking forces and couples on an engine's frame, divided by ω².
 
     Attributes
     ----------
     forces, couples : Hodograph
-        [kg·m]; about the crank's middle [kg·m²].
+        Forces [kg·m]; couples about the crank's middle [kg·m²].
     force_terms, couple_terms : ndarray (..., orders)
-        Sums of the sizes of what the cylinders contribute: what is no greater than some roundings of them is balanced.
+        Sums of the magnitudes of the cylinders' contributions: a result within their rounding is balanced.
     """
 
     forces: Hodograph
@@ -48,13 +48,13 @@ class EngineShaking(NamedTuple):
 
 
 def engine_shaking(engine: Engine, orders: Sequence[int] = SHAKING_ORDERS) -> EngineShaking:
-    """Inertia forces and couples on the engine's frame.
+    """Inertia forces and couples on the engine's frame, without counterweights.
 
     Parameters
     ----------
     engine : Engine
     orders : sequence of int
-        From 1 on.
+        From 1.
     """
     pistons = piston_motions(engine, orders)
     pins = None if engine.master is None else master_rod_harmonics(engine, orders)[1:]
@@ -64,13 +64,13 @@ def engine_shaking(engine: Engine, orders: Sequence[int] = SHAKING_ORDERS) -> En
 
 
 def piston_motions(engine: Engine, orders: Sequence[int]) -> np.ndarray:
-    """Harmonics of each piston's acceleration in the crank angle of the engine, −ẍ/ω² = Re Σ exp(i n phi).
+    """Harmonics of each piston's acceleration over the engine's crank angle, c_n in −ẍ/ω² = Re Σ c_n exp(i n phi).
 
     Parameters
     ----------
     engine : Engine
     orders : sequence of int
-        From 1 on.
+        From 1.
 
     Returns
     -------
@@ -92,7 +92,7 @@ def _summed(
     pins: tuple[np.ndarray, np.ndarray] | None,
     arms: np.ndarray,
 ) -> tuple[Hodograph, np.ndarray]:
-    """Sums over the cylinders, weighted with their arms: vectors and sizes."""
+    """Sums over the cylinders, weighted with their arms: vectors, and sums of magnitudes."""
     axes = np.exp(1j * engine.layout.banks)[..., None]
     pull = (np.asarray(engine.reciprocating_mass, float) * arms)[..., None] * axes
     crankpins = np.asarray(engine.radius, float)[..., None] * np.exp(1j * engine.layout.throws)

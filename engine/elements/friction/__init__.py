@@ -1,1 +1,1 @@
-"""Elements in which dry friction decides: screws, belts, wedges, inclines, journals, guides, rollers, cars."""
+"""Elements governed by dry friction: screws, belts, wedges, inclines, journals, guides, rollers, cars."""

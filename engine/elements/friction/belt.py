@@ -28,7 +28,7 @@ from engine.parts.skeleton import Angle, Number, Speed, quantity
 def belt(
     diameter: float, wrap: float, friction: float, groove: float, tension: float, moment: float, q: float, speed: float
 ) -> tuple[float, float, float, float, float, float, float, float]:
-    """Belt of a given tension, or moment where the tension is NaN: its results in their order."""
+    """Belt with a given tension, or with a given moment if the tension is NaN: its results in order."""
     radius, reduced = diameter / 2, vee_friction(friction, groove / 2)
     centrifugal = centrifugal_tension(q, speed)
     tight = tight_tension(moment, centrifugal, reduced, wrap, radius) if math.isnan(tension) else tension
@@ -48,10 +48,10 @@ def belt(
 
 
 class BeltElement(FrictionElement):
-    """A belt on a pulley on the point of slipping: the moment that its `tension` carries, or the tension for a moment.
+    """A belt on a pulley on the point of slipping: the torque that its `tension` transmits, or the tension required.
 
-    `tension` is that of the tight strand; `groove_angle` lies between the faces of a V groove. A belt that runs has a
-    `speed`, and with its `linear_density` a centrifugal tension.
+    `tension` is that of the tight strand; `groove_angle` is the angle between the faces of a V groove. A moving belt
+    has a `speed` and, with its `linear_density`, a centrifugal tension.
     """
 
     shown: ClassVar = (("force", ("tight_tension", "slack_tension", "shaft_force")), ("ratio", ("tension_ratio",)))
@@ -85,7 +85,7 @@ class BeltElement(FrictionElement):
         return self
 
     def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by their names."""
+        """Results of a set of variants by name."""
         usual = {"groove_angle": math.pi, "tension": math.nan, "moment": math.nan, "linear_density": 0.0, "speed": 0.0}
         others = (n.get(key, value) for key, value in usual.items())
         return self.in_order(over_arrays(belt, n["diameter"], n["wrap"], n["friction"], *others))

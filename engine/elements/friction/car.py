@@ -13,7 +13,7 @@ from engine.graph.over_arrays import over_arrays
 from engine.laws.brakes import axle_shares
 from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Angle, Number, Positive, Speed, Time
 
-# Speeds up to so many times the one given.
+# Highest speed drawn, relative to the given one.
 _FASTEST = 1.5
 
 
@@ -21,7 +21,7 @@ _FASTEST = 1.5
 def car(
     speed: float, front: float, rear: float, base: float, behind: float, height: float, slope: float, g: float
 ) -> tuple[float, float, float, float]:
-    """Braking car without a time of reaction: its results in their order; NaN for one that doesn't come to rest."""
+    """Braking car without reaction time: its results in order; NaN if it does not come to rest."""
     on_front, on_rear = axle_shares(base, behind, height, front, rear)
     held = g * (math.cos(slope) * (front * on_front + rear * on_rear) + math.sin(slope))
     slowing = held if held > 0.0 else math.nan
@@ -29,10 +29,10 @@ def car(
 
 
 class CarElement(Element):
-    """A car that brakes with the `brakes` of its front, rear or all wheels on the point of sliding, to rest.
+    """A car that brakes to rest with the `brakes` of its front, rear or all wheels on the point of sliding.
 
-    `rear_distance` is that of its centre of mass from the rear axle, `height` that from the road. It goes up a positive
-    `slope`, down a negative one; the brakes begin to act after the `reaction_time`.
+    `rear_distance` is the distance of its centre of mass from the rear axle, `height` that from the road. It drives
+    uphill on a positive `slope`, downhill on a negative one; the brakes act after the `reaction_time`.
     """
 
     picture: ClassVar = "braking"
@@ -61,7 +61,7 @@ class CarElement(Element):
         return self
 
     def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by their names."""
+        """Results of a set of variants by name."""
         front, rear = (n["friction"] if self.brakes in (axle, "all") else 0.0 for axle in ("front", "rear"))
         keys = ("wheelbase", "rear_distance", "height", "slope", "gravity")
         slowing, way, time, share = over_arrays(car, n["speed"], front, rear, *(n[key] for key in keys))
@@ -69,7 +69,7 @@ class CarElement(Element):
         return self.in_order((slowing, n["speed"] * delay + way, delay + time, share))
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
-        """Way to rest over the speed by the wheels that brake, and the speed along the way as given."""
+        """Stopping distance over the speed for each choice of brakes, and the speed over the distance as given."""
         speed = np.linspace(1e-3, _FASTEST, PLACES) * self.speed
         curves = []
         for brakes in ("front", "rear", "all"):
@@ -77,7 +77,7 @@ class CarElement(Element):
             curves.append(Curve(f"brakes: {brakes}", way))
         mark = Mark("as given", self.speed, None)
         over_speed = Panel(PanelAxis("speed", "m s-1"), PanelAxis("way to rest", "m"), speed, curves, (mark,))
-        # The brakes begin to act when the reaction time is over; then the square of the speed falls evenly.
+        # The brakes act from the end of the reaction time; then the square of the speed falls linearly.
         left = np.linspace(self.speed, 0.0, PLACES)
         held = self.own_values()["deceleration"]
         way = [0.0, *(self.speed * self.reaction_time + (self.speed**2 - left**2) / (2 * held))]

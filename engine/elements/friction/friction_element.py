@@ -1,4 +1,4 @@
-"""Elements with one coefficient of friction, over which they are shown; and the numbers that such elements have."""
+"""Elements with one coefficient of friction, over which their results are drawn; and types of their numbers."""
 
 from typing import Annotated, ClassVar
 
@@ -12,26 +12,26 @@ from engine.parts.skeleton import Number, Positive
 
 __all__ = ["BEYOND", "DRY", "Friction", "FrictionElement", "Load", "Positive"]
 
-# Coefficients up to so many times the one given, and as far as dry steel on steel at least.
+# Range of the diagrams relative to the given coefficient, but at least up to dry steel on steel.
 BEYOND, DRY = 2.0, 0.3
 Load = Annotated[Force, Field(gt=0)]
 Friction = Annotated[Number, Field(ge=0)]
 
 
 class FrictionElement(Element):
-    """An element with a `friction`.
+    """An element with a coefficient of `friction`.
 
     Attributes
     ----------
     shown : tuple of (str, tuple of str)
-        Words of each of its diagrams, and names of the results in it.
+        Label of each diagram, and names of the results in it.
     """
 
     picture: ClassVar = "friction"
     shown: ClassVar[tuple[tuple[str, tuple[str, ...]], ...]]
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
-        """Results over the friction; curves end where the element jams."""
-        # A belt without friction carries nothing.
+        """Results over the coefficient of friction; curves end where the element jams."""
+        # A belt without friction transmits nothing.
         friction = np.linspace(1e-3, max(BEYOND * self.friction, DRY), PLACES)
         return self.panels_over("friction", PanelAxis("coefficient of friction", "1"), friction, self.shown)

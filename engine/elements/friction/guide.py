@@ -26,7 +26,7 @@ from engine.parts.skeleton import Angle, Length
 def guide(
     load: float, resistance: float, overhang: float, length: float, friction: float, vee: float, factor: float
 ) -> tuple[float, float, float, float, float, float, float, float]:
-    """Slider on its guide: its results in their order."""
+    """Slider on its guide: its results in order."""
     half, reduced = length / 2, factor * vee_friction(friction, vee / 2)
     drive = overhung_drive(resistance, load, overhang, half, reduced)
     front, rear = edge_forces(load, drive * overhang, half)
@@ -45,7 +45,7 @@ def guide(
 class GuideElement(FrictionElement):
     """A slider on its guide, moved against a `resistance` along its middle by a force at an `overhang`.
 
-    `load` presses it on the guide: flat, a V of `vee_angle` between its faces, or half-round, new or worn in.
+    `load` presses it onto the guide: flat, a V with `vee_angle` between its faces, or half-round, new or worn in.
     """
 
     shown: ClassVar = (
@@ -81,7 +81,7 @@ class GuideElement(FrictionElement):
         return self
 
     def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by their names."""
+        """Results of a set of variants by name."""
         keys = ("load", "resistance", "overhang", "length", "friction")
         factor = BUSHES.get(self.form, 1.0)
         return self.in_order(over_arrays(guide, *(n[key] for key in keys), n.get("vee_angle", math.pi), factor))

@@ -17,7 +17,7 @@ from engine.parts.skeleton import Angle
 def incline(
     load: float, angle: float, friction: float, static: float, pull_angle: float
 ) -> tuple[float, float, float, float, float, float]:
-    """Incline: its results in their order."""
+    """Incline: its results in order."""
     up = incline_up(load, angle, friction, pull_angle)
     return (
         math.atan(friction),
@@ -30,7 +30,7 @@ def incline(
 
 
 class InclineElement(FrictionElement):
-    """A load on an inclined plane, pulled at `pull_angle` above the plane; at rest `static_friction` holds it."""
+    """A load on an inclined plane, pulled at `pull_angle` above the plane; `static_friction` holds it at rest."""
 
     shown: ClassVar = (("force", ("up_force", "down_force")), ("efficiency", ("efficiency",)))
     RESULTS: ClassVar = (
@@ -50,6 +50,6 @@ class InclineElement(FrictionElement):
     pull_angle: Annotated[Angle, Field(gt=-math.pi / 2, lt=math.pi / 2)] = 0.0
 
     def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by their names."""
+        """Results of a set of variants by name."""
         static = n.get("static_friction", n["friction"])
         return self.in_order(over_arrays(incline, n["load"], n["angle"], n["friction"], static, n["pull_angle"]))

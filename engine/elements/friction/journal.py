@@ -16,13 +16,13 @@ from engine.parts.skeleton import AngularSpeed
 
 @scalar
 def journal(load: float, diameter: float, friction: float, factor: float, speed: float) -> tuple[float, float, float]:
-    """Journal: its results in their order."""
+    """Journal: its results in order."""
     moment = journal_moment(load, diameter / 2, friction, factor)
     return friction_circle(diameter / 2, friction, factor), moment, moment * abs(speed)
 
 
 class JournalElement(Element):
-    """A journal in its bearing, touching on a line, or in a new or worn-in bush that embraces half of it."""
+    """A journal in its bearing, with line contact, or in a new or worn-in bush that embraces half of it."""
 
     picture: ClassVar = "friction"
     RESULTS: ClassVar = (
@@ -39,18 +39,18 @@ class JournalElement(Element):
     speed: AngularSpeed | None = None
 
     def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by their names."""
+        """Results of a set of variants by name."""
         factor, speed = BUSHES[self.contact], n.get("speed", 0.0)
         return self.in_order(over_arrays(journal, n["load"], n["diameter"], n["friction"], factor, speed))
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
-        """The journal with its friction circle and forces, and the moment of friction over the friction, by contact."""
+        """The journal with its friction circle and forces, and the friction torque over the coefficient, by contact."""
         friction = np.linspace(0.0, max(BEYOND * self.friction, DRY), PLACES)
         contacts = {contact: self.model_copy(update={"contact": contact}) for contact in ("line", "new", "worn in")}
         curves = [Curve(contact, it.over("friction", friction)["friction_moment"]) for contact, it in contacts.items()]
         x, y = PanelAxis("coefficient of friction", "1"), PanelAxis("moment of friction", "N m")
         over = Panel(x, y, friction, curves, (Mark("as given", self.friction, None),), "by contact")
-        # Turning to the left, it is held to the right, by the reaction on the right of its middle.
+        # The journal turns to the left; the reaction on the right of its centre opposes it.
         radius, rho = 0.5 * self.diameter, self.own_values()["friction_circle"]
         lines = circle("", radius), circle("friction circle", rho), path("load", (2j * radius, 0.0))
         return plan((*lines, path("reaction", (rho, rho - 2j * radius))), "Turning to the left"), over

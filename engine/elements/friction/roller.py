@@ -19,7 +19,7 @@ from engine.parts.skeleton import Length
 def roller(
     load: float, diameter: float, arm: float, friction: float, height: float, mate: float
 ) -> tuple[float, float, float, float, float, float, float]:
-    """Roller on a plane or on a second roller: its results in their order."""
+    """Roller on a plane or on a second roller: its results in order."""
     radius = diameter / 2
     return (
         rolling_moment(load, arm),
@@ -33,9 +33,9 @@ def roller(
 
 
 class RollerElement(Element):
-    """A loaded roller on a plane, pulled at its axle unless `pull_height` says where, or driving a second roller.
+    """A loaded roller on a plane, pulled at its axle or at `pull_height`, or driving a second roller.
 
-    `rolling_arm` is the arm k of rolling friction, `friction` that of sliding.
+    `rolling_arm` is the arm k of rolling friction, `friction` the coefficient of sliding friction.
     """
 
     picture: ClassVar = "friction"
@@ -60,14 +60,14 @@ class RollerElement(Element):
     mate_diameter: Positive | None = None
 
     def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by their names."""
+        """Results of a set of variants by name."""
         height, mate = n.get("pull_height", n["diameter"] / 2), n.get("mate_diameter", math.inf)
         return self.in_order(
             over_arrays(roller, n["load"], n["diameter"], n["rolling_arm"], n["friction"], height, mate)
         )
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
-        """The roller with its forces, and that which moves it over the arm of rolling friction."""
+        """The roller with its forces, and the force that moves it over the arm of rolling friction."""
         height = self.diameter / 2 if self.pull_height is None else self.pull_height
         arm = np.linspace(0.0, BEYOND * (self.rolling_arm or self.friction * height), PLACES)
         curve = Curve("force that moves it", self.over("rolling_arm", arm)["pull_force"])

@@ -28,7 +28,7 @@ THREAD_ANGLES = {"square": 0.0, "trapezoidal": math.radians(30.0), "metric": mat
 def screw(
     load: float, diameter: float, lead: float, angle: float, friction: float, collar_diameter: float, collar: float
 ) -> tuple[float, float, float, float, float, float, float, float, float]:
-    """Screw with its thrust collar: its results in their order."""
+    """Screw with its thrust collar: its results in order."""
     radius, collar_radius, slope = diameter / 2, collar_diameter / 2, thread_slope(lead, diameter)
     reduced = flank_friction(friction, angle / 2)
     held = collar_moment(load, collar_radius, collar)
@@ -48,9 +48,9 @@ def screw(
 
 
 class ScrewElement(FrictionElement):
-    """A screw that raises and lowers a load, its thread named or of any `thread_angle` between the flanks.
+    """A screw that raises and lowers a load, with a named thread or any `thread_angle` between the flanks.
 
-    `collar_diameter` is the mean one of the thrust collar.
+    `collar_diameter` is the mean diameter of the thrust collar.
     """
 
     shown: ClassVar = (
@@ -87,7 +87,7 @@ class ScrewElement(FrictionElement):
         return self
 
     def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by their names."""
+        """Results of a set of variants by name."""
         angle = n["thread_angle"] if self.thread is None else THREAD_ANGLES[self.thread]
         lead, collar = n["pitch"] * self.starts, (n["collar_diameter"], n["collar_friction"])
         return self.in_order(over_arrays(screw, n["load"], n["mean_diameter"], lead, angle, n["friction"], *collar))

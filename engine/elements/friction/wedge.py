@@ -15,7 +15,7 @@ from engine.parts.skeleton import Angle
 
 @scalar
 def wedge(load: float, angle: float, friction: float, base: float, guide: float) -> tuple[float, float, float, float]:
-    """Wedge: its results in their order."""
+    """Wedge: its results in order."""
     slope = math.tan(angle)
     drive, withdraw = (
         wedge_drive(load, slope, friction, base, guide),
@@ -25,9 +25,9 @@ def wedge(load: float, angle: float, friction: float, base: float, guide: float)
 
 
 class WedgeElement(FrictionElement):
-    """A wedge under a load that is guided at a right angle to the wedge's base.
+    """A wedge under a load that is guided at right angles to the wedge's base.
 
-    `friction` is that of the inclined face; the base has the same unless `base_friction` is given.
+    `friction` is the coefficient of the inclined face, and of the base unless `base_friction` is given.
     """
 
     shown: ClassVar = (("force", ("drive_force", "withdraw_force")), ("efficiency", ("efficiency",)))
@@ -46,6 +46,6 @@ class WedgeElement(FrictionElement):
     guide_friction: Friction = 0.0
 
     def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by their names."""
+        """Results of a set of variants by name."""
         faces = n["friction"], n.get("base_friction", n["friction"]), n["guide_friction"]
         return self.in_order(over_arrays(wedge, n["load"], n["angle"], *faces))

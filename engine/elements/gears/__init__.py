@@ -1,1 +1,1 @@
-"""Gear trains: fixed, planetary and differential; speeds, assembly, moments with losses, inertia."""
+"""Gear trains: fixed, planetary and differential; speeds, assembly, torques with losses, inertia."""

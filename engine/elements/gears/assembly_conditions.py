@@ -1,4 +1,4 @@
-"""Whether the wheels of a train fit and mesh: whole teeth, equal centre distances, planets that pass each other."""
+"""Assembly and meshing of a train's wheels: whole teeth, equal centre distances, clearance between planets."""
 
 from typing import NamedTuple
 
@@ -12,14 +12,14 @@ from engine.elements.gears.train_speeds import stages, teeth_of
 from engine.laws.rounding import EPS
 from engine.words.verdicts import Verdict
 
-# Centre distances that differ by less are the same but for rounding.
+# Relative difference below which centre distances are equal except for rounding.
 _SAME = 1e-9
 
 
 class MeshSizes(NamedTuple):
-    """Sizes of a mesh (variants,): normal module and diameters of reference circles [m]; teeth and their geometry.
+    """Dimensions of a mesh (variants,): normal module and reference diameters [m]; teeth and their geometry.
 
-    Without modules all lengths are counted in modules.
+    In a train without modules, the module is 1 and lengths are in modules.
     """
 
     module: np.ndarray
@@ -29,7 +29,7 @@ class MeshSizes(NamedTuple):
 
     @property
     def distance(self) -> np.ndarray:
-        """Of the axes [m]."""
+        """Centre distance [m]."""
         return self.module * self.geometry.distance
 
     @property
@@ -40,17 +40,17 @@ class MeshSizes(NamedTuple):
 
 
 class AssemblyConditions(NamedTuple):
-    """How far a train fits (variants,).
+    """Assembly conditions of a train (variants,).
 
     Attributes
     ----------
     fits : ndarray of bool
     distance_errors : dict of str to ndarray
-        By meshes: difference of their centre distance from that of another one on the same axes, over it.
+        For meshes: relative difference of the centre distance from that of another mesh on the same axes.
     spacing_remainders : dict of str to ndarray
-        By carriers: what is left over where an assembled train needs a whole multiple of the number of planets.
+        For carriers: remainder of the assembly condition modulo the number of planets; 0 fits.
     clearances : dict of str to ndarray
-        By planets: gap between the tips of neighbours, over the diameter of their tips.
+        For planets: gap between the tips of neighbours, relative to the tip diameter.
     """
 
     fits: np.ndarray
@@ -60,13 +60,7 @@ class AssemblyConditions(NamedTuple):
 
 
 def mesh_sizes(train: GearTrain, n: Numbers) -> dict[str, MeshSizes]:
-    """Sizes of all meshes.
-
-    Parameters
-    ----------
-    train : GearTrain
-    n : mapping of str to ndarray (variants,)
-    """
+    """Dimensions of all meshes, by name."""
     found = {}
     for place in train.structure.meshes:
         z_a, z_b = (n[f"wheels.{wheel}.teeth"] for wheel in place.wheels)
@@ -80,16 +74,16 @@ def mesh_sizes(train: GearTrain, n: Numbers) -> dict[str, MeshSizes]:
 
 
 def angle_error(size: MeshSizes) -> np.ndarray:
-    """Relative error of what depends on the operating pressure angle: that of solving for it where shifts change it."""
+    """Relative error estimate of quantities that depend on the operating pressure angle; 0 without profile shift."""
     shifted = size.teeth.first_shift + size.teeth.sense * size.teeth.second_shift != 0.0
-    # The involute function of a small angle is the small difference of its tangent and itself.
+    # The involute function of a small angle is the small difference of its tangent and the angle.
     return np.where(shifted, 32.0 * EPS * (1.0 + np.tan(size.geometry.angle) ** -2.0), 0.0)
 
 
 def tooth_contact(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes]) -> np.ndarray:
-    """Verdicts on teeth (variants,): OK, INTERFERES, or CONTACT_BREAKS where the contact ratio is below one.
+    """Verdicts on teeth (variants,): OK, INTERFERES, or CONTACT_BREAKS for a contact ratio below one.
 
-    Of helical wheels the overlap along their width counts too; where no width is given they aren't judged.
+    For helical wheels the overlap ratio is included; without a face width they are not checked.
 
     Parameters
     ----------
@@ -116,20 +110,13 @@ def module_of(train: GearTrain, mesh: str, n: Numbers) -> np.ndarray:
 
 
 def assembly_conditions(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes]) -> AssemblyConditions:
-    """Judge whether a train can be put together.
-
-    Parameters
-    ----------
-    train : GearTrain
-    n : mapping of str to ndarray (variants,)
-    sizes : dict of str to MeshSizes
-    """
+    """Check whether a train can be assembled."""
     structure = train.structure
     fits = np.ones(next(iter(n.values())).size, bool)
     for wheel in train.wheels:
         fits &= n[f"wheels.{wheel}.teeth"] == np.round(n[f"wheels.{wheel}.teeth"])
     for size in sizes.values():
-        # NaN where shifts bring teeth so near that no distance of the axes lets them mesh.
+        # NaN if profile shifts rule out any centre distance.
         fits &= size.distance > 0
     fits &= _equal_modules(train, sizes) & _bores_leave_a_rim(train, n, sizes)
     errors = {}
@@ -166,7 +153,7 @@ def _equal_modules(train: GearTrain, sizes: dict[str, MeshSizes]) -> np.ndarray:
 
 
 def _bores_leave_a_rim(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes]) -> np.ndarray:
-    """Whether the bores of discs end below the roots of the teeth."""
+    """Whether the bores of discs are smaller than the root circles of the teeth."""
     left = np.array(True)
     for name, mesh in train.meshes.items():
         for wheel, diameter in zip(mesh.between, sizes[name].diameters, strict=True):
@@ -177,12 +164,12 @@ def _bores_leave_a_rim(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes]
 
 
 def _spacing_remainder(path: list[MeshPlace], n: Numbers, count: np.ndarray) -> np.ndarray:
-    """What is left of the condition that each of the planets meshes where it stands, in steps of one; 0 fits.
+    """Remainder of the condition that all equally spaced planets mesh, in whole units; 0 fits.
 
-    Seen from a set of planets that is turned on by 2π/k with all phases kept, both central wheels are turned back by
-    that. Every mesh may slip by whole teeth only: whole numbers y with y · (coefficients of each planet) = 0 combine
-    the meshes so that no planet's own angle is left, and what the central wheels contribute has to be divisible by k.
-    With one planet of one wheel this is (z_a ± z_b)/k, with two wheels (z_a z₂ ± z_b z₁)/(k gcd(z₁, z₂)).
+    If a set of planets is rotated by 2π/k without changing phases, both central wheels rotate back by that angle
+    relative to it. Each mesh may then slip by whole teeth only. Integers y with y · (coefficients of each planet) = 0
+    combine the meshes so that the planets' own angles cancel; the contribution of the central wheels must be divisible
+    by k. For a planet with one wheel this is (z_a ± z_b)/k, with two wheels (z_a z₂ ± z_b z₁)/(k gcd(z₁, z₂)).
     """
     ends = [[np.rint(z).astype(np.int64) for z in teeth_of(place, n)] for place in path]
     start = path[0]
@@ -202,7 +189,7 @@ def _spacing_remainder(path: list[MeshPlace], n: Numbers, count: np.ndarray) -> 
 
 
 def _clearances(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes]) -> dict[str, np.ndarray]:
-    """Gap between neighbouring planets, over the diameter of their tips: 2a sin(π/k)/d_a − 1."""
+    """Gap between neighbouring planets, relative to their tip diameter: 2a sin(π/k)/d_a − 1."""
     structure, found = train.structure, {}
     for planet, j in structure.pin_meshes.items():
         carrier = structure.name_of(structure.meshes[j].carrier)

@@ -1,4 +1,4 @@
-"""Chain drives: mean ratio, ripple of the speed, pull, links for a distance of the axes."""
+"""Chain drives: mean ratio, speed ripple, tension, number of links for a centre distance."""
 
 import math
 from functools import partial
@@ -13,15 +13,15 @@ from engine.parts.actions import Moment
 from engine.parts.skeleton import AngularSpeed, Length, Number, quantity
 from engine.words.verdicts import Verdict
 
-# Links that come on while the speed is drawn.
+# Links that engage over the range drawn.
 _LINKS = 3
 
 
 class ChainDrive(Element):
-    """A chain of a `pitch` over two sprockets; `moment` resists on the driven one.
+    """A chain of a given `pitch` over two sprockets; `moment` is the load torque on the driven one.
 
-    With the `distance` of the axes that is wanted, links and the distance that an even number of them makes follow;
-    with the `linear_density` of the chain its centrifugal tension.
+    A desired centre `distance` gives the number of links, and the centre distance with an even number; the chain's
+    `linear_density` gives its centrifugal tension.
     """
 
     picture: ClassVar = "chain"
@@ -51,13 +51,13 @@ class ChainDrive(Element):
     linear_density: Annotated[quantity("linear_density"), Field(gt=0)] | None = None
 
     def values(self, n: Numbers, even: np.ndarray | None = None) -> Columns:
-        """Results of a set of variants by their names.
+        """Results of a set of variants by name.
 
         Parameters
         ----------
         n : mapping of str to ndarray (variants,)
         even : ndarray, optional
-            Links of the chain; the nearest even number of them unless given.
+            Links of the chain; default: the nearest even number.
         """
         z1, z2, p, speed = n["driving_teeth"], n["driven_teeth"], n["pitch"], n["speed"]
         d1, d2 = pitch_circle(p, z1), pitch_circle(p, z2)
@@ -84,21 +84,21 @@ class ChainDrive(Element):
         return found
 
     def evaluate(self, n: Numbers) -> Answers:
-        """Results, and verdicts: teeth that aren't whole don't fit, nor do axes nearer than the sprockets are wide."""
-        # Links are counted: the number that is nearest stays the same where errors are estimated.
+        """Results, and verdicts: fractional teeth do not fit, nor does a centre distance below the sum of the radii."""
+        # The number of links is an integer: keep it while the numbers are nudged.
         found, errors = nudged(partial(self.values, even=_even_links(n) if "distance" in n else None), n)
         fits = (n["driving_teeth"] == np.rint(n["driving_teeth"])) & (n["driven_teeth"] == np.rint(n["driven_teeth"]))
         if "distance" in n:
             radii = 0.5 * (found["driving_diameter"] + found["driven_diameter"])
-            # A link less may bring them together.
+            # With one link fewer the sprockets may touch.
             fits &= (n["distance"] > radii) & (found["fitted_distance"] > radii)
         verdicts = np.where(fits, Verdict.OK, Verdict.DOES_NOT_FIT).astype(np.uint8)
         return Answers({name: np.where(fits, row, np.nan) for name, row in found.items()}, errors, verdicts)
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
-        """The chain on its sprockets, to scale, and its speed while links come on.
+        """The chain on its sprockets, to scale, and its speed while links engage.
 
-        It is ω R cos β of the joint that carries the strand, within half a pitch angle of the tangent point.
+        The speed is ω R cos β of the joint that carries the strand, within half a pitch angle of the tangent point.
         """
         pitch_angle, own = math.tau / self.driving_teeth, self.own_values()
         angle = np.linspace(0.0, _LINKS * pitch_angle, _LINKS * 241)
@@ -108,16 +108,16 @@ class ChainDrive(Element):
         return self._layout(), Panel(x, y, angle, (curve,), (Mark("mean", None, own["chain_speed"]),))
 
     def _layout(self) -> Panel:
-        """Both pitch circles with the chain; without a distance of the axes as far apart as both diameters."""
+        """Both pitch circles with the chain; the default centre distance is the sum of both diameters."""
         own = self.own_values()
         radii = 0.5 * own["driving_diameter"], 0.5 * own["driven_diameter"]
         distance = 2.0 * sum(radii) if self.distance is None else self.distance
-        # Both strands touch the circles where a radius stands square to them.
+        # Both strands are tangent to the circles, perpendicular to the radii.
         lean = math.acos(max(-1.0, min(1.0, (radii[0] - radii[1]) / distance)))
         arcs = np.linspace(lean, math.tau - lean, 241), np.linspace(-lean, lean, 241)
         ends = (0.0, radii[0], arcs[0]), (distance, radii[1], arcs[1])
         chain = np.concatenate([centre + radius * np.exp(1j * arc) for centre, radius, arc in ends])
-        # The driving sprocket draws the strand in on the side that moves towards it.
+        # The driving sprocket pulls the strand on the side that moves towards it.
         tight = np.exp(1j * math.copysign(lean, self.speed))
         teeth, lines = (self.driving_teeth, self.driven_teeth), []
         for (centre, radius, _), count, way in zip(ends, teeth, ("drives", "driven"), strict=True):
@@ -128,7 +128,7 @@ class ChainDrive(Element):
 
 
 def pitch_circle(pitch: np.ndarray, teeth: np.ndarray) -> np.ndarray:
-    """Diameter of the circle on which the joints of a chain lie, p/sin(π/z)."""
+    """Pitch diameter of a sprocket, the circle of the chain joints, p/sin(π/z)."""
     return pitch / np.sin(math.pi / teeth)
 
 
@@ -140,5 +140,5 @@ def _links(n: Numbers) -> np.ndarray:
 
 
 def _even_links(n: Numbers) -> np.ndarray:
-    """The even number of links that is nearest."""
+    """The nearest even number of links."""
     return 2.0 * np.rint(0.5 * _links(n))

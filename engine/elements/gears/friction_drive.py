@@ -1,4 +1,4 @@
-"""Friction wheels: creep, the force that has to press them together, whether they slide."""
+"""Friction wheels: creep, contact force required, sliding."""
 
 import math
 from typing import Annotated, ClassVar, Literal
@@ -12,15 +12,15 @@ from engine.parts.actions import Force, Moment
 from engine.parts.skeleton import Angle, AngularSpeed, Length, Number
 from engine.words.verdicts import Verdict
 
-# What the wheels would need is told of those that slide, too.
+# Results that remain valid for sliding wheels.
 _TOLD = ("tangential_force", "needed_press_force", "traction_share")
 
 
 class FrictionDrive(FrictionElement):
-    """Two wheels pressed together, the second inside out if `internal`; with a `groove_angle` between V-shaped faces.
+    """Two wheels pressed together, the second a ring if `internal`; a `groove_angle` lies between V-shaped faces.
 
-    `moment` resists on the driven wheel. `creep` is the share of the rim's speed that the driven one lags behind.
-    `safety` is how many times the force is to press that just suffices; `press_force` that which does.
+    `moment` is the load torque on the driven wheel. `creep` is the relative loss of rim speed. `safety` is the ratio of
+    the required contact force to the minimum one; `press_force` is the actual contact force.
     """
 
     shown: ClassVar = (("force", ("needed_press_force", "tangential_force")), ("efficiency", ("efficiency",)))
@@ -48,7 +48,7 @@ class FrictionDrive(FrictionElement):
     press_force: Annotated[Force, Field(gt=0)] | None = None
 
     def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by their names, whether the wheels slide or not."""
+        """Results of a set of variants by name, whether or not the wheels slide."""
         # In a groove the faces press with 1/sin of half its angle.
         mu = n["friction"] / np.sin(0.5 * n["groove_angle"]) if "groove_angle" in n else n["friction"]
         ratio = (1.0 if self.internal else -1.0) * n["driven_diameter"] / (n["driving_diameter"] * (1.0 - n["creep"]))
@@ -66,7 +66,7 @@ class FrictionDrive(FrictionElement):
         }
 
     def evaluate(self, n: Numbers) -> Answers:
-        """Results, and verdicts where less presses than just suffices, and on rings that are too small."""
+        """Results, and verdicts on insufficient contact force and on rings that are too small."""
         found, errors, _ = super().evaluate(n)
         slides = found["traction_share"] >= 1.0
         fits = n["driven_diameter"] > n["driving_diameter"] if self.internal else np.ones(slides.shape, bool)

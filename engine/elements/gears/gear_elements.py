@@ -14,15 +14,15 @@ from engine.elements.gears.gear_structure import (
 from engine.parts.actions import Moment
 from engine.parts.skeleton import FRAME, Angle, AngularSpeed, Density, Inertia, Length, Mass, Name, Number, Part
 
-# Beyond this the patterns of power flow that a variant may have are too many to be tried.
+# With more meshes, the possible patterns of power flow are too many to try.
 MOST_MESHES = 12
 MOST_TEETH = 100_000
 
 
 class GearWheel(Part):
-    """A toothed wheel on a shaft, or on the `frame`; with a `width` it counts as a disc of its pitch diameter.
+    """A toothed wheel on a shaft, or on the `frame`; with a `width`, its mass is that of a disc of its pitch diameter.
 
-    `profile_shift` is how many modules the profile of its teeth is moved outwards, of a ring too.
+    `profile_shift` is the outward shift of the tooth profile in modules, also for a ring.
     """
 
     shaft: Name
@@ -34,13 +34,14 @@ class GearWheel(Part):
 
 
 class GearShaft(Part):
-    """A shaft that turns in the frame or, as that of a planet, in its `carrier`, which is a shaft too.
+    """A shaft in the frame or, for a planet, in its `carrier`, which is also a shaft.
 
-    `planets` is how many equally spaced sets of planets a carrier has; the train names one. Shafts of the same `axis`
-    are coaxial; a carrier and the wheels about which its planets roll are so anyway. A driven shaft has a `speed`, a
-    shaft that is stopped is `held`. A `moment` acts on the shaft from outside, counter-clockwise; held shafts, driven
-    ones without a moment and those that are `loaded` get theirs from equilibrium, all others have none. `mass` and
-    `inertia`, about its own axis, are those of the shaft with all on it but wheels with a width; of a planet, of each.
+    `planets` is the number of equally spaced planet sets of a carrier; the train describes one set. Shafts of the same
+    `axis` are coaxial, as are a carrier and the central wheels of its planets. A driven shaft has a `speed`, a stopped
+    shaft is `held`. `moment` is the external torque on the shaft, counter-clockwise. The torques of held shafts, of
+    driven shafts without a moment, and of `loaded` shafts follow from equilibrium; all other shafts have none. `mass`
+    and `inertia`, about its own axis, include everything on the shaft except wheels with a width; for a planet they are
+    those of each.
     """
 
     carrier: Name | None = None
@@ -65,15 +66,15 @@ class GearShaft(Part):
 
     @property
     def moment_follows(self) -> bool:
-        """Whether the shaft's moment follows from equilibrium."""
+        """Whether the shaft's torque follows from equilibrium."""
         return self.held or self.loaded or (self.speed is not None and self.moment is None)
 
 
 class GearMesh(Part):
-    """Two wheels in mesh; if it is `internal`, the second is the ring with teeth inside.
+    """Two wheels in mesh; if it is `internal`, the second is the ring with internal teeth.
 
-    Its `module` is the normal one, that of the train unless given here. What is lost is told by the `efficiency` of the
-    mesh with its carrier at rest, or by the mean coefficient of `friction` of its teeth; without both, nothing.
+    `module` is the normal module; default: the train's. The loss is given by the `efficiency` of the mesh with its
+    carrier at rest, or by the mean coefficient of `friction` of its teeth; the default is no loss.
     """
 
     between: tuple[Name, Name]
@@ -94,7 +95,7 @@ class GearMesh(Part):
 
 
 class GearTrain(Part):
-    """Wheels on shafts, in mesh: a fixed train, a planetary one or a differential, of any number of stages."""
+    """Wheels on shafts, in mesh: a fixed train, a planetary train or a differential, of any number of stages."""
 
     type: Literal["gear_train"]
     module: Annotated[Length, Field(gt=0)] | None = None
@@ -138,7 +139,7 @@ class GearTrain(Part):
         self._check_orbits()
 
     def _check_orbits(self) -> None:
-        """A planet with mass needs a known circle to go round on."""
+        """A planet with mass must orbit on a circle of known radius."""
         structure = self.structure
         for name, shaft in self.shafts.items():
             if shaft.mass is not None and shaft.carrier is None:
@@ -186,28 +187,28 @@ class GearTrain(Part):
 
     @cached_property
     def structure(self) -> GearStructure:
-        """How wheels, shafts and meshes hang together.
+        """How wheels, shafts and meshes are connected.
 
         Raises
         ------
         TrainRefused
-            They make no train.
+            They do not form a train.
         """
         return gear_structure(self.wheels, self.shafts, self.meshes)
 
     @property
     def has_modules(self) -> bool:
-        """Whether the sizes of the wheels are known."""
+        """Whether the dimensions of the wheels are known."""
         return all(mesh.module is not None or self.module is not None for mesh in self.meshes.values())
 
     @property
     def has_loads(self) -> bool:
-        """Whether a moment acts."""
+        """Whether any external torque is given."""
         return any(shaft.moment is not None for shaft in self.shafts.values())
 
     @property
     def has_inertia(self) -> bool:
-        """Whether anything has mass."""
+        """Whether any part has mass or inertia."""
         heavy = any(shaft.mass is not None or shaft.inertia is not None for shaft in self.shafts.values())
         return heavy or any(wheel.width is not None for wheel in self.wheels.values())
 

@@ -1,8 +1,8 @@
-"""How a gear train hangs together: which carrier each mesh rolls on, what is coaxial, how many speeds are free.
+"""Structure of a gear train: the carrier of each mesh, coaxial parts, degrees of freedom.
 
-A shaft turns in the frame or in a carrier. Two wheels can stay in mesh where both turn in the same carrier (the frame
-too), or where one is a planet and the other is coaxial with the planet's carrier. Relative to that carrier a mesh is
-one of a fixed train: z_a (ω_a − ω_h) = ∓ z_b (ω_b − ω_h), − external (Willis).
+A shaft turns in the frame or in a carrier. Two wheels can stay in mesh if both turn in the same carrier (or the frame),
+or if one is a planet and the other is coaxial with the planet's carrier. Relative to that carrier a mesh belongs to a
+fixed train: z_a (ω_a − ω_h) = ∓ z_b (ω_b − ω_h), − external (Willis).
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,14 +17,14 @@ STANDS_STILL = -1
 
 
 class TrainRefused(ValueError):
-    """Wheels, shafts and meshes that make no train."""
+    """Wheels, shafts and meshes that do not form a train."""
 
 
 class MeshPlace(NamedTuple):
-    """A mesh in its train: numbers of the shafts of both wheels and of the carrier, −1 for the frame.
+    """A mesh in its train: indices of the shafts of both wheels and of the carrier, −1 for the frame.
 
-    `sense` is that of the second teeth in z_a (ω_a − ω_h) + sense z_b (ω_b − ω_h) = 0: 1 external, −1 internal.
-    `central` is the end, 0 or 1, whose wheel is coaxial with the carrier, None where both turn in it.
+    `sense` is the sign in z_a (ω_a − ω_h) + sense z_b (ω_b − ω_h) = 0: 1 external, −1 internal. `central` is the end,
+    0 or 1, whose wheel is coaxial with the carrier; None if both turn in it.
     """
 
     name: str
@@ -37,26 +37,26 @@ class MeshPlace(NamedTuple):
 
 
 class GearStructure(NamedTuple):
-    """What the structure of a train says before there are numbers.
+    """Structure of a train, independent of its numbers.
 
     Attributes
     ----------
     shafts : tuple of str
     carriers : tuple of int
-        Number of the shaft that each turns in; −1 for the frame.
+        Index of the shaft in which each shaft turns; −1 for the frame.
     meshes : tuple of MeshPlace
     axes : dict of str to str
-        One name for the axis of every shaft and wheel: coaxial ones have the same.
+        Name of the axis of every shaft and wheel; coaxial ones share it.
     same_distance : tuple of (int, int)
         Meshes between the same two axes: their centre distances must agree.
     pin_meshes : dict of str to int
-        For every planet that rolls about a central wheel a mesh with it: their distance is that of the planet's pin.
+        For every planet that rolls on a central wheel, one such mesh, whose centre distance is the planet pin's radius.
     central_paths : dict of str to tuple of tuple of int
-        For every carrier the meshes on the way from one of its central wheels to another, planets between.
+        For every carrier, the meshes from one of its central wheels to another, via planets.
     held, driven, unknown_moments : tuple of str
-        Shafts that are stopped; whose speeds are given; whose moments follow from equilibrium, held ones among them.
+        Stopped shafts; shafts of given speed; shafts whose torques follow from equilibrium, including held ones.
     speeds_follow, moments_follow : bool
-        Whether all others follow from these, whatever the numbers of teeth but for special ones.
+        Whether these determine all speeds and all torques, for generic numbers of teeth.
     """
 
     shafts: tuple[str, ...]
@@ -79,7 +79,7 @@ class GearStructure(NamedTuple):
 
     @property
     def words(self) -> str:
-        """The mobility as one reckons it by hand."""
+        """The mobility calculation in words."""
         n, p2 = len(self.shafts) - len(self.held), len(self.meshes)
         return (
             f"n = {n} shafts that move, p1 = {n} bearings, p2 = {p2} meshes: W = 3·{n} − 2·{n} − {p2} = {self.mobility}"
@@ -91,16 +91,16 @@ class GearStructure(NamedTuple):
         return tuple(name for name, h in zip(self.shafts, self.carriers, strict=True) if h != STANDS_STILL)
 
     def number_of(self, names: Sequence[str]) -> list[int]:
-        """Numbers of the shafts with these names."""
+        """Indices of the shafts with these names."""
         return [self.shafts.index(name) for name in names]
 
     def equations(self, teeth: np.ndarray) -> np.ndarray:
-        """Coefficients K of the meshes' equations K ω = 0 (meshes, shafts + 1, ...), the frame's last.
+        """Coefficients K of the mesh equations K ω = 0 (meshes, shafts + 1, ...), the frame's last.
 
         Parameters
         ----------
         teeth : ndarray (meshes, 2, ...)
-            Of both wheels, those of a ring negative.
+            Teeth of both wheels, negative for a ring.
         """
         found = np.zeros((len(self.meshes), len(self.shafts) + 1, *teeth.shape[2:]))
         for row, place, (first, second) in zip(found, self.meshes, teeth, strict=True):
@@ -109,22 +109,22 @@ class GearStructure(NamedTuple):
         return found
 
     def name_of(self, shaft: int) -> str:
-        """Name of a shaft by its number, or of the frame."""
+        """Name of a shaft by its index, or of the frame."""
         return FRAME if shaft == STANDS_STILL else self.shafts[shaft]
 
 
 def gear_structure(wheels: Mapping[str, Part], shafts: Mapping[str, Part], meshes: Mapping[str, Part]) -> GearStructure:
-    """Find out how a train hangs together.
+    """Structure of a train.
 
     Parameters
     ----------
     wheels, shafts, meshes : mapping of str to Part
-        As a train has them.
+        As in `GearTrain`.
 
     Raises
     ------
     TrainRefused
-        A name is unknown, wheels don't stay in mesh, nothing can move, or a mesh closes a loop.
+        A name is unknown, wheels do not stay in mesh, nothing can move, or a mesh closes a loop.
     """
     names, shaft_of = tuple(shafts), {name: wheel.shaft for name, wheel in wheels.items()}
     number = {FRAME: STANDS_STILL} | {name: i for i, name in enumerate(names)}
@@ -202,7 +202,7 @@ def _mesh_place(
     if first == second:
         raise TrainRefused(f"meshes.{name}.between: both are fixed to {wheels[ends[0]]}, so that they can't roll")
     sense = -1 if mesh.type == "internal" else 1
-    # The frame turns about every axis that it has a wheel on, in whatever the planet's carrier turns in.
+    # A wheel on the frame has no carrier; it counts as coaxial with a planet's carrier that turns in the frame.
     held_by = [None if shaft == STANDS_STILL else carriers[shaft] for shaft in (first, second)]
     if held_by[0] == held_by[1]:
         return MeshPlace(name, ends, first, second, held_by[0], sense, None)
@@ -225,8 +225,8 @@ def _axes(
     number: Mapping[str, int],
     places: Sequence[MeshPlace],
 ) -> dict[str, str]:
-    """One name for the axis of every shaft and wheel: coaxial ones have the same."""
-    # A wheel fixed to the frame has an axis of its own, as long as no planet rolls about it.
+    """Name of the axis of every shaft and wheel; coaxial ones share it."""
+    # A wheel fixed to the frame has its own axis unless a planet rolls about it.
     node = {wheel: shaft if shaft != FRAME else f"{FRAME} {wheel}" for wheel, shaft in wheels.items()}
     root: dict[str, str] = {}
 
@@ -262,12 +262,12 @@ def _central_paths(names: tuple[str, ...], places: Sequence[MeshPlace]) -> dict[
 
 
 def planet_end(place: MeshPlace) -> int:
-    """Number of the planet's shaft in a mesh with a central wheel."""
+    """Index of the planet's shaft in a mesh with a central wheel."""
     return (place.second, place.first)[place.central]
 
 
 def _path(places: Sequence[MeshPlace], own: Sequence[int], start: int, end: int) -> tuple[int, ...]:
-    """Meshes from one with a central wheel to another one, over meshes between planets; () where there is no way."""
+    """Meshes from one with a central wheel to another, via meshes between planets; () if they are not connected."""
     goal = planet_end(places[end])
     waiting, seen = [(planet_end(places[start]), (start,))], set()
     while waiting:
@@ -285,7 +285,7 @@ def _path(places: Sequence[MeshPlace], own: Sequence[int], start: int, end: int)
 
 
 def _generic_ranks(structure: GearStructure) -> tuple[int, tuple[bool, bool]]:
-    """Rank of the meshes' equations with numbers of teeth that nothing ties, and whether what isn't given follows."""
+    """Rank of the mesh equations for generic teeth, and whether the given speeds and torques determine all others."""
     rng = np.random.default_rng(1)
     teeth = {wheel: rng.uniform(10, 100) for place in structure.meshes for wheel in place.wheels}
     in_mesh = [[teeth[place.wheels[0]], place.sense * teeth[place.wheels[1]]] for place in structure.meshes]

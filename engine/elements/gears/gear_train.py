@@ -1,4 +1,4 @@
-"""Gear trains as machine elements: speeds and ratios, whether they fit, moments, losses, tooth forces, inertia."""
+"""Gear trains as machine elements: speeds and ratios, assembly, torques, losses, tooth forces, inertia."""
 
 from functools import cached_property
 from typing import ClassVar, Literal
@@ -17,14 +17,14 @@ class GearTrainElement(GearTrain, Element):
     type: Literal["gear_train"]
 
     def results(self) -> tuple[ElementResult, ...]:
-        """Those of its members, by what it is given."""
+        """Results of its members, depending on the keys given."""
         return self.own_results
 
     @cached_property
     def own_results(self) -> tuple[ElementResult, ...]:
-        """The same, found once."""
+        """The same, computed once."""
         return results_of(self)
 
     def evaluate(self, n: Numbers) -> Answers:
-        """Results with what they may be off by, and verdicts."""
+        """Results with error estimates, and verdicts."""
         return train_answers(self, n)

@@ -1,7 +1,7 @@
-"""Small systems of equations for many variants at once, with bounds of their errors.
+"""Small linear systems for many variants at once, with bounds on their errors.
 
-The error of a solution x of A x = b is A⁻¹ (b − A x), and the residual itself is computed to (n + 1) ε (|A| |x| + |b|).
-Where the basic ratio of a train is nearly 1, equations nearly repeat each other and the bound grows with A⁻¹.
+The error of a solution x of A x = b is A⁻¹ (b − A x); the residual is computed to within (n + 1) ε (|A| |x| + |b|). For
+a train with a basic ratio near 1, equations are nearly dependent and the bound grows with A⁻¹.
 
 Source: N. J. Higham, Accuracy and Stability of Numerical Algorithms, ch. 7 (componentwise forward bounds).
 """
@@ -12,12 +12,12 @@ import numpy as np
 
 from engine.laws.rounding import EPS
 
-# Equations whose condition is greater have no solution to speak of.
+# Systems with a greater condition number count as singular.
 _GREATEST_CONDITION = 2.0**40
 
 
 class Solution(NamedTuple):
-    """Solutions of equations; NaN where they have none or many.
+    """Solutions of linear systems; NaN for singular ones.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Solution(NamedTuple):
 
 
 def solve(matrix: np.ndarray, right: np.ndarray) -> Solution:
-    """Solve systems whose entries count as exact.
+    """Solve systems with exact coefficients.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def solve(matrix: np.ndarray, right: np.ndarray) -> Solution:
     right : ndarray (unknowns, right sides, variants)
     """
     a, b = np.moveaxis(matrix, -1, 0), np.moveaxis(right, -1, 0)
-    # With rows of one size the condition tells how nearly equations repeat each other.
+    # With rows of equal size, the condition number measures how nearly the equations are dependent.
     scale = np.abs(a).max(axis=2, keepdims=True, initial=0.0)
     usable = (np.isfinite(scale) & (scale > 0.0)).all(axis=(1, 2))
     even = _where(usable, a / _where(usable, scale, 1.0), np.eye(a.shape[1]))

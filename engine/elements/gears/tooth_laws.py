@@ -1,8 +1,8 @@
 """Laws of involute teeth in mesh: operating angle, tips, interference, contact ratio, losses, forces.
 
-Arrays in, arrays out, element by element. Of an internal mesh the second wheel is the ring, `sense` −1. Addendum of one
-module, profile shifts in modules; that of a ring counts outwards, as on a wheel with teeth outside. Lengths are in
-normal modules.
+All functions work elementwise on arrays. In an internal mesh the second wheel is the ring, with `sense` −1. The
+addendum is one module; profile shifts are in modules and positive outwards, also for a ring. Lengths are in normal
+modules.
 
 Source: DIN 3960; Shigley, Mechanical Engineering Design, on interference; Schlenk's general form of the tooth loss by
 Niemann and Winter.
@@ -13,18 +13,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-# Newton steps for an involute's angle; from these starts five reach rounding.
+# Newton steps for the angle of an involute; five reach rounding from these starting values.
 _NEWTON_STEPS = 8
-# Overlaps by less than this, relative, are rounding.
+# Relative overlap below which tips just touch: rounding.
 _TOUCH = 1e-12
-# A number of teeth that no search exceeds, as a power of two.
+# Largest number of teeth of the search, as a power of two.
 _MOST_HALVINGS = 20
 
 
 class TeethInMesh(NamedTuple):
     """Numbers of teeth, shifts and angles of a mesh; arrays that broadcast.
 
-    `pressure_angle` is that of the normal section, `helix_angle` that on the pitch cylinder [rad].
+    `pressure_angle` is in the normal section, `helix_angle` on the pitch cylinder [rad].
     """
 
     first: np.ndarray
@@ -37,23 +37,23 @@ class TeethInMesh(NamedTuple):
 
 
 class MeshGeometry(NamedTuple):
-    """Geometry of a mesh in the transverse section; lengths in normal modules, NaN where no distance of the axes works.
+    """Geometry of a mesh in the transverse section; lengths in normal modules, NaN if no centre distance is possible.
 
     Attributes
     ----------
     angle : ndarray
         Operating pressure angle [rad].
     distance : ndarray
-        Of the axes.
+        Centre distance.
     rolling : tuple of ndarray
         Operating pitch diameters.
     tips : tuple of ndarray
         Tip diameters; pointed teeth end at their point, those of a ring at its base circle.
     contact : tuple of ndarray
-        Shares ε₁, ε₂ of the contact ratio on both sides of the pitch point, of teeth as far as they are involutes:
-        the path of contact ends at the points where it touches the base circles.
+        Parts ε₁, ε₂ of the contact ratio on both sides of the pitch point, on involute flanks only: the path of contact
+        ends at the interference points, where it is tangent to the base circles.
     interferes : ndarray of bool
-        Whether a tip reaches beyond such a point, or tips of an internal mesh meet off the path of contact.
+        Whether a tip reaches beyond such a point, or tips of an internal mesh collide off the path of contact.
     """
 
     angle: np.ndarray
@@ -65,7 +65,7 @@ class MeshGeometry(NamedTuple):
 
 
 class ToothForces(NamedTuple):
-    """Forces between two teeth at the pitch point [N]: along the pitch circle, apart, along the axis, and whole."""
+    """Forces between two teeth at the pitch point [N]: tangential, radial, axial, and normal (total)."""
 
     tangential: np.ndarray
     radial: np.ndarray
@@ -91,7 +91,7 @@ def involute(tangent: np.ndarray) -> np.ndarray:
 def tangent_of_involute(value: np.ndarray) -> np.ndarray:
     """Tangent of the angle with a given involute function; NaN for negative values.
 
-    Newton's method on a convex function: after the first step it comes from above, without overshooting.
+    Newton's method on a convex function: after the first step it converges monotonically from above.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         root = np.cbrt(3.0 * value)
@@ -102,10 +102,10 @@ def tangent_of_involute(value: np.ndarray) -> np.ndarray:
 
 
 def mesh_geometry(teeth: TeethInMesh) -> MeshGeometry:
-    """Operating pressure angle, distance, tips, contact ratio and interference of a mesh.
+    """Operating pressure angle, centre distance, tips, contact ratio and interference of a mesh.
 
-    inv α_w = inv α_t + 2 tan α_n (x₁ ± x₂)/(z₁ ± z₂), + external; tips of an external mesh are shortened so that the
-    clearance stays that of wheels without shift.
+    inv α_w = inv α_t + 2 tan α_n (x₁ ± x₂)/(z₁ ± z₂), + external; the tips of an external mesh are shortened to keep
+    the clearance of wheels without shift.
     """
     z, x, sense = (teeth.first, teeth.second), (teeth.first_shift, teeth.second_shift), teeth.sense
     sides = (1, sense)
@@ -118,7 +118,7 @@ def mesh_geometry(teeth: TeethInMesh) -> MeshGeometry:
         stretch = np.sqrt((1.0 + operating**2) / (1.0 + t**2)) / np.cos(teeth.helix_angle)
         rolling = z[0] * stretch, z[1] * stretch
         distance = 0.5 * (sense * rolling[0] + rolling[1])
-        # What the distance falls short of that of wheels moved apart by their shifts, cut off the tips.
+        # Tip shortening: the sum of the shifts minus the increase of the centre distance.
         short = 0.5 * total / np.cos(teeth.helix_angle) + shift - distance if sense > 0 else 0.0
         tangents = tuple(
             _tip_tangent(number, side, own - side * short, teeth, own)
@@ -129,8 +129,8 @@ def mesh_geometry(teeth: TeethInMesh) -> MeshGeometry:
         reach = tuple(
             side * number * (tangent - operating) for number, side, tangent in zip(z, sides, tangents, strict=True)
         )
-        # Beyond the pitch point tips may reach as far as the line of action touches the other base circle; towards the
-        # teeth of a ring it doesn't.
+        # Limit of the path of contact: where the line of action is tangent to the other base circle; towards the teeth
+        # of a ring there is no such point.
         room = np.inf if sense < 0 else z[1] * operating, z[0] * operating
         interferes = np.any([r > most * (1.0 + _TOUCH) for r, most in zip(reach, room, strict=True)], axis=0)
         if sense < 0:
@@ -144,12 +144,12 @@ def _tip_tangent(
 ) -> np.ndarray:
     """Tangent of the transverse pressure angle at the tips of a wheel, side 1, or ring, side −1.
 
-    Half the angle of a tooth at its tip, (π/2 ± 2 x tan α_n)/z ± (inv α_t − inv α_a), vanishes at a point.
+    Half the tooth angle at the tip, (π/2 ± 2 x tan α_n)/z ± (inv α_t − inv α_a), vanishes for a pointed tooth.
     """
     helix = np.cos(teeth.helix_angle)
     t = np.tan(transverse_angle(teeth.pressure_angle, teeth.helix_angle))
     tip = number + 2.0 * helix * (side + addition)
-    # What ends within its base circle ends there.
+    # Tips of a ring inside its base circle end there.
     tangent = np.sqrt(np.maximum((1.0 + t**2) * (np.maximum(tip, 0.0) / number) ** 2 - 1.0, 0.0))
     half = (0.5 * math.pi + side * 2.0 * shift * np.tan(teeth.pressure_angle)) / number
     point = tangent_of_involute(np.maximum(involute(t) + side * half, 0.0))
@@ -162,9 +162,9 @@ def _tips_meet(
     bases: tuple[np.ndarray, np.ndarray],
     operating: np.ndarray,
 ) -> np.ndarray:
-    """Whether tips of a wheel and a ring of nearly as many teeth cross as the wheel leaves the ring.
+    """Whether tips of a wheel and a ring of nearly equal numbers of teeth collide where the wheel leaves the ring.
 
-    Where both tip circles meet, the tooth of the wheel has to be behind that of the ring: DIN 3993.
+    Where the tip circles intersect, the wheel's tooth must be behind the ring's (DIN 3993).
     """
     r_1, r_2 = (0.5 * base * np.sqrt(1.0 + tangent**2) for base, tangent in zip(bases, tangents, strict=True))
     a = 0.5 * (bases[1] - bases[0]) * np.sqrt(1.0 + operating**2)
@@ -176,10 +176,10 @@ def _tips_meet(
 
 
 def minimum_teeth(teeth: TeethInMesh) -> np.ndarray:
-    """Fewest teeth of the smaller wheel, or of the one in a ring, into whose roots tips of the larger don't cut.
+    """Minimum teeth of the smaller wheel (internal: of the pinion) without interference from the larger wheel's tips.
 
-    Shifts and the larger wheel stay as they are; NaN where no number of teeth up to that of the larger wheel does,
-    or up to 2^20 in a pair of wheels outside.
+    Shifts and the larger wheel stay unchanged; NaN if no number of teeth suffices, up to 2^20 or, in an internal mesh,
+    below that of the ring.
     """
     is_first = (teeth.first <= teeth.second) | (teeth.sense < 0)
     large, small_shift, large_shift = (
@@ -192,11 +192,11 @@ def minimum_teeth(teeth: TeethInMesh) -> np.ndarray:
     )
 
     def clear(count: np.ndarray) -> np.ndarray:
-        """Whether the tips of the larger wheel keep clear of the roots of one with this number of teeth."""
+        """Whether the tips of the larger wheel clear the roots of a wheel with this number of teeth."""
         pair = teeth._replace(first=count, second=large, first_shift=small_shift, second_shift=large_shift)
         found = mesh_geometry(pair)
         room = count * np.tan(found.angle) / math.tau
-        # Shares are cut off at the interference point: where they reach it, tips reach at least as far.
+        # `contact` is cut off at the interference point; at the cut-off, tips interfere.
         return found.contact[1] < room * (1.0 - _TOUCH)
 
     low, high = np.zeros(np.shape(large)), np.full(np.shape(large), 2.0**_MOST_HALVINGS)
@@ -211,17 +211,17 @@ def minimum_teeth(teeth: TeethInMesh) -> np.ndarray:
 
 
 def mesh_efficiency(teeth: TeethInMesh, contact: tuple[np.ndarray, np.ndarray], friction: np.ndarray) -> np.ndarray:
-    """Efficiency of a mesh whose axes stand still, η = 1 − μ H_v; 0 where all is lost.
+    """Efficiency of a mesh with its axes at rest, η = 1 − μ H_v, at least 0.
 
-    H_v = 2π (1/z₁ ± 1/z₂)/cos β · ∫|s|/n ds, + external, with s the distance of a contact from the pitch point in base
-    pitches, from −ε₂ to ε₁, and n the teeth that share the load there equally. For 1 ≤ ε_α ≤ 2 and ε₁, ε₂ between 0
-    and 1 the integral is Niemann and Winter's (1 − ε_α + ε₁² + ε₂²)/2.
+    H_v = 2π (1/z₁ ± 1/z₂)/cos β · ∫|s|/n ds, + external, where s is the distance of the contact from the pitch point in
+    base pitches, from −ε₂ to ε₁, and n the number of teeth that share the load equally. For 1 ≤ ε_α ≤ 2 and ε₁, ε₂
+    between 0 and 1 the integral is Niemann and Winter's (1 − ε_α + ε₁² + ε₂²)/2.
 
     Parameters
     ----------
     teeth : TeethInMesh
     contact : tuple of ndarray
-        Shares ε₁, ε₂ of the contact ratio.
+        Parts ε₁, ε₂ of the contact ratio.
     friction : ndarray
         Mean coefficient of friction of the teeth.
     """
@@ -246,7 +246,7 @@ def _sliding(start: np.ndarray, end: np.ndarray) -> np.ndarray:
 
 
 def tooth_forces(tangential: np.ndarray, angle: np.ndarray, teeth: TeethInMesh) -> ToothForces:
-    """Forces between teeth from the tangential one at the operating pitch point.
+    """Tooth forces for a tangential force at the operating pitch point.
 
     F_n = F_t/(cos α_w cos β_b), F_a = F_n sin β_b, F_r = F_t tan α_w; sin β_b = sin β cos α_n on the base cylinder.
 

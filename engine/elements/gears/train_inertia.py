@@ -10,7 +10,7 @@ from engine.elements.gears.assembly_conditions import MeshSizes
 from engine.elements.gears.gear_elements import GearTrain
 from engine.laws.rounding import EPS
 
-# Roundings of a disc's mass and inertia.
+# Rounding of a disc's mass and inertia.
 _OF_DISCS = 8
 
 
@@ -42,7 +42,7 @@ def kinetic_energy(train: GearTrain, n: Numbers, speeds: Measured, sizes: dict[s
 
 
 def planet_sets(train: GearTrain, n: Numbers, carrier: str) -> np.ndarray:
-    """How many sets of planets a carrier has (variants,)."""
+    """Number of planet sets of a carrier (variants,)."""
     if carrier in train.shafts and train.shafts[carrier].planets is not None:
         return n[f"shafts.{carrier}.planets"]
     return np.ones(next(iter(n.values())).size)
@@ -51,15 +51,7 @@ def planet_sets(train: GearTrain, n: Numbers, carrier: str) -> np.ndarray:
 def mass_and_inertia(
     train: GearTrain, n: Numbers, shaft: str, sizes: dict[str, MeshSizes]
 ) -> tuple[Measured, Measured]:
-    """Mass and inertia about its own axis of a shaft with its wheels (variants,).
-
-    Parameters
-    ----------
-    train : GearTrain
-    n : mapping of str to ndarray (variants,)
-    shaft : str
-    sizes : dict of str to MeshSizes
-    """
+    """Mass and inertia about its own axis of a shaft with its wheels (variants,)."""
     own = train.shafts[shaft]
     zero = np.zeros(next(iter(n.values())).size)
     mass = n[f"shafts.{shaft}.mass"] if own.mass is not None else zero

@@ -1,4 +1,4 @@
-"""What moments do in a gear train: powers, losses, efficiency both ways, forces between teeth and on planets."""
+"""Effects of external torques on a gear train: powers, losses, efficiency both ways, tooth and bearing forces."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -19,7 +19,7 @@ TOOTH_FORCES = ("tangential", "radial", "axial", "normal")
 
 
 def pinned_planets(train: GearTrain) -> list[str]:
-    """Planets all of whose meshes are with central wheels of a carrier in the frame, in a train with modules."""
+    """Planets that mesh only with central wheels of a carrier in the frame, in a train with modules."""
     structure = train.structure
     found = []
     for planet in structure.planets if train.has_modules else ():
@@ -48,7 +48,7 @@ def mesh_efficiencies(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes])
 
 
 class Equilibria(NamedTuple):
-    """Equilibrium of a train under its moments, and turning the other way; efficiencies of its meshes."""
+    """Equilibrium of a train under its torques, forwards and backwards; efficiencies of its meshes."""
 
     forwards: TrainMoments
     backwards: TrainMoments
@@ -56,13 +56,12 @@ class Equilibria(NamedTuple):
 
 
 def equilibria(train: GearTrain, n: Numbers, speeds: Measured, sizes: dict[str, MeshSizes]) -> Equilibria:
-    """Equilibrium of a train either way.
+    """Equilibrium of a train in both directions of rotation.
 
     Parameters
     ----------
     train : GearTrain
     n : mapping of str to ndarray (variants,)
-        Its numbers.
     speeds : Measured (shafts + 1, variants)
     sizes : dict of str to MeshSizes
     """
@@ -74,7 +73,7 @@ def equilibria(train: GearTrain, n: Numbers, speeds: Measured, sizes: dict[str, 
 def load_results(
     train: GearTrain, n: Numbers, speeds: Measured, sizes: dict[str, MeshSizes], states: Equilibria
 ) -> Iterator[tuple[ElementResult, Measured]]:
-    """Everything that follows from moments, with its names.
+    """All results that depend on torques.
 
     Parameters
     ----------
@@ -88,7 +87,7 @@ def load_results(
         if name in structure.unknown_moments or train.shafts[name].moment is not None:
             yield ElementResult(f"{name}.moment", f"external torque on {name}", "N m"), state.moments[i]
             yield ElementResult(f"{name}.power", f"input power at {name}", "W"), power[i]
-    # What is held belongs to the frame.
+    # Held shafts belong to the frame.
     free = [i for i, name in enumerate(structure.shafts) if name not in structure.held]
     words = "torque that holds the frame and all held shafts"
     yield ElementResult("frame.moment", words, "N m", rank=Rank.FURTHER), 0.0 - _total(state.moments[free])
@@ -144,16 +143,16 @@ def _total(rows: Measured) -> Measured:
 
 
 def _efficiency(power: Measured) -> Measured:
-    """Power that comes out over power put in, undefined where none is."""
+    """Output power over input power; NaN without input power."""
     out, into = -_total(minimum(power, 0.0)), _total(maximum(power, 0.0))
     return where(into.value > 0, out / into, np.nan)
 
 
 def _circulating(train: GearTrain, speeds: Measured, state: TrainMoments, into: Measured) -> Measured:
-    """How much more power passes through a shaft than is put into the train, over what is put in.
+    """Maximum power through a shaft in excess of the train's input power, relative to it.
 
-    A shaft of the frame is given power from outside, by every mesh between axes of the frame, and by every planetary
-    stage as a whole.
+    A shaft in the frame receives power from outside, from every mesh between axes in the frame, and from every
+    planetary stage as a whole.
     """
     structure, most = train.structure, 0.0
     for i in range(len(structure.shafts)):
@@ -179,7 +178,7 @@ def _tooth_forces(train: GearTrain, n: Numbers, mesh: tuple[int, MeshSizes], sta
 
 
 def _pull(state: TrainMoments, size: MeshSizes, mesh: int, end: int) -> Measured:
-    """Tangential force on a wheel of a mesh, of all its sets of planets; its angle's error is that of its teeth."""
+    """Tangential force on a wheel of a mesh, for all planets together, with the error estimate of its radius."""
     radius = 0.5 * size.rolling[end]
     return state.tooth_moments[mesh, end] / Measured(radius, (8.0 * EPS + angle_error(size)) * np.abs(radius))
 
@@ -187,7 +186,7 @@ def _pull(state: TrainMoments, size: MeshSizes, mesh: int, end: int) -> Measured
 def _pin_force(
     train: GearTrain, n: Numbers, planet: str, speeds: Measured, sizes: dict[str, MeshSizes], state: TrainMoments
 ) -> Measured:
-    """Force on a planet's bearing: of its teeth, and of its mass on its circle."""
+    """Force on a planet's bearing: tooth forces and centrifugal force."""
     structure = train.structure
     i = structure.shafts.index(planet)
     carrier = structure.carriers[i]

@@ -1,8 +1,8 @@
-"""Moments on the members of a gear train with losses in its meshes, and whether it moves at all.
+"""Torques on the members of a gear train with mesh losses, and whether it moves at all.
 
-A mesh takes a moment from one wheel and gives the other what is due by their teeth, times η where that one is driven as
-seen from the carrier; the carrier carries the rest. Which one drives follows from the moments: directions are assumed,
-solved, checked.
+A mesh transmits torque between its wheels in the ratio of their teeth, times η on the wheel driven as seen from the
+carrier; the carrier takes the difference. The direction of power flow depends on the torques: assume directions, solve
+and check.
 """
 
 from itertools import product
@@ -17,23 +17,23 @@ from engine.elements.gears.mesh_equations import solve
 from engine.elements.gears.train_speeds import teeth_of
 from engine.laws.rounding import EPS
 
-# Powers below this share of the mesh's largest terms are nothing but rounding.
+# Powers below this multiple of the mesh's largest terms are rounding.
 _NOTHING = 64 * EPS
 
 
 class TrainMoments(NamedTuple):
-    """Equilibrium of a train (shafts or meshes, variants); NaN where it doesn't move.
+    """Equilibrium of a train (shafts or meshes, variants); NaN if it does not move.
 
     Attributes
     ----------
     moments : Measured (shafts, variants)
-        From outside on every shaft [N·m].
+        External torque on every shaft [N·m].
     tooth_moments : Measured (meshes, 2, variants)
-        Of the mesh on its two wheels [N·m].
+        Torque of the mesh on each of its wheels [N·m].
     rolling_powers : Measured (meshes, variants)
-        What the first wheel gives the second, as seen from the carrier [W].
+        Power from the first wheel to the second, as seen from the carrier [W].
     moves : ndarray (variants,) of bool
-        Whether what is given moves the train, so that power comes out of it.
+        Whether the given torques move the train, so that it has output power.
     """
 
     moments: Measured
@@ -45,21 +45,20 @@ class TrainMoments(NamedTuple):
 def train_moments(
     train: GearTrain, n: Numbers, speeds: Measured, efficiencies: np.ndarray, backwards: bool = False
 ) -> TrainMoments:
-    """Moments from equilibrium, with the directions in which power flows.
+    """Torques from equilibrium, with the directions of power flow.
 
-    Several sets of directions may agree with what follows from them where losses are large: that one counts in which
-    power comes out of the train; if there is none the train stands.
+    With large losses several sets of directions may be consistent: take the one with output power; if there is none,
+    the train does not move.
 
     Parameters
     ----------
     train : GearTrain
     n : mapping of str to ndarray (variants,)
-        Its numbers.
     speeds : Measured (shafts + 1, variants)
     efficiencies : ndarray (meshes, variants)
-        Of the meshes with their carriers at rest.
+        Efficiencies of the meshes with their carriers at rest.
     backwards : bool
-        Whether the train turns the other way under the same moments.
+        Whether the train turns backwards under the same torques.
     """
     structure = train.structure
     loads = np.zeros((len(structure.shafts), speeds.shape[1]))
@@ -90,7 +89,7 @@ def train_moments(
 
 
 class _Solved(NamedTuple):
-    """Equilibrium under assumed directions; which directions follow, whether they agree, whether power comes out."""
+    """Equilibrium for assumed directions; the resulting directions, whether they agree, whether power is output."""
 
     moments: np.ndarray
     moment_errors: np.ndarray
@@ -104,7 +103,7 @@ class _Solved(NamedTuple):
 
 
 class _Equilibrium(NamedTuple):
-    """What equilibrium follows from."""
+    """Data of the equilibrium equations."""
 
     train: GearTrain
     teeth: np.ndarray
@@ -113,7 +112,7 @@ class _Equilibrium(NamedTuple):
     efficiencies: np.ndarray
 
     def of(self, chosen: np.ndarray) -> "_Equilibrium":
-        """That of some of the variants."""
+        """The equations of a subset of the variants."""
         return self._replace(
             teeth=self.teeth[..., chosen],
             speeds=self.speeds[:, chosen],
@@ -122,13 +121,13 @@ class _Equilibrium(NamedTuple):
         )
 
     def solved(self, senses: np.ndarray) -> _Solved:
-        """Equilibrium with first wheels driving where `senses` is 1, second ones where −1, no losses where 0."""
+        """Equilibrium if first wheels drive where `senses` is 1, second wheels where −1, without losses where 0."""
         structure = self.train.structure
         count = len(structure.shafts)
         ends = self.teeth * np.where(
             np.array([senses < 0, senses > 0]).transpose(1, 0, 2), self.efficiencies[:, None], 1.0
         )
-        # What each mesh does to every shaft for a tooth force of one.
+        # Action of each mesh on every shaft for a unit tooth force.
         acts = structure.equations(ends).swapaxes(0, 1)[:count]
         unknown = structure.number_of(structure.unknown_moments)
         known = [i for i in range(count) if i not in unknown]
@@ -136,7 +135,7 @@ class _Equilibrium(NamedTuple):
         force = solution.values[:, 0]
         moments, errors = self.loads.copy(), EPS * np.abs(self.loads)
         with np.errstate(invalid="ignore"):
-            # Efficiencies are as good as the numbers they are made of.
+            # Non-integer coefficients contain efficiencies, which carry rounding.
             rounding = (acts[known] != np.rint(acts[known])) * (8.0 * EPS * np.abs(acts[known]))
             off = np.einsum("kjv,jv->kv", rounding, np.abs(force)) + EPS * np.abs(self.loads[known])
             force_errors = np.einsum("jkv,kv->jv", solution.inverse, off) + 4.0 * EPS * np.abs(force)
@@ -153,12 +152,12 @@ class _Equilibrium(NamedTuple):
             given = Measured(moments, errors) * self.speeds[:-1]
             out = np.minimum(given.value + given.error, 0.0).sum(axis=0)
             into = np.maximum(given.value - given.error, 0.0).sum(axis=0)
-        # Where nothing goes in nothing need come out: moments that do no work are in equilibrium.
+        # Without input power none is required at the output: torques that do no work are in equilibrium.
         gives = (out < 0) | (into <= 0)
         return _Solved(moments, errors, ends * force[:, None], shares, powers, rolling.error, follows, agrees, gives)
 
     def best(self) -> _Solved:
-        """Of all directions that agree with what follows from them those in which most power comes out."""
+        """The solution of maximum output power among all consistent directions."""
         found = None
         for signs in product((1.0, -1.0), repeat=len(self.teeth)):
             senses = np.broadcast_to(np.array(signs)[:, None], self.efficiencies.shape)
@@ -172,7 +171,7 @@ class _Equilibrium(NamedTuple):
 
 
 def _quality(equilibrium: _Equilibrium, solved: _Solved) -> np.ndarray:
-    """The share of the power put in that comes out; −1 where directions don't agree or nothing comes out."""
+    """Output power over input power; −1 if directions are inconsistent or there is no output power."""
     with np.errstate(invalid="ignore", divide="ignore"):
         given = solved.moments * equilibrium.speeds.value[:-1]
         share = -np.minimum(given, 0.0).sum(axis=0) / np.maximum(given, 0.0).sum(axis=0)

@@ -1,6 +1,6 @@
-"""What is computed of a gear train: speeds and ratios, whether it fits, moments, losses, tooth forces, inertia.
+"""Results of a gear train: speeds and ratios, assembly, torques, losses, tooth forces, inertia.
 
-Each result is named where it is computed, so that a train with its own numbers tells which it has.
+Each result is named where it is computed, so a train's own numbers decide which results it has.
 """
 
 from collections.abc import Iterator
@@ -29,7 +29,7 @@ NamedResults = Iterator[tuple[ElementResult, Measured]]
 
 
 def _of_assembly(fit: AssemblyConditions) -> NamedResults:
-    """Why wheels don't fit, or that they do."""
+    """Results of the assembly conditions."""
     for name, value in fit.distance_errors.items():
         words = f"difference of the centre distance of {name} from that of its axes, over it"
         yield ElementResult(f"{name}.distance_error", words, "1", rank=Rank.CHECK), Measured(value, 8.0 * EPS)
@@ -43,7 +43,7 @@ def _of_assembly(fit: AssemblyConditions) -> NamedResults:
 
 
 def _of_teeth(train: GearTrain, sizes: dict[str, MeshSizes]) -> NamedResults:
-    """How teeth mesh."""
+    """Results of the meshing of teeth."""
     for place in train.structure.meshes:
         name, (a, b), size = place.name, place.wheels, sizes[place.name]
         teeth, geometry, rough = size.teeth, size.geometry, angle_error(size)
@@ -77,14 +77,14 @@ def _of_motion(train: GearTrain, n: Numbers, speeds: Measured, sizes: dict[str, 
     by_name = dict(zip(structure.shafts, speeds, strict=False))
     for name, speed in by_name.items():
         yield ElementResult(f"{name}.speed", f"angular speed of {name}", "rad s-1"), speed
-    # Shafts in the frame that aren't held: those that ratios and reduced inertias are told of.
+    # Shafts in the frame that are not held: ratios and reduced inertias refer to these.
     free = [name for name in train.shafts if name not in structure.planets and not train.shafts[name].held]
-    # Ratios are those over the shaft that alone is driven.
+    # Ratios require a single driven shaft.
     for driver in structure.driven if len(structure.driven) == 1 else ():
         for name in free:
             if name != driver:
                 ratio = by_name[driver] / by_name[name]
-                # Over a shaft that stands it is infinite either way.
+                # For a shaft at rest the ratio is infinite; its sign is meaningless.
                 ratio = Measured(np.where(np.isinf(ratio.value), np.inf, ratio.value), ratio.error)
                 yield ElementResult(f"{name}.ratio", f"speed of {driver} over that of {name}", "1", None, True), ratio
     for (carrier, a, b, _), (name, ratio) in zip(stages(train), basic_ratios(train, n).items(), strict=True):
@@ -99,20 +99,20 @@ def _of_motion(train: GearTrain, n: Numbers, speeds: Measured, sizes: dict[str, 
 
 
 def train_results(train: GearTrain, n: Numbers) -> tuple[list[tuple[ElementResult, Measured]], np.ndarray]:
-    """All results of trains whose wheels fit and mesh, but for the conditions of that.
+    """All results of trains whose wheels fit and mesh, except the assembly conditions.
 
     Parameters
     ----------
     train : GearTrain
-        How it hangs together; its numbers are not used.
+        The structure; its own numbers are not used.
     n : mapping of str to ndarray (variants,)
-        Its numbers by their keys, such as "wheels.sun.teeth".
+        Numbers by their keys, such as "wheels.sun.teeth".
 
     Returns
     -------
     results : list of (ElementResult, Measured (variants,))
     verdicts : ndarray (variants,) of uint8
-        NOT_FINITE where a basic ratio lets no speeds follow, SELF_LOCKS or STANDS where losses take all power.
+        NOT_FINITE if the given speeds do not determine the others; SELF_LOCKS or STANDS if losses absorb all power.
     """
     sizes, speeds = mesh_sizes(train, n), train_speeds(train, n)
     found = list(_of_motion(train, n, speeds, sizes))
@@ -129,7 +129,7 @@ def train_results(train: GearTrain, n: Numbers) -> tuple[list[tuple[ElementResul
 
 @np.errstate(all="ignore")
 def results_of(train: GearTrain) -> tuple[ElementResult, ...]:
-    """Results that a train has, by what it is made of."""
+    """Results of a train, depending on its members."""
     n = train.own_numbers()
     sizes = mesh_sizes(train, n)
     (mobility, *others), _ = train_results(train, n)
@@ -140,19 +140,13 @@ def results_of(train: GearTrain) -> tuple[ElementResult, ...]:
 
 @np.errstate(all="ignore")
 def train_answers(train: GearTrain, n: Numbers) -> Answers:
-    """Results of a gear train with what they may be off by, and verdicts.
-
-    Parameters
-    ----------
-    train : GearTrain
-    n : mapping of str to ndarray (variants,)
-    """
+    """Results of a gear train with error estimates, and verdicts."""
     sizes = mesh_sizes(train, n)
     fit = assembly_conditions(train, n, sizes)
     contact = tooth_contact(train, n, sizes)
     here = np.flatnonzero(fit.fits & (contact == Verdict.OK))
     found, verdicts = train_results(train, {key: row[here] for key, row in n.items()})
-    # Of a variant whose wheels don't fit or mesh it stays why they don't.
+    # The assembly conditions are also reported for variants that do not fit, to show why.
     values, errors = {}, {}
     everywhere = (*_of_assembly(fit), *_of_teeth(train, sizes))
     for results, where in ((everywhere, slice(None)), (found, here)):

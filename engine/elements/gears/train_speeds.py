@@ -1,4 +1,4 @@
-"""Angular speeds of a gear train: meshes' equations K ω = 0, and the basic ratios of its planetary stages."""
+"""Angular speeds of a gear train: mesh equations K ω = 0, and the basic ratios of its planetary stages."""
 
 import numpy as np
 
@@ -11,24 +11,24 @@ from engine.laws.rounding import EPS
 
 
 def teeth_of(place: MeshPlace, n: Numbers) -> tuple[np.ndarray, np.ndarray]:
-    """Numbers of teeth of both wheels of a mesh, that of a ring negative."""
+    """Numbers of teeth of both wheels of a mesh, negative for a ring."""
     first, second = (n[f"wheels.{wheel}.teeth"] for wheel in place.wheels)
     return first, place.sense * second
 
 
 def train_speeds(train: GearTrain, n: Numbers) -> Measured:
-    """Angular speeds that follow from those given.
+    """All angular speeds for the given ones.
 
     Parameters
     ----------
     train : GearTrain
     n : mapping of str to ndarray (variants,)
-        Its numbers by their keys.
+        Numbers by their keys.
 
     Returns
     -------
     Measured (shafts + 1, variants)
-        The frame's, 0, stand last: a shaft that is −1 stands still [rad/s]. NaN where none follow.
+        [rad/s]; the last row is the frame's, 0, so that index −1 is at rest. NaN if the speeds are not determined.
     """
     structure = train.structure
     equations = structure.equations(np.array([teeth_of(place, n) for place in structure.meshes]))
@@ -37,7 +37,7 @@ def train_speeds(train: GearTrain, n: Numbers) -> Measured:
     rest = [i for i in range(count) if i not in (*held, *driven)]
     given = np.array([n[f"shafts.{name}.speed"] for name in structure.driven])
     given = Measured(given, EPS * np.abs(given))
-    # Each given speed by itself: their shares may cancel, and what is left carries the rounding of both.
+    # Solve for each given speed separately: contributions may cancel, and the sum carries the rounding of each.
     shares = solve(equations[:, rest], -equations[:, driven])
     parts = Measured(shares.values, shares.errors) * given
     following = sum(parts[:, k] for k in range(len(driven)))
@@ -58,7 +58,7 @@ def basic_ratios(train: GearTrain, n: Numbers) -> dict[str, Measured]:
     Returns
     -------
     dict of str to Measured (variants,)
-        As "carrier.basic_ratio_of_sun_to_ring" by the names of carriers and wheels.
+        Keys such as "carrier.basic_ratio_of_sun_to_ring", with the names of carriers and wheels.
     """
     found = {}
     for name, a, b, path in stages(train):

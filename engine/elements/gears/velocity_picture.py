@@ -1,8 +1,8 @@
-"""Pictures of the linear and angular velocities of a gear train, after Smirnov.
+"""Diagrams of the linear and angular velocities of a gear train, after Smirnov.
 
-Heights are measured along the line of centres, velocities across. All points of a shaft lie on a straight line whose
-slope is its angular speed: through its axis with the velocity of that, and through the points of contact, where both
-wheels have the same velocity.
+Heights are measured along the line of centres, velocities across it. All points of a shaft are on a straight line whose
+slope is its angular speed. The line passes through the shaft's axis at the axis' velocity and through the pitch points,
+where both wheels have the same velocity.
 """
 
 from typing import NamedTuple
@@ -17,7 +17,7 @@ from engine.parts.skeleton import FRAME
 
 
 class DrawnWheel(NamedTuple):
-    """A wheel in the scheme: height of its axis and radius [m, or modules], its place along the axis, its kind."""
+    """A wheel in the scheme: height of its axis and radius [m, or modules], column along the axis, ring or not."""
 
     axis: float
     radius: float
@@ -26,7 +26,7 @@ class DrawnWheel(NamedTuple):
 
 
 class VelocityLine(NamedTuple):
-    """A shaft in the picture: two heights [m, or modules] and velocities there [m/s], its angular speed [rad/s]."""
+    """A shaft in the diagram: two heights [m, or modules] and the velocities there [m/s], angular speed [rad/s]."""
 
     heights: tuple[float, float]
     velocities: tuple[float, float]
@@ -34,19 +34,19 @@ class VelocityLine(NamedTuple):
 
 
 class VelocityPicture(NamedTuple):
-    """What is drawn of a gear train.
+    """Velocity diagram of a gear train.
 
     Attributes
     ----------
     wheels : dict of str to DrawnWheel
     lines : dict of str to VelocityLine
-        By shafts; planets that roll on planets alone aren't on the line of centres.
+        By shafts; planets that roll on other planets only are not on the line of centres.
     contacts : dict of str to (float, float)
         Height and velocity of the pitch point, by meshes on the line of centres.
     axes : dict of str to float
         Height of the axis of every shaft on the line of centres.
     fits : bool
-        Whether the train can be put together.
+        Whether the train can be assembled.
     """
 
     wheels: dict[str, DrawnWheel]
@@ -57,12 +57,7 @@ class VelocityPicture(NamedTuple):
 
 
 def velocity_picture(train: GearTrain) -> VelocityPicture:
-    """Find the pictures of velocities of a gear train.
-
-    Parameters
-    ----------
-    train : GearTrain
-    """
+    """Velocity diagram of a gear train."""
     n = train.own_numbers()
     structure, sizes = train.structure, mesh_sizes(train, n)
     speeds = dict(zip((*structure.shafts, FRAME), train_speeds(train, n).value[:, 0].tolist(), strict=True))
@@ -70,7 +65,7 @@ def velocity_picture(train: GearTrain) -> VelocityPicture:
     axes = {name: heights[structure.axes[name]] for name in structure.shafts if structure.axes[name] in heights}
 
     def velocity(shaft: str, height: float) -> float:
-        """Velocity of the point of a shaft that is on the line of centres at a height."""
+        """Velocity of the point of a shaft on the line of centres at a height."""
         if shaft == FRAME:
             return 0.0
         carrier = structure.name_of(structure.carriers[structure.shafts.index(shaft)])
@@ -90,7 +85,7 @@ def velocity_picture(train: GearTrain) -> VelocityPicture:
         low = heights[structure.axes[place.wheels[1 if place.sense < 0 else 0]]]
         up = heights[structure.axes[place.wheels[0]]], heights[structure.axes[place.wheels[1]]]
         radii = [float(d[0]) / 2 for d in sizes[place.name].rolling]
-        # A ring holds the point on the side of its pinion; between wheels outside it lies between both axes.
+        # The pitch point of a ring is on its pinion's side; that of external wheels is between both axes.
         point = low + radii[1] if place.sense < 0 else (up[0] + radii[0] if up[1] > up[0] else up[1] + radii[1])
         owners = [train.wheels[wheel].shaft for wheel in place.wheels]
         contacts[place.name] = point, velocity(owners[0], point)
@@ -108,7 +103,7 @@ def velocity_picture(train: GearTrain) -> VelocityPicture:
 
 
 def _heights(train: GearTrain, sizes: dict[str, MeshSizes]) -> dict[str, float]:
-    """Heights of all axes on the line of centres, the first wheel's at 0; others above what they mesh with."""
+    """Heights of all axes on the line of centres, the first wheel's at 0; others above the wheels they mesh with."""
     structure = train.structure
     heights = {structure.axes[structure.meshes[0].wheels[0]]: 0.0}
     if structure.meshes[0].central is not None:
@@ -128,7 +123,7 @@ def _heights(train: GearTrain, sizes: dict[str, MeshSizes]) -> dict[str, float]:
 
 
 def _on_line(place: MeshPlace, axes: dict[str, str], heights: dict[str, float], sizes: dict[str, MeshSizes]) -> bool:
-    """Whether both axes of a mesh are on the line of centres, at the distance that their teeth need."""
+    """Whether both axes of a mesh are on the line of centres, at the centre distance of their teeth."""
     at = [heights.get(axes[wheel]) for wheel in place.wheels]
     if None in at:
         return False
@@ -137,7 +132,7 @@ def _on_line(place: MeshPlace, axes: dict[str, str], heights: dict[str, float], 
 
 
 def _columns(train: GearTrain) -> dict[str, int]:
-    """Place along the axes of every wheel: wheels in mesh have the same, but for planets that mesh aside."""
+    """Column along the axes of every wheel: equal for wheels in mesh, except for meshes between planets."""
     column: dict[str, int] = {}
     for place in train.structure.meshes:
         if place.central is None and place.carrier != STANDS_STILL:

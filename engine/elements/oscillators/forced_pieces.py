@@ -15,17 +15,14 @@ arbitrary excitation by pieces).
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.decorators import driver, routine
+from engine.compiling.decorators import routine
+from engine.compiling.running import over_variants
 from engine.cycle.roots import MOST_TURNS, newton_between
 from engine.elements.oscillators.damped_vibration import damped_vibration, next_turn
-
-# What an oscillator is given, and what is found; in this order in the tables.
-STIFFNESS, MASS, RATIO, DISPLACEMENT, VELOCITY, HORIZON = range(6)
-GREATEST, GREATEST_AT, STRETCH, STRETCH_AT, END, END_RATE, CARRIED = range(7)
-FOUND = 7
 
 # Half periods at either end of a piece in which its greatest displacement is looked for: of each sign two tops.
 _ENDS = 4
@@ -33,6 +30,51 @@ _ENDS = 4
 _MOST = 2.0**52
 # Of tops that are the same but for rounding, the first.
 _HIGHER = 1.0 + 1e-11
+
+
+class Oscillators(NamedTuple):
+    """One mass on a spring in each variant; every attribute is an ndarray (variants,).
+
+    Attributes
+    ----------
+    stiffness, mass, damping_ratio : ndarray
+        k [N/m], m [kg], ζ.
+    displacement, velocity : ndarray
+        At the start [m], [m/s].
+    horizon : ndarray
+        The time they are followed [s].
+    """
+
+    stiffness: np.ndarray
+    mass: np.ndarray
+    damping_ratio: np.ndarray
+    displacement: np.ndarray
+    velocity: np.ndarray
+    horizon: np.ndarray
+
+
+class Response(NamedTuple):
+    """Peaks of an oscillator's motion, and its state at the horizon; every attribute is an ndarray (variants,).
+
+    Attributes
+    ----------
+    displacement, displacement_at : ndarray
+        Peak magnitude [m] and its time [s].
+    stretch, stretch_at : ndarray
+        The same of the spring.
+    end, end_velocity : ndarray
+        Displacement [m] and velocity [m/s] at the horizon.
+    rounded : ndarray
+        Sum of the displacements that rounding acts on [m].
+    """
+
+    displacement: np.ndarray
+    displacement_at: np.ndarray
+    stretch: np.ndarray
+    stretch_at: np.ndarray
+    end: np.ndarray
+    end_velocity: np.ndarray
+    rounded: np.ndarray
 
 
 @routine
@@ -77,41 +119,39 @@ def _greatest_in(
     return greatest, at
 
 
-@driver
+@over_variants
 def follow_pieces(
     begin: int,
     end: int,
     moves_support: bool,
-    given: np.ndarray,
+    oscillators: Oscillators,
     rows: np.ndarray,
-    found: np.ndarray,
+    found: Response,
     states: np.ndarray,
 ) -> None:
-    """Follow oscillators `begin` … `end` − 1 through the pieces of what drives them.
+    """Follow oscillators `begin` … `end` − 1 through the pieces of their excitation.
 
     Parameters
     ----------
     begin, end : int
     moves_support : bool
-        Whether the rows hold displacements of the support, instead of forces on the mass.
-    given : ndarray (6, variants)
-        STIFFNESS k, MASS m, damping RATIO ζ; DISPLACEMENT and VELOCITY at the start; HORIZON, the time it is followed.
+        Whether the rows are displacements of the support instead of forces on the mass.
+    oscillators : Oscillators
     rows : ndarray (1 or variants, 2, rows)
         Times, ascending from 0, and forces or displacements; the last one stays.
-    found : ndarray (FOUND, variants)
-        Greatest magnitude of displacement and of the spring's stretch, each with its time; displacement and velocity at
-        the horizon; the sum of displacements that rounding has acted on.
+    found : Response
+        Filled in.
     states : ndarray (variants, kept, 3)
         Time, displacement and velocity at the begin of pieces, as many as there is room for; NaN behind the last.
     """
     for i in range(begin, end):
-        k, horizon = given[STIFFNESS, i], given[HORIZON, i]
-        w = math.sqrt(k / given[MASS, i])
-        beta = given[RATIO, i] * w
-        damping = 2.0 * beta * given[MASS, i]
+        k, mass, horizon = oscillators.stiffness[i], oscillators.mass[i], oscillators.horizon[i]
+        w = math.sqrt(k / mass)
+        beta = oscillators.damping_ratio[i] * w
+        damping = 2.0 * beta * mass
         own = rows[min(i, rows.shape[0] - 1)]
         count = own.shape[1]
-        q, rate, carried, kept = given[DISPLACEMENT, i], given[VELOCITY, i], 0.0, 0
+        q, rate, rounded, kept = oscillators.displacement[i], oscillators.velocity[i], 0.0, 0
         greatest, greatest_at = abs(q), 0.0
         stretch, stretch_at = abs(q - own[1, 0]) if moves_support else abs(q), 0.0
         for row in range(count):
@@ -130,7 +170,7 @@ def follow_pieces(
                 states[i, kept, 0], states[i, kept, 1], states[i, kept, 2] = now, q, rate
                 kept += 1
             u, v = q - level, rate - slope
-            carried += abs(level) + abs(slope * length) + abs(q)
+            rounded += abs(level) + abs(slope * length) + abs(q)
             top, at = _greatest_in(length, w, beta, u, v, level, slope)
             if top > greatest * _HIGHER:
                 greatest, greatest_at = top, now + at
@@ -142,6 +182,6 @@ def follow_pieces(
             q, rate = level + slope * length + moved, slope + moving
         for row in range(kept, states.shape[1]):
             states[i, row, 0] = math.nan
-        found[GREATEST, i], found[GREATEST_AT, i] = greatest, greatest_at
-        found[STRETCH, i], found[STRETCH_AT, i] = stretch, stretch_at
-        found[END, i], found[END_RATE, i], found[CARRIED, i] = q, rate, carried
+        found.displacement[i], found.displacement_at[i] = greatest, greatest_at
+        found.stretch[i], found.stretch_at[i] = stretch, stretch_at
+        found.end[i], found.end_velocity[i], found.rounded[i] = q, rate, rounded

@@ -3,24 +3,11 @@
 import math
 from typing import NamedTuple
 
-import numba
 import numpy as np
-from numba import types
 
-from engine.compiling.running import prepare, spread
 from engine.elements.element import Columns, ElementResult, Numbers
 from engine.elements.oscillators.excitations import OverTime, SupportOverTime
-from engine.elements.oscillators.forced_pieces import (
-    CARRIED,
-    END,
-    END_RATE,
-    FOUND,
-    GREATEST,
-    GREATEST_AT,
-    STRETCH,
-    STRETCH_AT,
-    follow_pieces,
-)
+from engine.elements.oscillators.forced_pieces import Oscillators, Response, follow_pieces
 from engine.elements.oscillators.one_mass import free_motion
 
 # Straight pieces that a formula is made of; the half of them tells what they miss.
@@ -51,18 +38,16 @@ def _given_over_time(excitation: OverTime, n: Numbers, pieces: int) -> tuple[np.
 
 def _followed(
     excitation: OverTime, n: Numbers, stiffness: np.ndarray, ratio: np.ndarray, pieces: int, kept: int = 0
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """What `follow_pieces` finds, the states it keeps, and the rows and horizons it was given."""
+) -> tuple[Response, np.ndarray, np.ndarray, np.ndarray]:
+    """The response, the states kept at the begin of pieces, and the rows and horizons of the excitation."""
     rows, horizon = _given_over_time(excitation, n, pieces)
     none = np.zeros_like(stiffness)
     start = n.get("start.displacement", none), n.get("start.velocity", none)
-    given = np.array([np.broadcast_to(a, none.shape) for a in (stiffness, n["mass"], ratio, *start, horizon)])
-    rows = np.ascontiguousarray(rows)
-    found, states = np.empty((FOUND, none.size)), np.empty((none.size, kept, 3))
-    arguments = (isinstance(excitation, SupportOverTime), given, rows, found, states)
-    prepare(follow_pieces, [types.intp, types.intp, *(numba.typeof(a) for a in arguments)])
-    spread(follow_pieces, none.size, lambda: arguments)
-    return found, states, rows, given[-1]
+    numbers = (np.array(np.broadcast_to(a, none.shape)) for a in (stiffness, n["mass"], ratio, *start, horizon))
+    found, states = Response(*np.empty((len(Response._fields), none.size))), np.empty((none.size, kept, 3))
+    oscillators, moves_support = Oscillators(*numbers), isinstance(excitation, SupportOverTime)
+    follow_pieces(none.size, moves_support, oscillators, np.ascontiguousarray(rows), found, states)
+    return found, states, rows, oscillators.horizon
 
 
 def over_time_columns(
@@ -92,17 +77,17 @@ def over_time_columns(
     drives = np.maximum(reached, np.abs(ends))
     at_rest = drives if isinstance(excitation, SupportOverTime) else drives / stiffness
     with np.errstate(all="ignore"):
-        factor = np.where(at_rest > 0.0, found[GREATEST] / at_rest, math.nan)
-        carried = found[CARRIED] / 4.0
+        factor = np.where(at_rest > 0.0, found.displacement / at_rest, math.nan)
+        carried = found.rounded / 4.0
         rate = carried * np.sqrt(stiffness / n["mass"]) * np.maximum(1.0, 2.0 * ratio)
     columns = {
-        "greatest_displacement": found[GREATEST],
-        "greatest_displacement_at": found[GREATEST_AT],
-        "spring_force": stiffness * found[STRETCH],
-        "spring_force_at": found[STRETCH_AT],
+        "greatest_displacement": found.displacement,
+        "greatest_displacement_at": found.displacement_at,
+        "spring_force": stiffness * found.stretch,
+        "spring_force_at": found.stretch_at,
         "dynamic_factor": factor,
-        "end_displacement": found[END],
-        "end_velocity": found[END_RATE],
+        "end_displacement": found.end,
+        "end_velocity": found.end_velocity,
     }
     sizes = {
         "greatest_displacement": carried,

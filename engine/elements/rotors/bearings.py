@@ -1,4 +1,4 @@
-"""Forces of a rigid rotor on its two bearings: those that turn with it, and the weight.
+"""Forces of a rigid rotor on its two bearings: rotating forces and the weight.
 
 Arrays have any axes and are broadcast.
 
@@ -22,7 +22,7 @@ class BearingForces(NamedTuple):
 
 
 def rotating_forces(rotor: Resultant, first: ArrayLike, second: ArrayLike, omega: ArrayLike) -> BearingForces:
-    """Forces that turn with the rotor, omega² times its unbalance in the bearings' planes.
+    """Forces that rotate with the rotor: omega² times its unbalance in the planes of the bearings.
 
     Parameters
     ----------
@@ -30,12 +30,12 @@ def rotating_forces(rotor: Resultant, first: ArrayLike, second: ArrayLike, omega
     first, second : array_like (...)
         Positions of the bearings [m].
     omega : array_like (...)
-        Speed, uniform [rad/s].
+        Constant speed [rad/s].
 
     Returns
     -------
     BearingForces
-        Complex, in the rotor's axes [N]; not finite where both bearings are in one place.
+        Complex, in the rotor's axes [N]; infinite or NaN if both bearings are at the same position.
     """
     square = np.square(omega)
     return BearingForces(*(square * part for part in unbalance_in_two_planes(rotor, first, second)))
@@ -44,7 +44,7 @@ def rotating_forces(rotor: Resultant, first: ArrayLike, second: ArrayLike, omega
 def static_forces(
     mass: ArrayLike, centre: ArrayLike, first: ArrayLike, second: ArrayLike, gravity: ArrayLike = STANDARD_GRAVITY
 ) -> BearingForces:
-    """Shares of the weight on the bearings of a horizontal rotor.
+    """Weight carried by each bearing of a horizontal rotor.
 
     Parameters
     ----------
@@ -53,12 +53,12 @@ def static_forces(
     centre, first, second : array_like (...)
         Positions of the centre of mass and of the bearings [m].
     gravity : array_like (...)
-        Across the axis [m/s²].
+        Acceleration across the axis [m/s²].
 
     Returns
     -------
     BearingForces
-        Downwards [N]; negative where an overhung rotor lifts its shaft off the far bearing.
+        Downwards [N]; negative if an overhung rotor lifts its shaft off the far bearing.
     """
     weight = np.multiply(mass, gravity)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -70,5 +70,5 @@ def static_forces(
 
 
 def peak_forces(rotating: BearingForces, static: BearingForces) -> BearingForces:
-    """Greatest magnitudes over a turn, where the rotating force points along the weight [N]."""
+    """Peak forces over a turn, when the rotating force points along the weight [N]."""
     return BearingForces(*(np.abs(r) + np.abs(s) for r, s in zip(rotating, static, strict=True)))

@@ -2,11 +2,11 @@
 
 - One plane: C = -U; the resultant vanishes, a couple may remain.
 - Two planes: resultant and moment vanish.
-- More: of all corrections that make both vanish, the one with the least sum of the squares of the masses at the
+- More planes: of all corrections that cancel both, the one with the minimum sum of squares of the masses at the
   planes' radii.
 
-All three are C_k = -r_k² (U/Σr² + P_c (z_k - c)/Σr²(z - c)²), c being the planes' middle weighted with r² and P_c the
-moment about it: the least-norm solution of two equations, from their Lagrange multipliers.
+All three are C_k = -r_k² (U/Σr² + P_c (z_k - c)/Σr²(z - c)²), where c is the planes' mean position weighted with r² and
+P_c the moment about it: the minimum-norm solution of two equations, by Lagrange multipliers.
 
 Arrays have the planes along their last axis; all other axes are free and are broadcast.
 
@@ -20,20 +20,20 @@ from engine.elements.rotors.unbalance import Resultant, about, resultant_unbalan
 
 
 def correct(rotor: Resultant, planes: ArrayLike, radii: ArrayLike = 1.0) -> np.ndarray:
-    """Unbalances to be added in the planes.
+    """Unbalances to add in the planes.
 
     Parameters
     ----------
     rotor : Resultant
     planes : array_like (..., planes)
-        Their positions along the axis [m].
+        Positions along the axis [m].
     radii : array_like (..., planes)
-        At which masses are added [m]; matter only where there are more than two planes.
+        Radii of the added masses [m]; relevant for more than two planes only.
 
     Returns
     -------
     ndarray of complex (..., planes)
-        [kg·m]; not finite where the planes are all in one place.
+        [kg·m]; infinite or NaN if all planes are at the same position.
     """
     planes = np.asarray(planes, dtype=float)
     if planes.shape[-1] == 1:
@@ -50,7 +50,7 @@ def correct(rotor: Resultant, planes: ArrayLike, radii: ArrayLike = 1.0) -> np.n
 
 
 def corrected_unbalance(rotor: Resultant, corrections: ArrayLike, planes: ArrayLike) -> Resultant:
-    """What remains after a correction.
+    """Unbalance that remains after a correction.
 
     Parameters
     ----------
@@ -58,21 +58,21 @@ def corrected_unbalance(rotor: Resultant, corrections: ArrayLike, planes: ArrayL
     corrections : array_like of complex (..., planes)
         Unbalances added [kg·m].
     planes : array_like (..., planes)
-        Where [m].
+        Their positions [m].
     """
     added = resultant_unbalance(corrections, planes, rotor.plane)
     return Resultant(rotor.unbalance + added.unbalance, rotor.moment + added.moment, rotor.plane)
 
 
 def misplaced_share(mass_error: ArrayLike, angle_error: ArrayLike) -> np.ndarray:
-    """How far a correction made with errors is off, as a share of it: |(1 + mu) exp(i delta) - 1|.
+    """Relative error of a correction with given errors of mass and angle: |(1 + mu) exp(i delta) - 1|.
 
-    Errors of either sign up to mu and delta leave no more than this.
+    This is the maximum for errors of either sign up to mu and delta.
 
     Parameters
     ----------
     mass_error, angle_error : array_like (...)
-        mu >= 0, of the mass or the radius, as a share; delta, 0 … pi [rad].
+        mu >= 0, relative error of the mass or the radius; delta, 0 … pi [rad].
 
     Returns
     -------

@@ -1,9 +1,9 @@
-"""Balance quality of rigid rotors: grades G, permissible residual unbalance, its shares for two tolerance planes.
+"""Balance quality of rigid rotors: grades G, permissible residual unbalance, its allocation to two tolerance planes.
 
-A grade is the product e_per·omega of the permissible specific unbalance and the highest service speed: 6.3 mm/s for
+A grade is the product e_per·omega of the permissible specific unbalance and the maximum service speed: 6.3 mm/s for
 G 6.3. Then U_per = (e_per·omega) m/omega; the standard writes it 1000 (e_per·omega) m/omega in g·mm, mm/s, kg, rad/s.
-The tolerance planes are the bearings' planes, where the grade is shared in the ratio of the distances of the centre
-of mass from the other bearing, within limits.
+The tolerance planes are the planes of the bearings. Each gets a fraction of U_per proportional to the distance of the
+centre of mass from the other bearing, within limits.
 
 Source: ISO 21940-11:2016, 6.3 and table 1 (grades), 7.1, 7.2 (tolerance planes).
 """
@@ -21,7 +21,7 @@ GRADES: Mapping[str, float] = MappingProxyType({f"G{number:g}": number / 1000 fo
 LEAST_SHARE = 0.3
 GREATEST_SHARE_INBOARD = 0.7
 GREATEST_SHARE_OUTBOARD = 1.3
-# A residual made to lie on a grade's limit by a computation lies a few roundings on either side of it.
+# A residual computed to lie on a grade's limit is within rounding on either side of it.
 _ROUNDED = 1e-12
 
 
@@ -31,7 +31,7 @@ def permissible_unbalance(grade: ArrayLike, mass: ArrayLike, omega: ArrayLike) -
     Parameters
     ----------
     grade, mass, omega : array_like (...)
-        e_per·omega [m/s], see `GRADES`; m [kg]; highest service speed, of either sign [rad/s].
+        e_per·omega [m/s], see `GRADES`; m [kg]; maximum service speed, of either sign [rad/s].
 
     Returns
     -------
@@ -43,9 +43,9 @@ def permissible_unbalance(grade: ArrayLike, mass: ArrayLike, omega: ArrayLike) -
 
 
 def tolerance_shares(centre: ArrayLike, first: ArrayLike, second: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-    """Shares of U_per for the two bearings' planes.
+    """Fractions of U_per allocated to the planes of the two bearings.
 
-    Between the bearings 0.3 … 0.7; with the centre of mass beyond a bearing 0.3 … 1.3.
+    0.3 … 0.7 with the centre of mass between the bearings; 0.3 … 1.3 with it beyond one of them.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def tolerance_shares(centre: ArrayLike, first: ArrayLike, second: ArrayLike) -> 
     Returns
     -------
     ndarray (...), ndarray (...)
-        NaN where both bearings are in one place.
+        NaN if both bearings are at the same position.
     """
     centre, first, second = (np.asarray(z, dtype=float) for z in (centre, first, second))
     span = np.abs(second - first)
@@ -69,28 +69,28 @@ def tolerance_shares(centre: ArrayLike, first: ArrayLike, second: ArrayLike) -> 
 def grade_needed(
     residuals: tuple[ArrayLike, ArrayLike], shares: tuple[ArrayLike, ArrayLike], mass: ArrayLike, omega: ArrayLike
 ) -> np.ndarray:
-    """The least e_per·omega whose tolerances in both planes hold the residual unbalances.
+    """Minimum e_per·omega whose tolerances in both planes admit the residual unbalances.
 
     Parameters
     ----------
     residuals : tuple of array_like of complex (...)
-        In the two tolerance planes [kg·m].
+        Residual unbalances in the two tolerance planes [kg·m].
     shares : tuple of array_like (...)
-        Of `tolerance_shares`.
+        As from `tolerance_shares`.
     mass, omega : array_like (...)
         [kg], [rad/s].
 
     Returns
     -------
     ndarray (...)
-        [m/s]; for one plane, |U| omega/m is the same with a share of 1.
+        [m/s]; for one plane with a share of 1 this is |U| omega/m.
     """
     worst = np.maximum(*(np.abs(u) / share for u, share in zip(residuals, shares, strict=True)))
     return worst * np.abs(omega) / mass
 
 
 def grade_reached(needed: ArrayLike) -> np.ndarray:
-    """The finest grade that holds an e_per·omega.
+    """The finest grade that admits a given e_per·omega.
 
     Parameters
     ----------

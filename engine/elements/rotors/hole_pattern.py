@@ -1,8 +1,8 @@
-"""Corrections on a circle of holes: split on two neighbouring holes, or made of whole pieces of equal mass.
+"""Corrections on a circle of holes: split between two neighbouring holes, or composed of pieces of equal mass.
 
-The holes lie at angles first + 2 pi k/n. Arrays of corrections have any axes.
+The holes are at the angles first + 2 pi k/n. Arrays of corrections have any axes.
 
-Source: ISO 21940-11, 4.5 (correction by components); the splitting is the law of sines.
+Source: ISO 21940-11, 4.5 (correction by components); the split is the law of sines.
 """
 
 import math
@@ -15,23 +15,23 @@ from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
 LARGEST_TABLE = 500_000
-# Pieces from which on the square of a correction may overflow, and with it its distance from what pieces make.
+# From this number of pieces, the square of a correction may overflow, and with it its distance from the nearest sum.
 FARTHEST = 1e150
 
 
 class PatternError(ValueError):
-    """A circle of holes that can't take a correction, or with too many ways to do so."""
+    """A circle of holes that cannot take a correction, or has too many combinations to search."""
 
 
 class Split(NamedTuple):
-    """A correction on two neighbouring holes.
+    """A correction in two neighbouring holes.
 
     Attributes
     ----------
     hole, next_hole : ndarray of int (...)
         Numbers of the holes, from 0.
     amount, next_amount : ndarray (...)
-        Magnitudes of the unbalances there, not negative [kg·m].
+        Unbalances there, not negative [kg·m].
     """
 
     hole: np.ndarray
@@ -41,7 +41,7 @@ class Split(NamedTuple):
 
 
 def split_on_neighbours(correction: ArrayLike, holes: int, first: ArrayLike = 0.0) -> Split:
-    """Split a correction exactly on the two holes beside it: C sin(b)/sin(a + b) and C sin(a)/sin(a + b).
+    """Split a correction exactly between the two adjacent holes: C sin(b)/sin(a + b) and C sin(a)/sin(a + b).
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def split_on_neighbours(correction: ArrayLike, holes: int, first: ArrayLike = 0.
     Raises
     ------
     PatternError
-        Fewer than three holes: neighbours half a turn apart can't make any other direction.
+        Fewer than three holes: neighbours half a turn apart have no components in other directions.
     """
     if holes < 3:
         raise PatternError(f"holes = {holes}: splitting a correction takes at least 3 equally spaced holes")
@@ -72,7 +72,7 @@ def split_on_neighbours(correction: ArrayLike, holes: int, first: ArrayLike = 0.
 def best_holes(
     correction: ArrayLike, holes: int, most: int, used: int, piece: ArrayLike, first: ArrayLike = 0.0
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Whole pieces in a few holes that come nearest to a correction, as few of them as make the same.
+    """Pieces in a few holes that approximate a correction best, with as few pieces as possible.
 
     Parameters
     ----------
@@ -81,26 +81,26 @@ def best_holes(
     holes : int
         Number of equally spaced holes.
     most : int
-        Greatest number of pieces in one hole.
+        Maximum number of pieces in one hole.
     used : int
-        Greatest number of holes that get pieces.
+        Maximum number of holes with pieces.
     piece : array_like (...)
-        Unbalance of one piece, its mass times the holes' radius [kg·m]; negative where it is taken away.
+        Unbalance of one piece, its mass times the radius of the holes [kg·m]; negative if material is removed.
     first : array_like (...)
         Angle of the first hole [rad].
 
     Returns
     -------
     pieces : ndarray of uint8 (..., holes)
-        Number of pieces in every hole.
+        Number of pieces in each hole.
     made : ndarray of complex (...)
-        The unbalance they make [kg·m]; NaN where the correction is not finite, or beyond 1e150
-        pieces, or a piece weighs nothing.
+        The resulting unbalance [kg·m]; NaN if the correction is infinite, NaN or above 1e150 pieces, or a piece has no
+        mass.
 
     Raises
     ------
     PatternError
-        More ways to fill the holes than can be searched.
+        More combinations than can be searched.
     """
     ways, sums, tree = _ways(holes, most, used)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -114,7 +114,7 @@ def best_holes(
 
 
 def ways_to_fill(holes: int, most: int, used: int) -> int:
-    """In how many ways the holes can be filled.
+    """Number of combinations of pieces in the holes.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def ways_to_fill(holes: int, most: int, used: int) -> int:
     Raises
     ------
     PatternError
-        More than can be searched, or none.
+        More combinations than can be searched, or none.
     """
     if min(holes, most, used) < 1 or most > 255:
         raise PatternError(
@@ -141,7 +141,7 @@ def ways_to_fill(holes: int, most: int, used: int) -> int:
 
 @lru_cache(maxsize=16)
 def _ways(holes: int, most: int, used: int) -> tuple[np.ndarray, np.ndarray, cKDTree]:
-    """All ways to fill the holes, the sums of their unit vectors, and a tree to find the nearest."""
+    """All combinations of pieces, the sums of their unit vectors, and a tree for the nearest one."""
     ways = np.zeros((ways_to_fill(holes, most, used), holes), np.uint8)
     row = 1
     for k in range(1, min(used, holes) + 1):
@@ -151,7 +151,7 @@ def _ways(holes: int, most: int, used: int) -> tuple[np.ndarray, np.ndarray, cKD
             row += len(fillings)
     ways = ways[np.argsort(ways.sum(axis=1), kind="stable")]
     sums = ways @ np.exp(1j * math.tau / holes * np.arange(holes))
-    # Opposite pieces cancel: the first of equal sums, the one with the fewest pieces, stands for all.
+    # Opposite pieces cancel: of equal sums keep the first, which has the fewest pieces.
     _, kept = np.unique(np.round(sums, 9), return_index=True)
     ways, sums = ways[kept], sums[kept]
     return ways, sums, cKDTree(np.stack([sums.real, sums.imag], axis=-1))

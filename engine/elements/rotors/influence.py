@@ -1,15 +1,15 @@
-"""Balancing in place by influence coefficients: what trial weights do to the vibration tells what to add.
+"""Field balancing with influence coefficients: the effect of trial weights on the vibration gives the correction.
 
-Readings are the once-per-turn parts of vibrations as complex numbers V, amplitude and phase against a mark on the
-rotor. A linear machine answers V = V_0 + A W to unbalances W added in its planes. Of a first run V_0 and a run with a
-trial weight W_k in each plane, A_sk = (V_sk - V_s0)/W_k, and the correction is C = -A⁺ V_0: with as many readings as
-planes the vibration vanishes, with more the sum of their squares is least.
+Readings are the once-per-turn components of vibrations as complex numbers V: amplitude and phase relative to a mark on
+the rotor. The response of a linear machine to unbalances W added in its planes is V = V_0 + A W. From a first run V_0
+and a run with a trial weight W_k in each plane, A_sk = (V_sk - V_s0)/W_k, and the correction is C = -A⁺ V_0: the
+vibration vanishes with as many readings as planes; with more readings the sum of their squares is a minimum.
 
-Noise: if the real and imaginary part of every reading err independently with the standard deviation sigma, the
+Noise: if the real and imaginary parts of every reading have independent errors of standard deviation sigma, the
 residual unbalance R = C + U is, to first order in sigma, a circular complex normal vector with mean 0 and covariance
-E[R R*] = 2 sigma² g A⁺A⁺*, g = |1 - Σ C_k/W_k|² + Σ |C_k/W_k|². Large trial weights take g to 1, small ones let it grow
-with the square of C/W; where W is the wanted correction itself, g = 1 for one plane. With more readings than planes
-this takes the machine to be linear, so that a balanced rotor would leave no vibration.
+E[R R*] = 2 sigma² g A⁺A⁺*, g = |1 - Σ C_k/W_k|² + Σ |C_k/W_k|². For large trial weights g approaches 1; for small ones
+it grows with the square of C/W; if W is the exact correction, g = 1 for one plane. With more readings than planes this
+assumes a linear machine, so that a balanced rotor does not vibrate.
 
 Arrays of several rotors have them along the leading axes, which are free and are broadcast.
 
@@ -22,19 +22,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-# Smallest of a rotor's singular values over its largest: below it only rounding distinguishes the planes.
+# Minimum ratio of the smallest to the largest singular value: below it only rounding distinguishes the planes.
 LEAST_CONDITION = 1e-13
 
 
 class Confidence(NamedTuple):
-    """What noise leaves of the unbalance.
+    """Residual unbalance due to noise.
 
     Attributes
     ----------
     covariance : ndarray of complex (..., planes, planes)
         E[R R*] of the residual unbalance [kg²·m²].
     radii : ndarray (..., planes)
-        Residual of each plane by itself that is not exceeded with the probability asked for [kg·m].
+        Residual of each plane that is not exceeded with the given probability [kg·m].
     """
 
     covariance: np.ndarray
@@ -65,7 +65,7 @@ def influence_coefficients(initial: ArrayLike, trials: ArrayLike, weights: Array
 
 
 def influence_correction(coefficients: ArrayLike, initial: ArrayLike) -> np.ndarray:
-    """Unbalances to be added, C = -A⁺ V_0.
+    """Unbalances to add, C = -A⁺ V_0.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def influence_correction(coefficients: ArrayLike, initial: ArrayLike) -> np.ndar
     Returns
     -------
     ndarray of complex (..., planes)
-        In the unit of the trial weights; NaN where a coefficient is not finite.
+        In the unit of the trial weights; NaN if a coefficient is infinite or NaN.
     """
     inverse = _pseudo_inverse(np.asarray(coefficients))
     return -(inverse @ np.asarray(initial)[..., None])[..., 0]
@@ -84,17 +84,17 @@ def influence_correction(coefficients: ArrayLike, initial: ArrayLike) -> np.ndar
 def residual_confidence(
     coefficients: ArrayLike, corrections: ArrayLike, weights: ArrayLike, noise: ArrayLike, probability: float
 ) -> Confidence:
-    """How large the unbalance left by noise in the readings may be.
+    """Residual unbalance due to noise in the readings.
 
     Parameters
     ----------
     coefficients : array_like of complex (..., readings, planes)
     corrections, weights : array_like of complex (..., planes)
-        As found, and the trial weights.
+        Corrections found, and the trial weights.
     noise : array_like (...)
         Standard deviation sigma of the real and of the imaginary part of a reading.
     probability : float
-        Of the residual staying within the radii, 0 … 1.
+        Probability that the residual is within the radii, 0 … 1.
     """
     inverse = _pseudo_inverse(np.asarray(coefficients))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -103,12 +103,12 @@ def residual_confidence(
     scale = 2.0 * np.square(noise) * gain
     covariance = scale[..., None, None] * (inverse @ np.conj(np.swapaxes(inverse, -1, -2)))
     variances = np.diagonal(covariance, axis1=-2, axis2=-1).real
-    # |R_k|² is distributed exponentially with the mean E|R_k|².
+    # |R_k|² has an exponential distribution with the mean E|R_k|².
     return Confidence(covariance, np.sqrt(-np.log1p(-probability) * variances))
 
 
 class FourRuns(NamedTuple):
-    """What four runs without phases tell.
+    """Result of four runs without phase measurement.
 
     Attributes
     ----------
@@ -123,9 +123,9 @@ class FourRuns(NamedTuple):
 
 
 def four_runs(initial: ArrayLike, amplitudes: ArrayLike, weight: ArrayLike) -> FourRuns:
-    """Unbalance of one plane from amplitudes alone: a first run, then a trial weight at 0, 120 and 240 degrees.
+    """Unbalance of one plane from amplitudes only: a first run, then a trial weight at 0, 120 and 240 degrees.
 
-    A_k² = a² |U + W exp(i theta_k)|², whose mean is a² (|U|² + |W|²) and whose first harmonic is a² W U.
+    A_k² = a² |U + W exp(i theta_k)|² has the mean a² (|U|² + |W|²) and the first harmonic a² W U.
 
     Parameters
     ----------
@@ -134,12 +134,12 @@ def four_runs(initial: ArrayLike, amplitudes: ArrayLike, weight: ArrayLike) -> F
     amplitudes : array_like (..., 3)
         A_k with the trial weight.
     weight : array_like (...)
-        Its magnitude W.
+        Magnitude W of the trial weight.
 
     Returns
     -------
     FourRuns
-        NaN where no linear machine gives these amplitudes.
+        NaN if no linear machine has these amplitudes.
     """
     squares = np.square(amplitudes)
     directions = np.exp(2j * np.pi / 3 * np.arange(3))
@@ -151,10 +151,10 @@ def four_runs(initial: ArrayLike, amplitudes: ArrayLike, weight: ArrayLike) -> F
 
 
 def _pseudo_inverse(coefficients: np.ndarray) -> np.ndarray:
-    """A⁺; NaN where an entry is not finite or the readings don't tell the planes apart."""
+    """A⁺; NaN if an entry is infinite or NaN, or the readings do not distinguish the planes."""
     sound = np.isfinite(coefficients).all(axis=(-1, -2), keepdims=True)
     matrix = np.where(sound, coefficients, np.zeros_like(coefficients))
     inverse = np.linalg.pinv(matrix, rcond=LEAST_CONDITION)
-    # A⁺A is the identity of as many dimensions as planes are told apart.
+    # A⁺A is the identity on the subspace of the planes that are distinguished.
     apart = np.trace(inverse @ matrix, axis1=-2, axis2=-1).real > matrix.shape[-1] - 0.5
     return np.where(sound & apart[..., None, None], inverse, np.nan)

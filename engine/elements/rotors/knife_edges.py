@@ -1,8 +1,8 @@
-"""Static balancing on knife edges: what rolling friction leaves.
+"""Static balancing on knife edges: the unbalance that rolling friction hides.
 
-The rotor rolls until its heavy side is below. It stays where the moment of its unbalance D g sin(theta) is no greater
-than that of rolling friction, m g k: below D = m k it rests in any position, above that up to theta =
-arcsin(m k/D) from the lowest position of the heavy side. A couple isn't seen at all.
+The rotor rolls until its heavy side is at the bottom. It stays where the moment of its unbalance, D g sin(theta), does
+not exceed that of rolling friction, m g k: for D below m k it rests in any position, above that within theta =
+arcsin(m k/D) of the lowest position of the heavy side. A couple has no effect.
 
 Source: K. V. Frolov et al., Theory of Mechanisms and Machines (static unbalance of a rotor).
 """
@@ -28,19 +28,19 @@ def residual_unbalance(mass: ArrayLike, arm: ArrayLike) -> np.ndarray:
 
 
 def resting_angle(unbalance: ArrayLike, mass: ArrayLike, arm: ArrayLike) -> np.ndarray:
-    """How far from the lowest position the heavy side may come to rest, arcsin(m k/D).
+    """Maximum angle of the heavy side from its lowest position at rest, arcsin(m k/D).
 
     Parameters
     ----------
     unbalance : array_like (...)
-        D as a magnitude [kg·m].
+        Magnitude of D [kg·m].
     mass, arm : array_like (...)
         m [kg]; k [m].
 
     Returns
     -------
     ndarray (...)
-        [rad]; pi where the rotor rests in any position.
+        [rad]; pi if the rotor rests in any position.
     """
     residual, unbalance = residual_unbalance(mass, arm), np.asarray(unbalance, dtype=float)
     with np.errstate(divide="ignore", invalid="ignore"):

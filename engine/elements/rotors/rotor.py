@@ -1,9 +1,9 @@
-"""Rotors: their unbalance, the correction as it can be made, the quality that is reached.
+"""Rotors: unbalance, feasible correction, resulting balance quality.
 
-The balance quality is the product e ω of specific unbalance and speed whose tolerances in both bearings' planes just
-hold the rotor.
+The balance quality is the minimum product e ω of specific unbalance and speed whose tolerances in the planes of both
+bearings admit the rotor.
 
-Source: ISO 21940-11; the equations are those of `engine.balancing`.
+Source: ISO 21940-11; the equations are those of this room's other modules.
 """
 
 import math
@@ -34,18 +34,18 @@ from engine.elements.rotors.unbalance import (
 )
 from engine.parts.skeleton import AngularSpeed, Length, Mass, Name, Speed
 
-# So near to a whole number counts as one: error figures are made from numbers that are changed a little.
+# A number this close to an integer counts as one: error estimates nudge the numbers.
 WHOLE = 1e-6
-# Steps in which a correction is found, each with its rounding.
+# Operations that compute a correction, each with its rounding.
 STEPS = 32
 
 
 class RotorElement(Element):
-    """A rigid rotor in two bearings, with masses off its axis and planes for correction.
+    """A rigid rotor in two bearings, with masses off its axis and correction planes.
 
-    `centre` is the position of the centre of mass along the axis, as are the bearings' and planes'. `grade` is the
-    balance quality G as the product of specific unbalance and speed, "6.3 mm/s" for G 6.3. `rolling_arm` is that of
-    rolling friction on knife edges.
+    `centre` is the position of the centre of mass along the axis, as are the positions of bearings and planes. `grade`
+    is the balance quality G as the product of specific unbalance and speed, "6.3 mm/s" for G 6.3. `rolling_arm` is the
+    arm of rolling friction on knife edges.
     """
 
     picture: ClassVar = "plan"
@@ -144,7 +144,7 @@ class RotorElement(Element):
         return self
 
     def results(self) -> tuple[ElementResult, ...]:
-        """Those of the rotor and of its planes."""
+        """Results of the rotor and of its planes."""
         found = [r for r in self.RESULTS if r.needs is None or getattr(self, r.needs) is not None]
         for name, plane in self.planes.items():
             found.append(ElementResult(f"{name}.mass", f"mass added in plane {name}", "kg"))
@@ -154,15 +154,15 @@ class RotorElement(Element):
         return tuple(found)
 
     def evaluate(self, n: Numbers) -> Answers:
-        """Results with error estimates by nudges of all numbers, and of what the corrections add as well.
+        """Results with error estimates by nudging all numbers, and the corrections added as well.
 
-        What they leave is nothing but rounding where they balance the rotor, whatever its numbers.
+        A balanced rotor's residual is rounding of the corrections only, which no change of its numbers reveals.
         """
         added = {f"planes.{name}.added": np.ones_like(n["mass"]) for name in self.planes}
         return Answers(*nudged(self.values, n | added))
 
     def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by their names; NaN where there is no such rotor or correction."""
+        """Results of a set of variants by name; NaN if there is no such rotor or correction."""
         unbalances, places = rotor_unbalances(self, n)
         before = resultant_unbalance(unbalances, places, n["centre"])
         made, planes, added = rotor_corrections(self, n, before)
@@ -194,7 +194,7 @@ class RotorElement(Element):
         return {name: np.where(np.isfinite(row), row, math.nan) for name, row in columns.items()}
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
-        """Polygons of unbalances and of moments about the first plane; the bearings' planes before and after."""
+        """Polygons of unbalances and of moments about the first plane; unbalance at the bearings before and after."""
         n = self.own_numbers()
         unbalances, where = rotor_unbalances(self, n)
         before = resultant_unbalance(unbalances, where, n["centre"])
@@ -229,7 +229,7 @@ def _hole_results(name: str, plane: CorrectionPlane) -> Iterator[ElementResult]:
 
 
 def correction_errors(rotor: RotorElement, n: Numbers) -> np.ndarray:
-    """How far each plane's correction may be off, as a share of it (planes, variants)."""
+    """Relative error of each plane's correction (planes, variants)."""
     at = [f"planes.{name}" for name in rotor.planes]
     return np.stack([misplaced_share(n[f"{p}.mass_error"], n[f"{p}.angle_error"]) for p in at])
 
@@ -248,7 +248,7 @@ def _qualities(
     before, after = (np.abs(unbalance_in_two_planes(state, first, second)) for state in states)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         levers = np.stack([planes.T - second, first - planes.T]) / (first - second)
-        # What each plane's correction amounts to in the bearings' planes: (bearings, planes, variants).
+        # Correction of each plane resolved into the planes of the bearings: (bearings, planes, variants).
         felt = np.abs(levers * made.T)
         room = ((shares * permissible - after) / felt.sum(axis=1)).min(axis=0)
     columns = {"error_allowance": room}
@@ -259,7 +259,7 @@ def _qualities(
 
 
 def rotor_unbalances(rotor: RotorElement, n: Numbers) -> tuple[np.ndarray, np.ndarray]:
-    """Unbalances of a rotor, complex, and their positions: (variants, unbalances) [kg·m] and [m]."""
+    """Unbalances of a rotor, complex [kg·m], and their positions [m], each (variants, unbalances)."""
     at = [f"unbalances.{name}" for name in rotor.unbalances]
     parts = [unbalance(n[f"{u}.mass"], n[f"{u}.radius"], n[f"{u}.angle"]) for u in at]
     return np.stack(parts, axis=-1), np.stack([n[f"{u}.position"] for u in at], axis=-1)
@@ -272,16 +272,15 @@ def rotor_corrections(rotor: RotorElement, n: Numbers, before: Resultant) -> tup
     ----------
     rotor : RotorElement
     n : mapping of str to ndarray (variants,)
-        Its numbers.
     before : Resultant
-        Its unbalance.
+        Unbalance before the correction.
 
     Returns
     -------
     made : ndarray of complex (variants, planes)
-        Unbalances added, as whole pieces where there are holes [kg·m].
+        Unbalances added, in whole pieces if the plane has holes [kg·m].
     positions : ndarray (variants, planes)
-        Where [m].
+        Their positions [m].
     columns : dict of str to ndarray (variants,)
         Masses, angles and numbers of pieces.
     """
@@ -304,7 +303,7 @@ def rotor_corrections(rotor: RotorElement, n: Numbers, before: Resultant) -> tup
 
 
 def _in_holes(plane: CorrectionPlane, n: Numbers, path: str, wanted: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Unbalances that whole pieces make, the holes used, and their pieces; NaN for patterns that can't be searched."""
+    """Unbalances by whole pieces, the holes used, and their pieces; NaN for patterns that cannot be searched."""
     holes, piece, first = n[f"{path}.holes"], n[f"{path}.piece"] * n[f"{path}.radius"], n[f"{path}.first_hole"]
     made = np.full_like(wanted, math.nan)
     places, pieces = np.full((2, wanted.size, plane.used), math.nan)
@@ -312,7 +311,7 @@ def _in_holes(plane: CorrectionPlane, n: Numbers, path: str, wanted: np.ndarray)
     counts[np.abs(holes - counts) > WHOLE] = math.nan
     for count in np.unique(counts[np.isfinite(counts)]):
         here = np.flatnonzero(counts == count)
-        # A pattern that can't be searched stays without a number, as one of half a hole does.
+        # A pattern that cannot be searched stays NaN, as does a fractional number of holes.
         with suppress(PatternError):
             filled, made[here] = best_holes(wanted[here], int(count), plane.most, plane.used, piece[here], first[here])
             places[here], pieces[here] = _holes_used(filled, plane.used)
@@ -321,7 +320,7 @@ def _in_holes(plane: CorrectionPlane, n: Numbers, path: str, wanted: np.ndarray)
 
 
 def _holes_used(filled: np.ndarray, used: int) -> tuple[np.ndarray, np.ndarray]:
-    """Numbers from 1 of the holes that got pieces, and how many they got: (variants, used), 0 for none."""
+    """Numbers, from 1, of the holes with pieces, and their numbers of pieces: (variants, used), 0 for none."""
     padded = np.pad(filled, ((0, 0), (0, used)))
     order = np.argsort(padded == 0, axis=1, kind="stable")[:, :used]
     pieces = np.take_along_axis(padded, order, axis=1)

@@ -1,4 +1,4 @@
-"""Parts of a rotor: masses off its axis, planes in which it is to be balanced."""
+"""Parts of a rotor: masses off its axis, correction planes."""
 
 import math
 from typing import Annotated
@@ -10,7 +10,7 @@ from engine.parts.skeleton import Angle, Length, Mass, Number, Part, Positive
 
 
 class OffAxis(Part):
-    """A mass off the axis: how far, at which angle of the rotor."""
+    """A mass off the axis: its radius, and its angle on the rotor."""
 
     mass: Annotated[Mass, Field(gt=0)]
     radius: Annotated[Length, Field(ge=0)]
@@ -18,16 +18,16 @@ class OffAxis(Part):
 
 
 class Unbalance(OffAxis):
-    """A mass off the axis: where it is along the axis, how far off it, at which angle of the rotor."""
+    """A mass off the axis: its position along the axis, its radius, and its angle on the rotor."""
 
     position: Length
 
 
 class CorrectionPlane(Part):
-    """A plane in which mass is added at a radius, anywhere or as whole pieces in equally spaced holes.
+    """A plane in which mass is added at a radius, at any angle or as whole pieces in equally spaced holes.
 
-    At most `used` of the holes get pieces, `most` at the greatest. The mass or radius may be off by `mass_error`, a
-    share of it, the angle by `angle_error`, either way.
+    At most `used` holes get pieces, each at most `most`. The mass or radius has a relative error up to `mass_error`,
+    the angle an error up to `angle_error`, both of either sign.
     """
 
     position: Length

@@ -1,7 +1,7 @@
-"""Static balancing of a flat rotor: the resultant of its unbalances, and the one mass that takes it away.
+"""Static balancing of a flat rotor: the resultant of its unbalances, and the single mass that balances it.
 
-Unbalances m r e^(iα) add up to D; the mass D/r_c opposite to it brings the centre of mass on the axis. On knife edges
-the rotor rolls until its heavy side hangs below, but for what rolling friction holds, m k.
+Unbalances m r e^(iα) add up to D; the mass D/r_c opposite to D moves the centre of mass onto the axis. On knife edges
+the rotor rolls until its heavy side is at the bottom, except for the unbalance m k held by rolling friction.
 
 Source: R. S. Khurmi and J. K. Gupta, Theory of Machines, chapter 21 (several masses in one plane).
 """
@@ -22,10 +22,10 @@ from engine.parts.skeleton import AngularSpeed, Length, Mass, Name
 
 
 class StaticRotor(Element):
-    """A flat rotor, such as a wheel or a disc: all masses off its axis count as in one plane.
+    """A flat rotor, such as a wheel or a disc: all masses off its axis are assumed to be in one plane.
 
     One mass at `correction_radius` balances them. On knife edges, with the rotor's `mass` and the arm of rolling
-    friction, `rolling_arm`, it is found as well as friction lets it.
+    friction, `rolling_arm`, friction hides a part of the unbalance.
     """
 
     picture: ClassVar = "plan"
@@ -61,13 +61,13 @@ class StaticRotor(Element):
         return self
 
     def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by their names."""
+        """Results of a set of variants by name."""
         masses = [[n[f"unbalances.{name}.{key}"] for name in self.unbalances] for key in ("mass", "radius", "angle")]
         mass, radius, angle = np.array(masses)
         parts = mass * radius * np.exp(1j * angle)
         total = parts.sum(axis=0)
         size = np.abs(total)
-        # What is left of unbalances that cancel is rounding, and has no direction.
+        # The remainder of unbalances that cancel is rounding, and has no direction.
         size = np.where(size <= 4.0 * EPS * np.abs(parts).sum(axis=0), 0.0, size)
         direction = np.where(size > 0.0, np.angle(total), math.nan)
         own, arm = n.get("mass", math.nan), n.get("rolling_arm", math.nan)
@@ -83,7 +83,7 @@ class StaticRotor(Element):
         }
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
-        """Polygon of the unbalances, closed by the mass that balances them."""
+        """Polygon of the unbalances, closed by the balance mass."""
         parts = np.array([u.mass * u.radius * np.exp(1j * u.angle) for u in self.unbalances.values()])
         names = *self.unbalances, "balance mass"
         return (vector_polygon(names, np.append(parts, -parts.sum()), 1, "Unbalances", "kg m"),)

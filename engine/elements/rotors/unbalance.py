@@ -1,12 +1,12 @@
-"""Unbalance of a rigid rotor: what its masses off the axis amount to, and of which kind that is.
+"""Unbalance of a rigid rotor: the resultant of its masses off the axis, and its kind.
 
-A mass m at radius e and angle alpha of the rotor is the unbalance U = m e exp(i alpha) [kg·m]: a complex number whose
-real part lies along the rotor's x and whose imaginary part along its y, across the axis z. At the speed omega it
-pulls outwards with omega² U. Any number of them, at positions z_k along the axis, amounts to
+A mass m at radius e and angle alpha of the rotor is the unbalance U = m e exp(i alpha) [kg·m]: a complex number with
+the real part along the rotor's x axis and the imaginary part along its y axis, across the axis z. At the speed omega it
+exerts the radial force omega² U. Any number of them, at positions z_k along the axis, is equivalent to
 
 - the resultant unbalance U = Σ U_k, the force, and
-- the moment unbalance P = Σ (z_k - z_0) U_k about a plane z_0 [kg·m²], drawn, as usual in balancing, in the
-  direction of the unbalances; the couple's axis stands a quarter turn before it.
+- the moment unbalance P = Σ (z_k - z_0) U_k about a plane z_0 [kg·m²], drawn in the direction of the unbalances, as
+  usual in balancing; the axis of the couple is a quarter turn ahead.
 
 Arrays have the unbalances along their last axis; all other axes are free and are broadcast.
 
@@ -25,7 +25,7 @@ from engine.elements.panels import Mark, Panel, path, plan
 
 
 class Resultant(NamedTuple):
-    """What a rotor's unbalances amount to.
+    """Resultant of a rotor's unbalances.
 
     Attributes
     ----------
@@ -43,10 +43,10 @@ class Resultant(NamedTuple):
 
 
 class Kind(IntEnum):
-    """Kinds of unbalance, by where the central principal axis of inertia lies to the axis of rotation.
+    """Kinds of unbalance, by the position of the central principal axis of inertia relative to the axis of rotation.
 
-    BALANCED: on it; STATIC: parallel to it; COUPLE: crosses it in the centre of mass; QUASI_STATIC: crosses it
-    elsewhere; DYNAMIC: passes it by.
+    BALANCED: coincident; STATIC: parallel; COUPLE: intersecting at the centre of mass; QUASI_STATIC: intersecting
+    elsewhere; DYNAMIC: skew.
     """
 
     BALANCED = 0
@@ -81,9 +81,9 @@ def resultant_unbalance(unbalances: ArrayLike, positions: ArrayLike, plane: Arra
     unbalances : array_like of complex (..., unbalances)
         [kg·m].
     positions : array_like (..., unbalances)
-        Along the axis [m].
+        Positions along the axis [m].
     plane : array_like (...)
-        Where the moment is taken [m].
+        Reference plane of the moment [m].
     """
     unbalances, plane = np.asarray(unbalances), np.asarray(plane, dtype=float)
     arms = np.asarray(positions, dtype=float) - plane[..., None]
@@ -97,7 +97,7 @@ def about(rotor: Resultant, plane: ArrayLike) -> Resultant:
 
 
 def unbalance_in_two_planes(rotor: Resultant, first: ArrayLike, second: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-    """The two unbalances that amount to the same in two planes: U_1 + U_2 = U with the same moment.
+    """The equivalent unbalances in two planes: U_1 + U_2 = U with the same moment.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def unbalance_in_two_planes(rotor: Resultant, first: ArrayLike, second: ArrayLik
     Returns
     -------
     ndarray of complex (...), ndarray of complex (...)
-        [kg·m]; not finite where both planes are one.
+        [kg·m]; infinite or NaN if both planes are at the same position.
     """
     first, second = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -125,7 +125,7 @@ def kind(rotor: Resultant, centre: ArrayLike, unbalance_tolerance: float, moment
     centre : array_like (...)
         Position of the centre of mass [m].
     unbalance_tolerance, moment_tolerance : float
-        Resultant unbalance [kg·m] and moment unbalance [kg·m²] up to which the rotor counts as free of it.
+        Resultant unbalance [kg·m] and moment unbalance [kg·m²] that count as zero.
 
     Returns
     -------
@@ -134,7 +134,7 @@ def kind(rotor: Resultant, centre: ArrayLike, unbalance_tolerance: float, moment
     """
     static, couple = rotor.unbalance, about(rotor, centre).moment
     has_static, has_couple = np.abs(static) > unbalance_tolerance, np.abs(couple) > moment_tolerance
-    # Both lie in one plane through the axis where the couple has no part across the resultant.
+    # Resultant and couple are in one plane through the axis if the couple has no component across the resultant.
     across = np.abs((np.conj(static) * couple).imag) > moment_tolerance * np.abs(static)
     both = np.where(across, Kind.DYNAMIC, Kind.QUASI_STATIC)
     return np.where(
@@ -143,24 +143,23 @@ def kind(rotor: Resultant, centre: ArrayLike, unbalance_tolerance: float, moment
 
 
 def single_plane(rotor: Resultant) -> np.ndarray:
-    """Where a single correction leaves the least couple: z_0 + Re(U* P)/|U|², [m] (...).
+    """Position at which a single correction leaves the minimum couple: z_0 + Re(U* P)/|U|², [m] (...).
 
-    There a quasi-static unbalance is wholly in one plane; NaN without a resultant unbalance.
+    A quasi-static unbalance is equivalent to one unbalance there; NaN without a resultant unbalance.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         return rotor.plane + (rotor.moment / rotor.unbalance).real
 
 
 def vector_polygon(names: Sequence[str], vectors: np.ndarray, corrections: int, title: str, unit: str) -> Panel:
-    """Vectors one after another, the last of them corrections, which close what the unbalances leave open.
+    """Polygon of vectors: unbalances, then the corrections that close it.
 
     Parameters
     ----------
     names : sequence of str
-    vectors : ndarray (vectors,)
-        Complex.
+    vectors : ndarray of complex (vectors,)
     corrections : int
-        How many of them are corrections.
+        Number of corrections at the end.
     title, unit : str
     """
     ends = np.concatenate([[0.0], np.cumsum(vectors)])

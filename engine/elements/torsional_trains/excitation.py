@@ -1,4 +1,4 @@
-"""What excites a torsional train: moments of given orders, those of an engine's cylinders, or the scene's machine."""
+"""Excitation of a torsional train: torques of given orders, of an engine's cylinders, or of the scene's machine."""
 
 from typing import NamedTuple
 
@@ -9,27 +9,27 @@ from engine.elements.engines.made_engine import ROUNDED_ORDERS, engine_torque
 from engine.elements.torsional_trains.reduced_train import ReducedTrain
 from engine.laws.rounding import EPS
 
-# Orders of an engine's torque that are counted: what lies above hardly excites a train.
+# Orders of an engine's torque that are included; higher ones hardly excite a train.
 ENGINE_ORDERS = tuple(k / 2 for k in range(1, 25))
 # Harmonics of the cycle of the scene's machine.
 MACHINE_HARMONICS = 12
 
 
 class TrainExcitation(NamedTuple):
-    """Moments on the nodes of a reduced train, by orders of its speed.
+    """Torques on the nodes of a reduced train, by orders of its speed.
 
     Attributes
     ----------
     orders : tuple of float
-        Rising, above 0.
+        Ascending, positive.
     speed : ndarray (variants,)
         [rad/s].
     moments : ndarray of complex (nodes, orders, variants)
         M(t) = Re Σ M_h e^(i h Ω t) [N·m].
     means : ndarray (nodes, variants)
-        [N·m].
+        Mean torques [N·m].
     moment_errors, mean_errors : ndarray
-        What they may be off by, of the same shapes [N·m].
+        Their error estimates, of the same shapes [N·m].
     """
 
     orders: tuple[float, ...]
@@ -41,13 +41,13 @@ class TrainExcitation(NamedTuple):
 
 
 def excitation_orders(train: Element, revolutions: int = 1) -> tuple[float, ...]:
-    """Orders above 0 that excite a train, rising.
+    """Positive orders that excite a train, ascending.
 
     Parameters
     ----------
     train : TorsionalTrain
     revolutions : int
-        Of a cycle of the machine that excites it.
+        Revolutions in a cycle of the machine that excites it.
     """
     found = {e.order for e in train.excitations.values() if e.order > 0}
     found |= set(ENGINE_ORDERS) if train.engine is not None else set()
@@ -57,29 +57,22 @@ def excitation_orders(train: Element, revolutions: int = 1) -> tuple[float, ...]
 
 
 def train_speed(train: Element, n: Numbers) -> np.ndarray:
-    """Speed of a train, by magnitude: that of its engine, of the machine that excites it, or its own [rad/s].
-
-    Parameters
-    ----------
-    train : TorsionalTrain
-    n : mapping of str to ndarray (variants,)
-        Its numbers by their keys.
-    """
+    """Speed of a train, magnitude [rad/s]: that of its engine or of the machine that excites it, otherwise its own."""
     if train.machine_at is not None:
         return np.abs(n["machine.speed"])
     return n["engine.speed"] if train.engine is not None else n["speed"]
 
 
 def train_excitation(train: Element, reduced: ReducedTrain, n: Numbers) -> TrainExcitation:
-    """Everything that excites a train, reduced as the train is.
+    """All excitations of a train, reduced to its first shaft.
 
     Parameters
     ----------
     train : TorsionalTrain
-        What excites it; its numbers are not used.
+        The structure; its own numbers are not used.
     reduced : ReducedTrain
     n : mapping of str to ndarray (variants,)
-        Its numbers by their keys, those of its engine or machine among them.
+        Numbers by their keys, including those of its engine or machine.
     """
     revolutions = int(n["machine.revolutions"][0]) if train.machine_at is not None else 1
     orders, layout = excitation_orders(train, revolutions), train.layout
@@ -115,7 +108,7 @@ def train_excitation(train: Element, reduced: ReducedTrain, n: Numbers) -> Train
         backwards = n["machine.speed"] < 0.0
         for k in range(MACHINE_HARMONICS + 1):
             cosine, sine, error = (n[f"machine.{part}_{k}"] for part in ("cosine", "sine", "error"))
-            # cos hφ + … = Re (c − i s) e^(ihφ), with φ falling where the machine turns backwards.
+            # cos hφ + … = Re (c − i s) e^(ihφ), with decreasing φ if the machine turns backwards.
             add(train.machine_at, k / revolutions, cosine - 1j * np.where(backwards, -sine, sine), error)
     if train.load is not None:
         means[node_of[train.load]] -= means.sum(axis=0)

@@ -1,12 +1,12 @@
-"""Forced vibration of a tree of masses and shafts under harmonic moments, with what rounding does to it.
+"""Forced vibration of a tree of masses and shafts under harmonic torques, with bounds on rounding errors.
 
-A mass with all that hangs on it has the complex dynamic stiffness S = Σ T − w² J + i w b, and through the shaft to its
-parent, of complex stiffness κ = k (1 + i ψ/2π) + i w b, that of T = κ S/(κ + S); moments on it come through as
-κ/(κ + S) of them. From the root on, the angles follow: q = (F + κ q_parent)/(κ + S), and the moment of the shaft,
-κ (S q_parent − F)/(κ + S), without the difference of two angles that are nearly the same in a stiff one.
+A mass with everything beyond it has the complex dynamic stiffness S = Σ T − w² J + i w b, and through the shaft to its
+parent, of complex stiffness κ = k (1 + i ψ/2π) + i w b, the stiffness T = κ S/(κ + S); torques on it are transmitted in
+the ratio κ/(κ + S). From the root outwards, the angles are q = (F + κ q_parent)/(κ + S), and the torque of the shaft is
+κ (S q_parent − F)/(κ + S), which avoids the difference of two nearly equal angles of a stiff shaft.
 
-Error figures run along with the calculation: what all inertias and stiffnesses are off by, and every step's rounding,
-to first order. The nearer to a resonance with little damping, the larger they are, as small changes matter there.
+Error estimates are computed alongside: the errors of all inertias and stiffnesses, and the rounding of every operation,
+to first order. They grow towards a resonance with little damping, where small changes have large effects.
 
 Sources: J. P. Den Hartog, Mechanical Vibrations, chapter 5 (torsional vibration, Holzer's method with damping); J. H.
 Wilkinson, Rounding Errors in Algebraic Processes (running error analysis).
@@ -20,19 +20,19 @@ import numpy as np
 from engine.elements.torsional_trains.reduced_train import ReducedTrain
 from engine.laws.rounding import EPS
 
-# Roundings of a few complex operations.
+# Rounding of a few complex operations.
 _STEP = 8.0 * EPS
 
 
 class ForcedVibration(NamedTuple):
-    """Vibration of a reduced train: complex amplitudes, as in amplitude · e^(i w t), and bounds of their errors.
+    """Vibration of a reduced train: complex amplitudes, as in amplitude · e^(i w t), and bounds on their errors.
 
     Attributes
     ----------
     angles, angle_errors : ndarray (nodes, orders, variants)
         [rad]; infinite at a resonance without damping.
     moments, moment_errors : ndarray (nodes, orders, variants)
-        Of the shaft to the parent, k (q_parent − q); 0 for the first node [N·m].
+        Torque of the shaft to the parent, k (q_parent − q); 0 for the first node [N·m].
     dissipated : ndarray (variants,)
         Mean power of all dampers [W].
     """
@@ -47,17 +47,17 @@ class ForcedVibration(NamedTuple):
 def forced_vibration(
     train: ReducedTrain, frequencies: np.ndarray, moments: np.ndarray, moment_errors: np.ndarray
 ) -> ForcedVibration:
-    """Steady vibration under harmonic moments on the nodes.
+    """Steady vibration under harmonic torques on the nodes.
 
     Parameters
     ----------
     train : ReducedTrain
     frequencies : ndarray (orders, variants)
-        Angular frequencies of the moments [rad/s].
+        Angular frequencies of the torques [rad/s].
     moments : ndarray of complex (nodes, orders, variants)
-        Reduced [N·m].
+        Reduced torques [N·m].
     moment_errors : ndarray (nodes, orders, variants)
-        What they may be off by [N·m].
+        Their error estimates [N·m].
     """
     w = frequencies
     given = EPS * (train.roundings + 2.0)
@@ -113,7 +113,7 @@ def forced_vibration(
 def _quotient(
     top: np.ndarray, top_off: np.ndarray, below: np.ndarray, below_off: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """A quotient and what it may be off by; infinite where the divisor may be 0 and there is something to divide."""
+    """A quotient and its error estimate; infinite if the divisor may be 0 and the dividend is not 0."""
     least = np.abs(below) - below_off
     nothing = (top == 0.0) & (top_off == 0.0)
     bounded = (least > 0.0) & np.isfinite(top_off)
@@ -123,25 +123,25 @@ def _quotient(
 
 
 def under_mean_moments(train: ReducedTrain, moments: np.ndarray, moment_errors: np.ndarray) -> ForcedVibration:
-    """A train under constant moments; what these leave over where nothing holds it accelerates it as a whole.
+    """A train under constant torques; if nothing holds it, their resultant accelerates it as a whole.
 
     Parameters
     ----------
     train : ReducedTrain
     moments, moment_errors : ndarray (nodes, variants)
-        Reduced, constant, and what they may be off by [N·m].
+        Reduced constant torques and their error estimates [N·m].
 
     Returns
     -------
     ForcedVibration
-        Of one order, 0; a free train has no angles: NaN.
+        A single order, 0; the angles of a free train are NaN.
     """
     if train.ground.any():
         still = np.zeros((1, moments.shape[1]))
         return forced_vibration(train, still, moments[:, None], moment_errors[:, None])
     share = train.inertias / train.inertias.sum(axis=0)
     carried = share * moments.sum(axis=0) - moments
-    # What every moment may be off by reaches each shaft at most once on either way.
+    # The error of each torque affects each shaft at most once directly and once through the acceleration.
     off = EPS * (train.roundings + 2.0 * len(train.parents) + 4.0) * np.abs(moments) + moment_errors
     errors = share * off.sum(axis=0) + off
     for node in range(len(train.parents) - 1, 0, -1):

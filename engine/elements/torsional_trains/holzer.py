@@ -1,4 +1,4 @@
-"""Holzer's table of a train at a natural frequency: what every mass and shaft does in the mode.
+"""Holzer's table of a train at a natural frequency: amplitudes, torques and twists of the mode.
 
 Source: J. P. Den Hartog, Mechanical Vibrations, chapter 5.
 """
@@ -16,15 +16,15 @@ class HolzerTable(NamedTuple):
     Attributes
     ----------
     amplitudes : ndarray (nodes,)
-        θ [rad], the greatest of them 1.
+        θ [rad]; the largest is 1.
     inertial : ndarray (nodes,)
-        J ω² θ, less what holds the node to the frame [N·m].
+        J ω² θ minus the torque of shafts to the frame [N·m].
     carried : ndarray (nodes,)
-        Of the shaft to the parent: the sum of those of all nodes behind it; 0 for the first node [N·m].
+        Torque of the shaft to the parent: the sum over all nodes beyond it; 0 for the first node [N·m].
     twists : ndarray (nodes,)
-        Of that shaft, θ − θ_parent = carried/k [rad].
+        Twist of that shaft, θ − θ_parent = carried/k [rad].
     remainder : float
-        Sum of all, 0 at a natural frequency [N·m].
+        Sum over all nodes, 0 at a natural frequency [N·m].
     """
 
     amplitudes: np.ndarray
@@ -43,7 +43,7 @@ def holzer_table(train: ReducedTrain, frequency: float, mode: np.ndarray) -> Hol
     frequency : float
         Natural frequency [rad/s].
     mode : ndarray (nodes,)
-        Its mode, of whatever size.
+        Mode shape, of any scale.
     """
     amplitudes = mode / mode[np.abs(mode).argmax()]
     inertial = (train.inertias[:, 0] * frequency**2 - train.ground[:, 0]) * amplitudes

@@ -1,17 +1,17 @@
-"""Natural frequencies and modes of a tree of masses and shafts, every frequency between two counted bounds.
+"""Natural frequencies and modes of a tree of masses and shafts, each frequency enclosed by counts.
 
-Eliminating the masses from the ends of the tree towards its root, a mass with all that hangs on it acts as a spring of
-the dynamic stiffness s = Σ t − ω² J against its parent's shaft, and through the shaft as t = k s/(k + s). The signs of
-all k + s, and of s at the root, are those of the pivots of an LDLᵀ factorisation of K − ω² M: as many are negative as
-there are natural frequencies below ω. Whatever rounding does in this is the same as a change of every inertia and
-stiffness by a few roundings for each mass on the way to the root, so that the count is right for a train so near, and
-its frequencies, whatever the ratios of its numbers, are those of the given one but for as many roundings.
+Masses are eliminated from the ends of the tree towards its root. A mass with everything beyond it acts as a spring of
+the dynamic stiffness s = Σ t − ω² J on the shaft to its parent, and through the shaft as t = k s/(k + s). The values
+k + s of all nodes, and s of the root, have the signs of the pivots of an LDLᵀ factorisation of K − ω² M: the number of
+negative pivots is the number of natural frequencies below ω. Rounding is equivalent to changing every inertia and
+stiffness by a few rounding units for each mass between it and the root. So the count is exact for a nearby train, and
+the frequencies of the given train have relative errors of the same order, whatever the ratios of its numbers.
 
-Each frequency is enclosed by bisection between two squares with different counts. Modes follow by inverse iteration.
+Each frequency is enclosed by bisection between two squares with different counts. Inverse iteration gives the modes.
 
 Sources: J. W. Demmel and W. Gragg, On computing accurate singular values and eigenvalues of matrices with acyclic
 graphs, Linear Algebra Appl. 185 (1993); B. N. Parlett, The Symmetric Eigenvalue Problem (counts of pivots, inverse
-iteration); R.-C. Li, Relative perturbation theory II, SIAM J. Matrix Anal. Appl. 20 (1998), for the modes' figures.
+iteration); R.-C. Li, Relative perturbation theory II, SIAM J. Matrix Anal. Appl. 20 (1998), for the modes' errors.
 """
 
 import math
@@ -27,16 +27,16 @@ from engine.compiling.widths import LANES
 from engine.elements.torsional_trains.reduced_train import ReducedTrain
 from engine.laws.rounding import EPS
 
-# Relative distance of the bounds of a frequency's square when bisection ends.
+# Relative width of a squared frequency's bracket at which bisection ends.
 ENCLOSED = 2.0**-50
-# Below the greatest square by this, there are no squares but 0.
+# Lower limit of positive squares, relative to the largest one.
 _LOWEST = 2.0**-400
-# Where a pivot would be 0, this share of the stiffness with a minus sign.
+# Replaces a zero pivot, relative to the stiffness.
 _NO_PIVOT = -(2.0**-60)
 _ITERATIONS = 2
-# Rows for all nodes, and single ones, that a block is worked on in.
+# Scratch rows per block: one element for each node, and single ones.
 _ROWS, _SINGLE = 7, 5
-# Roundings of every inertia and stiffness that a mass on the way to the root stands for.
+# Rounding units of every inertia and stiffness for each mass between it and the root.
 _PER_MASS = 5.0
 
 
@@ -55,9 +55,9 @@ class NaturalVibration(NamedTuple):
     Attributes
     ----------
     frequencies, frequency_errors : ndarray (modes, variants)
-        Rising, above 0 [rad/s]; NaN where numbers aren't finite.
+        Ascending, positive [rad/s]; NaN if a number is infinite or NaN.
     modes, mode_errors : ndarray (modes, nodes, variants)
-        Amplitudes of the nodes, with Σ J q² = 1; NaN where two frequencies are so near that modes mix.
+        Amplitudes of the nodes, with Σ J q² = 1; NaN if two frequencies are too close to separate their modes.
     """
 
     frequencies: np.ndarray
@@ -67,17 +67,17 @@ class NaturalVibration(NamedTuple):
 
 
 def natural_vibration(train: ReducedTrain, count: int) -> NaturalVibration:
-    """The lowest natural frequencies above 0, and their modes.
+    """The lowest positive natural frequencies and their modes.
 
     Parameters
     ----------
     train : ReducedTrain
     count : int
-        How many; no more than there are.
+        Number of frequencies; at most the number that exist.
     """
     nodes, variants = train.inertias.shape
     free = 0 if train.ground.any() else 1
-    # One more, to tell how far the last mode is from the next.
+    # One more, for the gap between the last mode and the next.
     found = min(count + 1, nodes - free)
     squares, modes = np.empty((found, variants)), np.empty((found, nodes, variants))
     rows = (train.parents, train.inertias, train.ground, train.stiffnesses)
@@ -88,7 +88,7 @@ def natural_vibration(train: ReducedTrain, count: int) -> NaturalVibration:
 
     prepare(_enclose, [types.intp, types.intp, types.intp, *(numba.typeof(a) for a in arguments()[1:])])
     spread(_enclose, -(-variants // LANES), arguments)
-    # Each square is off by twice as many roundings as inertias and stiffnesses are, together, and the root by half.
+    # Relative errors of inertias and stiffnesses add up in the square, and halve in the frequency.
     rounded = EPS * (train.roundings + _PER_MASS * nodes + 1.0)
     frequencies = np.sqrt(squares)
     errors = frequencies * (rounded + ENCLOSED)
@@ -103,11 +103,11 @@ def natural_vibration(train: ReducedTrain, count: int) -> NaturalVibration:
 
 
 def _mode_errors(train: ReducedTrain, squares: np.ndarray, modes: np.ndarray, rounded: np.ndarray) -> np.ndarray:
-    """What modes may be off by, from how far their squares are from each other; NaN where nothing is known."""
+    """Error estimates of the modes from the gaps between squared frequencies; NaN if the gaps are too small."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        # Of two that are the same, the bounds may be in either order.
+        # The estimates of two equal squares may be in either order.
         gaps = np.abs(np.diff(squares, axis=0)) / (squares[1:] + squares[:-1])
-        # Of the zero of a free train, and of the frequencies above those found, every square is far away.
+        # The zero frequency of a free train, and those above the highest found, count as far away.
         far = np.ones_like(squares[:1])
         nearest = np.minimum(np.concatenate([far, gaps]), np.concatenate([gaps, far]))
         turned = 4.0 * (rounded + ENCLOSED) / nearest
@@ -125,7 +125,7 @@ def _count_below(
     dynamic: np.ndarray,
     below: np.ndarray,
 ) -> None:
-    """How many natural frequencies are below √squares, lane by lane; dynamic stiffnesses s of all nodes on the way."""
+    """Count the natural frequencies below √squares, lane by lane; leaves the dynamic stiffnesses s in `dynamic`."""
     nodes = inertias.shape[0]
     for node in range(nodes):
         for lane in range(LANES):
@@ -200,7 +200,7 @@ def _enclose(
 ) -> None:
     """Squares of natural frequencies, and modes, of blocks `begin` … `end` − 1 of LANES variants.
 
-    `room` (_ROWS, nodes, LANES) and `lanes` (_SINGLE, LANES) are used meanwhile.
+    `room` (_ROWS, nodes, LANES) and `lanes` (_SINGLE, LANES) are scratch arrays.
     """
     parents, (nodes, variants) = tree.parents, tree.inertias.shape
     inertias, ground, stiffnesses, dynamic = room[0], room[1], room[2], room[3]
@@ -215,7 +215,7 @@ def _enclose(
                 inertias[node, lane] = tree.inertias[node, place]
                 ground[node, lane] = tree.ground[node, place]
                 stiffnesses[node, lane] = tree.stiffnesses[node, place]
-        # No square is greater than the greatest sum of magnitudes in a row of M⁻¹ K.
+        # Gershgorin: no square exceeds the largest row sum of magnitudes of M⁻¹ K.
         for node in range(nodes):
             for lane in range(LANES):
                 rows[node, lane] = ground[node, lane] + 2.0 * stiffnesses[node, lane]
@@ -230,7 +230,7 @@ def _enclose(
                 greatest[lane] = bound if bound > greatest[lane] else greatest[lane]
                 below[lane] += bound
         for lane in range(LANES):
-            # What isn't a number must not be passed over.
+            # A comparison ignores NaN; the sum does not.
             greatest[lane] = greatest[lane] if below[lane] < math.inf else math.nan
             low[lane] = _LOWEST * greatest[lane]
         for k in range(squares.shape[0]):
@@ -244,7 +244,7 @@ def _enclose(
                 _count_below(parents, inertias, ground, stiffnesses, middle, dynamic, below)
                 wide = 0.0
                 for lane in range(LANES):
-                    # Lanes that are done wait for the others as they are.
+                    # Converged lanes stay unchanged while the others continue.
                     a, b, m, count_below = low[lane], high[lane], middle[lane], below[lane]
                     lower = a if count_below > found_before else m
                     upper = m if count_below > found_before else b
@@ -256,7 +256,7 @@ def _enclose(
                 middle[lane] = 0.5 * (low[lane] + high[lane])
             _count_below(parents, inertias, ground, stiffnesses, middle, dynamic, below)
             for node in range(nodes):
-                # Any start will do that isn't at right angles to the mode: numbers without a pattern.
+                # The start must not be orthogonal to the mode: use irregular numbers.
                 start = 1.0 + (0.618 * (node + 1)) % 1.0
                 for lane in range(LANES):
                     mode[node, lane] = start / math.sqrt(inertias[node, lane])

@@ -1,4 +1,4 @@
-"""Sums of harmonics over time: peaks of orders don't add, as they come at different instants."""
+"""Sums of harmonics over time: the peaks of orders do not add, as they occur at different instants."""
 
 import math
 from collections.abc import Sequence
@@ -11,23 +11,23 @@ from engine.compiling.decorators import driver, routine
 from engine.compiling.running import prepare, spread
 from engine.laws.rounding import EPS
 
-# Samples for each wave of the highest order, from which extremes are then narrowed down.
+# Samples per wave of the highest order, from which the extremes are refined.
 _PER_WAVE = 16
 _NARROWINGS = 4
-# The sample next to a top is lower by no more than this share of the sum of all magnitudes: (π/16)²/2 = 0.0193.
+# Loss of the sample nearest to a peak, relative to the sum of all magnitudes, at most (π/16)²/2 = 0.0193.
 _MISSED = 0.02
-# Most revolutions after which orders repeat themselves.
+# Longest common period of the orders, in revolutions.
 _REVOLUTIONS = 12
 _WHOLE = 1e-9
 
 
 def revolutions_of(orders: Sequence[float]) -> int | None:
-    """After how many revolutions all orders repeat themselves, up to 12; None where they don't.
+    """Common period of all orders in revolutions, up to 12; None if there is none.
 
     Parameters
     ----------
     orders : sequence of float
-        Multiples of the frequency of the rotation.
+        Multiples of the rotational frequency.
     """
     for turns in range(1, _REVOLUTIONS + 1):
         if all(abs(turns * order - round(turns * order)) < _WHOLE for order in orders):
@@ -36,18 +36,18 @@ def revolutions_of(orders: Sequence[float]) -> int | None:
 
 
 def extremes_of_orders(orders: Sequence[float], amplitudes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Least and greatest value of Re Σ A_h e^(i h φ) over time.
+    """Minimum and maximum of Re Σ A_h e^(i h φ) over time.
 
     Parameters
     ----------
     orders : sequence of float
-        h, above 0.
+        h, positive.
     amplitudes : ndarray of complex (orders, ...)
 
     Returns
     -------
     least, greatest : ndarray (...)
-        Where the orders have no common period they come as near as can be to adding up: the sum of their magnitudes.
+        Without a common period of the orders: ∓ the sum of their magnitudes, which is approached arbitrarily closely.
     """
     turns = revolutions_of(orders)
     if len(orders) == 1 or turns is None:
@@ -69,10 +69,10 @@ def extremes_of_orders(orders: Sequence[float], amplitudes: np.ndarray) -> tuple
 
 @routine
 def _narrowed(h: np.ndarray, own: np.ndarray, sign: float, phi: float, step: float) -> float:
-    """Height of the top near an angle: Newton's method on the slope."""
+    """Height of the peak near an angle, by Newton's method on the slope."""
     angle, height = phi, -math.inf
     for _ in range(_NARROWINGS + 1):
-        # All powers of one unit vector: much quicker than as many sines, and as exact for a few dozen.
+        # Powers of one unit vector: much faster than separate sines, and as accurate for a few dozen orders.
         c, s = math.cos(angle), math.sin(angle)
         x, y, power = 1.0, 0.0, 0
         value, slope, curved = 0.0, 0.0, 0.0
@@ -105,18 +105,18 @@ def _extremes(
     found: np.ndarray,
     values: np.ndarray,
 ) -> None:
-    """Least and greatest value of sums `begin` … `end` − 1.
+    """Minimum and maximum of sums `begin` … `end` − 1.
 
     Parameters
     ----------
     begin, end : int
     h : ndarray of int (orders,)
-        Rising.
+        Ascending.
     cosines, sines : ndarray (orders, samples)
     amplitudes : ndarray of complex (sums, orders)
     found : ndarray (2, sums)
     values : ndarray (samples,)
-        Memory.
+        Scratch array.
     """
     samples = values.size
     step = math.tau / samples
@@ -134,7 +134,7 @@ def _extremes(
             sampled = -math.inf
             for k in range(samples):
                 sampled = max(sampled, sign * values[k])
-            # All tops that may be the highest are narrowed down.
+            # Refine all peaks that may be the highest.
             highest = sampled
             for k in range(samples):
                 here = sign * values[k]
@@ -143,5 +143,5 @@ def _extremes(
                     after = sign * values[k + 1 if k + 1 < samples else 0]
                     if here >= before and here >= after:
                         highest = max(highest, _narrowed(h, amplitudes[i], sign, step * k, step))
-            # What has no value among the amplitudes has none here.
+            # An infinite or NaN amplitude gives NaN.
             found[side, i] = sign * highest if size < math.inf else math.nan

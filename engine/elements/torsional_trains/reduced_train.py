@@ -9,28 +9,28 @@ from engine.elements.element import Element, Numbers
 
 
 class ReducedTrain(NamedTuple):
-    """A train as its first mass feels it, for a set of variants.
+    """A train reduced to the shaft of its first mass, for a set of variants.
 
     Attributes
     ----------
     parents : ndarray of int (nodes,)
-        Node before each node, lower than its own number; -1 for the first.
+        Parent of each node, with a lower index; -1 for the first.
     inertias : ndarray (nodes, variants)
         [kg·m²].
     mass_damping : ndarray (nodes, variants)
-        Against the frame [N·m·s/rad].
+        Damping relative to the frame [N·m·s/rad].
     stiffnesses, dampings, absorptions : ndarray (nodes, variants)
         Of the shaft to the parent; 0 for the first node [N·m/rad], [N·m·s/rad], [1].
     ground, ground_damping, ground_loss : ndarray (nodes, variants)
         Of all shafts to the frame [N·m/rad], [N·m·s/rad], and stiffness times energy absorption [N·m/rad].
     ground_shafts : dict of str to tuple of ndarray (variants,)
-        The same of each shaft to the frame.
+        The same for each shaft to the frame.
     ratios : dict of str to ndarray (variants,)
-        Speed of each mass over that of the first one, were all shafts rigid.
+        Speed of each mass over that of the first one, with rigid shafts.
     shaft_ratios : dict of str to ndarray (variants,)
-        The same of each shaft's first end.
+        The same for each shaft's first end.
     roundings : ndarray (variants,)
-        What any of the inertias and stiffnesses may be off by, over eps of it.
+        Relative error estimate of any inertia or stiffness, in multiples of eps.
     """
 
     parents: np.ndarray
@@ -54,9 +54,9 @@ def reduced_train(train: Element, n: Numbers) -> ReducedTrain:
     Parameters
     ----------
     train : TorsionalTrain
-        How it hangs together; its numbers are not used.
+        The structure; its own numbers are not used.
     n : mapping of str to ndarray (variants,)
-        Its numbers by their keys, such as "masses.flywheel.inertia".
+        Numbers by their keys, such as "masses.flywheel.inertia".
     """
     layout = train.layout
     one = np.ones_like(n[f"masses.{layout.masses[0]}.damping"])
@@ -89,7 +89,7 @@ def reduced_train(train: Element, n: Numbers) -> ReducedTrain:
             stiffnesses[node], dampings[node], absorptions[node] = g**2 * stiffness, g**2 * damping, absorption
     if train.takes_machine_inertia:
         roundings = np.maximum(roundings, n["machine.inertia_error"] / n["machine.inertia"] / np.finfo(float).eps)
-    # Every joint on the way multiplies by its ratio, rounded as given and once more.
+    # Every joint on the path multiplies by its ratio: rounding of the ratio and of the product.
     roundings = roundings + 4.0 * (len(layout.path) if any_ratio(train) else 0) + 8.0 + 2.0 * len(train.gears)
     return ReducedTrain(
         np.array(layout.parents),
@@ -109,12 +109,12 @@ def reduced_train(train: Element, n: Numbers) -> ReducedTrain:
 
 
 def any_ratio(train: Element) -> bool:
-    """Whether any of a train's masses turns at another speed than the first."""
+    """Whether any of a train's masses rotates at another speed than the first."""
     return bool(train.gears) or any(shaft.ratio != 1.0 for shaft in train.shafts.values())
 
 
 def _shaft(train: Element, name: str, n: Numbers) -> tuple[np.ndarray, ...]:
-    """Stiffness, damping, energy absorption and roundings of a shaft about the axis of its first end."""
+    """Stiffness, damping, energy absorption and rounding of a shaft about the axis of its first end."""
     shaft, path = train.shafts[name], f"shafts.{name}"
     if shaft.parts is not None:
         whole = in_series({key: reduced_part(part, n, f"{path}.parts.{key}") for key, part in shaft.parts.items()})

@@ -25,20 +25,20 @@ from engine.parts.skeleton import AngularSpeed, Name
 from engine.words.verdicts import Verdict
 
 MOST_MASSES = 1000
-# Complex numbers in memory at a time.
+# Complex array elements in memory at a time.
 _BLOCK = 2**17
 
 
 class TorsionalTrain(Element):
-    """Masses joined by shafts and gears, in a chain or branched.
+    """Masses connected by shafts and gears, in a chain or branched.
 
-    The first `modes` natural frequencies above zero and their modes are computed, and the vibration under
-    `excitations` at a `speed`, whose multiples are their orders. An `engine` excites the masses `cylinders_at`, one for
-    each cylinder in the order of their numbers, with gas and inertia at its own speed, which is then the train's.
-    `machine_at` is the mass on which the scene's own machine acts with the harmonics of M − ½ ω² dI/dφ at its crank's
-    uniform speed, which is then the train's; without an inertia of its own that mass has the mean of the machine's
-    reduced moment of inertia over the crank angle, and its flywheel.
-    At the mass `load` something takes what mean moments leave over; without it that accelerates the whole train.
+    The first `modes` positive natural frequencies and their modes are computed, and the vibration under `excitations`,
+    whose orders are multiples of the `speed`. An `engine` excites the masses `cylinders_at`, one for each cylinder in
+    the order of their numbers, with gas and inertia torque; its speed is then the train's. `machine_at` is the mass on
+    which the scene's own machine acts with the harmonics of M − ½ ω² dI/dφ at constant crank speed, which is then the
+    train's. Without its own inertia, that mass has the mean of the machine's reduced moment of inertia over the crank
+    angle, plus its flywheel. A load at the mass `load` balances the mean torques; without it they accelerate the whole
+    train.
     """
 
     picture: ClassVar = "vibration"
@@ -112,7 +112,7 @@ class TorsionalTrain(Element):
 
     @property
     def _of_vibration(self) -> list[str]:
-        """Given keys on which forced vibration alone depends."""
+        """Given keys that affect the forced vibration only."""
         found = [key for key in ("speed", "load") if getattr(self, key) is not None]
         pending = [(f"masses.{name}", mass) for name, mass in self.masses.items()]
         pending += [(f"shafts.{name}", shaft) for name, shaft in self.shafts.items()]
@@ -135,12 +135,12 @@ class TorsionalTrain(Element):
 
     @cached_property
     def layout(self) -> TrainLayout:
-        """How masses, shafts and gears hang together.
+        """How masses, shafts and gears are connected.
 
         Raises
         ------
         LayoutProblem
-            They make no tree.
+            They do not form a tree.
         """
         joints = [Joint(name, *shaft.between, False) for name, shaft in self.shafts.items()]
         joints += [Joint(name, *gear.between, True) for name, gear in self.gears.items()]
@@ -153,21 +153,21 @@ class TorsionalTrain(Element):
 
     @property
     def reported_modes(self) -> int:
-        """How many natural frequencies above zero are computed: those asked for, or as many as there are."""
+        """Number of positive natural frequencies computed: those requested, or as many as exist."""
         return min(self.modes, len(self.layout.parents) - (1 if self.layout.is_free else 0))
 
     @property
     def variants_at_once(self) -> int:
-        """Few where a train is long."""
+        """Few if the train is long."""
         size = len(self.layout.parents) * max(self.reported_modes, len(excitation_orders(self)), 1)
         return max(64, min(4096, _BLOCK // size))
 
     def results(self) -> tuple[ElementResult, ...]:
-        """Those of its modes, and of its vibration where anything excites it."""
+        """Results of its modes, and of its vibration if it is excited."""
         return tuple(_results(self))
 
     def evaluate(self, n: Numbers) -> Answers:
-        """Results with what they may be off by."""
+        """Results with error estimates."""
         return Answers.of(_found(self, n))
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
@@ -175,7 +175,7 @@ class TorsionalTrain(Element):
         return train_panels(self, self.own_numbers() | dict(given or {}))
 
     def machine_needed(self) -> tuple[str, str]:
-        """A crank that turns, where the machine excites the train."""
+        """A rotating crank, if the machine excites the train."""
         if self.machine_at is None:
             return "", ""
         return ".machine_at", "only a crank that turns fully excites a train"
@@ -218,19 +218,14 @@ def _results(train: TorsionalTrain) -> Iterator[ElementResult]:
 
 
 def _found(train: TorsionalTrain, n: Numbers) -> dict[str, Measured]:
-    """All results of a torsional train for a set of variants, with their errors.
+    """All results of a torsional train for a set of variants; infinite at a resonance without damping.
 
     Parameters
     ----------
     train : TorsionalTrain
-        How it hangs together and what excites it; its numbers are not used.
+        Structure and excitations; its own numbers are not used.
     n : mapping of str to ndarray (variants,)
-        Its numbers by their keys, such as "shafts.tail.stiffness".
-
-    Returns
-    -------
-    dict of str to (ndarray (variants,), ndarray (variants,))
-        Values and what they may be off by, as named by the results; infinite at a resonance without damping.
+        Numbers by their keys, such as "shafts.tail.stiffness".
     """
     reduced = reduced_train(train, n)
     natural = natural_vibration(reduced, train.reported_modes)
@@ -247,7 +242,7 @@ def _found(train: TorsionalTrain, n: Numbers) -> dict[str, Measured]:
 
 
 def _shape(train: TorsionalTrain, reduced: ReducedTrain, natural: NaturalVibration, k: int) -> dict[str, Measured]:
-    """A mode as its masses swing about their own axes, over the greatest amplitude."""
+    """A mode as rotations of the masses about their own axes, relative to the maximum."""
     layout = train.layout
     own = np.stack([reduced.ratios[mass] for mass in layout.masses])
     q = own * natural.modes[k, list(layout.node_of)]
@@ -261,7 +256,7 @@ def _shape(train: TorsionalTrain, reduced: ReducedTrain, natural: NaturalVibrati
 
 
 def _margins(natural: NaturalVibration, excitation: TrainExcitation) -> dict[str, Measured]:
-    """How far the nearest order is from each natural frequency."""
+    """Relative distance of the nearest order from each natural frequency."""
     found: dict[str, Measured] = {}
     orders = np.array(excitation.orders)
     for k, (frequency, error) in enumerate(zip(natural.frequencies, natural.frequency_errors, strict=True), 1):
@@ -275,14 +270,14 @@ def _margins(natural: NaturalVibration, excitation: TrainExcitation) -> dict[str
 
 
 def _vibration(train: TorsionalTrain, reduced: ReducedTrain, excitation: TrainExcitation) -> dict[str, Measured]:
-    """Moments of the shafts, amplitudes of the masses, and what is dissipated."""
+    """Torques of the shafts, amplitudes of the masses, and dissipated power."""
     layout, orders = train.layout, excitation.orders
     frequencies = np.array(orders).reshape(-1, 1) * excitation.speed
     swings = forced_vibration(reduced, frequencies, excitation.moments, excitation.moment_errors)
     mean = under_mean_moments(reduced, excitation.means, excitation.mean_errors)
     still = np.zeros((1, excitation.speed.size))
     found: dict[str, Measured] = {}
-    # What is infinite stays so whatever it is multiplied by.
+    # Infinite values stay infinite when scaled.
     with np.errstate(invalid="ignore"):
         for name in train.shafts:
             own = reduced.shaft_ratios[name]
@@ -306,7 +301,7 @@ def _vibration(train: TorsionalTrain, reduced: ReducedTrain, excitation: TrainEx
 def _shaft_moment(
     train: TorsionalTrain, reduced: ReducedTrain, name: str, swings: ForcedVibration, frequencies: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Reduced moment k (θ_first − θ_second) of a shaft and what it may be off by (orders, variants)."""
+    """Reduced torque k (θ_first − θ_second) of a shaft and its error estimate (orders, variants)."""
     layout, first = train.layout, train.shafts[name].between[0]
     if name in layout.shaft_to:
         node = layout.shaft_to.index(name)
@@ -324,7 +319,7 @@ def _shaft_moment(
 def _range(
     excitation: TrainExcitation, amplitudes: np.ndarray, errors: np.ndarray
 ) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:
-    """Least and greatest value of a sum of orders over time, and what both may be off by."""
+    """Minimum and maximum of a sum of orders over time, and the error estimate of both."""
     if not excitation.orders:
         nothing = np.zeros(excitation.speed.size)
         return (nothing, nothing), nothing
@@ -337,8 +332,8 @@ def _range(
 
 
 def _dissipation_error(reduced: ReducedTrain, swings: ForcedVibration) -> np.ndarray:
-    """What the dissipated power may be off by: twice the share that the worst of the amplitudes is."""
-    # Orders that are rounding alone dissipate nothing that counts.
+    """Error estimate of the dissipated power: twice the relative error of the least accurate amplitude."""
+    # Ignore orders whose amplitudes are rounding: they dissipate nothing.
     sizes = np.abs(swings.angles).max(axis=0)
     shares = np.where(sizes > 0.0, swings.angle_errors.max(axis=0) / np.where(sizes > 0.0, sizes, 1.0), 0.0)
     heaviest = np.where(sizes >= 1e-6 * sizes.max(axis=0, initial=0.0), shares, 0.0).max(axis=0, initial=0.0)

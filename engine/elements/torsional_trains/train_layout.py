@@ -1,8 +1,8 @@
-"""How a torsional train hangs together: masses that gears make one, and the tree of shafts between them.
+"""Structure of a torsional train: nodes of masses connected by gears, and the tree of shafts between the nodes.
 
-Everything is reduced to the shaft of the first mass. With g the speed of a mass over that of the first one, were all
-shafts rigid, its inertia counts g² times, as do the stiffness and damping of a shaft that turns with g, and a moment g
-times. Masses joined by gears are one node then, and a twist is a difference of two nodes' angles.
+Everything is reduced to the shaft of the first mass. With g the speed of a mass over that of the first one for rigid
+shafts, its inertia is multiplied by g², as are the stiffness and damping of a shaft at that speed, and a torque by g.
+Masses connected by gears then form one node, and a twist is the difference of two nodes' angles.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,7 +12,7 @@ FRAME_END = "frame"
 
 
 class LayoutProblem(ValueError):
-    """Masses, shafts and gears that make no tree."""
+    """Masses, shafts and gears that do not form a tree."""
 
 
 class Joint(NamedTuple):
@@ -31,16 +31,16 @@ class TrainLayout(NamedTuple):
     ----------
     masses : tuple of str
     node_of : tuple of int
-        Node of each mass; that of the first mass is 0, and parents have lower numbers than their children.
+        Node of each mass; 0 for the first mass. Parents have lower indices than their children.
     parents : tuple of int
-        Node before each node; -1 for node 0.
+        Parent of each node; -1 for node 0.
     shaft_to : tuple of str
         Shaft between each node and its parent; "" for node 0.
     grounded : tuple of (str, str)
         Shafts to the frame, and the mass at the other end.
     path : tuple of (str, str, str, bool)
-        Masses in the order in which they are reached: the mass, the one before it, the joint, and whether it is passed
-        from its first end to its second.
+        Masses in the order of the traversal: the mass, the previous mass, the joint, and whether it is traversed from
+        its first end to its second.
     """
 
     masses: tuple[str, ...]
@@ -52,12 +52,12 @@ class TrainLayout(NamedTuple):
 
     @property
     def is_free(self) -> bool:
-        """Whether the whole train can turn: no shaft holds it to the frame."""
+        """Whether the whole train can rotate: no shaft holds it to the frame."""
         return not self.grounded
 
 
 def train_layout(masses: Sequence[str], joints: Sequence[Joint]) -> TrainLayout:
-    """The tree that shafts and gears make of a train's masses.
+    """The tree that shafts and gears form between a train's masses.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def train_layout(masses: Sequence[str], joints: Sequence[Joint]) -> TrainLayout:
     Raises
     ------
     LayoutProblem
-        The joints close a loop, leave masses apart, or name a mass that there isn't.
+        The joints close a loop, leave masses unconnected, or name an unknown mass.
     """
     beside: Mapping[str, list[tuple[Joint, str]]] = {mass: [] for mass in masses}
     grounded = []
@@ -85,7 +85,7 @@ def train_layout(masses: Sequence[str], joints: Sequence[Joint]) -> TrainLayout:
         else:
             raise LayoutProblem(f"{joint.name}: one end must be a mass, and of a gear both")
     node_of, parents, shaft_to, path = {masses[0]: 0}, [-1], [""], []
-    # Whatever gears join belongs to the node before shafts go on from it.
+    # Collect the masses joined by gears in the node before following its shafts.
     passed, waiting = set(), [masses[0]]
     while waiting:
         mass = waiting.pop(0)

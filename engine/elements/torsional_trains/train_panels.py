@@ -1,4 +1,4 @@
-"""A torsional train to be looked at: its modes along the train, and its Campbell diagram."""
+"""Diagrams of a torsional train: its modes along the train, and its Campbell diagram."""
 
 import math
 
@@ -10,21 +10,21 @@ from engine.elements.torsional_trains.excitation import TrainExcitation, train_e
 from engine.elements.torsional_trains.natural_frequencies import NaturalVibration, natural_vibration
 from engine.elements.torsional_trains.reduced_train import ReducedTrain, reduced_train
 
-# Modes and orders that one diagram can show; speeds up to so many times the speed of the train.
+# Most modes and orders in one diagram; highest speed drawn, relative to the train's speed.
 _MOST_MODES, _MOST_ORDERS, _FASTEST = 6, 16, 1.5
-# An order that does less work on a mode than this share of the greatest gets no dot.
+# An order gets a dot if its work on a mode is above this fraction of the maximum.
 _FELT = 0.05
 _HERTZ = 1.0 / math.tau
 
 
 def train_panels(train: Element, n: Numbers) -> tuple[Panel, ...]:
-    """Modes along a train; where something excites it, also its Campbell diagram.
+    """Modes along a train and, if it is excited, its Campbell diagram.
 
     Parameters
     ----------
     train : TorsionalTrain
     n : mapping of str to ndarray (1,)
-        Its numbers, with those of the machine that excites it.
+        Its numbers, including those of the machine that excites it.
     """
     reduced = reduced_train(train, n)
     natural = natural_vibration(reduced, train.reported_modes)
@@ -36,7 +36,7 @@ def train_panels(train: Element, n: Numbers) -> tuple[Panel, ...]:
 
 
 def _modes(train: Element, reduced: ReducedTrain, natural: NaturalVibration) -> Panel:
-    """Modes, straight along each shaft; shafts as long as they give way, but none too short to be seen."""
+    """Modes, linear along each shaft; shaft length is drawn in proportion to compliance, plus a visible minimum."""
     layout, parents = train.layout, reduced.parents
     compliance = 1.0 / reduced.stiffnesses[1:, 0]
     places = np.zeros(len(parents))
@@ -61,11 +61,11 @@ def _modes(train: Element, reduced: ReducedTrain, natural: NaturalVibration) -> 
 
 
 def _campbell(excitation: TrainExcitation, natural: NaturalVibration) -> Panel:
-    """Natural frequencies as levels, orders as rays, dots where a mode feels an order that meets it."""
+    """Natural frequencies as horizontal lines, orders as rays, dots where an order excites a mode at resonance."""
     speed, orders = float(excitation.speed[0]), np.array(excitation.orders)
     fastest, levels = _FASTEST * speed, natural.frequencies[:_MOST_MODES, 0]
     top = 1.15 * max(levels[levels <= orders.max() * fastest], default=levels[0])
-    # How much each order does on each mode, |Σ q M_h|, over the greatest of all orders.
+    # Work of each order on each mode, |Σ q M_h|, relative to the maximum over the orders.
     work = np.abs(np.nan_to_num(natural.modes[: len(levels), :, 0], nan=1.0) @ excitation.moments[:, :, 0])
     most = work.max(axis=1, keepdims=True)
     felt = work >= _FELT * np.where(most > 0.0, most, 1.0)

@@ -1,4 +1,4 @@
-"""How a torsional train is made: its masses, shafts and gears, and the moments that excite it."""
+"""Members of a torsional train: masses, shafts and gears, and the torques that excite it."""
 
 from typing import Annotated
 
@@ -10,18 +10,18 @@ from engine.parts.skeleton import Angle, Inertia, Name, Number, Part
 
 
 class TrainMass(Part):
-    """A rigid disc, wheel, rotor or throw; `damping` against the frame."""
+    """A rigid disc, wheel, rotor or throw; `damping` relative to the frame."""
 
     inertia: Annotated[Inertia, Field(gt=0)] | None = None
     damping: Annotated[TorsionalDamping, Field(ge=0)] = 0.0
 
 
 class TrainShaft(Part):
-    """A shaft between two masses, or a mass and the `frame`; its stiffness given, or that of its parts in series.
+    """A shaft between two masses, or a mass and the `frame`; its stiffness is given, or that of its parts in series.
 
     Stiffness and damping are about the axis of the first end. `ratio` is the speed of the second end over that of the
-    first, where teeth or belts that give way are among the parts. `energy_absorption` is the share of the greatest
-    energy dissipated in a cycle.
+    first, if the parts include elastic teeth or belts. `energy_absorption` is the fraction of the maximum energy
+    dissipated in a cycle.
     """
 
     between: tuple[Name, Name]
@@ -43,7 +43,7 @@ class TrainShaft(Part):
 
 
 class TrainGear(Part):
-    """Gears that don't give way; `ratio` is the speed of the second mass over that of the first, negative outside."""
+    """Rigid gears; `ratio` is the speed of the second mass over that of the first, negative for external gears."""
 
     between: tuple[Name, Name]
     ratio: Number
@@ -56,7 +56,7 @@ class TrainGear(Part):
 
 
 class HarmonicMoment(Part):
-    """A moment on a mass, amplitude · cos(order · Ω t + phase), with Ω the `speed`; of order 0 a mean one."""
+    """A torque on a mass, amplitude · cos(order · Ω t + phase), with Ω the `speed`; order 0 is a mean torque."""
 
     on: Name
     order: Annotated[float, Field(ge=0, le=1000)]

@@ -1,1 +1,1 @@
-"""Laws of cams: motion of the follower, shape of the profile, forces between them."""
+"""Cams: motion of the follower, geometry of the profile, contact pressure."""

@@ -1,8 +1,8 @@
 """Motion laws of followers on a unit interval: displacement S(u) from 0 to 1 and its first three derivatives.
 
-A section of a cam over the angle β and the stroke h has s = h S(u), s' = h S'/β, s'' = h S''/β², s''' = h S'''/β³.
-Laws made of several expressions are told in which of them to stay, by a place `held` inside it: so each is smooth up to
-both of its ends.
+A section of a cam over the angle β with the stroke h has s = h S(u), s' = h S'/β, s'' = h S''/β², s''' = h S'''/β³. A
+law of several expressions takes a position `held` that selects one of them, so each expression is smooth up to both of
+its ends.
 
 Source: R. L. Norton, Cam Design and Manufacturing Handbook (double-dwell functions).
 """
@@ -15,7 +15,7 @@ from engine.compiling.decorators import scalar
 
 Motion = tuple[float, float, float, float]
 
-# Kinds of motion in a section, as compiled code counts them, and the names that texts have for the laws.
+# Kinds of motion in a section, as numbers for compiled code, and the names of the laws in scene files.
 DWELL, UNIFORM, PARABOLIC, HARMONIC, CYCLOIDAL, P345, P4567, SINE, TRAPEZOID = range(9)
 LAW_KINDS = {
     "uniform": UNIFORM,
@@ -27,7 +27,7 @@ LAW_KINDS = {
     "modified sine": SINE,
     "modified trapezoid": TRAPEZOID,
 }
-# Where, inside the unit interval, the expressions meet of which a law is made.
+# Positions on the unit interval where the expressions of a law meet.
 LAW_BREAKS = {PARABOLIC: (0.5,), SINE: (0.125, 0.875), TRAPEZOID: (0.125, 0.375, 0.625, 0.875)}
 
 
@@ -39,7 +39,7 @@ def uniform_motion(u: float) -> Motion:
 
 @scalar
 def parabolic_motion(u: float, held: float) -> Motion:
-    """Constant acceleration in the first half, the same deceleration in the second."""
+    """Constant acceleration in the first half, equal deceleration in the second."""
     if held < 0.5:
         return 2.0 * u * u, 4.0 * u, 4.0, 0.0
     v = 1.0 - u
@@ -50,7 +50,7 @@ def parabolic_motion(u: float, held: float) -> Motion:
 def harmonic_motion(u: float) -> Motion:
     """Simple harmonic motion over half its period."""
     c, s = math.cos(math.pi * u), math.sin(math.pi * u)
-    # By the half angle: near the beginning 1 − cos πu has no digits.
+    # The half angle avoids cancellation in 1 − cos πu near the start.
     return math.sin(0.5 * math.pi * u) ** 2, math.pi / 2 * s, math.pi**2 / 2 * c, -(math.pi**3) / 2 * s
 
 
@@ -76,7 +76,7 @@ def polynomial_345(u: float) -> Motion:
 
 @scalar
 def polynomial_4567(u: float) -> Motion:
-    """Polynomial 4-5-6-7: the jerk is zero at both ends as well."""
+    """Polynomial 4-5-6-7: the jerk is zero at both ends, too."""
     v = 1.0 - u
     return (
         u**4 * (35.0 - 84.0 * u + 70.0 * u**2 - 20.0 * u**3),
@@ -88,7 +88,7 @@ def polynomial_4567(u: float) -> Motion:
 
 @scalar
 def modified_sine(u: float, held: float) -> Motion:
-    """Sine waves of acceleration: a quarter of a short one at each end, half a long one between."""
+    """Modified sine: acceleration by a quarter of a short sine wave at each end and half a long one in between."""
     if held > 0.875:
         s, s1, s2, s3 = _short_wave(1.0 - u)
         return 1.0 - s, s1, -s2, s3
@@ -107,7 +107,7 @@ def modified_sine(u: float, held: float) -> Motion:
 
 @scalar
 def _short_wave(u: float) -> Motion:
-    """The modified sine's first eighth."""
+    """First eighth of the modified sine."""
     a = 4.0 * math.pi * u
     c, s = math.cos(a), math.sin(a)
     k = math.pi / (4.0 + math.pi)
@@ -116,7 +116,7 @@ def _short_wave(u: float) -> Motion:
 
 @scalar
 def modified_trapezoid(u: float, held: float) -> Motion:
-    """Trapezoid of acceleration, its flanks quarters of a sine wave."""
+    """Modified trapezoid of acceleration: its flanks are quarters of a sine wave."""
     if held <= 0.5:
         return _half_trapezoid(u, held)
     s, s1, s2, s3 = _half_trapezoid(1.0 - u, 1.0 - held)
@@ -152,10 +152,10 @@ def unit_motion(kind: float, u: float, held: float) -> Motion:
     Parameters
     ----------
     kind : float
-        One of the kinds above; zero throughout for a dwell.
+        One of the kinds above; a dwell is zero throughout.
     u : float
     held : float
-        Place by which laws made of several expressions stay in one of them.
+        Position that selects the expression of a law that has several.
     """
     if kind == DWELL:
         return 0.0 * u, 0.0, 0.0, 0.0
@@ -176,7 +176,7 @@ def unit_motion(kind: float, u: float, held: float) -> Motion:
     return modified_trapezoid(u, held)
 
 
-# Numbers of a section in a table that `section_at` looks through.
+# Numbers of a section in the table that `section_at` searches.
 SECTION_NUMBERS = 5
 
 
@@ -184,27 +184,27 @@ SECTION_NUMBERS = 5
 def section_at(
     memory: np.ndarray, begin: int, apart: int, sections: float, turned: float
 ) -> tuple[float, float, float, float, float]:
-    """The section of a cam's turn that holds at an angle.
+    """Section of a cam at an angle.
 
     Parameters
     ----------
     memory, begin, apart
-        A table of numbers: of each section, in order, those returned, its beginning in the first turn.
+        A table of numbers: for each section, in order, those returned, with its start in the first turn.
     sections : float
-        How many there are.
+        Number of sections.
     turned : float
         Angle of the cam, in any turn [rad].
 
     Returns
     -------
     start : float
-        Where the section begins, in the turn of the angle [rad].
+        Start of the section in the turn of the angle [rad].
     angle : float
-        Over which it goes [rad].
+        Length of the section [rad].
     before, stroke : float
-        Displacement at its beginning, and how far the follower moves in it.
+        Displacement at its start, and the follower's travel in it.
     kind : float
-        Of its law.
+        Kind of its law.
     """
     turns = 2.0 * math.pi * math.floor(turned * (0.5 / math.pi))
     x, at = turned - turns, begin

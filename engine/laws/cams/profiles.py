@@ -1,12 +1,12 @@
-"""Geometry of a cam and its follower: pressure angle, curvature, where a flat face is touched.
+"""Geometry of a cam and its follower: pressure angle, curvature, contact of a flat face.
 
 The cam turns by φ, counter-clockwise, about the origin. Primes are derivatives by φ. A translating follower moves along
-y at x = e. An oscillating one has its pivot at (d, 0); its arm, above the line of centres, makes the angle ψ with it
-and opens against the cam's rotation (`sense` = 1) or with it (−1). What is said of the pitch curve holds for the
+y at x = e. An oscillating one has its pivot at (d, 0); its arm, above the line of centres, makes the angle ψ with that
+line and opens against the cam's rotation (`sense` = 1) or with it (−1). Statements about the pitch curve hold for the
 path of a roller's centre and for a knife edge.
 
-Source: K. L. Johnson, Contact Mechanics, for the pressure of lines in contact; all else is the envelope of the
-follower's positions in the axes of the cam.
+Source: K. L. Johnson, Contact Mechanics, for the pressure of line contact; everything else follows from the envelope of
+the follower's positions in the axes of the cam.
 """
 
 import math
@@ -20,15 +20,15 @@ Place = tuple[float, float, float, float, float, float]
 
 @scalar
 def least_height(prime_radius: float, offset: float) -> float:
-    """Height s₀ of a translating follower above the axis where it is lowest; NaN where the offset is too great."""
+    """Height s₀ of a translating follower above the cam's axis at its lowest point; NaN for too large an offset."""
     return math.sqrt((prime_radius - offset) * (prime_radius + offset))
 
 
 @scalar
 def least_arm_angle(prime_radius: float, arm: float, distance: float) -> float:
-    """Angle ψ₀ of an arm whose end lies on the prime circle; NaN where it doesn't reach it.
+    """Angle ψ₀ of an arm whose end lies on the prime circle; NaN if it doesn't reach it.
 
-    By the half angle, which keeps its digits where the arm is nearly in line.
+    The half-angle formula avoids cancellation where the arm is nearly in line.
     """
     near = (prime_radius - distance + arm) * (prime_radius + distance - arm)
     far = (distance + arm - prime_radius) * (distance + arm + prime_radius)
@@ -57,19 +57,19 @@ def oscillating_place(arm: float, distance: float, psi: float, s1: float, s2: fl
 
 @scalar
 def translating_pressure(offset: float, y: float, s1: float) -> tuple[float, float]:
-    """Parts of the normal across a translating follower's motion and along it: their ratio is tan α."""
+    """Components of the normal across a translating follower's motion and along it; their ratio is tan α."""
     return s1 - offset, y
 
 
 @scalar
 def oscillating_pressure(arm: float, distance: float, psi: float, s1: float, sense: float) -> tuple[float, float]:
-    """Parts of the normal along an oscillating follower's arm and across it: their ratio is tan α."""
+    """Components of the normal along an oscillating follower's arm and across it; their ratio is tan α."""
     return arm * (1.0 + sense * s1) - distance * math.cos(psi), distance * math.sin(psi)
 
 
 @scalar
 def rolled_back(place: Place, sense: float) -> tuple[float, float, float, float]:
-    """Pitch curve's z' and z'', in axes that coincide with those of the frame; the cam turns by `sense` × φ."""
+    """Derivatives z', z'' of the pitch curve, in axes that coincide with the frame's; the cam turns by `sense` × φ."""
     x, y, x1, y1, x2, y2 = place
     return (
         x1 + sense * y,
@@ -89,13 +89,13 @@ def pitch_curvature(place: Place, sense: float) -> float:
 
 @scalar
 def flat_face_support(distance: float, psi: float, s1: float, s2: float, sense: float) -> tuple[float, float]:
-    """Contact of an oscillating flat face that goes through its pivot.
+    """Contact of an oscillating flat face whose plane passes through its pivot.
 
     Returns
     -------
     radius : float
-        Radius of curvature of the cam: p + d²p/dθ², p = d sin ψ being the distance of the face from the cam's axis, θ
-        the angle by which it turns against the cam.
+        Radius of curvature of the cam: p + d²p/dθ², where p = d sin ψ is the distance of the face from the cam's axis
+        and θ the face's rotation relative to the cam.
     place : float
         Distance of the contact from the pivot.
     """
@@ -107,13 +107,13 @@ def flat_face_support(distance: float, psi: float, s1: float, s2: float, sense: 
 
 @scalar
 def least_face_angle(base_radius: float, distance: float) -> float:
-    """Angle ψ₀ of a flat face through its pivot that touches the base circle; NaN where the pivot lies inside it."""
+    """Angle ψ₀ of a flat face through its pivot that touches the base circle; NaN for a pivot inside the circle."""
     return math.asin(base_radius / distance)
 
 
 @scalar
 def curvature_of_pitch(x: float, y: float, x1: float, y1: float, x2: float, y2: float, sense: float) -> float:
-    """Curvature of the pitch curve, positive where it is convex; a place component by component."""
+    """Curvature of the pitch curve, positive where it is convex; `pitch_curvature` with separate components."""
     return pitch_curvature((x, y, x1, y1, x2, y2), sense)
 
 
@@ -121,15 +121,15 @@ def curvature_of_pitch(x: float, y: float, x1: float, y1: float, x2: float, y2: 
 def contact_normal(x: float, y: float, x1: float, y1: float, sense: float) -> tuple[float, float]:
     """Unit normal of the pitch curve, from the cam to its follower.
 
-    With the place w of the roller's centre it is w − sense · (y', −x'), of unit length: square to the velocity that the
-    centre has relative to the cam.
+    With w the position of the roller's centre, it is w − sense · (y', −x'), normalised: perpendicular to the velocity
+    of the centre relative to the cam.
 
     Parameters
     ----------
     x, y, x1, y1 : float
-        Place of the centre from the cam's axis, and its derivative by the cam's angle.
+        Position of the centre from the cam's axis, and its derivative by the cam's angle.
     sense : float
-        1 where the cam turns counter-clockwise, −1 where clockwise.
+        1 if the cam turns counter-clockwise, −1 if clockwise.
     """
     nx, ny = x - sense * y1, y + sense * x1
     per_length = 1.0 / math.sqrt(nx * nx + ny * ny)
@@ -138,7 +138,7 @@ def contact_normal(x: float, y: float, x1: float, y1: float, sense: float) -> tu
 
 @scalar
 def sliding_roller(offset: float, y: float, s1: float, s2: float) -> tuple[float, float, float]:
-    """Parts of the normal across a translating follower's motion and along it, and the pitch curve's curvature."""
+    """Components of the normal across and along a translating follower's motion, and curvature of the pitch curve."""
     across, along = translating_pressure(offset, y, s1)
     return across, along, pitch_curvature(translating_place(offset, y, s1, s2), 1.0)
 
@@ -147,49 +147,50 @@ def sliding_roller(offset: float, y: float, s1: float, s2: float) -> tuple[float
 def swinging_roller(
     arm: float, distance: float, psi: float, s1: float, s2: float, sense: float
 ) -> tuple[float, float, float]:
-    """Parts of the normal along an oscillating follower's arm and across it, and the pitch curve's curvature."""
+    """Components of the normal along and across an oscillating follower's arm, and curvature of the pitch curve."""
     across, along = oscillating_pressure(arm, distance, psi, s1, sense)
     return across, along, pitch_curvature(oscillating_place(arm, distance, psi, s1, s2), sense)
 
 
 @scalar
 def sliding_face_transmission(height: float) -> float:
-    """Quality of transmission of a flat face that slides: 1, its pressure angle being zero; NaN below the axis."""
+    """Cosine of the pressure angle of a translating flat face: 1, since the angle is zero; NaN below the cam's axis."""
     return 1.0 if height > 0.0 else math.nan
 
 
 @scalar
 def swinging_face_transmission(psi: float, s1: float, sense: float) -> float:
-    """Quality of transmission of a flat face through its pivot: 0 where the contact comes there, or to infinity."""
+    """Measure of force transmission by a flat face through its pivot: 0 for contact at the pivot or at infinity."""
     return math.cos(psi) * (1.0 + sense * s1)
 
 
 def pressure_of_lines(curved_force: np.ndarray, modulus: np.ndarray, width: np.ndarray) -> np.ndarray:
-    """Greatest pressure by Hertz between cylinders of one material in contact along a line.
+    """Maximum Hertzian pressure between cylinders of one material in line contact [Pa].
 
     Parameters
     ----------
     curved_force : ndarray
-        Force that presses them together times the sum of their curvatures, hollow ones negative [N/m].
+        Normal force times the sum of the curvatures, negative for hollow ones [N/m].
     modulus : ndarray
         E/(2(1 − ν²)) of the material [Pa].
     width : ndarray
-        Length of the line [m].
+        Length of the contact line [m].
     """
     return np.sqrt(curved_force * modulus / (math.pi * width))
 
 
 @scalar
 def least_height_for_curvature(s: float, s1: float, s2: float, offset: float, radius: float) -> float:
-    """Height s₀ above which the pitch curve of a translating follower is never more curved than 1/`radius` here.
+    """Height s₀ above which the curvature of a translating follower's pitch curve at s stays below 1/`radius`.
 
-    The greatest root y of R³ = ρ(R² + v s' − y s''), R² = y² + v², v = s' − e, less s; found by Newton's method from
-    above, in a bracket. It is sought above y = s alone: 0 where there is none, as any height will do.
+    With y the largest root of R³ = ρ(R² + v s' − y s''), R² = y² + v², v = s' − e, the height is y − s. Newton's method
+    starts from above, in a bracket. Only roots above y = s are sought: without one, any height suffices and the result
+    is 0.
     """
     v = s1 - offset
     least_y = max(s, 0.0)
     low, high = least_y, radius + math.sqrt(radius * abs(s2)) + (radius * abs(v * s1)) ** (1.0 / 3.0)
-    # R³ outgrows the rest from here: each of its terms is less than a third of R³ beyond three times its own bound.
+    # Above this bound R³ exceeds the rest: each term is less than a third of R³ beyond three times its own bound.
     high = 3.0 * high
     if high <= low:
         return 0.0
@@ -207,8 +208,8 @@ def least_height_for_curvature(s: float, s1: float, s2: float, offset: float, ra
         slope = 3.0 * r * y - radius * (2.0 * y - s2)
         new = y - f / slope if slope > 0.0 else 0.5 * (low + high)
         if not low <= new <= high:
-            # From above, Newton's method stays above the root of what bends upwards: passing the lowest y, it tells of
-            # none.
+            # From above, Newton's method stays above the root of a function convex upwards; a step below the lowest y
+            # shows that there is no root.
             if f >= 0.0 and low == least_y and (bends_up or high - low <= 1e-6 * radius):
                 return 0.0
             new = 0.5 * (low + high)
@@ -220,7 +221,7 @@ def least_height_for_curvature(s: float, s1: float, s2: float, offset: float, ra
 
 @scalar
 def arm_angles_for_pressure(s1: float, arm: float, distance: float, sense: float, slope: float) -> tuple[float, float]:
-    """Least and greatest angle ψ of an arm at which its |tan α| is not above `slope`; NaN where there is none.
+    """Minimum and maximum angle ψ of an arm for which |tan α| is at most `slope`; NaN if there is none.
 
     |a(1 ± s') − d cos ψ| ≤ d sin ψ tan δ means cos(ψ − δ) ≥ cos A ≥ cos(ψ + δ), where cos A = a(1 ± s') cos δ/d.
     """
@@ -233,7 +234,7 @@ def arm_angles_for_pressure(s1: float, arm: float, distance: float, sense: float
 def curvature_room(
     psi: float, s1: float, s2: float, arm: float, distance: float, sense: float, radius: float
 ) -> tuple[float, float, float]:
-    """How far the pitch curve of an arm is from a curvature of 1/`radius`: f = |z'|³ − `radius`·κ|z'|³, ≥ 0 within.
+    """Margin of the pitch curve of an arm against a curvature of 1/`radius`: f = |z'|³ − `radius`·κ|z'|³ ≥ 0.
 
     With w = 1 ± s', |z'|² = a²w² + d² − 2adw cos ψ and κ|z'|³ = a²w³ + d² − ad((w + w²) cos ψ + s'' sin ψ).
 
@@ -257,7 +258,7 @@ def curvature_room(
 def face_room(
     psi: float, s1: float, s2: float, distance: float, sense: float, radius: float
 ) -> tuple[float, float, float]:
-    """How far the radius of curvature under a flat face through its pivot is above `radius`, as `curvature_room`.
+    """Margin of the radius of curvature above `radius` under a flat face through its pivot; see `curvature_room`.
 
     With t = 1 ± s' the radius is d((1 − (s'/t)²) sin ψ + s''/t³ cos ψ).
     """

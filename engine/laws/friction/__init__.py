@@ -1,4 +1,4 @@
-"""Friction of the pairs of a machine: slides, journals, screws, wedges, rollers and belts, as scalar functions."""
+"""Friction in the pairs of a machine: slides, journals, screws, wedges, rollers and belts, as scalar functions."""
 
 from engine import on_use
 

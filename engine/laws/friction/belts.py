@@ -1,7 +1,7 @@
 """Belts, bands and ropes on a drum: Euler's formula, with the centrifugal tension of a running belt.
 
-On the point of slipping the tight strand pulls e^(f alpha) times as hard as the slack one. A belt of mass q per
-length that runs at v presses less: q v² of the tension of each strand only keeps it on its circle.
+On the point of slipping the tension of the tight strand is e^(f alpha) times that of the slack one. A running belt with
+mass q per unit length presses less: q v² of the tension of each strand only provides the centripetal force.
 
 Sources: L. Euler, 1769; R. S. Khurmi and J. K. Gupta, Theory of Machines, chapter 11.
 """
@@ -13,43 +13,43 @@ from engine.compiling.decorators import scalar
 
 @scalar
 def tension_ratio(friction: float, wrap: float) -> float:
-    """Tension of the tight strand over that of the slack one: e^(f alpha).
+    """Tension of the tight strand divided by that of the slack one: e^(f alpha).
 
     Parameters
     ----------
     friction, wrap : float
-        f, of a belt in a V groove the one of `engine.laws.friction.guides.vee_friction`; angle of contact alpha [rad].
+        f, in a V groove from `engine.laws.friction.guides.vee_friction`; angle of contact alpha [rad].
     """
     return math.exp(friction * wrap)
 
 
 @scalar
 def slack_share(friction: float, wrap: float) -> float:
-    """Tension of the slack strand over that of the tight one: e^(-f alpha).
+    """Tension of the slack strand divided by that of the tight one: e^(-f alpha).
 
     Parameters
     ----------
     friction, wrap : float
-        As for `tension_ratio`.
+        As in `tension_ratio`.
     """
     return math.exp(-friction * wrap)
 
 
 @scalar
 def gripped_share(friction: float, wrap: float) -> float:
-    """Greatest force at the rim over the tension of the tight strand: 1 - e^(-f alpha).
+    """Maximum tangential force divided by the tension of the tight strand: 1 - e^(-f alpha).
 
     Parameters
     ----------
     friction, wrap : float
-        As for `tension_ratio`.
+        As in `tension_ratio`.
     """
     return -math.expm1(-friction * wrap)
 
 
 @scalar
 def centrifugal_tension(linear_density: float, speed: float) -> float:
-    """Tension that keeps a running belt on its circle: q v².
+    """Centrifugal tension of a running belt: q v².
 
     Parameters
     ----------
@@ -66,12 +66,12 @@ def centrifugal_tension(linear_density: float, speed: float) -> float:
 
 @scalar
 def belt_moment(tight: float, centrifugal: float, friction: float, wrap: float, radius: float) -> float:
-    """Greatest moment of a belt: (T - q v²) (1 - e^(-f alpha)) r.
+    """Maximum torque of a belt: (T - q v²) (1 - e^(-f alpha)) r.
 
     Parameters
     ----------
     tight, centrifugal : float
-        T of the tight strand, with q v² in it, and q v² [N].
+        Tension T of the tight strand, including q v², and q v² [N].
     friction, wrap, radius : float
         f, alpha [rad], radius of the pulley r [m].
 
@@ -85,14 +85,14 @@ def belt_moment(tight: float, centrifugal: float, friction: float, wrap: float, 
 
 @scalar
 def tight_tension(moment: float, centrifugal: float, friction: float, wrap: float, radius: float) -> float:
-    """Tension of the tight strand that a moment needs: M/(r (1 - e^(-f alpha))) + q v².
+    """Tension of the tight strand required for a torque: M/(r (1 - e^(-f alpha))) + q v².
 
     Parameters
     ----------
     moment : float
-        M [N·m].
+        Torque M [N·m].
     centrifugal, friction, wrap, radius : float
-        As for `belt_moment`.
+        As in `belt_moment`.
 
     Returns
     -------
@@ -104,7 +104,7 @@ def tight_tension(moment: float, centrifugal: float, friction: float, wrap: floa
 
 @scalar
 def speed_of_most_power(tight: float, linear_density: float) -> float:
-    """Speed at which a belt of given tension carries the most power: √(T/(3 q)), where q v² takes a third of it.
+    """Speed at which a belt of given tension transmits maximum power: √(T/(3 q)), where q v² is a third of T.
 
     Parameters
     ----------
@@ -126,15 +126,15 @@ def shaft_force(tight: float, slack: float, wrap: float) -> float:
     Parameters
     ----------
     tight, slack : float
-        Tensions of the strands without q v², which the belt keeps to itself [N].
+        Tensions of the strands without q v², which doesn't load the shaft [N].
     wrap : float
         alpha [rad].
 
     Returns
     -------
     float
-        [N]; T1 + T2 for strands side by side, alpha = pi.
+        [N]; T1 + T2 for parallel strands, alpha = pi.
     """
-    # The half angle keeps the digits where the strands nearly cancel.
+    # The half angle avoids cancellation where the strands nearly balance.
     sine = math.sin(wrap / 2)
     return math.sqrt((tight - slack) * (tight - slack) + 4 * tight * slack * sine * sine)

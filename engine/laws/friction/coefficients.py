@@ -1,10 +1,10 @@
-"""Coefficients of friction: of pairs of materials, with the speed of sliding, and a sign without a step.
+"""Coefficients of friction: of material pairs, and as a function of sliding speed.
 
 Amontons and Coulomb: F = f N against the sliding, f = friction. At rest friction takes any value up to f_s N.
 
-Sources: the ranges of engineering practice as courses of the theory of mechanisms and machines print them; static
-and kinetic values: P. P. Urone and R. Hinrichs, College Physics (OpenStax), table 5.1. Speed: R. Stribeck, 1902, in
-the form of B. Armstrong-Hélouvry, Control of Machines with Friction.
+Sources: the ranges of engineering practice as printed in courses of the theory of mechanisms and machines; static and
+kinetic values: P. P. Urone and R. Hinrichs, College Physics (OpenStax), table 5.1. Speed: R. Stribeck, 1902, in the
+form of B. Armstrong-Hélouvry, Control of Machines with Friction.
 """
 
 import math
@@ -15,18 +15,18 @@ from typing import NamedTuple
 from engine.compiling.decorators import scalar
 from engine.laws.elementary import exponential, power
 
-# A lining worn in on a half-round seat presses with the cosine of the angle from its middle, a new one evenly: by
-# so much the sum of the pressures exceeds the load that they carry.
+# Ratio of the sum of pressures to the load on a half-round seat: a worn-in lining presses with the cosine of the angle
+# from its middle, a new one evenly.
 WORN_IN = 4 / math.pi
 NEW = math.pi / 2
-# That of contacts by their names: on a line it is the load itself.
+# The same ratio by the name of the contact; on a line it is 1.
 BUSHES = {"line": 1.0, "new": NEW, "worn in": WORN_IN, "half-round, new": NEW, "half-round, worn in": WORN_IN}
-# Exponent of Stribeck's curve in the form of Gauss.
+# Exponent of Stribeck's curve in its Gaussian form.
 GAUSS = 2.0
 
 
 class CoefficientRange(NamedTuple):
-    """Least and greatest usual coefficient of sliding friction of two materials."""
+    """Usual minimum and maximum coefficient of sliding friction of two materials."""
 
     low: float
     high: float
@@ -66,7 +66,7 @@ STATIC_AND_KINETIC: Mapping[str, FrictionCoefficients] = MappingProxyType(
 
 @scalar
 def stribeck(static: float, kinetic: float, speed: float, stribeck_speed: float, exponent: float) -> float:
-    """Coefficient of friction at a speed of sliding: f_k + (f_s - f_k) e^(-(|v|/v_s)^d).
+    """Coefficient of friction at a sliding speed: f_k + (f_s - f_k) e^(-(|v|/v_s)^d).
 
     Parameters
     ----------

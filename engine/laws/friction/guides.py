@@ -1,9 +1,9 @@
-"""Friction in prismatic pairs: flat, V and cylindrical guides, sliders that tilt, overhung sliders that jam.
+"""Friction in prismatic pairs: flat, V and cylindrical guides, tilting sliders, overhung sliders that jam.
 
-A slider of length 2 a pressed on its guide by a force N and turned by a moment M about its middle bears as if on
-its two edges: (N + M/a)/2 at the front and (N - M/a)/2 at the rear. While both press on the same face the pressure
-spreads between them, and F = f N whatever its law; where |M| > |N| a the slider tilts, its edges bear on opposite
-faces of the guide and F = f |M|/a.
+A slider of length 2 a, pressed on its guide by a force N and turned by a moment M about its middle, bears as if on its
+two edges: (N + M/a)/2 at the front and (N - M/a)/2 at the rear. While both press on the same face the pressure is
+distributed between them, and F = f N for any distribution. Where |M| > |N| a the slider tilts, its edges bear on
+opposite faces of the guide and F = f |M|/a.
 
 Sources: I. I. Artobolevsky, Theory of Mechanisms and Machines, friction in kinematic pairs; K. V. Frolov et al.,
 Theory of Mechanisms and Machines.
@@ -16,9 +16,9 @@ from engine.compiling.decorators import scalar
 
 @scalar
 def vee_friction(friction: float, half_angle: float) -> float:
-    """Friction of a V guide in terms of the force that presses the slider into it: f/sin(gamma).
+    """Equivalent coefficient of friction of a V guide, for the force pressing the slider into it: f/sin(gamma).
 
-    A cylinder in a half-round guide has the factors WORN_IN and NEW of `engine.laws.friction.coefficients` instead.
+    For a cylinder in a half-round guide use the factors WORN_IN and NEW of `engine.laws.friction.coefficients` instead.
 
     Parameters
     ----------
@@ -30,19 +30,19 @@ def vee_friction(friction: float, half_angle: float) -> float:
 
 @scalar
 def edge_forces(normal: float, moment: float, half_length: float) -> tuple[float, float]:
-    """Forces of the guide on the front and the rear edge of a slider, each positive where N presses.
+    """Forces of the guide on the front and rear edge of a slider, positive on the face that N loads.
 
     Parameters
     ----------
     normal, moment : float
-        N [N] and M about the slider's middle [N·m], positive where it presses the front.
+        N [N], and M about the slider's middle [N·m], positive where it presses the front.
     half_length : float
         a [m].
 
     Returns
     -------
     front, rear : float
-        [N]; of unlike sign where the slider tilts.
+        [N]; of opposite sign where the slider tilts.
     """
     tilting = moment / half_length
     return (normal + tilting) / 2, (normal - tilting) / 2
@@ -50,14 +50,14 @@ def edge_forces(normal: float, moment: float, half_length: float) -> tuple[float
 
 @scalar
 def slider_friction(normal: float, moment: float, half_length: float, friction: float) -> float:
-    """Friction of a slider under force and moment: f (|N1| + |N2|), N1 and N2 on its edges.
+    """Friction of a slider under force and moment: f (|N1| + |N2|), with N1 and N2 on its edges.
 
     Parameters
     ----------
     normal, moment, half_length : float
         N [N], M about the slider's middle [N·m], half of its length a [m].
     friction : float
-        f, of a V or cylindrical guide the one in terms of the force that presses.
+        f; for a V or cylindrical guide the equivalent coefficient.
 
     Returns
     -------
@@ -70,7 +70,7 @@ def slider_friction(normal: float, moment: float, half_length: float, friction: 
 
 @scalar
 def tilts(normal: float, moment: float, half_length: float) -> float:
-    """1 where a slider bears with its edges on opposite faces of the guide, |M| > |N| a, otherwise 0.
+    """1 if the edges of a slider bear on opposite faces of the guide, |M| > |N| a, otherwise 0.
 
     Parameters
     ----------
@@ -82,10 +82,10 @@ def tilts(normal: float, moment: float, half_length: float) -> float:
 
 @scalar
 def jamming_overhang(half_length: float, friction: float) -> float:
-    """Overhang of the driving force beyond which no force moves a slider: a/f, its length over 2 f.
+    """Overhang of the driving force beyond which a slider jams: a/f, its length divided by 2 f.
 
-    The edges' friction has no moment: it acts forwards of the middle of the guide at one as much as behind at the
-    other, so that the guide's height doesn't enter.
+    The friction at the two edges has no resultant moment about the middle of the guide, so the guide's height doesn't
+    matter.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def overhung_drive(resistance: float, normal: float, overhang: float, half_lengt
     resistance : float
         Q >= 0, along the middle of the guide [N].
     normal : float
-        N, across the guide at the slider's middle [N].
+        N, perpendicular to the guide at the slider's middle [N].
     overhang : float
         Distance e of P from the middle of the guide [m].
     half_length, friction : float

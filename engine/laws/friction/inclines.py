@@ -1,9 +1,9 @@
 """The inclined plane, the friction cone and the wedge.
 
-Two surfaces whose slope t = tan(alpha) doesn't exceed f = tan(phi) lock by themselves: no force within the friction
-cone, at phi or less from the normal, moves one on the other, however great it is. Tangents of sums of angles are
-taken from t and f, tan(alpha + phi) = (t + f)/(1 - t f), so that without friction, and at the limit of
-self-locking, nothing is left but rounding.
+Two surfaces with slope t = tan(alpha) not above f = tan(phi) are self-locking: a force inside the friction cone, within
+phi of the normal, cannot slide one on the other, however large it is. Tangents of sums of angles are computed from t
+and f, tan(alpha + phi) = (t + f)/(1 - t f), so that without friction, and at the limit of self-locking, only rounding
+is left.
 
 Sources: I. I. Artobolevsky, Theory of Mechanisms and Machines, friction in kinematic pairs; R. S. Khurmi and
 J. K. Gupta, Theory of Machines, chapter 10.
@@ -44,14 +44,14 @@ def push_down(load: float, slope: float, friction: float) -> float:
     Returns
     -------
     float
-        [N]; negative where the load would slide by itself and has to be held.
+        [N]; negative where the load would slide down and must be held.
     """
     return load * (friction - slope) / (1 + slope * friction)
 
 
 @scalar
 def self_locking(slope: float, friction: float) -> float:
-    """1 where a load stays on a slope by itself, tan(alpha) <= f, otherwise 0.
+    """1 if a slope is self-locking, tan(alpha) <= f, otherwise 0.
 
     Parameters
     ----------
@@ -63,20 +63,20 @@ def self_locking(slope: float, friction: float) -> float:
 
 @scalar
 def incline_up(load: float, angle: float, friction: float, pull_angle: float) -> float:
-    """Force that moves a load up an inclined plane: P = Q sin(alpha + phi)/cos(beta - phi), least at beta = phi.
+    """Force that moves a load up an inclined plane: P = Q sin(alpha + phi)/cos(beta - phi), minimum at beta = phi.
 
     Parameters
     ----------
     load, angle, friction : float
         Q [N], alpha [rad], f.
     pull_angle : float
-        beta, of the pull above the plane [rad], between -pi/2 and pi/2; -alpha for a horizontal one.
+        beta, angle of the pull above the plane [rad], between -pi/2 and pi/2; -alpha for a horizontal pull.
 
     Returns
     -------
     float
-        P [N]; infinite where the push jams, beta <= phi - 90 degrees, NaN where the pull lifts the load off the
-        plane, alpha + beta >= 90 degrees.
+        P [N]; infinite where the push jams, beta <= phi - 90 degrees, NaN where the pull lifts the load off the plane,
+        alpha + beta >= 90 degrees.
     """
     if not _stays_on(angle, pull_angle):
         return math.nan
@@ -93,13 +93,13 @@ def incline_down(load: float, angle: float, friction: float, pull_angle: float) 
     load, angle, friction : float
         Q [N], alpha [rad], f.
     pull_angle : float
-        beta [rad]: P acts on the line of `incline_up`, the other way round.
+        beta [rad]: P acts along the line of `incline_up`, in the opposite direction.
 
     Returns
     -------
     float
-        P [N]; negative where the load has to be held, by a pull of -P. Infinite where the push jams, NaN where the
-        pull lifts the load off the plane or, too steep, can't hold it.
+        P [N]; negative where the load must be held, by a pull of -P. Infinite where the push jams, NaN where the pull
+        lifts the load off the plane or is too steep to hold it.
     """
     if not _stays_on(angle, pull_angle):
         return math.nan
@@ -112,21 +112,21 @@ def incline_down(load: float, angle: float, friction: float, pull_angle: float) 
 
 @scalar
 def _stays_on(angle: float, pull_angle: float) -> bool:
-    """Whether a load that slides evenly is pressed on the plane."""
+    """Whether a uniformly sliding load is pressed on the plane."""
     return math.cos(angle + pull_angle) > 0.0
 
 
 @scalar
 def wedge_drive(load: float, slope: float, friction: float, base_friction: float, guide_friction: float) -> float:
-    """Force that drives a wedge under a load that is guided at a right angle to the wedge's base.
+    """Force that drives a wedge under a load that is guided perpendicular to the wedge's base.
 
-    Without a guide's friction it is Q (tan(alpha + phi) + f2); with it
+    Without friction in the guide it is Q (tan(alpha + phi) + f2), otherwise
     Q cos(phi3) sin(alpha + phi + phi2)/(cos(phi2) cos(alpha + phi + phi3)).
 
     Parameters
     ----------
     load, slope : float
-        Q [N], tan of the wedge's angle alpha.
+        Q [N], tangent of the wedge angle alpha.
     friction, base_friction, guide_friction : float
         f of the inclined face, of the base, and of the guide that takes the side thrust.
 
@@ -144,21 +144,21 @@ def wedge_drive(load: float, slope: float, friction: float, base_friction: float
 def wedge_withdraw(load: float, slope: float, friction: float, base_friction: float, guide_friction: float) -> float:
     """Force that withdraws a wedge from under its load.
 
-    Without a guide's friction it is Q (tan(phi - alpha) + f2).
+    Without friction in the guide it is Q (tan(phi - alpha) + f2).
 
     Parameters
     ----------
     load, slope, friction, base_friction, guide_friction : float
-        As for `wedge_drive`.
+        As in `wedge_drive`.
 
     Returns
     -------
     float
-        [N]; negative where the wedge would be pressed out by itself and has to be held.
+        [N]; negative where the load would press the wedge out, so that it must be held.
 
     Notes
     -----
-    The side thrust changes its side at alpha = phi; the guide's friction carries part of the load either way.
+    The side thrust reverses at alpha = phi; the guide's friction carries part of the load in either case.
     """
     thrust = push_down(1.0, slope, friction)
     return load * (thrust + base_friction) / (1 + guide_friction * abs(thrust))

@@ -1,12 +1,12 @@
 """Friction in revolute pairs: the friction circle, and the factors of new and worn-in journals.
 
-While it turns, the resultant R of pressure and friction passes the journal's middle at rho, the radius of its
-friction circle, and resists with M = R rho. Where the contact is a single line, rho = r sin(phi), tan(phi) = f.
-A bush that embraces half of the journal multiplies it by WORN_IN = 4/pi (pressure with the cosine of the angle from
-its middle, as after even wear) or NEW = pi/2 (even pressure), both from `engine.laws.friction.coefficients`.
+While the journal turns, the resultant R of pressure and friction passes its middle at the distance rho, the radius of
+the friction circle, and resists with M = R rho. For contact on a single line, rho = r sin(phi), tan(phi) = f. A bush
+around half of the journal multiplies it by WORN_IN = 4/pi (pressure with the cosine of the angle from its middle, as
+after even wear) or NEW = pi/2 (even pressure), both from `engine.laws.friction.coefficients`.
 
-Sources: I. I. Artobolevsky, Theory of Mechanisms and Machines (friction circle, worn-in and new journals); the 1.47
-that is printed here and there for the new journal is a misprint of pi/2 = 1.57.
+Sources: I. I. Artobolevsky, Theory of Mechanisms and Machines (friction circle, worn-in and new journals). The value
+1.47 sometimes printed for the new journal is a misprint of pi/2 = 1.57.
 """
 
 import math
@@ -21,33 +21,31 @@ def friction_circle(radius: float, friction: float, factor: float) -> float:
     Parameters
     ----------
     radius, friction : float
-        Of the journal r [m], f.
+        Radius of the journal r [m], f.
     factor : float
-        k: 1 for contact on a line, WORN_IN or NEW for a bush that embraces half of the journal.
+        k: 1 for contact on a line, WORN_IN or NEW for a bush around half of the journal.
 
     Returns
     -------
     float
         rho [m].
 
-    Notes
-    -----
-    k f r alone is its moment over the sum of the pressures' components along the middle of the bush; the friction
-    there adds at a right angle and makes R larger by √(1 + f²), whichever of the two laws the pressure has.
+    Notes ----- k f r is the friction moment divided by the resultant of the pressures along the middle of the bush. The
+    resultant of friction is perpendicular to that and makes R larger by √(1 + f²), for either distribution of pressure.
     """
     return factor * radius * friction / math.sqrt(1 + friction * friction)
 
 
 @scalar
 def journal_moment(reaction: float, radius: float, friction: float, factor: float) -> float:
-    """Moment of friction in a journal: R rho.
+    """Friction moment in a journal: R rho.
 
     Parameters
     ----------
     reaction : float
-        R, all of the force between journal and bush [N].
+        R, total force between journal and bush [N].
     radius, friction, factor : float
-        As for `friction_circle`.
+        As in `friction_circle`.
 
     Returns
     -------

@@ -1,7 +1,7 @@
-"""Rolling friction, rolling against sliding, and the friction of two rollers.
+"""Rolling friction, the limit between rolling and sliding, and the friction of two rollers.
 
-Under a load N the pressure of a roller moves ahead of its middle by k, the arm of rolling friction: M = k N. Higher
-pairs roll where that needs less than sliding, and slide where it needs more.
+Under a load N the pressure on a roller acts ahead of its middle by k, the arm of rolling friction: M = k N. Higher
+pairs roll where that needs less force than sliding, otherwise they slide.
 
 Sources: I. I. Artobolevsky, Theory of Mechanisms and Machines (rolling friction); R. S. Khurmi and J. K. Gupta,
 Theory of Machines, chapter 10.
@@ -29,36 +29,36 @@ def rolling_moment(normal: float, arm: float) -> float:
 
 @scalar
 def reduced_friction(arm: float, height: float) -> float:
-    """Rolling friction as a coefficient: k/h, the force that rolls over the load.
+    """Equivalent coefficient of rolling friction: k/h, the force that rolls a load divided by the load.
 
     Parameters
     ----------
     arm, height : float
-        k, and the height of the pull above the contact [m]: r at the roller's axle, 2 r on top of it.
+        k, and the height h of the pull above the contact [m]: r at the roller's axle, 2 r at its top.
     """
     return arm / height
 
 
 @scalar
 def rolls(arm: float, height: float, friction: float) -> float:
-    """1 where a pulled roller rolls, k/h < f, 0 where it slides.
+    """1 if a pulled roller rolls, k/h < f, 0 if it slides.
 
     Parameters
     ----------
     arm, height, friction : float
-        k and h as for `reduced_friction` [m], f of sliding.
+        k and h as in `reduced_friction` [m], f of sliding.
     """
     return 1.0 if arm / height < friction else 0.0
 
 
 @scalar
 def pull(normal: float, arm: float, height: float, friction: float) -> float:
-    """Force that moves a roller, rolling or sliding, whichever needs less: N min(k/h, f).
+    """Force that moves a roller, by rolling or sliding, whichever needs less: N min(k/h, f).
 
     Parameters
     ----------
     normal, arm, height, friction : float
-        N [N], k and h as for `reduced_friction` [m], f of sliding.
+        N [N], k and h as in `reduced_friction` [m], f of sliding.
 
     Returns
     -------
@@ -70,12 +70,12 @@ def pull(normal: float, arm: float, height: float, friction: float) -> float:
 
 @scalar
 def reduced_radius(radius: float, mate_radius: float) -> float:
-    """Radius of the roller on a plane that fits as closely as two rollers do: 1/r = 1/r1 + 1/r2.
+    """Radius of the roller on a plane that is equivalent to two rollers in contact: 1/r = 1/r1 + 1/r2.
 
     Parameters
     ----------
     radius, mate_radius : float
-        r1 and r2 [m]; r2 negative for a hollow one that embraces the first, infinite for a plane.
+        r1 and r2 [m]; r2 is negative for a hollow roller around the first, infinite for a plane.
     """
     return radius / (1 + radius / mate_radius)
 
@@ -91,7 +91,7 @@ def rollers_moment(normal: float, arm: float, radius: float, mate_radius: float)
     normal, arm : float
         N [N], k [m].
     radius, mate_radius : float
-        As for `reduced_radius` [m].
+        As in `reduced_radius` [m].
 
     Returns
     -------

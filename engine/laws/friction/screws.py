@@ -1,9 +1,9 @@
-"""Screws: moments to raise and to lower a load, self-locking and efficiency.
+"""Screws: torques to raise and to lower a load, self-locking and efficiency.
 
-A thread of mean radius r is an incline of slope t = tan(beta) = lead/(2 pi r) wound on a cylinder. Flanks at
-gamma to the plane across the axis, half of the thread's angle (square 0, trapezoidal 15, metric 30 degrees), press
-like a V guide: the friction of the square thread becomes f* = f/cos(gamma) = tan(phi*).
-To lower is to turn the other way: a negative moment means that the load drives the screw and has to be held.
+A thread of mean radius r is an incline of slope t = tan(beta) = lead/(2 pi r) wound on a cylinder. Flanks inclined by
+gamma to the plane normal to the axis, half of the thread angle (square 0, trapezoidal 15, metric 30 degrees), act like
+a V guide: the friction of the square thread becomes f* = f/cos(gamma) = tan(phi*).
+Lowering reverses the rotation: a negative torque means that the load drives the screw and must be held.
 
 Sources: I. I. Artobolevsky, Theory of Mechanisms and Machines (friction in the screw pair); R. G. Budynas and
 J. K. Nisbett, Shigley's Mechanical Engineering Design, chapter 8.
@@ -22,32 +22,32 @@ def thread_slope(lead: float, mean_diameter: float) -> float:
     Parameters
     ----------
     lead, mean_diameter : float
-        Advance in one turn, pitch times starts, and d [m].
+        Advance per turn, pitch times number of starts, and d [m].
     """
     return lead / (math.pi * mean_diameter)
 
 
 @scalar
 def flank_friction(friction: float, half_angle: float) -> float:
-    """Friction of a thread in terms of the axial force: f* = f/cos(gamma).
+    """Equivalent coefficient of friction of a thread, for the axial force: f* = f/cos(gamma).
 
     Parameters
     ----------
     friction, half_angle : float
-        f, half of the thread's angle gamma [rad].
+        f, half of the thread angle gamma [rad].
 
     Notes
     -----
-    gamma is that of the axial section, as textbooks take it. The flank leans by that of the normal section,
-    tan(gamma_n) = tan(gamma) cos(beta), which is less: f* is too great by about f sin(gamma) tan(gamma) tan²(beta)/2,
-    1e-4 of itself for a metric thread with beta = 1.5 degrees, 3e-4 for a trapezoidal one with 5.
+    As in textbooks, gamma is the angle in the axial section. The flank is inclined by the smaller angle of the normal
+    section, tan(gamma_n) = tan(gamma) cos(beta), so f* is too large by about f sin(gamma) tan(gamma) tan²(beta)/2:
+    relative to f*, 1e-4 for a metric thread with beta = 1.5 degrees and 3e-4 for a trapezoidal one with 5.
     """
     return friction / math.cos(half_angle)
 
 
 @scalar
 def raise_moment(load: float, radius: float, slope: float, friction: float) -> float:
-    """Moment in the thread that raises a load: Q r tan(beta + phi*).
+    """Torque in the thread that raises a load: Q r tan(beta + phi*).
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def raise_moment(load: float, radius: float, slope: float, friction: float) -> f
 
 @scalar
 def lower_moment(load: float, radius: float, slope: float, friction: float) -> float:
-    """Moment in the thread that lowers a load: Q r tan(phi* - beta), negative where the load drives the screw.
+    """Torque in the thread that lowers a load: Q r tan(phi* - beta), negative where the load drives the screw.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def lower_moment(load: float, radius: float, slope: float, friction: float) -> f
 
 @scalar
 def collar_moment(load: float, mean_radius: float, friction: float) -> float:
-    """Moment of friction at the thrust collar: f Q r_m; it resists both ways.
+    """Friction torque at the thrust collar, against either rotation: f Q r_m.
 
     Parameters
     ----------
@@ -93,50 +93,50 @@ def collar_moment(load: float, mean_radius: float, friction: float) -> float:
 
 @scalar
 def raise_efficiency(load: float, radius: float, slope: float, moment: float) -> float:
-    """Work done on the load over the work of the moment that raises it: Q r tan(beta)/M.
+    """Efficiency of raising, work on the load divided by work of the torque: Q r tan(beta)/M.
 
     Parameters
     ----------
     load, radius, slope : float
         Q [N], mean radius r [m], tan(beta).
     moment : float
-        M in thread and collar together [N·m].
+        Torque M in thread and collar together [N·m].
     """
     return load * radius * slope / moment
 
 
 @scalar
 def lower_efficiency(load: float, radius: float, slope: float, moment: float) -> float:
-    """Share of the sinking load's work that the screw passes on: -M/(Q r tan(beta)), 0 where it locks by itself.
+    """Efficiency of lowering, fraction of the load's work that drives the screw: -M/(Q r tan(beta)), 0 if self-locking.
 
     Parameters
     ----------
     load, radius, slope : float
         Q [N], mean radius r [m], tan(beta).
     moment : float
-        M that lowers, in thread and collar together [N·m], negative where the load drives.
+        Torque M that lowers, in thread and collar together [N·m], negative where the load drives.
     """
     return -moment / (load * radius * slope) if moment < 0.0 else 0.0
 
 
 @scalar
 def locking_friction(radius: float, slope: float, half_angle: float, collar_radius: float, collar: float) -> float:
-    """Least coefficient of friction f of the thread with which the screw locks by itself.
+    """Minimum coefficient of friction f of the thread for which the screw is self-locking.
 
-    Without a collar f = tan(beta) cos(gamma); the collar takes its moment off that of the thread,
+    Without a collar f = tan(beta) cos(gamma). The friction torque of a collar reduces the torque left to the thread,
     tan(beta - phi*) = f_c r_m/r.
 
     Parameters
     ----------
     radius, slope, half_angle : float
-        Mean radius r [m], tan(beta), half of the thread's angle gamma [rad].
+        Mean radius r [m], tan(beta), half of the thread angle gamma [rad].
     collar_radius, collar : float
-        Mean radius r_m [m] and friction f_c of the collar; 0 where there is none.
+        Mean radius r_m [m] and friction f_c of the collar; 0 without a collar.
 
     Returns
     -------
     float
-        f; 0 where the collar alone holds the load.
+        f; 0 if the collar holds the load even without friction in the thread.
     """
     held = collar * collar_radius / radius
     return math.cos(half_angle) * push_down(1.0, held, slope) if slope > held else 0.0

@@ -1,9 +1,9 @@
-"""Losses between teeth, as a mesh's efficiency tells them: η of what rolls through it is left.
+"""Losses between teeth, from the efficiency η of a mesh.
 
-Power rolls through a mesh by the speeds relative to its carrier. Of moments M on a wheel, with the ratio r of its speed
-to that of the driver, r M loads the driver without losses; with them r M/η where power goes to the wheel, η r M where
-it comes from it. The force between the teeth takes hold beside the pitch point, on the line of centres, so far away, δ,
-that the moments on both wheels have that ratio: with the wheel's pitch radius ρ, measured from its axis, and the
+Power flows through a mesh with the speeds relative to its carrier. A moment M on a wheel, whose speed is r times that
+of the driver, loads the driver with r M without losses; with losses, with r M/η where power flows to the wheel and η r
+M where it comes from it. The force between the teeth is shifted from the pitch point along the line of centres by δ,
+such that the moments on both wheels have that ratio: with the wheel's pitch radius ρ, measured from its axis, and the
 driver's r ρ,
 
     (r ρ + δ)/(ρ + δ) = k r,   k = 1/η or η
@@ -16,12 +16,12 @@ from engine.compiling.decorators import scalar
 
 @scalar
 def lost_share(rolling: float, efficiency: float) -> float:
-    """By how much the moment that loads a driver is changed by losses between teeth.
+    """Factor k on the moment that loads a driver, due to losses between teeth.
 
     Parameters
     ----------
     rolling : float
-        Power that a wheel takes from its driver, relative to the carrier, or what has its sign.
+        Power that a wheel takes from its driver, relative to the carrier, or a number of the same sign.
     efficiency : float
         η, between 0 and 1.
     """
@@ -32,14 +32,14 @@ def lost_share(rolling: float, efficiency: float) -> float:
 
 @scalar
 def shifted_contact(radius: float, ratio: float, k: float) -> float:
-    """Distance from a wheel's axis, along the line of centres, at which the force between its teeth takes hold [m].
+    """Distance from a wheel's axis, along the line of centres, at which the force between its teeth acts [m].
 
     Parameters
     ----------
     radius : float
-        Of the pitch circle, signed ρ [m].
+        Signed radius ρ of the pitch circle [m].
     ratio : float
-        Of the speeds relative to the carrier, r.
+        Ratio r of the speeds relative to the carrier.
     k : float
         From `lost_share`.
     """

@@ -1,1 +1,1 @@
-"""Laws of speed governors: how balls and sleeve move together, what holds the balls, stability with an engine."""
+"""Speed governors: kinematics of balls and sleeve, controlling force, motion, stability with an engine."""

@@ -1,14 +1,14 @@
-"""How the balls and the sleeve of a governor move together.
+"""Kinematics of a governor's balls and sleeve.
 
-Each law gives eight numbers at a position x of the governor, r and z for one ball and the sleeve:
+Each law returns eight numbers at a position x of the governor, r and z for one ball and the sleeve:
 
 - r, r', r'': radius of the balls and its derivatives by x;
 - h', h'': derivatives of the balls' height;
-- z, z', z'': height of the sleeve, from a place that doesn't depend on x, and its derivatives.
+- z, z', z'': height of the sleeve above a fixed level, and its derivatives.
 
-Of governors with arms x is the radius of the joint between upper and lower arm, of those with bell cranks the radius of
-the balls. An arm of length l whose end is `across` off its pivot, at right angles to the axis, reaches √(l² − across²)
-along the axis; all rates follow from that. Where an arm doesn't reach, results are NaN.
+For governors with arms x is the radius of the joint between upper and lower arm, for those with bell cranks the radius
+of the balls. An arm of length l whose end is `across` from its pivot, perpendicular to the axis, extends √(l² −
+across²) along the axis; all rates follow from that. Where an arm is too short, results are NaN.
 
 Sources: R. S. Khurmi and J. K. Gupta, Theory of Machines, chapter 18; T. Bevan, The Theory of Machines, chapter 10.
 """
@@ -20,7 +20,7 @@ from engine.compiling.decorators import scalar
 
 @scalar
 def arm_reach(x: float, pivot: float, length: float) -> tuple[float, float, float]:
-    """What an arm reaches along the axis, the tangent of its angle to the axis, and the rate of that tangent.
+    """Extent of an arm along the axis, the tangent of its angle to the axis, and the derivative of that tangent.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def arm_reach(x: float, pivot: float, length: float) -> tuple[float, float, floa
     Returns
     -------
     tuple of 3 floats
-        √(l² − across²) [m]; across over that; l² over its cube [1/m].
+        along = √(l² − across²) [m]; across/along; l²/along³ [1/m].
     """
     across = x - pivot
     along = math.sqrt(length * length - across * across)
@@ -57,7 +57,7 @@ def balls_on_upper_arms(
     Returns
     -------
     tuple of 8 floats
-        As the module says.
+        See the module docstring.
     """
     along, slope, rate = arm_reach(x, upper_pivot, upper)
     lower_along, lower_slope, lower_rate = arm_reach(x, lower_pivot, lower)
@@ -84,25 +84,25 @@ def balls_on_lower_arms(
     extension: float,
     parallel_radius: float,
 ) -> tuple[float, float, float, float, float, float, float, float]:
-    """Proell's governor: balls on extensions of the lower arms, which turn with these.
+    """Proell's governor: balls on extensions of the lower arms, fixed to them.
 
     Parameters
     ----------
     x, upper, lower, upper_pivot, lower_pivot : float
-        As for `balls_on_upper_arms`.
+        As in `balls_on_upper_arms`.
     extension : float
         Distance of the ball from the joint [m].
     parallel_radius : float
-        Radius of the balls at which the extensions are parallel to the axis [m].
+        Radius of balls and joints where the extensions are parallel to the axis [m].
 
     Returns
     -------
     tuple of 8 floats
-        As the module says.
+        See the module docstring.
     """
     along, slope, rate = arm_reach(x, upper_pivot, upper)
     lower_along, lower_slope, lower_rate = arm_reach(x, lower_pivot, lower)
-    # The extension leans outwards by the angle of the lower arm less the one that this has when they are parallel.
+    # The extension leans outwards by the lower arm's angle minus that angle at the position of parallel extensions.
     sine = (parallel_radius - lower_pivot) / lower
     cosine = math.sqrt(1.0 - sine * sine)
     share = extension / lower
@@ -122,23 +122,23 @@ def balls_on_lower_arms(
 def balls_on_bell_cranks(
     x: float, ball_arm: float, sleeve_arm: float, pivot: float
 ) -> tuple[float, float, float, float, float, float, float, float]:
-    """Hartnell's governor: balls above the pivots of right-angled levers, whose rollers lift the sleeve.
+    """Hartnell's governor: balls above the pivots of right-angled bell cranks, whose rollers lift the sleeve.
 
-    The roller bears on a flat collar, so that the lift is proportional to the radius.
+    The roller bears on a flat collar, so the lift is proportional to the radius.
 
     Parameters
     ----------
     x : float
         Radius of the balls [m].
     ball_arm, sleeve_arm : float
-        Lengths of the lever's arms [m].
+        Lengths of the bell crank's arms [m].
     pivot : float
-        Radius of the lever's pivot, at which the ball arms are parallel to the axis [m].
+        Radius of the bell crank's pivot, at which the ball arms are parallel to the axis [m].
 
     Returns
     -------
     tuple of 8 floats
-        As the module says.
+        See the module docstring.
     """
     _, slope, rate = arm_reach(x, pivot, ball_arm)
     ratio = sleeve_arm / ball_arm

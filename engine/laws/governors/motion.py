@@ -1,7 +1,7 @@
-"""Motion of a governor and its engine, by Lagrange's equations in the governor's position x and the engine's angle.
+"""Motion of a governor and its engine, by Lagrange's equations for the governor's position x and the engine's angle.
 
-The kinetic energy is ½ A(x) ẋ² + ½ (I + i² J(x)) ω², with J = 2 m r² of the balls about
-the spindle, which turns i times as fast as the engine at ω. Dashes are derivatives by x; see
+The kinetic energy is ½ A(x) ẋ² + ½ (I + i² J(x)) ω², where J = 2 m r² is the inertia of the balls about the spindle,
+which turns i times as fast as the engine with speed ω. Primes are derivatives by x; see
 `engine.laws.governors.linkages`:
 
     A ẍ + ½ A' ẋ² = ½ i² ω² J' − V' − z' (b z' ẋ + F sgn ẋ),   (I + i² J) ω̇ + i² J' ẋ ω = M_d − M_c
@@ -42,7 +42,7 @@ def moving_inertia_rate(
 
 @scalar
 def governor_acceleration(driving: float, inertia: float, inertia_rate: float, velocity: float) -> float:
-    """ẍ of a governor: (Q − ½ A' ẋ²)/A, with Q all forces that do work on x [m/s²]."""
+    """ẍ of a governor: (Q − ½ A' ẋ²)/A, with Q the sum of the generalised forces on x [m/s²]."""
     return (driving - 0.5 * inertia_rate * velocity * velocity) / inertia
 
 
@@ -66,23 +66,23 @@ def engine_acceleration(moment: float, inertia: float, whirl_rate: float, veloci
 
 @scalar
 def time_to_speed(speed: float, target: float, moment: float, self_regulation: float, inertia: float) -> float:
-    """Time in which an engine comes from one speed to another, with its sleeve held.
+    """Time in which an engine changes from one speed to another while its sleeve is held.
 
-    The moment changes by −s (ω̃ − ω) as the speed does.
+    The torque changes by −s (ω̃ − ω) with the speed.
 
     Parameters
     ----------
     speed, target : float
         [rad/s]
     moment : float
-        M_d − M_c at the first speed [N·m].
+        M_d − M_c at the initial speed [N·m].
     self_regulation, inertia : float
         s [N·m·s/rad], I + i² J [kg·m²].
 
     Returns
     -------
     float
-        [s]; infinite where it is never reached.
+        [s]; infinite if the target is never reached.
     """
     change = target - speed
     if change == 0.0:
@@ -97,14 +97,14 @@ def time_to_speed(speed: float, target: float, moment: float, self_regulation: f
 
 @scalar
 def speed_after(speed: float, time: float, moment: float, self_regulation: float, inertia: float) -> float:
-    """Speed of an engine some time later, with its sleeve held [rad/s].
+    """Speed of an engine after some time with its sleeve held [rad/s].
 
     Parameters
     ----------
     speed, time : float
         [rad/s], [s]
     moment, self_regulation, inertia : float
-        As for `time_to_speed`.
+        As in `time_to_speed`.
 
     Returns
     -------

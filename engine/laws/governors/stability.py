@@ -1,12 +1,12 @@
-"""Stability of an engine with its governor: the linear equation of third order and what it says.
+"""Stability of an engine with its governor: the linearised equation of third order.
 
-A sleeve with mass m, stiffness c and damping b, on which a change of speed ω̃ acts with f ω̃, governs an engine of
-inertia I whose moment falls by K for each metre of lift and by s for each rad/s:
+A sleeve with mass m, stiffness c and damping b, on which a speed deviation ω̃ acts with f ω̃, governs an engine of
+inertia I whose torque falls by K per metre of lift and by s per rad/s:
 
     m z̈ + b ż + c z = f ω̃,   I ω̃' = −K z − s ω̃ − f ż
 
-The term f ż is what balls that move outwards take of the angular momentum; textbooks leave it out (f² below is small
-against I c but for governors as heavy as the engine's wheel). The characteristic polynomial is
+The term f ż is the angular momentum taken up by balls that move outwards. Textbooks omit it: f² below is small compared
+with I c unless the governor is as heavy as the engine's flywheel. The characteristic polynomial is
 
     I m λ³ + (I b + s m) λ² + (I c + s b + f²) λ + (s c + K f)
 
@@ -19,7 +19,7 @@ import math
 from engine.compiling.decorators import scalar
 from engine.laws.rounding import EPS
 
-# Newton's method takes a handful of them, halving of the bracket one for each bit.
+# Maximum iterations: Newton's method takes a few, bisection one per bit.
 MOST_ROUNDS = 80
 
 
@@ -48,14 +48,14 @@ def governed_polynomial(
 
 @scalar
 def vyshnegradsky(a3: float, a2: float, a1: float, a0: float) -> tuple[float, float, float]:
-    """Vyshnegradsky's parameters X and Y, and the time τ they are made with.
+    """Vyshnegradsky's parameters X and Y, and their unit of time τ.
 
-    In units of τ = (a3/a0)^⅓ the polynomial is λ³ + X λ² + Y λ + 1. Stable where X Y > 1, X > 0.
+    In units of τ = (a3/a0)^⅓ the polynomial is λ³ + X λ² + Y λ + 1. It is stable for X Y > 1, X > 0.
 
     Parameters
     ----------
     a3, a2, a1, a0 : float
-        Coefficients, the last above 0.
+        Coefficients; a0 must be positive.
 
     Returns
     -------
@@ -83,11 +83,11 @@ def normal_roots(x: float, y: float) -> tuple[float, float, float]:
     Returns
     -------
     real : float
-        The one that is real always; below 0.
+        The root that is always real, below 0.
     middle, square : float
-        The others are middle ± √square.
+        The other roots are middle ± √square.
     """
-    # The polynomial read backwards has the inverse roots: of the two, one has its real root between −1 and 0.
+    # The reversed polynomial has the reciprocal roots; one of the two has its real root between −1 and 0.
     backwards = x > y
     p, q = (y, x) if backwards else (x, y)
     low, high = -1.0, 0.0
@@ -106,7 +106,8 @@ def normal_roots(x: float, y: float) -> tuple[float, float, float]:
         if done:
             break
     real = 1.0 / root if backwards else root
-    # λ² + t λ − 1/real is left, with t = X + real; where these are large and alike, t follows from Y.
+    # The remaining factor is λ² + t λ − 1/real with t = X + real; where X and −real are large and nearly equal, t comes
+    # from Y.
     total = (-1.0 / real - y) / real if backwards else x + real
     middle = -0.5 * total
     return real, middle, middle * middle + 1.0 / real
@@ -116,7 +117,7 @@ def normal_roots(x: float, y: float) -> tuple[float, float, float]:
 def most_gain(
     inertia: float, mass: float, damping: float, stiffness: float, self_regulation: float, pull: float
 ) -> float:
-    """Gain K at which the engine with its governor begins to hunt, by Hurwitz; 0 where it does at any gain.
+    """Gain K at which the engine with its governor starts to hunt, by Hurwitz; 0 if it hunts at any gain.
 
     Parameters
     ----------
@@ -137,9 +138,9 @@ def most_gain(
 def critical_damping_of_sleeve(
     inertia: float, mass: float, stiffness: float, self_regulation: float, lift_gain: float, pull: float
 ) -> float:
-    """Least damping b at the sleeve with which the engine doesn't hunt; m K f/(I c) without s and f².
+    """Minimum damping b at the sleeve for which the engine doesn't hunt; m K f/(I c) without s and f².
 
-    Hurwitz' condition as an equation in b: I s b² + (I (I c + f²) + s² m) b + m (s f² − I K f) = 0.
+    Hurwitz' condition as an equation for b: I s b² + (I (I c + f²) + s² m) b + m (s f² − I K f) = 0.
 
     Parameters
     ----------
@@ -149,7 +150,7 @@ def critical_damping_of_sleeve(
     Returns
     -------
     float
-        [N s/m]; 0 where none is needed, infinite where none suffices.
+        [N s/m]; 0 if none is needed, infinite if none suffices.
     """
     constant = mass * (inertia * lift_gain * pull - self_regulation * pull * pull)
     if constant <= 0.0:
@@ -163,9 +164,9 @@ def critical_damping_of_sleeve(
 def critical_inertia_of_engine(
     mass: float, damping: float, stiffness: float, self_regulation: float, lift_gain: float, pull: float
 ) -> float:
-    """Inertia I from which on the engine doesn't hunt; m K f/(b c) without s and f².
+    """Minimum inertia I for which the engine doesn't hunt; m K f/(b c) without s and f².
 
-    Hurwitz' condition as an equation in I: b c I² + (s b² + b f² − m K f) I + s m (s b + f²) = 0.
+    Hurwitz' condition as an equation for I: b c I² + (s b² + b f² − m K f) I + s m (s b + f²) = 0.
 
     Parameters
     ----------
@@ -175,7 +176,7 @@ def critical_inertia_of_engine(
     Returns
     -------
     float
-        [kg·m²]; 0 where any will do, infinite where none will.
+        [kg·m²]; 0 if any inertia suffices, infinite if none does.
     """
     square = damping * stiffness
     needed = mass * lift_gain * pull - self_regulation * damping * damping - damping * pull * pull

@@ -1,7 +1,7 @@
-"""What computed positions of a structural group miss of its lengths, guides and directions.
+"""Loop-closure residuals of structural groups: errors of computed positions in lengths, guides and directions.
 
-Found from the positions alone, not by the formulas that solve the groups. Every function gives shares of a length, so
-that what is left is some roundings of the machine's extent over the length of the link.
+They follow from the positions alone, not from the formulas that solve the groups. Every residual is relative to a
+length, so it is a few roundings of the machine's extent divided by the length of the link.
 """
 
 import math
@@ -12,19 +12,19 @@ from engine.laws.kinematics.vectors import Line, Link, Vector
 
 @scalar
 def greater(a: float, b: float) -> float:
-    """The greater of two numbers; NaN if either is."""
+    """The larger of two numbers; NaN if either is NaN."""
     return a if a >= b or a != a else b
 
 
 @scalar
 def share_of(part: float, whole: float) -> float:
-    """A magnitude as a share of another; 0 where there is nothing of it."""
+    """Part relative to a whole; 0 if the part is 0."""
     return part / whole if part != 0.0 else part
 
 
 @scalar
 def link_gap(a: Vector, b: Vector, link: Link) -> float:
-    """What a link A → B misses of its length, and of B from A along its direction; the greater, as a share of r.
+    """Residual of a link A → B in its length, and of B along its direction from A; the larger, relative to r.
 
     Parameters
     ----------
@@ -34,13 +34,13 @@ def link_gap(a: Vector, b: Vector, link: Link) -> float:
     """
     r, c, s = link
     x, y = b[0] - a[0], b[1] - a[1]
-    aside, ahead = y - r * s, x - r * c
-    return greater(abs(math.sqrt(x * x + y * y) - r), math.sqrt(ahead * ahead + aside * aside)) / r
+    y_error, x_error = y - r * s, x - r * c
+    return greater(abs(math.sqrt(x * x + y * y) - r), math.sqrt(x_error * x_error + y_error * y_error)) / r
 
 
 @scalar
 def guide_gap(joint: Vector, line: Line, offset: float, slide: float, size: float) -> float:
-    """What a slider misses of its line and of its place on it; the greater, as a share of a length.
+    """Residual of a slider across its line and along it; the larger, relative to a length.
 
     Parameters
     ----------
@@ -49,9 +49,9 @@ def guide_gap(joint: Vector, line: Line, offset: float, slide: float, size: floa
     line : Line
         The guide or slot.
     offset, slide : float
-        Where the joint is to be: to the left of the line, and along it [m].
+        Nominal position of the joint: to the left of the line, and along it [m].
     size : float
-        The length [m]; of 0 nothing is missed if nothing is.
+        The length [m]; a zero residual stays 0 for length 0.
     """
     gx, gy, c, s = line
     lx, ly = joint[0] - gx, joint[1] - gy
@@ -60,25 +60,25 @@ def guide_gap(joint: Vector, line: Line, offset: float, slide: float, size: floa
 
 @scalar
 def direction_gap(u: Vector, other: Vector, turn: Vector) -> float:
-    """What a direction misses of its angle to another one, and of unit length; both about as angles.
+    """Residual of a direction in its angle to another one and in its unit length, both about in radians.
 
     Parameters
     ----------
     u, other : Vector
         The direction, and the other one.
     turn : Vector
-        Cosine and sine of the angle from the other one to it.
+        Cosine and sine of the angle from `other` to `u`.
     """
     c, s = u
     along, across = other
     cosine, sine = turn
-    ahead = c * along + s * across - cosine
-    aside = s * along - c * across - sine
-    return math.sqrt(ahead * ahead + aside * aside)
+    cosine_error = c * along + s * across - cosine
+    sine_error = s * along - c * across - sine
+    return math.sqrt(cosine_error * cosine_error + sine_error * sine_error)
 
 
 @scalar
 def unit_gap(u: Vector) -> float:
-    """What a direction misses of unit length."""
+    """Residual of a direction in its unit length."""
     c, s = u
     return abs(math.sqrt(c * c + s * s) - 1.0)

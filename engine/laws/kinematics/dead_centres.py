@@ -1,7 +1,7 @@
-"""How far a structural group is from its dead centres.
+"""Distance of a structural group from its dead centres.
 
-The `sine` of a group is a root of what the links' reach leaves over. In a dead centre nothing is left; where what is
-left is no more than rounding, whose sign is chance, the position is the dead centre itself.
+The `sine` of a group is the square root of the links' surplus reach. At a dead centre the surplus is zero; within
+rounding, where its sign is random, the position counts as the dead centre itself.
 """
 
 from engine.compiling.decorators import scalar
@@ -13,12 +13,12 @@ _ROUNDINGS = 8.0 * EPS
 
 @scalar
 def left_over(square: float, scale: float) -> float:
-    """What the links' reach leaves over, 0 where it is within rounding of it.
+    """Surplus of the links' reach, 0 where it is within rounding of zero.
 
     Parameters
     ----------
     square, scale : float
-        Product of the reach's two factors, and the size of the terms it comes from [m², or its square].
+        Product of the reach's two factors, and the magnitude of its terms [m², or its square].
     """
-    doubt = _ROUNDINGS * scale
-    return doubt - doubt if abs(square) < doubt else square
+    rounding = _ROUNDINGS * scale
+    return rounding - rounding if abs(square) < rounding else square

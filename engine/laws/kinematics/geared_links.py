@@ -1,4 +1,4 @@
-"""A wheel in mesh with one on a link whose angle is known as a direction alone, between -180 deg and 180 deg."""
+"""A wheel in mesh with a wheel on a link whose angle is known only as a direction, between -180 deg and 180 deg."""
 
 import math
 
@@ -10,26 +10,26 @@ _WIDEST = 1.0 + math.cos(math.radians(5.0))
 
 @scalar
 def geared_turn(cosine: float, sine: float, ratio: float, around: float) -> tuple[float, float]:
-    """Angle of a wheel against its carrier, r α, by the direction of what drives it, and whether α is known for it.
+    """Angle of a wheel relative to its carrier, r α, from the direction of its driver, and a margin for its uniqueness.
 
-    With a whole ratio r any of the angles of a direction gives the same place of the wheel. With another one the
-    link that drives it must swing by less than half a turn to either side of an angle that is told.
+    With an integer ratio r any angle of a direction gives the same position of the wheel. With any other ratio the
+    driving link must swing by less than half a turn to either side of a given angle.
 
     Parameters
     ----------
     cosine, sine : float
-        Of the driving link's angle α against the carrier.
+        Cosine and sine of the driving link's angle α relative to the carrier.
     ratio : float
-        Of the speeds relative to the carrier, r.
+        Ratio r of the speeds relative to the carrier.
     around : float
-        About which the driving link swings [rad].
+        Angle about which the driving link swings [rad].
 
     Returns
     -------
     angle : float
         [rad]
     clear : float
-        1 with a whole ratio; otherwise near 1 up to a swing of a quarter turn, and zero 5 deg before half a turn.
+        1 for an integer ratio; otherwise near 1 up to a swing of a quarter turn, and zero 5 deg before half a turn.
     """
     c, s = math.cos(around), math.sin(around)
     along, across = cosine * c + sine * s, sine * c - cosine * s

@@ -6,16 +6,16 @@ from engine.laws.elementary import direction_of
 
 @scalar
 def law_harmonic(angle: float, order: float, cosine: float, sine: float) -> tuple[float, float, float]:
-    """What a harmonic c cos kφ + s sin kφ adds to an angle [rad] or a place [m], and to its derivatives by φ.
+    """Contribution of a harmonic c cos kφ + s sin kφ to an angle [rad] or a position [m], and to its derivatives by φ.
 
     Parameters
     ----------
     angle : float
         φ [rad].
     order : float
-        Its number k.
+        Order k.
     cosine, sine : float
-        Its amplitudes c and s [rad or m].
+        Amplitudes c and s [rad or m].
     """
     c, s = direction_of(order * angle)
     added = cosine * c + sine * s

@@ -1,11 +1,11 @@
-"""Points of rigid links: a link has its own axes, with an origin and the direction (cos, sin) of its x axis."""
+"""Points of rigid links: each link has axes, with an origin and the direction (cos, sin) of its x axis."""
 
 from engine.compiling.decorators import scalar
 
 
 @scalar
 def arm(along: float, across: float, c: float, s: float) -> tuple[float, float]:
-    """Vector from the link's origin to the point (along, across) of the link's own axes, in frame axes.
+    """Vector, in frame axes [m], from a link's origin to its point (along, across).
 
     Parameters
     ----------

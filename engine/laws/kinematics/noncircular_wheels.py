@@ -1,10 +1,10 @@
-"""Non-circular wheels in mesh: how the driven one turns, pitch curves, and the force between the teeth.
+"""Non-circular wheels in mesh: rotation of the driven one, pitch curves, and the force between the teeth.
 
-Wheels at the distance a roll on each other where they turn at the ratio g = dψ/dθ by magnitude, teeth outside:
+Wheels at the centre distance a roll on each other with the ratio g = dψ/dθ by magnitude, external teeth:
 
     r₁ = a g/(1 + g)    r₂ = a/(1 + g)
 
-Two equal ellipses that turn about foci give g = (1 − e²)/(1 + e² − 2 e cos θ), tan(ψ/2) = (1 + e)/(1 − e) tan(θ/2).
+Two equal ellipses that turn about foci have g = (1 − e²)/(1 + e² − 2 e cos θ), tan(ψ/2) = (1 + e)/(1 − e) tan(θ/2).
 
 Sources: F. L. Litvin, A. Fuentes-Aznar, I. Gonzalez-Perez, K. Hayasaka, Noncircular Gears: Design and Generation,
 Cambridge University Press (2009); I. I. Artobolevsky, Theory of Mechanisms and Machines (forces in higher pairs).
@@ -18,14 +18,14 @@ from engine.laws.elementary import angle_of, direction_of
 
 @scalar
 def elliptical_wheels(angle: float, eccentricity: float) -> tuple[float, float, float, float]:
-    """How far a wheel driven by an ellipse about its focus leads an even motion [rad], and its rates.
+    """Lead of a wheel driven by an ellipse about its focus over uniform rotation [rad], and its rates.
 
     Parameters
     ----------
     angle : float
-        Of the driver from where it drives fastest, times its number of lobes [rad].
+        Angle of the driver from its fastest drive, times its number of lobes [rad].
     eccentricity : float
-        Below 1.
+        e, below 1.
 
     Returns
     -------
@@ -45,16 +45,16 @@ def elliptical_wheels(angle: float, eccentricity: float) -> tuple[float, float, 
 
 @scalar
 def wheel_harmonic(angle: float, order: float, cosine: float, sine: float) -> tuple[float, float, float, float]:
-    """What a harmonic c cos kθ + s sin kθ of the rate adds to the lead of the driven wheel and to its rates.
+    """Contribution of a harmonic c cos kθ + s sin kθ of the rate to the driven wheel's lead and its rates.
 
     Parameters
     ----------
     angle : float
-        Of the driver, times its number of lobes [rad].
+        Angle of the driver, times its number of lobes [rad].
     order : float
-        Its number k.
+        Order k.
     cosine, sine : float
-        Its coefficients, as shares of the mean rate.
+        Coefficients c and s, relative to the mean rate.
     """
     c, s = direction_of(order * angle)
     rate, quarter = cosine * c + sine * s, sine * c - cosine * s
@@ -63,12 +63,12 @@ def wheel_harmonic(angle: float, order: float, cosine: float, sine: float) -> tu
 
 @scalar
 def driving_pitch_curve(distance: float, rate: float, slope: float, bend: float) -> tuple[float, float, float]:
-    """Pitch curve of the driver: its radius at the pitch point, and two derivatives of that by its angle [m].
+    """Pitch curve of the driver: radius at the pitch point, and its first two derivatives by the driver's angle [m].
 
     Parameters
     ----------
     distance : float
-        Of the axes [m].
+        Centre distance [m].
     rate, slope, bend : float
         First to third derivative of the driven wheel's angle by the driver's, by magnitude.
     """
@@ -80,7 +80,7 @@ def driving_pitch_curve(distance: float, rate: float, slope: float, bend: float)
 
 @scalar
 def driven_pitch_curve(distance: float, rate: float, slope: float, bend: float) -> tuple[float, float, float]:
-    """Pitch curve of the driven wheel: its radius, and two derivatives of that by its own angle [m].
+    """Pitch curve of the driven wheel: radius at the pitch point, and its first two derivatives by its own angle [m].
 
     Parameters are those of `driving_pitch_curve`.
     """
@@ -95,7 +95,7 @@ def polar_curvature(radius: float, first: float, second: float) -> float:
     Parameters
     ----------
     radius, first, second : float
-        The radius and its derivatives by the angle [m].
+        Radius and its derivatives by the angle [m].
     """
     square = radius * radius + first * first
     return (square + first * first - radius * second) / (square * math.sqrt(square))
@@ -103,15 +103,15 @@ def polar_curvature(radius: float, first: float, second: float) -> float:
 
 @scalar
 def noncircular_tooth_force(moment: float, lever: float, offset: float, slope: float) -> tuple[float, float]:
-    """Force between teeth that balances a moment on a wheel: along the common tangent, and what pushes apart [N].
+    """Force between teeth that balances a moment on a wheel: tangential and separating component [N].
 
-    Off a circle the normal of the pitch curve passes beside the axis, so that both components have moments:
+    The normal of a non-circular pitch curve misses the axis, so both components have moments:
     T lever + |T| slope offset = −M.
 
     Parameters
     ----------
     moment : float
-        M, of all else on the wheel about its axis [N·m].
+        M, moment of all other loads on the wheel about its axis [N·m].
     lever, offset : float
         Moments about the axis of forces of 1 N along the tangent, and along the normal away from the other wheel [m].
     slope : float

@@ -1,12 +1,12 @@
-"""The dyad PRP, two sliders with a joint in common: the trammel.
+"""The dyad PRP, two sliders with a common joint: the trammel.
 
-Position, rates, and equilibrium of the sliders along their guides, F_B the force in the joint on the first slider:
+Position, rates, and equilibrium of the sliders along their guides, with F_B the force in the joint on the first slider:
 
     n1 · (B − G1) = offset1 and n2 · (B − G2) = offset2
     slide_rate1 u1 − slide_rate2 u2 = gap
     u1 · (F_1 + F_B) = 0 and u2 · (F_2 − F_B) = 0
 
-`engine.laws.kinematics` has the conventions of all groups.
+The conventions are those of `engine.laws.kinematics`.
 """
 
 from engine.compiling.decorators import scalar
@@ -18,7 +18,7 @@ from engine.laws.kinematics.vectors import Line, Load, Vector, oblique_component
 def prp_position(
     guide1: Line, offset1: float, guide2: Line, offset2: float
 ) -> tuple[float, float, float, float, float]:
-    """Position of the dyad PRP: B where two lines cross, parallel to two guides at offsets to their left.
+    """Position of the dyad PRP: B at the crossing of two lines, parallel to two guides at offsets to their left.
 
     Parameters
     ----------
@@ -47,8 +47,8 @@ def prp_position(
 def prp_rates(gap: Vector, u1: Vector, u2: Vector) -> tuple[float, float]:
     """Rates of the sliders along their guides from slide_rate1 u1 − slide_rate2 u2 = gap.
 
-    For velocities the gap is v_2 − v_1, of the guides' points that lie under B; for accelerations it is a_2 − a_1,
-    with the Coriolis terms of the sliding.
+    For velocities the gap is v_2 − v_1, of the guides' points under B; for accelerations it is a_2 − a_1, with the
+    Coriolis terms of sliding.
     """
     along1, along2 = oblique_components(gap, u1, u2)
     return along1, -along2
@@ -61,18 +61,18 @@ def prp_reactions(load1: Load, load2: Load, u1: Vector, u2: Vector) -> tuple[flo
     Parameters
     ----------
     load1, load2 : Load
-        On the sliders, moments about B.
+        Loads on the sliders, moments about B.
     u1, u2 : Vector
         Directions of the guides.
 
     Returns
     -------
     normal1, moment1 : float
-        Of the first guide on the first slider [N, N·m], the moment about B.
+        Reaction of the first guide on the first slider [N, N·m], the moment about B.
     bx, by : float
         Force in B on the first slider [N].
     normal2, moment2 : float
-        Of the second guide on the second slider.
+        Reaction of the second guide on the second slider.
     """
     f1x, f1y, m1 = load1
     f2x, f2y, m2 = load2
@@ -81,7 +81,7 @@ def prp_reactions(load1: Load, load2: Load, u1: Vector, u2: Vector) -> tuple[flo
     sine = c1 * s2 - s1 * c2
     along1, along2 = (f1x * c1 + f1y * s1) / sine, (f2x * c2 + f2y * s2) / sine
     bx, by = -along2 * s1 - along1 * s2, along2 * c1 + along1 * c2
-    # Of both sliders together along either guide: the force in the joint, which may be large, is not in it.
+    # Equilibrium of both sliders together avoids the force in the joint, which may be large.
     fx, fy = f1x + f2x, f1y + f2y
     normal1, normal2 = -(fx * c2 + fy * s2) / sine, (fx * c1 + fy * s1) / sine
     return normal1, -m1, bx, by, normal2, -m2
@@ -91,14 +91,14 @@ def prp_reactions(load1: Load, load2: Load, u1: Vector, u2: Vector) -> tuple[flo
 def prp_closure(
     guide1: Line, offset1: float, guide2: Line, offset2: float, b: Vector, slide1: float, slide2: float
 ) -> float:
-    """What the sliders miss of their guides; the greater, as a share of the coordinates' and offsets' magnitudes.
+    """Residuals of the sliders in their guides; the larger, relative to the sum of |coordinates| and |offsets|.
 
     Parameters
     ----------
     guide1, offset1, guide2, offset2
-        As for `prp_position`.
+        As in `prp_position`.
     b, slide1, slide2
-        As it found them.
+        Its results.
     """
     size = abs(slide1) + abs(slide2) + abs(offset1) + abs(offset2)
     return greater(guide_gap(b, guide1, offset1, slide1, size), guide_gap(b, guide2, offset2, slide2, size))

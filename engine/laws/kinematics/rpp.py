@@ -1,12 +1,12 @@
 """The dyad RPP, a block in the slot of a link that slides: the Scotch yoke.
 
-Position, rates, and equilibrium of the sliding link along its guide, `normal` the force of the slot on the block:
+Position, rates, and equilibrium of the sliding link along its guide, with `normal` the force of the slot on the block:
 
     along u + slide u_slot = A − G
     guide_rate u + slot_rate u_slot = gap
     u · (F_2 − normal n_slot) = 0
 
-`engine.laws.kinematics` has the conventions of all groups.
+The conventions are those of `engine.laws.kinematics`.
 """
 
 from engine.compiling.decorators import scalar
@@ -25,8 +25,7 @@ def rpp_position(a: Vector, guide: Line, turn: Vector) -> tuple[float, float, fl
         Outer joint A of the block [m].
     guide : Line
     turn : Vector
-        Cosine and sine of the angle from the guide to the slot, which never changes; its sine is the quality of
-        transmission.
+        Cosine and sine of the constant angle from the guide to the slot; its sine is the transmission angle's sine.
 
     Returns
     -------
@@ -47,8 +46,8 @@ def rpp_position(a: Vector, guide: Line, turn: Vector) -> tuple[float, float, fl
 def rpp_rates(gap: Vector, u: Vector, slot: Vector) -> tuple[float, float]:
     """Rates along the guide and along the slot from guide_rate u + slot_rate u_slot = gap.
 
-    For velocities the gap is v_A − v, v the velocity of the guide's carrier at A; for accelerations it is a_A − a, a
-    with the Coriolis term of the sliding, of guide and slot together.
+    For velocities the gap is v_A − v, with v the velocity of the guide's carrier at A; for accelerations it is a_A − a,
+    where a includes the Coriolis term of sliding along both guide and slot.
     """
     return oblique_components(gap, u, slot)
 
@@ -57,12 +56,12 @@ def rpp_rates(gap: Vector, u: Vector, slot: Vector) -> tuple[float, float]:
 def rpp_reactions(
     load1: Load, load2: Load, u: Vector, slot: Vector, slide: float
 ) -> tuple[float, float, float, float, float, float]:
-    """Reactions of the dyad RPP: the sliding link's forces along its guide give the force in the slot.
+    """Reactions of the dyad RPP: the forces on the sliding link along its guide give the force in the slot.
 
     Parameters
     ----------
     load1, load2 : Load
-        On block and sliding link, moments about A and about the crossing of slot and guide.
+        Loads on block and sliding link, moments about A and about the crossing of slot and guide.
     u, slot : Vector
         Directions of guide and slot.
     slide : float
@@ -73,9 +72,9 @@ def rpp_reactions(
     ax, ay : float
         Force in A on the block [N].
     normal, moment : float
-        Of the sliding link on the block, across the slot [N, N·m], the moment about A.
+        Reaction of the sliding link on the block, perpendicular to the slot [N, N·m], the moment about A.
     guide_normal, guide_moment : float
-        Of the guide on the sliding link [N, N·m], the moment about the crossing.
+        Reaction of the guide on the sliding link [N, N·m], the moment about the crossing.
     """
     f1x, f1y, m1 = load1
     f2x, f2y, m2 = load2
@@ -92,16 +91,16 @@ def rpp_reactions(
 def rpp_closure(
     a: Vector, guide: Line, turn: Vector, crossing: Vector, slot: Vector, along: float, slide: float
 ) -> float:
-    """What crossing and block miss of guide and slot, and the slot of its angle to the guide; the greatest.
+    """Residuals of crossing and block in guide and slot, and of the slot's angle to the guide; the largest.
 
-    Lengths as shares of the magnitudes of the two coordinates.
+    Lengths are relative to the sum of the magnitudes of both coordinates.
 
     Parameters
     ----------
     a, guide, turn
-        As for `rpp_position`.
+        As in `rpp_position`.
     crossing, slot, along, slide
-        As it found them.
+        Its results.
     """
     size, line = abs(along) + abs(slide), (crossing[0], crossing[1], slot[0], slot[1])
     lengths = greater(guide_gap(crossing, guide, 0.0, along, size), guide_gap(a, line, 0.0, slide, size))

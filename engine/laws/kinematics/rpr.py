@@ -1,12 +1,12 @@
 """The dyad RPR, a block on a slotted link: block and rocker of the quick-return mechanism, an oscillating cylinder.
 
-Position, rates, and equilibrium of moments about the rocker's pivot D; block and rocker turn as one:
+Position, rates, and equilibrium of moments about the rocker's pivot D; block and rocker turn together:
 
     n · DA = offset
     w k × DA + slide_rate u = gap
     m1 + m2 = slide · normal
 
-`engine.laws.kinematics` has the conventions of all groups.
+The conventions are those of `engine.laws.kinematics`.
 """
 
 import math
@@ -60,12 +60,12 @@ def rpr_rates(gap: Vector, u: Vector, offset: float, slide: float) -> tuple[floa
 
 @scalar
 def rpr_reactions(load1: Load, load2: Load, u: Vector, slide: float) -> tuple[float, float, float, float, float, float]:
-    """Reactions of the dyad RPR: block and rocker turn as one, so their moments about D give the force in the slot.
+    """Reactions of the dyad RPR: block and rocker turn together, so their moments about D give the force in the slot.
 
     Parameters
     ----------
     load1, load2 : Load
-        On block and rocker, moments about A and D.
+        Loads on block and rocker, moments about A and D.
     u : Vector
         Direction of the slot.
     slide : float
@@ -76,7 +76,7 @@ def rpr_reactions(load1: Load, load2: Load, u: Vector, slide: float) -> tuple[fl
     ax, ay : float
         Force in A on the block [N].
     normal, moment : float
-        Of the rocker on the block [N, N·m], the moment about A.
+        Reaction of the rocker on the block [N, N·m], the moment about A.
     dx, dy : float
         Force in D on the rocker [N].
     """
@@ -90,13 +90,13 @@ def rpr_reactions(load1: Load, load2: Load, u: Vector, slide: float) -> tuple[fl
 
 @scalar
 def rpr_closure(a: Vector, d: Vector, offset: float, u: Vector, slide: float) -> float:
-    """What the block misses of its slot, as a share of DA, and the slot's direction of unit length; the greater.
+    """Residual of the block in its slot, relative to DA, and of the slot's direction in its unit length; the larger.
 
     Parameters
     ----------
     a, d, offset
-        As for `rpr_position`.
+        As in `rpr_position`.
     u, slide
-        As it found them.
+        Its results.
     """
     return greater(guide_gap(a, (d[0], d[1], u[0], u[1]), offset, slide, distance(a, d)), unit_gap(u))

@@ -1,13 +1,13 @@
 """The dyad RRP, a rod and a slider: connecting rod and piston of the slider-crank mechanism.
 
-Position, rates, and equilibrium of the slider along its guide and of the rod about A, F_B the force in the inner joint
-on the rod:
+Position, rates, and equilibrium of the slider along its guide and of the rod about A, with F_B the force in the inner
+joint on the rod:
 
     |AB| = r1 and n · (B − G) = offset
     w1 k × AB − slide_rate u = gap
     u · (F_2 − F_B) = 0 and m1 + AB × F_B = 0
 
-`engine.laws.kinematics` has the conventions of all groups.
+The conventions are those of `engine.laws.kinematics`.
 """
 
 import math
@@ -59,13 +59,13 @@ def rrp_position(
 def rrp_rates(gap: Vector, rod: Link, u: Vector, sine: float) -> tuple[float, float]:
     """Rod's angular rate w1 and slider's rate along the guide from w1 k × AB − slide_rate u = gap.
 
-    For velocities the gap is v − v_A, v the velocity of the guide's point that lies under B; for accelerations
-    it is a − a_A + w1² AB, a with the Coriolis term of the sliding.
+    For velocities the gap is v − v_A, with v the velocity of the guide's point under B; for accelerations it is
+    a − a_A + w1² AB, where a includes the Coriolis term of sliding.
     """
     gapx, gapy = gap
     r1, c1, s1 = rod
     c, s = u
-    # One divisor for both, so that the compiler divides once: the rod's extent along the guide.
+    # A common divisor, the rod's extent along the guide, so that the compiler divides once.
     extent = r1 * sine
     return (gapy * c - gapx * s) / extent, -(gapx * c1 + gapy * s1) * r1 / extent
 
@@ -79,16 +79,16 @@ def rrp_reactions(
     Parameters
     ----------
     load1, load2 : Load
-        On rod and slider, moments about A and B.
+        Loads on rod and slider, moments about A and B.
     rod, u, sine
-        As for `rrp_rates`.
+        As in `rrp_rates`.
 
     Returns
     -------
     ax, ay, bx, by : float
         Forces in A and B on the rod [N].
     normal, moment : float
-        Of the guide on the slider [N, N·m], the moment about B.
+        Reaction of the guide on the slider [N, N·m], the moment about B.
     """
     f1x, f1y, m1 = load1
     f2x, f2y, m2 = load2
@@ -103,13 +103,13 @@ def rrp_reactions(
 
 @scalar
 def rrp_closure(a: Vector, guide: Line, offset: float, b: Vector, rod: Link, slide: float) -> float:
-    """What the rod misses of its length and direction, and the slider of its guide; the greater, as a share of r1.
+    """Residuals of the rod in length and direction, and of the slider in its guide; the largest, relative to r1.
 
     Parameters
     ----------
     a, guide, offset
-        As for `rrp_position`.
+        As in `rrp_position`.
     b, rod, slide
-        As it found them.
+        Its results.
     """
     return greater(link_gap(a, b, rod), guide_gap(b, guide, offset, slide, rod[0]))

@@ -1,12 +1,13 @@
 """The dyad RRR, two links and three revolute pairs: coupler and rocker of the four-bar linkage.
 
-Position, rates, and equilibrium of moments about the outer joints, F_B the force in the inner one on the first link:
+Position, rates, and equilibrium of moments about the outer joints, with F_B the force in the inner one on the first
+link:
 
     |AB| = r1 and |DB| = r2
     w1 k × AB − w2 k × DB = gap
     m1 + AB × F_B = 0 and m2 − DB × F_B = 0
 
-`engine.laws.kinematics` has the conventions of all groups.
+The conventions are those of `engine.laws.kinematics`.
 """
 
 import math
@@ -21,7 +22,7 @@ from engine.laws.kinematics.vectors import Link, Load, Vector
 def rrr_position(
     a: Vector, d: Vector, r1: float, r2: float, mode: float
 ) -> tuple[float, float, float, float, float, float, float]:
-    """Position of the dyad RRR: B at r1 from A and at r2 from D, on the left of A → D for mode +1.
+    """Position of the dyad RRR: B at r1 from A and at r2 from D, to the left of A → D for mode +1.
 
     Parameters
     ----------
@@ -43,9 +44,9 @@ def rrr_position(
 
     Notes
     -----
-    With u = d² − (r1 − r2)² the area of the triangle ABD is √(u (4 r1 r2 − u))/4. Whatever rounding does to u it does
-    to both factors, and to the shares of AD before and behind the foot of B, as another distance of A and D would:
-    links of very different length stay of their length, and lose no more digits than the data deserve.
+    With u = d² − (r1 − r2)² the area of the triangle ABD is √(u (4 r1 r2 − u))/4. A rounding error of u affects both
+    factors, and the parts of AD before and behind the foot of B, just as a different distance AD would. Links of very
+    different length therefore keep their lengths, and no more digits are lost than the data justify.
     """
     ax, ay = a
     lx, ly = d[0] - ax, d[1] - ay
@@ -71,7 +72,7 @@ def rrr_rates(gap: Vector, first: Link, second: Link, sine: float) -> tuple[floa
     gapx, gapy = gap
     r1, c1, s1 = first
     r2, c2, s2 = second
-    # One divisor for both, so that the compiler divides once: twice the area of the triangle ABD.
+    # A common divisor, twice the area of the triangle ABD, so that the compiler divides once.
     area = r1 * r2 * sine
     return (gapx * c2 + gapy * s2) * r2 / area, (gapx * c1 + gapy * s1) * r1 / area
 
@@ -85,9 +86,9 @@ def rrr_reactions(
     Parameters
     ----------
     load1, load2 : Load
-        On the links, moments about A and D.
+        Loads on the links, moments about A and D.
     first, second, sine
-        As for `rrr_rates`.
+        As in `rrr_rates`.
 
     Returns
     -------
@@ -98,7 +99,7 @@ def rrr_reactions(
     f2x, f2y, m2 = load2
     r1, c1, s1 = first
     r2, c2, s2 = second
-    # The divisor of the rates, written as there, so that the compiler divides once.
+    # The divisor of the rates, in the same form, so that the compiler divides once.
     area = r1 * r2 * sine
     bx, by = -(m2 * (r1 * c1) + m1 * (r2 * c2)) / area, -(m2 * (r1 * s1) + m1 * (r2 * s2)) / area
     return -f1x - bx, -f1y - by, bx, by, bx - f2x, by - f2y
@@ -106,13 +107,13 @@ def rrr_reactions(
 
 @scalar
 def rrr_closure(a: Vector, d: Vector, b: Vector, first: Link, second: Link) -> float:
-    """What the two links miss of their lengths and directions; the greater, as a share of the link's length.
+    """Residuals of the two links in length and direction; the largest, relative to the link's length.
 
     Parameters
     ----------
     a, d : Vector
-        As for `rrr_position`.
+        As in `rrr_position`.
     b, first, second
-        As it found them.
+        Its results.
     """
     return greater(link_gap(a, b, first), link_gap(d, b, second))

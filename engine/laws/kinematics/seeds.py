@@ -1,10 +1,10 @@
-"""Positions of groups that no formula solves: seeds from a table, corrections, and the proof that they lead to a root.
+"""Positions of groups without a closed form: seeds from a table, corrections, and the proof of their convergence.
 
-A table holds the solution of a group at positions of the input, with its derivatives. They lie so near to each other
-that a quintic between two of them is close to the solution, and two of Newton's corrections leave nothing but rounding.
-That these converge, and to which root, is proved at every position by the theorem of Newton and Kantorovich: with β a
-bound of the inverse Jacobian, η of the first correction and L of the change of the Jacobian, h = βηL ≤ ½ proves a root
-near the seed, the only one within (1 + √(1 − 2h))/(βL) of it.
+A table holds the solution of a group at positions of the input, with its derivatives. They are so close together that a
+quintic between two of them is close to the solution, and two Newton corrections leave only rounding. The theorem of
+Newton and Kantorovich proves at every position that these converge, and to which root: with β a bound of the inverse
+Jacobian, η of the first correction and L of the change of the Jacobian, h = βηL ≤ ½ proves a root near the seed, the
+only one within (1 + √(1 − 2h))/(βL) of it.
 
 Sources: L. V. Kantorovich, G. P. Akilov, Functional Analysis, chapter on Newton's method; J. Stoer, R. Bulirsch,
 Introduction to Numerical Analysis, chapters on Hermite interpolation and on the rational form of rotations by Cayley.
@@ -16,11 +16,11 @@ import numpy as np
 
 from engine.compiling.decorators import scalar
 
-# The greatest h that proves a root; from this one two corrections leave 4h³ of the first: rounding.
+# Maximum h that proves a root, and maximum h for which two corrections leave 4h³ of the first one: rounding.
 PROVES, CLOSE = 0.5, 2e-4
-# Of the quality of transmission at least this share is left after a step along a path.
+# Minimum fraction of the transmission angle's sine that is kept over a step along a path.
 LEAST_SHARE = 0.2
-# The last place in a range.
+# Largest position in a range, just below 1.
 _LAST = 1.0 - 2.0**-53
 # Cosine and sine of a direction with its first and second rate.
 Turn = tuple[float, float, float, float]
@@ -28,16 +28,16 @@ Turn = tuple[float, float, float, float]
 
 @scalar
 def place_in_range(q: float, first: float, per_range: float, turns: float) -> float:
-    """Share of the input's range that lies before a position, less than 1.
+    """Fraction of the input's range that lies before a position, less than 1.
 
     Parameters
     ----------
     q, first : float
-        The position and the first one of the range.
+        The position, and the first position of the range.
     per_range : float
-        Reciprocal of the range's length, negative where the input runs backwards.
+        Reciprocal of the range's length, negative if the input runs backwards.
     turns : float
-        1 where the last position is the first again; then any q has its place.
+        1 if the last position coincides with the first, so that any q is in range; else 0.
     """
     x = (q - first) * per_range
     x = x - turns * math.floor(x)
@@ -48,23 +48,23 @@ def place_in_range(q: float, first: float, per_range: float, turns: float) -> fl
 def place_in_table(
     memory: np.ndarray, begin: int, apart: int, intervals: float, width: float, x: float
 ) -> tuple[float, float, float]:
-    """Interval of a table of seeds in which a place lies, and where in it.
+    """Find the interval of a table of seeds that contains a position, and the position within it.
 
-    The first number of a seed is its place; that of one that isn't used is infinite.
+    The first number of a seed is its position, infinite for an unused seed.
 
     Parameters
     ----------
     memory, begin, apart
         A table of numbers.
     intervals, width : float
-        How many intervals it has room for, and how many numbers a seed has.
+        Number of intervals that the table has room for, and numbers per seed.
     x : float
         From `place_in_range`.
 
     Returns
     -------
     interval, share, length : float
-        Number of the interval; from 0 at its beginning to 1 at its end; length, as a share of the range.
+        Index of the interval; position within it, from 0 to 1; its length as a fraction of the range.
     """
     count, wide, found = int(intervals), int(width) * apart, begin
     while count > 1:
@@ -90,14 +90,14 @@ def quintic_between(
 def two_directions(
     memory: np.ndarray, begin: int, apart: int, column: float, width: float, interval: float
 ) -> tuple[float, float, float, float, float, float, float, float]:
-    """Cosine, sine and rates of a direction in two seeds that follow each other.
+    """Cosine, sine and rates of a direction in two consecutive seeds.
 
     Parameters
     ----------
     memory, begin, apart
         A table of numbers.
     column, width : float
-        Place of the cosine among the numbers of a seed, and how many these are.
+        Index of the cosine among the numbers of a seed, and number of these.
     interval : float
         From `place_in_table`.
     """
@@ -119,7 +119,7 @@ def two_directions(
 def two_slides(
     memory: np.ndarray, begin: int, apart: int, column: float, width: float, interval: float
 ) -> tuple[float, float, float, float, float, float]:
-    """Slide coordinate and rates in two seeds that follow each other; parameters as for `two_directions`."""
+    """Slide coordinate and rates in two consecutive seeds; parameters as in `two_directions`."""
     one = begin + int(interval * width + column) * apart
     two = one + int(width) * apart
     return (
@@ -134,7 +134,7 @@ def two_slides(
 
 @scalar
 def slide_between(d1: float, v1: float, a1: float, d2: float, v2: float, a2: float, share: float, step: float) -> float:
-    """Slide coordinate between two seeds; parameters as for `direction_between`, from `two_slides`."""
+    """Slide coordinate between two seeds; parameters as in `direction_between`, from `two_slides`."""
     square = step * step
     return quintic_between(d1, v1 * step, a1 * square, d2, v2 * step, a2 * square, share)
 
@@ -150,7 +150,7 @@ def direction_between(one: Turn, two: Turn, share: float, step: float) -> tuple[
     share : float
         From `place_in_table`.
     step : float
-        Distance of seeds.
+        Distance between the seeds.
     """
     c1, s1, w1, e1 = one
     c2, s2, w2, e2 = two
@@ -164,7 +164,7 @@ def direction_between(one: Turn, two: Turn, share: float, step: float) -> tuple[
 
 @scalar
 def turned(c: float, s: float, angle: float) -> tuple[float, float]:
-    """Direction turned by a small angle, by Cayley's form: of unit length exactly, short of the angle by angle³/12."""
+    """Direction turned by a small angle, in Cayley's form: exactly of unit length, short of the angle by angle³/12."""
     t = 0.5 * angle
     square = t * t
     per_whole = 1.0 / (1.0 + square)

@@ -6,27 +6,26 @@ from engine.compiling.decorators import scalar
 
 # Components, in the axes of the frame.
 Vector = tuple[float, float]
-# A guide or slot: a point of it [m], and its direction.
+# A guide or slot: a point on it [m], and its direction.
 Line = tuple[float, float, float, float]
 # A link's length [m] and direction.
 Link = tuple[float, float, float]
-# What acts on a link: force [N] and moment about the link's origin [N·m].
+# Load on a link: force [N] and moment about the link's origin [N·m].
 Load = tuple[float, float, float]
 
 
 @scalar
 def distance(a: Vector, b: Vector) -> float:
-    """Distance of two points [m]."""
+    """Distance between two points [m]."""
     x, y = b[0] - a[0], b[1] - a[1]
     return math.sqrt(x * x + y * y)
 
 
 @scalar
 def oblique_components(gap: Vector, u1: Vector, u2: Vector) -> tuple[float, float]:
-    """Components p, q of a vector in two oblique directions: p u1 + q u2 = gap.
+    """Components p, q of a vector along two oblique directions: p u1 + q u2 = gap.
 
-    Parallel directions give infinity, NaN, or what rounding makes of them, about 1e16; the sine of the angle between
-    them tells.
+    Parallel directions give infinity, NaN, or, due to rounding, about 1e16; check the sine of the angle between them.
     """
     gapx, gapy = gap
     c1, s1 = u1

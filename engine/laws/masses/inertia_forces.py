@@ -1,7 +1,7 @@
 """Inertia forces of a link in plane motion, and their resultant.
 
-They reduce to the force U = −m a_S at the link's centre of mass S and the moment M_U = −J_S ε; these two together to
-the force U alone, on a line at the distance h = M_U/U from S.
+They reduce to the force U = −m a_S at the link's centre of mass S and the moment M_U = −J_S ε, or to the single force U
+along a line at the distance h = M_U/U from S.
 
 Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapter on kinetostatics.
 """
@@ -13,7 +13,7 @@ from engine.compiling.decorators import scalar
 
 @scalar
 def inertia_force(mass: float, ax: float, ay: float) -> tuple[float, float]:
-    """Principal vector of a link's inertia forces, U = −m a_S [N].
+    """Resultant force of a link's inertia forces, U = −m a_S [N].
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ def inertia_force(mass: float, ax: float, ay: float) -> tuple[float, float]:
 
 @scalar
 def inertia_moment(inertia: float, epsilon: float) -> float:
-    """Principal moment of a link's inertia forces about its centre of mass, M_U = −J_S ε [N·m].
+    """Resultant moment of a link's inertia forces about its centre of mass, M_U = −J_S ε [N·m].
 
     Parameters
     ----------
@@ -43,8 +43,8 @@ def inertia_moment(inertia: float, epsilon: float) -> float:
 def inertia_offset(gyration2: float, ax: float, ay: float, epsilon: float) -> float:
     """Distance h = M_U/U of the resultant's line from the centre of mass [m].
 
-    Positive where the line passes to the right of S, seen along U. Accelerations may be transfer functions at
-    uniform input speed: the speed cancels. Infinite for a pure moment, NaN where there are no inertia forces.
+    Positive where the line passes to the right of S, seen along U. Accelerations may be transfer functions at constant
+    input speed: the speed cancels. Infinite for a pure moment, NaN without inertia forces.
 
     Parameters
     ----------

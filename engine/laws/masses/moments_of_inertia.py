@@ -1,4 +1,4 @@
-"""Moments of inertia of plain shapes about their centres, and of bodies from the time of a swing.
+"""Moments of inertia of simple shapes about their centres, and of bodies from the period of a swing.
 
 Source of the inertias from swings: R. S. Khurmi and J. K. Gupta, Theory of Machines, chapter 4 (compound pendulum,
 bifilar and trifilar suspension).
@@ -32,15 +32,15 @@ def plate_inertia(mass: Value, length: Value, width: Value) -> Value:
 
 
 def compound_inertia(mass: Value, weight: Value, distance: Value, period: Value) -> Value:
-    """Body swinging about an axis at the distance h, about its centre: mgh T²/4π² − mh² [kg·m²]."""
+    """Body swinging about an axis at the distance h from its centre, about the centre: mgh T²/4π² − mh² [kg·m²]."""
     return weight * distance * (period / math.tau) ** 2 - mass * distance**2
 
 
 def bifilar_inertia(weight: Value, spacing: Value, length: Value, period: Value) -> Value:
-    """Body turning on two wires of the length L, d apart, about their middle: mg d² T²/(16π² L) [kg·m²]."""
+    """Body turning on two wires of length L at the spacing d, about their middle: mg d² T²/(16π² L) [kg·m²]."""
     return weight * (spacing / 2) ** 2 * (period / math.tau) ** 2 / length
 
 
 def trifilar_inertia(weight: Value, radius: Value, length: Value, period: Value) -> Value:
-    """Body turning on three wires of the length L, on a circle of the radius r: mg r² T²/(4π² L) [kg·m²]."""
+    """Body turning on three wires of length L on a circle of radius r: mg r² T²/(4π² L) [kg·m²]."""
     return weight * radius**2 * (period / math.tau) ** 2 / length

@@ -1,8 +1,8 @@
-"""Replacement masses: a link's mass put into a few points, so that its inertia forces are those of point masses.
+"""Replacement masses: point masses with the same inertia forces as a link.
 
-Four equations bind the masses and their points: the whole mass, its two first moments (the centre of mass stays
-where it is) and the moment of inertia. A static replacement keeps the first three, a dynamic one all four. n points
-have 3n unknowns, so a dynamic replacement leaves 3n − 4 of them to be chosen:
+Four equations relate the masses and their points: total mass, two first moments (the centre of mass is unchanged) and
+moment of inertia. A static replacement satisfies the first three, a dynamic one all four. n points have 3n unknowns, so
+a dynamic replacement leaves 3n − 4 of them to choose:
 
 | replacement | chosen | found |
 |---|---|---|
@@ -13,13 +13,13 @@ have 3n unknowns, so a dynamic replacement leaves 3n − 4 of them to be chosen:
 | dynamic, three in line | three points on a line through S | the masses |
 | dynamic, four points | the points (8), not on one circle or line | the masses |
 
-Three points on a line through S are six numbers; that line makes one of the four equations hold by itself.
+Three points on a line through S are six numbers; they satisfy one of the four equations automatically.
 
 Conventions
 -----------
 Points are (x, y) from the centre of mass S, in the link's axes [m]; every number may be an array with one value for
-each variant. Masses may come out negative, where a point lies on the far side: they serve computation just as well,
-though nobody can make such a link. Where a replacement is impossible its masses are NaN.
+each variant. A mass may be negative: that is as good for computation, though no such link can be built. Where a
+replacement is impossible its masses are NaN.
 
 Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, the method of replacement points, equations
 (12.8)–(12.15).
@@ -33,7 +33,7 @@ import numpy as np
 Value = float | np.ndarray
 Vector = tuple[Value, Value]
 
-# How nearly, relative to the figure's size, points may coincide or miss a line before a replacement is refused.
+# Tolerance for points that coincide or lie on one line, relative to the size of the figure.
 NEGLIGIBLE = 1e-9
 
 CONDITIONS = {
@@ -49,7 +49,7 @@ CONDITIONS = {
 
 
 class PointMasses(NamedTuple):
-    """Point masses that stand for a body.
+    """Point masses equivalent to a body.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class PointMasses(NamedTuple):
 
 
 def inertia_error(replacement: PointMasses, inertia: Value) -> Value:
-    """Error of a replacement in the moment of inertia, Σ mᵢRᵢ² − J_S [kg·m²]; times ε, that in the inertia moment.
+    """Error of a replacement's moment of inertia, Σ mᵢRᵢ² − J_S [kg·m²]; times ε, the error of the inertia moment.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def static_two(mass: Value, first: Vector, second: Vector) -> PointMasses:
 
 @np.errstate(divide="ignore", invalid="ignore")
 def static_three(mass: Value, first: Vector, second: Vector, third: Vector) -> PointMasses:
-    """Static replacement by any three points: each mass is to the whole as the triangle opposite it with S to all.
+    """Static replacement by any three points: each mass is proportional to the triangle of S with the two other points.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def static_three(mass: Value, first: Vector, second: Vector, third: Vector) -> P
 def dynamic_two(mass: Value, inertia: Value, first: Vector) -> PointMasses:
     """Dynamic replacement by a chosen point at a from S and its conjugate at b = J_S/(m a) beyond S.
 
-    The conjugate point is the centre of percussion of the link when it swings about the chosen one.
+    The conjugate point is the link's centre of percussion for a swing about the chosen point.
 
     Parameters
     ----------
@@ -141,10 +141,10 @@ def dynamic_two(mass: Value, inertia: Value, first: Vector) -> PointMasses:
 
 @np.errstate(divide="ignore", invalid="ignore")
 def dynamic_three(mass: Value, inertia: Value, first: Vector, first_mass: Value, second: Vector) -> PointMasses:
-    """Dynamic replacement by a chosen mass at a first point, and two more: the second point is chosen too.
+    """Dynamic replacement by a chosen mass at a first point, a chosen second point, and a third.
 
-    What the first mass leaves of the body is a body again, with a centre and a moment of inertia of its own (which
-    may be negative); the second point and its conjugate stand for that.
+    Removing the first mass leaves a body with a centre and a moment of inertia of its own (which may be negative); the
+    second point and its conjugate replace that body.
 
     Parameters
     ----------
@@ -184,7 +184,7 @@ def dynamic_in_line(mass: Value, inertia: Value, first: Vector, second: Vector, 
         The points, at t₁, t₂, t₃ from S along the line [m].
     """
     points = (first, second, third)
-    # Signed products and squares of distances, without a direction to be chosen for the line.
+    # Dot products give signed products and squares of distances without a choice of direction for the line.
     masses, possible = [], True
     for i, (j, k) in enumerate(((1, 2), (2, 0), (0, 1))):
         to_both = _dot(_minus(points[i], points[j]), _minus(points[i], points[k]))
@@ -206,7 +206,7 @@ def dynamic_four(mass: Value, inertia: Value, *points: Vector) -> PointMasses:
     *points : (x, y)
         The four points [m].
     """
-    # Of every three points: the determinant of (x, y, r²), and twice their triangle.
+    # For every three points: determinant of (x, y, r²), and twice the area of their triangle.
     volumes, triangles, rough = [], [], 0.0
     for i in range(4):
         a, b, c = (p for j, p in enumerate(points) if j != i)
@@ -221,7 +221,7 @@ def dynamic_four(mass: Value, inertia: Value, *points: Vector) -> PointMasses:
 
 
 def coincident(points: tuple[Vector, ...]) -> tuple[int, int] | None:
-    """Numbers of two points of one variant that coincide, from 0; None where all lie apart.
+    """Indices, from 0, of two coincident points of one variant; None if all are distinct.
 
     Parameters
     ----------
@@ -252,7 +252,7 @@ def _square(a: Vector) -> Value:
 
 
 def _size(*points: Vector) -> Value:
-    """Distance from S of the farthest point."""
+    """Distance of the farthest point from S."""
     farthest2 = _square(points[0])
     for point in points[1:]:
         farthest2 = np.maximum(farthest2, _square(point))

@@ -1,1 +1,1 @@
-"""Counterweights that balance a machine best."""
+"""Optimal counterweights of a machine."""

@@ -1,15 +1,15 @@
-"""Counterweights on the links of a mechanism: full balance of its shaking force, or as little of it as can be.
+"""Counterweights on the links of a mechanism: full balance of its shaking force, or minimum residual force.
 
-A counterweight m at the radius e of a link that turns about a fixed axis adds −m e d²u/dt² to the shaking force, u its
-direction: linear in the balancing vector m e, whose direction on the link is free. On any other link, and wherever its
-moment counts, it has a place of its own on the link and adds −m a: linear in its mass. So the best ones are found
-exactly, see `engine.machine.balancing.least_shaking`, whatever the mechanism.
+A counterweight m at the radius e on a link that turns about a fixed axis adds −m e d²u/dt² to the shaking force, with u
+its direction: linear in the balancing vector m e, whose direction on the link is free. On any other link, and whenever
+its moment counts, a counterweight has a given position on the link and adds −m a: linear in its mass. The optimum is
+therefore exact, whatever the mechanism; see `engine.machine.balancing.least_shaking`.
 
-The force is balanced fully where the centre of mass of all links can be brought to rest. Four-bars can, by
-counterweights on crank and rocker: the coupler's mass is replaced by masses in its two hinges, and what then moves with
-each of the two links is balanced on it. A slider-crank needs a place on its rod beyond the crank pin. Shafts geared to
-the crank with a pivot on the frame take counterweights as well: with the ratio −1 beside the crank, and 2 and −2, they
-are those of Lanchester.
+Full balance of the force requires that the mass centre of all links can be made stationary. Four-bars are balanced by
+counterweights on crank and rocker: the coupler's mass is replaced by masses in its two hinges, and the mass moving with
+each of the two links is balanced on that link. A slider-crank needs a position on its rod beyond the crankpin. Shafts
+with a pivot on the frame that are geared to the crank can carry counterweights as well: with the ratio −1 in addition
+to the crank, and with 2 and −2, they form a Lanchester balancer.
 
 Source: R. S. Berkof, G. G. Lowen, A new method for completely force balancing simple linkages (1969), the method of
 linearly independent vectors; I. I. Artobolevsky, Theory of Mechanisms and Machines, chapter on balancing.
@@ -30,7 +30,7 @@ from engine.units.display import quantity_text
 from engine.words.glossary import did_you_mean
 from engine.words.verdicts import Verdict
 
-# What is left of a full balance by rounding, over what it is summed of; kinematics near dead centres lose digits.
+# Tolerance for a full balance, relative to the sum of all terms; kinematics near dead centres lose digits.
 FULL = 1e-10
 ROWS = ("shaking_force_x", "shaking_force_y", "shaking_moment")
 
@@ -38,11 +38,11 @@ Criterion = Literal["full", "rms", "peak"]
 
 
 class BalanceError(ValueError):
-    """A balance that can't be reached or asked for."""
+    """A balance that is impossible or wrongly specified."""
 
 
 class CounterweightPlace(NamedTuple):
-    """A place for a counterweight, fixed on a link in the link's axes [m]; the mass is to be found, `most` [kg]."""
+    """A position on a link for a counterweight, in the link's axes [m]; its unknown mass is at most `most` [kg]."""
 
     link: str
     x: float
@@ -51,7 +51,7 @@ class CounterweightPlace(NamedTuple):
 
 
 class Counterweight(NamedTuple):
-    """A counterweight found: a mass [kg] at (x, y) in its link's axes [m]."""
+    """A counterweight of the solution: a mass [kg] at (x, y) in its link's axes [m]."""
 
     link: str
     mass: float
@@ -73,9 +73,9 @@ class BalancedMachine(NamedTuple):
         With a body for each counterweight, named after its link: LINK_counterweight.
     counterweights : tuple of Counterweight
     before, after : float
-        The criterion without them and with them [N].
+        The criterion without and with the counterweights [N].
     bound : float
-        Proven to be no more than any such counterweights leave [N]: `after` − `bound` is what is not proven.
+        Proven lower bound for all such counterweights [N]; `after` − `bound` is the optimality gap.
     """
 
     scene: Scene
@@ -95,31 +95,31 @@ def balance(
     moment_weight: float = 0.0,
     positions: int = 360,
 ) -> BalancedMachine:
-    """Find the counterweights that balance a machine at the uniform speed of its crank.
+    """Find the counterweights that balance a machine at constant crank speed.
 
     Parameters
     ----------
     scene : Scene
         With a crank that turns fully.
     links : sequence of str
-        Links that turn about fixed axes and get a counterweight in the best direction.
+        Links that turn about fixed axes, for counterweights in the optimal direction.
     places : sequence of CounterweightPlace
-        Places on any links for counterweights whose masses are found.
+        Positions on any links, for counterweights of optimal mass.
     criterion : {"full", "rms", "peak"}
-        No shaking force at all; least root mean square over the cycle; least peak over the positions.
+        No shaking force; minimum rms over the cycle; minimum peak over the positions.
     radius : float, optional
-        Where the counterweights of `links` sit [m]; the crank's length unless given.
+        Radius of the counterweights on `links` [m]; by default the crank length.
     most : mapping of str to float, optional
-        Greatest mass times radius on some of the `links` [kg·m].
+        Maximum mass times radius on some of the `links` [kg·m].
     moment_weight : float
-        The shaking moment times this [1/m] counts beside the two components of the force.
+        Weight of the shaking moment relative to the two components of the force [1/m].
     positions : int
-        Even; what peaks between them is not seen.
+        Even; peaks between positions are missed.
 
     Raises
     ------
     BalanceError
-        A link that can't have such a counterweight, counterweights that undo each other, or no full balance.
+        A link can't have such a counterweight, counterweights cancel each other, or full balance is impossible.
     SceneError
         The scene can't be ordered.
     """
@@ -151,8 +151,7 @@ def balance(
     weights = _weights(found.unknowns, links, places, radius)
     return BalancedMachine(_with(scene, weights), weights, before, found.value, found.bound)
 
-
-# What may be asked
+    # Checks
 
 
 def _check(
@@ -191,7 +190,7 @@ def _listed(links: Sequence[str]) -> str:
 
 
 def _check_full(found: Optimum, rows: np.ndarray, effects: np.ndarray, names: Sequence[str]) -> None:
-    """Whether what is left is rounding: beside the sum of all that balances."""
+    """Check that the residual is rounding, relative to the sum of all terms."""
     terms = np.abs(rows).mean() + np.abs(effects * found.unknowns[:, None, None]).sum(axis=0).mean()
     if found.value > FULL * terms:
         raise BalanceError(
@@ -209,11 +208,11 @@ def _radius(scene: Scene, radius: float | None) -> float:
     return radius
 
 
-# Rows
+# Shaking force
 
 
 def _rows(machine: Machine, varied: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Shaking of every variant, (variants, positions, parts)."""
+    """Shaking force and moment of every variant, (variants, positions, parts)."""
     outcome = machine.evaluate(varied)
     failed = np.flatnonzero(outcome.status)
     if failed.size:
@@ -224,8 +223,8 @@ def _rows(machine: Machine, varied: Mapping[str, np.ndarray]) -> np.ndarray:
 def _probes(
     scene: Scene, links: Sequence[str], places: Sequence[CounterweightPlace]
 ) -> tuple[Scene, dict[str, np.ndarray]]:
-    """The mechanism with nothing but a mass for each unknown, and those masses: in each variant one of 1 kg."""
-    at = [(link, *way) for link in links for way in ((1.0, 0.0), (0.0, 1.0))]
+    """The massless mechanism with a mass for each unknown, and the masses' values: one of 1 kg in each variant."""
+    at = [(link, *direction) for link in links for direction in ((1.0, 0.0), (0.0, 1.0))]
     at += [(place.link, place.x, place.y) for place in places]
     bodies = {f"probe{i}": Body(link=link, mass=0.0, x=x, y=y) for i, (link, x, y) in enumerate(at)}
     bare = {name: shaft.model_copy(update={"inertia": 0.0}) for name, shaft in scene.shafts.items()}
@@ -243,7 +242,7 @@ def _probes(
 
 
 def _owner(column: int, names: Sequence[str], vectors: int) -> str:
-    """Link of an unknown: the first `vectors` links have two each."""
+    """Link of an unknown; each of the first `vectors` links has two."""
     return names[column // 2] if column < 2 * vectors else names[column - vectors]
 
 
@@ -262,15 +261,15 @@ def _weights(
     for i, link in enumerate(links):
         x, y = unknowns[2 * i : 2 * i + 2].tolist()
         size = math.hypot(x, y)
-        way = (x / size, y / size) if size > 0 else (1.0, 0.0)
-        found.append(Counterweight(link, size / radius, radius * way[0], radius * way[1]))
+        direction = (x / size, y / size) if size > 0 else (1.0, 0.0)
+        found.append(Counterweight(link, size / radius, radius * direction[0], radius * direction[1]))
     masses = unknowns[2 * len(links) :].tolist()
     found += [Counterweight(p.link, mass, p.x, p.y) for p, mass in zip(places, masses, strict=True)]
     return tuple(found)
 
 
 def _with(scene: Scene, weights: Sequence[Counterweight]) -> Scene:
-    """The scene with its counterweights as further bodies."""
+    """The scene with its counterweights as additional bodies."""
     bodies = dict(scene.bodies)
     for weight in weights:
         stem = name = f"{weight.link}_counterweight"

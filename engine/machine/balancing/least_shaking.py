@@ -1,15 +1,15 @@
-"""Least root mean square and least peak of vectors that are linear in unknowns, with a proof of how near they come.
+"""Minimum rms and minimum peak of vectors that are linear in unknowns, with a proven bound on the distance to them.
 
-At each position k a vector A_k z + b_k is left of what shakes, b, by unknowns z: balancing vectors of two components,
-|z_i| ≤ most, and masses, 0 ≤ z_i ≤ most. Both problems are convex:
+At each position k the residual vector is A_k z + b_k, with the shaking b and the unknowns z: balancing vectors of two
+components, |z_i| ≤ most, and masses, 0 ≤ z_i ≤ most. Both problems are convex:
 
-- least root mean square: a quadratic program, solved by orthogonal factorisation where no limit holds, else by
-  accelerated projected gradients on the triangular factor;
-- least peak (Chebyshev), a second-order cone program: |v| is the greatest of g·v over all directions g, so linear
-  programs with ever more directions close in on it from below, and their solutions from above.
+- minimum rms: a quadratic program, solved by orthogonal factorisation if no limit is active, else by accelerated
+  projected gradients on the triangular factor;
+- minimum peak (Chebyshev), a second-order cone program: |v| is the maximum of g·v over all directions g, so linear
+  programs with an increasing number of directions bound it from below, and their solutions from above.
 
-Either comes with a lower bound that no other choice of unknowns can go below; it follows from multipliers by weak
-duality, whatever found them, and holds but for the rounding of its own sums.
+Both give a lower bound for all choices of the unknowns. It follows from multipliers by weak duality, however these were
+obtained, and holds within the rounding of its sums.
 
 Sources: S. Boyd, L. Vandenberghe, Convex Optimization (duality, chapter 5); J. E. Kelley, The cutting-plane method
 for solving convex programs (1960); A. Beck, M. Teboulle, A fast iterative shrinkage-thresholding algorithm (2009).
@@ -23,31 +23,31 @@ from scipy.optimize import linprog
 
 from engine.laws.rounding import EPS
 
-# Unknowns whose effects are dependent to this share can't be told apart.
+# Relative tolerance for linearly dependent effects of unknowns.
 DEPENDENT = 1e-8
-# Gap between the peak found and its lower bound, over the peak of b, at which the search ends; most linear programs.
+# Gap between the peak and its lower bound, relative to the peak of b, at which the search ends; maximum of programs.
 GAP, PROGRAMS = 1e-9, 400
 MOST_STEPS = 50_000
 _TOLERANCES = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
 
 
 class Unknown(NamedTuple):
-    """A balancing vector (`size` 2) of at most `most` in any direction, or a mass (`size` 1) from 0 to `most`."""
+    """A balancing vector (`size` 2) of any direction and up to `most`, or a mass (`size` 1) from 0 to `most`."""
 
     size: int
     most: float = np.inf
 
 
 class Optimum(NamedTuple):
-    """The best unknowns.
+    """The optimal unknowns.
 
     Attributes
     ----------
     unknowns : ndarray (unknowns,)
     value : float
-        What is left: the root mean square or the peak.
+        Residual: rms or peak.
     bound : float
-        Proven to be no more than the least possible value.
+        Proven lower bound of the minimum.
     """
 
     unknowns: np.ndarray
@@ -56,7 +56,7 @@ class Optimum(NamedTuple):
 
 
 class DependentError(ValueError):
-    """Unknowns that have the same effect; `columns` are those involved."""
+    """Unknowns with linearly dependent effects; `columns` are those involved."""
 
     def __init__(self, columns: np.ndarray) -> None:
         self.columns = columns
@@ -64,7 +64,7 @@ class DependentError(ValueError):
 
 
 class _Scaled(NamedTuple):
-    """A problem of order one: A z + b with z in units of `unit`, everything over `size`."""
+    """The problem scaled to order one: A z + b with z in units of `unit`, all divided by `size`."""
 
     a: np.ndarray
     b: np.ndarray
@@ -74,7 +74,7 @@ class _Scaled(NamedTuple):
 
 
 def least_rms(a: np.ndarray, b: np.ndarray, unknowns: Sequence[Unknown]) -> Optimum:
-    """Unknowns for which the root mean square of |A_k z + b_k| over the positions is least.
+    """Minimise the rms of |A_k z + b_k| over the positions.
 
     Parameters
     ----------
@@ -96,19 +96,19 @@ def least_rms(a: np.ndarray, b: np.ndarray, unknowns: Sequence[Unknown]) -> Opti
         z = _projected_gradients(p, rows, right, _within(p, z))
     left = rows @ z + right
     pull = _stationarity(p, z, rows.T @ left)
-    # |A s + b|² ≥ |A z + b|² + 2 v·(s − z) + |A (s − z)|² for all s within the limits, v the pull that they leave.
+    # |A s + b|² ≥ |A z + b|² + 2 v·(s − z) + |A (s − z)|² for all s within the limits, v the remaining gradient.
     reach = np.linalg.lstsq(np.linalg.qr(rows, mode="r").T, pull, rcond=None)[0]
     bound = np.sqrt(max(left @ left - reach @ reach, 0.0))
     return Optimum(z * p.unit, float(np.linalg.norm(left)) * p.size, float(bound) * p.size)
 
 
 def least_peak(a: np.ndarray, b: np.ndarray, unknowns: Sequence[Unknown]) -> Optimum:
-    """Unknowns for which the greatest |A_k z + b_k| over the positions is least.
+    """Minimise the maximum of |A_k z + b_k| over the positions.
 
     Parameters
     ----------
     a, b, unknowns
-        As for `least_rms`.
+        As in `least_rms`.
 
     Raises
     ------
@@ -116,7 +116,7 @@ def least_peak(a: np.ndarray, b: np.ndarray, unknowns: Sequence[Unknown]) -> Opt
     """
     p = _scaled(a, b, unknowns)
     best = least_rms(a, b, unknowns).unknowns / p.unit
-    # Unknowns that do no worse than the first guess lie within this radius.
+    # Unknowns at least as good as the initial solution lie within this radius.
     rms = np.sqrt((p.b**2).sum() / len(p.b))
     peak = _sizes(p, best).max()
     radius = (peak + rms) / np.linalg.svd(p.a.reshape(-1, best.size) / np.sqrt(len(p.b)), compute_uv=False)[-1]
@@ -135,7 +135,7 @@ def least_peak(a: np.ndarray, b: np.ndarray, unknowns: Sequence[Unknown]) -> Opt
 
 
 def _scaled(a: np.ndarray, b: np.ndarray, unknowns: Sequence[Unknown]) -> _Scaled:
-    """The problem in units of its greatest vector and of the unknowns that undo it."""
+    """Scale the problem by its largest vector, and each unknown by the amount that compensates it."""
     size = float(np.sqrt((b**2).sum(axis=1)).max()) or 1.0
     unit, limits, begin = np.ones(a.shape[2]), [], 0
     for unknown in unknowns:
@@ -156,7 +156,7 @@ def _sizes(p: _Scaled, z: np.ndarray) -> np.ndarray:
 
 
 def _within(p: _Scaled, z: np.ndarray) -> np.ndarray:
-    """The unknowns within their limits that lie nearest."""
+    """Project the unknowns on their limits."""
     z = z.copy()
     for place, size, most in p.limits:
         if size == 1:
@@ -167,20 +167,20 @@ def _within(p: _Scaled, z: np.ndarray) -> np.ndarray:
 
 
 def _stationarity(p: _Scaled, z: np.ndarray, gradient: np.ndarray) -> np.ndarray:
-    """What is left of a gradient by the push of the limits that are reached: nothing at the optimum (Karush, …)."""
+    """Gradient minus the reactions of the active limits; zero at the optimum (Karush–Kuhn–Tucker)."""
     left = gradient.copy()
     for place, size, most in p.limits:
         if size == 1:
             upwards, downwards = (np.inf if z[place][0] <= 0 else 0.0), (-np.inf if z[place][0] >= most else 0.0)
             left[place] -= np.clip(left[place], downwards, upwards)
         elif np.linalg.norm(z[place]) >= most * (1 - 4 * EPS):
-            way = z[place] / np.linalg.norm(z[place])
-            left[place] += max(0.0, -(left[place] @ way)) * way
+            direction = z[place] / np.linalg.norm(z[place])
+            left[place] += max(0.0, -(left[place] @ direction)) * direction
     return left
 
 
 def _projected_gradients(p: _Scaled, rows: np.ndarray, right: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Least squares within limits by accelerated projected gradients, begun anew where they overshoot."""
+    """Least squares within limits by accelerated projected gradients, restarted on overshoot."""
     q, r = np.linalg.qr(rows)
     target, step = q.T @ right, 1 / np.linalg.norm(r, 2) ** 2
     ahead, pace = z, 1.0
@@ -198,7 +198,7 @@ def _projected_gradients(p: _Scaled, rows: np.ndarray, right: np.ndarray, z: np.
 
 
 class _Cuts:
-    """Linear programs that close in on the least peak from below: g·(A_k z + b_k) ≤ t, directions g at positions k."""
+    """Linear programs that bound the minimum peak from below: g·(A_k z + b_k) ≤ t, directions g at positions k."""
 
     def __init__(self, problem: _Scaled) -> None:
         self.p = problem
@@ -207,14 +207,14 @@ class _Cuts:
         self.rims, self.rim_most = np.empty((0, n)), np.empty(0)
 
     def add(self, z: np.ndarray) -> None:
-        """Cut through the vectors that are locally longest, and through limits that are passed."""
+        """Add cuts for the vectors of locally maximum length, and for violated limits."""
         p = self.p
         vectors = p.a @ z + p.b
         sizes = np.sqrt((vectors**2).sum(axis=1))
         longest = (sizes >= np.roll(sizes, 1)) & (sizes >= np.roll(sizes, -1)) & (sizes > 0)
-        ways = vectors[longest] / sizes[longest, None]
-        self.slopes = np.vstack((self.slopes, np.einsum("kp,kpn->kn", ways, p.a[longest])))
-        self.heights = np.append(self.heights, (ways * p.b[longest]).sum(axis=1))
+        directions = vectors[longest] / sizes[longest, None]
+        self.slopes = np.vstack((self.slopes, np.einsum("kp,kpn->kn", directions, p.a[longest])))
+        self.heights = np.append(self.heights, (directions * p.b[longest]).sum(axis=1))
         for place, size, most in p.limits:
             length = np.linalg.norm(z[place])
             if size == 2 and length > most:
@@ -223,7 +223,7 @@ class _Cuts:
                 self.rims, self.rim_most = np.vstack((self.rims, rim)), np.append(self.rim_most, most)
 
     def solve(self, radius: float) -> tuple[np.ndarray, float]:
-        """Unknowns that keep all cuts, and the lower bound of the peak that their multipliers prove."""
+        """Unknowns that satisfy all cuts, and the lower bound of the peak proven by their multipliers."""
         n = self.slopes.shape[1]
         bounds = [(0.0 if size == 1 else -min(most, radius), min(most, radius)) for _, size, most in self._each()]
         left = np.hstack((np.vstack((self.slopes, self.rims)), np.zeros((len(self.heights) + len(self.rims), 1))))
@@ -243,11 +243,11 @@ class _Cuts:
         return found.x[:-1], float(weights @ self.heights) - self._gain(weights @ self.slopes, radius)
 
     def _gain(self, slope: np.ndarray, radius: float) -> float:
-        """By how much unknowns within their limits and the radius can go down a slope."""
+        """Maximum decrease along a slope by unknowns within their limits and the radius."""
         gain = 0.0
         for place, size, most in self.p.limits:
-            way = np.linalg.norm(slope[place]) if size == 2 else max(0.0, -slope[place][0])
-            gain += way * min(most, radius)
+            direction = np.linalg.norm(slope[place]) if size == 2 else max(0.0, -slope[place][0])
+            gain += direction * min(most, radius)
         return gain
 
     def _each(self) -> list[tuple[slice, int, float]]:

@@ -1,1 +1,1 @@
-"""Elements evaluated beside a machine, or alone."""
+"""Machine elements, evaluated together with a machine or alone."""

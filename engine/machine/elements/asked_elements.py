@@ -1,4 +1,4 @@
-"""What is asked of a scene's machine elements, computed for a set of variants with error estimates."""
+"""Requested results of a scene's machine elements, for a set of variants with error estimates."""
 
 from collections.abc import Iterable
 from inspect import getsource
@@ -22,20 +22,20 @@ def element_summaries(scene: Scene) -> list[Quantity]:
 
 
 class AskedElements:
-    """What is asked of a scene's machine elements.
+    """Requested results of a scene's machine elements.
 
     Parameters
     ----------
     scene : Scene
     asked : iterable of str
-        Names of summaries; those that aren't of elements are left to others.
+        Names of summaries; those of other parts are ignored.
 
     Attributes
     ----------
     names : list of str
-        Those that are.
+        Names of the elements' summaries among them.
     elements : dict of str to Element
-        Elements of which something is asked.
+        Elements with requested summaries.
     """
 
     def __init__(self, scene: Scene, asked: Iterable[str]) -> None:
@@ -46,24 +46,24 @@ class AskedElements:
 
     @property
     def text(self) -> str:
-        """Source of the kinds of elements: their laws, to be read."""
+        """Source text of the element classes, with their laws."""
         return "\n\n".join(getsource(kind) for kind in dict.fromkeys(map(type, self.elements.values())))
 
     def fill(self, status: np.ndarray, summaries: Columns, errors: Columns, keep: np.ndarray, numbers: Numbers) -> None:
-        """Write what is asked of the variants `keep`, and the verdict on those of them without a complaint so far.
+        """Write the requested results of the variants `keep`, and the verdict on those whose status is OK so far.
 
-        That of a law where it has one of its own; else what an element calls an infinite result, such as JAMS;
-        NOT_FINITE where a law has no value.
+        The verdict is that of the law, if it gives one; else the element's verdict on infinite results, such as JAMS;
+        NOT_FINITE if a result is NaN.
 
         Parameters
         ----------
         status : ndarray (variants,) of uint8
         summaries, errors : dict of str to ndarray (variants,)
-            Of an outcome, to be written to.
+            Arrays of an outcome, modified in place.
         keep : ndarray of int
             Indices of variants.
         numbers : Numbers
-            Theirs.
+            Numbers of these variants.
         """
         answers = {
             name: _evaluated(element, numbers.below(f"elements.{name}"), keep.size)
@@ -86,12 +86,12 @@ class AskedElements:
 
 
 def _evaluated(element: Element, n: Columns, variants: int) -> Answers:
-    """Results of an element, all of them arrays (variants,), computed in pieces on all threads."""
+    """Results of an element, all as arrays (variants,), computed in pieces on all threads."""
     keys, table = list(n), np.array([np.broadcast_to(value, (variants,)) for value in n.values()], float)
     pieces = np.array_split(table, max(1, -(-variants // element.variants_at_once)), axis=1)
 
     def of(piece: np.ndarray) -> np.ndarray:
-        """Values, errors (2, results, variants), with the verdicts as a last row of both."""
+        """Values, errors (2, results, variants), with the verdicts as the last row of both."""
         with np.errstate(all="ignore"):
             found = element.evaluate(dict(zip(keys, piece, strict=True)))
         count = piece.shape[1]

@@ -1,4 +1,4 @@
-"""A scene of machine elements alone, made ready to answer what is asked; and the choice between it and a machine."""
+"""A scene of machine elements only, prepared for evaluation; and the choice between it and a machine."""
 
 from collections.abc import Iterable, Mapping
 
@@ -24,7 +24,7 @@ def made_ready(
     dtype: type = np.float64,
     accuracy: float | None = None,
 ) -> "Machine | ElementsAlone":
-    """A scene with what is asked of it, whether it has a mechanism or machine elements alone.
+    """Prepare a scene with its requested quantities, with a mechanism or with machine elements only.
 
     Parameters
     ----------
@@ -32,14 +32,14 @@ def made_ready(
     summaries, fields, varied : iterable of str
     positions : int
     dtype : float64 or float32
-        All as for `Machine`; elements are computed in float64, once for each variant.
+        All as in `Machine`; elements are computed in float64, once for each variant.
     accuracy : float, optional
-        Allowed error of every summary, as a share of its magnitude, instead of a number of positions.
+        Permitted error of every summary, relative to its magnitude.
 
     Raises
     ------
     SceneError, AskError
-        As for `Machine`.
+        As in `Machine`.
     """
     if scene.input is None:
         return ElementsAlone(scene, summaries, fields, varied)
@@ -47,7 +47,7 @@ def made_ready(
 
 
 class ElementsAlone:
-    """Machine elements without a mechanism; to be asked as a `Machine` is, but for fields.
+    """Machine elements without a mechanism, with the interface of a `Machine` except for fields.
 
     Parameters
     ----------
@@ -56,12 +56,12 @@ class ElementsAlone:
     summaries, fields : iterable of str
         Names from `available_summaries`; there are no fields.
     varied : iterable of str
-        Paths of the scene's numbers that `evaluate` will be given.
+        Paths of the scene's numbers whose values are passed to `evaluate`.
 
     Raises
     ------
     AskError
-        Something asked doesn't exist.
+        A requested quantity doesn't exist.
 
     Examples
     --------
@@ -79,7 +79,7 @@ class ElementsAlone:
     groups = ()
     has_regimes = False
     available_fields: Mapping[str, Quantity] = {}
-    # Elements have no positions; one stands for all.
+    # Elements have no positions; this single one is a placeholder.
     nodes = np.zeros(1)
 
     def __init__(
@@ -107,26 +107,26 @@ class ElementsAlone:
 
     @property
     def elements(self) -> tuple[str, ...]:
-        """Elements of which something is asked."""
+        """Elements with requested summaries."""
         return tuple(self._asked.elements)
 
     @property
     def available_summaries(self) -> dict[str, Quantity]:
-        """Every summary one may ask."""
+        """Every summary of this scene."""
         of_warnings = warnings.asked_warnings.warning_summaries(self.scene, _has_nothing)
         return {q.name: q for q in (*element_summaries(self.scene), *of_warnings)}
 
     @property
     def numbers_kept(self) -> int:
-        """Numbers of each variant that are kept while it is evaluated."""
+        """Numbers stored per variant during its evaluation."""
         return len(self._limits)
 
     def source(self) -> str:
-        """Source of the laws, to be read."""
+        """Source text of the laws."""
         return self._asked.text
 
     def new_buffer(self, variants: int) -> np.ndarray:
-        """Memory for no fields of a number of variants."""
+        """Empty memory for fields, for a number of variants."""
         return np.empty((0, variants, self.nodes.size))
 
     def evaluate(
@@ -137,16 +137,16 @@ class ElementsAlone:
         Parameters
         ----------
         varied : mapping of path to ndarray (variants,)
-            As for `Machine.evaluate`.
+            As in `Machine.evaluate`.
         drop : ndarray (variants,) of bool, optional
             Variants not to evaluate; their status is DROPPED.
         buffer : ndarray, optional
-            Not used, as there are no fields.
+            Unused, as there are no fields.
 
         Raises
         ------
         AskError
-            The paths are not those the elements were made ready for.
+            The paths differ from the varied paths.
         """
         arrays, status = given_numbers(self._limits, self.varied, varied, drop)
         keep, outcome = np.flatnonzero(status == Verdict.OK), blank(status, self.asked_summaries, {})

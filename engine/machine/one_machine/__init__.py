@@ -1,1 +1,1 @@
-"""One machine looked at closely: at positions of its input, and instant by instant through its regimes."""
+"""One machine in detail: at positions of its input, and over time through its regimes."""

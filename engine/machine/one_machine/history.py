@@ -1,4 +1,4 @@
-"""The history of one machine through its regimes: angle, speed, moments and energy, instant by instant."""
+"""The history of one machine through its regimes: angle, speed, moments and energy over time."""
 
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
@@ -22,44 +22,44 @@ from engine.quantities.quantity import Quantity
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.words.verdicts import Verdict
 
-NOUGHT = np.zeros(1)
-# Nodes of a history whose fields are found in one go.
+_ZERO = np.zeros(1)
+# Nodes of a history whose fields are computed together.
 MOST_TOGETHER = 50_000
-# What power comes from, and goes to.
+# Sources and sinks of power.
 SOURCES = ("motors", *CHANNELS, "coupling")
-# What both sides of a coupling have by themselves.
+# Quantities that the two sides of a coupling have separately.
 AT_TWO_SPEEDS = ("shaft_speed", "coupling_moment", *(f"{source} power" for source in SOURCES))
 
 
 class History(NamedTuple):
-    """What a machine does in its regimes; arrays (instants,).
+    """The history of a machine through its regimes; arrays (instants,).
 
     Attributes
     ----------
     regime : ndarray of str
-        Name of the regime of each instant.
+        Name of the regime at each instant.
     time : ndarray
-        Since the first regime began [s]; a steady regime is shown for one cycle.
+        Time after the start of the first regime [s]; a steady regime is shown for one cycle.
     angle : ndarray
-        Crank angle [rad], going on beyond a turn.
+        Crank angle [rad], continuing beyond a turn.
     speed, acceleration : ndarray
-        Of the crank [rad/s, rad/s²], counter-clockwise positive.
+        Of the crank [rad/s, rad/s²], positive counter-clockwise.
     motor_moment : ndarray
-        Of the motors, reduced to the crank [N·m].
+        Motor torque reduced to the crank [N·m].
     load_moments : dict of str to ndarray
-        By the sort of work: "driving", "useful", "harmful", "braking", "other" [N·m].
+        Reduced moment by role: "driving", "useful", "harmful", "braking", "other" [N·m].
     energy : ndarray
         Kinetic energy [J].
     loads_on_pairs : dict of str to ndarray
-        Of the loads on pairs and frame that were to be kept, by name [N, N·m].
+        Requested loads on pairs and frame, by name [N, N·m].
     powers : dict of str to ndarray
-        Of the "motors", by the sort of work as `load_moments`, and of the "coupling", whose heat it is [W].
+        Power of the "motors", by role as in `load_moments`, and of the "coupling", which is heat [W].
     shaft_speed, coupling_moment : ndarray
-        Of a shaft behind a coupling, at its own speed [rad/s], and what the coupling transmits to the crank, reduced to
-        it [N·m]; NaN where a machine has no coupling, and the moment where it is in steady motion.
+        Speed of the shaft behind a coupling [rad/s], and the torque that the coupling transmits to the crank, reduced
+        to it [N·m]; NaN without a coupling; the torque is also NaN in steady running.
     verdict : Verdict
-        Where it isn't OK, the history ends where the motion did; a regime that reaches a position at which a group is
-        singular, or can't be assembled, has its first instant alone.
+        If it isn't OK, the history ends where the motion did; a regime that reaches a position at which a group is
+        singular, or can't be assembled, keeps its first instant only.
     """
 
     regime: np.ndarray
@@ -78,16 +78,16 @@ class History(NamedTuple):
 
 
 def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> History:
-    """Go through the regimes of a scene.
+    """Compute the regimes of a scene over time.
 
     Parameters
     ----------
     scene : Scene
         With at least one regime.
     steps : int
-        Steps a cycle; even.
+        Steps per cycle; even.
     fields : iterable of str
-        Loads on the pairs and on the frame to keep as well, such as "input.reaction", from `history_fields`.
+        Additional loads on the pairs and on the frame, such as "input.reaction", from `history_fields`.
 
     Raises
     ------
@@ -138,7 +138,7 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
             outcome, _, standing = schedule.run(name, dynamics, variants, standing, record=record)
             pieces, state = records[0].pieces, outcome.state
             if state.time[0] > pieces[-1].time[-1, 0]:
-                # It stood still until the time was over.
+                # It was at rest until the end of the time.
                 pieces.append(_instant(standing, state.time, state.turned))
             parts.append(_Part(name, begun, records[0].along, pieces))
             begun += pieces[-1].time[-1, 0]
@@ -157,7 +157,7 @@ def history(scene: Scene, steps: int = 360, fields: Iterable[str] = ()) -> Histo
 
 
 def history_fields(scene: Scene) -> dict[str, Quantity]:
-    """What a history may keep of the loads on the pairs and on the frame, by name."""
+    """Loads on the pairs and on the frame that a history may keep, by name."""
     return _fields_of(Mechanics(scene))
 
 
@@ -167,7 +167,7 @@ def _fields_of(mechanics: Mechanics) -> dict[str, Quantity]:
 
 
 class _Record:
-    """Keeps all that it sees of a run of one variant."""
+    """Keeps all pieces of a run of one variant."""
 
     def __init__(self, along: RunFields) -> None:
         self.along = along
@@ -179,7 +179,7 @@ class _Record:
 
 
 class _Part(NamedTuple):
-    """A regime: its name, when it began [s], its fields and pieces; with a coupling that holds its sides."""
+    """A regime: name, start time [s], fields and pieces, and the sides of a coupling that holds."""
 
     name: str
     begun: float
@@ -188,8 +188,8 @@ class _Part(NamedTuple):
     sides: CoupledSides | None = None
 
 
-def _instant(standing: Standing, time: np.ndarray = NOUGHT, turned: np.ndarray = NOUGHT) -> Piece:
-    """Where a machine stands, some time and angle after its run began."""
+def _instant(standing: Standing, time: np.ndarray = _ZERO, turned: np.ndarray = _ZERO) -> Piece:
+    """State of a machine as a piece, a certain time and angle after the start of its run."""
     rows = [time[None], turned[None], standing.omega[None]]
     return Piece(*rows, np.ones(1), np.empty((0, 1)), np.full((1, 1), np.nan))
 
@@ -237,31 +237,31 @@ def _first_rows(column: np.ndarray | dict[str, np.ndarray] | Verdict, count: int
 
 
 def _of_pieces(part: _Part, fields: Iterable[str]) -> Iterator[dict[str, np.ndarray]]:
-    """Columns of a regime, some pieces after the others."""
+    """Columns of a regime, in groups of pieces."""
     name, begun, along, pieces, sides = part
-    way = along.variants.direction[0]
+    sense = along.variants.direction[0]
     for piece, new in _joined(pieces):
         rows = {key: row[new, 0] for key, row in along(np.zeros(1, int), piece).items()}
         none = np.full(new.sum(), np.nan)
         own = {
             "regime": np.full(new.sum(), name),
             "time": begun + piece.time[new, 0],
-            "angle": along.start[0] + way * piece.turned[new, 0],
+            "angle": along.start[0] + sense * piece.turned[new, 0],
             "shaft_speed": none if sides is None else sides.coupling.ratio * rows["speed"],
             "coupling_moment": none,
             "coupling power": np.zeros(new.sum()),
         }
         moments = (rows["motor_moment"], *(rows[channel] for channel in CHANNELS))
-        # The moment that hinders a machine may be NaN.
+        # The moments of a regime that can't start may be NaN.
         with np.errstate(invalid="ignore"):
-            own |= {f"{name} power": way * m * rows["speed"] for name, m in zip(SOURCES, moments, strict=False)}
-        own |= {"speed": way * rows["speed"]} | {key: row for key, row in rows.items() if key in AT_TWO_SPEEDS}
+            own |= {f"{name} power": sense * m * rows["speed"] for name, m in zip(SOURCES, moments, strict=False)}
+        own |= {"speed": sense * rows["speed"]} | {key: row for key, row in rows.items() if key in AT_TWO_SPEEDS}
         kept = ("acceleration", "motor_moment", *CHANNELS, *fields)
         yield own | {"energy": rows["kinetic_energy"]} | {key: rows[key] for key in kept}
 
 
 def _joined(pieces: list[Piece]) -> Iterator[tuple[Piece, np.ndarray]]:
-    """Pieces of one variant one after another, as many in one as go alike, and which of their nodes are new."""
+    """Pieces of one variant in order, joined where they are alike, and which of their nodes are new."""
     news = (_new_nodes(piece, before) for before, piece in zip([None, *pieces], pieces, strict=False))
     own: list[Piece] = []
     new: list[np.ndarray] = []
@@ -275,10 +275,10 @@ def _joined(pieces: list[Piece]) -> Iterator[tuple[Piece, np.ndarray]]:
 
 
 def _new_nodes(piece: Piece, before: Piece | None) -> np.ndarray:
-    """Which nodes of a piece are new, (nodes,) of bool: not its last one once more, nor the end of the one before."""
+    """Which nodes of a piece are new, (nodes,) of bool: without repeated nodes or the end of the piece before it."""
     states = np.stack((piece.time[:, 0], piece.turned[:, 0], piece.omega[:, 0]))
     new = np.concatenate(([True], (np.diff(states, axis=1) != 0.0).any(axis=0)))
-    # A motion without an end that was found stays a row of NaN.
+    # A motion whose end was not found remains a row of NaN.
     if before is not None:
         new[0] = (before.time[-1, 0], before.turned[-1, 0]) != (piece.time[0, 0], piece.turned[0, 0])
     return new

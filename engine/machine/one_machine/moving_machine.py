@@ -1,7 +1,7 @@
-"""One machine at positions of its input: where its parts are, how they move, what acts on its links.
+"""One machine at positions of its input: positions and motion of its parts, loads on its links.
 
-Values have the shapes of the graph's own records, with arrays in place of nodes and a vector as x + iy. Rates are by
-the input, as in the graph. All is computed by NumPy, without compiled code.
+Values have the shapes of the graph's records, with arrays instead of nodes and a vector as x + iy. Derivatives are with
+respect to the input, as in the graph. All is computed by NumPy, without compiled code.
 """
 
 import dataclasses
@@ -52,11 +52,11 @@ from engine.quantities.machine import register_of
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.words.verdicts import Verdict
 
-# Positions by which angles are followed, and among which failures are looked for.
+# Positions between which angles are unwrapped, and at which failures are searched.
 _LOOKED_AT = 720
 # Relative error of results from series.
 _SERIES = 1e-9
-# Results of a steady cycle, from that and its mean speed.
+# Results of a steady cycle, from the cycle and its mean speed.
 _OF_STEADY: dict[str, Callable[[WheelCycle, float], float]] = {
     "flywheel_used": lambda found, _: found.wheel,
     "flywheel_wittenbauer": lambda found, _: found.exact,
@@ -64,12 +64,12 @@ _OF_STEADY: dict[str, Callable[[WheelCycle, float], float]] = {
     "speed_min": lambda found, mean: mean * (1.0 - 0.5 * found.fluctuation),
     "speed_max": lambda found, mean: mean * (1.0 + 0.5 * found.fluctuation),
 }
-# Verdicts on margins, the first one that applies being given.
+# Verdicts on margins, in order of precedence.
 _ON_MARGINS = (Verdict.UNDERCUT, Verdict.JAMS, Verdict.LIFTS_OFF)
 
 
 class NowhereDefinedError(ValueError):
-    """Something of a machine has no value at any position; `verdict` says why."""
+    """A quantity is undefined at all positions; `verdict` is the reason."""
 
     def __init__(self, verdict: Verdict) -> None:
         super().__init__(verdict.sentence)
@@ -77,18 +77,18 @@ class NowhereDefinedError(ValueError):
 
 
 class Places(NamedTuple):
-    """Where the parts of a machine are, by their names: places [m] and directions in the scene's coordinates.
+    """Positions of the parts of a machine, by name: positions [m] and directions in the scene's coordinates.
 
     Attributes
     ----------
     points, contacts, pitch_points : dict of str to complex ndarray (positions,)
-        Contacts of cams, pitch points of non-circular wheels.
+        Points; contacts of cams; pitch points of non-circular wheels.
     links, guides : dict of str to (complex ndarray, complex ndarray)
         Origin and direction of a link's axes; a point and the direction of a guide.
     slides : dict of str to ndarray (positions,)
         [m]
     centres : dict of str to complex ndarray (positions,)
-        Of the masses of bodies.
+        Mass centres of bodies.
     """
 
     points: dict[str, np.ndarray]
@@ -101,7 +101,7 @@ class Places(NamedTuple):
 
 
 class Motions(NamedTuple):
-    """How the parts of a machine move, by their names."""
+    """Motion of the parts of a machine, by name."""
 
     points: dict[str, MovingPoint]
     links: dict[str, Turning]
@@ -118,11 +118,11 @@ class MovingMachine:
     ----------
     scene : Scene
     values : mapping of path to float, optional
-        Numbers (SI) in place of the scene's.
+        Numbers (SI) that replace the scene's.
     positions : int or sequence of float
         Intervals over the cycle, or over the input's range; or the positions themselves [rad, or m].
     known : Mechanics, optional
-        Used if it is this scene's and these numbers may vary in it.
+        Reused if it belongs to this scene and these numbers are varied in it.
 
     Attributes
     ----------
@@ -138,7 +138,7 @@ class MovingMachine:
     AskError
         A path isn't one of the scene's numbers, or the number of positions isn't allowed.
     NowhereDefinedError
-        By its properties: what is asked has no value at any position.
+        Raised by its properties: the quantity is undefined at all positions.
     """
 
     def __init__(
@@ -164,13 +164,13 @@ class MovingMachine:
         self.q = np.asarray(positions, float)
 
     def _spaced(self, intervals: int) -> np.ndarray:
-        """Equally spaced positions; of a cycle without the last, which is the first again."""
+        """Equally spaced positions; for a cycle without the last, which repeats the first."""
         first, last = self._variant.first, self._variant.last
         return first + (last - first) / intervals * np.arange(intervals + (not self.mechanics.has_cycle))
 
     @cached_property
     def places(self) -> Places:
-        """Where everything is."""
+        """Positions of all parts."""
         k, at, scene = self.mechanics.kinematics, self.mechanics.kinematics.coordinates, self.scene
         fixed = [name for name, point in scene.points.items() if point.link == FRAME]
         places = Places(
@@ -190,7 +190,7 @@ class MovingMachine:
 
     @cached_property
     def motions(self) -> Motions:
-        """How everything moves."""
+        """Motion of all parts."""
         k = self.mechanics.kinematics
         links = {name: link._replace(origin=self._seen(link.origin)) for name, link in k.links.items()}
         wheels = {n: wheel._replace(pitch_point=k.coordinates(wheel.pitch_point)) for n, wheel in k.noncircular.items()}
@@ -207,48 +207,48 @@ class MovingMachine:
 
     @cached_property
     def forces(self) -> list[LinkForce]:
-        """Everything that acts on each link at the input's uniform speed, in which each is in equilibrium."""
+        """All loads on each link at constant input speed; each link is in equilibrium under them."""
         seen = self.mechanics.kinematics.coordinates
         found = self.mechanics.reactions.link_forces()
         return self._values([force._replace(at=seen(force.at)) if force.at else force for force in found])
 
     def fields(self, names: Iterable[str]) -> dict[str, np.ndarray]:
-        """Fields by their names, NaN where they aren't defined.
+        """Fields by name, NaN where undefined.
 
         Raises
         ------
         AskError
-            There is no such field, or a load in it depends on time.
+            The field doesn't exist, or a load in it depends on time.
         """
         curves = self._curves(names).items()
         if self._given != Verdict.OK:
             return {name: np.full(self.q.shape, np.nan) for name, _ in curves}
-        # What overflows is infinite or NaN, not a warning.
+        # Overflow gives infinity or NaN, not a warning.
         with np.errstate(all="ignore"):
             return {name: self._row(curve) for name, curve in curves}
 
     def rate(self, name: str) -> np.ndarray:
-        """Derivative by time of a field at constant speed of the input; that of its series, beside what jumps.
+        """Time derivative of a field at constant input speed; that of its series, without jumps.
 
         Parameters
         ----------
         name : str
-            Of a field that is no integral over the cycle.
+            A field that is not an integral over the cycle.
         """
         (curve,) = self._curves([name]).values()
         with np.errstate(all="ignore"):
             return self._variant.number(self.mechanics.speed) * self._variant.slope(curve, self.q)
 
     def summary(self, name: str) -> float:
-        """A summary by its name: see `summaries`."""
+        """A summary by name; see `summaries`."""
         return float(self.summaries([name])[name].value)
 
     def summaries(self, names: Iterable[str]) -> dict[str, Measured]:
-        """Summaries by their names: means and extremes of fields, ends of strokes, results of the steady cycle.
+        """Summaries by name: means and extremes of fields, ends of strokes, results of the steady cycle.
 
-        Their error estimates are those of the series that stand for the curves.
+        Their error estimates are those of the series that represent the curves.
         """
-        # An evaluation caches by identity, so all expressions have to outlive it.
+        # An evaluation caches by identity, so all expressions must outlive it.
         full = {name: full_names(self.mechanics.scene, name) for name in names}
         expressions = {name: self.register.summary(known).expression() for name, known in full.items()}
         value_of = Evaluation(self._measured)
@@ -256,11 +256,11 @@ class MovingMachine:
             return {name: value_of(expression) for name, expression in expressions.items()}
 
     def verdict(self, names: Iterable[str]) -> Verdict:
-        """Whether some fields are defined over the cycle, and if not, why."""
+        """OK if the fields are defined over the cycle, else the reason."""
         return self._verdict(nodes_of(tuple(self._curves(names).values())))
 
     def verdict_on(self, expressions: Iterable[Expression]) -> Verdict:
-        """Whether some expressions are defined, as `verdict` for fields."""
+        """OK if the expressions are defined, as `verdict` for fields."""
         return self._verdict(node for node in nodes_of(tuple(expressions)) if node.stage > Stage.VARIANT)
 
     def _curves(self, names: Iterable[str]) -> dict[str, Node | Followed]:
@@ -284,7 +284,7 @@ class MovingMachine:
         return of.values([curve], self.q)[0]
 
     def _followed(self, angle: Node) -> np.ndarray:
-        """An angle from the first position on, turning by less than π between two of those looked at."""
+        """An angle, unwrapped from the first position; it turns by less than π between the examined positions."""
         grid, places = np.unique(np.concatenate([self._spaced(_LOOKED_AT), self.q]), return_inverse=True)
         forwards = slice(None, None, 1 if self._variant.last > self._variant.first else -1)
         row = self._variant.values([angle], grid)[0]
@@ -309,7 +309,7 @@ class MovingMachine:
         raise TypeError(f"{asked!r} is measured by compiled code alone")
 
     def _steady(self, asked: SteadyCycle) -> WheelCycle:
-        """The steady cycle, kept for its further results."""
+        """The steady cycle, cached for its other results."""
         asked = dataclasses.replace(asked, result="")
         if asked not in self._known_cycles:
             of = self._variant
@@ -318,11 +318,11 @@ class MovingMachine:
         return self._known_cycles[asked]
 
     def _seen(self, point: MovingPoint) -> MovingPoint:
-        """A point by the scene's coordinates."""
+        """A point in the scene's coordinates."""
         return point._replace(r=self.mechanics.kinematics.coordinates(point.r))
 
     def _values(self, shape: Any) -> Any:
-        """The same shape with the values of its nodes."""
+        """The same shape, with values in place of nodes."""
         nodes = list(dict.fromkeys(_nodes(shape)))
         rows = self._variant.values(nodes, self.q)
         if self._given != Verdict.OK or not all(np.isfinite(row).any() for row in rows):
@@ -330,7 +330,7 @@ class MovingMachine:
         return _with_values(shape, dict(zip(nodes, rows, strict=True)))
 
     def _verdict(self, nodes: Iterable[Node]) -> Verdict:
-        """Whether some nodes are defined over the cycle, as far as the positions looked at tell, and if not, why."""
+        """OK if the nodes are defined at all examined positions of the cycle, else the reason."""
         m, of, nodes = self.mechanics, self._variant, list(nodes)
         if self._given != Verdict.OK or not m.closes(self.numbers, nodes):
             return Verdict(self._given or Verdict.DOES_NOT_CLOSE)

@@ -1,4 +1,4 @@
-"""What each kind of action of a scene adds to the graph: its size, where it acts along, what in it switches."""
+"""Nodes of each kind of action: magnitude, line of action, and switching events."""
 
 from engine import on_use
 

@@ -1,4 +1,4 @@
-"""The brakes of a scene: the moment of each, for every variant."""
+"""The brakes of a scene: braking torque of each, for every variant."""
 
 import numpy as np
 
@@ -18,13 +18,13 @@ _LEVER = ("force", "lever_arm", "slack_arm", "tight_arm")
 
 
 def braking_moment(brake: Brake, at: str, numbers: Numbers) -> float | np.ndarray:
-    """Moment of a brake on its drum or disc [N·m], for every variant.
+    """Braking torque on a drum or disc [N·m], for every variant.
 
     Parameters
     ----------
     brake : Brake
     at : str
-        Its path in the scene.
+        Path of the brake in the scene.
     numbers : Numbers
     """
     if isinstance(brake, BandBrake):
@@ -43,5 +43,5 @@ def braking_moment(brake: Brake, at: str, numbers: Numbers) -> float | np.ndarra
 
 
 def _each(law, *arguments: float | np.ndarray) -> np.ndarray:  # noqa: ANN001
-    """A scalar law of whole arrays."""
+    """Apply a scalar law elementwise to arrays."""
     return np.vectorize(law, otypes=[float])(*arguments)

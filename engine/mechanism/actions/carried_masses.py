@@ -1,8 +1,8 @@
-"""Hoists, vehicles and belt conveyors as nodes: what the masses that they move load their drum or wheel with.
+"""Hoists, vehicles and belt conveyors as nodes: the load of the moved masses on their drum or wheel.
 
-Their speed is r ω of the drum or wheel, so that a force F along their way is the moment F r, and a mass m the inertia
-m r². Sources: M. Mitschke and H. Wallentowitz, Dynamik der Kraftfahrzeuge (driving resistances); DIN 22101 (belt
-conveyors: main resistances by an overall coefficient of friction f and a coefficient C of secondary ones).
+Masses move at r ω of the drum or wheel, so a force F along their path is a moment F r, and a mass m an inertia m r².
+Sources: M. Mitschke and H. Wallentowitz, Dynamik der Kraftfahrzeuge (driving resistances); DIN 22101 (belt conveyors:
+main resistances by an overall coefficient of friction f, secondary ones by a coefficient C).
 """
 
 from collections.abc import Callable, Iterator
@@ -22,22 +22,22 @@ from engine.scene.scene import Numbers
 
 _Value = float | np.ndarray
 _OfNumbers = Callable[[Numbers], _Value]
-_WAYS = {"counter-clockwise": 1.0, "clockwise": -1.0}
+_FORWARD_SIGNS = {"counter-clockwise": 1.0, "clockwise": -1.0}
 
 
 def carried_characteristics(kinematics: Kinematics, load: Carried, at: str, along: Along) -> Iterator[Characteristic]:
-    """What carried masses load their drum or wheel with.
+    """Loads of the moved masses on their drum or wheel.
 
     Parameters
     ----------
     kinematics : Kinematics
     load : Carried
     at : str
-        Its path in the scene.
+        Path of the load in the scene.
     along : Along
         Motion of the drum or wheel.
     """
-    graph, way = kinematics.graph, _WAYS[load.forwards]
+    graph, sign = kinematics.graph, _FORWARD_SIGNS[load.forwards]
     against = graph.held(along.switch(constant_against_motion, 1.0))
 
     gravity = _gravity(load, at)
@@ -47,28 +47,28 @@ def carried_characteristics(kinematics: Kinematics, load: Carried, at: str, alon
 
     if isinstance(load, HoistMoment):
         weight = number("moment of the weight", lambda n: n[f"{at}.mass"] * gravity(n) * n[f"{at}.drum_radius"])
-        yield Characteristic(weight, graph.constant(-way))
+        yield Characteristic(weight, graph.constant(-sign))
         efficiency = graph.number(f"{at}.efficiency")
-        factor = along.switch(lifting_factor, efficiency, way * input_sense(kinematics))
-        yield Characteristic(weight, -way * (graph.held(factor) - 1.0), role="harmful")
+        factor = along.switch(lifting_factor, efficiency, sign * input_sense(kinematics))
+        yield Characteristic(weight, -sign * (graph.held(factor) - 1.0), role="harmful")
         return
     rubs, lifts = _conveyed(at, gravity) if isinstance(load, ConveyorMoment) else _driven(at, gravity)
     yield Characteristic(number("moment of friction", lambda n: rubs(n) * np.sign(n["input.speed"])), against)
-    yield Characteristic(number("moment of the slope", lifts), graph.constant(-way))
+    yield Characteristic(number("moment of the slope", lifts), graph.constant(-sign))
     if not isinstance(load, ConveyorMoment):
         drag = number("moment of the air", partial(_air_drag, at))
         yield Characteristic(drag, against * (along.velocity * along.velocity), 2)
 
 
 def _gravity(load: Carried, at: str) -> _OfNumbers:
-    """The load's own gravity, else the scene's, and the standard one where the scene has none."""
+    """The load's own gravity, else the scene's; standard gravity if the scene has none."""
     if load.gravity is not None:
         return lambda n: n[f"{at}.gravity"]
     return lambda n: np.where(n["gravity"] == 0.0, STANDARD_GRAVITY, np.abs(n["gravity"]))
 
 
 def _driven(at: str, gravity: _OfNumbers) -> tuple[_OfNumbers, _OfNumbers]:
-    """Moments of a vehicle's rolling resistance, and of the slope."""
+    """Moments of a vehicle's rolling resistance and of the slope."""
 
     def weight(n: Numbers) -> _Value:
         return n[f"{at}.mass"] * gravity(n) * n[f"{at}.wheel_radius"]
@@ -80,7 +80,7 @@ def _driven(at: str, gravity: _OfNumbers) -> tuple[_OfNumbers, _OfNumbers]:
 
 
 def _conveyed(at: str, gravity: _OfNumbers) -> tuple[_OfNumbers, _OfNumbers]:
-    """Moments of a conveyor's friction, and of what it lifts."""
+    """Moments of a conveyor's friction and of lifting its load."""
 
     def arm(n: Numbers) -> _Value:
         return gravity(n) * n[f"{at}.drum_radius"]
@@ -93,13 +93,13 @@ def _conveyed(at: str, gravity: _OfNumbers) -> tuple[_OfNumbers, _OfNumbers]:
 
 
 def _air_drag(at: str, n: Numbers) -> _Value:
-    """Moment ½ ρ c A v² r at unit speed of the wheel, times the square of the input's."""
+    """Moment ½ ρ c A v² r at unit transfer velocity of the wheel, times the square of the input speed."""
     force = 0.5 * n[f"{at}.air_density"] * n[f"{at}.drag_area"]
     return force * n[f"{at}.wheel_radius"] ** 3 * n["input.speed"] * np.abs(n["input.speed"])
 
 
 def turning_inertia(kinematics: Kinematics, shaft: str) -> Node:
-    """Inertia of a shaft, with m r² of what it carries."""
+    """Inertia of a shaft, including m r² of the masses it moves."""
     scene, own = kinematics.scene, f"shafts.{shaft}.inertia"
     if not carried_on(scene, shaft):
         return kinematics.graph.number(own)

@@ -1,7 +1,7 @@
-"""The characteristics of forces and moments as nodes: constant, by a table or a formula, against the motion, drag.
+"""The characteristics of forces and moments as nodes: constant, table, formula, against the motion, drag.
 
-With v the transfer velocity along a load and ω the input's speed the real velocity is v ω: what grows with a power of
-it is the same power of v times a number of the variant. What switches with the sign of v is held.
+With v the transfer velocity along a load and ω the input speed, the actual velocity is v ω. A load that grows with a
+power of it is that power of v times a per-variant number. Factors that switch with the sign of v are held.
 """
 
 from collections.abc import Iterator, Mapping
@@ -25,21 +25,21 @@ _Action = actions.ForceAction | actions.MomentAction
 def characteristics(
     kinematics: Kinematics, action: _Action, at: str, along: Along, time: Node, speed: Node | None
 ) -> Iterator[Characteristic]:
-    """How large a force or moment is; one by a formula, or of carried masses, is several, by powers of the speed.
+    """Magnitude of a force or moment; loads by a formula and of moved masses have a part for each power of the speed.
 
     Parameters
     ----------
     kinematics : Kinematics
     action : force or moment of the scene
-        No motor and no torsion spring.
+        Neither a motor nor a torsion spring.
     at : str
-        Its path in the scene.
+        Path of the action in the scene.
     along : Along
-        Motion of what it acts on.
+        Motion of the loaded point or link.
     time : Node
         [s].
     speed : Node or None
-        Of the input by magnitude [rad/s]; None where it is that of the scene.
+        Magnitude of the input speed [rad/s]; None for the scene's speed.
     """
     acts = _acts(kinematics, action, along)
     if isinstance(action, (actions.FormulaForce, actions.FormulaMoment)):
@@ -95,7 +95,7 @@ def _power_drag(numbers: Mapping, at: str, value: str) -> float | np.ndarray:
 
 
 def _acts(kinematics: Kinematics, action: _Action, along: Along) -> Node:
-    """A factor, zero where the action is limited to the other direction of motion; not held yet."""
+    """Factor 1, or 0 while the link moves in a direction in which the action does not act; not held."""
     sense = _SENSES.get(getattr(action, "acts", "always"))
     if sense is None:
         return kinematics.graph.one
@@ -103,7 +103,7 @@ def _acts(kinematics: Kinematics, action: _Action, along: Along) -> Node:
 
 
 def _against(along: Along, acts: Node) -> Node:
-    """−1 along the velocity, times the factor of where it acts; held."""
+    """−1 in the direction of the velocity, times the factor `acts`; held."""
     graph = along.velocity.graph
     if along.turning is None:
         return graph.held(-acts)

@@ -1,6 +1,6 @@
-"""Gas or liquid in cylinders as nodes: the pressure on a piston, by the indicator diagram.
+"""Gas or liquid in cylinders as nodes: the pressure on a piston from the indicator diagram.
 
-The branch of its diagram that a cylinder follows in the middle of a panel it follows throughout it; panels end at dead
+A cylinder follows one branch of its diagram throughout a panel, the branch in the panel's middle; panels end at dead
 centres and where valves or ports open.
 """
 
@@ -31,14 +31,7 @@ _ENGINE = ("intake", "exhaust", "peak")
 
 
 def cylinder_load(kinematics: Kinematics, name: str) -> Load:
-    """The force on a piston along its slide coordinate.
-
-    Parameters
-    ----------
-    kinematics : Kinematics
-    name : str
-        Of the cylinder.
-    """
+    """The force on the piston of the cylinder `name`, along the slide coordinate."""
     scene, graph, at = kinematics.scene, kinematics.graph, f"cylinders.{name}"
     cylinder = scene.cylinders[name]
     slide, piston = kinematics.slides[cylinder.piston], kinematics.links[cylinder.piston]
@@ -50,7 +43,7 @@ def cylinder_load(kinematics: Kinematics, name: str) -> Load:
 
 
 def piston_area(bore: float | np.ndarray) -> float | np.ndarray:
-    """Area of a piston by its bore [m]."""
+    """Area of a piston with a bore [m]."""
     return math.pi / 4 * bore**2
 
 
@@ -60,10 +53,10 @@ class Diagram:
     Attributes
     ----------
     travel, rate : Node
-        Distance of the piston from its head-end dead centre, and its speed in the input's direction.
+        Distance of the piston from its head-end dead centre, and its derivative in the input's direction of motion.
     stroke : Node
     pressure : Node
-        Absolute, on the piston [Pa].
+        Absolute pressure on the piston [Pa].
     flows_in : Node
         1 while gas or liquid flows in, else 0.
     """
@@ -87,7 +80,7 @@ class Diagram:
         def opening(which: int) -> Callable[[Mapping], np.ndarray]:
             return lambda n: compressor_opening_travels(*self._values(n, *_COMPRESSOR, "n_expansion"))[which]
 
-        # The pressure is that of the line when a valve opens: it bends.
+        # The pressure equals the line pressure when a valve opens, so it has a kink there, not a jump.
         shares = [self._opens_at(f"{valve} opens", opening(i), 1) for i, valve in enumerate(("discharge", "suction"))]
         branch = self.graph.apply(compressor_branch, self.travel, self.stroke, self.rate, *shares)
         peak = self.graph.derived(f"{self.at}.peak", lambda n: compressor_peak(*self._values(n, *_COMPRESSOR)))
@@ -110,14 +103,14 @@ class Diagram:
         return self._along(branch, tuple(self._numbers(*_ENGINE)), port)
 
     def _along(self, branch: Node, pressures: tuple[Node, Node, Node], port: Node) -> tuple[Node, Node]:
-        """The branch, and the pressure along the one that holds."""
+        """The branch, and the pressure along the held branch."""
         cylinder = (self.stroke, *self._numbers("clearance"), port)
         exponents = tuple(self._numbers("n_compression", "n_expansion"))
         held = self.graph.held(branch)
         return branch, self.graph.apply(branch_pressure, held, self.travel, cylinder, pressures, exponents)
 
     def _opens_at(self, key: str, share: Callable[[Mapping], float | np.ndarray], kink: int = 0) -> Node:
-        """A travel at which a valve or port opens, as a share of the stroke; something switches there."""
+        """Register the switching event of a valve or port; return its piston travel as a share of the stroke."""
         number = self.graph.derived(f"{self.at}.{key}", share)
         opening = number * self.stroke
         level = self.head - opening if self.at_high else self.head + opening

@@ -1,8 +1,8 @@
-"""Loads given by formulas, as nodes: what is written is what is computed, with what switches in it held.
+"""Loads given by formulas, as nodes: the formula is computed as written, with its switching parts held.
 
-Where a piece of a formula switches — the sign of a number, the lesser of two, a comparison — is where a curve crosses a
-level: the panels end there. The derivative by the input of that curve follows from the formula's own structure, by the
-rules of differentiation.
+A part that switches (a sign, a minimum, a comparison) does so where a curve crosses a level; panels end there. The
+derivative of that curve with respect to the input follows from the formula's structure, by the rules of
+differentiation.
 """
 
 import math
@@ -25,12 +25,12 @@ from engine.parts.formulas.speed_powers import NoPowerError, powers_of_speed
 from engine.parts.skeleton import CrankInput
 from engine.scene.load_formulas import TIME, LoadFormula
 
-# Powers up to this one are products.
+# Integer exponents up to this one are computed by multiplication.
 LARGEST_PRODUCT = 16
 
 
 class Differentiated(NamedTuple):
-    """A number along the motion, and its derivative by the input."""
+    """A quantity along the motion, and its derivative with respect to the input."""
 
     value: Node
     rate: Node
@@ -39,22 +39,22 @@ class Differentiated(NamedTuple):
 def formula_characteristics(
     kinematics: Kinematics, formula: LoadFormula, along: Along, factor: Node, time: Node, speed: Node | None
 ) -> Iterator[Characteristic]:
-    """How large a load by a formula is: a characteristic for each power of the input's speed.
+    """Magnitude of a load by a formula: a characteristic for each power of the input speed.
 
-    What is no sum of such powers is one characteristic, which depends on that speed itself.
+    A formula that is not a sum of such powers becomes one characteristic, which depends on the speed itself.
 
     Parameters
     ----------
     kinematics : Kinematics
     formula : LoadFormula
     along : Along
-        Motion of what it acts on.
+        Motion of the loaded point or link.
     factor : Node
-        What the value is multiplied by; held.
+        Held factor of the value.
     time : Node
         [s].
     speed : Node or None
-        Of the input by magnitude [rad/s]; None where it is that of the scene.
+        Magnitude of the input speed [rad/s]; None for the scene's speed.
     """
     graph, tree = kinematics.graph, formula.expression.tree
     forward = input_sense(kinematics)
@@ -63,7 +63,7 @@ def formula_characteristics(
     except NoPowerError:
         parts, signed = {Fraction(0): tree}, graph.number("input.speed") if speed is None else forward * speed
     if along.direction is not None and formula.action.angle is None:
-        # Along the motion, whichever way the input moves.
+        # Along the motion, in whichever direction the input moves.
         factor = factor * forward
     curves = _Curves(kinematics, formula, along, signed, time)
     for exponent, part in parts.items():
@@ -77,21 +77,21 @@ def _speed_to(order: float) -> Callable:
 
 
 class _Curves:
-    """The parts of a formula as curves; `speed` is the one at which velocities are taken."""
+    """The parts of a formula as curves; velocities refer to `speed`."""
 
     def __init__(self, kinematics: Kinematics, formula: LoadFormula, along: Along, speed: Node, time: Node) -> None:
         self.kinematics, self.graph, self.formula = kinematics, kinematics.graph, formula
         self.along, self.speed, self.time = along, speed, time
-        # Parts are shared, so that each is followed once; and they must live as long as their place in memory counts.
+        # Parts are shared, so each is converted once. Keeping the tree keeps its id valid.
         self._known: dict[int, tuple[Tree, Differentiated]] = {}
         self._names: dict[str, Differentiated] = {}
-        # Curves with the same zeros, without a number that they are multiplied by or a power.
+        # Curves with the same zeros, stripped of numeric factors and powers.
         self._bare: dict[Node, Differentiated] = {}
-        # Distances from an end of a stroke: the slide, the sense in which they grow with it, and the end.
+        # Distances from an end of a stroke: the slide, the sign with which they grow with it, and the end.
         self._distances: dict[Node, tuple[Differentiated, float, Node]] = {}
 
     def of(self, tree: Tree) -> Differentiated:
-        """Differentiated of a part of the formula."""
+        """A part of the formula with its derivative."""
         if id(tree) not in self._known:
             self._known[id(tree)] = tree, self._found(tree)
         return self._known[id(tree)][1]
@@ -138,7 +138,7 @@ class _Curves:
         if b.value.stage < Stage.POSITION:
             found = a.value / b.value
         else:
-            # A pole is where a panel ends: it can't pass unseen between two positions.
+            # A panel ends at a pole, so the pole can't pass unseen between two positions.
             found = self.graph.apply(quotient, self._held_sign(sense, b, 0), *a, *b)
         return Differentiated(found, (a.rate - found * b.rate) / b.value)
 
@@ -179,7 +179,7 @@ class _Curves:
         return Differentiated(value, grown)
 
     def _not_negative(self, tree: Tree) -> Differentiated:
-        """What a root or a broken power is taken of: where it vanishes, rounding may put it below 0."""
+        """Argument of a root or a fractional power: rounding may make a vanishing one negative."""
         if isinstance(tree, TextOperation) and tree.name == "abs":
             return Differentiated(abs(self.of(tree.operands[0]).value), self.of(tree).rate)
         x = self.of(tree)
@@ -202,7 +202,7 @@ class _Curves:
         return Differentiated(self.graph.apply(logarithm, x.value), x.rate / x.value)
 
     def _of_angle(self, name: str, angle: Tree) -> Differentiated:
-        """Sine, cosine or tangent; what turns with the crank a whole number of times a cycle goes on beyond a cycle."""
+        """Sine, cosine or tangent; an angle that makes whole turns per cycle continues beyond the cycle's end."""
         graph = self.graph
         if angle == "phi":
             x, cosine, sine = Differentiated(graph.q, graph.one), graph.cos_q, graph.sin_q
@@ -211,7 +211,7 @@ class _Curves:
             x = self._unfolded(angle) if timed or self._turns_wholly(angle) else self.of(angle)
             cosine, sine = graph.apply(direction_of, x.value)
             if timed and x.rate.stage == Stage.VARIANT and not any(isinstance(n, Held) for n in reached([x.value])):
-                # It is periodic if the cycle is a multiple of its period.
+                # Periodic if the cycle is a multiple of its period.
                 graph.returns((cosine, sine), Return(TIME, x.rate * float(self._revolutions)))
         if name == "sin":
             return Differentiated(sine, cosine * x.rate)
@@ -220,7 +220,7 @@ class _Curves:
         return self._quotient(Differentiated(sine, cosine * x.rate), Differentiated(cosine, -sine * x.rate))
 
     def _follows_time(self, angle: Tree) -> bool:
-        """Whether a part depends on the time of a cycle at uniform speed."""
+        """Whether a part depends on the time of a cycle at constant speed."""
         uniform = self.kinematics.has_cycle and self.time is uniform_time(self.kinematics)
         return uniform and TIME in names_in_tree(angle)
 
@@ -229,7 +229,7 @@ class _Curves:
         return slope is not None and (slope * self._revolutions).is_integer()
 
     def _slope(self, tree: Tree) -> float | None:
-        """Derivative of a part by phi where it is a multiple of phi, and numbers added to it; else None."""
+        """Derivative of a part with respect to phi if the part is linear in phi, else None."""
         if tree == "phi":
             return 1.0
         if isinstance(tree, TextOperation) and tree.name in ("+", "-", "*", "/", "negative"):
@@ -254,10 +254,10 @@ class _Curves:
         return 0.0 if all(self._named(name).value.stage < Stage.POSITION for name in names) else None
 
     def _unfolded(self, angle: Tree) -> Differentiated:
-        """An angle with the crank's angle in it that goes on from one cycle to the next."""
-        beyond = _Curves(self.kinematics, self.formula, self.along, self.speed, self.time)
-        beyond._names["phi"] = Differentiated(self.graph.q, self.graph.one)
-        return beyond.of(angle)
+        """An angle that contains the crank angle and continues from one cycle to the next."""
+        unfolded = _Curves(self.kinematics, self.formula, self.along, self.speed, self.time)
+        unfolded._names["phi"] = Differentiated(self.graph.q, self.graph.one)
+        return unfolded.of(angle)
 
     def _arcsine(self, x: Differentiated) -> Differentiated:
         cosine = self.graph.function("sqrt", (1.0 - x.value) * (1.0 + x.value))
@@ -271,7 +271,7 @@ class _Curves:
         return Differentiated(self.graph.apply(angle_of, 1.0, x.value), x.rate / (1.0 + x.value * x.value))
 
     def _direction(self, y: Differentiated, x: Differentiated) -> Differentiated:
-        """Angle of a vector; it jumps where that points along −x."""
+        """Angle of a vector; it jumps where the vector points along −x."""
         if max(x.value.stage, y.value.stage) < Stage.POSITION:
             return Differentiated(self.graph.apply(angle_of, x.value, y.value), self.graph.zero)
         above = self._held_sign(side, y, 0)
@@ -284,10 +284,10 @@ class _Curves:
     def _in_degrees(self, x: Differentiated) -> Differentiated:
         return self._product(self._constant(180.0 / math.pi), x)
 
-    # What switches
+    # Switching
 
     def _held_sign(self, law: Callable, x: Differentiated, kink: int) -> Node:
-        """Sign of a number, or its side, held; something of the given kink switches with it."""
+        """Held sign or side of a quantity; a switching event with the given kink is registered."""
         curve = self._bare.get(x.value, x)
         self.graph.switches(*curve, 0.0, kink)
         return self.graph.held(self.graph.apply(law, x.value))
@@ -301,10 +301,10 @@ class _Curves:
         forward = self._held_sign(sense, x, 1)
         return Differentiated(forward * x.value, forward * x.rate)
 
-    def _least(self, *of: Differentiated) -> Differentiated:
+    def _minimum(self, *of: Differentiated) -> Differentiated:
         return self._chosen(of, lambda a, b: (b, a))
 
-    def _greatest(self, *of: Differentiated) -> Differentiated:
+    def _maximum(self, *of: Differentiated) -> Differentiated:
         return self._chosen(of, lambda a, b: (a, b))
 
     def _chosen(
@@ -322,7 +322,7 @@ class _Curves:
         return Differentiated(value, rate)
 
     def _condition(self, tree: TextOperation) -> Node:
-        """1 where a condition holds, 0 where it doesn't."""
+        """1 where a condition holds, else 0."""
         if tree.name in ("and", "or", "not"):
             parts = [self._condition(part) for part in tree.operands]
             found = parts[0] if tree.name == "and" else 1.0 - parts[0]
@@ -341,7 +341,7 @@ class _Curves:
                 return 1.0 - self._exceeds(a, b, 0)
 
     def _exceeds(self, a: Differentiated, b: Differentiated, kink: int) -> Node:
-        """1 where one number is above another, else 0, held; something of the given kink switches with it."""
+        """1 where a exceeds b, else 0; held, with a switching event of the given kink."""
         graph, zero = self.graph, self.graph.zero
         if b.value.stage == Stage.POSITION and a.value.stage == Stage.POSITION:
             a, b = self._difference(a, b), Differentiated(zero, zero)
@@ -349,9 +349,9 @@ class _Curves:
         if level is zero:
             curve = self._bare.get(curve.value, curve)
         if curve.value in self._distances:
-            # The slide itself is known before its ends are.
-            curve, way, end = self._distances[curve.value]
-            level = end + way * level
+            # The slide is known before the ends of its stroke are.
+            curve, sign, end = self._distances[curve.value]
+            level = end + sign * level
         graph.switches(*curve, level, kink)
         return graph.held(graph.apply(exceeds, a.value, b.value))
 
@@ -393,12 +393,12 @@ class _Curves:
         return self._number(name)
 
     def _number(self, path: str) -> Differentiated:
-        # As an array's, a number divided by 0 is infinite.
+        # As array elements: division by 0 is then infinite.
         number = self.graph.derived(f"{path} in formulas", lambda n: np.float64(1.0) * n[path])
         return Differentiated(number, self.graph.zero)
 
     def _at_speed(self, transfer: Differentiated) -> Differentiated:
-        """A velocity, by its transfer function, whose zeros are its own."""
+        """Velocity from its transfer function, with which it shares its zeros."""
         found = self._product(Differentiated(self.speed, self.graph.zero), transfer)
         self._bare[found.value] = self._bare.get(transfer.value, transfer)
         return found
@@ -412,7 +412,7 @@ class _Curves:
         return self.kinematics.scene.input.revolutions
 
     def _crank_angle(self) -> Differentiated:
-        """The crank's angle within a cycle, of a crank that turns fully; beyond the end of a cycle it begins anew."""
+        """Crank angle within a cycle if the crank turns fully: it restarts at 0 after each cycle."""
         graph, drive = self.graph, self.kinematics.scene.input
         if drive.start is not None:
             return Differentiated(graph.q, graph.one)
@@ -448,8 +448,8 @@ class _Curves:
             case _:
                 return self._distance(Differentiated(high - slide.d, -slide.v), slide, -1.0, high)
 
-    def _distance(self, found: Differentiated, slide: Slide, way: float, end: Node) -> Differentiated:
-        self._distances[found.value] = Differentiated(slide.d, slide.v), way, end
+    def _distance(self, found: Differentiated, slide: Slide, sign: float, end: Node) -> Differentiated:
+        self._distances[found.value] = Differentiated(slide.d, slide.v), sign, end
         return found
 
 
@@ -471,6 +471,6 @@ _METHODS = {
     "degrees": "_in_degrees",
     "sign": "_sign",
     "abs": "_magnitude",
-    "min": "_least",
-    "max": "_greatest",
+    "min": "_minimum",
+    "max": "_maximum",
 }

@@ -1,4 +1,4 @@
-"""The motors of a scene: their moment reduced to the input link."""
+"""The motors of a scene: their torque reduced to the input link."""
 
 from collections.abc import Callable
 
@@ -16,12 +16,12 @@ _by_kloss = np.vectorize(induction_motor, otypes=[float])
 
 
 def motor_moment(scene: Scene, motors: tuple[str, ...], numbers: Numbers) -> float | np.ndarray:
-    """Moment of the motors at the input's speed, reduced to the input link [N·m], for every variant."""
+    """Torque of the motors at the input speed, reduced to the input link [N·m], for every variant."""
     total: float | np.ndarray = 0.0
     for name in motors:
         motor = scene.moments[name]
         ratio = motor_ratio(scene, motor, numbers)
-        # A motor drives its shaft the way it is meant to turn.
+        # A motor drives its shaft in the direction in which the shaft is meant to turn.
         speed, curve = np.abs(numbers["input.speed"] * ratio), motor_curve(motor, f"moments.{name}", numbers)
         moment = curve.level + curve.slope * speed
         moment = moment + sum(bend * np.maximum(speed - at, 0.0) for bend, at in curve.bends)
@@ -31,17 +31,17 @@ def motor_moment(scene: Scene, motors: tuple[str, ...], numbers: Numbers) -> flo
 
 
 def motor_at_speed(kinematics: Kinematics, name: str, on: Node, facing: Node, speed: Node) -> Node:
-    """Moment of a motor at the speed of a state, reduced to the input, in the direction of motion [N·m].
+    """Torque of a motor at the speed of a state, reduced to the input, in the direction of motion [N·m].
 
     Parameters
     ----------
     kinematics : Kinematics
     name : str
-        Of a motor of the scene.
+        A motor of the scene.
     on : Node
-        1 where it acts, 0 where it is off.
+        1 while it is switched on, else 0.
     facing : Node
-        +1 or −1: the way of the motion. The motor drives the way that it is meant to turn.
+        +1 or −1: direction of motion relative to the direction in which the motor is meant to drive.
     speed : Node
         In the direction of motion [rad/s].
     """
@@ -66,5 +66,5 @@ def motor_at_speed(kinematics: Kinematics, name: str, on: Node, facing: Node, sp
 
 
 def motor_ratio(scene: Scene, motor: Motor, numbers: Numbers) -> float | np.ndarray:
-    """Speed of a motor over that of the input link, with its sign."""
+    """Speed of a motor divided by that of the input link, with its sign."""
     return 1.0 if motor.on == scene.input.link else numbers[f"shafts.{motor.on}.ratio"]

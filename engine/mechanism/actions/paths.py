@@ -1,8 +1,8 @@
-"""Along which way a loaded point or link moves, and where it turns back.
+"""Direction in which a loaded point or link moves, and where the motion reverses.
 
-A point on a slider of the frame, or on a link that turns about a pivot of the frame, comes to rest where the slider or
-link turns back. There its speed |v| has a kink and its direction of motion jumps, so that both are written with the
-sense of the motion held: smooth to the very end of its stroke, and beyond.
+A point on a slider of the frame, or on a link pivoted to the frame, comes to rest where the slider or link reverses.
+Its speed |v| has a kink there and its direction of motion jumps. Both are therefore written with the sense of motion
+held: they are smooth up to the end of the stroke and beyond.
 """
 
 import math
@@ -24,17 +24,17 @@ from engine.scene.scene import Scene
 
 
 class Along(NamedTuple):
-    """Motion of what is loaded along its load.
+    """Motion of a loaded point or link along its load.
 
     Attributes
     ----------
     velocity, slope : Node
-        Transfer velocity along the direction, of a moment that of the link; and its derivative by the input.
+        Transfer velocity along the direction (of a moment: of the link), and its derivative with respect to the input.
     direction : Vector or None
         Unit vector; None for a moment.
     turning : tuple of (Node, Node) or None
-        A curve that changes its sign wherever the velocity does, and its derivative by the input; None where the
-        velocity is a speed, which never changes it.
+        A curve that changes sign wherever the velocity does, and its derivative with respect to the input; None if the
+        velocity is a speed, which never changes sign.
     """
 
     velocity: Node
@@ -43,7 +43,7 @@ class Along(NamedTuple):
     turning: tuple[Node, Node] | None
 
     def switch(self, law: Callable, *operands: Node | float) -> Node:
-        """A law of some operands and the velocity, whose result changes only where the velocity's sign does."""
+        """Apply a law to operands and the velocity; its result may change only where the velocity changes sign."""
         graph = self.velocity.graph
         if self.turning is not None:
             graph.switches(*self.turning)
@@ -51,14 +51,14 @@ class Along(NamedTuple):
 
 
 def input_sense(kinematics: Kinematics) -> Node:
-    """Sign of the input's speed: which way the cycle is run through."""
+    """Sign of the input speed, the direction in which the cycle runs."""
     return kinematics.graph.derived("sense of the input", lambda n: np.sign(n["input.speed"]) + 0.0)
 
 
 def uniform_time(kinematics: Kinematics) -> Node:
-    """Time since the begin of the cycle [s], in the direction in which the input moves, at uniform speed.
+    """Time after the start of the cycle [s], in the input's direction of motion, at constant speed.
 
-    It goes on from cycle to cycle, so that what depends on it doesn't repeat itself.
+    It continues from cycle to cycle, so quantities that depend on it are not periodic in general.
     """
     full, drive = kinematics.has_cycle, kinematics.scene.input
 
@@ -76,7 +76,7 @@ def uniform_time(kinematics: Kinematics) -> Node:
 
 
 def time_per_input(kinematics: Kinematics) -> Node:
-    """Time that passes for each unit of the input's motion [s/rad or s/m]."""
+    """Time per unit of input motion [s/rad or s/m]."""
     return kinematics.graph.derived("time for the input's unit", lambda n: 1.0 / n["input.speed"])
 
 
@@ -87,23 +87,15 @@ def about_link(kinematics: Kinematics, link: str) -> Along:
 
 
 def along(kinematics: Kinematics, name: str, force: ForceAction) -> Along:
-    """Motion of a loaded point along its force; of a resistance without a direction, along the point's own motion.
-
-    Parameters
-    ----------
-    kinematics : Kinematics
-    name : str
-        Of the force.
-    force : ForceAction
-    """
+    """Motion of a loaded point along its force; for a resistance without a direction, along the point's path."""
     if force.angle is None:
         return _along_motion(kinematics, force.on)
     point, link = kinematics.points[force.on], kinematics.links[force.turns_with]
     direction = kinematics.direction(f"forces.{name}.angle").in_axes(link.u)
     straight = _straight(kinematics, force.on)
     if straight is not None and direction.x.stage < Stage.POSITION:
-        slide, way = straight
-        share = way.dot(direction)
+        slide, axis = straight
+        share = axis.dot(direction)
         return Along(slide.v * share, slide.a * share, direction, (slide.v, slide.a))
     velocity = point.v.dot(direction)
     slope = point.a.dot(direction) + link.w * point.v.dot(direction.normal)
@@ -123,16 +115,16 @@ def _along_motion(kinematics: Kinematics, name: str) -> Along:
     graph.switches(rate, slope)
     forward = graph.held(graph.apply(sense, rate))
     unit = Vector(*graph.apply(direction_of_motion, *tangent))
-    # On a line or a circle the tangent keeps its length.
+    # On a line or a circle the length of the tangent is constant.
     return Along(forward * rate * tangent.length, forward * slope * tangent.length, forward * unit, None)
 
 
 def _track(kinematics: Kinematics, name: str) -> tuple[Node, Node, Vector] | None:
-    """Of a point on a line or a circle of the frame rate · tangent is its velocity: rate, its derivative, tangent."""
+    """Rate, its derivative and tangent of a point on a line or circle of the frame; its velocity is rate · tangent."""
     straight = _straight(kinematics, name)
     if straight is not None:
-        slide, way = straight
-        return slide.v, slide.a, way
+        slide, axis = straight
+        return slide.v, slide.a, axis
     for link in _links_at(kinematics.scene, name):
         turning = kinematics.links[link]
         if turning.origin.v == kinematics.nowhere:
@@ -141,7 +133,7 @@ def _track(kinematics: Kinematics, name: str) -> tuple[Node, Node, Vector] | Non
 
 
 def _straight(kinematics: Kinematics, name: str) -> tuple[Slide, Vector] | None:
-    """Of a point on a slider of the frame the slide coordinate and the direction of the guide."""
+    """Slide coordinate and guide direction of a point on a slider of the frame."""
     for link in _links_at(kinematics.scene, name):
         guide = guide_on_frame(kinematics.scene, link)
         if guide is not None:
@@ -150,7 +142,7 @@ def _straight(kinematics: Kinematics, name: str) -> tuple[Slide, Vector] | None:
 
 
 def guide_on_frame(scene: Scene, link: str) -> str | None:
-    """The guide of the frame on which a link slides; None where it slides on none."""
+    """The frame's guide on which a link slides; None if there is none."""
     if isinstance(scene.input, SliderInput) and scene.input.link == link:
         return scene.input.guide
     for group in scene.groups.values():
@@ -161,7 +153,7 @@ def guide_on_frame(scene: Scene, link: str) -> str | None:
 
 
 def _links_at(scene: Scene, point: str) -> tuple[str, ...]:
-    """Links to which a point belongs: one, or the two of an inner joint."""
+    """Links to which a point belongs: one, or the two that meet in an inner joint."""
     if point in scene.points:
         return (scene.points[point].link,)
     for group in scene.groups.values():

@@ -13,14 +13,7 @@ from engine.scene.pairs import holder_of
 
 
 def spring_loads(kinematics: Kinematics, name: str) -> Iterator[Load]:
-    """The pull of a spring, and that of its damper if it has one.
-
-    Parameters
-    ----------
-    kinematics : Kinematics
-    name : str
-        Of the spring.
-    """
+    """The pull of the spring `name`, and of its damper if it has one."""
     scene, graph, at = kinematics.scene, kinematics.graph, f"springs.{name}"
     ends = scene.springs[name].between
     a, b = (kinematics.points[end] for end in ends)
@@ -37,14 +30,7 @@ def spring_loads(kinematics: Kinematics, name: str) -> Iterator[Load]:
 
 
 def torsion_spring(kinematics: Kinematics, name: str) -> Characteristic:
-    """The moment of a torsion spring; it jumps where its link points along −x.
-
-    Parameters
-    ----------
-    kinematics : Kinematics
-    name : str
-        Of the moment.
-    """
+    """The moment of the torsion spring `name`; it jumps where its link points along −x."""
     graph, at = kinematics.graph, f"moments.{name}"
     on = kinematics.scene.moments[name].on
     angle = _angle(kinematics, on)
@@ -54,7 +40,7 @@ def torsion_spring(kinematics: Kinematics, name: str) -> Characteristic:
 
 
 def _pull(free: Number, length: Node) -> Node:
-    """Force over the stiffness of a spring; many side by side are one, as stiff as all, with the mean free length."""
+    """Force divided by stiffness; parallel springs become one, with their total stiffness and mean free length."""
     graph = length.graph
 
     def total(springs: list[tuple[Number | Constant, Number]]) -> Node:

@@ -1,6 +1,6 @@
 """Characteristics given as tables over the crank angle, a stroke or time, as nodes.
 
-The piece of the table that holds in the middle of a panel holds throughout it; panels end at the table's rows.
+A table stays on one piece throughout a panel, the piece at the panel's middle; panels end at the table's rows.
 """
 
 import math
@@ -26,16 +26,16 @@ from engine.mechanism.actions.paths import time_per_input
 from engine.mechanism.kinematics import Kinematics
 from engine.parts.actions import Tabled
 
-# A table with more pieces is searched by a law; fewer are compared one by one, in a bounded number of lines, so that
-# the stages of a motion take a sixth less time.
+# Tables with more pieces are searched by a law. Shorter ones are compared row by row in straight-line code of bounded
+# length, with which the stages of a motion run a sixth faster.
 MOST_LOOKED_THROUGH = 16
 
 
 class _Place(NamedTuple):
-    """Where in a table the machine is: the abscissa; a curve that passes levels where it passes rows; its derivative.
+    """Position of the machine in a table: the abscissa; a curve that crosses levels at the rows; its derivative.
 
-    `rows` are how far the levels lie beyond `base`, of a periodic table of all that lie in the cycle; each with the
-    lowest derivative that changes there.
+    `rows` holds the distance of each level from `base` and the lowest derivative of the value that changes there; for a
+    periodic table, all rows within the cycle.
     """
 
     abscissa: Node
@@ -53,9 +53,9 @@ def tabled(kinematics: Kinematics, action: Tabled, factor: Node, time: Node) -> 
     kinematics : Kinematics
     action : Tabled
     factor : Node
-        What the value is multiplied by; held throughout a panel like the piece of the table.
+        Factor of the value; held over a panel, as the piece of the table is.
     time : Node
-        What a table over time is read at [s].
+        Abscissa of a table over time [s].
     """
     graph = kinematics.graph
     period = _period(kinematics, action)
@@ -69,14 +69,14 @@ def tabled(kinematics: Kinematics, action: Tabled, factor: Node, time: Node) -> 
 def rows_over_angle(
     kinematics: Kinematics, angles: Sequence[float], values: Sequence[float], interpolation: str, outside: str
 ) -> Node:
-    """Curve through rows over the crank angle that lie within one cycle.
+    """Curve through rows over the crank angle, all within one cycle.
 
     Parameters
     ----------
     kinematics : Kinematics
     angles, values : sequence of float
     interpolation, outside : str
-        As of `make_table`.
+        As in `make_table`.
     """
     graph = kinematics.graph
     for angle, kink in _kinks(angles, values, interpolation, outside, False).items():
@@ -85,12 +85,12 @@ def rows_over_angle(
 
 
 def _value(graph: Graph, table: Table, x: Node, factor: Node) -> Node:
-    """Value of a table; the piece that x lies in, times the factor, is held."""
+    """Value of a table; the polynomial of the piece at x, times the factor, is held."""
     begin, *coefficients = _piece(graph, table, x)
     value = _polynomial([graph.held(c * factor) for c in coefficients], x - graph.held(begin))
 
     def total(tables: list[tuple[Number | Constant, float]]) -> Node:
-        """Weighted sum of tables that begin at some places in the memory."""
+        """Weighted sum of tables, each given by its weight and its offset in the memory."""
         weights, begins = zip(*tables, strict=True)
         offsets = graph.store(np.array(begins))
         name = f"tables at {offsets.value:.0f} by {', '.join(w.label for w in weights)}"
@@ -103,7 +103,7 @@ def _value(graph: Graph, table: Table, x: Node, factor: Node) -> Node:
 
 
 def _polynomial(coefficients: Sequence[Node], t: Node) -> Node:
-    """By Horner's rule, of a degree no higher than there are coefficients for."""
+    """Evaluate a polynomial by Horner's rule, highest power first."""
     value, *others = coefficients
     for coefficient in others:
         value = value * t + coefficient
@@ -111,7 +111,7 @@ def _polynomial(coefficients: Sequence[Node], t: Node) -> Node:
 
 
 def _piece(graph: Graph, table: Table, x: Node) -> tuple[Node, ...]:
-    """Where the piece of a table begins that x lies in, and its polynomial, highest power first."""
+    """Start of the table's piece that contains x, and its polynomial, highest power first."""
     offset, pieces = graph.store(in_memory(table)), table.coefficients.shape[0]
     powers = [power for power in range(4) if table.coefficients[:, : power + 1].any() or power == 3]
     if pieces > MOST_LOOKED_THROUGH:
@@ -130,7 +130,7 @@ def _piece(graph: Graph, table: Table, x: Node) -> tuple[Node, ...]:
 
 
 def _period(kinematics: Kinematics, action: Tabled) -> float:
-    """Period of a table: that of the cycle over the angle of a crank that turns fully, 0 otherwise."""
+    """Period of a table: the cycle for a table over the angle of a fully turning crank, else 0."""
     closed = kinematics.has_cycle and action.over_angle is not None
     return 2.0 * math.pi * kinematics.scene.input.revolutions if closed else 0.0
 
@@ -164,7 +164,7 @@ def _place(kinematics: Kinematics, action: Tabled, period: float, time: Node) ->
     d = slide.d
     if action.measured_from == "guide":
         return _Place(d, d, slide.v, graph.zero, rows)
-    # The slider never gets beyond the end that its distance is measured from.
+    # The slider never passes the end from which the distance is measured.
     inside = [(x, kink) for x, kink in rows if x > 0.0]
     if action.measured_from == "low end":
         low = graph.found(d, slide.v, "low")
@@ -174,7 +174,7 @@ def _place(kinematics: Kinematics, action: Tabled, period: float, time: Node) ->
 
 
 def _within_cycle(rows: list[tuple[float, int]], period: float) -> list[tuple[float, int]]:
-    """Rows of a periodic table as angles of the cycle from 0 on; of any other table its rows."""
+    """Rows of a periodic table as crank angles within the cycle; other tables unchanged."""
     if period == 0.0:
         return rows
     kinks: dict[float, int] = {}

@@ -1,4 +1,4 @@
-"""The structural groups: those of free links, and the dyads, each put together in the file of its type."""
+"""The structural groups: groups of free links, and the dyads, each assembled in the module of its type."""
 
 from engine import on_use
 

@@ -1,9 +1,9 @@
-"""The loops of a group of free links as nodes: where its links are for given unknowns, and what its loops miss.
+"""The loops of a group of free links as nodes: positions of its links for given unknowns, and loop residuals.
 
-Unknowns are the directions of links that hang on a revolute pair, and the slides of those that hang on a prismatic one.
-Equations say that links which were cut out keep their length, or their distance from a guide, and that joints which
-were cut meet. All of them are found with their first and second derivative: so the same functions give residuals, the
-Jacobian (everything else at rest, one unknown moving), and the right-hand sides of velocities and accelerations.
+Unknowns are the directions of links placed by a revolute pair, and the slides of links placed by a prismatic one.
+Equations state that cut links keep their length, or their distance from a guide, and that cut joints coincide. Each is
+computed with its first and second derivative, so the same functions give residuals, the Jacobian (all other unknowns
+and links at rest), and the right-hand sides for velocities and accelerations.
 
 Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on groups of class III and IV; J. Wittenburg,
 Dynamics of Multibody Systems, chapter on the closure conditions of cut joints.
@@ -20,7 +20,7 @@ from engine.scene.structure.free_groups import Cutting, FreeGroup, cutting_of
 
 
 class Direction(NamedTuple):
-    """A direction with its first and second rate: one kind of unknown."""
+    """A direction with its first and second rate; one kind of unknown."""
 
     u: Vector
     w: Node
@@ -31,7 +31,7 @@ Unknown = Direction | Slide
 
 
 class Miss(NamedTuple):
-    """What an equation misses, with its first and second derivative."""
+    """Residual of an equation, with its first and second derivative."""
 
     r: Node
     v: Node
@@ -39,14 +39,14 @@ class Miss(NamedTuple):
 
 
 class Reach(NamedTuple):
-    """Bounds of how a place depends on the unknowns: of each first derivative, and of the sum of all second ones."""
+    """Bounds of a position's derivatives by the unknowns: each first derivative, and the sum of all second ones."""
 
     first: tuple[Node, ...]
     second: Node
 
 
 class CutLink(NamedTuple):
-    """A link that was cut out of its loops, between the joint of one link and a joint or guide of another.
+    """A link cut out of its loops, between a joint and another joint or a guide.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class ClosureOfFree:
     Parameters
     ----------
     assembly : Assembly
-        What is known before the group.
+        The mechanism without the group.
     group : FreeGroup
 
     Attributes
@@ -75,7 +75,7 @@ class ClosureOfFree:
     slides : tuple of bool
         Which unknowns are slides.
     size : Node
-        Greatest length in the group [m], by which slides are measured.
+        Largest length in the group [m], the unit of slides.
     """
 
     def __init__(self, assembly: Assembly, group: FreeGroup) -> None:
@@ -98,19 +98,19 @@ class ClosureOfFree:
         if not paths:
             return self.graph.one
 
-        def greatest(numbers: dict) -> float:
+        def largest(numbers: dict) -> float:
             found = abs(numbers[paths[0]])
             for path in paths[1:]:
                 other = abs(numbers[path])
                 found = found + 0.5 * (other - found + abs(other - found))
             return found
 
-        return self.graph.derived(f"size of {self.group.name}", greatest)
+        return self.graph.derived(f"size of {self.group.name}", largest)
 
-    # Places on links
+    # Positions on links
 
     def local(self, link: str, joint: str) -> Vector:
-        """A joint in the axes of a free link."""
+        """Position of a joint in the axes of a free link."""
         joints = self.assembly.scene.links[link].joints
         if joint in joints:
             along = (
@@ -120,11 +120,11 @@ class ClosureOfFree:
         return self.assembly.place("points", joint)
 
     def offset(self, link: str) -> Node:
-        """Distance of a slider's origin to the left of its guide."""
+        """Distance of a slider's origin from its guide, positive to the left."""
         return self.assembly.number(f"links.{link}.offset")
 
     def guide_on(self, guide: str, carrier: Turning) -> GuideLine:
-        """A guide of a link."""
+        """A guide on its carrier."""
         r = self.assembly.place("guides", guide)
         u = self.assembly.direction(f"guides.{guide}.angle")
         return GuideLine(carrier, carrier.origin.r + r.in_axes(carrier.u), u.in_axes(carrier.u))
@@ -142,13 +142,13 @@ class ClosureOfFree:
     # Placing links
 
     def placed(self, unknowns: Sequence[Unknown], still: bool = False) -> dict[str, Turning]:
-        """Links with their motion, known ones that carry pairs of the group among them; those cut out are missing.
+        """Motion of the placed links and of the known links that carry them; cut links are absent.
 
         Parameters
         ----------
         unknowns : sequence of Direction or Slide
         still : bool
-            Whether known links count as at rest.
+            Whether known links are treated as at rest.
         """
         around = {name for pair in self.group.pairs for name in (pair.link, pair.other)} - set(self.group.links)
         links = {name: self._known(name, still) for name in sorted(around)}
@@ -162,7 +162,7 @@ class ClosureOfFree:
         return links
 
     def joint_on(self, links: dict[str, Turning], link: str, joint: str, still: bool = False) -> MovingPoint:
-        """A joint as a point of one of the links that meet there."""
+        """Motion of a joint as a point of one of the links that meet there."""
         if link in self._index:
             return _at(links[link], self.local(link, joint))
         if joint in self.assembly.points:
@@ -177,7 +177,7 @@ class ClosureOfFree:
         return hinge._replace(origin=_at(hinge, -self.local(name, joint)))
 
     def _sliding(self, links: dict[str, Turning], pair: Pair, unknown: Slide) -> Turning:
-        """A slider on a guide of a link that was placed before it."""
+        """A slider on a guide of a link placed before it."""
         line = self.guide_on(self.slider_guide(pair), links[pair.other])
         r = line.r + unknown.d * line.u + self.offset(pair.link) * line.u.normal
         under, sliding = line.under(r), unknown.v * line.u
@@ -185,44 +185,44 @@ class ClosureOfFree:
         return Turning(origin, line.u, line.carrier.w, line.carrier.e)
 
     def _carrying(self, links: dict[str, Turning], pair: Pair, unknown: Slide) -> Turning:
-        """A link with the guide on which a link slides that was placed before it."""
+        """A link whose guide carries a slider placed before it."""
         slider, name = links[pair.link], self.slider_guide(pair)
         angle = self.assembly.direction(f"guides.{name}.angle")
         u = Vector(angle.x, -angle.y).in_axes(slider.u)
         r = self.assembly.place("guides", name)
-        way, sliding = slider.u, unknown.v * slider.u
+        axis, sliding = slider.u, unknown.v * slider.u
         carrier = Turning(slider.origin, u, slider.w, slider.e)
-        # The carrier's point under the slider moves with it but for what slides.
+        # The carrier's point under the slider moves with the slider, less the relative sliding.
         back = (carrier.w + carrier.w) * sliding.normal
-        under = MovingPoint(slider.origin.r, slider.origin.v - sliding, slider.origin.a - back - unknown.a * way)
-        arm = -(r.in_axes(u) + unknown.d * way + self.offset(pair.link) * way.normal)
+        under = MovingPoint(slider.origin.r, slider.origin.v - sliding, slider.origin.a - back - unknown.a * axis)
+        arm = -(r.in_axes(u) + unknown.d * axis + self.offset(pair.link) * axis.normal)
         return carrier._replace(origin=_at_arm(carrier._replace(origin=under), arm))
 
     # Equations
 
     def misses(self, links: dict[str, Turning], still: bool = False) -> list[Miss]:
-        """What the loops miss: of cut links first, then of cut pairs."""
+        """Residuals of the loops: of cut links, then of cut pairs."""
         found = [self._of_link(links, cut, still) for cut in self.cut_links]
         for pair in self.cutting.cut_pairs:
             found += self._of_pair(links, pair, still)
         return found
 
     def ends(self, links: dict[str, Turning], cut: CutLink, still: bool = False) -> tuple[MovingPoint, MovingPoint]:
-        """Joints at the ends of a cut link with two of them."""
+        """Joints at the ends of a cut link with two joints."""
         found = [self.joint_on(links, _far(cut.name, pair), joint_of(pair), still) for pair in (cut.one, cut.other)]
         return found[0], found[1]
 
     def measures(self) -> list[Node]:
-        """Of each equation what makes a length of what it misses: that of a cut link misses a square."""
+        """Factor of each equation that makes its residual a length: the residual of a cut link is a square."""
         found = [self.bar(cut).length if cut.other.kind == "revolute" else self.graph.one for cut in self.cut_links]
         return found + [self.graph.one] * (2 * len(self.cutting.cut_pairs))
 
     def bar(self, cut: CutLink) -> Vector:
-        """From the first to the second joint of a cut link, in its own axes."""
+        """Vector from the first to the second joint of a cut link, in the link's axes."""
         return self.local(cut.name, joint_of(cut.other)) - self.local(cut.name, joint_of(cut.one))
 
     def line(self, links: dict[str, Turning], cut: CutLink) -> tuple[GuideLine, Node]:
-        """The line that the joint of a cut link keeps to, on the link beyond its guide; how far to its left."""
+        """Guide line of a cut link's joint, on the link beyond the guide, and the joint's distance to its left."""
         joint, guide = self.local(cut.name, joint_of(cut.one)), self.slider_guide(cut.other)
         if cut.other.link == cut.name:
             return self.guide_on(guide, links[cut.other.other]), self.offset(cut.name) + joint.y
@@ -234,7 +234,7 @@ class ClosureOfFree:
     def _of_link(self, links: dict[str, Turning], cut: CutLink, still: bool) -> Miss:
         if cut.other.kind == "prismatic":
             point = self.joint_on(links, _far(cut.name, cut.one), joint_of(cut.one), still)
-            return _beside(*self.line(links, cut), point)
+            return _line_residual(*self.line(links, cut), point)
         one, other = self.ends(links, cut, still)
         bar = self.bar(cut)
         r, v, a = (two - first for first, two in zip(one, other, strict=True))
@@ -250,22 +250,22 @@ class ClosureOfFree:
         sine, cosine = line.u.cross(slider.u), line.u.dot(slider.u)
         w, e = slider.w - line.carrier.w, slider.e - line.carrier.e
         turning = Miss(sine * self.size, cosine * w * self.size, (cosine * e - sine * w * w) * self.size)
-        return [turning, _beside(line, self.offset(pair.link), slider.origin)]
+        return [turning, _line_residual(line, self.offset(pair.link), slider.origin)]
 
     # Bounds for the proof
 
     def bounds(
         self, unknowns: Sequence[Unknown], misses: Sequence[Miss], within: Node
     ) -> tuple[list[list[Node]], list[Node]]:
-        """Of each equation bounds of its first derivatives at these unknowns, and of the sum of all its second ones.
+        """Bounds of each equation's first derivatives at these unknowns, and of the sum of its second derivatives.
 
         Parameters
         ----------
         unknowns : sequence of Direction or Slide
         misses : sequence of Miss
-            What the equations miss there.
+            Residuals at the unknowns.
         within : Node
-            How far from these the bounds of second derivatives hold [rad, or shares of the group's size].
+            Radius in which the bounds of second derivatives hold [rad, or units of the group's size].
         """
         graph, count = self.graph, len(unknowns)
         links = self.placed(unknowns)
@@ -295,7 +295,7 @@ class ClosureOfFree:
                 two = self._reach_of_joint(origins, turns, nothing, _far(cut.name, cut.other), joint_of(cut.other))
                 first = [a + b for a, b in zip(one.first, two.first, strict=True)]
                 total, length = _total(first), self.bar(cut).length
-                # At most: what the equation misses is half the difference of the squares of distance and length.
+                # Upper bound: the residual is half the difference of the squares of distance and length.
                 distance = length + abs(miss.r) * (graph.one / length) + total * within
                 first = [reach * length for reach in first]
                 found.append((first, total * total + (one.second + two.second) * distance))
@@ -303,7 +303,7 @@ class ClosureOfFree:
             carrier, point = _far(cut.name, cut.other), self.joint_on(links, _far(cut.name, cut.one), joint_of(cut.one))
             base, place = origins.get(carrier, (nothing, self._zero))
             arm = (point.r - _at(links[carrier], place).r).length
-            found.append(self._reach_beside(one, base, turns.get(carrier), arm, within))
+            found.append(self._reach_from_line(one, base, turns.get(carrier), arm, within))
         for pair in self.cutting.cut_pairs:
             if pair.kind == "revolute":
                 one, two = (
@@ -319,7 +319,7 @@ class ClosureOfFree:
             one = origins.get(pair.link, (nothing, self._zero))[0]
             base, place = origins.get(pair.other, (nothing, self._zero))
             arm = (links[pair.link].origin.r - _at(links[pair.other], place).r).length
-            found.append(self._reach_beside(one, base, of_line, arm, within))
+            found.append(self._reach_from_line(one, base, of_line, arm, within))
         return [first for first, _ in found], [second for _, second in found]
 
     @property
@@ -339,10 +339,10 @@ class ClosureOfFree:
         base, place = origins[link]
         return _turned_by(base, turns[link], (self.local(link, joint) - place).length)
 
-    def _reach_beside(
+    def _reach_from_line(
         self, point: Reach, base: Reach, turns: int | None, arm: Node, within: Node
     ) -> tuple[list[Node], Node]:
-        """Bounds of the distance of a point from a line that turns with an unknown, at an arm from where it turns."""
+        """Bounds of a point's distance from a line that turns with an unknown; `arm` from the centre of rotation."""
         first = [a + b for a, b in zip(point.first, base.first, strict=True)]
         second = point.second + base.second
         if turns is None:
@@ -352,12 +352,12 @@ class ClosureOfFree:
 
 
 def _far(link: str, pair: Pair) -> str:
-    """The link beyond a pair of some link."""
+    """The link on the other side of a pair."""
     return pair.other if pair.link == link else pair.link
 
 
 def _at(link: Turning, place: Vector) -> MovingPoint:
-    """A point of a link by its place in the link's axes."""
+    """Motion of a point given in a link's axes."""
     return _at_arm(link, place.in_axes(link.u))
 
 
@@ -366,15 +366,15 @@ def _at_arm(link: Turning, arm: Vector) -> MovingPoint:
     return link.origin if arm == (nothing, nothing) else link.at(arm)
 
 
-def _beside(line: GuideLine, offset: Node, point: MovingPoint) -> Miss:
-    """What a point misses of its distance to the left of a line."""
+def _line_residual(line: GuideLine, offset: Node, point: MovingPoint) -> Miss:
+    """Residual of a point's distance to the left of a line."""
     under, n = line.under(point.r), line.u.normal
     relative = point.v - under.v
     return Miss(n.dot(point.r - line.r) - offset, n.dot(relative), n.dot(point.a - under.a - line.coriolis(relative)))
 
 
 def _turned_by(base: Reach, turns: int | None, arm: Node) -> Reach:
-    """Bounds of a point at an arm from a place, on a link that turns with an unknown."""
+    """Bounds of a point at `arm` from a base point, on a link that turns with an unknown."""
     if turns is None:
         return base
     return Reach(tuple(f + arm if k == turns else f for k, f in enumerate(base.first)), base.second + arm)

@@ -1,4 +1,4 @@
-"""Groups of free links, of any class, put together from nodes: seeds, corrections with their proof, and rates."""
+"""Groups of free links, of any class, as nodes: seeds, Newton corrections with their proof, and rates."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -23,23 +23,23 @@ from engine.mechanism.vectors import Vector, named
 from engine.scene.names import joint_owners
 from engine.scene.structure.free_groups import FreeGroup
 
-# Newton's corrections of a seed; see `engine.laws.kinematics.seeds`.
+# Newton corrections of a seed; see `engine.laws.kinematics.seeds`.
 _CORRECTIONS = 2
 
 Place = Vector | Node
 
 
 class Linearised(NamedTuple):
-    """A group's loops beside some values of its unknowns.
+    """A group's loops, linearised at given values of its unknowns.
 
     Attributes
     ----------
     misses : list of Miss
-        What they miss, and the rates of that if no unknown moved.
+        Residuals of the loops, with their rates for fixed unknowns.
     units : list of dict of str to Turning
-        Motion of all links, for each unknown, if that alone moved: by 1 rad, or by the group's size.
+        For each unknown, the motion of all links if that unknown alone moved, by 1 rad or by the group's size.
     inverse : Inverse
-        Of the Jacobian.
+        Inverse of the Jacobian.
     """
 
     misses: list[Miss]
@@ -54,7 +54,7 @@ class FreeMotion(NamedTuple):
     ----------
     closure : ClosureOfFree
     links : dict of str to Turning
-        Those that were placed, and those they hang on.
+        The placed links, and the links that carry them.
     linearised : Linearised
     """
 
@@ -79,29 +79,29 @@ def add_free_group(assembly: Assembly, group: FreeGroup, span: tuple[Node, Node]
     tables = assembly.seed_tables[group.name] = _tables_of(closure, span, turns)
     places = _seeded(closure, tables, span, turns)
     for step in range(_CORRECTIONS):
-        beside = linearised(closure, places)
-        deltas = beside.inverse.times([-miss.r for miss in beside.misses])
+        linear = linearised(closure, places)
+        deltas = linear.inverse.times([-miss.r for miss in linear.misses])
         if step == 0:
-            h = named(certificate(closure, places, beside, deltas), f"{group.name}_certificate")
+            h = named(certificate(closure, places, linear, deltas), f"{group.name}_certificate")
             assembly.certificates[group.name] = h
             deltas = [assembly.graph.apply(proved, h, delta) for delta in deltas]
             assembly.solutions[group.name] = tuple(deltas)
         places = corrected(closure, places, deltas)
-    beside = linearised(closure, places)
-    motions = with_rates(closure, places, beside)
+    linear = linearised(closure, places)
+    motions = with_rates(closure, places, linear)
     links = closure.placed(motions)
     _register(closure, links, motions)
     graph, measures = assembly.graph, closure.measures()
-    misses = [abs(m.r) / (size * closure.size) for m, size in zip(beside.misses, measures, strict=True)]
+    misses = [abs(m.r) / (size * closure.size) for m, size in zip(linear.misses, measures, strict=True)]
     worst = misses[0]
     for miss in misses[1:]:
         worst = graph.apply(greater, worst, miss)
-    assembly.transmits(group.name, transmission(closure, places, beside), worst)
-    return FreeMotion(closure, links, beside)
+    assembly.transmits(group.name, transmission(closure, places, linear), worst)
+    return FreeMotion(closure, links, linear)
 
 
 def _tables_of(closure: ClosureOfFree, span: tuple[Node, Node], turns: bool) -> SeedTables:
-    """Tables of seeds, with what they are made by: one correction and the rates, at given values of the unknowns."""
+    """Seed tables of a group, with the curves that make them: one correction and the rates, at given unknowns."""
     graph, name = closure.graph, closure.group.name
     given = [
         (graph.given(f"{name} {i} slide"),)
@@ -110,21 +110,21 @@ def _tables_of(closure: ClosureOfFree, span: tuple[Node, Node], turns: bool) -> 
         for i, slides in enumerate(closure.slides)
     ]
     places = [node[0] if slides else Vector(*node) for node, slides in zip(given, closure.slides, strict=True)]
-    beside = linearised(closure, places)
-    deltas = beside.inverse.times([-miss.r for miss in beside.misses])
-    motions = with_rates(closure, places, beside)
+    linear = linearised(closure, places)
+    deltas = linear.inverse.times([-miss.r for miss in linear.misses])
+    motions = with_rates(closure, places, linear)
     scales = [closure.size if slides else graph.one for slides in closure.slides]
     curves = [delta * scale for delta, scale in zip(deltas, scales, strict=True)]
     curves += [m.v if isinstance(m, Slide) else m.w for m in motions]
     curves += [m.a if isinstance(m, Slide) else m.e for m in motions]
-    curves += [certificate(closure, places, beside, deltas), transmission(closure, places, beside), closure.size]
+    curves += [certificate(closure, places, linear, deltas), transmission(closure, places, linear), closure.size]
     links = closure.placed([_at_rest(closure, place) for place in places])
     points = _points(closure, links)
     return SeedTables(closure.assembly.scene, closure.group, given, curves, points, span, turns)
 
 
 def _points(closure: ClosureOfFree, links: dict[str, Turning]) -> dict[str, Vector]:
-    """Places of all points of the group."""
+    """Positions of all points of the group."""
     scene, own = closure.assembly.scene, set(closure.group.links)
     whole = links | {cut.name: _cut_link(closure, links, cut) for cut in closure.cut_links}
     found = {joint: (link, closure.local(link, joint)) for joint, link in joint_owners(scene).items() if link in own}
@@ -139,7 +139,7 @@ def _at_rest(closure: ClosureOfFree, place: Place) -> Unknown:
 
 
 def _seeded(closure: ClosureOfFree, tables: SeedTables, span: tuple[Node, Node], turns: bool) -> list[Place]:
-    """Unknowns between two seeds of the table."""
+    """Interpolate the unknowns between two seeds of the table."""
     graph, name = closure.graph, closure.group.name
     whole = graph.derived("range of the input", lambda n: span[1].compute(n) - span[0].compute(n))
     table = graph.number_table(
@@ -164,7 +164,7 @@ def _seeded(closure: ClosureOfFree, tables: SeedTables, span: tuple[Node, Node],
 
 
 def linearised(closure: ClosureOfFree, places: Sequence[Place]) -> Linearised:
-    """The loops beside some values of the unknowns."""
+    """Linearise the loops at given values of the unknowns."""
     graph = closure.graph
     rest = [_at_rest(closure, place) for place in places]
     misses = closure.misses(closure.placed(rest))
@@ -179,7 +179,7 @@ def linearised(closure: ClosureOfFree, places: Sequence[Place]) -> Linearised:
 
 
 def corrected(closure: ClosureOfFree, places: Sequence[Place], deltas: Sequence[Node]) -> list[Place]:
-    """Unknowns after a correction."""
+    """Apply a correction to the unknowns."""
     return [
         Vector(*closure.graph.apply(turned, *place, delta))
         if isinstance(place, Vector)
@@ -188,8 +188,8 @@ def corrected(closure: ClosureOfFree, places: Sequence[Place], deltas: Sequence[
     ]
 
 
-def with_rates(closure: ClosureOfFree, places: Sequence[Place], beside: Linearised) -> list[Unknown]:
-    """Unknowns with their first and second rate."""
+def with_rates(closure: ClosureOfFree, places: Sequence[Place], linear: Linearised) -> list[Unknown]:
+    """Add first and second rates to the unknowns."""
     zero = closure.graph.zero
     scales = [closure.size if slides else closure.graph.one for slides in closure.slides]
 
@@ -200,54 +200,54 @@ def with_rates(closure: ClosureOfFree, places: Sequence[Place], beside: Linearis
         ]
 
     still = [zero] * len(places)
-    first = beside.inverse.times([-miss.v for miss in beside.misses])
+    first = linear.inverse.times([-miss.v for miss in linear.misses])
     carried = closure.misses(closure.placed(motions(first, still)))
-    return motions(first, beside.inverse.times([-miss.a for miss in carried]))
+    return motions(first, linear.inverse.times([-miss.a for miss in carried]))
 
 
-def certificate(closure: ClosureOfFree, places: Sequence[Place], beside: Linearised, deltas: Sequence[Node]) -> Node:
-    """H of the theorem of Newton and Kantorovich: no more than ½ proves a root beside these values."""
+def certificate(closure: ClosureOfFree, places: Sequence[Place], linear: Linearised, deltas: Sequence[Node]) -> Node:
+    """H of the Newton–Kantorovich theorem: a value up to ½ proves a root near these unknowns."""
     graph = closure.graph
-    step = _greatest(graph, [abs(delta) for delta in deltas])
-    # Where h is no more than ½ the root is no farther than twice the first correction.
-    _, second = closure.bounds([_at_rest(closure, place) for place in places], beside.misses, step + step)
+    step = _maximum(graph, [abs(delta) for delta in deltas])
+    # For h ≤ ½ the root is within twice the first correction.
+    _, second = closure.bounds([_at_rest(closure, place) for place in places], linear.misses, step + step)
     changes = []
-    for row in beside.inverse.rows:
+    for row in linear.inverse.rows:
         terms = [abs(entry) * bound for entry, bound in zip(row, second, strict=True)]
         total = terms[0]
         for term in terms[1:]:
             total = total + term
         changes.append(total)
-    return step * _greatest(graph, changes)
+    return step * _maximum(graph, changes)
 
 
-def _greatest(graph: object, nodes: Sequence[Node]) -> Node:
+def _maximum(graph: object, nodes: Sequence[Node]) -> Node:
     worst = nodes[0]
     for node in nodes[1:]:
         worst = graph.apply(greater, worst, node)
     return worst
 
 
-def transmission(closure: ClosureOfFree, places: Sequence[Place], beside: Linearised) -> Node:
-    """Quality of transmission: the Jacobian's determinant over the greatest that its rows allow.
+def transmission(closure: ClosureOfFree, places: Sequence[Place], linear: Linearised) -> Node:
+    """Transmission index: the Jacobian's determinant, divided by the largest that the bounds of its rows allow.
 
-    Of a dyad RRR this is the sine of the transmission angle.
+    For a dyad RRR this is the sine of the transmission angle.
     """
-    first, _ = closure.bounds([_at_rest(closure, place) for place in places], beside.misses, closure.graph.zero)
-    greatest = closure.graph.one
+    first, _ = closure.bounds([_at_rest(closure, place) for place in places], linear.misses, closure.graph.zero)
+    largest = closure.graph.one
     for row in first:
         square = row[0] * row[0]
         for bound in row[1:]:
             square = square + bound * bound
-        greatest = greatest * closure.graph.function("sqrt", square)
-    return beside.inverse.determinant * (closure.graph.one / greatest)
+        largest = largest * closure.graph.function("sqrt", square)
+    return linear.inverse.determinant * (closure.graph.one / largest)
 
 
-# What is known then
+# Registering the solution
 
 
 def _register(closure: ClosureOfFree, links: dict[str, Turning], motions: Sequence[Unknown]) -> None:
-    """Add the group's links, sliders and joints to the mechanism."""
+    """Register the group's links, sliders and joints."""
     assembly, group = closure.assembly, closure.group
     for name, _ in closure.cutting.placed:
         assembly.link(name, links[name])
@@ -275,7 +275,7 @@ def _slide(closure: ClosureOfFree, slider: str, carrier: str, guide: str) -> Sli
 
 
 def _cut_link(closure: ClosureOfFree, links: dict[str, Turning], cut: CutLink) -> Turning:
-    """Motion of a link that was cut out of its loops."""
+    """Motion of a cut link."""
     joint = closure.local(cut.name, cut.one.name.removeprefix(f"{cut.one.link}."))
     if cut.other.kind == "revolute":
         one, other = closure.ends(links, cut)
@@ -300,7 +300,7 @@ def _joint_beyond(closure: ClosureOfFree, links: dict[str, Turning], cut: CutLin
 
 
 def _from_joint(joint: MovingPoint, place: Vector, link: Turning) -> Turning:
-    """A link of which the motion of one of its joints is known."""
+    """Motion of a link from that of one of its joints."""
     nothing = link.w.graph.zero
     if place == (nothing, nothing):
         return link

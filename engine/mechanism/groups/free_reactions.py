@@ -1,8 +1,8 @@
-"""Reactions in the pairs of a group of free links, by the transposed system of its velocities.
+"""Reactions in the pairs of a group of free links, from the transposed Jacobian of its loops.
 
-What a link that was cut out bears goes to its ends, but for the force along it; what a joint that was cut bears is not
-known at all. These forces λ keep the rest, an open chain, in equilibrium: by virtual work Jᵀλ = Q, J the Jacobian of
-the loops and Q the work of all loads for each unknown. Then the chain is taken apart from its ends.
+A cut link passes its loads to its ends, except for the force along the link; the force in a cut joint is entirely
+unknown. These forces λ keep the remaining open chain in equilibrium. By virtual work, Jᵀλ = Q, with J the Jacobian of
+the loops and Q the work of all loads per unknown. The chain is then dismantled from its ends.
 
 Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapter on the kinetostatics of groups of class III.
 """
@@ -19,15 +19,14 @@ from engine.scene.pairs import Pair, joint_of
 
 
 def free_reactions(assembly: Assembly, motion: FreeMotion, loads: Mapping[str, Wrench]) -> dict[str, Components]:
-    """Reactions on the links that name the pairs, by the pairs' names.
+    """Reactions in the pairs, by pair name; each acts on the link of that name.
 
     Parameters
     ----------
     assembly : Assembly
     motion : FreeMotion
-        Of the group.
     loads : mapping of str to Wrench
-        All that acts on each of the group's links.
+        Resultant load on each link of the group.
     """
     on_links = LinkLoads(assembly)
     for link, load in loads.items():
@@ -43,7 +42,7 @@ class _Balance:
         self._closure: ClosureOfFree = motion.closure
         self.reactions: dict[str, Components] = {}
         closure = self._closure
-        own = {cut.name: self._handed_on(cut) for cut in closure.cut_links}
+        own = {cut.name: self._pass_to_ends(cut) for cut in closure.cut_links}
         unknown = motion.linearised.inverse.transposed_times([self._work(unit) for unit in motion.linearised.units])
         for cut, force in zip(closure.cut_links, unknown, strict=False):
             self._along(cut, own[cut.name], force)
@@ -51,10 +50,10 @@ class _Balance:
         for i, pair in enumerate(closure.cutting.cut_pairs):
             self._cut_pair(pair, *rest[2 * i : 2 * i + 2])
         for name, pair in reversed(closure.cutting.placed):
-            self._taken_off(name, pair)
+            self._remove_link(name, pair)
 
     def _work(self, unit: dict[str, Turning]) -> Node:
-        """Work of all loads on the open chain for an unknown's unit."""
+        """Work of all loads on the open chain per unit of an unknown."""
         total = self._closure.graph.zero
         for name, _ in self._closure.cutting.placed:
             load, link = self._loads.total(name), unit[name]
@@ -69,13 +68,13 @@ class _Balance:
         return self._closure.joint_on(self._motion.links, self._far(name, pair), joint_of(pair))
 
     def _register(self, pair: Pair, name: str, force: Vector) -> None:
-        """Note the force in a joint on a link, as that on the link that names the pair."""
+        """Register the force in a joint, given as it acts on the link `name`."""
         self.reactions[pair.name] = tuple(force if pair.link == name else -force)
 
-    # Links that were cut out
+    # Cut links
 
-    def _handed_on(self, cut: CutLink) -> Wrench:
-        """Hand on what a cut link bears but for the unknown force; its load about its first joint."""
+    def _pass_to_ends(self, cut: CutLink) -> Wrench:
+        """Pass a cut link's loads to its ends, without the unknown force; return its load about the first joint."""
         total, joint = self._loads.total(cut.name), self._joint(cut.name, cut.one)
         moment = total.moment - (joint.r - self._links[cut.name].origin.r).cross(total.force)
         load = Wrench(total.force, moment)
@@ -93,11 +92,11 @@ class _Balance:
         return (other.r - one.r) * (self._closure.graph.one / self._closure.bar(cut).length)
 
     def _across(self, cut: CutLink, load: Wrench) -> Vector:
-        """Force across a cut link in its second joint: it balances the moments about the first."""
+        """Force across a cut link in its second joint, which balances the moments about the first."""
         return -(load.moment / self._closure.bar(cut).length) * self._direction(cut).normal
 
     def _along(self, cut: CutLink, load: Wrench, unknown: Node) -> None:
-        """Add the force that was unknown of a cut link, and note its reactions."""
+        """Apply the solved force of a cut link, and register the link's reactions."""
         joint, one, other = self._joint(cut.name, cut.one), *(self._far(cut.name, p) for p in (cut.one, cut.other))
         if cut.other.kind == "revolute":
             one_end, other_end = self._closure.ends(self._motion.links, cut)
@@ -118,11 +117,11 @@ class _Balance:
             arm = self._links[cut.name].origin.r - joint.r
             self.reactions[cut.other.name] = normal, -load.moment - arm.cross(force)
             return
-        # The slider is the link beyond: what it bears is the opposite, about its own origin.
+        # The slider is the link beyond: it takes the opposite reaction, about its own origin.
         arm = joint.r - self._links[other].origin.r
         self.reactions[cut.other.name] = -normal, load.moment - arm.cross(force)
 
-    # Pairs that were cut
+    # Cut pairs
 
     def _cut_pair(self, pair: Pair, one: Node, other: Node) -> None:
         if pair.kind == "revolute":
@@ -142,8 +141,8 @@ class _Balance:
 
     # The open chain
 
-    def _taken_off(self, name: str, pair: Pair) -> None:
-        """Take the last link off the chain: its pair bears all that acts on it."""
+    def _remove_link(self, name: str, pair: Pair) -> None:
+        """Remove the last link of the chain: its pair takes all its loads."""
         load, link, other = self._loads.total(name), self._links[name], self._far(name, pair)
         if pair.kind == "revolute":
             self._register(pair, name, -load.force)

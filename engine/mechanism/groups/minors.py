@@ -1,7 +1,7 @@
-"""Inverse of a small matrix of nodes by its minors: no division but one, so that no pivot can vanish on the way.
+"""Inverse of a small matrix of nodes by minors: it divides once, by the determinant, so no pivot can vanish.
 
-A group of class III has two unknowns, one of six links three: of so few the minors are the shortest way, and zeros
-fold away.
+A group of class III has two unknowns, a group of six links three. For matrices this small, minors take the fewest
+operations, and zero entries fold away.
 """
 
 from collections.abc import Sequence
@@ -25,11 +25,11 @@ class Inverse(NamedTuple):
     determinant: Node
 
     def times(self, vector: Sequence[Node]) -> list[Node]:
-        """Product with a column."""
+        """Product with a column vector."""
         return [_sum(a * b for a, b in zip(row, vector, strict=True)) for row in self.rows]
 
     def transposed_times(self, vector: Sequence[Node]) -> list[Node]:
-        """Product of the transposed inverse with a column."""
+        """Product of the transposed inverse with a column vector."""
         return [_sum(a * b for a, b in zip(column, vector, strict=True)) for column in zip(*self.rows, strict=True)]
 
 
@@ -48,7 +48,7 @@ def inverse(matrix: Matrix) -> Inverse:
 
 
 def _minor(graph: Graph, matrix: Matrix, rows: tuple[int, ...], columns: tuple[int, ...]) -> Node:
-    """Determinant of some rows and columns, along the first row; equal minors are equal nodes."""
+    """Determinant of the given rows and columns, expanded along the first row; equal minors share a node."""
     if not rows:
         return graph.one
     total = graph.zero

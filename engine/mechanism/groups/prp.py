@@ -1,4 +1,4 @@
-"""The dyad PRP of two sliders, put together from nodes."""
+"""Nodes of the dyad PRP, two sliders."""
 
 from engine.laws.kinematics.prp import prp_closure, prp_position, prp_rates, prp_reactions
 from engine.mechanism.assembly import Assembly, DyadStatics, MovingPoint, Slide
@@ -22,11 +22,11 @@ def add_dyad(assembly: Assembly, name: str) -> None:
     assembly.points[group.inner] = joint
     assembly.slider(group.first.link, joint, one, Slide(d1, v1, a1))
     assembly.slider(group.second.link, joint, two, Slide(d2, v2, a2))
-    # Guides on one link never change their angle: the quality of transmission is then a number of the variant.
+    # The angle between guides on one link is constant: the transmission index is then a per-variant number.
     assembly.transmits(name, one.u.cross(two.u), apply(prp_closure, *lines, b, d1, d2))
 
 
 def dyad_statics(assembly: Assembly, name: str) -> DyadStatics:
-    """The law of the reactions in a group PRP of the scene, and the geometry that it takes."""
+    """The law of the reactions in a group PRP of the scene, and the geometry it takes."""
     group = assembly.scene.groups[name]
     return prp_reactions, (assembly.links[group.first.link].u, assembly.links[group.second.link].u)

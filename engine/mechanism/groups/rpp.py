@@ -1,4 +1,4 @@
-"""The dyad RPP of a pivoted block and a slotted link that slides (Scotch yoke), put together from nodes."""
+"""Nodes of the dyad RPP, a pivoted block and a sliding slotted link (Scotch yoke)."""
 
 from engine.laws.kinematics.rpp import rpp_closure, rpp_position, rpp_rates, rpp_reactions
 from engine.mechanism.assembly import Assembly, DyadStatics, MovingPoint, Slide, Turning
@@ -22,12 +22,12 @@ def add_dyad(assembly: Assembly, name: str) -> None:
     assembly.slider(group.second.link, origin, guide, Slide(d, dv, da))
     assembly.links[group.first.link] = Turning(a, slot, guide.carrier.w, guide.carrier.e)
     assembly.slides[group.first.link] = Slide(slide, slide_v, slide_a).called(group.first.link)
-    # The slot's angle to the guide never changes: neither does the quality of transmission.
+    # The angle between slot and guide is constant, and so is the transmission index.
     assembly.transmits(name, beta.y, apply(rpp_closure, a.r, line, beta, crossing, slot, d, slide))
 
 
 def dyad_statics(assembly: Assembly, name: str) -> DyadStatics:
-    """The law of the reactions in a group RPP of the scene, and the geometry that it takes."""
+    """The law of the reactions in a group RPP of the scene, and the geometry it takes."""
     group = assembly.scene.groups[name]
     one, two = (assembly.links[link].u for link in (group.first.link, group.second.link))
     return rpp_reactions, (two, one, assembly.slides[group.first.link].d)

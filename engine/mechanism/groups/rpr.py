@@ -1,4 +1,4 @@
-"""The dyad RPR of a pivoted block and a slotted rocker, put together from nodes."""
+"""Nodes of the dyad RPR, a pivoted block and a slotted rocker."""
 
 from engine.laws.kinematics.rpr import rpr_closure, rpr_position, rpr_rates, rpr_reactions
 from engine.mechanism.assembly import Assembly, DyadStatics, Slide, Turning
@@ -24,6 +24,6 @@ def add_dyad(assembly: Assembly, name: str) -> None:
 
 
 def dyad_statics(assembly: Assembly, name: str) -> DyadStatics:
-    """The law of the reactions in a group RPR of the scene, and the geometry that it takes."""
+    """The law of the reactions in a group RPR of the scene, and the geometry it takes."""
     group = assembly.scene.groups[name]
     return rpr_reactions, (assembly.links[group.second.link].u, assembly.slides[group.first.link].d)

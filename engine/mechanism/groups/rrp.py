@@ -1,4 +1,4 @@
-"""The dyad RRP of a rod and a slider, put together from nodes."""
+"""Nodes of the dyad RRP, a rod and a slider."""
 
 from engine.laws.kinematics.rrp import rrp_closure, rrp_position, rrp_rates, rrp_reactions
 from engine.mechanism.assembly import Assembly, DyadStatics, MovingPoint, Slide, Turning
@@ -27,7 +27,7 @@ def add_dyad(assembly: Assembly, name: str) -> None:
 
 
 def dyad_statics(assembly: Assembly, name: str) -> DyadStatics:
-    """The law of the reactions in a group RRP of the scene, and the geometry that it takes."""
+    """The law of the reactions in a group RRP of the scene, and the geometry it takes."""
     group = assembly.scene.groups[name]
     one, two = (assembly.links[link].u for link in (group.first.link, group.second.link))
     rod = (assembly.number(f"groups.{name}.first.length"), *one)

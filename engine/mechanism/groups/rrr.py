@@ -1,4 +1,4 @@
-"""The dyad RRR of two bars, put together from nodes."""
+"""Nodes of the dyad RRR, two bars."""
 
 from engine.laws.kinematics.rrr import rrr_closure, rrr_position, rrr_rates, rrr_reactions
 from engine.mechanism.assembly import Assembly, DyadStatics, MovingPoint, Turning
@@ -19,14 +19,14 @@ def add_dyad(assembly: Assembly, name: str) -> None:
     first, second = Turning(a, u1, w1, e1), Turning(d, u2, w2, e2)
     assembly.link(group.first.link, first)
     assembly.link(group.second.link, second)
-    # From the side whose outer joint is at rest the joint's motion takes fewer operations.
+    # Derived from the side whose outer joint is fixed, the joint's motion takes fewer operations.
     b = second.at(db) if d.v == assembly.nowhere else first.at(ab)
     assembly.points[group.inner] = MovingPoint(Vector(bx, by), b.v, b.a).called(group.inner)
     assembly.transmits(name, sine, apply(rrr_closure, a.r, d.r, (bx, by), (r1, *u1), (r2, *u2)))
 
 
 def dyad_statics(assembly: Assembly, name: str) -> DyadStatics:
-    """The law of the reactions in a group RRR of the scene, and the geometry that it takes."""
+    """The law of the reactions in a group RRR of the scene, and the geometry it takes."""
     group = assembly.scene.groups[name]
     lengths = [assembly.number(f"groups.{name}.{side}.length") for side in ("first", "second")]
     one, two = (assembly.links[link].u for link in (group.first.link, group.second.link))

@@ -1,8 +1,8 @@
-"""Tables of seeds of a group of free links, for every variant: from the scene's own assembly mode along the input.
+"""Seed tables of a group of free links for every variant: from the scene's assembly mode along the input.
 
-Modes have no natural numbers. The mode of the scene is that of its real ones at the first position that lies nearest to
-what `near` tells. It is carried to a variant by steps in the scene's numbers, and along the input by steps in its
-position; every step is one that the theorem of Newton and Kantorovich proves, or it is halved.
+Assembly modes have no natural order. The scene's mode is the real one at the first position that is nearest to the
+points in `near`. It is continued to a variant by steps in the scene's numbers, and along the input by steps in
+position. Each step is proved by the Newton–Kantorovich theorem, or halved.
 """
 
 import threading
@@ -22,34 +22,34 @@ from engine.scene.structure.free_groups import FreeGroup
 from engine.units.display import quantity_text
 from engine.words.verdicts import Verdict
 
-# Intervals of a table that there is room for, in each turn of the input and in addition, and the longest, as a share of
-# a turn: a few beside each place where two modes come near to each other, the more the nearer they come.
-_EACH_TURN, _BESIDE, _LONGEST_INTERVAL = 20, 44, 1.0 / 16.0
-# Unknowns at the first position are rounded to this share before they are corrected, so that nothing depends on the way
-# that led there.
-_COARSELY, _SETTLING = 2.0**-26, 3
-# Starts from which modes are looked for, and corrections of each.
+# Capacity of a table, in intervals per turn of the input and in addition; the longest interval as a share of a turn.
+# Intervals concentrate where two modes approach each other, the more the closer they get.
+_EACH_TURN, _EXTRA, _LONGEST_INTERVAL = 20, 44, 1.0 / 16.0
+# Unknowns at the first position are rounded to this share before they are corrected, so that nothing depends on the
+# path of continuation.
+_COARSE, _FINAL_CORRECTIONS = 2.0**-26, 3
+# Starting points of the search for modes, and corrections of each.
 _STARTS, _CORRECTIONS = 4096, 60
-# Corrections no longer than this [rad, or shares of the group's size], so that none leaps across a mode.
+# Maximum correction [rad, or units of the group's size], so that none jumps across a mode.
 _LONGEST = 0.5
-# Modes are the same whose unknowns differ by no more.
+# Modes are the same if their unknowns differ by no more than this.
 _SAME = 1e-6
-# Of two modes the nearer one is meant where the other is farther by this share of its distance.
+# The nearer of two modes is selected if the other is farther by at least this share of the distance.
 _NEARER = 0.02
-# Steps from the scene to a variant, as shares of the way: the first, the longest, and the shortest before giving up.
+# Continuation steps from the scene to a variant, as shares of the distance: first, longest, shortest before failure.
 _FIRST_STEP, _LONGEST_STEP, _SHORTEST_STEP = 0.125, 0.25, 1e-5
 
 
 class SeedAnswers(NamedTuple):
-    """Tables of some variants.
+    """Seed tables of some variants.
 
     Attributes
     ----------
     seeds : ndarray (entries, variants)
-        NaN from where a path ends.
+        NaN beyond the end of a path.
     verdict : ndarray (variants,) of int
     at : ndarray (variants,)
-        Position at which a path ends; NaN where none does.
+        Position at which a path ends; NaN if it does not.
     """
 
     seeds: np.ndarray
@@ -58,18 +58,18 @@ class SeedAnswers(NamedTuple):
 
 
 class AssemblyMode(NamedTuple):
-    """A way to put a group together at the first position.
+    """An assembly mode of a group at the first position.
 
     Attributes
     ----------
     unknowns : ndarray (values,)
-        Cosines and sines of angles, slides.
+        Cosines and sines of angles, and slides.
     points : dict of str to (float, float)
-        Where the group's points lie [m].
+        Positions of the group's points [m].
     transmission : float
-        Its quality of transmission.
+        Transmission index.
     chosen : bool
-        Whether it is the scene's.
+        Whether it is the scene's mode.
     """
 
     unknowns: np.ndarray
@@ -79,32 +79,32 @@ class AssemblyMode(NamedTuple):
 
 
 class ModeNotTold(SceneError):
-    """A scene doesn't tell the assembly mode of a group that has several."""
+    """A group has several assembly modes, and the scene does not select one."""
 
 
 class SeedTables:
-    """Tables of seeds of a group of free links.
+    """Seed tables of a group of free links.
 
     Parameters
     ----------
     scene : Scene
     group : FreeGroup
     given : sequence of tuple of Node
-        Of each unknown the given numbers that hold its value: cosine and sine, or the slide.
+        Given numbers for the value of each unknown: cosine and sine, or the slide.
     curves : sequence of Node
-        At these values: corrections, first and second rates of all unknowns; the certificate, the quality of
-        transmission, the group's size.
+        At these values: corrections, first and second rates of all unknowns; the certificate, the transmission index,
+        the group's size.
     points : mapping of str to Vector
-        Where the group's points are.
+        Positions of the group's points.
     span : tuple of Node
         First and last position of the input.
     turns : bool
-        Whether the last position is the first again.
+        Whether the last position coincides with the first.
 
     Attributes
     ----------
     width, intervals, entries : int
-        Numbers of a seed, intervals that a table has room for, and numbers of a table.
+        Numbers per seed, capacity of a table in intervals, numbers per table.
     """
 
     def __init__(
@@ -121,34 +121,34 @@ class SeedTables:
         self._given, self._curves, self._points, self._span = given, curves, points, span
         self.width = 1 + sum(len(nodes) + 2 for nodes in given)
         self._revolutions = getattr(scene.input, "revolutions", 1) if turns else 1
-        self.intervals = _EACH_TURN * self._revolutions + _BESIDE
+        self.intervals = _EACH_TURN * self._revolutions + _EXTRA
         self.entries = (self.intervals + 1) * self.width
         self._slides = np.array([len(nodes) == 1 for nodes in given])
         self._of_thread = threading.local()
 
     @cached_property
     def _walk(self) -> "mechanism.groups.seed_walk.SeedWalk":
-        # Compiled code is loaded with the first table.
+        # Compiled code is loaded on first use.
         words = f"One correction of the group {self.group.name}."
         return mechanism.groups.seed_walk.SeedWalk(words, self._given, self._curves, self._span)
 
     @property
     def _own(self) -> Numbers:
-        """The scene's own numbers."""
+        """The scene's numbers, unvaried."""
         return Numbers(scene_numbers(self.scene), {})
 
     @cached_property
     def _needed(self) -> list[Number]:
-        """Numbers that the group depends on, the ends of the input's range first."""
+        """Numbers on which the group depends, the ends of the input's range first."""
         return list(dict.fromkeys([*self._span, *(n for n in reached(self._curves) if isinstance(n, Number))]))
 
     def _rows(self, numbers: Numbers) -> np.ndarray:
-        """These numbers of all variants, (numbers, variants); one variant where none of them differs."""
+        """Values of these numbers for all variants, (numbers, variants); one variant if none of them varies."""
         with np.errstate(all="ignore"):
             return np.stack(np.broadcast_arrays(np.zeros(1), *(n.compute(numbers) for n in self._needed)))[1:]
 
     def _at(self, numbers: Numbers, unknowns: np.ndarray, curves: Sequence[Node] | None = None) -> np.ndarray:
-        """Curves at given values of the unknowns and the first position, (curves, variants)."""
+        """Curves at given unknowns and the first position, (curves, variants)."""
         values, given = NodeValues(self._curves[0].graph, numbers), [node for nodes in self._given for node in nodes]
         with np.errstate(all="ignore"):
             q = np.broadcast_to(self._span[0].compute(numbers), unknowns.shape[1:])
@@ -158,13 +158,13 @@ class SeedTables:
 
     @cached_property
     def modes(self) -> tuple[AssemblyMode, ...]:
-        """All real assembly modes of the scene as it is at the first position.
+        """All real assembly modes of the scene at the first position.
 
-        They are looked for from some thousand starts; each that is found is proved.
+        Several thousand starting points are tried; each mode found is proved.
         """
         own, count = self._own, self._slides.size
         unknowns = self._starts(float(self._at(own, self._starts(1.0)[:, :1])[-1, 0]))
-        # A start at which the Jacobian is singular by chance leads nowhere.
+        # A start with a singular Jacobian is lost; the others suffice.
         with np.errstate(all="ignore"):
             for _ in range(_CORRECTIONS):
                 found = self._at(own, unknowns)
@@ -214,7 +214,7 @@ class SeedTables:
         )
 
     def _places(self, numbers: Numbers, unknowns: np.ndarray) -> list[dict[str, tuple[float, float]]]:
-        """Where the group's points lie at the first position, for each column of unknowns."""
+        """Positions of the group's points at the first position, for each column of unknowns."""
         if not self._points:
             return [{} for _ in range(unknowns.shape[1])]
         found = self._at(numbers, unknowns, [node for point in self._points.values() for node in point])
@@ -225,23 +225,18 @@ class SeedTables:
         ]
 
     def told_places(self, numbers: Numbers) -> dict[str, tuple[float, float]] | None:
-        """Where the points that tell the scene's mode lie in one variant; None where that isn't reached.
-
-        Parameters
-        ----------
-        numbers : Numbers
-        """
+        """Positions of the points in `near` for one variant; None if its mode isn't reached."""
         chosen = [mode for mode in self.modes if mode.chosen]
         if not chosen:
             return None
         start, _, arrived = self._carried(numbers, chosen[0])
         if not arrived.all():
             return None
-        (places,) = self._places(numbers, self._settled(numbers, start))
+        (places,) = self._places(numbers, self._polished(numbers, start))
         return {name: places[name] for name in self.scene.near if name in places}
 
     def _nearest(self, places: list[dict[str, tuple[float, float]]]) -> int | None:
-        """Which mode the scene points at; None where it doesn't tell."""
+        """Index of the mode selected by the scene; None if it is ambiguous."""
         told = [name for name in self.scene.near if name in self._points]
         if not told:
             return 0 if len(places) == 1 else None
@@ -256,12 +251,12 @@ class SeedTables:
         return int(order[0])
 
     def check(self) -> None:
-        """See that the scene tells its assembly mode.
+        """Check that the scene selects an assembly mode.
 
         Raises
         ------
         ModeNotTold
-            It has several, and `near` tells none of them.
+            The group has several modes, and `near` selects none of them.
         """
         if self.modes and not any(mode.chosen for mode in self.modes):
             words = f"{', '.join(self.group.links)} have {len(self.modes)} assembly modes at the first position"
@@ -281,12 +276,7 @@ class SeedTables:
     # Tables
 
     def __call__(self, numbers: Numbers) -> SeedAnswers:
-        """Tables of all variants; those of the last numbers are kept.
-
-        Parameters
-        ----------
-        numbers : Numbers
-        """
+        """Tables of all variants; the last result is cached per thread."""
         mine = self._of_thread.__dict__
         if mine.get("numbers") is not numbers:
             mine["answers"], mine["numbers"] = self._made(numbers), numbers
@@ -302,7 +292,7 @@ class SeedTables:
             seeds = np.full((self.entries, variants), np.nan)
             return SeedAnswers(seeds, np.full(variants, int(Verdict.CANNOT_ASSEMBLE)), first.copy())
         start, sines, arrived = self._carried(numbers, chosen[0])
-        paths = self.walked(numbers, self._settled(numbers, start), sines)
+        paths = self.walked(numbers, self._polished(numbers, start), sines)
         verdict[~np.isnan(paths.short_at)] = Verdict.MODE_NOT_REACHED
         verdict[~np.isnan(paths.ends_at)] = Verdict.SINGULAR
         at = np.where(np.isnan(paths.ends_at), paths.short_at, paths.ends_at)
@@ -314,41 +304,41 @@ class SeedTables:
         return SeedAnswers(paths.seeds, verdict, at)
 
     def walked(self, numbers: Numbers, start: np.ndarray, sines: np.ndarray) -> "mechanism.groups.seed_walk.SeedPaths":
-        """Paths from unknowns at the first position with their quality of transmission."""
+        """Paths from the unknowns at the first position, with their transmission index."""
         longest = _LONGEST_INTERVAL / self._revolutions
         return self._walk(numbers, start, sines, self.intervals, longest, self._turns)
 
-    def _settled(self, numbers: Numbers, unknowns: np.ndarray) -> np.ndarray:
-        """Unknowns at the first position to the last bit, whatever way led there: rounded coarsely, then corrected."""
+    def _polished(self, numbers: Numbers, unknowns: np.ndarray) -> np.ndarray:
+        """Unknowns at the first position, bitwise independent of the continuation: rounded, then corrected."""
         count, i = self._slides.size, 0
         with np.errstate(all="ignore"):
             size = self._at(numbers, unknowns)[-1]
             rounded = np.array(unknowns)
             for slides in self._slides:
                 if slides:
-                    step = _COARSELY * np.exp2(np.floor(np.log2(size)))
+                    step = _COARSE * np.exp2(np.floor(np.log2(size)))
                     rounded[i] = np.rint(unknowns[i] / step) * step
                 else:
-                    c, s = np.rint(unknowns[i : i + 2] / _COARSELY) * _COARSELY
+                    c, s = np.rint(unknowns[i : i + 2] / _COARSE) * _COARSE
                     rounded[i : i + 2] = np.array((c, s)) / np.hypot(c, s)
                 i += 1 if slides else 2
-            for _ in range(_SETTLING):
+            for _ in range(_FINAL_CORRECTIONS):
                 rounded = self._moved(rounded, self._at(numbers, rounded)[:count])
         return rounded
 
     def _carried(self, numbers: Numbers, mode: AssemblyMode) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The scene's mode in every variant at its first position, its quality, and whether it was reached."""
+        """The scene's mode at the first position of each variant, its transmission index, whether it was reached."""
         rows, count = self._rows(numbers), self._slides.size
         variants = rows.shape[1]
         unknowns, sines = np.repeat(mode.unknowns[:, None], variants, axis=1), np.full(variants, mode.transmission)
         own = self._rows(self._own)
         step = np.full(variants, _FIRST_STEP)
-        way = ((rows == own) | np.isnan(own)).all(axis=0).astype(float)
+        progress = ((rows == own) | np.isnan(own)).all(axis=0).astype(float)
         while True:
-            going = (way < 1.0) & (step > _SHORTEST_STEP)
+            going = (progress < 1.0) & (step > _SHORTEST_STEP)
             if not going.any():
-                return unknowns, sines, way >= 1.0
-            ahead = np.where(going, np.minimum(way + step, 1.0), way)
+                return unknowns, sines, progress >= 1.0
+            ahead = np.where(going, np.minimum(progress + step, 1.0), progress)
             there = numbers.on_the_way(ahead if variants > 1 else ahead[0])
             with np.errstate(all="ignore"):
                 found = self._at(there, unknowns)
@@ -361,12 +351,12 @@ class SeedTables:
                 accepted &= found[-2] / sines > LEAST_SHARE
             sines = np.where(accepted, found[-2], sines)
             unknowns = np.where(accepted, moved, unknowns)
-            way = np.where(accepted, ahead, way)
+            progress = np.where(accepted, ahead, progress)
             step = np.where(accepted, np.minimum(2.0 * step, _LONGEST_STEP), np.where(going, 0.5 * step, step))
 
 
 def _least_distance(places: Sequence[tuple[float, float]]) -> float:
-    """Distance of the two nearest of some places."""
+    """Smallest distance between two of the places."""
     found = np.array(places) @ np.array([1.0, 1j])
     apart = np.abs(found[:, None] - found[None, :]) + np.where(np.eye(len(found), dtype=bool), np.inf, 0.0)
     return float(apart.min())

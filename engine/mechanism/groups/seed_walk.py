@@ -1,4 +1,4 @@
-"""The path of a group along the input, step by proved step, of many variants side by side."""
+"""The path of a group along the input in proved steps, for many variants in parallel."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -20,34 +20,34 @@ from engine.graph.nodes import Node, value_of
 from engine.laws.kinematics.seeds import CLOSE, LEAST_SHARE, PROVES, direction_between, slide_between, turned
 from engine.scene.scene import Numbers
 
-# Corrections of a step before it is accepted.
+# Corrections of a step before its acceptance.
 _CORRECTIONS = 3
-# What the unknowns at the end of a turn may differ by from those at its beginning [rad, or shares of the group's size].
+# Tolerance of the unknowns at the end of a turn against those at its start [rad, or units of the group's size].
 _CLOSED = 1e-6
-# The shortest step before a path ends, as a share of the longest.
+# The shortest step before a path ends, relative to the longest.
 _SHORTEST_STEP = 2.0**-24
-# What a step's length changes by, and which share of CLOSE the middle of the next one is to have.
+# Limits of the change of the step length, and the share of CLOSE aimed at in the middle of the next step.
 _SHORTER, _LONGER, _AIM = 0.1, 2.0, 0.3
-# Quintics miss by the sixth power of a step's length.
-_PER_ORDER = 1.0 / 6.0
-# A path is followed to its end, but for one that takes so many times as many steps as there are seeds.
-_BEYOND = 4
+# The error of a quintic is proportional to the sixth power of the step length.
+_STEP_EXPONENT = 1.0 / 6.0
+# A path is abandoned when it has this many times as many seeds as its table has intervals.
+_ABANDONED = 4
 
 
 class SeedPaths(NamedTuple):
-    """Tables of some variants, and how the paths end that they hold.
+    """Seed tables of some variants, and how their paths end.
 
     Attributes
     ----------
     seeds : ndarray (entries, variants)
-        Of each seed its place as a share of the range, infinite where it isn't used; then of each unknown cosine and
-        sine, or slide, with first and second rate; NaN beyond the end of a path.
+        Per seed: its place as a share of the range, infinite if unused; then, per unknown, cosine and sine, or slide,
+        with first and second rate; NaN beyond the end of a path.
     ends_at : ndarray (variants,)
-        Where modes meet and a path ends; NaN where it doesn't.
+        Position at which modes meet and a path ends; NaN if it does not.
     short_at : ndarray (variants,)
-        Beyond which position there is no room for more seeds; NaN where there is.
+        Position beyond which the table is full; NaN if it is not.
     closes : ndarray (variants,) of bool
-        Whether a turn ends as it began; true where the input doesn't turn, or where a path ends before.
+        Whether a turn ends as it began; also true if the input does not turn, or if the path ends earlier.
     """
 
     seeds: np.ndarray
@@ -57,23 +57,23 @@ class SeedPaths(NamedTuple):
 
 
 class _Functions(NamedTuple):
-    """Those of a group."""
+    """Functions of a group."""
 
     fill: Callable
     levels: Callable
 
 
 class _Variants(NamedTuple):
-    """Variants of a group, and how their numbers are laid out.
+    """Variants of a group, and the layout of their numbers.
 
     Attributes
     ----------
     level_rows, given : ndarray of int
-        Rows that receive the levels and the unknowns.
+        Rows for the levels and for the unknowns.
     slides : ndarray of bool
     table : ndarray (numbers, variants)
     memory : ndarray
-        Of all tables.
+        All tables.
     """
 
     level_rows: np.ndarray
@@ -84,16 +84,16 @@ class _Variants(NamedTuple):
 
 
 class _Paths(NamedTuple):
-    """What paths begin at, and what is found.
+    """Initial values of paths, and results.
 
     Attributes
     ----------
     start : ndarray (values, variants)
     sines : ndarray (variants,)
     most : int
-        Intervals that a table has room for.
+        Capacity of a table in intervals.
     longest : float
-        Longest of them, as a share of the range.
+        Longest interval as a share of the range.
     seeds : ndarray (entries, variants)
     reached : ndarray (2 + values, variants)
         Number of seeds, place and unknowns at the end.
@@ -108,21 +108,21 @@ class _Paths(NamedTuple):
 
 
 class _Path(NamedTuple):
-    """How far each lane is on its path, a number for each.
+    """Progress of each lane on its path.
 
     Attributes
     ----------
     place : ndarray (LANES,)
-        Of the last seed, as a share of the range.
+        Place of the last seed, as a share of the range.
     step, tried : ndarray (LANES,)
-        Length of the next step, and of the one that is tried.
+        Length of the next step, and of the current trial step.
     sine, sine_ahead : ndarray (LANES,)
-        Quality of transmission at the last seed, and after the step.
+        Transmission index at the last seed, and after the step.
     refused : ndarray (LANES,)
-        1 where a step leads to no root that is proved, or across a dead centre.
+        1 if a step leads to no proved root, or across a dead centre.
     found : ndarray (LANES,)
-        How many seeds were found.
-    going : ndarray (LANES,)
+        Number of seeds found.
+    active : ndarray (LANES,)
         1 until the path ends.
     """
 
@@ -133,11 +133,11 @@ class _Path(NamedTuple):
     sine_ahead: np.ndarray
     refused: np.ndarray
     found: np.ndarray
-    going: np.ndarray
+    active: np.ndarray
 
 
-class _Room(NamedTuple):
-    """Memory for a block of variants.
+class _Scratch(NamedTuple):
+    """Scratch arrays for a block of variants.
 
     Attributes
     ----------
@@ -165,8 +165,8 @@ class _Room(NamedTuple):
     path: _Path
 
 
-def _new_room(functions: Functions, values: int, unknowns: int, curves: int) -> _Room:
-    return _Room(
+def _new_scratch(functions: Functions, values: int, unknowns: int, curves: int) -> _Scratch:
+    return _Scratch(
         rows(len(functions.rows)),
         np.zeros((3, 1, LANES)),
         np.zeros((3, 1, LANES)),
@@ -179,17 +179,19 @@ def _new_room(functions: Functions, values: int, unknowns: int, curves: int) -> 
 
 
 @routine
-def _load(first: int, functions: _Functions, variants: _Variants, room: _Room) -> None:
-    """Numbers of a block of variants."""
-    gather(variants.table, first, in_lanes(room.block))
+def _load(first: int, functions: _Functions, variants: _Variants, scratch: _Scratch) -> None:
+    """Load the numbers of a block of variants."""
+    gather(variants.table, first, in_lanes(scratch.block))
     if variants.level_rows.size > 0:
-        functions.levels(room.block, variants.memory, room.at[0], room.at[1], room.at[2], room.level_tile)
-        copy_rows(in_lanes(room.level_tile), variants.level_rows, in_lanes(room.block))
+        functions.levels(
+            scratch.block, variants.memory, scratch.at[0], scratch.at[1], scratch.at[2], scratch.level_tile
+        )
+        copy_rows(in_lanes(scratch.level_tile), variants.level_rows, in_lanes(scratch.block))
 
 
 @routine
 def _put(values: np.ndarray, given: np.ndarray, block: np.ndarray) -> None:
-    """Put the unknowns among the numbers."""
+    """Copy the unknowns into the block."""
     for i in range(given.size):
         for lane in range(LANES):
             block[given[i], lane] = values[i, lane]
@@ -197,7 +199,7 @@ def _put(values: np.ndarray, given: np.ndarray, block: np.ndarray) -> None:
 
 @routine
 def _place(at: np.ndarray) -> None:
-    """Cosine and sine of the positions."""
+    """Compute cosine and sine of the positions."""
     for lane in range(LANES):
         at[1, 0, lane], at[2, 0, lane] = math.cos(at[0, 0, lane]), math.sin(at[0, 0, lane])
 
@@ -218,100 +220,102 @@ def _move(values: np.ndarray, slides: np.ndarray, tile: np.ndarray) -> None:
 
 
 @routine
-def _predict(slides: np.ndarray, room: _Room) -> None:
-    """Unknowns a step ahead, by their first and second rate."""
+def _predict(slides: np.ndarray, scratch: _Scratch) -> None:
+    """Extrapolate the unknowns over a step, from their first and second rate."""
     i, count = 0, slides.size
     for k in range(count):
         for lane in range(LANES):
-            step = (room.block[1, lane] - room.block[0, lane]) * room.path.tried[lane]
-            delta = step * (room.rates[k, lane] + 0.5 * step * room.rates[count + k, lane])
+            step = (scratch.block[1, lane] - scratch.block[0, lane]) * scratch.path.tried[lane]
+            delta = step * (scratch.rates[k, lane] + 0.5 * step * scratch.rates[count + k, lane])
             if slides[k]:
-                room.ahead[i, lane] = room.now[i, lane] + delta
+                scratch.ahead[i, lane] = scratch.now[i, lane] + delta
             else:
-                room.ahead[i, lane], room.ahead[i + 1, lane] = turned(room.now[i, lane], room.now[i + 1, lane], delta)
+                scratch.ahead[i, lane], scratch.ahead[i + 1, lane] = turned(
+                    scratch.now[i, lane], scratch.now[i + 1, lane], delta
+                )
         i += 1 if slides[k] else 2
 
 
 @routine
-def _interpolate(slides: np.ndarray, room: _Room) -> None:
-    """Unknowns in the middle of the step, as they will be found between two seeds."""
-    i, count, now, ahead = 0, slides.size, room.now, room.ahead
+def _interpolate(slides: np.ndarray, scratch: _Scratch) -> None:
+    """Interpolate the unknowns at the middle of the step, as they will be between two seeds."""
+    i, count, now, ahead = 0, slides.size, scratch.now, scratch.ahead
     for k in range(count):
         for lane in range(LANES):
-            step = (room.block[1, lane] - room.block[0, lane]) * room.path.tried[lane]
-            v, v_ahead = room.rates[k, lane], room.rates_ahead[k, lane]
-            a, a_ahead = room.rates[count + k, lane], room.rates_ahead[count + k, lane]
+            step = (scratch.block[1, lane] - scratch.block[0, lane]) * scratch.path.tried[lane]
+            v, v_ahead = scratch.rates[k, lane], scratch.rates_ahead[k, lane]
+            a, a_ahead = scratch.rates[count + k, lane], scratch.rates_ahead[count + k, lane]
             if slides[k]:
-                room.middle[i, lane] = slide_between(now[i, lane], v, a, ahead[i, lane], v_ahead, a_ahead, 0.5, step)
+                scratch.middle[i, lane] = slide_between(now[i, lane], v, a, ahead[i, lane], v_ahead, a_ahead, 0.5, step)
             else:
                 one, two = (
                     (now[i, lane], now[i + 1, lane], v, a),
                     (ahead[i, lane], ahead[i + 1, lane], v_ahead, a_ahead),
                 )
-                room.middle[i, lane], room.middle[i + 1, lane] = direction_between(one, two, 0.5, step)
+                scratch.middle[i, lane], scratch.middle[i + 1, lane] = direction_between(one, two, 0.5, step)
         i += 1 if slides[k] else 2
 
 
 @routine
-def _set_out(first: int, paths: _Paths, room: _Room) -> None:
-    """Begin the paths of a block; their first step, of no length, finds the rates."""
-    path, last = room.path, paths.sines.size - 1
+def _start_paths(first: int, paths: _Paths, scratch: _Scratch) -> None:
+    """Initialise the paths of a block; the first step, of zero length, finds the rates."""
+    path, last = scratch.path, paths.sines.size - 1
     for lane in range(LANES):
         path.place[lane] = path.step[lane] = path.found[lane] = 0.0
-        path.going[lane] = 1.0
+        path.active[lane] = 1.0
         path.sine[lane] = paths.sines[min(first + lane, last)]
-        for i in range(room.now.shape[0]):
-            room.now[i, lane] = paths.start[i, min(first + lane, last)]
-        for i in range(room.rates.shape[0]):
-            room.rates[i, lane] = 0.0
+        for i in range(scratch.now.shape[0]):
+            scratch.now[i, lane] = paths.start[i, min(first + lane, last)]
+        for i in range(scratch.rates.shape[0]):
+            scratch.rates[i, lane] = 0.0
 
 
 @routine
-def _judge(longest: float, room: _Room) -> None:
-    """Accept each lane's step or not, by how close the quintic is in its middle, and choose the next one's length."""
-    path, count = room.path, room.rates.shape[0] // 2
+def _judge(longest: float, scratch: _Scratch) -> None:
+    """Accept or reject each lane's step by the quintic's error at its middle, and choose the next step length."""
+    path, count = scratch.path, scratch.rates.shape[0] // 2
     for lane in range(LANES):
-        # Two modes that meet have determinants of unlike sign: a step across such a place is none.
+        # The determinant changes sign where two modes meet: reject a step across such a place.
         kept = path.sine_ahead[lane] / path.sine[lane] > LEAST_SHARE
-        excess = room.tile[3 * count, 0, lane] / CLOSE
+        excess = scratch.tile[3 * count, 0, lane] / CLOSE
         refused = path.refused[lane] > 0.0 or not kept or not excess < math.inf
-        factor = _SHORTER if refused else (_AIM / max(excess, 1e-12)) ** _PER_ORDER
-        accepted = path.going[lane] > 0.0 and not refused and excess <= 1.0
+        factor = _SHORTER if refused else (_AIM / max(excess, 1e-12)) ** _STEP_EXPONENT
+        accepted = path.active[lane] > 0.0 and not refused and excess <= 1.0
         tried = path.tried[lane]
         path.refused[lane] = 0.0 if accepted else 1.0
-        if path.going[lane] == 0.0:
+        if path.active[lane] == 0.0:
             continue
         if not accepted:
             path.step[lane] = tried * min(max(factor, _SHORTER), 0.5)
-            path.going[lane] = 1.0 if path.step[lane] > _SHORTEST_STEP * longest else 0.0
+            path.active[lane] = 1.0 if path.step[lane] > _SHORTEST_STEP * longest else 0.0
             continue
-        # A short step before the end says little of how long another may be.
+        # A step shortened by the end of the range says little about the length of the next.
         wanted = max(tried * min(factor, _LONGER), path.step[lane] if factor >= 1.0 else 0.0)
         path.step[lane] = min(wanted, longest) if tried > 0.0 else longest
-        path.place[lane] = path.place[lane] + tried if room.at[0, 0, lane] != room.block[1, lane] else 1.0
+        path.place[lane] = path.place[lane] + tried if scratch.at[0, 0, lane] != scratch.block[1, lane] else 1.0
 
 
 @routine
-def _keep(first: int, slides: np.ndarray, paths: _Paths, room: _Room) -> bool:
-    """Keep the seeds that were found, as far as there is room; whether any lane is still on its path."""
-    path, values, count, going = room.path, room.now.shape[0], slides.size, False
+def _store(first: int, slides: np.ndarray, paths: _Paths, scratch: _Scratch) -> bool:
+    """Store the seeds found, up to the capacity; return whether any lane is still on its path."""
+    path, values, count, active = scratch.path, scratch.now.shape[0], slides.size, False
     most, seeds = paths.most, paths.seeds
     width = 1 + values + 2 * count
     for lane in range(LANES):
         if path.refused[lane] > 0.0:
-            going = going or path.going[lane] > 0.0
+            active = active or path.active[lane] > 0.0
             continue
         for i in range(values):
-            room.now[i, lane] = room.ahead[i, lane]
+            scratch.now[i, lane] = scratch.ahead[i, lane]
         for i in range(2 * count):
-            room.rates[i, lane] = room.rates_ahead[i, lane]
+            scratch.rates[i, lane] = scratch.rates_ahead[i, lane]
         path.sine[lane] = path.sine_ahead[lane]
         found = int(path.found[lane])
         path.found[lane] += 1.0
         ends = path.place[lane] == 1.0
-        if ends or found >= _BEYOND * most:
-            path.going[lane] = 0.0
-        going = going or path.going[lane] > 0.0
+        if ends or found >= _ABANDONED * most:
+            path.active[lane] = 0.0
+        active = active or path.active[lane] > 0.0
         if found > most or first + lane >= seeds.shape[1]:
             continue
         seed, v = seeds[found * width : (found + 1) * width], first + lane
@@ -319,60 +323,60 @@ def _keep(first: int, slides: np.ndarray, paths: _Paths, room: _Room) -> bool:
         i, j = 0, 1
         for k in range(count):
             for _ in range(1 if slides[k] else 2):
-                seed[j, v] = room.now[i, lane]
+                seed[j, v] = scratch.now[i, lane]
                 i += 1
                 j += 1
-            seed[j, v], seed[j + 1, v] = room.rates[k, lane], room.rates[count + k, lane]
+            seed[j, v], seed[j + 1, v] = scratch.rates[k, lane], scratch.rates[count + k, lane]
             j += 2
-    return going
+    return active
 
 
 @driver
-def _walk(begin: int, end: int, functions: _Functions, variants: _Variants, paths: _Paths, room: _Room) -> None:
-    """Tables of blocks `begin` … `end` − 1 of LANES variants; see `SeedWalk`."""
+def _walk(begin: int, end: int, functions: _Functions, variants: _Variants, paths: _Paths, scratch: _Scratch) -> None:
+    """Fill the tables of blocks `begin` … `end` − 1 of LANES variants; see `SeedWalk`."""
     fill = functions.fill
     memory, given, slides, count = variants.memory, variants.given, variants.slides, variants.slides.size
-    block, at, half_way, path, tile = room.block, room.at, room.half_way, room.path, room.tile
+    block, at, half_way, path, tile = scratch.block, scratch.at, scratch.half_way, scratch.path, scratch.tile
     for b in range(begin, end):
         first = b * LANES
-        _load(first, functions, variants, room)
-        _set_out(first, paths, room)
-        going = True
-        while going:
+        _load(first, functions, variants, scratch)
+        _start_paths(first, paths, scratch)
+        active = True
+        while active:
             for lane in range(LANES):
                 left = 1.0 - path.place[lane]
-                tried = min(path.step[lane], left) if path.going[lane] > 0.0 else 0.0
+                tried = min(path.step[lane], left) if path.active[lane] > 0.0 else 0.0
                 path.tried[lane] = tried
                 place = block[0, lane] + (block[1, lane] - block[0, lane]) * (path.place[lane] + tried)
                 at[0, 0, lane] = block[1, lane] if tried == left else place
             _place(at)
-            _predict(slides, room)
-            _put(room.ahead, given, block)
+            _predict(slides, scratch)
+            _put(scratch.ahead, given, block)
             fill(block, memory, at[0], at[1], at[2], tile)
             for lane in range(LANES):
                 path.refused[lane] = 0.0 if tile[3 * count, 0, lane] <= PROVES else 1.0
             for _ in range(_CORRECTIONS - 1):
-                _move(room.ahead, slides, tile)
-                _put(room.ahead, given, block)
+                _move(scratch.ahead, slides, tile)
+                _put(scratch.ahead, given, block)
                 fill(block, memory, at[0], at[1], at[2], tile)
-            _move(room.ahead, slides, tile)
+            _move(scratch.ahead, slides, tile)
             for lane in range(LANES):
                 path.sine_ahead[lane] = tile[3 * count + 1, 0, lane]
                 for i in range(2 * count):
-                    room.rates_ahead[i, lane] = tile[count + i, 0, lane]
-            _interpolate(slides, room)
-            _put(room.middle, given, block)
+                    scratch.rates_ahead[i, lane] = tile[count + i, 0, lane]
+            _interpolate(slides, scratch)
+            _put(scratch.middle, given, block)
             for lane in range(LANES):
                 place = path.place[lane] + 0.5 * path.tried[lane]
                 half_way[0, 0, lane] = block[0, lane] + (block[1, lane] - block[0, lane]) * place
             _place(half_way)
             fill(block, memory, half_way[0], half_way[1], half_way[2], tile)
-            _judge(paths.longest, room)
-            going = _keep(first, slides, paths, room)
+            _judge(paths.longest, scratch)
+            active = _store(first, slides, paths, scratch)
         reached = paths.reached
         for lane in range(min(LANES, reached.shape[1] - first)):
             reached[0, first + lane], reached[1, first + lane] = path.found[lane], path.place[lane]
-        hand_out(in_lanes(room.now), first, reached[2:])
+        hand_out(in_lanes(scratch.now), first, reached[2:])
 
 
 class SeedWalk:
@@ -381,11 +385,11 @@ class SeedWalk:
     Parameters
     ----------
     title : str
-        Of its printed functions.
+        Docstring of the printed module.
     given : sequence of tuple of Node
-        Of each unknown the given numbers that hold its value.
+        Given numbers for the value of each unknown.
     curves : sequence of Node
-        Corrections, rates, second rates, certificate, quality of transmission and size at given values of the unknowns.
+        Corrections, rates, second rates, certificate, transmission index and size at given values of the unknowns.
     span : tuple of Node
         First and last position of the input.
     """
@@ -401,7 +405,7 @@ class SeedWalk:
         self._slides = np.array([len(nodes) == 1 for nodes in given])
 
     def _table(self, numbers: Numbers, variants: int) -> np.ndarray:
-        """P of all variants."""
+        """Rows of P for all variants."""
         table = np.full((len(self._functions.rows), variants), np.nan)
         with np.errstate(all="ignore"):
             for node in self._functions.numbers:
@@ -411,7 +415,7 @@ class SeedWalk:
     def __call__(
         self, numbers: Numbers, start: np.ndarray, sines: np.ndarray, intervals: int, longest: float, turns: bool
     ) -> SeedPaths:
-        """Tables of seeds over the range of the input, as near to each other as quintics between them need.
+        """Seed tables over the range of the input, as dense as quintics between the seeds require.
 
         Parameters
         ----------
@@ -419,13 +423,13 @@ class SeedWalk:
         start : ndarray (values, variants)
             Unknowns at the first position.
         sines : ndarray (variants,)
-            Quality of transmission there.
+            Transmission index there.
         intervals : int
-            That a table has room for.
+            Capacity of a table.
         longest : float
-            Longest of them, as a share of the range.
+            Longest interval as a share of the range.
         turns : bool
-            Whether the last position is the first again.
+            Whether the last position coincides with the first.
         """
         functions, given, slides = self._functions, self._given, self._slides
         table = self._table(numbers, start.shape[1])
@@ -439,8 +443,8 @@ class SeedWalk:
         paths = _Paths(*begins, intervals, longest, seeds.reshape(-1, variants), reached)
 
         def arguments() -> tuple:
-            room = _new_room(functions, values, count, len(functions.curves))
-            return _Functions(self._fill, self._levels), every_variant, paths, room
+            scratch = _new_scratch(functions, values, count, len(functions.curves))
+            return _Functions(self._fill, self._levels), every_variant, paths, scratch
 
         prepare(_walk, [types.intp, types.intp, *(numba.typeof(argument) for argument in arguments())])
         spread(_walk, -(-variants // LANES), arguments)
@@ -448,16 +452,16 @@ class SeedWalk:
         whole, short, every = place == 1.0, found > intervals + 1, np.arange(variants)
         last = np.clip(found - 1, 0, intervals)
         closes = (np.abs(end - start) <= _CLOSED * np.maximum(1.0, np.abs(start))).all(axis=0)
-        # Beyond the end of a path nothing is known.
+        # Beyond the end of a path the seeds are unknown.
         ended = np.flatnonzero(~whole | short)
         final = np.minimum(last[ended], intervals - 1)
         seeds[final + 1, :, ended], seeds[final + 1, 0, ended] = np.nan, np.inf
         begin, length = table[0], table[1] - table[0]
-        followed = whole | (found <= _BEYOND * intervals)
-        room_ends_at = begin + length * seeds[np.minimum(last, intervals - 1), 0, every]
+        followed = whole | (found <= _ABANDONED * intervals)
+        full_at = begin + length * seeds[np.minimum(last, intervals - 1), 0, every]
         return SeedPaths(
             seeds.reshape(-1, variants),
             np.where(followed & ~whole, begin + length * place, np.nan),
-            np.where(short, room_ends_at, np.nan),
+            np.where(short, full_at, np.nan),
             closes | ~whole | (not turns),
         )

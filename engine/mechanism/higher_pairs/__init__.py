@@ -1,4 +1,4 @@
-"""Higher pairs inside a mechanism: cams that drive links of it."""
+"""Higher pairs of a mechanism: cams, gear meshes, racks, non-circular wheels; and second inputs."""
 
 from engine import on_use
 

@@ -1,7 +1,7 @@
-"""Forces between a cam and its follower, by the equilibrium of the follower.
+"""Forces between a cam and its follower, from the equilibrium of the follower.
 
-A follower that slides is held by the contact force N against all that acts on it along its guide, N cos α = P; one that
-oscillates against all moments about its pivot. Without friction N acts along the normal; friction is one of the loads.
+The contact force N balances all loads along the guide of a translating follower, N cos α = P, or all moments about the
+pivot of an oscillating one. N acts along the contact normal; friction is one of the loads.
 
 Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapter on cam mechanisms.
 """
@@ -19,11 +19,11 @@ class CamForces(NamedTuple):
     Attributes
     ----------
     contact : Node
-        Force between cam and follower along the normal, positive where they press on each other [N].
+        Force between cam and follower along the normal, positive in compression [N].
     closing : Node
-        What presses the follower on the cam, along its motion: a force [N], or a moment about its pivot [N·m].
+        Load that presses the follower on the cam, along its motion: a force [N], or a moment about its pivot [N·m].
     held : (Node, Node)
-        What holds the follower: of a guide the normal force [N] and the moment [N·m]; of a pivot x and y [N].
+        Reaction on the follower: normal force [N] and moment [N·m] of a guide; x and y of a pivot [N].
     """
 
     contact: Node
@@ -38,9 +38,8 @@ def cam_forces(kinematics: Kinematics, name: str, load: Wrench) -> CamForces:
     ----------
     kinematics : Kinematics
     name : str
-        Of the cam.
     load : Wrench
-        All that acts on the follower but its cam and what holds it.
+        All loads on the follower except the forces of its cam and of its guide or pivot.
     """
     cam, motion = kinematics.scene.cams[name], kinematics.cams[name]
     link, arm = kinematics.links[cam.follower.link], motion.contact - kinematics.links[cam.follower.link].origin.r

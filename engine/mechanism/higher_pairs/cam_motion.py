@@ -1,7 +1,8 @@
-"""A cam and its follower, put together from nodes: motion of the follower, contact, curvature of the profile.
+"""A cam and its follower as nodes: motion of the follower, contact point, curvature of the profile.
 
-The contact is worked out in axes at the cam's axis in which the follower stands as `engine.laws.cams.profiles` has it:
-one that slides moves along y; an oscillating one has its pivot on x, and its arm above. These axes may be left-handed.
+The contact is computed in axes at the cam's axis, with the follower placed as in `engine.laws.cams.profiles`: a
+translating follower moves along y; an oscillating one has its pivot on x and its arm above. The axes may be
+left-handed.
 """
 
 from typing import NamedTuple
@@ -36,18 +37,18 @@ class CamMotion(NamedTuple):
     Attributes
     ----------
     displacement : Node
-        Of the follower from where it is lowest [m or rad].
+        Displacement of the follower from its lowest position [m or rad].
     normal : Vector
-        Of the contact, from the cam to the follower, in the axes of the frame.
+        Contact normal from the cam to the follower, in frame axes.
     contact : Vector
-        Where they touch [m].
+        Contact point [m].
     along, across : Node
         Cosine and sine of the pressure angle.
     curvature : Node
-        Of the cam's surface, positive where it is convex [1/m].
+        Curvature of the cam's surface, positive if convex [1/m].
     undercut : tuple of Node
-        Curves that are positive where the profile makes the motion: the surface's radius over that of the pitch curve,
-        of the other wall of a groove too; under a flat face over the base radius.
+        Curves that are positive where the profile is not undercut: radius of the surface over that of the pitch curve,
+        also of the other wall of a groove; under a flat face, radius of the surface over the base radius.
     face : Node or None
         Distance of the contact from the follower's origin along a flat face [m].
     """
@@ -63,7 +64,7 @@ class CamMotion(NamedTuple):
 
 
 class _Contact(NamedTuple):
-    """What is worked out in axes at the cam; the follower moves away from it in the direction `moves`."""
+    """Contact in the axes at the cam; the follower moves away from the cam in the direction `moves`."""
 
     normal: Vector
     place: Vector
@@ -75,7 +76,7 @@ class _Contact(NamedTuple):
 
 
 class _Turned(NamedTuple):
-    """How a cam turns: its angle for each unit of the input's, by magnitude and with its sign; its place [m]."""
+    """Rotation of a cam: magnitude and sign of its ratio to the input, and the position of its axis [m]."""
 
     rate: Node
     sense: Node
@@ -83,20 +84,13 @@ class _Turned(NamedTuple):
 
 
 def cam_ratio(scene: Scene, cam: str) -> str | None:
-    """Path of the ratio of the shaft that a cam sits on; None on the crank."""
+    """Path of the ratio of the shaft that carries a cam; None for a cam on the crank."""
     on = scene.cams[cam].on
     return f"shafts.{on}.ratio" if on in scene.shafts else None
 
 
 def add_cam(assembly: Assembly, name: str) -> CamMotion:
-    """Add the follower of a cam of the scene to a mechanism.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    name : str
-        Of the cam.
-    """
+    """Add the cam `name` and its follower to a mechanism."""
     cam = assembly.scene.cams[name]
     turned = _turned(assembly, name)
     displacement = add_program(assembly.graph, cam, f"cams.{name}", _angle(assembly, name, turned))
@@ -129,7 +123,7 @@ def _turned(assembly: Assembly, name: str) -> _Turned:
 
 
 def _angle(assembly: Assembly, name: str, turned: _Turned) -> Turned:
-    """Angle of a cam from the beginning of its first section, growing with the input."""
+    """Angle of a cam from the start of its first section, increasing with the input."""
     scene, path = assembly.scene, cam_ratio(assembly.scene, name)
 
     def ratio(numbers: Numbers) -> float | np.ndarray:
@@ -147,7 +141,7 @@ def _angle(assembly: Assembly, name: str, turned: _Turned) -> Turned:
 def _sliding(
     assembly: Assembly, name: str, turned: _Turned, displacement: Displacement
 ) -> tuple[_Contact, Vector, Vector]:
-    """Contact of a follower that slides, which is added to the mechanism, and the axes of the contact."""
+    """Add a translating follower to the mechanism; return its contact and the axes of the contact."""
     graph, cam, at = assembly.graph, assembly.scene.cams[name], f"cams.{name}"
     guide, (s, s1, s2) = assembly.guides[cam.follower.guide], displacement
     x, y = -guide.u.normal, guide.u
@@ -172,7 +166,7 @@ def _sliding(
 def _swinging(
     assembly: Assembly, name: str, turned: _Turned, displacement: Displacement
 ) -> tuple[_Contact, Vector, Vector]:
-    """Contact of a follower that swings, which is added to the mechanism, and the axes of the contact."""
+    """Add an oscillating follower to the mechanism; return its contact and the axes of the contact."""
     graph, cam, at = assembly.graph, assembly.scene.cams[name], f"cams.{name}"
     s, s1, s2 = displacement
     mode, base = graph.number(f"{at}.follower.mode"), graph.number(f"{at}.base_radius")
@@ -209,7 +203,7 @@ def _roller(assembly: Assembly, name: str) -> Node:
 
 
 def _rolling(assembly: Assembly, name: str, place: tuple[Node, ...], sense: Node, moves: Vector) -> _Contact:
-    """Contact of a roller, or of a knife edge, by the place of its centre."""
+    """Contact of a roller, or of a knife edge, from the position of its centre."""
     graph, radius = assembly.graph, _roller(assembly, name)
     centre = Vector(*place[:2])
     normal = Vector(*graph.apply(contact_normal, *place[:4], sense))

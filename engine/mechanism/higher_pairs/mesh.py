@@ -1,8 +1,8 @@
-"""The mesh of a shaft's wheel with that of its driver: pitch point, and directions of the forces between the teeth.
+"""The mesh of a shaft's wheel with its driver: pitch point, and directions of the tooth forces.
 
-Relative to what carries both, the pitch point has one velocity on both wheels: with the ratio i of the speeds and the
-line of centres D from the driver's axis to the shaft's it lies at D i/(i − 1) from the driver's, D/(i − 1) from the
-shaft's; between both axes for external teeth, i < 0.
+Relative to the common carrier, both wheels have the same velocity at the pitch point. With the ratio i of the speeds
+and the line of centres D from the driver's axis to the shaft's, the pitch point is at D i/(i − 1) from the driver's
+axis and at D/(i − 1) from the shaft's; for external teeth, i < 0, it is between the axes.
 
 Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on gearing and on the forces in higher pairs.
 """
@@ -18,19 +18,19 @@ from engine.scene.structure.trains import mesh_axis
 
 
 class Mesh(NamedTuple):
-    """Where two wheels mesh.
+    """The mesh of two wheels.
 
     Attributes
     ----------
     pitch_point : Vector
     radius : Node
-        Of the shaft's pitch circle, signed: times the direction of the line it is the arm to the pitch point.
+        Signed radius of the shaft's pitch circle; `radius` × `along` is the arm from the shaft to the pitch point.
     across : Vector
         Direction in which a force on the shaft at the pitch point has the moment `radius` × force.
     along : Vector
         Direction of the line of centres, from the driver's axis to the shaft's.
     away : Vector
-        Direction in which teeth push the shaft apart from its driver: external ones away from it.
+        Direction of the separating force on the shaft: away from the driver for external teeth.
     slope : Node
         Tangent of the pressure angle.
     """
@@ -44,14 +44,7 @@ class Mesh(NamedTuple):
 
 
 def mesh_of(kinematics: Kinematics, name: str) -> Mesh:
-    """Mesh of a shaft with a pivot.
-
-    Parameters
-    ----------
-    kinematics : Kinematics
-    name : str
-        Of the shaft.
-    """
+    """Mesh of the shaft `name`, which has a pivot."""
     graph, centre = kinematics.graph, kinematics.links[name].origin.r
     ratio = kinematics.number(f"shafts.{name}.ratio")
     line = centre - kinematics.points[mesh_axis(kinematics.scene, name)].r

@@ -1,7 +1,7 @@
 """The motion program of a cam or a second input as nodes: displacement over an angle, and its derivatives.
 
-The section, or the piece of a table, that holds in the middle of a panel holds throughout it; panels end where sections
-meet, and the expressions of their laws.
+A program stays on one section, or one piece of its table, throughout a panel: that in the panel's middle. Panels end at
+the boundaries of sections and of the expressions of their laws.
 """
 
 import math
@@ -20,7 +20,7 @@ _PARTS = ("begin", "angle", "before", "stroke")
 
 
 class Displacement(NamedTuple):
-    """Displacement of what moves [m or rad] and its first two derivatives by the angle that drives it."""
+    """Displacement [m or rad] and its first two derivatives with respect to the driving angle."""
 
     s: Node
     s1: Node
@@ -28,16 +28,16 @@ class Displacement(NamedTuple):
 
 
 class Turned(NamedTuple):
-    """What a motion program goes over.
+    """Abscissa of a motion program.
 
     Attributes
     ----------
     angle : Node
-        Of the cam or crank, from the beginning of the first section [rad].
+        Angle of the cam or crank from the start of the first section [rad].
     rate : Node
-        Its derivative by the input.
+        Derivative of the angle with respect to the input.
     turns : range
-        Turns of it, counted from there, in which the input's range lies.
+        Turns, counted from there, that the input's range covers.
     """
 
     angle: Node
@@ -46,14 +46,14 @@ class Turned(NamedTuple):
 
 
 def add_program(graph: Graph, program: MotionProgram, at: str, turned: Turned) -> Displacement:
-    """Displacement by a motion program.
+    """Displacement of a motion program.
 
     Parameters
     ----------
     graph : Graph
     program : MotionProgram
     at : str
-        Where it stands in the scene.
+        Path of the program in the scene.
     turned : Turned
     """
     if program.table is not None:
@@ -62,7 +62,7 @@ def add_program(graph: Graph, program: MotionProgram, at: str, turned: Turned) -
 
 
 def turns_of_input(drive: CrankInput | SliderInput, rate: float) -> range:
-    """Turns, of an angle that goes by `rate` and began at most a turn later, in which the range of an input lies.
+    """Turns that the input's range covers, of an angle that changes at `rate` and started at most a turn later.
 
     Parameters
     ----------
@@ -101,13 +101,13 @@ def _by_sections(graph: Graph, program: MotionProgram, at: str, turned: Turned) 
 
 
 def _of_a_turn(program: MotionProgram, at: str, numbers: Numbers) -> Sections:
-    """Sections of a program; their angles NaN where they don't make a turn."""
+    """Sections of a program; their angles are NaN unless they add up to a turn."""
     found = sections_of(program, f"{at}.", numbers)
     return found._replace(angle=[np.where(found.whole, angle, np.nan) for angle in found.angle])
 
 
 def _level(graph: Graph, program: MotionProgram, at: str, place: tuple[int, float, int]) -> Number:
-    """Angle at which a section, or an expression of its law, begins in one of the turns."""
+    """Angle at which a section, or an expression of its law, starts in one of the turns."""
     k, inside, turn = place
 
     def angle(numbers: Numbers) -> float | np.ndarray:

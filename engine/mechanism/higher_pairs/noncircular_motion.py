@@ -1,4 +1,4 @@
-"""Non-circular wheels, put together from nodes: motion of the driven one, pitch point and curvature of both."""
+"""Non-circular wheels as nodes: motion of the driven wheel, pitch point, and curvature of both pitch curves."""
 
 from typing import NamedTuple
 
@@ -21,17 +21,17 @@ class NoncircularMotion(NamedTuple):
     Attributes
     ----------
     rate : Node
-        Ratio of its speed to the driver's, by magnitude.
+        Magnitude of the ratio of its speed to the driver's.
     pitch_point : Vector
         [m]
     tangent : Vector
-        Common to both pitch curves at the pitch point.
+        Common tangent of both pitch curves at the pitch point.
     away : Vector
-        Their normal, towards this wheel.
+        Common normal, towards this wheel.
     radius, driver_radius : Node
-        Of the pitch curves at the pitch point [m].
+        Radii of the pitch curves at the pitch point [m].
     curvature, driver_curvature : Node
-        Of the pitch curves there, positive where they are convex [1/m].
+        Curvatures of the pitch curves there, positive if convex [1/m].
     """
 
     rate: Node
@@ -45,14 +45,7 @@ class NoncircularMotion(NamedTuple):
 
 
 def add_noncircular_wheel(assembly: Assembly, name: str) -> NoncircularMotion:
-    """Add a non-circular wheel of the scene to a mechanism.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    name : str
-        Of the wheel.
-    """
+    """Add the non-circular wheel `name` of the scene to a mechanism."""
     wheel, graph, at = assembly.scene.noncircular_wheels[name], assembly.graph, f"noncircular_wheels.{name}"
     driver, pivot = assembly.links[wheel.geared_to], assembly.points[wheel.pivot]
     lobes, mean = float(wheel.driver_lobes), wheel.driver_lobes / wheel.lobes
@@ -66,7 +59,7 @@ def add_noncircular_wheel(assembly: Assembly, name: str) -> NoncircularMotion:
     graph.returns((*u, lead, *rates), Return(f"{at}.lobes", assembly.turns(name)))
     w, e = -(rate * driver.w), -(slope * (driver.w * driver.w) + rate * driver.e)
     assembly.link(name, Turning(pivot, u, w, e))
-    # Where the driven wheel would stand, velocities of what drives it the other way are infinite: a dead centre.
+    # At a ratio of zero the velocity of the driver would be infinite if the driven wheel drove: a dead centre.
     assembly.sines[name] = rate
     assembly.solutions[name] = (rate,)
     line = pivot.r - driver.origin.r
@@ -76,7 +69,7 @@ def add_noncircular_wheel(assembly: Assembly, name: str) -> NoncircularMotion:
         graph.apply(curve, distance, rate, slope, bend) for curve in (driven_pitch_curve, driving_pitch_curve)
     )
     radius, first, _ = other
-    # The pitch point moves along the line of centres as the driver's pitch curve turns away under it.
+    # As the driver's pitch curve turns, the pitch point moves along the line of centres.
     tangent = radius * along.normal - first * along
     tangent = tangent * (graph.one / tangent.length)
     return NoncircularMotion(
@@ -92,7 +85,7 @@ def add_noncircular_wheel(assembly: Assembly, name: str) -> NoncircularMotion:
 
 
 def _law(assembly: Assembly, name: str, angle: Node) -> tuple[Node, ...]:
-    """Lead of the driven wheel beyond an even motion of the ratio 1, and three derivatives of its angle."""
+    """Lead of the driven wheel over constant motion at ratio 1, and three derivatives of its angle."""
     law, graph, at = assembly.scene.noncircular_wheels[name].law, assembly.graph, f"noncircular_wheels.{name}.law"
     if law.type == "elliptical":
         return graph.apply(elliptical_wheels, angle, assembly.number(f"{at}.eccentricity"))

@@ -1,11 +1,11 @@
-"""Racks and pinions, put together from nodes: motion of what is driven, and where the pitch circle rolls on the rack.
+"""Racks and pinions as nodes: motion of the driven part, and the pitch point.
 
-The velocities of pinion and rack at the pitch point P agree. With u the direction of the guide, n the normal to its
-left and r the signed radius, P = C − r n beside the pinion's axis C; along the guide, seen from what carries it,
+Pinion and rack have the same velocity at the pitch point P. With u the direction of the guide, n its normal to the left
+and r the signed radius, P = C − r n, where C is the pinion's axis. Relative to the carrier, along the guide,
 
     ṡ = ṡ_C + r (ω − ω_carrier)
 
-where ṡ_C is the velocity of the axis along the guide. Place and acceleration follow in the same way.
+with ṡ_C the velocity of the axis along the guide. Displacement and acceleration follow in the same way.
 
 Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on gearing.
 """
@@ -25,7 +25,7 @@ from engine.scene.structure.meshes import carrier_of, rides_along
 
 
 class Toothing(NamedTuple):
-    """Where a pinion meshes with a rack.
+    """The mesh of a pinion with a rack.
 
     Attributes
     ----------
@@ -34,9 +34,9 @@ class Toothing(NamedTuple):
     along : Vector
         Direction of the rack.
     away : Vector
-        Direction in which teeth push the pinion away from the rack.
+        Direction of the separating force on the pinion, away from the rack.
     radius : Node
-        Of the pitch circle, signed [m].
+        Signed radius of the pitch circle [m].
     """
 
     pitch_point: Vector
@@ -46,7 +46,7 @@ class Toothing(NamedTuple):
 
 
 def rack_guide(scene: Scene, name: str) -> str:
-    """Guide along which the teeth of a rack, or those that a pinion meshes with, lie."""
+    """Guide parallel to the teeth of a rack, or of the rack that a pinion meshes with."""
     if name in scene.racks:
         return scene.racks[name].guide
     pinion = scene.pinions[name]
@@ -54,10 +54,10 @@ def rack_guide(scene: Scene, name: str) -> str:
 
 
 def angle_of_link(assembly: Assembly, link: str) -> Node:
-    """Angle of a link over all its turns [rad], against that which it is known against.
+    """Total angle of a link over all turns [rad], relative to its reference.
 
-    Of what is geared to the crank that is the frame. Links of structural groups, which pinions, second inputs and
-    sliders may hang on, have none: against themselves it is zero.
+    The reference is the frame for links geared to the crank. A link of a structural group, which may carry pinions,
+    second inputs and sliders, is its own reference: its angle is zero.
     """
     if link in assembly.angles:
         return assembly.angles[link]
@@ -70,14 +70,7 @@ def angle_of_link(assembly: Assembly, link: str) -> Node:
 
 
 def add_rack(assembly: Assembly, name: str) -> None:
-    """Add a rack that a pinion drives to a mechanism.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    name : str
-        Of the rack.
-    """
+    """Add the rack `name`, driven by a pinion, to a mechanism."""
     rack = assembly.scene.racks[name]
     carrier, line = assembly.scene.guides[rack.guide].link, assembly.guides[rack.guide]
     radius, start = (assembly.number(f"racks.{name}.{key}") for key in ("radius", "start"))
@@ -94,14 +87,7 @@ def add_rack(assembly: Assembly, name: str) -> None:
 
 
 def add_pinion(assembly: Assembly, name: str) -> None:
-    """Add a pinion that a rack drives, or that rolls on one, to a mechanism.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    name : str
-        Of the pinion.
-    """
+    """Add the pinion `name`, driven by a rack or rolling on one, to a mechanism."""
     scene, graph = assembly.scene, assembly.graph
     pinion, guide = scene.pinions[name], rack_guide(scene, name)
     line = assembly.guides[guide]
@@ -116,14 +102,7 @@ def add_pinion(assembly: Assembly, name: str) -> None:
 
 
 def toothing(assembly: Assembly, name: str) -> Toothing:
-    """Mesh of a rack with the pinion that drives it, or of a pinion with the rack that does.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    name : str
-        Of what is driven.
-    """
+    """Mesh of the driven rack or pinion `name`."""
     scene, graph = assembly.scene, assembly.graph
     kind, part = ("racks", scene.racks[name]) if name in scene.racks else ("pinions", scene.pinions[name])
     u, path = assembly.guides[rack_guide(scene, name)].u, f"{kind}.{name}.radius"
@@ -134,7 +113,7 @@ def toothing(assembly: Assembly, name: str) -> Toothing:
 
 
 def _axis_along(assembly: Assembly, pivot: str, guide: str) -> Slide:
-    """Place of a pinion's axis along a guide, and its rates against what carries that."""
+    """Position of a pinion's axis along a guide, and its rates relative to the guide's carrier."""
     line, zero = assembly.guides[guide], assembly.graph.zero
     place = line.u.dot(assembly.points[pivot].r - line.r)
     riding = rides_along(assembly.scene, pivot, guide)

@@ -1,7 +1,7 @@
-"""Second inputs, put together from nodes: links turned or moved by laws of the first input or of time.
+"""Second inputs as nodes: links moved by laws of the first input or of time.
 
-The argument τ of a law goes with the input's coordinate q, τ = κ q. At the constant speed of the input, ω, time is
-t = q/ω, so that a law of the period T is one of q with κ = 2π/(ω T), and the transfer functions are
+The argument τ of a law is proportional to the input's coordinate q, τ = κ q. At constant input speed ω, t = q/ω, so a
+law with period T is a law of q with κ = 2π/(ω T). The transfer functions are
 
     dψ/dq = κ dψ/dτ,    d²ψ/dq² = κ² d²ψ/dτ²
 """
@@ -22,14 +22,7 @@ Law = tuple[Node, Node, Node]
 
 
 def add_second_input(assembly: Assembly, name: str) -> None:
-    """Add a second input to a mechanism.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    name : str
-        Of the link.
-    """
+    """Add the second input `name` to a mechanism."""
     second = assembly.scene.inputs[name]
     law = _law(assembly, name)
     if second.type == "slider":
@@ -44,21 +37,14 @@ def add_second_input(assembly: Assembly, name: str) -> None:
 
 
 def rate_of_drive(assembly: Assembly, name: str) -> Node:
-    """Motion of a second input against what its drive stands on, for each unit of the crank's.
-
-    Parameters
-    ----------
-    assembly : Assembly
-    name : str
-        Of the link.
-    """
+    """Rate of the second input `name` relative to the base of its drive, with respect to the first input."""
     if name in assembly.slides:
         return assembly.slides[name].v
     return assembly.links[name].w - assembly.links[drive_base(assembly.scene, name)].w
 
 
 def _law(assembly: Assembly, name: str) -> Law:
-    """Angle or place of a second input by its law, and two derivatives by the input."""
+    """Angle or position of a second input by its law, and two derivatives with respect to the input."""
     second, graph, at = assembly.scene.inputs[name], assembly.graph, f"inputs.{name}"
     rate = _rate(assembly, name)
     argument = rate * graph.q
@@ -82,7 +68,7 @@ def _law(assembly: Assembly, name: str) -> Law:
 
 
 def _rate(assembly: Assembly, name: str) -> Node:
-    """κ: how fast the argument of a second input's law goes with the first input."""
+    """κ: rate of the argument of a second input's law with respect to the first input."""
     second, graph, at = assembly.scene.inputs[name], assembly.graph, f"inputs.{name}"
     if second.period is not None:
         return graph.derived(f"rate of {name}", lambda n: TURN / (n["input.speed"] * n[f"{at}.period"]))

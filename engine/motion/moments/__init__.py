@@ -1,1 +1,1 @@
-"""Inertia and moments of many variants over the crank angle, with their jumps and bends."""
+"""Inertia and torques of many variants over the crank angle, with their jumps and kinks."""

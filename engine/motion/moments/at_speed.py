@@ -1,8 +1,8 @@
 """M(φ, ω, t) at given speeds: of motors by their characteristics, of loads by powers of the speed.
 
-What depends on the crank angle and on time is tabulated, a row for each power of the speed; what depends on the speed
-alone belongs to the variant. Every stepper takes its moments from here, for variants side by side. Angles are turned
-in the direction of motion, so that a moment is positive where it drives; a speed may be negative.
+Terms that depend on crank angle and time are tabulated, one row for each power of the speed; terms that depend only on
+the speed are numbers of the variant. Angles are turned in the direction of motion, so a positive torque drives; the
+speed may be negative.
 """
 
 from typing import NamedTuple
@@ -19,29 +19,29 @@ from engine.cycle.panels.lanes import rows
 from engine.laws.elementary import power
 from engine.laws.motor_characteristics import BENDS, PER_BEND, PER_MOTOR, motors_at
 
-# Rows of loads in a block: over ω⁰, ω¹ and ω².
+# Rows of loads in a block: coefficients of ω⁰, ω¹ and ω².
 POLYNOMIAL = 3
 
 
-# Between two speeds, where several motors together are looked at.
+# Samples between two speeds for the peak torque of several motors together.
 SPEEDS_BETWEEN = 33
 
 
 class Drive(NamedTuple):
-    """What depends on the speed alone, for every variant.
+    """Terms that depend only on the speed, for every variant.
 
     Attributes
     ----------
     rows : ndarray (2 + 2 bends + 5 induction motors, variants)
-        Moment of the motors with a straight characteristic, reduced, rows[0] + rows[1]·ω; by how much it bends, and at
-        which speed; then of each induction motor breakdown moment, breakdown slip, rotor ratio, synchronous speed, and
-        speed ratio to the crank.
+        Reduced torque rows[0] + rows[1]·ω of the motors with a linear characteristic; change of slope and speed of each
+        bend; then for each induction motor breakdown torque, breakdown slip, rotor ratio, synchronous speed, and speed
+        ratio to the crank.
     exponents : ndarray (laws, variants)
-        Powers of ω of the power laws.
+        Exponents of ω of the power laws.
     no_load_speeds : ndarray (motors, variants)
-        Of every motor, reduced to the crank [rad/s].
+        No-load speed of every motor, reduced to the crank [rad/s].
     bent : int
-        How many bends there are.
+        Number of bends.
     """
 
     rows: np.ndarray
@@ -51,12 +51,12 @@ class Drive(NamedTuple):
 
     @property
     def line(self) -> np.ndarray:
-        """Of the straight characteristic, (2, variants)."""
+        """Linear characteristic, (2, variants)."""
         return self.rows[:BENDS]
 
     @property
     def bends(self) -> np.ndarray:
-        """By how much it bends and at which speeds, (bends, 2, variants)."""
+        """Changes of slope and speeds of the bends, (bends, 2, variants)."""
         return self.rows[BENDS:][: PER_BEND * self.bent].reshape(self.bent, PER_BEND, self.rows.shape[1])
 
     @property
@@ -66,12 +66,12 @@ class Drive(NamedTuple):
         return rows.reshape(len(rows) // PER_MOTOR, PER_MOTOR, self.rows.shape[1])
 
     def some(self, chosen: np.ndarray) -> "Drive":
-        """Of some of the variants, by index."""
+        """A subset of the variants, by index."""
         return Drive(*(np.ascontiguousarray(part[..., chosen]) for part in self[:3]), self.bent)
 
 
 class Moments(NamedTuple):
-    """Moment of the motors, of each channel of loads [N·m], and ∂M/∂ω of all of them [N·m·s]."""
+    """Torque of the motors, of each channel of loads [N·m], and ∂M/∂ω of their sum [N·m·s]."""
 
     motors: np.ndarray
     loads: np.ndarray
@@ -79,14 +79,14 @@ class Moments(NamedTuple):
 
     @property
     def total(self) -> np.ndarray:
-        """The reduced moment."""
+        """The reduced torque."""
         return self.motors + self.loads.sum(axis=0)
 
 
 def moments_at(
     drive: Drive, channel_of: np.ndarray, loads: np.ndarray, powers: np.ndarray, omega: np.ndarray
 ) -> Moments:
-    """Moments at given places and speeds of many variants.
+    """Torques at given positions and speeds of many variants.
 
     Parameters
     ----------
@@ -94,9 +94,9 @@ def moments_at(
     channel_of : ndarray (laws,) of int
         Channel of each power law.
     loads : ndarray (channels, 3, places or 1, variants)
-        Over ω⁰, ω¹ and ω²; those of one place hold at all.
+        Coefficients of ω⁰, ω¹ and ω²; a single place applies to all.
     powers : ndarray (laws, places or 1, variants)
-        Over ω to a power of its own.
+        Coefficients of the power laws.
     omega : ndarray (places, variants)
         [rad/s].
     """
@@ -117,7 +117,7 @@ def moments_at(
 
 
 class AtSpeed(NamedTuple):
-    """Arguments of `moments_at`; what is found: moments of the motors, ∂M/∂ω, of each channel; how many bends."""
+    """Arguments of `moments_at`; `found` receives the motors' torque, ∂M/∂ω and the torque of each channel."""
 
     drives: np.ndarray
     exponents: np.ndarray
@@ -131,7 +131,7 @@ class AtSpeed(NamedTuple):
 
 @driver
 def moments_of_blocks(begin: int, end: int, given: AtSpeed, room: np.ndarray) -> None:
-    """Moments of the blocks begin … end − 1 of variants; `room` is memory for a block."""
+    """Torques of the blocks begin … end − 1 of variants; `room` is scratch memory for a block."""
     drives, loads, powers, omega = given.drives, given.loads, given.powers, given.omega
     channel_of, found = given.channel_of, given.found
     drive, exponents = in_lanes(room), in_lanes(room[drives.shape[0] :])
@@ -165,7 +165,7 @@ def moments_of_blocks(begin: int, end: int, given: AtSpeed, room: np.ndarray) ->
 
 
 def greatest_moment(drive: Drive, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Greatest moment of the motors by magnitude, at any speed between two of each variant.
+    """Peak torque of the motors, by magnitude, between two speeds of each variant.
 
     Parameters
     ----------
@@ -173,13 +173,13 @@ def greatest_moment(drive: Drive, low: np.ndarray, high: np.ndarray) -> np.ndarr
     low, high : ndarray (variants,)
         [rad/s].
     """
-    # A straight characteristic alone is greatest at one of its ends.
+    # A linear characteristic alone has its peak at one of the ends.
     several = len(drive.kloss) + drive.line.any() > 1
     share = np.linspace(0.0, 1.0, SPEEDS_BETWEEN if several else 2)[:, None]
     speeds = [low + share * (high - low)]
     speeds += [np.clip(at, low, high)[None] for _, at in drive.bends]
     for _, slip, _, synchronous, ratio in drive.kloss:
-        # Motor and generator are strongest at the breakdown slip.
+        # Motor and generator torque peak at the breakdown slip.
         speeds += [np.clip(synchronous / ratio * (1.0 + way * slip), low, high)[None] for way in (-1.0, 1.0)]
     none = np.zeros((1, POLYNOMIAL, 1, low.size))
     at = np.concatenate(speeds)

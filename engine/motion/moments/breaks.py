@@ -1,7 +1,7 @@
-"""Where the moments of a machine jump or bend: what of a load switches where, by the machine's graph.
+"""Jumps and kinks of a machine's torques: which loads switch, and where, from the machine's graph.
 
-A Runge–Kutta step across a jump or a bend, even one of a higher derivative, loses its order, and its estimated error
-falls short of the true one; with a node there it doesn't.
+A Runge–Kutta step across a jump or a kink, even of a higher derivative, loses its order, and its error estimate is too
+small; a node there prevents that.
 """
 
 from collections.abc import Iterable, Sequence
@@ -16,23 +16,23 @@ from engine.mechanism.actions.tables import kinks_of
 from engine.scene.load_formulas import load_formulas
 from engine.scene.scene import Numbers, Scene
 
-# Half the width of a jump [rad]: a node on either side. Beyond the rounding of the angle, and far below all else.
+# Half the width of a jump [rad], with a node on either side: above the rounding of the angle, far below all else.
 JUMP = 1e-10
-# Half the width of a jump in time, of the times of its table.
+# Half the width of a jump in time, relative to the times of its table.
 INSTANT = 8.0 * EPS
-# The same about the time 0 [s].
+# Minimum of that width, for a jump at time 0 [s].
 LEAST_INSTANT = 1e-200
 
 
 class Watch(NamedTuple):
-    """A place at which moments jump or bend.
+    """A curve whose zeros are jumps or kinks of torques.
 
     Attributes
     ----------
     crossing : Crossing
     jumps : bool
     actions : frozenset of str
-        Whose moments do.
+        Actions whose torques are affected.
     """
 
     crossing: Crossing
@@ -41,7 +41,7 @@ class Watch(NamedTuple):
 
 
 class Breaks(NamedTuple):
-    """Places where moments jump or bend.
+    """Positions at which torques have jumps or kinks.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Breaks(NamedTuple):
     jumps : ndarray (places,) of bool
     actions : tuple of str
     acting : ndarray (actions, places, variants) of bool
-        Which actions' moments jump or bend there.
+        Which actions' torques have a jump or a kink there.
     """
 
     angles: np.ndarray
@@ -59,16 +59,16 @@ class Breaks(NamedTuple):
     acting: np.ndarray
 
     def some(self, chosen: np.ndarray) -> "Breaks":
-        """Breaks of some of the variants, by index."""
+        """Breaks of a subset of the variants, by index."""
         angles, acting = (np.ascontiguousarray(rows[..., chosen]) for rows in (self.angles, self.acting))
         return Breaks(angles, self.jumps, self.actions, acting)
 
     def two_sided(self) -> "Breaks":
-        """Breaks with places on both sides of each, as if all were jumps."""
+        """The same with nodes on both sides of every break, as if all were jumps."""
         return self._replace(jumps=np.ones_like(self.jumps))
 
     def of(self, active: Iterable[str]) -> "Breaks":
-        """Breaks of some of the actions."""
+        """Breaks of a subset of the actions."""
         chosen = [self.actions.index(name) for name in sorted(active) if name in self.actions]
         acting = self.acting[chosen]
         angles = np.where(acting.any(axis=0), self.angles, np.nan)
@@ -78,17 +78,17 @@ class Breaks(NamedTuple):
 
 
 def watches_of(crossings: Iterable[Crossing], loads: Sequence[Load]) -> list[Watch]:
-    """Where the moments of loads jump or bend.
+    """Crossings at which the torques of loads have jumps or kinks.
 
     Parameters
     ----------
     crossings : iterable of Crossing
-        All of their graph.
+        All crossings of the graph.
     loads : sequence of Load
     """
     behind = [set(reached(_held([load.characteristic, load.basis]))) for load in loads]
     crossings = list(crossings)
-    # What depends on time switches at instants. Thousands of rows of a table are levels of one curve.
+    # Curves of time switch at instants, not at angles. Test each curve once: a table has thousands of levels of one.
     curves = dict.fromkeys(crossing.curve for crossing in crossings)
     timed = {curve for curve in curves if any(isinstance(node, Given) for node in reached([curve]))}
     watches = []
@@ -111,7 +111,7 @@ def _held(nodes: Iterable[Node]) -> list[Node]:
 
 
 def _vanishes(velocity: Node, crossing: Crossing) -> bool:
-    """Whether a velocity is zero where a curve crosses zero: it is a multiple of that curve."""
+    """Whether a velocity vanishes at a zero of a curve, because it is a multiple of that curve."""
     level = crossing.level
     if not (isinstance(level, Constant) and level.value + crossing.offset == 0.0):
         return False
@@ -124,17 +124,16 @@ def _vanishes(velocity: Node, crossing: Crossing) -> bool:
 
 
 def instants_of(scene: Scene, active: Iterable[str], numbers: Numbers, count: int) -> np.ndarray:
-    """Times at which moments over time jump or bend [s], on both sides of a jump, (instants, variants).
+    """Times at which torques over time have jumps or kinks [s], on both sides of a jump, (instants, variants).
 
     Parameters
     ----------
     scene : Scene
     active : iterable of str
-        Actions.
+        Acting actions.
     numbers : Numbers
-        Of the variants.
     count : int
-        How many variants there are.
+        Number of variants.
     """
     found: list[float | np.ndarray] = []
     for name, action in (scene.forces | scene.moments).items():
@@ -150,9 +149,9 @@ def instants_of(scene: Scene, active: Iterable[str], numbers: Numbers, count: in
 
 
 def beside(breaks: np.ndarray, turned: np.ndarray, cycle: float) -> np.ndarray:
-    """How far from angles turned, (…, variants), moments are taken [rad]: beside a break, or just there.
+    """Offset at which torques are evaluated from angles turned, (…, variants) [rad]: 0 except at a break.
 
-    Breaks (breaks, variants) come again after a cycle [rad], which is infinite if they don't.
+    Breaks (breaks, variants) recur after a cycle [rad], which is infinite if they do not.
     """
     apart = np.abs(breaks.reshape(len(breaks), *(1,) * (turned.ndim - 1), breaks.shape[1]) - turned)
     if np.isfinite(cycle):

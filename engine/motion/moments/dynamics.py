@@ -1,4 +1,4 @@
-"""A machine's equation of motion, made ready: I(φ) and M(φ, ω) of many variants, with chosen actions at work."""
+"""A machine's equation of motion, prepared: I(φ) and M(φ, ω) of many variants, with a choice of actions."""
 
 from collections.abc import Mapping
 from functools import cached_property
@@ -31,39 +31,39 @@ from engine.scene.scene import Numbers
 if TYPE_CHECKING:
     from engine.motion.loads import PairLoads
 
-# Crank angles at which the inertia of a machine without a constant part is looked at.
+# Crank angles at which the inertia of a machine without a constant part is sampled.
 LOOKED_AT = 720
-# Share of its greatest value below which the least one is rounding: of the square of a speed that vanishes.
+# Relative to its maximum, an inertia below this is rounding: the square of a speed that vanishes.
 NO_INERTIA = 1e-18
-# Friction in pairs, as what jumps where a pair changes the direction of its motion; no action has such a name.
+# Friction in pairs as an action, which jumps where a pair reverses; no action can have this name.
 IN_PAIRS = "friction in pairs"
-# The derivative of the inertia, as what jumps where the acceleration of a cam's follower does.
+# Derivative of the inertia as an action, which jumps with the acceleration of a cam's follower.
 OF_INERTIA = "inertia of followers"
 
 
 class Variants(NamedTuple):
-    """A set of variants, ready for motion.
+    """A set of variants, prepared for motion.
 
     Attributes
     ----------
     numbers : Numbers
     direction : ndarray (variants,)
-        +1 or −1: the way the crank turns.
+        +1 or −1: direction of the crank.
     flywheel : ndarray (variants,)
         Inertia added to the machine's [kg·m²].
     parameters : ndarray (numbers, variants)
-        Of the rows.
+        Numbers of the printed functions.
     ends : mapping of Found to ndarray (variants,)
     breaks : Breaks
-        Of all actions.
+        Breaks of all actions.
     drive : Drive or None
-        The motors at work, from `Dynamics.driven`.
+        The acting motors, from `Dynamics.driven`.
     instants : ndarray (instants, variants) or None
-        When the moments at work jump or bend by themselves [s], from `Dynamics.driven`.
+        Times of jumps or kinks of the acting torques over time [s], from `Dynamics.driven`.
     kept : dict
-        What was found of their steady motion and of their runs, each for a second time.
+        Results of steady running and runs, reused by the second evaluation.
     rubbing : ndarray (2, numbers, variants) or None
-        Numbers of the friction in pairs, moving forward and backwards, from `Dynamics.driven`.
+        Numbers for friction in pairs, forwards and backwards, from `Dynamics.driven`.
     """
 
     numbers: Numbers
@@ -79,11 +79,11 @@ class Variants(NamedTuple):
 
     @property
     def count(self) -> int:
-        """How many."""
+        """Number of variants."""
         return self.direction.size
 
     def some(self, chosen: np.ndarray) -> "Variants":
-        """Some of them, by index, in any order, and as often as they are named."""
+        """Variants with given indices, in any order, possibly repeated."""
         if np.array_equal(chosen, np.arange(self.count)):
             return self
         drive = self.drive
@@ -102,7 +102,7 @@ class Variants(NamedTuple):
 
 
 class Acting(NamedTuple):
-    """What a row of a moment belongs to: an action of the scene, or a part with an order and a role of its own."""
+    """Key of a row of torques: an action of the scene, or its part with one order and role."""
 
     action: str
     order: float | str
@@ -110,12 +110,12 @@ class Acting(NamedTuple):
 
     @classmethod
     def of(cls, load: Load) -> "Acting":
-        """What a load belongs to."""
+        """The key of a load."""
         return cls(load.action, load.order, load.role)
 
 
 class Reduction:
-    """Rows of a machine in motion, made once for whatever acts: I, dI/dφ, and the moment of each action by its order.
+    """Rows of a machine in motion, independent of the acting actions: I, dI/dφ, and the torque of each action by order.
 
     Parameters
     ----------
@@ -125,17 +125,17 @@ class Reduction:
     ----------
     mechanics : as given
     time, speed : Given
-        On which loads over time and such by formula depend.
+        Arguments of loads over time and of loads by formula.
     loads : Loads
     keys : list of Acting
-        What each row of a moment belongs to.
+        Key of each row of torques.
     nodes : list of Node
-        I, dI/dφ and a moment for each key.
+        I, dI/dφ and a torque for each key.
     tabulation : Tabulation
-        Of these.
+        Tabulation of the nodes.
     landmarks : Landmarks
     has_cycle : bool
-        Whether the input turns fully.
+        Whether the input rotates fully.
     """
 
     def __init__(self, mechanics: Mechanics) -> None:
@@ -160,33 +160,27 @@ class Reduction:
 
     @property
     def cycle(self) -> float:
-        """Period of everything but time [rad]; infinite where the input doesn't turn fully."""
+        """Period of everything except time [rad]; infinite if the input does not rotate fully."""
         return 2.0 * np.pi * self.mechanics.scene.input.revolutions if self.has_cycle else np.inf
 
     def range_of(self, numbers: Numbers, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """Least and greatest position of the input, (variants,) each [rad, or m of a sliding input]; 0 … 2π of a turn.
-
-        Parameters
-        ----------
-        numbers : Numbers
-        count : int
-        """
+        """Minimum and maximum position of the input, (variants,) each [rad; m if it slides]; 0 … 2π for a crank."""
         ends = [np.broadcast_to(end.compute(numbers), (count,)) for end in (self.mechanics.first, self.mechanics.last)]
         return np.minimum(*ends).astype(float), np.maximum(*ends).astype(float)
 
     def depends_on_time(self, key: "Acting") -> bool:
-        """Whether the moment of a key does."""
+        """Whether the torque of a key depends on time."""
         own = [t.basis for t in self.loads.terms if Acting.of(t) == key]
         return self.time in reached(own)
 
     def variants(self, numbers: Numbers, direction: np.ndarray, flywheel: np.ndarray) -> "Variants":
-        """Make a set of variants ready.
+        """Prepare a set of variants.
 
         Parameters
         ----------
         numbers : Numbers
         direction : ndarray (variants,)
-            +1 or −1: the way the crank turns.
+            +1 or −1: direction of the crank.
         flywheel : ndarray (variants,)
             Inertia added to the machine's [kg·m²].
         """
@@ -195,7 +189,7 @@ class Reduction:
         return Variants(numbers, direction, flywheel, parameters, ends, breaks, None, None, {})
 
     def without_inertia(self, variants: "Variants") -> np.ndarray:
-        """Which variants have no reduced inertia at some crank angle, (variants,) of bool."""
+        """Which variants have zero reduced inertia at some crank angle, (variants,) of bool."""
         constant = self.mechanics.reduced.first_kind.compute(variants.numbers) + variants.flywheel
         found = np.zeros(variants.count, bool)
         bare = np.flatnonzero(np.broadcast_to(constant, (variants.count,)) <= 0.0)
@@ -204,7 +198,7 @@ class Reduction:
         return found
 
     def _vanishes(self, variants: "Variants") -> np.ndarray:
-        """Whether the least inertia over the cycle is zero but for rounding."""
+        """Whether the minimum inertia over the cycle is zero within rounding."""
         target = np.full(len(self.keys) + 2, -1)
         target[:2] = 0, 1
         sums = Sums(target, 2, np.zeros(target.size, bool), variants.direction)
@@ -218,21 +212,21 @@ class Reduction:
             before, after = np.maximum(before, low), np.minimum(after, high)
         bottom = regula_falsi(lambda q: self.curves(variants, q[None], {}, sums)[1, 0], before, after)
         least = np.fmin(self.curves(variants, bottom[None], {}, sums)[0, 0], inertia.min(axis=0))
-        # An inertia that is taken away counts as a negative flywheel.
+        # A removed inertia counts as a negative flywheel.
         return least + variants.flywheel <= NO_INERTIA * inertia.max(axis=0)
 
     def curves(
         self, variants: "Variants", places: np.ndarray, given: Mapping[Given, np.ndarray], sums: Sums
     ) -> np.ndarray:
-        """Sums of the rows at crank angles, and at times and speeds where they are given, (sums, places, variants)."""
-        # Without a time nothing over time acts; what depends on a speed isn't known without it.
+        """Sums of the rows at crank angles, and at times and speeds if given, (sums, places, variants)."""
+        # Default: no loads over time; loads that depend on the speed are NaN.
         unknown = {self.time: np.zeros_like(places), self.speed: np.full_like(places, np.nan)}
         given = {node: given.get(node, unknown[node]) for node in self.tabulation.given}
         return self.tabulation(variants.parameters, places, given, sums)
 
 
 def _reversals(mechanics: Mechanics) -> list[Load]:
-    """What friction jumps with: the directions of motion in the pairs that rub, each as a load of that size."""
+    """Jumps due to friction: the direction of motion of each pair with friction, as a unit load."""
     graph, found = mechanics.graph, []
     rubbing = {friction.pair for friction in mechanics.scene.friction.values()}
     for pair in [*pairs(mechanics.scene), *contact_pairs(mechanics.scene)]:
@@ -251,7 +245,7 @@ def _reversals(mechanics: Mechanics) -> list[Load]:
 
 
 def _jerks(mechanics: Mechanics) -> list[Load]:
-    """What inertia jumps with where sections of cams meet, as a load of that size; it is there whatever acts."""
+    """Jumps of the inertia's derivative where cam sections meet, as a load; independent of the acting actions."""
     if not mechanics.scene.cams:
         return []
     one, slope, grip = mechanics.graph.one, mechanics.reduced.slope, Grip(mechanics.scene.input.link, None, None)
@@ -259,19 +253,19 @@ def _jerks(mechanics: Mechanics) -> list[Load]:
 
 
 class Dynamics:
-    """The equation of motion of a machine with some of its actions at work.
+    """The equation of motion of a machine with a choice of acting actions.
 
     Parameters
     ----------
     reduction : Reduction
     off : frozenset of str
-        Actions, motors among them, that don't act.
+        Actions, including motors, that do not act.
     works : bool
-        Whether the works of useful and harmful loads, … are told apart.
+        Whether the works of useful and harmful loads, … are separate.
     friction : PairLoads, optional
-        The moment that stands for friction in the pairs, if any rub.
+        The torque equivalent to friction in the pairs, if there is any.
     gathered : frozenset of str
-        Of "motors" and "squares", what runs add up besides these works.
+        Other integrals of runs, of "motors", "squares" and "fading".
     """
 
     def __init__(
@@ -287,13 +281,13 @@ class Dynamics:
         self.channels = CHANNELS if works else ("all",)
         self._gathered = gathered | frozenset(CHANNELS if works else ())
         self.motors = tuple(name for name in loads.motors if name not in off)
-        # Of what acts: its row of the reduction, its channel and its order.
+        # For each acting row: its index in the reduction, its channel and its order.
         acting = [(i, key) for i, key in enumerate(reduction.keys) if key.action not in off]
         self.active = frozenset(load.action for load in loads.terms if load.action not in off)
         self.active |= {IN_PAIRS} if friction is not None else set()
         self.active |= {OF_INERTIA} if scene.cams else set()
         self.timed = any(reduction.depends_on_time(key) for _, key in acting)
-        # Whether a moment may change at any time.
+        # Whether a torque may change at any time.
         formulas = load_formulas(scene)
         self.changing = any(formulas[name].depends_on_time for name in self.active if name in formulas)
         self.brakes = tuple(name for name in self.active if isinstance(scene.moments.get(name), Brake))
@@ -301,10 +295,10 @@ class Dynamics:
         for i, key in acting:
             place = (i, self._channel(key.role), key.order)
             (self.polynomial if key.order in POLYNOMIAL_ORDERS else self.laws).append(place)
-        # Whether all that acts vanishes with the speed: then nothing stops the machine, nor sets it going.
+        # Whether all torques vanish with the speed: then nothing stops the machine nor starts it.
         self.fades = not self.motors and not self.laws and all(order > 0 for _, _, order in self.polynomial)
         self.fades &= friction is None
-        # Sums of rows: I, dI/dφ, then each channel's orders 0, 1 and 2, then power laws.
+        # Sums of rows: I, dI/dφ, then orders 0, 1 and 2 of each channel, then power laws.
         self.target = np.full(len(reduction.keys) + 2, -1)
         self.target[:2] = 0, 1
         for i, channel, order in self.polynomial:
@@ -321,7 +315,7 @@ class Dynamics:
         return CHANNELS.index(role if role in CHANNELS else "other")
 
     def driven(self, variants: Variants) -> Variants:
-        """The variants with the motors that are at work here."""
+        """The variants with the acting motors, breaks and instants."""
         drive = self._drive(variants.numbers, variants.count)
         instants = instants_of(self.reduction.mechanics.scene, self.active, variants.numbers, variants.count)
         breaks, rubbing = variants.breaks.of(self.active), None
@@ -332,27 +326,27 @@ class Dynamics:
 
     @cached_property
     def by_angle(self) -> MachineSystem:
-        """The equation of motion over the crank angle, its functions printed."""
+        """The equation of motion over the crank angle, with its functions printed."""
         mechanics = self.reduction.mechanics
         return MachineSystem(*along_angle(mechanics, self.works, self._gathered), mechanics)
 
     @cached_property
     def by_time(self) -> MachineSystem:
-        """The equation of motion over time, its functions printed."""
+        """The equation of motion over time, with its functions printed."""
         mechanics, rubs = self.reduction.mechanics, self.friction is not None
         return MachineSystem(*along_time(mechanics, self.works, self._gathered, rubs), mechanics)
 
     def moving(self, system: MachineSystem, variants: Variants, brisk: float, facing: float = 1.0) -> np.ndarray:
-        """Numbers of the motion by one of the systems, (numbers, variants), but for the speeds that end it.
+        """Numbers of a motion for one of the systems, (numbers, variants), without the final speeds.
 
         Parameters
         ----------
         system : MachineSystem
         variants : Variants
         brisk : float
-            How many times its energy a machine loses per radian where it is near to rest.
+            Relative energy loss per radian at which a machine counts as near rest.
         facing : float
-            +1 or −1: forward or backwards.
+            +1 or −1: forwards or backwards.
         """
         key = system.system.along, brisk, facing
         if key not in variants.kept:
@@ -363,25 +357,25 @@ class Dynamics:
                 sizes.way: way,
                 sizes.facing: facing,
             }
-            # Only forward does the form over the angle take over, where it is able to.
+            # Only forward motion can return to the form over the angle, if that form applies.
             by_angle = facing > 0.0 and not self.in_time
             given |= {sizes.brisk: brisk, sizes.stay: 0.0 if by_angle else np.inf}
             variants.kept[key] = system.tabulation.parameters(numbers, way, variants.ends, given)
         return variants.kept[key]
 
     def sized(self, sizes: Sizes, numbers: Numbers, way: np.ndarray) -> dict[Given, np.ndarray | float]:
-        """How large the loads are that act, moving +1 or −1 in the way of the crank angle; and which motors do."""
+        """Sizes of the acting loads for motion in the direction `way` of the crank angle, and the acting motors."""
         unit = numbers.with_values({"input.speed": way})
         given = {s: value_of(c, unit) if a not in self.off else 0.0 for s, (a, c) in sizes.loads.items()}
         return given | {size: float(name in self.motors) for size, name in sizes.motors.items()}
 
     @property
     def in_time(self) -> bool:
-        """Whether nothing but time orders the motion: friction in pairs, moments over time, an input that swings."""
+        """Whether only the time form applies: friction in pairs, torques over time, an input of limited range."""
         return self.timed or self.friction is not None or not self.reduction.has_cycle
 
     def locked(self, variants: Variants) -> np.ndarray:
-        """Which variants have a brake at work that locks by itself, (variants,) of bool."""
+        """Which variants have an acting brake that is self-locking, (variants,) of bool."""
         scene, found = self.reduction.mechanics.scene, np.zeros(variants.count, bool)
         for name in self.brakes:
             found |= np.isinf(braking_moment(scene.moments[name], f"moments.{name}", variants.numbers))
@@ -417,7 +411,7 @@ class Dynamics:
         clock: np.ndarray | None = None,
         omega: np.ndarray | None = None,
     ) -> "Rows":
-        """What depends on the crank angle, at any angles of each variant; moments may depend on time and speed too.
+        """Terms that depend on the crank angle, at given angles; torques may also depend on time and speed.
 
         Parameters
         ----------
@@ -436,7 +430,7 @@ class Dynamics:
         return Rows(out[0] + variants.flywheel, out[1], loads, powers)
 
     def moments(self, variants: Variants, rows: "Rows", omega: np.ndarray) -> Moments:
-        """Moments at given speeds, in the direction of motion.
+        """Torques at given speeds, in the direction of motion.
 
         Parameters
         ----------
@@ -449,16 +443,16 @@ class Dynamics:
 
 
 class Rows(NamedTuple):
-    """What depends on the crank angle, (places, variants).
+    """Terms that depend on the crank angle, (places, variants).
 
     Attributes
     ----------
     inertia, inertia_phi : ndarray (places, variants)
         Reduced inertia with the flywheel [kg·m²], and its derivative in the direction of motion.
     loads : ndarray (channels, 3, places, variants)
-        Reduced moments over ω⁰, ω¹ and ω², separately for each sort of work; one channel for all if not asked.
+        Coefficients of ω⁰, ω¹ and ω² in the reduced torque, for each kind of work; otherwise one channel for all.
     powers : ndarray (laws, places, variants)
-        Reduced moments over ω to a power of their own.
+        Coefficients of the power laws in the reduced torque.
     """
 
     inertia: np.ndarray

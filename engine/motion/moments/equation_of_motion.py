@@ -1,7 +1,7 @@
 """The equation of motion at instants, I·ε + ½ω²·dI/dφ = M(φ, ω, t) + M_f, of many variants.
 
-The moment M_f that stands for friction in pairs follows from the reactions, and these from ω² and ε, so that ε is found
-with it, by secants. Angles are turned in the direction of motion that the scene gives; ω may be negative.
+The torque M_f equivalent to friction in pairs follows from the reactions, and these from ω² and ε; the secant method
+finds ε and M_f together. Angles are turned in the scene's direction of motion; ω may be negative.
 """
 
 from typing import NamedTuple
@@ -14,21 +14,21 @@ from engine.motion.moments.dynamics import Dynamics, Rows, Variants
 from engine.motion.one_speed import CHANNELS
 from engine.stepping.walk import MOST_SECANTS, NEARLY_FOUND, SOLVED_TO
 
-# The field of the loads on pairs that stands for friction.
+# The field of the loads on pairs for friction.
 FRICTION_MOMENT = "friction_moment"
-# Shares of a first step in time: of a time constant, in units of the angle it may turn, and of the breakdown slip.
+# Limits of a first step in time: relative to a time constant, to the maximum angle, and to the breakdown slip.
 STIFFEST, FINER = 1.0, 2.0
 
 
 class Attached(NamedTuple):
-    """What turns with the crank behind a coupling, and moves it, reduced to it.
+    """Inertia behind a coupling that turns with the crank, and torque on it, reduced to the crank.
 
     Attributes
     ----------
     moment : ndarray
         In the direction of motion [N·m].
     inertia : ndarray
-        [kg·m²]; infinite of a crank that stands, or turns uniformly.
+        [kg·m²]; infinite for a crank at rest or at constant speed.
     """
 
     moment: np.ndarray | float
@@ -44,10 +44,10 @@ class EquationOfMotion:
     Parameters
     ----------
     dynamics : Dynamics
-        With the actions at work.
+        With the acting actions.
     variants : Variants
     start : ndarray (variants,)
-        Crank angle where the angle turned is 0 [rad].
+        Crank angle at which the angle turned is 0 [rad].
     """
 
     def __init__(self, dynamics: Dynamics, variants: Variants, start: np.ndarray) -> None:
@@ -55,22 +55,22 @@ class EquationOfMotion:
         self._mirrored: Variants | None = None
 
     def some(self, who: np.ndarray) -> "EquationOfMotion":
-        """Of some of the variants, by index."""
+        """The equation of a subset of the variants, by index."""
         return EquationOfMotion(self.dynamics, self.variants.some(who), self.start[who])
 
     def at(
         self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray, attached: Attached = ALONE
     ) -> tuple[Rows, Moments]:
-        """Rows and moments at an instant, (1, variants), as `along` gives them."""
+        """Rows and torques at one instant, (1, variants), as from `along`."""
         return self.along(turned[None], omega[None], time[None], facing, attached)
 
     def along(
         self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray, attached: Attached = ALONE
     ) -> tuple[Rows, Moments]:
-        """Rows and moments at instants, (instants, variants), the moment of friction among those of harmful loads.
+        """Rows and torques at instants, (instants, variants); the torque of friction is included in harmful loads.
 
-        `facing` +1 or −1 is the way that resistances resist. Friction depends on the acceleration, and so on what is
-        attached to the crank.
+        `facing`, +1 or −1, is the direction of motion that resistances oppose. Friction depends on the acceleration,
+        and so on the inertia attached to the crank.
         """
         places = self.start + self.variants.direction * turned
         rows = self.dynamics.rows(self.variants, places, time, omega)
@@ -84,15 +84,15 @@ class EquationOfMotion:
         return rows, moments
 
     def _backwards(self, places: np.ndarray, time: np.ndarray, omega: np.ndarray) -> Rows:
-        """Rows of machines that turn against their direction: resistances change sides, odd orders of ω don't."""
+        """Rows of machines that move backwards: resistances are reversed, odd orders of ω are not."""
         rows = self.dynamics.rows(self._mirror(), places, time, omega)
-        # Made for the opposite direction, in which ω > 0; back in our own: moments and dI/dφ change sign, and so does
-        # each odd power of ω.
+        # Computed for the opposite direction, in which ω > 0; converted back, torques, dI/dφ and each odd power of ω
+        # change sign.
         signs = np.array([-1.0, 1.0, -1.0])[None, :, None, None]
         return Rows(rows.inertia, -rows.inertia_phi, signs * rows.loads, -rows.powers)
 
     def _mirror(self) -> Variants:
-        """The variants as if they turned the other way."""
+        """The variants with the opposite direction."""
         if self._mirrored is None:
             own = self.variants
             parameters = self.dynamics.reduction.tabulation.parameters(own.numbers, -own.direction, own.ends)
@@ -109,7 +109,7 @@ class EquationOfMotion:
         moment: np.ndarray,
         attached: Attached,
     ) -> np.ndarray:
-        """Moment of friction, in the direction of motion, at the ε that it leaves; `moment` is that of all else."""
+        """Torque of friction, in the direction of motion, at the resulting ε; `moment` is the sum of all others."""
         own, loads, way = self.variants, self.dynamics.friction, self.variants.direction
         parameters = np.require(np.where(facing > 0.0, *own.rubbing), requirements="CW")
 
@@ -120,7 +120,7 @@ class EquationOfMotion:
             inertia = rows.inertia + attached.inertia
             free = (moment + attached.moment - 0.5 * omega * omega * rows.inertia_phi) / inertia
             before, found = free, rubbed(free)
-            # What is left over of I ε = I ε_free + M_f, over I.
+            # Residual of I ε = I ε_free + M_f, divided by I.
             left_before = found / inertia
             here = free + left_before
             for _ in range(MOST_SECANTS):
@@ -136,7 +136,7 @@ class EquationOfMotion:
         return np.where(nearly, found, np.nan)
 
     def beside(self, turned: np.ndarray) -> np.ndarray:
-        """How far from angles turned, (…, variants), the moments are taken [rad]: beside a break, else there."""
+        """Offset at which torques are evaluated from angles turned, (…, variants) [rad]: 0 except at a break."""
         own = self.variants
         return beside(own.direction * (own.breaks.angles - self.start), turned, self.dynamics.cycle)
 
@@ -151,7 +151,7 @@ class EquationOfMotion:
             return epsilon, np.abs(moments.slope[0] - omega * slope) / inertia
 
     def sets_off(self, turned: np.ndarray, time: np.ndarray) -> np.ndarray:
-        """Which way machines at rest set off: +1, −1, or 0 where resistances hold them."""
+        """Direction in which machines at rest start: +1, −1, or 0 if resistances hold them."""
         still, one = np.zeros_like(turned), np.ones_like(turned)
         forward, backwards = (self.acceleration(turned, still, time, way * one)[0] for way in (1.0, -1.0))
         return np.where(forward > 0.0, 1.0, np.where(backwards < 0.0, -1.0, 0.0))
@@ -159,18 +159,18 @@ class EquationOfMotion:
     def first_step(
         self, turned: np.ndarray, omega: np.ndarray, time: np.ndarray, facing: np.ndarray, spacing: np.ndarray
     ) -> np.ndarray:
-        """Length of a step to try first [s], which turns no farther than `spacing` [rad].
+        """Length of a first trial step [s], which turns by at most `spacing` [rad].
 
-        From rest, time is counted in units of the time that one radian takes. Where a motor pulls the speed towards
-        its own, the more finely the farther off it is. Kloss' curve bends within the breakdown slip, however little it
-        falls before.
+        From rest, the unit of time is the time for one radian. If a motor drives the speed towards an equilibrium, the
+        step is finer the farther the speed is from it. Kloss's curve has its bend within the breakdown slip, however
+        flat it is before.
         """
         epsilon, rate = self.acceleration(turned, omega, time, facing)
         ahead = self.acceleration(turned + facing * spacing, omega, time, facing)[0]
         speed, change = np.abs(omega), np.abs(epsilon)
         with np.errstate(all="ignore"):
             share = FINER * spacing * (1.0 + speed * rate / change) ** 0.2
-            # About an equilibrium ε is small, but not so a little farther on.
+            # Near an equilibrium ε is small, but may not be so slightly ahead.
             pace = np.fmax(speed + np.sqrt(change), np.sqrt(np.abs(ahead - epsilon) / spacing))
             h = np.fmin(spacing / pace, np.fmin(share, STIFFEST) / rate)
             for _, slip, _, synchronous, ratio in self.variants.drive.kloss:

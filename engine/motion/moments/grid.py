@@ -1,6 +1,6 @@
-"""Grids in crank angle for every variant, with a node at every break of the moments.
+"""Grids in crank angle for every variant, with a node at every break of the torques.
 
-The steps over a cycle are equal but where a break cuts one in two: the nodes are wanted positions.
+The steps over a cycle are equal except where a break divides one: their nodes are the requested positions.
 """
 
 from typing import NamedTuple
@@ -9,9 +9,9 @@ import numpy as np
 
 from engine.motion.moments.breaks import JUMP, Breaks
 
-# Which of the places of a grid are its nodes.
+# The nodes among the places of a grid.
 NODES = slice(None, None, 2)
-# A step that is no longer lies within a jump.
+# Steps up to this length are within a jump.
 GAP = 4.0 * JUMP
 
 
@@ -21,11 +21,11 @@ class Grid(NamedTuple):
     Attributes
     ----------
     places : ndarray (2·steps + 1, variants)
-        Crank angles of the nodes and the middles between them [rad].
+        Crank angles of the nodes and of the midpoints between them [rad].
     steps : ndarray (steps, variants)
-        Distances of the nodes [rad].
+        Distances between nodes [rad].
     even : ndarray (equal steps + 1, variants) of int, or None
-        Which nodes belong to the equal steps; None where all do.
+        Indices of the nodes of the equal steps; None if there are no others.
     """
 
     places: np.ndarray
@@ -52,9 +52,9 @@ def make_grid(
     direction : ndarray (variants,)
         +1 or −1.
     steps : int
-        Equal steps.
+        Number of equal steps.
     cycle : float
-        The breaks come again after it [rad].
+        Period of the breaks [rad].
     breaks : Breaks
     """
     share = np.arange(steps + 1)[:, None] / steps
@@ -75,7 +75,7 @@ def edges_of(
     begin: float | np.ndarray = 0.0,
     bounds: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Angles turned where moments jump or bend, with begin and end of the cycle, or of the range, in order.
+    """Angles turned at jumps and kinks of torques, with both ends of the cycle or of the range, ascending.
 
     Parameters
     ----------
@@ -85,14 +85,14 @@ def edges_of(
     cycle : float
         [rad].
     begin : float or ndarray (variants,)
-        Crank angle that angles are turned from [rad].
+        Crank angle at which the angle turned is 0 [rad].
     bounds : ndarray (2, variants), optional
         Angles turned at the ends of the range of an input without a cycle.
 
     Returns
     -------
     edges, sides : ndarray (edges, variants)
-        The angles, and how far from each the moments are taken, but no farther than the middle to the next [rad].
+        The angles, and the offset from each at which torques are evaluated, at most to the middle of an interval [rad].
     """
     count = direction.size
     if bounds is not None:
@@ -100,7 +100,7 @@ def edges_of(
         edges = np.concatenate((bounds[:1], np.sort(np.clip(turned, *bounds), axis=0), bounds[1:]))
         return edges, np.where((edges > bounds[0]) & (edges < bounds[1]), JUMP, 0.0)
     turned = np.nan_to_num(np.mod(direction * (breaks.angles - begin), cycle), nan=cycle)
-    # Rounding may put a break on the other side of the begin.
+    # Rounding may move a break across the start.
     at_begin = ((turned <= GAP) | (turned >= cycle - GAP)) & ~np.isnan(breaks.angles)
     ends = np.where(at_begin.any(axis=0), JUMP, 0.0)
     edges = np.concatenate((np.zeros((1, count)), np.sort(turned, axis=0), np.full((1, count), cycle)))
@@ -111,18 +111,19 @@ def edges_of(
 def _edges(
     start: np.ndarray, length: float | np.ndarray, direction: np.ndarray, cycle: float, breaks: Breaks
 ) -> np.ndarray:
-    """Angles turned at the breaks, on both sides of a jump; for a variant without a break, the whole length."""
+    """Angles turned at the breaks, on both sides of a jump; the whole length for a variant without a break."""
     turned = direction * (breaks.angles - start)
     turned = np.concatenate((turned - JUMP * breaks.jumps[:, None], turned[breaks.jumps] + JUMP))
-    # Where the cycle begins with a jump, one side of it is at the very end.
+    # For a jump at the start of the cycle, one side is at the end.
     turned = np.mod(turned, cycle)
     return np.where((turned > 0.0) & (turned < length), turned, length)
 
 
 def _with_middles(turned: np.ndarray) -> np.ndarray:
-    """Nodes with the middles between them."""
+    """Nodes and the midpoints between them."""
     places = np.empty((2 * turned.shape[0] - 1, turned.shape[1]))
     places[0::2], places[1::2] = turned, 0.5 * (turned[1:] + turned[:-1])
-    # In the gap of a jump the new value holds from the middle on, as it does where its end is a coarser grid's middle.
+    # In the gap of a jump the new value applies from the midpoint on, as on a coarser grid whose midpoint is the end of
+    # the gap.
     places[1::2] = np.where(np.diff(turned, axis=0) < GAP, turned[1:], places[1::2])
     return places

@@ -1,4 +1,4 @@
-"""Landmarks of a machine's cycle: the ends of strokes, and the crank angles where its moments jump or bend."""
+"""Landmarks of a machine's cycle: ends of strokes, and crank angles at which torques have jumps or kinks."""
 
 from collections.abc import Sequence
 
@@ -26,23 +26,23 @@ from engine.scene.scene import Numbers
 
 SCANNED_PER_TURN = 60
 
-# How far beside a break moments are judged by [rad]: next to a dead centre the stroke differs from its end by less than
-# it is rounded, and what acts over it may seem not to.
+# Offsets from a break at which torques are tested [rad]: close to a dead centre the stroke differs from its end by less
+# than rounding, and a load that acts there may seem to vanish.
 BESIDE = (JUMP, 1e-5)
 
 
 class Landmarks:
-    """Finds the ends of strokes and the breaks of a machine's moments.
+    """Finds the ends of strokes and the breaks of a machine's torques.
 
     Parameters
     ----------
     tabulation : Tabulation
-        Of the machine, every curve that switches something among its events.
+        With every switching curve of the machine among its events.
     loads : sequence of Load
     moments : sequence of (str, int)
-        Actions, and the curve of the tabulation with a moment of each.
+        Actions, and the curve of the tabulation with a torque of each.
     turns : int
-        Turns of the crank in a cycle.
+        Crank revolutions in a cycle.
     """
 
     def __init__(
@@ -53,14 +53,14 @@ class Landmarks:
         graph = next(iter(functions.rows)).graph
         self.watches = watches_of(graph.crossings, loads)
         self.actions = tuple(sorted(frozenset().union(*(watch.actions for watch in self.watches))))
-        # What depends on time, or does no work, isn't judged by its moment.
+        # Actions that depend on time or do no work cannot be tested by their torques.
         self._unjudged = {load.action for load in loads if any(isinstance(n, Given) for n in reached([load.basis]))}
         self._unjudged |= set(self.actions) - {action for action, _ in moments}
         self._found = [node for node in functions.rows if isinstance(node, Found)]
         self._task = self._asked(turns)
 
     def _asked(self, turns: int) -> Task:
-        """What is asked of the cycle: its landmarks and crossings, and no curve."""
+        """The cycle's task: landmarks and crossings, without curves."""
         functions = self.tabulation.functions
         events = {curve: i for i, (curve, _) in enumerate(functions.events)}
         asked = [watch.crossing for watch in self.watches]
@@ -72,13 +72,13 @@ class Landmarks:
         return CycleMachine(plan, nothing).task
 
     def __call__(self, numbers: Numbers, direction: np.ndarray) -> tuple[Ends, Breaks]:
-        """Ends of strokes that something depends on, and the breaks of all actions.
+        """Ends of strokes on which a node depends, and the breaks of all actions.
 
         Parameters
         ----------
         numbers : Numbers
         direction : ndarray (variants,)
-            +1 or −1, the sign of the crank's speed.
+            +1 or −1, the sign of the crank speed.
         """
         parameters = self.tabulation.parameters(numbers, direction)
         some_sought = len(self._task.landmarks) > 0
@@ -90,7 +90,7 @@ class Landmarks:
         return ends, Breaks(angles, jumps, self.actions, self._acting(parameters, angles, which))
 
     def _find(self, parameters: np.ndarray) -> np.ndarray:
-        """Places of the crossings, (crossings, places, variants); landmarks are entered in the parameters."""
+        """Positions of the crossings, (crossings, places, variants); writes the landmarks into the parameters."""
         task, found = self._task, np.full((len(self.watches), 0, parameters.shape[1]), np.nan)
         chosen = np.arange(parameters.shape[1])
         for _ in range(1 + MOST_DOUBLINGS):
@@ -107,7 +107,7 @@ class Landmarks:
         return found
 
     def _found_at(self, task: Task, parameters: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Places that positions so far apart tell, and in which variants these are too far apart."""
+        """Positions found by one scan, and the variants for which the scan is too coarse."""
         functions, variants = self.tabulation.functions, parameters.shape[1]
         module = load_printed(functions.text)
         found, coarse = np.full((len(self.watches), task.most_roots, variants), np.nan), np.zeros(variants)
@@ -124,7 +124,7 @@ class Landmarks:
         return found, coarse
 
     def _acting(self, parameters: np.ndarray, angles: np.ndarray, which: np.ndarray) -> np.ndarray:
-        """Where the moments of actions aren't zero on both sides of their breaks, (actions, places, variants)."""
+        """Whether the torques of actions are nonzero next to their breaks, (actions, places, variants)."""
         acting = np.zeros((len(self.actions), *angles.shape), bool)
         if not angles.size:
             return acting
@@ -152,10 +152,10 @@ def find_places(
     found: np.ndarray,
     coarse: np.ndarray,
 ) -> None:
-    """Find what is asked of the cycles of the blocks begin … end − 1 of variants.
+    """Find the crossings in the cycles of the blocks begin … end − 1 of variants.
 
-    `found` (crossings, roots, variants) receives the places, NaN where a variant has fewer; `coarse` (variants,) 1
-    where the positions scanned are too far apart; `variants.numbers` the landmarks and what follows from them.
+    `found` (crossings, roots, variants) receives the positions, NaN for missing ones; `coarse` (variants,) is set to 1
+    where the scan is too coarse; `variants.numbers` receives the landmarks and numbers that depend on them.
     """
     work, given = as_memory(workspace), GivenNumbers(workspace.block, variants.tables)
     block, numbers, crossings = in_lanes(workspace.block), variants.numbers, work.crossings
@@ -168,7 +168,7 @@ def find_places(
         count = cut(functions, task, given, work)
         level, slot = -1, 0
         for r in range(count):
-            # The roots of one level follow each other.
+            # Roots of one level are consecutive.
             slot = slot + 1 if crossings.level[r] == level else 0
             level = crossings.level[r]
             hand_out_row(crossings.rows[r].x, first, found[level, slot])

@@ -1,8 +1,8 @@
-"""Curves known at nodes, smooth from one jump to the next: their integral, and what may lie between the nodes.
+"""Curves known at nodes and smooth between jumps: their integral, and bounds between the nodes.
 
-At a jump there is a node on either side, and the step between them is next to nothing. Nodes needn't be equally
-spaced. What a curve does within a step is judged by its neighbours on the same side of all jumps: each function takes
-`values` at the nodes, and the `steps` between them, one fewer.
+A jump has a node on either side, with a negligible step between them. Nodes may be unequally spaced. The behaviour
+within a step is estimated from neighbours on the same side of all jumps. Each function takes `values` at the nodes, and
+the `steps` between them, one fewer.
 """
 
 import math
@@ -12,17 +12,16 @@ import numpy as np
 from engine.compiling.decorators import scalar
 from engine.motion.moments.grid import GAP
 
-# A bend within a step beside a jump, where the slope grows by D at a share t of it from the step before: the integral
-# is off by D(1 − t)(t/2 − 1/8)h² at most, and the step before it shows D(1 − t)/4 of it, a quarter of which is taken
-# there already.
+# For a kink in a step next to a jump, where the slope grows by D at the fraction t of the step, the integral error is
+# at most D(1 − t)(t/2 − 1/8)h². The adjacent step shows D(1 − t)/4, a quarter of which is already included there.
 BESIDE = 1.25
-# Polynomials beside a greatest value go through so many nodes, and are halved so often between two of them.
+# Fewest and most nodes of the polynomial at a peak; bisections of its slope between two nodes.
 LEAST_NODES, MOST_NODES, HALVINGS = 5, 8, 26
-# A curve is smooth where its value by more nodes changes by no more than such a share of what it did before, or where
-# it changes by rounding, as a share of its range.
+# A curve is smooth if a higher degree changes its peak by at most this fraction of the previous change, or by rounding,
+# relative to its range.
 DRAWN_TOGETHER, ROUNDED = 0.1, 1e-14
-# Near a bend values may draw together by chance. Of a smooth curve they differ by no more than such a share of its fall
-# to the neighbours: 0.047 h² of a sine, with h of its radians between nodes.
+# Near a kink the values may agree by chance. For a smooth curve their change is at most this fraction of the drop to
+# the neighbours: 0.047 h² for a sine, with h the radians between nodes.
 WELL_WITHIN = 0.004
 
 
@@ -50,16 +49,16 @@ def slope_of(values: np.ndarray, steps: np.ndarray, k: int) -> float:
 
 @scalar
 def joins(steps: np.ndarray, k: int) -> bool:
-    """Whether there is a step k, and no jump."""
+    """Whether step k exists and is no jump."""
     return 0 <= k < steps.shape[0] and steps[k] > GAP
 
 
 @scalar
 def integral(values: np.ndarray, steps: np.ndarray) -> tuple[float, float]:
-    """Integral by cubics with the slopes at both ends of each step, and what bends may hide of it.
+    """Integral by cubics with the slopes at both ends of each step, and a bound on the error due to kinks.
 
-    Of order four where the curve is smooth. A bend within a step shows as a chord that isn't the mean of the slopes at
-    its ends. Beside a jump, where a parabola of one side alone gives the slope, it shows in the next step instead.
+    Fourth order for a smooth curve. A kink within a step appears as a difference between the chord and the mean of the
+    slopes at its ends. Next to a jump, where a one-sided parabola gives the slope, it appears in the adjacent step.
     """
     total = hidden = before = 0.0
     near = slope_of(values, steps, 0)
@@ -82,15 +81,15 @@ def integral(values: np.ndarray, steps: np.ndarray) -> tuple[float, float]:
 
 @scalar
 def bend_within(values: np.ndarray, h: float, near: float, far: float, k: int) -> float:
-    """How far the chord from node k to the next differs from the mean of the slopes at both."""
+    """Difference between the chord from node k to the next and the mean of the slopes at both."""
     return abs((values[k + 1] - values[k]) / h - 0.5 * (near + far))
 
 
 @scalar
 def rise_towards(values: np.ndarray, steps: np.ndarray, k: int, side: int, otherwise: float) -> float:
-    """How steeply a curve rises towards node k from a side (−1: from before it): as over the last step, or as it grew.
+    """Slope of the rise towards node k from a side (−1: before it): over the last step, or extrapolated if larger.
 
-    `otherwise` where a jump or the end of the nodes is on that side.
+    `otherwise` if a jump or the end of the nodes is on that side.
     """
     i, j = (k - 1, k - 2) if side < 0 else (k, k + 1)
     if i < 0 or i >= steps.shape[0] or steps[i] <= GAP:
@@ -103,10 +102,10 @@ def rise_towards(values: np.ndarray, steps: np.ndarray, k: int, side: int, other
 
 @scalar
 def bound(values: np.ndarray, steps: np.ndarray, k: int) -> float:
-    """Greatest value that a curve may come to from node k to the next.
+    """Upper bound of a curve from node k to the next.
 
-    It goes on as before the step, and comes from what follows it: no farther than where those two straight lines meet,
-    even if it bends there. Beside a jump only one of them is known.
+    Even with a kink, the curve stays below the intersection of the two straight lines that continue it from before and
+    from after the step. Next to a jump only one of them is known.
     """
     h, a, b = steps[k], values[k], values[k + 1]
     best = max(a, b)
@@ -128,9 +127,10 @@ def bound(values: np.ndarray, steps: np.ndarray, k: int) -> float:
 def crest(
     values: np.ndarray, places: np.ndarray, first: int, last: int, k: int, room: np.ndarray, sign: float
 ) -> float:
-    """Greatest value beside node k of the polynomial through nodes first … last − 1; NaN where it has none within.
+    """Peak near node k of the polynomial through nodes first … last − 1; NaN if there is none within.
 
-    By divided differences, for which there is `room`, and bisection of its slope; of squares with a sign, their root.
+    Uses divided differences (in the scratch array `room`) and bisection of the slope; for signed squares, returns the
+    root.
     """
     for i in range(first, last):
         room[i - first] = values[i]
@@ -140,7 +140,7 @@ def crest(
     low, high = places[max(k - 1, first)], places[min(k + 1, last - 1)]
     value = math.nan
     for halving in range(HALVINGS + 2):
-        # The ends first: between them it is to rise and fall.
+        # Check both ends first: the polynomial must rise at one and fall at the other.
         x = (low, high)[halving] if halving < 2 else 0.5 * (low + high)
         value, slope = room[last - first - 1], 0.0
         for i in range(last - first - 2, -1, -1):
@@ -158,11 +158,11 @@ def crest(
 
 @scalar
 def peak_between(values: np.ndarray, steps: np.ndarray) -> tuple[float, float, float]:
-    """Greatest value of a curve between its nodes, too; the node next to it; what it may come to at most.
+    """Maximum of a curve, also between its nodes; the nearest node; an upper bound.
 
-    Beside each node that lies above its neighbours, by polynomials of three degrees through those about it: where their
-    values draw together, they tell what the best of them is off by. Where they don't, the curve bends, and is known at
-    its nodes alone. The square of a curve of one sign is followed instead: that of a magnitude is smooth where it dips.
+    At each local maximum of the nodes, polynomials of three degrees pass through the nodes around it: if their peaks
+    converge, the differences give the error of the best; if not, the curve has a kink and only its nodes are known. For
+    a curve of one sign its signed square is interpolated: it is smooth where a magnitude touches 0.
     """
     count, total, lowest, highest = values.shape[0], 0.0, math.inf, -math.inf
     places, followed, room = np.empty(count), np.empty(count), np.empty(MOST_NODES)
@@ -193,7 +193,7 @@ def peak_between(values: np.ndarray, steps: np.ndarray) -> tuple[float, float, f
             last += 1
         nodes = min(last - first, MOST_NODES)
         if nodes >= LEAST_NODES:
-            # Those about it in the middle of all nodes, towards either end of them, and fewest.
+            # The node sets: centred, without either end, and without both ends.
             begin, fewer = max(first, min(k - (nodes - 1) // 2, last - nodes)), 2 if nodes > LEAST_NODES + 1 else 1
             found = crest(followed, places, begin, begin + nodes, k, room, sign)
             left = crest(followed, places, begin, begin + nodes - fewer, k, room, sign)

@@ -1,8 +1,8 @@
-"""Rows of many variants, each at crank angles of its own.
+"""Rows of many variants, each at its own crank angles.
 
-Motion needs a machine's rows at nodes where its moments jump, and at another angle for every variant at every instant.
-So a function printed from the machine's graph is called for one position after another, of each lane its own, and what
-it fills in is added up as it is asked for.
+Motion needs a machine's rows at nodes where torques jump, and at another angle for every variant at every instant.
+So a printed function of the machine's graph is called position by position, with a different position in each lane, and
+its rows are summed as requested.
 """
 
 from collections.abc import Callable, Mapping
@@ -29,16 +29,16 @@ Ends = Mapping[Found, np.ndarray]
 
 
 class Sums(NamedTuple):
-    """Rows added up.
+    """How rows are summed.
 
     Attributes
     ----------
     target : ndarray (rows,) of int
-        To which sum each row belongs; −1 where to none.
+        Sum of each row; −1 for none.
     count : int
         Number of sums.
     turned : ndarray (rows,) of bool
-        Which rows are taken in the direction of motion.
+        Rows converted to the direction of motion.
     direction : ndarray (variants,)
         +1 or −1.
     """
@@ -50,7 +50,7 @@ class Sums(NamedTuple):
 
 
 class Tabulation:
-    """A machine's functions at angles of each variant's own.
+    """A machine's functions at separate angles of each variant.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class Tabulation:
     ----------
     functions : as given
     given : tuple of Given
-        Numbers that are given at each position.
+        Numbers supplied at each position.
     """
 
     def __init__(self, functions: Functions) -> None:
@@ -77,17 +77,17 @@ class Tabulation:
         ends: Ends | None = None,
         given: Mapping[Given, np.ndarray | float] | None = None,
     ) -> np.ndarray:
-        """Numbers of all variants at unit speed: with them a load of order n is what it is over |ω|ⁿ.
+        """Numbers of all variants at unit speed, so that a load of order n is the coefficient of |ω|ⁿ.
 
         Parameters
         ----------
         numbers : Numbers
         direction : ndarray (variants,)
-            +1 or −1, the sign of the crank's speed.
+            +1 or −1, the sign of the crank speed.
         ends : mapping of Found to ndarray, optional
-            Without them what follows from ends of strokes is NaN.
+            Ends of strokes; without them, dependent numbers are NaN.
         given : mapping of Given to ndarray, optional
-            Numbers that are given to the variants.
+            Numbers supplied for the variants.
 
         Returns
         -------
@@ -95,7 +95,7 @@ class Tabulation:
         """
         unit, functions = numbers.with_values({"input.speed": direction}), self.functions
         made = np.full((len(functions.rows), direction.size), np.nan)
-        # What overflows on the way to a parameter ends as a status, not as a warning.
+        # An overflow in a parameter causes a verdict, not a warning.
         with np.errstate(all="ignore"):
             for row, node in enumerate(functions.numbers):
                 made[row] = node.value if isinstance(node, Constant) else node.compute(unit)
@@ -125,9 +125,9 @@ class Tabulation:
         q : ndarray (nodes, variants)
             Crank angles [rad].
         given : mapping of Given to ndarray (nodes, variants), optional
-            Numbers that are given at each place; others are as in the parameters.
+            Numbers supplied at each position; the others are those of `parameters`.
         sums : Sums, optional
-            What to add up; without it every curve by itself.
+            How to sum the curves; default: separate curves.
 
         Returns
         -------
@@ -184,7 +184,7 @@ class Tabulation:
 
 
 class FilledPlaces(NamedTuple):
-    """What is filled at a number of places, (places, variants), and what it is filled from.
+    """Output of a call at a number of positions, and its input.
 
     Attributes
     ----------
@@ -194,11 +194,11 @@ class FilledPlaces(NamedTuple):
     q : ndarray (places, variants)
         Crank angles [rad].
     given : ndarray (given, places, variants)
-        Numbers that take the place of parameters.
+        Numbers that replace parameters.
     given_rows : ndarray (given,) of int
         Rows of these.
     rows : int
-        How many curves the printed function fills.
+        Number of curves of the printed function.
     target, turned, direction
         As in `Sums`.
     out : ndarray (sums, places, variants)
@@ -216,13 +216,13 @@ class FilledPlaces(NamedTuple):
     out: np.ndarray
 
 
-# Rows of a block besides numbers, curves and sums: position with cosine and sine, and both ways of turning.
+# Rows of a block in addition to numbers, curves and sums: position with cosine and sine, and both signs.
 _ALSO = 5
 
 
 @driver
 def fill_places(begin: int, end: int, fill: Callable, batch: FilledPlaces, room: np.ndarray) -> None:
-    """Fill the blocks begin … end − 1 of variants, place by place; `room` is memory for a block."""
+    """Fill the blocks begin … end − 1 of variants, position by position; `room` is scratch memory for a block."""
     (places, variants), rows = batch.q.shape, batch.rows
     given, given_rows, direction, out = batch.given, batch.given_rows, batch.direction, batch.out
     count = batch.parameters.shape[0]

@@ -1,1 +1,1 @@
-"""Runs: motion from a given state until an angle, a time, a speed, or rest."""
+"""Runs: motion from a given state to an angle, a time, a speed, or rest."""

@@ -1,8 +1,8 @@
-"""A run: motion from a given state until an angle, a time, a speed, or rest.
+"""A run: motion from a given state to an angle, a time, a speed, or rest.
 
-While the machine moves briskly it goes over the crank angle; near rest, backwards, where a moment depends on time, with
-friction in pairs, and where the input doesn't turn fully, over time. Every variant goes its own way between the two.
-Ends are met exactly: the last step is shortened until the wanted angle, time or speed is reached.
+While the energy changes slowly, the independent variable is the crank angle. It is time near rest, backwards, with
+torques that depend on time, with friction in pairs, and for an input of limited range. Each variant switches between
+the two independently. Ends are met exactly: the last step is shortened to the given angle, time or speed.
 """
 
 import numpy as np
@@ -12,19 +12,19 @@ from engine.motion.runs.run_in_time import BRISK_TO_LOOK, set_off, stretch_over_
 from engine.motion.runs.run_progress import Progress, RunOutcome
 from engine.words.verdicts import Verdict
 
-# A run is given up that comes neither a cycle farther nor so much of its time in so many steps.
+# A run is abandoned if this number of steps gains neither a cycle nor this fraction of its time.
 MOST_TIME_STEPS, OF_ITS_TIME = 40_000, 0.01
 
 
 def run_to_end(runs: Progress) -> RunOutcome:
-    """Carry runs to their end.
+    """Integrate runs to their end.
 
     Parameters
     ----------
     runs : Progress
-        At their begin; carried on in place.
+        In the initial state; updated in place.
     """
-    # What isn't finite ends as a verdict, not as a warning.
+    # Infinite or NaN numbers cause a verdict, not a warning.
     with np.errstate(all="ignore"):
         return _run(runs)
 
@@ -34,7 +34,7 @@ def _run(runs: Progress) -> RunOutcome:
     set_off(runs, np.flatnonzero((runs.facing == 0.0) & ~runs.done))
     runs.see_begin()
     if runs.ends.standing and runs.dynamics.fades:
-        # What vanishes with the speed stops no machine in finite time.
+        # Torques that vanish with the speed stop no machine in finite time.
         runs.give_up(np.flatnonzero(~runs.done & np.isinf(runs.ends.time)), Verdict.NO_END)
     brisk = _brisk(runs)
     steps, reached, until = np.zeros(count), np.zeros(count), np.zeros(count)
@@ -69,7 +69,7 @@ def _run(runs: Progress) -> RunOutcome:
 
 
 def _brisk(runs: Progress) -> np.ndarray:
-    """Which variants move forward with so much energy that moments don't change it at once."""
+    """Which variants move forwards with energy that changes slowly."""
     state, every = runs.state, np.arange(runs.variants.count)
     if runs.dynamics.in_time:
         return np.zeros(every.size, bool)

@@ -1,4 +1,4 @@
-"""Extremes of fields along runs, with the place and the instant of each."""
+"""Extremes of fields in runs, with the position and the instant of each."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -12,17 +12,17 @@ from engine.motion.runs.watching import Piece, RunFields
 
 
 class FieldAnswers(NamedTuple):
-    """What is asked of fields along runs, (variants,), by name without the regime's.
+    """Requested fields of runs, (variants,), by name without the regime's.
 
     Attributes
     ----------
     values : dict of str to ndarray
     missed : dict of str to ndarray
-        How far each may be off by what lies between nodes.
+        Error estimates due to the behaviour between nodes.
     scales : dict of str to ndarray
-        Magnitude that rounding is a share of.
+        Magnitudes to which rounding is relative.
     rows : dict of str to ndarray (variants, instants)
-        Fields that are kept.
+        Stored fields.
     """
 
     values: dict[str, np.ndarray]
@@ -31,29 +31,29 @@ class FieldAnswers(NamedTuple):
     rows: dict[str, np.ndarray]
 
     def over_all(self, who: np.ndarray, count: int) -> "FieldAnswers":
-        """Answers of some variants spread over all `count` of them, NaN for the others."""
+        """Results of some variants expanded to all `count` of them, NaN for the others."""
         return FieldAnswers(*({key: of_all(row.T, who, count).T for key, row in rows.items()} for rows in self))
 
 
 class RunExtremes:
-    """The least and the greatest values of fields along runs.
+    """Minima and maxima of fields in runs.
 
     Parameters
     ----------
     fields : RunFields
     names : iterable of str
-        Of fields.
+        Names of fields.
     """
 
     def __init__(self, fields: RunFields, names: Iterable[str]) -> None:
         self.fields, self.names = fields, tuple(dict.fromkeys(names))
         shape = 2, len(self.names), fields.variants.count
-        # By magnitude downwards and upwards: −least and greatest, and what these may come to.
+        # −minimum and maximum, and their upper bounds.
         self._most, self._bound = np.full(shape, -np.inf), np.full(shape, -np.inf)
         self._turned, self._time, self._pause = (np.full(shape, np.nan) for _ in range(3))
 
     def see(self, who: np.ndarray, piece: Piece) -> None:
-        """Look at a piece of the way of the variants `who`."""
+        """Evaluate a piece of the motion of the variants `who`."""
         rows, columns, nodes = self.fields(who, piece), np.arange(who.size), piece.time.shape[0]
         for i, name in enumerate(self.names):
             for side, sign in enumerate((-1.0, 1.0)):
@@ -61,7 +61,7 @@ class RunExtremes:
                 look_along(who.size, np.ascontiguousarray(sign * rows[name]), np.ascontiguousarray(piece.steps), found)
                 most, node, beyond = found
                 at = np.where(np.isfinite(node), node, 0.0).astype(int)
-                # What isn't finite stays so.
+                # NaN replaces a number for good.
                 more = (most > self._most[side, i, who]) | np.isnan(most)
                 those = who[more]
                 self._most[side, i, those] = most[more]
@@ -72,13 +72,13 @@ class RunExtremes:
                 self._bound[side, i, who] = np.fmax(self._bound[side, i, who], beyond)
 
     def answers(self, asked: Iterable[Asked], spacing: np.ndarray) -> FieldAnswers:
-        """What is asked, of all variants.
+        """Requested extremes of all variants.
 
         Parameters
         ----------
         asked : iterable of Asked
         spacing : ndarray (variants,)
-            Of the nodes [rad].
+            Distance between nodes [rad].
         """
         found, cycle = FieldAnswers({}, {}, {}, {}), self.fields.dynamics.cycle
         way, start = self.fields.variants.direction, self.fields.start
@@ -100,7 +100,7 @@ class RunExtremes:
 
 @over_variants
 def look_along(begin: int, end: int, row: np.ndarray, steps: np.ndarray, found: np.ndarray) -> None:
-    """Greatest value of a row, the node next to it, and what it may come to: three numbers of each variant."""
+    """Maximum of a row, the nearest node, and an upper bound: three numbers for each variant."""
     nodes = row.shape[0]
     own, h = np.empty(nodes), np.empty(nodes - 1)
     for v in range(begin, end):

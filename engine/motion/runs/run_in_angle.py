@@ -1,4 +1,4 @@
-"""Runs in crank angle: stretches in the energy form while the machine moves briskly."""
+"""Runs over the crank angle: stretches in the energy form while the energy changes slowly."""
 
 from typing import NamedTuple
 
@@ -14,24 +14,24 @@ from engine.stepping.system import Walks
 from engine.stepping.walk import Why
 from engine.words.verdicts import Verdict
 
-# A machine is too near to rest for the energy form where it loses so many times its energy per radian: 1/ω is a root of
-# the angle there. A polynomial within a step follows it less far than what is found at its end.
+# Relative energy change per radian above which the energy form is abandoned: near rest 1/ω is singular as the inverse
+# root of the angle. The limit is lower if values within steps are needed, as dense output resolves it less far.
 TIMES_PER_RADIAN, TIMES_TO_THE_END = 4.0, 40.0
-# What steps may miss at least, and how far they may turn, of what those in time may.
+# Minimum tolerance of steps; maximum step, relative to that in time.
 LEAST, FARTHER = 1e-14, 2.0
-# Steps that are looked within turn so much of that: their polynomial is of a lower order than they are.
+# Reduction of the maximum step if dense output is used: it has a lower order than the step.
 CLOSELY = 0.5
-# Cycles after which it is first looked whether a run comes nearer to a speed; then twice as many each time.
+# Cycles before the first test whether a run still approaches a speed; the number doubles each time.
 FIRST_CYCLES = 8
-# Steps that are recorded at a time.
+# Steps recorded at a time.
 RECORDED = 64
-# Why a walk ends besides those of every walk, in the order of the guards of the energy form.
+# Further reasons for the end of a walk, in the order of the guards of the energy form.
 ABOVE, BELOW, SLOW = range(int(Why.GUARD), int(Why.GUARD) + 3)
 ENERGY, TIME = range(2)
 
 
 class Limits(NamedTuple):
-    """Ends of a stretch, each (variants,): angle [rad], time [s], speeds from below and above [rad/s]."""
+    """Ends of a stretch, each (variants,): angle [rad], time [s], speeds reached from below and above [rad/s]."""
 
     turned: np.ndarray
     time: np.ndarray
@@ -39,12 +39,12 @@ class Limits(NamedTuple):
     below: np.ndarray
 
     def some(self, chosen: np.ndarray) -> "Limits":
-        """Those of some variants, by index."""
+        """A subset of the variants, by index."""
         return Limits(*(rows[chosen] for rows in self))
 
 
 def stretch_over_angle(runs: Progress, who: np.ndarray, carry: Carry) -> None:
-    """A stretch in the energy form, up to an end of the run or to where the machine slows down."""
+    """Integrate a stretch in the energy form, to an end of the run or until the machine slows down."""
     steep, many = np.zeros(who.size, bool), np.full(who.size, FIRST_CYCLES)
     pace = np.full(who.size, FARTHER * runs.farthest_step)
     system = runs.dynamics.by_angle
@@ -54,7 +54,7 @@ def stretch_over_angle(runs: Progress, who: np.ndarray, carry: Carry) -> None:
     while who.size:
         state = runs.part(who)
         goal = np.minimum(runs.ends.turned[who], runs.ends.most_turned[who]) - state.turned
-        # What is looked at is looked at cycle by cycle.
+        # Observers receive one cycle at a time.
         cycles = np.ones_like(many) if runs.observers else many
         to_mark = runs.mark[who] - state.turned + (cycles - 1) * runs.dynamics.cycle
         marked = runs.by_speed[who]
@@ -66,11 +66,11 @@ def stretch_over_angle(runs: Progress, who: np.ndarray, carry: Carry) -> None:
         pass_mark(runs, who[onward & marked], carry)
         lost = at_goal & ~onward & (runs.ends.most_turned[who] < runs.ends.turned[who])
         exact = at_goal & ~onward & ~lost
-        # No sum of steps comes to it so exactly.
+        # Set the angle exactly: sums of steps are rounded.
         runs.state.turned[who[exact]] = (state.turned + goal)[exact]
         runs.done[who[exact | np.isin(why, (Why.OTHER_GOAL, ABOVE, BELOW))]] = True
         runs.give_up(who[lost], Verdict.NO_END)
-        # What is left slows down towards rest, and goes on in time.
+        # The others slow down towards rest, and continue in time.
         runs.facing[who[np.isin(why, (SLOW, Why.LOST))]] = 1.0
         onward |= np.isin(why, (Why.STEEP, Why.FULL))
         runs.set_marks(who[~onward & marked])
@@ -81,7 +81,7 @@ def stretch_over_angle(runs: Progress, who: np.ndarray, carry: Carry) -> None:
 
 
 def _walked(runs: Progress, who: np.ndarray, steep: np.ndarray, ends: Limits, pace: np.ndarray) -> np.ndarray:
-    """Walk from where they stand, implicitly where a motor is steep; why each ended. `pace` is carried on."""
+    """Walk from the current states, with implicit steps for steep motors; return the reasons, update `pace`."""
     why = np.empty(who.size)
     for implicit in (False, True):
         some = np.flatnonzero(steep == implicit)
@@ -93,12 +93,12 @@ def _walked(runs: Progress, who: np.ndarray, steep: np.ndarray, ends: Limits, pa
 def _walk(
     runs: Progress, who: np.ndarray, implicit: bool, ends: Limits, pace: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Walk in one way; why each ended, and the length of its next step."""
+    """Walk with one method; return the reason for each end, and the length of the next step."""
     dynamics, system, part = runs.dynamics, runs.dynamics.by_angle, runs.variants.some(who)
     state, one, sizes = runs.part(who), np.ones(who.size), system.sizes
     begin = runs.start[who] + part.direction * state.turned
     method = FOUR if runs.classical else (NINE if implicit else EIGHT)
-    # A speed may be met within a step and left again.
+    # A speed may be reached within a step and left again.
     extremes = (runs.extremes and not runs.observers) or bool(np.isfinite(runs.ends.speed).any())
     task = system.task(dynamics.cycle, method, extremes)
     brisk = TIMES_TO_THE_END if runs.to_the_end else TIMES_PER_RADIAN
@@ -123,11 +123,11 @@ def _walk(
 
 
 def _take(runs: Progress, who: np.ndarray, before: np.ndarray, gone: Walks) -> None:
-    """Take over where walks ended, and what that may be off by."""
+    """Store the states at the ends of walks, and their error estimates."""
     state, energy = runs.part(who), gone.states[ENERGY]
     turned = state.turned + gone.turned
     omega = np.sqrt(2.0 * energy / runs.inertia(who, turned))
-    # The end moves as far as it takes to make up for the time or the speed that ends it.
+    # An error of the time or speed that ends the run shifts its end.
     by_time, by_speed = gone.why == Why.OTHER_GOAL, np.isin(gone.why, (ABOVE, BELOW))
     slides = np.where(by_time, gone.doubts[TIME] * omega, 0.0)
     slides = np.where(by_speed, gone.doubts[ENERGY] / np.abs(gone.slope), slides)
@@ -150,11 +150,11 @@ def _take(runs: Progress, who: np.ndarray, before: np.ndarray, gone: Walks) -> N
     runs.put(who, State(turned, omega, state.time + gone.states[TIME], state.works + works, state.squares + squares))
 
 
-# What is seen of walks on their way
+# Observation of walks
 
 
 def _piece_of(runs: Progress, who: np.ndarray, before: State, gone: Walks, implicit: bool) -> Piece:
-    """What was recorded of walks at the nodes of a cycle; their ends stand in for those beyond, and once more."""
+    """Recorded steps of walks at the nodes of a cycle, up to the end of the walk, which is the last node."""
     begin = runs.start[who] + runs.variants.direction[who] * before.turned
     asked = _nodes(runs, who, before)
     asked = np.concatenate((asked, np.full((1, who.size), np.inf)))
@@ -167,14 +167,14 @@ def _piece_of(runs: Progress, who: np.ndarray, before: State, gone: Walks, impli
         energy, time, moment = found.reshape(3, *turned.shape)
         own = runs.variants.some(who[columns[-1]])
         inertia = runs.dynamics.rows(own, begin[columns[-1]] + own.direction * turned).inertia
-        # From the speed, a steep motor's moment isn't known.
+        # For a steep motor the speed does not determine the torque; use the recorded one.
         moment = moment if implicit else np.full_like(moment, np.nan)
         with np.errstate(all="ignore"):
             return before.time[columns] + time, before.turned[columns] + turned, np.sqrt(2.0 * energy / inertia), moment
 
     columns = np.broadcast_to(np.arange(who.size), turned.shape)
     time, whole, omega, moment = at(columns, turned)
-    # Rounding of polynomials turns back no clock.
+    # Interpolation errors must not make time decrease.
     end = before.time + gone.states[TIME] + (gone.doubts[TIME] if runs.half else 0.0)
     time = np.minimum(np.maximum.accumulate(time, axis=0), end)
 
@@ -186,9 +186,9 @@ def _piece_of(runs: Progress, who: np.ndarray, before: State, gone: Walks, impli
 
 
 def _nodes(runs: Progress, who: np.ndarray, state: State) -> np.ndarray:
-    """Angles turned from a state on (nodes, variants) at which a cycle is looked at."""
+    """Angles turned from a state (nodes, variants) at which a cycle is evaluated."""
     part, cycle = runs.variants.some(who), runs.dynamics.cycle
-    # A force may jump where its moment only bends, for want of motion: at a dead centre.
+    # A force may jump where its torque has only a kink, as at a dead centre, where the velocity is zero.
     sided = part._replace(breaks=part.breaks.two_sided())
     begin = runs.start[who] + part.direction * state.turned
     steps = runs.dynamics.grid(sided, begin, cycle, runs.steps).steps

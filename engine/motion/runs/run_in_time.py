@@ -1,4 +1,4 @@
-"""Runs in time: near rest, backwards, with friction in pairs, and where a moment depends on time."""
+"""Runs in time: near rest, backwards, with friction in pairs, and with torques that depend on time."""
 
 import numpy as np
 
@@ -14,49 +14,48 @@ from engine.stepping.system import SHOWN, Walks
 from engine.stepping.walk import Why
 from engine.words.verdicts import Verdict
 
-# Times that a machine at rest looks whether a moment over time sets it going.
+# Number of instants at which a resting machine is tested for start.
 WAITS = 1000
-# Time that it waits for a formula, in cycles at the speed of the scene, where nothing else ends its waiting.
+# Time for these tests with formulas, in cycles at the scene's speed, if nothing else ends them.
 MOST_CYCLES = 100.0
-# Longest step where a formula over time is at work: so many times as long as between two looks.
+# Longest step with a formula over time, relative to the interval between tests.
 STRIDE = 20.0
-# Share of the time that it never looks sooner after: farther than both sides of a jump are apart.
+# Shortest interval between tests, relative to the time: more than the width of a jump.
 AT_ONCE = 1e-9
 HALVINGS = 60
-# Swings that differ by no more are the same but for the error of the steps [rad].
+# Swings that differ by less are equal within the error of the steps [rad].
 SAME_SWING = 1e-6
-# Share of its greatest speed below which a machine that nothing stops has all its way behind it.
+# Fraction of the peak speed below which a machine that nothing stops has practically ended its motion.
 FADED = 1e-9
-# What stops does so from a speed that isn't next to nothing.
+# The same fraction for a machine that something stops.
 STILL = 1e-12
-# How far a step may turn that is looked at within [rad], and how often it is looked at there, at least.
+# Maximum step with observers [rad], and minimum number of samples in it.
 CLOSELY, LEAST_LOOKS = 0.1, 4
-# A machine whose steps are looked within goes over time until moments change its energy by less than so many times
-# itself per radian.
+# With dense output, a machine remains in the time form until its relative energy change per radian is below this.
 BRISK_TO_LOOK = 0.4
-# Steps that are recorded at a time.
+# Steps recorded at a time.
 RECORDED = 64
-# Many steps lead nowhere that change neither the angle, all together, nor the time, each, by more than these shares of
-# them: beside a dead centre of the driven side the inertia grows beyond all bounds.
+# Many steps that change neither the angle (in total) nor the time (each) by more than these fractions make no progress:
+# at a dead centre of the driven side the inertia grows without bound.
 NO_ANGLE, NO_TIME = 1e-14, 1e-9
-# Why a walk ends besides those of every walk, in the order of the guards of the system over time.
+# Further reasons for the end of a walk, in the order of the guards of the system over time.
 ABOVE, BELOW, TURNS_BRISK, REST = range(int(Why.GUARD), int(Why.GUARD) + 4)
 TURNED, SPEED = range(2)
 
 
 def set_off(runs: Progress, who: np.ndarray) -> None:
-    """Choose the way for machines at rest; those that stay are at the end, or don't start."""
+    """Choose the direction of machines at rest; those that remain at rest have reached their end, or do not start."""
     if not who.size:
         return
     runs.facing[who] = runs.equation(who).sets_off(runs.state.turned[who], runs.clock[who] + runs.state.time[who])
-    # An end of its range holds what is pressed against it.
+    # A stop holds an input that is pressed against it.
     runs.facing[who[runs.ahead(who) <= 0.0]] = 0.0
     stays = who[runs.facing[who] == 0.0]
     begun = runs.state.turned[stays] != 0.0
     if runs.ends.standing:
         runs.done[stays[begun]] = True
         stays = stays[~begun]
-    # It stands until a moment over time changes, or until the time is over.
+    # The machine stays at rest until a torque over time changes, or until the time is over.
     later = np.minimum(_next_look(runs, stays) - runs.clock[stays], runs.ends.time[stays])
     waits = np.isfinite(later)
     if runs.dynamics.changing:
@@ -70,9 +69,9 @@ def set_off(runs: Progress, who: np.ndarray) -> None:
 
 
 def _next_look(runs: Progress, who: np.ndarray) -> np.ndarray:
-    """When machines at rest look again whether a moment over time sets them going; infinite where none ever will.
+    """Time of the next start test of machines at rest; infinite if no torque over time changes any more.
 
-    What a table gives changes between its first and its last instant; what a formula gives, at any time.
+    A table changes between its first and last instant; a formula may change at any time.
     """
     begun, instants = runs.clock[who], runs.variants.instants[:, who]
     now = begun + runs.state.time[who]
@@ -88,7 +87,7 @@ def _next_look(runs: Progress, who: np.ndarray) -> np.ndarray:
 
 
 def _span(runs: Progress, who: np.ndarray) -> np.ndarray:
-    """Time over which a formula over time is followed from the begin of a run on."""
+    """Time from the start of a run during which a formula over time is followed."""
     speed = np.abs(np.broadcast_to(runs.variants.numbers["input.speed"], runs.start.shape))
     cycle = (runs.spacing * runs.steps / speed)[who]
     last = np.fmax.reduce(runs.variants.instants[:, who], axis=0, initial=-np.inf)
@@ -96,7 +95,7 @@ def _span(runs: Progress, who: np.ndarray) -> np.ndarray:
 
 
 def _starts_by(runs: Progress, who: np.ndarray, look: np.ndarray) -> np.ndarray:
-    """When machines at rest start, of those that would at the time of the next look; of others that time."""
+    """Start time of machines that would start before the next test; its time for the others."""
     form, turned = runs.equation(who), runs.state.turned[who]
 
     def start(time: np.ndarray) -> np.ndarray:
@@ -111,14 +110,14 @@ def _starts_by(runs: Progress, who: np.ndarray, look: np.ndarray) -> np.ndarray:
 
 
 def stretch_over_time(runs: Progress, who: np.ndarray, carry: Carry) -> tuple[np.ndarray, np.ndarray]:
-    """A stretch in time, one way: to an end of the run, to rest, or until the machine moves briskly.
+    """Integrate a stretch in time in one direction: to an end of the run, to rest, or until the energy changes slowly.
 
     Returns
     -------
     brisk : ndarray of bool
-        Which of the variants move briskly now.
+        Which variants can continue in the energy form.
     steps : ndarray
-        How many steps were made.
+        Number of steps.
     """
     state, facing = runs.part(who), runs.facing[who]
     forward, share = facing > 0.0, FADED if runs.dynamics.fades else STILL
@@ -131,7 +130,7 @@ def stretch_over_time(runs: Progress, who: np.ndarray, carry: Carry) -> tuple[np
         runs.see(who[moved], _piece_of(runs, who[moved], before, gone.some(moved)))
     _take(runs, who, state, gone, goal)
     runs.pace[who] = gone.pace
-    # Reactions aren't finite where friction leaves no equilibrium.
+    # With friction, reactions become infinite or NaN where no equilibrium exists.
     lost = why == Why.LOST
     runs.give_up(who[lost], Verdict.NOT_FINITE if runs.dynamics.friction is None else Verdict.JAMS)
     runs.done[who[np.isin(why, (Why.GOAL, ABOVE, BELOW))]] = True
@@ -143,7 +142,7 @@ def stretch_over_time(runs: Progress, who: np.ndarray, carry: Carry) -> tuple[np
     _give_up_endless(runs, who[((why == Why.OTHER_GOAL) & ~forward) | ((speed > 0.0) & (speed < floor))])
     far = np.abs(runs.state.turned[who]) >= runs.ends.most_turned[who]
     runs.give_up(who[~runs.done[who] & far], Verdict.NO_END)
-    # The steps left neither the place nor the instant.
+    # The steps changed neither the position nor the time.
     stuck = np.abs(runs.state.turned[who] - state.turned) <= NO_ANGLE * np.abs(runs.start[who] + state.turned)
     stuck &= (why == Why.FULL) & (gone.at <= NO_TIME * gone.steps * runs.state.time[who])
     runs.give_up(who[~runs.done[who] & stuck], Verdict.NOT_FINITE)
@@ -154,19 +153,19 @@ def stretch_over_time(runs: Progress, who: np.ndarray, carry: Carry) -> tuple[np
 
 
 def _forward_goal(runs: Progress, who: np.ndarray) -> np.ndarray:
-    """Angle turned up to which some variants go forward at once."""
+    """Angle turned up to which variants move forwards in one walk."""
     return np.minimum(np.minimum(runs.ends.turned[who], runs.ends.most_turned[who]), runs.mark[who])
 
 
 def _backward_goal(runs: Progress, who: np.ndarray) -> np.ndarray:
-    """Angle turned down to which some variants go backwards at once: a cycle from where they turned round."""
+    """Angle turned down to which variants move backwards in one walk: a cycle from the last reversal."""
     cycle, turned = runs.dynamics.cycle, runs.state.turned[who]
     behind = runs.turned_round[who] - cycle
     return np.maximum(np.where(turned > behind, behind, turned - cycle), -runs.ends.most_turned[who])
 
 
 def _walk(runs: Progress, who: np.ndarray, goal: np.ndarray, floor: np.ndarray) -> Walks:
-    """Walk in time, up to an angle turned at most."""
+    """Walk in time, up to a given angle turned."""
     dynamics, part, state, facing = runs.dynamics, runs.variants.some(who), runs.part(who), runs.facing[who]
     system, forward, now = dynamics.by_time, facing > 0.0, runs.clock[who] + state.time
     brisk = TIMES_TO_THE_END if runs.to_the_end else BRISK_TO_LOOK
@@ -176,7 +175,7 @@ def _walk(runs: Progress, who: np.ndarray, goal: np.ndarray, floor: np.ndarray) 
     numbers = system.limited(numbers, limits)
     bounds = None if dynamics.reduction.has_cycle else runs.bounds[:, who]
     edges = np.concatenate(edges_of(part.direction, part.breaks, dynamics.cycle, runs.start[who], bounds))
-    # A speed may be met within a step and left again.
+    # A speed may be reached within a step and left again.
     extremes = (runs.extremes and not runs.observers) or bool(np.isfinite(runs.ends.speed).any())
     farthest = runs.farthest_step * runs.reach[who]
     if runs.observers:
@@ -197,9 +196,9 @@ def _walk(runs: Progress, who: np.ndarray, goal: np.ndarray, floor: np.ndarray) 
 
 
 def _take(runs: Progress, who: np.ndarray, before: State, gone: Walks, goal: np.ndarray) -> None:
-    """Take over where walks ended."""
+    """Store the states at the ends of walks."""
     facing, why, forward = runs.facing[who], gone.why, runs.facing[who] > 0.0
-    # No sum of steps comes to an end so exactly.
+    # Set the end exactly: sums of steps are rounded.
     turned = np.where(why == Why.OTHER_GOAL, goal, gone.states[TURNED])
     omega = np.where(why == REST, 0.0, facing * gone.states[SPEED])
     time = np.where(why == Why.GOAL, runs.ends.time[who], before.time + gone.at)
@@ -208,20 +207,19 @@ def _take(runs: Progress, who: np.ndarray, before: State, gone: Walks, goal: np.
     low, high = np.where(forward, gone.slowest, -gone.fastest), np.where(forward, gone.fastest, -gone.slowest)
     runs.slowest[who], runs.fastest[who] = np.fmin(runs.slowest[who], low), np.fmax(runs.fastest[who], high)
     runs.put(who, State(turned, omega, time, before.works + works, before.squares + squares))
-    # What rounding left of a speed.
+    # Remove the rounding of a zero speed.
     rest = who[why == REST]
     runs.slowest[rest] = np.where(np.abs(runs.slowest[rest]) < 1e-12 * runs.fastest[rest], 0.0, runs.slowest[rest])
 
 
-# Phase curves of a machine on which nothing depends on time never cross. So a swing that doesn't reach beyond the last
-# one lies within it, as do all after it; and a machine that has turned a cycle backwards from where it stood is never
-# slower there again.
+# Phase curves of an autonomous machine never cross. So a swing that does not exceed the previous one lies within it, as
+# do all later ones; and a machine that has turned a cycle backwards from rest is never slower there again.
 
 
 def _turn_round(runs: Progress, rest: np.ndarray, forward: np.ndarray) -> None:
-    """Let machines that came to rest stand, or turn round; those that come no farther forward than before never will.
+    """Let machines that came to rest stay or reverse; those that swing no farther forwards than before never will.
 
-    A run to rest goes on as long as its swings become smaller.
+    A run to rest continues as long as its swings decrease.
     """
     if runs.ends.reversal:
         runs.done[rest] = True
@@ -233,7 +231,7 @@ def _turn_round(runs: Progress, rest: np.ndarray, forward: np.ndarray) -> None:
     same = SAME_SWING * runs.reach[rest]
     again = turned <= runs.farthest[rest] + same
     if runs.ends.rest:
-        # What is lost in each swing brings it to rest.
+        # The loss in each swing brings it to rest.
         again &= turned >= runs.farthest[rest] - same
     again &= forward
     runs.farthest[rest[forward]] = turned[forward]
@@ -241,21 +239,21 @@ def _turn_round(runs: Progress, rest: np.ndarray, forward: np.ndarray) -> None:
 
 
 def _give_up_endless(runs: Progress, who: np.ndarray) -> None:
-    """Give up runs that can't come to their end: backwards for ever, or ever more slowly."""
+    """Abandon runs that cannot reach their end: backwards for ever, or ever more slowly."""
     instants, now = runs.variants.instants[:, who], runs.clock[who] + runs.state.time[who]
-    # After the last instant of its tables nothing depends on time any more; on a formula it may for ever.
+    # After the last instant of its tables nothing depends on time; formulas may do so for ever.
     last = np.fmax.reduce(instants, axis=0, initial=-np.inf)
     settled = ((now > last) & (len(instants) > 0) | (not runs.dynamics.timed)) & (not runs.dynamics.changing)
     runs.give_up(who[settled & ~runs.done[who] & np.isinf(runs.ends.time[who])], Verdict.NO_END)
 
 
-# What is seen of walks on their way
+# Observation of walks
 
 
 def _piece_of(runs: Progress, who: np.ndarray, before: State, gone: Walks) -> Piece:
-    """The recorded steps of walks, each looked at between its ends about as often as a cycle is.
+    """The recorded steps of walks, each sampled between its ends about as densely as a cycle.
 
-    Where two steps meet, both have a node: between them something may jump.
+    Adjacent steps have separate nodes at their common end, where there may be a jump.
     """
     made, shown, spacing = gone.steps.astype(int), SHOWN.size, runs.spacing[who]
     step, column = np.nonzero(np.arange(made.max())[:, None] < made)
@@ -264,7 +262,7 @@ def _piece_of(runs: Progress, who: np.ndarray, before: State, gone: Walks) -> Pi
     at, length, _, *rows = gone.recorded[step, :, column].T
     first, last = rows[0], rows[shown - 1]
     reach = np.abs(last - first)
-    # How often follows from the variant alone, whichever others go with it.
+    # The number of samples depends on the variant only, not on the others in its batch.
     looks = np.maximum(LEAST_LOOKS, np.ceil(reach / spacing[column])).astype(int)
     of = np.repeat(np.arange(looks.size), looks + 1)
     k = np.arange(of.size) - np.repeat(np.cumsum(looks + 1) - looks - 1, looks + 1)

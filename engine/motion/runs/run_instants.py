@@ -1,4 +1,4 @@
-"""Fields of runs at instants or at angles turned that are asked for, each met exactly by a step of the method."""
+"""Fields of runs at requested instants or angles, each interpolated within a recorded step."""
 
 from collections.abc import Iterable
 
@@ -10,28 +10,28 @@ from engine.motion.runs.run_progress import RunOutcome
 from engine.motion.runs.watching import Piece, RunFields
 from engine.words.verdicts import Verdict
 
-# By this share a run may end before an instant at its very end: what sums of steps round.
+# Relative rounding of sums of steps, by which a run may end before an instant at its very end.
 ROUNDED = 1e-13
-# While resistances hold a machine at rest it has no speed, energy or power, and what holds it isn't told apart.
+# Fields that vanish at rest (and powers); the forces that hold the machine are unknown.
 AT_REST = ("speed", "acceleration", "kinetic_energy")
 
 
 class RunInstants:
-    """Fields of runs at asked instants or angles.
+    """Fields of runs at requested instants or angles.
 
-    An angle counts where it is passed for the first time. On a jump the value is that after it.
+    An angle counts when it is first passed. At a jump the value is the one after it.
 
     Parameters
     ----------
     fields : RunFields
     names : iterable of str
-        Of fields.
+        Names of fields.
     at : KeptAt
 
     Attributes
     ----------
     rows : dict of str to ndarray (variants, instants)
-        By field; NaN where a run hasn't come to.
+        By field; NaN where a run has not arrived.
     """
 
     def __init__(self, fields: RunFields, names: Iterable[str], at: KeptAt) -> None:
@@ -39,16 +39,16 @@ class RunInstants:
         self.over_time = at.quantity.name.endswith(f".{INSTANT}")
         count = fields.variants.count
         self.rows = {name: np.full((count, self.asked.size), np.nan) for name in names}
-        # How many are met already, and the angle turned where each variant was seen last.
+        # Number of instants already evaluated, and the angle turned at the end of the last piece.
         self._met, self._turned = np.zeros(count, int), np.zeros(count)
 
     def see(self, who: np.ndarray, piece: Piece) -> None:
-        """Look at a piece of the way of the variants `who`."""
+        """Evaluate a piece of the motion of the variants `who`."""
         if self.over_time:
             self._stand(who, piece.time[0])
             upto = self._count(piece.time[-1])
         else:
-            # Only forward does a machine come where it hasn't been.
+            # Only forward motion reaches new angles.
             upto = np.where(piece.facing > 0.0, self._count(piece.turned[-1]), 0)
         columns, instants = _pairs(self._met[who], upto)
         if columns.size:
@@ -57,13 +57,13 @@ class RunInstants:
         self._turned[who] = piece.turned[-1]
 
     def finish(self, outcome: RunOutcome) -> None:
-        """Take in what comes after the last piece: machines that stand until the time is over."""
+        """Evaluate instants after the last piece: machines that remain at rest until the time is over."""
         if self.over_time:
             still = np.flatnonzero((outcome.verdict == Verdict.OK) & (outcome.state.omega == 0.0))
             self._stand(still, outcome.state.time[still], past=True)
 
     def _count(self, upto: np.ndarray) -> np.ndarray:
-        """How many of the asked places come no later."""
+        """Number of requested places that are no later."""
         return np.searchsorted(self.asked, upto * (1.0 + ROUNDED), side="right")
 
     def _keep(self, who: np.ndarray, piece: Piece, columns: np.ndarray, instants: np.ndarray) -> None:
@@ -83,7 +83,7 @@ class RunInstants:
             who[columns], Piece(time, turned, omega, piece.facing[columns], np.empty((0, asked.size)), moment)
         )
         way = self.fields.variants.direction[who[columns]] * piece.facing[columns]
-        # What resists doesn't push a machine that stands where its run begins.
+        # Resistances do not accelerate a machine that is at rest at the start of its run.
         stands = (here[2] == 0.0) & (way * found["acceleration"][0] <= 0.0) if piece.within is None else None
         for name, rows in self.rows.items():
             rows[who[columns], instants] = found[name][0]
@@ -91,13 +91,13 @@ class RunInstants:
             self._rest(who[columns[stands]], instants[stands], here[1][stands])
 
     def _lengths(self, piece: Piece, columns: np.ndarray, nodes: np.ndarray, asked: np.ndarray) -> np.ndarray:
-        """How long the step from a node is to the asked place (pairs,); 0 where it is the node."""
+        """Length of the step from a node to the requested place (pairs,); 0 at the node."""
         if piece.within is None:
             return np.zeros(asked.size)
         here = (piece.time if self.over_time else piece.turned)[nodes, columns]
         if piece.within.in_time == self.over_time:
             return np.maximum(asked - here, 0.0)
-        # Steps go in what isn't asked for.
+        # The independent variable of the steps differs from the requested one.
         other = piece.turned if self.over_time else piece.time
         farthest = other[np.minimum(nodes + 1, len(other) - 1), columns] - other[nodes, columns]
         found, between = np.zeros(asked.size), np.flatnonzero((asked > here) & (farthest > 0.0))
@@ -111,21 +111,21 @@ class RunInstants:
         return found
 
     def _stand(self, who: np.ndarray, until: np.ndarray, past: bool = False) -> None:
-        """Machines that stood from where they were seen last until a time, to which `past` says that they come."""
+        """Evaluate machines at rest from the end of their last piece to a time, inclusive if `past`."""
         upto = self._count(until) if past else np.searchsorted(self.asked, until, side="left")
         columns, instants = _pairs(self._met[who], upto)
         self._rest(who[columns], instants, self._turned[who[columns]])
         self._met[who] = np.maximum(self._met[who], upto)
 
     def _rest(self, who: np.ndarray, instants: np.ndarray, turned: np.ndarray) -> None:
-        """Write down (pairs,) that machines stand."""
+        """Store (pairs,) the fields of machines at rest."""
         for name, rows in self.rows.items():
             still = name in AT_REST or name.endswith("_power")
             rows[who, instants] = turned if name == TURNED else 0.0 if still else np.nan
 
 
 def _pairs(first: np.ndarray, upto: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Numbers of columns, and of the places first … upto − 1 of each, as pairs."""
+    """Indices of columns, and of the places first … upto − 1 of each, as pairs."""
     counts = np.maximum(upto - first, 0)
     columns = np.repeat(np.arange(counts.size), counts)
     within = np.arange(columns.size) - np.repeat(np.cumsum(counts) - counts, counts)

@@ -1,4 +1,4 @@
-"""How far runs have come: where they are to end, where each stands, and what it met on its way."""
+"""Progress of runs: their ends, current states, and events so far."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -12,17 +12,17 @@ from engine.motion.runs.watching import Observer, Piece
 from engine.stepping.walk import LONGER, coarser
 from engine.words.verdicts import Verdict
 
-# What a step in time may miss, and one over the angle, whose errors add up over many cycles; how far they may turn.
+# Tolerance of a step in time, and of a step over the angle, whose errors add up over many cycles; maximum step.
 TOLERANCE, OVER_ANGLE, FARTHEST_STEP = 1e-10, 3e-12, 0.25 * np.pi
-# So much of a cycle before a mark it is passed: all that rounding leaves.
+# Fraction of a cycle before a mark within which it counts as passed: rounding.
 AT_MARK = 1e-9
 
 
 class State(NamedTuple):
-    """State of each variant, (variants,): angle turned [rad], speed [rad/s], time [s]; works (sorts, variants) [J].
+    """State of each variant, (variants,): angle turned [rad], speed [rad/s], time [s]; works (kinds, variants) [J].
 
-    `works` holds the work of the motors and of each channel of loads, `squares` the integral of the motors' moment
-    squared over time [N²·m²·s].
+    `works` contains the work of the motors and of each channel of loads, `squares` the integral of the squared motor
+    torque over time [N²·m²·s].
     """
 
     turned: np.ndarray
@@ -35,20 +35,20 @@ class State(NamedTuple):
 def gathered(
     system: MachineSystem, dynamics: Dynamics, rows: np.ndarray, change: np.ndarray, sign: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Works of the motors and of each channel, and the motors' moment squared over time; zero where not gathered.
+    """Works of the motors and of each channel, and the integral of the squared motor torque; zero if not accumulated.
 
-    The work of loads in one channel is the change of energy less the motors' work.
+    The work of loads in a single channel is the change of energy minus the motors' work.
 
     Parameters
     ----------
     system : MachineSystem
     dynamics : Dynamics
     rows : ndarray (states and gathered, variants)
-        Of the system.
+        Rows of the system.
     change : ndarray (variants,)
-        Of the energy.
+        Change of the energy.
     sign : float
-        −1; +1 for what all of them may be off by.
+        −1; +1 if all are error estimates.
     """
     names, nothing = system.names, np.zeros_like(change)
     motors, squares = (rows[names[name]] if name in names else nothing for name in ("motors", "squares"))
@@ -57,22 +57,22 @@ def gathered(
 
 
 class Begin(NamedTuple):
-    """Where runs begin, (variants,): crank angle [rad], speed in the direction of motion [rad/s], and time [s]."""
+    """Initial state of runs, (variants,): crank angle [rad], speed in the direction of motion [rad/s], time [s]."""
 
     angle: np.ndarray
     omega: np.ndarray
     clock: np.ndarray
 
     def some(self, chosen: np.ndarray) -> "Begin":
-        """Those of some variants, by index."""
+        """A subset of the variants, by index."""
         return Begin(*(row[chosen] for row in self))
 
 
 class Ends(NamedTuple):
-    """Where runs end, (variants,): angle turned from the run's begin [rad], time [s], speed [rad/s]; inf for never.
+    """Ends of runs, (variants,): angle turned from the start of the run [rad], time [s], speed [rad/s]; inf for never.
 
-    `rest` says whether the run ends at rest, `reversal` whether wherever it stands, be it for a moment, `arrival`
-    whether only at an end of the input's range; `most_turned` [rad] is where it is given up.
+    `rest`: the run ends at permanent rest; `reversal`: at any rest, also a momentary one; `arrival`: only at an end of
+    the input's range. At `most_turned` [rad] it is abandoned.
     """
 
     turned: np.ndarray
@@ -85,17 +85,17 @@ class Ends(NamedTuple):
 
     @property
     def standing(self) -> bool:
-        """Whether a run ends where it stands, for good or for a moment."""
+        """Whether a run ends at rest, permanent or momentary."""
         return self.rest or self.reversal
 
     def some(self, chosen: np.ndarray) -> "Ends":
-        """Those of some variants, by index."""
+        """A subset of the variants, by index."""
         own = {key: getattr(self, key)[chosen] for key in ("turned", "time", "speed", "most_turned")}
         return self._replace(**own)
 
 
 class Changed(NamedTuple):
-    """What the ends of runs may be off by as far as it is carried along, (variants,) each, works (works, variants)."""
+    """Propagated error estimates of the ends of runs, (variants,) each, works (works, variants)."""
 
     turned: np.ndarray
     omega: np.ndarray
@@ -108,27 +108,27 @@ class Changed(NamedTuple):
 
 
 class RunOutcome(NamedTuple):
-    """How runs went; arrays (variants,) unless said.
+    """Outcome of runs; arrays (variants,) unless stated.
 
     Attributes
     ----------
     verdict : ndarray of uint8
     state : State
-        At the end; angle and time counted from the begin of the run.
+        Final state; angle and time from the start of the run.
     slowest, fastest : ndarray
-        Least and greatest speed [rad/s].
+        Minimum and maximum speed [rad/s].
     started, ended : ndarray
-        Kinetic energy at begin and end [J].
+        Initial and final kinetic energy [J].
     arrived : ndarray of int
-        At which end of its range the input arrived: −1 at the lower one, 1 at the upper one, 0 at none.
+        End of its range at which the input arrived: −1 the lower, 1 the upper, 0 none.
     changed : Changed
-        What all that may be off by.
+        Error estimates of these.
     known : ndarray of bool
-        Whether it isn't off by more.
+        Whether the error estimates are complete.
     covered : ndarray (2, variants)
-        Least and greatest angle turned [rad].
+        Minimum and maximum angle turned [rad].
     steep : ndarray
-        1 where a motor was so steep that steps were implicit, else 0.
+        1 if a steep motor required implicit steps, else 0.
     """
 
     verdict: np.ndarray
@@ -144,7 +144,7 @@ class RunOutcome(NamedTuple):
     steep: np.ndarray
 
     def shifted(self, by: Changed) -> "RunOutcome":
-        """The same with its end changed."""
+        """The same with its final values changed."""
         now = self.state
         state = now._replace(
             turned=now.turned + by.turned,
@@ -157,7 +157,7 @@ class RunOutcome(NamedTuple):
         return self._replace(state=state, ended=self.ended + by.energy, slowest=speeds[0], fastest=speeds[1])
 
     def with_others(self, who: np.ndarray, others: "RunOutcome") -> "RunOutcome":
-        """The same with the outcome of some variants in its place."""
+        """The same with the outcome of some variants replaced."""
 
         def put(mine: np.ndarray, new: np.ndarray) -> np.ndarray:
             whole = mine.copy()
@@ -173,18 +173,18 @@ class RunOutcome(NamedTuple):
 
 
 class Stepping(NamedTuple):
-    """How runs are stepped.
+    """Step control of runs.
 
     Attributes
     ----------
     tolerance, over_angle : float
-        What a step in time and one over the angle may miss, as a share.
+        Relative tolerance of a step in time and of a step over the angle.
     farthest : float
-        How far a step may turn [rad].
+        Maximum step [rad].
     classical : bool
-        Whether all steps over the angle are of that length, by the classical method of order four.
+        Whether all steps over the angle have that length, with the classical method of order four.
     extremes : bool
-        Whether the least and the greatest speed are looked for within steps, too.
+        Whether the minimum and maximum speed are also located within steps.
     """
 
     tolerance: float = TOLERANCE
@@ -198,7 +198,7 @@ ADAPTIVE = Stepping()
 
 
 class Progress:
-    """Runs of a set of variants on their way: what both forms of the equation of motion carry on.
+    """Runs of a set of variants in progress; both forms of the equation of motion update them.
 
     Parameters
     ----------
@@ -207,58 +207,57 @@ class Progress:
     begin : Begin
     ends : Ends
     steps : int
-        In how many places of a cycle it is looked at.
+        Number of samples in a cycle for observers.
     half : bool
-        Whether it is for comparison: steps may miss more and turn twice as far; those of one length are twice as long.
+        Whether this is a comparison run: looser tolerance and twice the maximum step; equal steps are twice as long.
     observers : sequence of Observer
-        What looks at the runs.
     stepping : Stepping
 
     Attributes
     ----------
     start, clock : ndarray
-        Crank angle [rad] and time [s] at the begin.
+        Initial crank angle [rad] and time [s].
     state : State
-        Now; angle and time counted from the begin of the run.
+        Current state; angle and time from the start of the run.
     verdict, slowest, fastest, covered, steep : ndarray
-        As of `RunOutcome`, so far.
+        As in `RunOutcome`, so far.
     done : ndarray of bool
         Whether the run is over.
     pace : ndarray
-        Length of the next step in time [s]; infinite where nothing is known yet.
+        Length of the next step in time [s]; infinite if not yet known.
     tolerance, over_angle, farthest_step : float
-        What a step may miss in time and over the angle, as a share, and how far it may turn, of `reach`.
+        Relative tolerance of a step in time and over the angle, and maximum step in units of `reach`.
     reach : ndarray
-        What counts as a radian: one, or where the input doesn't turn fully its range by 2π.
+        Unit of angle: one radian or, for an input of limited range, its range divided by 2π.
     spacing : ndarray
-        How far apart the places are that are looked at.
+        Distance between samples.
     bounds : ndarray (2, variants)
-        Angle turned at the ends of the input's range, behind and ahead; infinite where it turns fully.
+        Angle turned at the ends of the input's range, backwards and forwards; infinite if it rotates fully.
     arrived : ndarray of int
-        As of `RunOutcome`, so far.
+        As in `RunOutcome`, so far.
     classical, extremes : bool
-        As of `Stepping`.
+        As in `Stepping`.
     to_the_end : bool
-        Whether nothing within their steps is asked for.
+        Whether no values within steps are needed.
     facing : ndarray
-        +1 or −1, the way that a machine moves in time, 0 where it stands.
+        +1 or −1, the direction of motion in time; 0 at rest.
     above, below : ndarray
-        The speed to be reached [rad/s], as one to come up to or to come down to; infinite where it isn't.
+        Target speed [rad/s], to be reached from below or from above; infinite if not applicable.
     carried : ndarray (rows of the system by angle, variants)
-        What kinetic energy [J], time [s] and what is gathered may be off by so far, by steps over the angle.
+        Error estimates of kinetic energy [J], time [s] and integrals so far, from steps over the angle.
     changed : Changed
-        What the ends may be off by, as in `RunOutcome`.
+        Error estimates of the ends, as in `RunOutcome`.
     known : ndarray of bool
-        Whether that is all they may be off by: steps in time and those of one length are compared with others.
+        Whether these are complete: steps in time and equal steps require a comparison run.
     turned_round, farthest : ndarray
-        Angle turned where a machine stood last, and where it last turned round on its way forward [rad].
+        Angle turned at the last rest, and at the last reversal from forward motion [rad].
     by_speed : ndarray of bool
-        Whether a speed or rest alone ends the run, and comparing cycles may tell that none of them does.
+        Whether only a speed or rest ends the run, so that comparing cycles may show that it never ends.
     mark, omega_at_mark : ndarray
-        Angle turned at which the speed is next compared with that of cycles ago [rad], and that speed, NaN where
-        it says nothing of what follows [rad/s].
+        Angle turned at which the speed is next compared with that of previous cycles [rad], and that speed, NaN if it
+        is not comparable [rad/s].
     marks : ndarray of int
-        At how many marks it was.
+        Number of marks passed.
     """
 
     def __init__(
@@ -294,12 +293,12 @@ class Progress:
         self.pace = np.full(count, np.inf)
         self.classical, self.extremes = stepping.classical, stepping.extremes
         self.to_the_end = not (stepping.classical or observers)
-        # Steps that may miss more are compared with others only where they are longer.
+        # A looser tolerance alone may leave the steps unchanged; lengthen them, too.
         self.longer = LONGER if half else 1.0
         self.farthest_step = stepping.farthest * self.longer
         self.tolerance, self.over_angle = (coarser(share) if half else share for share in stepping[:2])
         self.done = np.zeros(count, bool)
-        # A speed to be reached lies above or below the first.
+        # A target speed is above or below the initial speed.
         self.above = np.where(ends.speed > omega, ends.speed, np.inf)
         self.below = np.where(ends.speed < omega, ends.speed, -np.inf)
         self.facing = np.sign(self.state.omega)
@@ -314,12 +313,12 @@ class Progress:
         self.arrive(np.flatnonzero((self.facing != 0.0) & (self.ahead(np.arange(count)) <= 0.0)))
 
     def ahead(self, who: np.ndarray) -> np.ndarray:
-        """How far it is to the end of the input's range, the way that some variants face."""
+        """Distance of variants to the end of the input's range in the direction they face."""
         (low, high), turned = self.bounds[:, who], self.state.turned[who]
         return np.where(self.facing[who] < 0.0, turned - low, high - turned)
 
     def arrive(self, who: np.ndarray) -> None:
-        """End the runs of some variants at the end of the range that they face."""
+        """End the runs of variants at the end of the range that they face."""
         way = np.where(self.facing[who] < 0.0, -1, 1)
         self.state.turned[who] = np.where(way < 0, *self.bounds[:, who])
         self.arrived[who] = way * self.variants.direction[who].astype(int)
@@ -329,13 +328,13 @@ class Progress:
             self.verdict[who[early]] = Verdict.NO_END
 
     def energy(self) -> np.ndarray:
-        """Kinetic energy now [J]."""
+        """Current kinetic energy [J]."""
         return 0.5 * self.inertia(np.arange(self.variants.count), self.state.turned) * self.state.omega**2
 
     def inertia(self, who: np.ndarray, turned: np.ndarray) -> np.ndarray:
-        """Reduced inertia of some variants where they have turned so far [kg·m²].
+        """Reduced inertia of variants at given angles turned [kg·m²].
 
-        Where it was asked for last it is known already: where one stretch ends another one begins.
+        The last result is cached: the next stretch starts where the previous one ends.
         """
         last_who, last_turned, known = self._last_inertia
         if np.array_equal(who, last_who) and np.array_equal(turned, last_turned):
@@ -347,46 +346,46 @@ class Progress:
         return found
 
     def see(self, who: np.ndarray, piece: Piece) -> None:
-        """Let all observers look at a piece of the way of some variants."""
+        """Pass a piece of the motion of variants to all observers."""
         for observer in self.observers:
             observer.see(who, piece)
 
     def see_begin(self) -> None:
-        """Let all observers look at where the runs begin; what stands is about to move forward."""
+        """Pass the initial states to all observers; a machine at rest faces forwards."""
         if self.observers:
             state, facing = self.state, np.where(self.facing < 0.0, -1.0, 1.0)
             every = np.arange(facing.size)
-            # Where moments jump just there, what is behind the jump.
+            # At a jump, evaluate the torques after it.
             turned = state.turned + facing * self.equation(every).beside(state.turned)
             now = [x[None].copy() for x in (state.time, turned, state.omega)]
             self.see(every, Piece(*now, facing, np.empty((0, facing.size)), np.full_like(now[0], np.nan)))
 
     def give_up(self, who: np.ndarray, verdict: Verdict) -> None:
-        """End the runs of some variants with a verdict."""
+        """End the runs of variants with a verdict."""
         self.verdict[who], self.done[who] = verdict, True
 
     def begin_cycles(self, who: np.ndarray) -> None:
-        """Count the cycles of some variants that haven't gone through one from where they are."""
+        """Set the first mark of variants that have not yet completed a cycle."""
         first = who[self.by_speed[who] & (self.mark[who] <= self.dynamics.cycle)]
         self.mark[first] = self.state.turned[first] + self.dynamics.cycle
         self.omega_at_mark[first] = self.state.omega[first]
 
     def at_mark(self, who: np.ndarray) -> np.ndarray:
-        """Which of some variants are at their marks, by index."""
+        """Which variants are at their marks, by index."""
         return who[self.state.turned[who] >= self.mark[who] - AT_MARK * self.dynamics.cycle]
 
     def past_tables(self, who: np.ndarray) -> np.ndarray:
-        """Where the last instant is over after which no table makes anything depend on time."""
+        """Whether the last instant is over, after which no table depends on time."""
         last = np.fmax.reduce(self.variants.instants[:, who], axis=0, initial=-np.inf)
         return self.clock[who] + self.state.time[who] > last
 
     def set_marks(self, who: np.ndarray) -> None:
-        """Set the marks of some variants ahead of them, whole cycles on."""
+        """Set the marks of variants ahead of them, by whole cycles."""
         behind = np.floor((self.state.turned[who] - self.mark[who]) / self.dynamics.cycle + AT_MARK)
         self.mark[who] += np.maximum(behind + 1.0, 0.0) * self.dynamics.cycle
 
     def put(self, who: np.ndarray, state: State) -> None:
-        """Take over the new state of some variants."""
+        """Store the new state of variants."""
         for mine, new in zip(self.state, state, strict=True):
             mine[..., who] = new
         self.slowest[who] = np.minimum(self.slowest[who], state.omega)
@@ -395,9 +394,9 @@ class Progress:
         self.covered[1, who] = np.fmax(self.covered[1, who], state.turned)
 
     def part(self, who: np.ndarray) -> State:
-        """State of some variants."""
+        """State of a subset of the variants."""
         return State(*(x[..., who] for x in self.state))
 
     def equation(self, who: np.ndarray) -> EquationOfMotion:
-        """The equation of motion of some variants."""
+        """The equation of motion of a subset of the variants."""
         return EquationOfMotion(self.dynamics, self.variants.some(who), self.start[who])

@@ -1,9 +1,9 @@
-"""Runs to a speed, or to rest, that settle before they come to it: told from a cycle, not by waiting.
+"""Runs to a speed or to rest that settle before they reach it: detected from one cycle, without waiting.
 
-Where nothing depends on time, the speeds ω(φ) of two motions that go forward never cross, and one shifted by a cycle
-is a motion as well. So a machine that isn't faster after a cycle never will be: one that falls short of its speed
-either stalls or settles. And where one that begins faster than it, and doesn't come to the speed either, isn't faster
-after a cycle, both stay below that one for ever.
+In an autonomous system the speeds ω(φ) of two forward motions never cross, and a motion shifted by a cycle is also a
+motion. So a machine that is not faster after one cycle never will be: if it is below its target speed, it stalls or
+settles. If a second motion starts faster, also misses the target and is not faster after a cycle, both stay below that
+motion for ever.
 """
 
 from collections.abc import Callable
@@ -13,28 +13,28 @@ import numpy as np
 from engine.motion.runs.run_progress import Begin, Progress, RunOutcome, Stepping
 from engine.words.verdicts import Verdict
 
-# How much of the way to the speed that it is to come to others are ahead of a machine: to tell soon where nothing else
-# lies between, and where a speed from which it would stall does.
+# Starting speeds of the second motion, as fractions of the distance to the target speed: the first detects early if
+# there is no other steady motion between, the second if there is a speed from which the machine would stall.
 SHARES = (0.9, 0.1)
 
 Carry = Callable[[Progress], RunOutcome]
 
 
 def pass_mark(runs: Progress, who: np.ndarray, carry: Carry) -> None:
-    """Give up those of some variants at their marks that never come to their ends.
+    """Abandon those of the variants at their marks that never reach their ends.
 
     Parameters
     ----------
     runs : Progress
     who : ndarray of int
     carry : callable
-        Carries runs to their ends.
+        Integrates runs to their ends.
     """
     omega, before = runs.state.omega[who], runs.omega_at_mark[who]
-    # One that gets slower may still stall.
+    # A decelerating machine may still stall.
     endless = (omega == before) | ((omega > before) & ~np.isfinite(runs.above[who]))
     runs.marks[who] += 1
-    # Others are worth their time now and then.
+    # Test the others at powers of two, to limit the cost.
     power_of_two = runs.marks[who] & (runs.marks[who] - 1) == 0
     doubtful = np.flatnonzero(~endless & np.isfinite(before) & power_of_two)
     if doubtful.size:
@@ -46,9 +46,9 @@ def pass_mark(runs: Progress, who: np.ndarray, carry: Carry) -> None:
 
 
 def _held_back(runs: Progress, who: np.ndarray, rising: np.ndarray, share: float, carry: Carry) -> np.ndarray:
-    """Which variants, rising or falling in speed, a motion so much of the way ahead keeps from their ends."""
+    """Which variants, accelerating or decelerating, never reach their ends, by a second motion ahead by `share`."""
     omega, cycle = runs.state.omega[who], runs.dynamics.cycle
-    # Speeds of neighbouring motions keep about their proportion.
+    # Speeds of neighbouring motions stay roughly proportional.
     below = np.maximum(runs.below[who], 0.0)
     to_end = np.where(
         rising, runs.above[who] / runs.fastest[who], below / np.where(below > 0.0, runs.slowest[who], 1.0)

@@ -1,4 +1,4 @@
-"""How errors of a motion's own numbers spread to what is made of them."""
+"""Propagation of errors from a motion's own numbers to its results."""
 
 from collections.abc import Callable
 from typing import Protocol, TypeVar
@@ -20,16 +20,15 @@ Told = dict[str, np.ndarray]
 def spread_errors(
     motion: Motion, errors: tuple, told: Callable[[Motion], dict[str, np.ndarray]]
 ) -> dict[str, np.ndarray]:
-    """Errors of numbers made of a motion: the sum of what the error of each of its own numbers changes them by.
+    """Error estimates of results: the sum of the changes due to the error of each of a motion's own numbers.
 
     Parameters
     ----------
     motion : with `shifted`
     errors : named tuple of ndarray
-        Of its own numbers; among them `works`, with a row for each. A `verdict` and `steep` have none, and a `record`
-        isn't told.
+        Error estimates of its numbers; `works` has one row for each work. `verdict`, `steep` and `record` are skipped.
     told : callable
-        Makes numbers of a motion.
+        Computes the results of a motion.
     """
     known, nothing = told(motion), type(errors)(*(np.zeros_like(x) for x in errors))
     off = {name: np.zeros_like(value) for name, value in known.items()}

@@ -1,7 +1,6 @@
-"""What a run passes through on its way, piece by piece, for whatever looks at it: extremes, or a history.
+"""Observation of runs, piece by piece: for extremes or histories.
 
-A piece is smooth but where two nodes share a place, on either side of a jump. Runs find their own steps; looking at
-them changes none.
+A piece is smooth except where two nodes coincide, on either side of a jump. Observers do not affect the steps.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,24 +16,24 @@ from engine.motion.settled.cycle import motion_rows
 
 
 class Piece(NamedTuple):
-    """A piece of the way of some variants; arrays (nodes, variants) unless said.
+    """A piece of the motion of some variants; arrays (nodes, variants) unless stated.
 
-    What ends before others repeats its last node.
+    A variant with fewer nodes repeats its last node.
 
     Attributes
     ----------
     time, turned : ndarray
-        Since the begin of the run [s], [rad].
+        From the start of the run [s], [rad].
     omega : ndarray
         In the direction of motion, negative backwards [rad/s].
     facing : ndarray (variants,)
-        +1 or −1: the way that it moves.
+        +1 or −1: direction of the piece.
     steps : ndarray (nodes − 1, variants)
-        Distances of the nodes in what the piece is smooth over, none at a jump [rad].
+        Distances between nodes in the independent variable, 0 at a jump [rad].
     moment : ndarray
-        Of all that acts, where it is known more surely than from the speed, else NaN [N·m].
+        Total torque if known more accurately than from the speed, else NaN [N·m].
     within : BetweenNodes or None
-        Finds places between nodes; None where there is nothing between them.
+        Interpolates between nodes; None if there is nothing between them.
     """
 
     time: np.ndarray
@@ -46,12 +45,12 @@ class Piece(NamedTuple):
     within: "BetweenNodes | None" = None
 
     def goes_as(self, other: "Piece") -> bool:
-        """Whether variants go the way that they go on another piece."""
+        """Whether variants move in the same directions as on another piece."""
         return np.array_equal(self.facing, other.facing)
 
     @staticmethod
     def in_one(pieces: "Sequence[Piece]") -> "Piece":
-        """Pieces that go alike in one, to find fields at its nodes."""
+        """Join pieces of the same directions, to evaluate fields at their nodes."""
         every = ([getattr(piece, name) for piece in pieces] for name in ("time", "turned", "omega", "moment"))
         time, turned, omega, moment = (np.concatenate(rows) for rows in every)
         facing = pieces[0].facing
@@ -59,15 +58,15 @@ class Piece(NamedTuple):
 
 
 class BetweenNodes(NamedTuple):
-    """How a place between two nodes of a piece is found, from what was recorded of its steps.
+    """Interpolation between two nodes of a piece from its recorded steps.
 
     Attributes
     ----------
     in_time : bool
-        Whether the length is a time [s]; else an angle [rad]. It counts from a node.
+        Whether lengths are times [s], else angles [rad], measured from a node.
     step : callable
-        Of the columns (pairs,), nodes (pairs,) and lengths (pairs,): time [s], angle turned [rad], speed [rad/s] and
-        moment [N·m] there, as of `Piece`, (pairs,) each.
+        For columns, nodes and lengths, (pairs,) each: time [s], angle turned [rad], speed [rad/s] and torque [N·m], as
+        in `Piece`, (pairs,) each.
     """
 
     in_time: bool
@@ -75,20 +74,20 @@ class BetweenNodes(NamedTuple):
 
 
 class Observer(Protocol):
-    """Something that looks at runs."""
+    """An observer of runs."""
 
     def see(self, who: np.ndarray, piece: Piece) -> None:
-        """Look at a piece of the way of the variants `who`."""
+        """Evaluate a piece of the motion of the variants `who`."""
 
 
 def side_by_side(values: np.ndarray, counts: np.ndarray) -> np.ndarray:
-    """Values of some variants, one after another, as (nodes, variants); what ends before others repeats its last node.
+    """Concatenated values of variants as (nodes, variants); a variant with fewer nodes repeats its last one.
 
     Parameters
     ----------
     values : ndarray (all nodes,)
     counts : ndarray (variants,) of int
-        How many of them each variant has, one at least.
+        Number of values of each variant, at least one.
     """
     begins = np.cumsum(counts) - counts
     node = np.minimum(np.arange(counts.max())[:, None], counts - 1)
@@ -96,18 +95,18 @@ def side_by_side(values: np.ndarray, counts: np.ndarray) -> np.ndarray:
 
 
 class RunFields:
-    """Fields along runs: those of the motion, and the loads on the pairs if there are any to find.
+    """Fields in runs: those of the motion, and the requested loads on the pairs.
 
     Parameters
     ----------
     dynamics : Dynamics
     variants : Variants
-        All that run.
+        All variants of the runs.
     start, clock : ndarray (variants,)
-        Crank angle [rad] and time [s] at the begin of the run.
+        Initial crank angle [rad] and time [s].
     loads : PairLoads or None
     off : frozenset of str
-        Actions that don't act.
+        Actions that are off.
     """
 
     def __init__(
@@ -124,9 +123,9 @@ class RunFields:
         self._parameters: dict[float, np.ndarray] = {}
 
     def __call__(self, who: np.ndarray, piece: Piece) -> dict[str, np.ndarray]:
-        """All fields on a piece of the way of some variants, counter-clockwise positive but for the speed.
+        """All fields on a piece of the motion of some variants, counter-clockwise positive except the speed.
 
-        With them the instant, the angle turned and the moment of each channel of loads.
+        Includes the instant, the angle turned and the torque of each channel of loads.
         """
         own = self.variants.some(who)
         form, clock = EquationOfMotion(self.dynamics, own, self.start[who]), piece.time + self.clock[who]
@@ -134,7 +133,7 @@ class RunFields:
         known = np.isfinite(piece.moment)
         total = np.where(known, piece.moment, moments.total)
         motors = np.where(known, piece.moment - moments.loads.sum(axis=0), moments.motors)
-        # What hinders a machine may be a moment or a place without a number.
+        # A torque may be infinite or NaN.
         with np.errstate(all="ignore"):
             epsilon = (total - 0.5 * piece.omega**2 * machine.inertia_phi) / machine.inertia
             rows = motion_rows(own, piece.omega, epsilon, motors, moments.loads)
@@ -153,14 +152,13 @@ class RunFields:
         epsilon: np.ndarray,
         clock: np.ndarray,
     ) -> dict[str, np.ndarray]:
-        """Loads on the pairs of some variants, (nodes, variants), if any are to be found.
+        """Requested loads on the pairs of some variants, (nodes, variants).
 
         Parameters
         ----------
         who : ndarray (variants,)
-            The variants.
         facing : ndarray (variants,)
-            +1 or −1: the way that each moves.
+            +1 or −1: direction of each variant.
         places, omega, epsilon, clock : ndarray (nodes, variants)
             Crank angle [rad]; speed [rad/s] and acceleration [rad/s²] in the direction of motion; time [s].
         """
@@ -177,7 +175,7 @@ class RunFields:
         return found
 
     def _numbers(self, facing: float) -> np.ndarray:
-        """Numbers of the loads of all variants, moving forward or backwards."""
+        """Numbers of the loads of all variants, for forward or backward motion."""
         if facing not in self._parameters:
             variants = self.variants._replace(direction=facing * self.variants.direction)
             self._parameters[facing] = self.loads.parameters(variants, self.off)

@@ -1,1 +1,1 @@
-"""Steady motion: found directly, the flywheel for it, and what is asked of its cycle."""
+"""Steady running: found directly, the flywheel for it, and the results of its cycle."""

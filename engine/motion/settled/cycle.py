@@ -1,6 +1,6 @@
-"""Fields of a settled cycle, and their statistics: extremes, and means over its time.
+"""Fields of a steady cycle, and their statistics: extremes, and means over time.
 
-The nodes are those of the motion, on both sides of every place where a load sets in, bends or changes its direction.
+The nodes are those of the motion, on both sides of every position where a load has a jump or a kink.
 """
 
 import math
@@ -21,7 +21,7 @@ from engine.motion.settled.steady import Steady
 
 
 class Cycle(NamedTuple):
-    """A settled cycle of a number of variants, at the nodes of its grid; arrays (nodes, variants).
+    """A steady cycle of a number of variants, at the nodes of its grid; arrays (nodes, variants).
 
     Attributes
     ----------
@@ -30,9 +30,9 @@ class Cycle(NamedTuple):
     steps : ndarray (nodes − 1, variants)
         [rad].
     even : ndarray (equal steps + 1, variants) of int
-        Nodes with equal steps between them.
+        Indices of the nodes with equal steps.
     omega : ndarray
-        Speed by magnitude [rad/s].
+        Magnitude of the speed [rad/s].
     direction : ndarray (variants,)
         +1 or −1.
     rows : dict of str to ndarray
@@ -50,7 +50,7 @@ class Cycle(NamedTuple):
         """A field over the crank angle, (variants, equal steps)."""
         found = np.take_along_axis(self.rows[name], self.even, axis=0)[:-1].T
         found[np.isnan(self.omega[0])] = np.nan
-        # The crank angle falls where the crank turns clockwise.
+        # The crank angle decreases if the crank turns clockwise.
         back = self.direction < 0.0
         found[back] = np.roll(found[back, ::-1], 1, axis=1)
         return found
@@ -64,15 +64,15 @@ def cycle_of(
     loads: PairLoads | None,
     off: frozenset[str],
 ) -> Cycle:
-    """The settled cycle with its fields: those of the motion, and the loads on the pairs if there are any to find.
+    """The steady cycle with its fields: those of the motion, and the requested loads on the pairs.
 
     Parameters
     ----------
     dynamics, variants, grid, steady
-        Of the motion, with the flywheel it goes with and what was recorded at the nodes of the grid.
+        Of the motion, including its flywheel and its record at the nodes of the grid.
     loads : PairLoads or None
     off : frozenset of str
-        Actions that don't act.
+        Actions that are off.
     """
     angle, way = grid.places[NODES], variants.direction
     omega = np.sqrt(2.0 * steady.record[0] / dynamics.rows(variants, angle).inertia)
@@ -93,7 +93,7 @@ def cycle_of(
 def motion_rows(
     variants: Variants, omega: np.ndarray, epsilon: np.ndarray, motors: np.ndarray, loads: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """Fields of the motion itself, counter-clockwise positive but for the speed, each (places, variants).
+    """Fields of the motion itself, counter-clockwise positive except the speed, each (places, variants).
 
     Parameters
     ----------
@@ -101,9 +101,9 @@ def motion_rows(
     omega, epsilon : ndarray (places, variants)
         Speed [rad/s] and acceleration [rad/s²] in the direction of motion.
     motors : ndarray (places, variants)
-        Reduced moment of the motors in that direction [N·m].
+        Reduced motor torque in that direction [N·m].
     loads : ndarray (channels, places, variants)
-        Those of all else, channel by channel; powers are told where there is one for each sort of work.
+        Torques of all loads by channel; powers are returned if there is one for each kind of work.
     """
     way, wheel = variants.direction, variants.flywheel
     rows = {
@@ -117,20 +117,20 @@ def motion_rows(
 
 
 def power_rows(motors: np.ndarray, loads: np.ndarray, heat: np.ndarray | float = 0.0) -> dict[str, np.ndarray]:
-    """Powers, and the efficiency of the instant η = 1 − P_lost/P_in.
+    """Powers, and the instantaneous efficiency η = 1 − P_lost/P_in.
 
-    What is put in comes from whatever gives power just then: motors, driving actions, springs and weights, and the
-    kinetic energy, which falls by what all powers lack, dE/dt = ΣP. What isn't lost leaves the machine, or stays in it
-    for later, so that 0 ≤ η ≤ 1 and, with nothing stored, η is useful power over driving power.
+    The input power is the sum of all positive powers: of motors, driving actions, springs and weights, and of the
+    kinetic energy, whose rate of decrease is the deficit of all powers, dE/dt = ΣP. Power that is not lost leaves the
+    machine or is stored in it, so 0 ≤ η ≤ 1; without storage η is useful power over driving power.
 
     Parameters
     ----------
     motors : ndarray (places, variants)
         Power of the motors [W].
     loads : ndarray (channels, places, variants)
-        Of all else, by `CHANNELS`; negative where it resists [W].
+        Powers of all loads, by `CHANNELS`; negative for resistances [W].
     heat : ndarray (places, variants)
-        Power that a coupling turns into heat, negative [W].
+        Power dissipated in a coupling, negative [W].
     """
     driving, useful, harmful, braking, other = loads
     lost = np.maximum(-harmful, 0.0) + np.maximum(-braking, 0.0) - heat
@@ -150,15 +150,15 @@ def power_rows(motors: np.ndarray, loads: np.ndarray, heat: np.ndarray | float =
 
 
 class CycleAnswers(NamedTuple):
-    """Fields asked of a cycle (variants, equal steps), and statistics (variants,), by their names without the regime's.
+    """Requested fields of a cycle (variants, equal steps), and statistics (variants,), by names without the regime's.
 
     Attributes
     ----------
     fields, values : dict of str to ndarray
     missed : dict of str to ndarray
-        How far each may be off by what lies between nodes.
+        Error estimates due to the behaviour between nodes.
     scales : dict of str to ndarray
-        Magnitude that rounding is a share of.
+        Magnitudes to which rounding is relative.
     """
 
     fields: dict[str, np.ndarray]
@@ -167,19 +167,19 @@ class CycleAnswers(NamedTuple):
     scales: dict[str, np.ndarray]
 
     def over_all(self, who: np.ndarray, count: int) -> "CycleAnswers":
-        """Answers of some variants spread over all `count` of them, NaN for the others."""
+        """Results of some variants expanded to all `count` of them, NaN for the others."""
         return CycleAnswers(*({key: of_all(row.T, who, count).T for key, row in rows.items()} for rows in self))
 
 
 def answers_of(cycle: Cycle, asked: Iterable[Asked], period: float) -> CycleAnswers:
-    """What is asked of a settled cycle.
+    """Requested results of a steady cycle.
 
     Parameters
     ----------
     cycle : Cycle
     asked : iterable of Asked
     period : float
-        Of the crank angle [rad].
+        Period of the crank angle [rad].
     """
     found = CycleAnswers({}, {}, {}, {})
     known: dict[str, tuple[dict[str, np.ndarray], dict[str, np.ndarray]]] = {}
@@ -196,14 +196,14 @@ def answers_of(cycle: Cycle, asked: Iterable[Asked], period: float) -> CycleAnsw
 
 
 def statistics_of(cycle: Cycle, name: str, period: float) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """Statistics of a field of a settled cycle, and how far each may be missed between nodes, (variants,).
+    """Statistics of a field of a steady cycle, (variants,), and their error estimates due to gaps between nodes.
 
     Parameters
     ----------
     cycle : Cycle
     name : str
     period : float
-        Of the crank angle [rad].
+        Period of the crank angle [rad].
     """
     row, count = cycle.rows[name], cycle.direction.size
     found = np.empty((9, count))
@@ -232,10 +232,10 @@ def over_time(
     steps: np.ndarray,
     found: np.ndarray,
 ) -> None:
-    """Statistics of a row, over the time ∫dφ/ω: nine numbers of each variant into `found`.
+    """Statistics of a row over the time ∫dφ/ω: nine numbers of each variant into `found`.
 
-    Least and greatest value, mean, root mean square; how far the extremes, the mean and the root mean square may be
-    missed between nodes; nodes next to the least and the greatest value.
+    Minimum, maximum, mean, rms; error estimates of the extremes, the mean and the rms due to the behaviour between
+    nodes; nodes next to the minimum and the maximum.
     """
     nodes = row.shape[0]
     own, pace, first, second = np.empty(nodes), np.empty(nodes), np.empty(nodes), np.empty(nodes)

@@ -1,4 +1,4 @@
-"""Steady motion of machines with friction in their pairs: the fixed point of a cycle run in time, by secants."""
+"""Steady running of machines with friction in their pairs: the fixed point of a cycle run in time, by secants."""
 
 import numpy as np
 
@@ -9,30 +9,29 @@ from engine.motion.runs.watching import Piece, RunFields
 from engine.motion.settled.steady import Steady, no_load_speed, steady_motion
 from engine.words.verdicts import Verdict
 
-# The energy comes back after a cycle to so much of itself, within so many cycles.
+# Relative tolerance of the return residual, and most cycles.
 RETURNED, MOST_CYCLES = 1e-9, 60
-# What steps miss may keep it from coming back so exactly; then it is settled where nothing is gained any more, and so
-# much is left.
+# If errors of the steps prevent that, the cycle is accepted once the residual stops decreasing and is below this.
 NEARLY = 1e-6
-# The second energy tried, of the first. Energies that differ by less of themselves say nothing of the slope.
+# Ratio of the second trial energy to the first; relative change of energy below which the secant slope is unreliable.
 SECOND, TELLING = 0.8, 1e-4
-# A machine whose disturbances neither grow nor fade, to so much, has no speed of its own.
+# If disturbances neither grow nor decay, within this, any speed is an equilibrium.
 UNDECIDED = 1e-9
-# Instants of a cycle at which it is looked at.
+# Samples in a cycle.
 STEPS = 720
 
 
 def settled_motion(
     dynamics: Dynamics, variants: Variants, tolerance: float, doubtful: bool, asked: np.ndarray | None = None
 ) -> Steady:
-    """Steady motion, with friction in pairs where there is any.
+    """Steady running, with friction in pairs if there is any.
 
     Parameters
     ----------
     dynamics, variants, tolerance, asked
-        As of `steady_motion`.
+        As for `steady_motion`.
     doubtful : bool
-        Whether the motion is changed by what it may be off by, or with friction steps may miss more.
+        Whether to shift the motion by its error estimates or, with friction, to use a looser tolerance.
     """
     if dynamics.friction is None:
         steady, off = steady_motion(dynamics, variants, tolerance, asked)
@@ -46,7 +45,7 @@ def _settled(dynamics: Dynamics, variants: Variants, doubtful: bool, asked: np.n
     inertia = dynamics.rows(variants, zero[None]).inertia[0]
     energy = 0.5 * inertia * no_load_speed(variants)[0] ** 2
     verdict, multiplier = np.full(count, Verdict.RUNS_AWAY, np.uint8), np.full(count, np.nan)
-    # The last energy from which a cycle was gone through, and what it came to.
+    # The last energy at which a cycle was completed, and the energy after it.
     known, returned = np.full(count, np.nan), np.full(count, np.nan)
     pending, left = np.arange(count), np.full(count, np.inf)
     for turn in range(MOST_CYCLES):
@@ -66,7 +65,7 @@ def _settled(dynamics: Dynamics, variants: Variants, doubtful: bool, asked: np.n
         falls = np.where(np.isfinite(slope) & (slope < 1.0 - UNDECIDED), slope, 0.0)
         ahead = SECOND * here if turn == 0 else here + (came - here) / (1.0 - falls)
         ahead = np.where(ahead > 0.0, ahead, 0.25 * here)
-        # Where it stalls on its way, it starts again nearer to where it didn't.
+        # If the machine stalls, restart closer to the last energy at which it did not.
         energy[pending] = np.where(settled, here, np.where(gone, ahead, 0.5 * (here + before)))
         verdict[pending[settled]] = Verdict.OK
         lost = ~gone & ~np.isfinite(before)
@@ -90,7 +89,7 @@ def _measured(
     doubtful: bool,
     asked: np.ndarray | None,
 ) -> Steady:
-    """The cycle from the energies found, once more, with all that is wanted of it."""
+    """The cycle from the energies found, with all requested results."""
     count = variants.count
     nodes = 0 if asked is None else asked.shape[0]
     rows, record = np.full((7, count), np.nan), np.full((3, nodes, count), np.nan)
@@ -119,28 +118,28 @@ def _measured(
 def _cycle(
     dynamics: Dynamics, variants: Variants, omega: np.ndarray, doubtful: bool, observers: "list[_Nodes] | None" = None
 ) -> RunOutcome:
-    """A cycle from a speed at φ = 0 on."""
+    """A cycle from a given speed at φ = 0."""
     zero, never = np.zeros(variants.count), np.full(variants.count, np.inf)
     ends = Ends(np.full(variants.count, dynamics.cycle), never, never, False, never)
     return run_to_end(Progress(dynamics, variants, Begin(zero, omega, zero), ends, STEPS, doubtful, observers or ()))
 
 
 class _Nodes:
-    """Keeps the squares of the speed and the times along a cycle, to be told at any angle of it."""
+    """Stores squared speed and time at the nodes of a cycle, for interpolation at any angle."""
 
     def __init__(self, along: RunFields) -> None:
         self.along = along
         self._kept: list[list[np.ndarray]] = [[] for _ in range(along.variants.count)]
 
     def see(self, who: np.ndarray, piece: Piece) -> None:
-        """Keep angle, speed, acceleration and time at the nodes of a piece."""
+        """Store angle, speed, acceleration and time at the nodes of a piece."""
         epsilon = self.along(who, piece)["acceleration"] * self.along.variants.direction[who]
         rows = np.stack((piece.turned, piece.omega, epsilon, piece.time))
         for column, v in enumerate(who):
             self._kept[v].append(rows[:, :, column])
 
     def at(self, asked: np.ndarray) -> np.ndarray:
-        """Square of the speed and time at angles turned (angles, variants), by cubics between nodes, (2, angles, …)."""
+        """Squared speed and time at angles turned (angles, variants), by cubics between nodes, (2, angles, …)."""
         found = np.empty((2, *asked.shape))
         for v, pieces in enumerate(self._kept):
             turned, omega, epsilon, time = np.concatenate(pieces, axis=1)
@@ -155,6 +154,6 @@ class _Nodes:
 def _hermite(
     share: np.ndarray, h: np.ndarray, near: np.ndarray, far: np.ndarray, leaves: np.ndarray, comes: np.ndarray
 ) -> np.ndarray:
-    """The cubic with given values and slopes at both ends, at a share of the way."""
+    """The cubic with given values and slopes at both ends, at a fraction `share` of the interval."""
     chord, rest = far - near, 1.0 - share
     return near + share * chord + share * rest * (rest * (h * leaves - chord) - share * (h * comes - chord))

@@ -1,8 +1,8 @@
-"""The flywheel that keeps the speed fluctuation of the true steady motion at what is asked.
+"""The flywheel for a required speed fluctuation in steady running.
 
-δ depends on the flywheel's inertia through the motion itself: the motor gives way where it slows down. With a heavy
-flywheel δ goes with 1/(I + I_F), so ln δ is nearly straight in ln(I + I_F); its root is found for every variant by
-secants within a bracket.
+δ depends on the flywheel's inertia through the motion itself, as the motor torque varies with the speed. For a heavy
+flywheel δ is proportional to 1/(I + I_F), so ln δ is nearly linear in ln(I + I_F); secants within a bracket find the
+root for every variant.
 """
 
 from collections.abc import Callable
@@ -20,31 +20,31 @@ MOST_ROUNDS = 60
 MOST_DOUBLINGS = 6
 HEAVY = np.log(20.0)
 SIZED = 1e-10
-# The lightest flywheel with which a machine runs at all is found only so far.
+# Relative accuracy of the lightest flywheel with which the machine runs at all.
 BOUNDED = 1e-6
 
 
 def flywheel_for(
     dynamics: Dynamics, variants: Variants, tolerance: float, asked: np.ndarray, doubtful: bool
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Flywheel for an asked speed fluctuation in true steady motion.
+    """Flywheel for a required speed fluctuation in steady running.
 
     Parameters
     ----------
     dynamics : Dynamics
     variants : Variants
-        With the flywheel they have; what is found replaces it.
+        Their current flywheel is replaced.
     tolerance : float
-        As of `settled_motion`.
+        As for `settled_motion`.
     asked : ndarray (variants,)
-        δ.
+        Required δ.
     doubtful : bool
-        Whether the motion is changed by what it may be off by.
+        As for `settled_motion`.
 
     Returns
     -------
     flywheel : ndarray (variants,)
-        Inertia on the input link [kg·m²]; 0 where the machine needs none, NaN where there is no steady motion.
+        Inertia on the input link [kg·m²]; 0 if the machine needs none, NaN without steady running.
     verdict : ndarray (variants,) of uint8
     """
     step = dynamics.cycle / PLACES
@@ -53,7 +53,7 @@ def flywheel_for(
     lightest = np.log(mean_of_rows(bare.inertia))
 
     def excess(inertia: np.ndarray, who: np.ndarray) -> np.ndarray:
-        """Ln δ − ln δ_asked with a mean inertia, by its logarithm; inf where the machine doesn't run."""
+        """Ln δ − ln δ_asked over the logarithm of the mean inertia; inf if the machine does not run."""
         part = variants.some(who)._replace(flywheel=np.exp(inertia) - np.exp(lightest[who]), kept={})
         steady = settled_motion(dynamics, part, tolerance, doubtful)
         verdict[who] = steady.verdict
@@ -97,13 +97,13 @@ def flywheel_for(
 def _heavy_enough(
     excess: Callable[[np.ndarray, np.ndarray], np.ndarray], heavy: np.ndarray, who: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """A mean inertia, by its logarithm, with which the fluctuation is below what is asked, and ln of the ratio."""
+    """Logarithm of a mean inertia with a fluctuation below the required one, and ln of their ratio."""
     heavy, f = heavy.copy(), np.full(who.size, np.inf)
     for _ in range(MOST_DOUBLINGS):
         f[who] = excess(heavy[who], who)
         who = who[~(f[who] <= 0.0)]
         if not who.size:
             break
-        # δ goes with 1/(I + I_F): with three times what that asks for, it is surely enough.
+        # δ ~ 1/(I + I_F): three times the predicted inertia is a safe bound.
         heavy[who] += np.where(np.isfinite(f[who]), f[who] + np.log(3.0), HEAVY)
     return heavy, np.where(f <= 0.0, f, np.inf)

@@ -1,9 +1,9 @@
-"""Steady state: the motion that comes back to its own speed after every cycle, found directly.
+"""Steady running: the motion that returns to its own speed after every cycle, found directly.
 
-The return map takes the kinetic energy E at the begin of a cycle to the energy P(E) one cycle later. Steady motion is a
-fixed point; its multiplier λ = dP/dE tells how a small disturbance grows from cycle to cycle, and the steady motion is
-stable where |λ| < 1. Newton's method finds it in a few cycles, where waiting takes hundreds; then one more cycle is
-walked through, with all that is asked of it.
+The return map takes the kinetic energy E at the start of a cycle to the energy P(E) one cycle later. Steady running is
+a fixed point; its multiplier λ = dP/dE is the growth factor of a small disturbance from cycle to cycle, and it is
+stable if |λ| < 1. Newton's method finds it in a few cycles, where waiting takes hundreds; a final cycle computes the
+requested results.
 """
 
 from typing import NamedTuple
@@ -19,42 +19,42 @@ from engine.stepping.system import Closed, Walks
 from engine.stepping.walk import Why
 from engine.words.verdicts import Verdict
 
-# How far a step may turn: while the cycle is searched, where it is walked through, and where it is recorded too.
+# Maximum steps: during the search, in the final cycle, and in the final cycle if it is recorded.
 FARTHEST, CLOSER, CLOSEST = 0.5 * np.pi, 0.25 * np.pi, 0.125 * np.pi
-# Steps that are recorded at a time.
+# Steps recorded at a time.
 RECORDED = 64
 ENERGY, TIME = range(2)
-# How many time constants a motor goes through within a step where the moment is known better by the energy's change.
+# Number of motor time constants in a step above which the change of energy gives the torque more accurately.
 STEEP = 200.0
 
 
 class Steady(NamedTuple):
-    """Steady motion of a set of variants; NaN where there is none. All (variants,) but for works and record.
+    """Steady running of a set of variants; NaN without steady running. All (variants,) except works and record.
 
     Attributes
     ----------
     verdict : ndarray of uint8
     energy, ended : ndarray
-        Kinetic energy at the begin of the cycle and at its end [J].
+        Kinetic energy at the start and the end of the cycle [J].
     multiplier : ndarray
         λ.
     residual : ndarray
-        |P(E) − E|/E, what is left.
+        Return residual |P(E) − E|/E.
     period : ndarray
         [s].
     slowest, fastest : ndarray
-        Least and greatest speed [rad/s].
+        Minimum and maximum speed [rad/s].
     fluctuation : ndarray
         δ.
     squares : ndarray
-        Integral of the motors' moment squared over time [N²·m²·s].
+        Integral of the squared motor torque over time [N²·m²·s].
     works : ndarray (channels + 1, variants)
         Work of the motors and of each channel [J].
     record : ndarray (3, nodes, variants)
-        Energy [J] and time [s] at the angles that were asked for; of motors that are very steep the moment [N·m], which
-        the energy says less surely, else NaN.
+        Energy [J] and time [s] at the requested angles; for very steep motors the total torque [N·m], which the energy
+        gives less accurately, else NaN.
     steep : ndarray
-        1 where a motor was so steep that steps were implicit, else 0.
+        1 if a steep motor required implicit steps, else 0.
     """
 
     verdict: np.ndarray
@@ -79,17 +79,17 @@ class Steady(NamedTuple):
 def steady_motion(
     dynamics: Dynamics, variants: Variants, tolerance: float, asked: np.ndarray | None = None
 ) -> tuple[Steady, Steady]:
-    """Find the steady motion, and what its numbers may be off by.
+    """Find steady running, and the error estimates of its numbers.
 
     Parameters
     ----------
     dynamics : Dynamics
-        That gathers "fading".
+        With the integral "fading".
     variants : Variants
     tolerance : float
-        What a step may miss, of the greatest work of a step.
+        Tolerance of a step, relative to the maximum work in a step.
     asked : ndarray (nodes, variants), optional
-        Angles turned at which energy, time and moment are wanted, in order [rad].
+        Angles turned at which energy, time and torque are recorded, ascending [rad].
     """
     with np.errstate(all="ignore"):
         motion = _Motion(dynamics, variants, tolerance)
@@ -106,12 +106,12 @@ def steady_motion(
 
 
 class _Motion:
-    """Machines whose steady motion is wanted."""
+    """Machines whose steady running is to be found."""
 
     def __init__(self, dynamics: Dynamics, variants: Variants, tolerance: float) -> None:
         self.dynamics, self.variants, self.tolerance, self.system = dynamics, variants, tolerance, dynamics.by_angle
         sizes = self.system.sizes
-        # It goes on as long as there is any energy. Nothing that depends on time acts.
+        # No guard ends the cycle while there is any energy. No load depends on time.
         limits = {sizes.above: np.inf, sizes.below: -np.inf, self.system.system.clock: 0.0}
         self.numbers = self.system.limited(dynamics.moving(self.system, variants, np.inf), limits)
         self.edges = np.concatenate(edges_of(variants.direction, variants.breaks, dynamics.cycle))
@@ -122,7 +122,7 @@ class _Motion:
         return given | {"farthest": farthest, "pace": farthest}
 
     def closed(self, who: np.ndarray, implicit: bool) -> Closed:
-        """Cycles that come back to their own energies; from the speed without load, where loads win."""
+        """Cycles that return to their own energies; the search starts at the no-load speed, where loads dominate."""
         part = self.variants.some(who)
         inertia = self.dynamics.rows(part, np.zeros((1, who.size))).inertia[0]
         top = 0.5 * inertia * no_load_speed(part)[0] ** 2
@@ -132,11 +132,11 @@ class _Motion:
     def gone_through(
         self, closed: Closed, steep: np.ndarray, verdict: np.ndarray, asked: np.ndarray
     ) -> tuple[Steady, Steady]:
-        """The cycles found, gone through with all that is asked, and what it may be off by."""
+        """The cycles found, computed with all requested results, and their error estimates."""
         count, channels = self.variants.count, len(self.dynamics.channels)
         shapes = [(count,)] * 9 + [(channels + 1, count), (3, *asked.shape)]
         found, off = ([np.full(shape, np.nan) for shape in shapes] for _ in range(2))
-        # What a cycle misses comes back with the next one.
+        # The error of a cycle recurs in the next one, so the total error is a geometric series.
         multiplier = np.exp(np.minimum(closed.states[self.system.names["fading"]], 700.0))
         doubt = (closed.doubts[ENERGY] + closed.off * closed.energy) / np.abs(1.0 - multiplier)
         for implicit in (False, True):
@@ -144,7 +144,7 @@ class _Motion:
             if not who.size:
                 continue
             gone, record, record_off = self._cycle(who, implicit, closed.energy[who], doubt[who], asked[:, who])
-            # With its shorter steps, a cycle may show how steep a motor is.
+            # A cycle with shorter steps may reveal that a motor is steep.
             steep[who] |= gone.why == Why.STEEP
             verdict[who[(gone.why != Why.GOAL) & (implicit | (gone.why != Why.STEEP))]] = Verdict.NOT_FINITE
             own, other = self._told(closed.energy[who], doubt[who], closed.off[who], gone)
@@ -155,13 +155,13 @@ class _Motion:
     def _told(
         self, energy: np.ndarray, doubt: np.ndarray, residual: np.ndarray, gone: Walks
     ) -> tuple[list[np.ndarray], list[np.ndarray]]:
-        """Numbers of cycles in the order of `Steady`, but for verdict and record, and what they may be off by."""
+        """Numbers of cycles in the order of `Steady`, without verdict and record, and their error estimates."""
         names = self.system.names
         ended, fading = gone.states[ENERGY], gone.states[names["fading"]]
         multiplier = np.exp(np.minimum(fading, 700.0))
         low, high = gone.slowest, gone.fastest
         fluctuation = 2.0 * (high - low) / (high + low)
-        # As far as it doesn't fade, both extremes move along with what the begin is off by, and δ says nothing of it.
+        # An initial error, as far as it does not decay, shifts both extremes by the same ratio and leaves δ unchanged.
         common = 0.5 * multiplier * doubt / energy
         apart = np.maximum(gone.slow_off / low - common, 0.0) + np.maximum(gone.fast_off / high - common, 0.0)
         fluctuation_off = fluctuation * doubt / energy + apart
@@ -176,7 +176,7 @@ class _Motion:
         return own, off
 
     def _works(self, rows: np.ndarray, change: np.ndarray, sign: float) -> tuple[np.ndarray, np.ndarray]:
-        """Works of the motors and of each channel, and the motors' moment squared; zero where it isn't gathered."""
+        """Works of the motors and of each channel, and the squared motor torque; zero if not accumulated."""
         names, nothing, channels = self.system.names, np.zeros_like(change), self.dynamics.channels
         motors, squares = (rows[names[name]] if name in names else nothing for name in ("motors", "squares"))
         loads = [rows[names[name]] for name in channels] if self.dynamics.works else [change + sign * motors]
@@ -185,7 +185,7 @@ class _Motion:
     def _cycle(
         self, who: np.ndarray, implicit: bool, energy: np.ndarray, doubt: np.ndarray, asked: np.ndarray
     ) -> tuple[Walks, np.ndarray, np.ndarray]:
-        """A cycle from energies on; what was recorded at the asked angles, and what that may be off by."""
+        """A cycle from given energies; the record at the requested angles, and its error estimates."""
         task = self.system.task(self.dynamics.cycle, NINE if implicit else EIGHT, True)._replace(clock=-1)
         nodes, nothing = len(asked), np.zeros((0, who.size))
         lanes = self._lanes(who, CLOSEST if nodes else CLOSER)
@@ -208,7 +208,7 @@ class _Motion:
             lanes["turned"], lanes["pace"] = whole.turned, whole.pace
             states, doubts = whole.states, whole.doubts
             left = left[(gone.why == Why.FULL) & (gone.steps > 0.0)]
-        # The speed tells a moment unless the motor is very steep.
+        # The speed determines the torque unless the motor is very steep.
         steep = -whole.states[self.system.names["fading"]] > STEEP * whole.steps
         record[2] = np.where(steep, record[2], np.nan)
         off[2] = np.where(steep, 0.0, np.nan)
@@ -223,7 +223,7 @@ class _Motion:
         record: np.ndarray,
         off: np.ndarray,
     ) -> None:
-        """Read what was recorded at those of the asked angles that the steps went over."""
+        """Read the record at the requested angles that the steps passed."""
         wanted = asked[:, who]
         over = (wanted >= begun) & (wanted <= gone.turned) & (gone.steps > 0.0)
         over |= (wanted > gone.turned) & (gone.why == Why.GOAL)
@@ -236,7 +236,7 @@ class _Motion:
 
 
 def _joined(whole: Walks, who: np.ndarray, gone: Walks) -> Walks:
-    """Walks that went on, with the extremes of all their parts."""
+    """Walks continued by others, with the extremes of both parts."""
     made = [row.copy() for row in whole[:-1]]
     for mine, new in zip(made, gone[:-1], strict=True):
         mine[..., who] = new
@@ -249,7 +249,7 @@ def _joined(whole: Walks, who: np.ndarray, gone: Walks) -> Walks:
 
 
 def no_load_speed(variants: Variants) -> tuple[np.ndarray, np.ndarray]:
-    """Speed beyond which no motor drives, and whether there is a motor at all; else the scene's own speed."""
+    """Speed above which no motor drives, and whether there is a motor; without one, the scene's own speed."""
     drive, own = variants.drive, np.abs(np.broadcast_to(variants.numbers["input.speed"], (variants.count,)))
     top = np.max(drive.no_load_speeds, axis=0, initial=0.0)
     return np.where(top > 0.0, top, own), top > 0.0

@@ -1,4 +1,4 @@
-"""The language of formulas: expressions, their names, dimensions and switches."""
+"""The formula language: expressions, their names, dimensions and switching."""
 
 from engine import on_use
 

@@ -1,4 +1,4 @@
-"""Loads given by a formula: its text, and the numbers that stand beside it."""
+"""Loads given by a formula: its text and its own numbers."""
 
 import math
 from collections.abc import Iterator
@@ -25,9 +25,9 @@ FormulaText = Annotated[str, AfterValidator(_readable)]
 
 
 class FormulaNumber(Part):
-    """A number of a formula: its value (SI), and its dimension by name, or by its SI unit where it has no name.
+    """A number of a formula: its value (SI), and its dimension by name, or by its SI unit if it has no name.
 
-    In texts it is a quantity in any unit, "3 kN/mm"; a number without a unit is a plain number.
+    Text takes any unit, "3 kN/mm"; a number without a unit is dimensionless.
     """
 
     value: float
@@ -42,17 +42,17 @@ class FormulaNumber(Part):
         return {"value": value, "dimension": dimension}
 
     def numbers_within(self, path: str = "") -> Iterator[tuple[str, SceneNumber]]:
-        """The number itself, of any value."""
+        """The number itself, without limits."""
         yield path, SceneNumber(self.value, self.dimension, ())
 
     def at(self, value: float) -> "FormulaNumber":
-        """The same with another value (SI)."""
+        """Copy with another value (SI)."""
         if not math.isfinite(value):
             raise ValueError(f"must be a finite number, got {value}")
         return self.model_copy(update={"value": float(value)})
 
 
 class ByFormula(Part):
-    """What follows a formula, which may use the `numbers` beside it by their names."""
+    """A quantity given by a formula, which may use its own `numbers` by name."""
 
     numbers: dict[Name, FormulaNumber] = {}

@@ -1,15 +1,13 @@
-"""Dimensions of expressions: what may be added, compared and raised to a power, as in a physicist's check.
+"""Dimensional analysis of expressions: which quantities may be added, compared and raised to a power.
 
-A dimension is Pint's: powers of length, mass, time and angle. The angle counts when it names a result (rad/s is an
-angular speed) but never sets two quantities apart: with radians, r φ is a length and ω r a speed.
+The angle matters when a result is named (rad/s is an angular speed) but never makes two quantities incompatible: with
+radians, r φ is a length and ω r a speed.
 """
 
 import functools
 import math
 from collections.abc import Iterable, Mapping
 from fractions import Fraction
-
-from pint.util import UnitsContainer
 
 from engine.parts.formulas.expressions import (
     ExpressionError,
@@ -20,12 +18,11 @@ from engine.parts.formulas.expressions import (
     is_zero,
     pointed_out,
 )
-from engine.units.dimensions import DIMENSIONS, common_units
+from engine.units.dimensions import DIMENSIONS, Powers, common_units
 from engine.units.reading import base_powers, in_any_unit
 
-_ANGLE = "[angle]"
-_BASES = {"[mass]": "kg", "[length]": "m", "[time]": "s"}
-# Roots of powers of roots have small denominators; anything else is a rounded fraction such as 0.333.
+_SYMBOLS = {"mass": "kg", "length": "m", "time": "s"}
+# Roots of powers of roots have small denominators; any other fraction is a rounded number such as 0.333.
 _LARGEST_DENOMINATOR = 1000
 _COMPARISONS = {"<", "<=", ">", ">=", "==", "!="}
 _ALIKE = {"+", "-", "min", "max", "atan2"} | _COMPARISONS
@@ -34,31 +31,31 @@ _TO_ANGLE = {"asin", "acos", "atan", "atan2", "radians"}
 
 
 @functools.cache
-def dimension_of_unit(unit: str) -> UnitsContainer:
-    """Dimension of a unit as texts or the CF conventions spell it, such as "N m" or "kg m2 rad-1".
+def dimension_of_unit(unit: str) -> Powers:
+    """Dimension of a unit in the spelling of texts or of the CF conventions, such as "N m" or "kg m2 rad-1".
 
     Raises
     ------
     UnitError
-        The unit is not known.
+        The unit is unknown.
     """
-    return _container(base_powers(unit))
+    return Powers.of(base_powers(unit))
 
 
-def unit_of_dimension(dimension: UnitsContainer) -> str:
-    """SI unit of a dimension as the CF conventions spell it: "N m" where there is a usual one, else as "m3 s-1".
+def unit_of_dimension(dimension: Powers) -> str:
+    """SI unit of a dimension in the CF conventions' spelling: the usual one, such as "N m", else such as "m3 s-1".
 
-    Empty for broken powers, such as the root of a length, as the conventions have no spelling for them.
+    Empty for fractional powers, such as the root of a length, which the conventions can't spell.
     """
     names = _names(dimension)
     if names:
         return DIMENSIONS[names[0]].unit
-    whole = all(power.denominator == 1 for power in _plain(dimension).values())
+    whole = all(power.denominator == 1 for power in dimension.plain)
     return _spelled(dimension) if whole else ""
 
 
-def dimension_in_words(dimension: UnitsContainer) -> str:
-    """A dimension as one says it, such as "a length" or "a plain number"."""
+def dimension_in_words(dimension: Powers) -> str:
+    """A dimension in words, such as "a length" or "a plain number"."""
     names = [name.replace("_", " ") for name in _names(dimension)]
     if not names:
         return f"a quantity in {_spelled(dimension)}"
@@ -66,95 +63,81 @@ def dimension_in_words(dimension: UnitsContainer) -> str:
     return f"{'an' if words[0] in 'aei' else 'a'} {words}"
 
 
-def dimension_of(expression: TextExpression, known: Mapping[str, UnitsContainer]) -> UnitsContainer:
-    """Dimension of what an expression yields; for a condition that of a plain number.
+def dimension_of(expression: TextExpression, known: Mapping[str, Powers]) -> Powers:
+    """Dimension of an expression's value; a condition is a plain number.
 
     Parameters
     ----------
     expression : TextExpression
-    known : mapping of str to UnitsContainer
-        Dimension of each of the expression's names.
+    known : mapping of str to Powers
+        Dimension of each name in the expression.
 
     Raises
     ------
     ExpressionError
-        It adds or compares what differs in dimension, raises to a power that isn't a fixed number, or takes a
-        function of what has a dimension; the message shows the place.
+        The expression adds or compares different dimensions, has a power that isn't a fixed number, or applies a
+        function to a quantity with a dimension; the message shows the place.
     """
     return _Checker(expression.text, known).dimension(expression.tree)
 
 
-def check_yields(expression: TextExpression, wanted: UnitsContainer, known: Mapping[str, UnitsContainer]) -> None:
-    """See that an expression yields a quantity of some dimension; zero is one of every dimension.
+def check_yields(expression: TextExpression, wanted: Powers, known: Mapping[str, Powers]) -> None:
+    """Check that an expression gives a quantity of the wanted dimension; zero has every dimension.
 
     Parameters
     ----------
     expression : TextExpression
-    wanted : UnitsContainer
-    known : mapping of str to UnitsContainer
-        As for `dimension_of`.
+    wanted : Powers
+    known : mapping of str to Powers
+        As in `dimension_of`.
 
     Raises
     ------
     ExpressionError
-        It doesn't, or has no dimension by itself.
+        The dimension is another one, or the parts of the expression do not match.
     """
     found = dimension_of(expression, known)
-    if _plain(found) != _plain(wanted) and not is_zero(expression.tree):
+    if found.plain != wanted.plain and not is_zero(expression.tree):
         hint = _unit_hint([expression.tree], wanted)
         gives, wants = dimension_in_words(found), dimension_in_words(wanted)
         raise ExpressionError(f"{expression.text!r} gives {gives}, but this is {wants}{hint}")
 
 
-def dimensions_by_unit(units: Mapping[str, str]) -> dict[str, UnitsContainer | None]:
-    """Dimensions of names from their SI units as CF spells them; None where the unit is "", not known.
-
-    Parameters
-    ----------
-    units : mapping of str to str
-    """
+def dimensions_by_unit(units: Mapping[str, str]) -> dict[str, Powers | None]:
+    """Dimensions of names from their SI units in CF spelling; None if the unit is "", unknown."""
     return {name: dimension_of_unit(unit) if unit else None for name, unit in units.items()}
 
 
-def _container(powers: Mapping[str, int | Fraction]) -> UnitsContainer:
-    return UnitsContainer({base: Fraction(power) for base, power in powers.items()}, non_int_type=Fraction)
-
-
-def _plain(dimension: UnitsContainer) -> UnitsContainer:
-    """The dimension without its angles."""
-    return _container({base: power for base, power in dimension.items() if base != _ANGLE})
-
-
 @functools.cache
-def _names(dimension: UnitsContainer) -> list[str]:
-    """Names of a dimension: with its angles, else without."""
+def _names(dimension: Powers) -> list[str]:
+    """Names of a dimension, including its angles if such names exist, else without."""
     units = {name: dimension_of_unit(d.unit) for name, d in DIMENSIONS.items()}
     exact = [name for name, other in units.items() if other == dimension]
-    return exact or [name for name, other in units.items() if _plain(other) == _plain(dimension)]
+    return exact or [name for name, other in units.items() if other.plain == dimension.plain]
 
 
-def _spelled(dimension: UnitsContainer) -> str:
-    powers = ((symbol, _plain(dimension).get(base, 0)) for base, symbol in _BASES.items())
+def _spelled(dimension: Powers) -> str:
+    powers = ((symbol, getattr(dimension, base)) for base, symbol in _SYMBOLS.items())
     return " ".join(symbol if power == 1 else f"{symbol}{power}" for symbol, power in powers if power)
 
 
-_NUMBER = _container({})
-_AN_ANGLE = _container({_ANGLE: 1})
+_NUMBER = Powers()
+_AN_ANGLE = Powers(angle=Fraction(1))
 
 
 def _bare_number(tree: Tree) -> float | None:
-    """The value of a number without a unit, with its sign; None for anything else."""
+    """The value of a number without a unit, with its sign; None for any other tree."""
     if isinstance(tree, TextOperation) and tree.name == "negative":
         inner = _bare_number(tree.operands[0])
         return None if inner is None else -inner
     return tree if isinstance(tree, float) else None
 
 
-def _unit_hint(trees: Iterable[Tree], wanted: UnitsContainer) -> str:
-    """How a bare number among the trees is to be written, where another dimension is wanted."""
+def _unit_hint(trees: Iterable[Tree], wanted: Powers) -> str:
+    """Suggestion to write a bare number among the trees with a unit of the wanted dimension."""
     number = next((value for tree in trees if (value := _bare_number(tree)) is not None), None)
     names = _names(wanted)
-    if number is None or not names or not _plain(wanted):
+    if number is None or not names or not wanted.plain:
         return ""
     *others, si = common_units(names[0])
     texts = " or ".join(f"'{number:g} {unit}'" for unit in (si, *others))
@@ -162,14 +145,14 @@ def _unit_hint(trees: Iterable[Tree], wanted: UnitsContainer) -> str:
 
 
 class _Checker:
-    """Finds the dimension of each part of an expression."""
+    """Computes the dimension of each part of an expression."""
 
-    def __init__(self, text: str, known: Mapping[str, UnitsContainer]) -> None:
+    def __init__(self, text: str, known: Mapping[str, Powers]) -> None:
         self.text, self.known = text, known
 
-    def dimension(self, tree: Tree) -> UnitsContainer:
+    def dimension(self, tree: Tree) -> Powers:
         if isinstance(tree, TextQuantity):
-            return _container(in_any_unit(tree.text)[1])
+            return Powers.of(in_any_unit(tree.text)[1])
         if isinstance(tree, str):
             return self.known[tree]
         if isinstance(tree, float):
@@ -194,32 +177,32 @@ class _Checker:
             case _:
                 return self.function(tree, operands[0])
 
-    def alike(self, tree: TextOperation, operands: list[UnitsContainer]) -> UnitsContainer:
-        """The dimension that all operands have."""
+    def alike(self, tree: TextOperation, operands: list[Powers]) -> Powers:
+        """The common dimension of the operands."""
         pairs = [(t, d) for t, d in zip(tree.operands, operands, strict=True) if not is_zero(t)]
-        kinds = {_plain(d) for _, d in pairs}
+        kinds = {d.plain for _, d in pairs}
         if len(kinds) > 1:
             first = pairs[0][1]
-            second = next(d for _, d in pairs if _plain(d) != _plain(first))
-            wanted = first if _plain(first) else second
+            second = next(d for _, d in pairs if d.plain != first.plain)
+            wanted = first if first.plain else second
             raise self.refusal(tree, _clash(tree.name, first, second) + _unit_hint(tree.operands, wanted))
         exact = {d for _, d in pairs}
         return exact.pop() if len(exact) == 1 else kinds.pop() if kinds else _NUMBER
 
-    def power(self, tree: TextOperation, base: UnitsContainer, exponent: UnitsContainer) -> UnitsContainer:
-        if _plain(exponent):
+    def power(self, tree: TextOperation, base: Powers, exponent: Powers) -> Powers:
+        if exponent.plain:
             raise self.refusal(tree, f"a power must be a plain number, this is {dimension_in_words(exponent)}")
-        if not _plain(base):
+        if not base.plain:
             return _NUMBER
-        # What varies makes it NaN.
+        # NaN values for the names reveal an exponent that varies.
         number = TextExpression(self.text, (), False, tree.operands[1]).evaluate(dict.fromkeys(self.known, math.nan))
         if not math.isfinite(number):
             words = f"the power of {dimension_in_words(base)} must be a fixed number, or its unit would vary"
             raise self.refusal(tree, words)
         return base ** Fraction(number).limit_denominator(_LARGEST_DENOMINATOR)
 
-    def function(self, tree: TextOperation, operand: UnitsContainer) -> UnitsContainer:
-        if _plain(operand):
+    def function(self, tree: TextOperation, operand: Powers) -> Powers:
+        if operand.plain:
             taken = "an angle or a plain number" if tree.name in ("sin", "cos", "tan") else "a plain number"
             raise self.refusal(tree, f"{tree.name} takes {taken}, this is {dimension_in_words(operand)}")
         return _AN_ANGLE if tree.name in _TO_ANGLE else _NUMBER
@@ -228,7 +211,7 @@ class _Checker:
         return ExpressionError(f"{what}:\n{pointed_out(self.text, tree.column)}")
 
 
-def _clash(operation: str, first: UnitsContainer, second: UnitsContainer) -> str:
+def _clash(operation: str, first: Powers, second: Powers) -> str:
     one, other = dimension_in_words(first), dimension_in_words(second)
     match operation:
         case "+":

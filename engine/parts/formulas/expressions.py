@@ -1,8 +1,8 @@
-"""Arithmetic and conditions over names and dotted paths, as the texts of scenes and studies may hold them.
+"""Arithmetic and conditions over names and dotted paths, in the texts of scenes and studies.
 
-Two things are written as engineers write them: a quantity, `12 N m`, and a power, `omega^2`. Both are first put into
-Python's spelling; then the text is parsed by Python's own parser and translated, construct by construct, into a tree of
-arithmetic. Whatever isn't on the list is refused. It is never evaluated as Python.
+Two constructs follow engineers' notation: a quantity, `12 N m`, and a power, `omega^2`. Both are first converted to
+Python's spelling. Python's parser then parses the text, and each construct is translated into a tree of arithmetic.
+Constructs that are not listed are rejected. The text is never evaluated as Python.
 """
 
 import ast
@@ -24,7 +24,7 @@ from engine.words.glossary import unknown_name_message
 LONGEST = 2000
 DEEPEST = 50
 
-# How many operands a function takes: (fewest, most).
+# Number of operands of a function: (minimum, maximum).
 FUNCTIONS = {
     "sqrt": (np.sqrt, 1, 1),
     "sin": (np.sin, 1, 1),
@@ -73,9 +73,9 @@ _UFUNCS = {
 
 _REPEATED = {"and", "or", "min", "max"}
 
-# Signs of mathematics, and how they are parsed.
+# Mathematical symbols and their spelling for the parser.
 _SIGNS = {"^": "**", "≤": "<=", "≥": ">=", "≠": "!="}
-# Signs and words of other programs, and what is written here.
+# Operators and words of other programs and their equivalents here.
 _FOREIGN = {
     **{"=": "==", ":=": "==", "=>": ">=", "=<": "<=", "<>": "!=", "!": "not", "~": "not", ";": "and"},
     **{"&": "and", "&&": "and", "|": "or", "||": "or"},
@@ -90,20 +90,20 @@ _HINTS = {
 
 
 class ExpressionError(ValueError):
-    """An expression that can't be used; the message shows the place and what is allowed."""
+    """An invalid expression; the message shows the place and the allowed constructs."""
 
 
 class TextQuantity(NamedTuple):
-    """A quantity with its unit: its value (SI) and its text."""
+    """A quantity with its unit: value (SI) and text."""
 
     value: float
     text: str
 
 
 class TextOperation(NamedTuple):
-    """An operation, a comparison or a function with its operands, and the column where it stands in the text.
+    """An operation, comparison or function: its operands and its column in the text.
 
-    Of an "if" the operands are the condition, the number where it holds, and the other.
+    The operands of "if" are the condition, the value if it holds, and the value if not.
     """
 
     name: str
@@ -124,9 +124,9 @@ class TextExpression:
     text : str
         The expression as written.
     names : tuple of str
-        The dotted paths it uses, each once, in order of first appearance.
+        The dotted paths it uses, without repetition, in order of first appearance.
     is_condition : bool
-        Whether it yields true or false (a comparison) instead of a number.
+        Whether it yields true or false instead of a number.
     tree : float, TextQuantity, str or TextOperation
         Its structure.
     """
@@ -137,25 +137,25 @@ class TextExpression:
     tree: Tree = field(repr=False)
 
     def evaluate(self, values: Mapping[str, float | np.ndarray]) -> float | bool | np.ndarray:
-        """Evaluate in float64, element by element.
+        """Evaluate elementwise in float64.
 
-        Division by zero gives an infinity or NaN, a root of a negative number NaN, silently. A comparison
+        Division by zero gives an infinity or NaN, the root of a negative number NaN, without warning. A comparison
         with NaN is false (so `not (x < 1)` is true for NaN).
 
         Parameters
         ----------
         values : mapping of str to float or ndarray
-            A value for each of `names`, of shapes that broadcast together; others are ignored.
+            A value for each of `names`, with shapes that broadcast; other entries are ignored.
 
         Returns
         -------
         float, bool or ndarray
-            An array if any of the values used is one; of bool if `is_condition`.
+            An array if any of the values used is one; bool if `is_condition`.
 
         Raises
         ------
         ExpressionError
-            If one of `names` has no value.
+            One of `names` has no value.
         """
         for name in self.names:
             if name not in values:
@@ -173,8 +173,8 @@ def parse(text: str, quantity: Callable[[str], float] | None = None) -> TextExpr
     text : str
         For instance ``groups.rod.first.length > 300 mm and 2 * input.length < groups.rod.second.length``.
     quantity : callable, optional
-        Converts the text of a quantity, 300 mm, to a number in SI; it raises ValueError for what it can't
-        convert. Without it, quantities are refused.
+        Converts the text of a quantity, 300 mm, to a number in SI; raises ValueError for invalid text. By default,
+        quantities are rejected.
 
     Returns
     -------
@@ -183,15 +183,15 @@ def parse(text: str, quantity: Callable[[str], float] | None = None) -> TextExpr
     Raises
     ------
     ExpressionError
-        If the text is no expression, holds anything that isn't allowed, is longer than 2000 characters or
-        nested deeper than 50.
+        The text is not an expression, uses a construct that isn't allowed, is longer than 2000 characters or nested
+        deeper than 50.
     """
     line = _one_line(text)
     if len(line) > LONGEST:
         raise _refusal(line, LONGEST, f"longer than {LONGEST} characters")
     if not line.strip():
         raise _refusal(line, 0, "an expression is missing")
-    # A comment would swallow the lines after it, as they have become one.
+    # A comment would swallow the following lines, which are joined to it.
     if "#" in line:
         raise _refusal(line, line.index("#"), "comments can't be used here")
     code = _code_of(line)
@@ -201,7 +201,7 @@ def parse(text: str, quantity: Callable[[str], float] | None = None) -> TextExpr
 
 
 def joined_by_and(text: str) -> list[str]:
-    """Texts of the conditions that `and` joins in one that can be parsed."""
+    """Texts of the conditions joined by `and` in a valid condition."""
     code = _code_of(_one_line(text))
     tree = _syntax_tree(code)
     if not (isinstance(tree, ast.BoolOp) and isinstance(tree.op, ast.And)):
@@ -219,12 +219,12 @@ def pointed_out(text: str, column: int) -> str:
 
 
 def _one_line(text: str) -> str:
-    """The text on one line, so that a column is enough to show a place; each character keeps its column."""
+    """The text on one line, so that a column identifies a place; each character keeps its column."""
     return "".join(" " if character.isspace() else character for character in text)
 
 
 def evaluate_tree(tree: Tree, values: Mapping[str, float | np.ndarray]) -> np.ndarray:
-    """Evaluate a part of an expression, or all of it, in float64; as for `TextExpression.evaluate`."""
+    """Evaluate an expression or a part of one in float64, as in `TextExpression.evaluate`."""
     if isinstance(tree, float):
         return np.float64(tree)
     if isinstance(tree, TextQuantity):
@@ -237,14 +237,14 @@ def evaluate_tree(tree: Tree, values: Mapping[str, float | np.ndarray]) -> np.nd
 
 
 def names_in_tree(tree: Tree) -> dict[str, None]:
-    """Names that a part of an expression uses, each once, in order."""
+    """Names used in a part of an expression, without repetition, in order."""
     if isinstance(tree, TextOperation):
         return {name: None for operand in tree.operands for name in names_in_tree(operand)}
     return {tree: None} if isinstance(tree, str) else {}
 
 
 def is_zero(tree: Tree) -> bool:
-    """Whether a part of an expression is a bare 0, which has whatever dimension is needed."""
+    """Whether a part of an expression is a bare 0, which has any dimension."""
     if isinstance(tree, TextOperation) and tree.name == "negative":
         return is_zero(tree.operands[0])
     return isinstance(tree, float) and tree == 0
@@ -258,9 +258,9 @@ class _Code(NamedTuple):
     line : str
         The expression as written, on one line.
     text : str
-        As Python's parser takes it; it would take leading blanks for an indentation, so there are none.
+        For Python's parser, without leading blanks, which it would take for an indentation.
     columns : list of int
-        Column of the line for each character of the text, and for its end.
+        Column in the line for each character of the text, and for its end.
     """
 
     line: str
@@ -268,12 +268,12 @@ class _Code(NamedTuple):
     columns: list[int]
 
     def column(self, offset: int) -> int:
-        """Column of the line for the parser's offset, which counts bytes."""
+        """Column in the line for the parser's offset, which counts bytes."""
         return self.columns[len(self.text.encode()[:offset].decode())]
 
 
 _BLANKS = r"\ *"
-# What begins like a number; a name, the digits in it included; a text in quotes; a sign to replace; one to refuse.
+# A number or its start; a name, including digits; quoted text; a symbol to replace; a foreign operator to reject.
 _TOKEN = re.compile(
     r"(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)|(?P<word>[^\W\d]\w*)|"
     r"(?P<quoted>'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\")|(?P<open>['\"])|(?P<sign>[\^≤≥≠])|"
@@ -283,14 +283,14 @@ _JOINING = re.compile(r"(?i:and|or|not|if|else)")
 _UNFINISHED = re.compile(r"(?:[-+*/^<>=,(]|\b(?:and|or|not|if|else))\s*$")
 _UNIT_POWER = r"(?:(?:\^|\*\*)-?[1-9]|[1-9])?(?![\w.(])"
 _UNIT = re.compile(rf"([^\W\d_]+){_UNIT_POWER}")
-# Between other units a hyphen is a minus.
+# Elsewhere a hyphen between units is a minus.
 _FOOT_POUND = re.compile(rf"(?:ft|in)-(lbf|lbs?){_UNIT_POWER}|(?:lbf|lbs?)-(ft|in){_UNIT_POWER}")
-# Brackets below a bar: "/(m s)".
+# Brackets in a denominator: "/(m s)".
 _UNITS_IN_BRACKETS = re.compile(rf"\(([^\W\d_]+{_UNIT_POWER}(?:[ *][^\W\d_]+{_UNIT_POWER})*)\)")
 
 
 def _code_of(line: str) -> _Code:
-    """An expression in Python's spelling: quantities in quotes, powers as `**`."""
+    """Convert an expression to Python's spelling: quantities in quotes, powers as `**`."""
     pieces: list[tuple[str, int]] = []
     place = len(line) - len(line.lstrip())
     while place < len(line):
@@ -312,7 +312,7 @@ def _code_of(line: str) -> _Code:
 
 
 def _check_token(line: str, token: re.Match) -> None:
-    """Refuse signs and words of other programs, and quotation marks without a second one."""
+    """Reject operators and words of other programs, and unclosed quotation marks."""
     here = _FOREIGN.get(token[0])
     is_name = "." in (line[token.start() - 1 : token.start()], line[token.end() : token.end() + 1])
     if token["word"] and not is_name and _JOINING.fullmatch(token[0]) and not token[0].islower():
@@ -326,9 +326,10 @@ def _check_token(line: str, token: re.Match) -> None:
 
 
 def _end_of_units(line: str, place: int) -> int:
-    """Where the unit ends that follows a number; where the number does, if there is none.
+    """End of the unit that follows a number; end of the number if no unit follows.
 
-    Blanks join units, as in "N m"; a bar does so without blanks, as in "N/mm" or "N/(m s)", and else divides.
+    Blanks join units, as in "N m". A slash without blanks joins units, as in "N/mm" or "N/(m s)"; with blanks it
+    divides.
     """
     end, divided = place, False
     if line.startswith(("%", "°"), sign := _after_blanks(line, place)):
@@ -362,7 +363,7 @@ def _are_units(text: str) -> bool:
 
 
 def _no_stray_word(line: str, end: int) -> None:
-    """Refuse a word that follows a quantity after a blank: an operator is missing, or it is no unit."""
+    """Reject a word after a quantity and a blank: an operator is missing, or the word is not a unit."""
     place = _after_blanks(line, end)
     word = re.compile(r"[^\W\d]\w*").match(line, place)
     if place == end or not word or keyword.iskeyword(word[0]) or _JOINING.fullmatch(word[0]):
@@ -385,7 +386,7 @@ def _syntax_tree(code: _Code) -> ast.expr:
 
 
 def _slip(line: str, column: int) -> tuple[int, str]:
-    """Place and kind of a slip that keeps a text from being parsed, found near a column."""
+    """Column and description of a syntax error, found near a column."""
     opened: list[int] = []
     for token in re.finditer(r"'[^']*'|\"[^\"]*\"|[()]", line):
         if token[0] == "(":
@@ -407,19 +408,19 @@ def _slip(line: str, column: int) -> tuple[int, str]:
 
 
 def _refusal(line: str, column: int, what: str) -> ExpressionError:
-    """Make the error to raise, with a caret under the place."""
+    """Error to raise, with a caret under the place."""
     return ExpressionError(f"{what}:\n{pointed_out(line, column)}\nallowed: {ALLOWED}")
 
 
 class _Translator:
-    """Translates Python's syntax tree into ours."""
+    """Translates Python's syntax tree into a `Tree`."""
 
     def __init__(self, code: _Code, quantity: Callable[[str], float] | None) -> None:
         self.code, self.quantity = code, quantity
         self.names: dict[str, None] = {}
 
     def translate(self, node: ast.expr, depth: int) -> tuple[Tree, bool]:
-        """Return the tree and whether it is a condition."""
+        """Translate a node; also return whether it is a condition."""
         if depth > DEEPEST:
             raise self.refusal(node, f"nested, or chained by + - * /, deeper than {DEEPEST}")
         match node:
@@ -498,7 +499,7 @@ class _Translator:
         value = self.converted(node) if is_quantity else node.value
         if type(value) not in (int, float):
             raise self.refusal(node, f"{value!r} is not a real number")
-        # Integers would be exact, and 9**9**9**9 would take all memory.
+        # Python's integers are exact: 9**9**9**9 would exhaust the memory.
         try:
             number = float(value)
         except OverflowError:
@@ -542,18 +543,18 @@ class _Translator:
         return node.id + "".join(reversed(parts))
 
     def refusal(self, place: ast.AST | int, what: str) -> ExpressionError:
-        """Make the error to raise, with a caret under the place (a node or a column)."""
+        """Error to raise, with a caret under the place (a node or a column)."""
         if isinstance(place, ast.AST):
             place = self.column(place.col_offset)
         return _refusal(self.code.line, place, what)
 
     def after(self, operand: ast.expr) -> int:
-        """Return the column of the operator that follows."""
+        """Column of the operator after an operand."""
         column = self.column(operand.end_col_offset)
         while self.code.line[column] in " )":
             column += 1
         return column
 
     def column(self, offset: int) -> int:
-        """Return the column of the parser's offset, which counts bytes."""
+        """Column of the parser's offset, which counts bytes."""
         return self.code.column(offset)

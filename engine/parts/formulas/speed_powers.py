@@ -1,8 +1,8 @@
-"""A formula as a sum of powers of the input's speed, Σ c_n |ω|ⁿ, where it is one.
+"""A formula as a sum of powers of the input speed, Σ c_n |ω|ⁿ, if it is one.
 
-Velocities of a machine are its transfer functions times the speed of its input. So a formula made of them by products,
-sums, fixed powers, roots, magnitudes and signs is a sum of powers of that speed, each times what depends on the
-position (and time) alone. That is the form in which the equation of motion takes its moments.
+A machine's velocities are its transfer functions times the input speed. A formula that combines them by products, sums,
+fixed powers, roots, absolute values and signs is therefore a sum of powers of that speed, with coefficients that depend
+on position (and time) only. The equation of motion takes its moments in this form.
 """
 
 from collections.abc import Collection, Mapping
@@ -17,11 +17,11 @@ from engine.parts.formulas.expressions import (
 )
 from engine.parts.formulas.switching import operations
 
-# Integral powers of sums are multiplied out up to this one.
+# Whole powers of sums are expanded up to this one.
 LARGEST_POWER = 8
-# Products of sums with more terms aren't multiplied out.
+# Products of sums with more terms aren't expanded.
 MOST_PRODUCTS = 100
-# What jumps where its numbers pass each other.
+# Operations that jump where their operands cross.
 JUMPS = ("<", "<=", ">", ">=", "sign", "atan2")
 # Powers such as 1/3 are rounded numbers.
 _LARGEST_DENOMINATOR = 1000
@@ -31,7 +31,7 @@ _ZERO, _ONE = Fraction(0), Fraction(1)
 
 
 class NoPowerError(ValueError):
-    """A formula that depends on the speed in another way than by powers; `operation` is where."""
+    """A formula that depends on the speed other than by powers; `operation` is the place."""
 
     def __init__(self, operation: TextOperation) -> None:
         super().__init__(operation.name)
@@ -39,25 +39,24 @@ class NoPowerError(ValueError):
 
 
 def powers_of_speed(tree: Tree, velocities: Collection[str]) -> Powers:
-    """A formula by powers of the input's speed.
+    """Decompose a formula into powers of the input speed.
 
     Parameters
     ----------
     tree : float, TextQuantity, str or TextOperation
         The structure of the formula.
     velocities : collection of str
-        Names that stand for what is proportional to the speed.
+        Names of quantities proportional to the speed.
 
     Returns
     -------
     mapping of Fraction to tree
-        Exponents, and what the power is multiplied by: the names of velocities in it stand for these at unit speed, in
-        the direction of the motion.
+        Coefficient of each power; velocities in it are taken at unit speed, in the direction of the motion.
 
     Raises
     ------
     NoPowerError
-        It is no sum of powers.
+        The formula is not a sum of powers.
     """
     if not isinstance(tree, TextOperation):
         return {_ONE if isinstance(tree, str) and tree in velocities else _ZERO: tree}
@@ -96,7 +95,7 @@ def powers_of_speed(tree: Tree, velocities: Collection[str]) -> Powers:
 
 
 def jump_at_a_speed(tree: Tree, velocities: Collection[str]) -> TextOperation | None:
-    """The operation of a formula that jumps at a speed of its own, whatever the position; None where none does."""
+    """The operation of a formula that jumps at a certain speed, whatever the position; None if there is none."""
     for operation in operations(tree):
         if operation.name in JUMPS:
             try:
@@ -107,7 +106,7 @@ def jump_at_a_speed(tree: Tree, velocities: Collection[str]) -> TextOperation | 
 
 
 def _condition(tree: TextOperation, velocities: Collection[str]) -> TextOperation:
-    """A condition that doesn't depend on the speed, velocities in it taken at unit speed."""
+    """A condition that doesn't depend on the speed, with velocities at unit speed."""
     if tree.name in ("and", "or", "not"):
         return tree._replace(operands=tuple(_condition(part, velocities) for part in tree.operands))
     parts = [powers_of_speed(operand, velocities) for operand in tree.operands]
@@ -116,7 +115,7 @@ def _condition(tree: TextOperation, velocities: Collection[str]) -> TextOperatio
 
 
 def _alike(tree: TextOperation, parts: list[Powers]) -> set[Fraction]:
-    """The one power that all parts have; zero has any."""
+    """The common power of all parts; zero has any power."""
     found = {n for part in parts for n, factor in part.items() if not is_zero(factor)} or {_ZERO}
     if len(found) > 1 or any(len(part) > 1 for part in parts):
         raise NoPowerError(tree)

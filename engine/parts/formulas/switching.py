@@ -1,7 +1,7 @@
-"""Where the pieces of a formula switch: the numbers whose difference changes its sign there, and how often that turns.
+"""Switching of a formula's pieces: the quantities whose difference changes sign there, and how often it oscillates.
 
-Crossings are looked for between the turns of a curve, of which a cycle may have so many and no more. So the curves by
-which a formula switches must not turn oftener than that, as those of a mechanism don't.
+Crossings are searched between the turning points of a curve, whose number per cycle is limited. The curves on which a
+formula switches must not have more turning points than that; those of a mechanism don't.
 """
 
 import math
@@ -9,16 +9,16 @@ from collections.abc import Iterator
 
 from engine.parts.formulas.expressions import TextOperation, Tree, evaluate_tree, names_in_tree
 
-# Turns of a curve in a cycle, at most, by which a formula switches.
+# Maximum number of turning points per cycle of a curve on which a formula switches.
 MOST_TURNS = 12.0
-# Turns of a curve of a mechanism in a cycle, as a rule.
+# Typical number of turning points per cycle of a mechanism's curves.
 _OF_MECHANISM = 2.0
-# A power whose exponent varies counts as this one.
+# Exponent assumed for a power whose exponent varies.
 _VARYING_POWER = 3.5
 
 
 def operations(tree: Tree) -> Iterator[TextOperation]:
-    """All operations of a formula, the outermost first."""
+    """All operations of a formula, outermost first."""
     if isinstance(tree, TextOperation):
         yield tree
         for operand in tree.operands:
@@ -26,7 +26,7 @@ def operations(tree: Tree) -> Iterator[TextOperation]:
 
 
 def compared(operation: TextOperation) -> list[tuple[Tree, Tree]]:
-    """Pairs of numbers of which an operation asks which is greater."""
+    """Pairs of quantities that an operation compares."""
     if operation.name in ("<", "<=", ">", ">=", "min", "max"):
         *others, last = operation.operands
         return [(one, last) for one in others]
@@ -39,14 +39,14 @@ def compared(operation: TextOperation) -> list[tuple[Tree, Tree]]:
 
 
 def turns(tree: Tree, cycles: dict[str, float]) -> float:
-    """How often a part of a formula turns in a cycle, estimated from its structure; infinite where nobody knows.
+    """Turning points per cycle of a part of a formula, estimated from its structure; infinite if unknown.
 
     Parameters
     ----------
     tree : Tree
     cycles : dict of str to float
-        Of names that grow steadily, the crank's angle and the time, how many times 2π or its unit they grow in a cycle;
-        other names with a number here don't change.
+        For names that grow steadily, the crank angle and the time: their growth per cycle divided by 2π. For constant
+        names: 0.
     """
     if not isinstance(tree, TextOperation):
         return 0.0 if not isinstance(tree, str) or tree in cycles else _OF_MECHANISM
@@ -67,7 +67,7 @@ def _exponent(tree: Tree) -> float:
 
 
 def _periods(angle: Tree, cycles: dict[str, float]) -> float:
-    """How many times 2π an angle changes in a cycle."""
+    """Change of an angle over a cycle, in periods of 2π."""
     names = names_in_tree(angle)
     if all(cycles.get(name) == 0.0 for name in names):
         return 0.0
@@ -78,7 +78,7 @@ def _periods(angle: Tree, cycles: dict[str, float]) -> float:
 
 
 def _growth(tree: Tree, cycles: dict[str, float]) -> float | None:
-    """Periods by which a sum of steadily growing names, each times a number, and of links' angles grows in a cycle."""
+    """Growth per cycle, in periods, of a sum of multiples of steadily growing names and of link angles; else None."""
     if isinstance(tree, str):
         return cycles.get(tree, 1.0 if tree.endswith(".angle") else None)
     if not isinstance(tree, TextOperation):

@@ -1,4 +1,4 @@
-"""The chapters of the register: what each part of mechanics declares."""
+"""The chapters of the register, each with the quantities of one part of mechanics."""
 
 from engine import on_use
 

@@ -1,4 +1,4 @@
-"""Cams that drive a mechanism: displacement of the follower, pressure angle, profile, forces of contact."""
+"""Cams in a mechanism: follower displacement, pressure angle, profile, contact forces."""
 
 from collections.abc import Callable
 
@@ -16,7 +16,7 @@ def cam_force_fields(scene: Scene) -> list[Quantity]:
     for name, cam in scene.cams.items():
         pressed = "force along its guide" if cam.translating else "moment about its pivot"
         where = f"between cam {name} and {cam.follower.link}"
-        touching = ", positive where they press on each other" if cam.closure == "spring" else ""
+        touching = ", positive in compression" if cam.closure == "spring" else ""
         found.append(Quantity(f"{name}.contact_force", f"force {where}, along the normal{touching}", "N", "N"))
         words = f"{pressed} that presses {cam.follower.link} on cam {name}, inertia included"
         found.append(Quantity(f"{name}.closing_force", words, "N" if cam.translating else "N m", "P"))
@@ -32,7 +32,7 @@ def declare(mechanics: Mechanics) -> Declared:
         words = f"displacement of {cam.follower.link} by cam {name}"
         yield Field(f"{name}.displacement", words, unit, _known(motion.displacement), "s")
         if not flat:
-            words = f"pressure angle of cam {name}, positive where the normal leans as it does on a rise"
+            words = f"pressure angle of cam {name}, positive as on a rise"
             yield Field(
                 f"{name}.pressure_angle",
                 words,
@@ -40,19 +40,19 @@ def declare(mechanics: Mechanics) -> Declared:
                 lambda c=motion: m.graph.apply(angle_of, c.along, c.across),
                 "α",
             )
-        words = f"transmission of cam {name}: the cosine of its pressure angle where it has a roller or edge"
+        words = f"transmission index of cam {name}: for a roller or knife edge, the cosine of the pressure angle"
         yield Field(f"{name}.transmission", words, "1", _known(m.kinematics.sines[name]))
         for axis, node in zip("xy", m.kinematics.coordinates(motion.contact), strict=True):
             words = f"{axis} coordinate of the contact of cam {name} with {cam.follower.link}"
             yield Field(f"{name}.contact_{axis}", words, "m", _known(node))
         for axis, node in zip("xy", motion.normal, strict=True):
-            words = f"{axis} component of the unit normal of that contact, from cam {name} to {cam.follower.link}"
+            words = f"{axis} component of the unit normal at the contact, from cam {name} to {cam.follower.link}"
             yield Field(f"{name}.normal_{axis}", words, "1", _known(node))
-        words = f"curvature of the profile of cam {name} at the contact, positive where it is convex"
+        words = f"curvature of the profile of cam {name} at the contact, positive if convex"
         yield Field(f"{name}.curvature", words, "m-1", _known(motion.curvature), "κ")
         if motion.undercut:
             of = "the base radius" if flat else "that of the pitch curve"
-            words = f"radius of curvature of the profile of cam {name} over {of}: undercut where it is zero"
+            words = f"radius of curvature of the profile of cam {name} over {of}, zero at undercut"
             yield Field(f"{name}.undercut_margin", words, "1", _known(motion.undercut[0]))
         if motion.face is not None:
             words = f"distance of the contact with cam {name} from the origin of {cam.follower.link}, along its face"

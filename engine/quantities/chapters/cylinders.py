@@ -16,7 +16,7 @@ from engine.quantities.register import Declared, Field, Summary
 
 
 def declare(mechanics: Mechanics) -> Declared:
-    """Pressure and volume of every cylinder; over a cycle what its diagram encloses, and what it delivers."""
+    """Pressure and volume of every cylinder; over a cycle, indicated work and power, and delivery."""
     for name in mechanics.scene.cylinders:
         yield from _of_cylinder(mechanics, name)
 
@@ -48,11 +48,11 @@ def _of_cylinder(m: Mechanics, name: str) -> Declared:
     engine = isinstance(cylinder, EngineCylinder)
 
     def work() -> Expression:
-        """∮ p dV, of the gas in an engine, on the gas or liquid in other machines."""
+        """∮ p dV: work of the gas in an engine, work on the gas or liquid in other machines."""
         done = Integral(diagram().pressure * (area * diagram().rate))
         return done if engine else -done
 
-    def a_second(of_cycle: Expression) -> Expression:
+    def per_second(of_cycle: Expression) -> Expression:
         return of_cycle * abs(VariantNumber(m.speed)) / length_of_range(m.first, m.last)
 
     whose = "of the gas" if engine else f"on the {'liquid' if isinstance(cylinder, Pump) else 'gas'}"
@@ -62,11 +62,11 @@ def _of_cylinder(m: Mechanics, name: str) -> Declared:
         f"{name}.indicated_power",
         f"indicated power {whose} in {called('cylinder', name)}",
         "W",
-        lambda: a_second(work()),
+        lambda: per_second(work()),
         symbol="P_i",
         rank=Rank.ANSWER,
     )
-    # So many times a cycle of the machine the gas goes through its own.
+    # Cycles of the gas in a cycle of the machine.
     times = m.scene.input.revolutions / (2.0 if isinstance(cylinder, FourStroke) else 1.0)
     if not isinstance(cylinder, Pump):
         yield Summary(
@@ -90,7 +90,7 @@ def _of_cylinder(m: Mechanics, name: str) -> Declared:
         f"{name}.delivery",
         f"volume that {called('cylinder', name)} delivers per time, at suction",
         "m3 s-1",
-        lambda: a_second(drawn()),
+        lambda: per_second(drawn()),
         symbol="Q",
         rank=Rank.ANSWER,
     )

@@ -33,30 +33,30 @@ from engine.scene.pairs import has_friction
 from engine.scene.scene import Numbers
 
 _USEFUL = frozenset({"useful"})
-# Of the input moment's cycle.
+# Of the drive torque, over the cycle.
 HARMONICS = 12
 
 
 def is_loaded(mechanics: Mechanics) -> bool:
-    """Whether anything but kinematics can be asked: the machine has masses or loads."""
+    """Whether the machine has masses or loads, so that results beyond kinematics are of interest."""
     return bool(mechanics.scene.bodies or mechanics.loads.actions)
 
 
 def declare(mechanics: Mechanics) -> Declared:
-    """Inertia, moments, drive, and where there is a cycle its flywheel."""
+    """Inertia, moments, drive torque and, over a cycle, the flywheel."""
     m, scene, graph = mechanics, mechanics.scene, mechanics.graph
     u = InputUnits.of(scene)
     without = ", without friction in pairs" if has_friction(scene) else ""
     yield Field("reduced_inertia", "reduced moment of inertia", u.inertia, lambda: m.reduced.inertia, "I")
     yield Field(
         "reduced_inertia_phi",
-        "derivative of the reduced moment of inertia by the input",
+        "derivative of the reduced moment of inertia with respect to the input",
         f"{u.inertia} {u.per_q}",
         lambda: m.reduced.slope,
         "dI/dφ",
     )
     yield Field(
-        "reduced_moment", f"reduced moment of all actions but the driver{without}", u.moment, lambda: m.moment_of(), "M"
+        "reduced_moment", f"reduced moment of all loads except the drive{without}", u.moment, lambda: m.moment_of(), "M"
     )
     asked = ("peak",) if is_loaded(m) else ()
     yield Field("input_moment", f"{drive_words(m.scene)}{without}", u.moment, lambda: m.input_moment, "M_in", asked)
@@ -84,7 +84,7 @@ def declare(mechanics: Mechanics) -> Declared:
         number = graph.derived("motor moment", lambda n: moment_of(scene, m.loads.motors, n))
         yield Summary(
             "motor_moment",
-            "torque of the motors at the input's speed, reduced to the input",
+            "torque of the motors at the input speed, reduced to the input",
             "N m",
             lambda: VariantNumber(number),
         )
@@ -100,7 +100,7 @@ def _rated_torque(motor: str, n: Numbers) -> np.ndarray:
 
 
 def _orders(m: Mechanics, units: str) -> Declared:
-    """Orders of the input moment by the crank's speed: halves too where a cycle is two revolutions."""
+    """Orders of the drive torque, in multiples of the crank speed; half orders too if a cycle is two revolutions."""
     for k in range(1, HARMONICS + 1):
         order = f"{k / m.scene.input.revolutions:g}"
         words = f"{ordinal(order)}-order amplitude of the drive torque"
@@ -109,7 +109,7 @@ def _orders(m: Mechanics, units: str) -> Declared:
 
 
 def input_moment_harmonic(m: Mechanics, k: int) -> tuple[Expression, Expression]:
-    """Cosine and sine part of a harmonic of the input moment's cycle, 2/T ∫ M_in cos(2πkφ/T) dφ and so on.
+    """Cosine and sine coefficient of a harmonic of the drive torque, 2/T ∫ M_in cos(2πkφ/T) dφ and so on.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def _drive(m: Mechanics) -> Declared:
 
 
 def _flywheel(m: Mechanics) -> Declared:
-    """Excess work, and the flywheel with what follows from it."""
+    """Excess work, and the results for the flywheel."""
     flywheel = m.scene.flywheel
     asked = flywheel is not None and flywheel.speed_fluctuation is not None
     given = flywheel is not None and flywheel.inertia is not None
@@ -174,7 +174,7 @@ def _flywheel(m: Mechanics) -> Declared:
     def steady(result: str) -> SteadyCycle:
         return steady_cycle(m, result)
 
-    words = "work of all moments with the constant driver: change of kinetic energy"
+    words = "work of all moments with a constant drive torque: change of kinetic energy"
     yield Field("work", words, "J", lambda: Work(m.moment_of()), "W")
     rank = Rank.ANSWER if is_loaded(m) else Rank.FURTHER
     yield Summary("excess_work", "excess work", "J", lambda: steady("excess_work"), symbol="A_exc", rank=rank)
@@ -188,7 +188,7 @@ def _flywheel(m: Mechanics) -> Declared:
         for name, method in (("excess_work", "excess work"), ("merzalov", "Merzalov")):
             yield Summary(
                 f"{name}_difference",
-                f"flywheel by {method}, relative difference from the exact one",
+                f"flywheel by {method}, relative difference from the exact result",
                 "1",
                 lambda name=name: steady(f"flywheel_{name}") / steady("flywheel_wittenbauer") - 1.0,
                 rank=Rank.CHECK,
@@ -196,7 +196,7 @@ def _flywheel(m: Mechanics) -> Declared:
     if asked or given:
         yield Summary(
             "flywheel_used",
-            "flywheel inertia on the input link: as given, or as Wittenbauer asks",
+            "flywheel inertia on the input link: as given, or by Wittenbauer's method",
             "kg m2",
             lambda: steady("flywheel_used"),
             rank=Rank.ANSWER,

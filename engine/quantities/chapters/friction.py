@@ -1,4 +1,4 @@
-"""Friction in pairs: what it takes, what it leaves, and how near the machine is to jamming."""
+"""Friction in pairs and meshes: forces, losses, efficiency, and the margin against jamming."""
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from engine.scene.pairs import contact_pairs, has_friction, lossy_meshes, mesh_d
 
 
 def declare(mechanics: Mechanics) -> Declared:
-    """Friction pair by pair, its moment at the input, losses, efficiency and the margin against jamming."""
+    """Friction pair by pair, its reduced moment, losses, efficiency and the margin against jamming."""
     m, scene = mechanics, mechanics.scene
     if not has_friction(scene):
         return
@@ -38,7 +38,7 @@ def declare(mechanics: Mechanics) -> Declared:
         if pair.kind == "revolute":
             yield variable(f"{pair.name}.friction_moment", f"moment of friction on {pair.link} {where}", "N m")
         else:
-            along = "the cam's tangent, which the normal of the contact turns into" if pair.kind == "contact" else ""
+            along = "the cam's tangent (contact normal turned left)" if pair.kind == "contact" else ""
             words = f"friction on {pair.link} along {along or 'its own direction'} {where}"
             yield variable(f"{pair.name}.friction_force", words, "N")
         yield variable(f"{pair.name}.friction_power", f"power lost to friction {where}", "W")
@@ -49,7 +49,7 @@ def declare(mechanics: Mechanics) -> Declared:
             lambda name=pair.name: abs(Integral(m.reactions.lost[name])),
         )
     for name in lossy_meshes(scene):
-        where = f"between the teeth of {name} and of {mesh_driver(scene, name)}"
+        where = f"in the mesh of {name} with {mesh_driver(scene, name)}"
         yield variable(f"{name}.mesh_loss", f"power lost {where}", "W")
         yield Summary(
             f"{name}.mesh_work",
@@ -57,7 +57,7 @@ def declare(mechanics: Mechanics) -> Declared:
             "J",
             lambda name=name: abs(Integral(m.reactions.lost_in_teeth[name])),
         )
-    yield variable("friction_moment", "reduced moment of the friction in all pairs and between teeth", unit)
+    yield variable("friction_moment", "reduced moment of all friction in pairs and meshes", unit)
     words = f"{drive_words(m.scene)}, with friction in pairs"
     yield variable("input_moment_with_friction", words, unit, "peak")
     yield Summary(
@@ -82,7 +82,7 @@ def declare(mechanics: Mechanics) -> Declared:
         rank=Rank.ANSWER,
     )
     if m.has_cycle:
-        of = "useful work and work given at the input, over driving work and work taken there, over the cycle"
+        of = "useful work and work delivered at the input over driving work and work supplied there, over the cycle"
         yield Summary(
             "mechanical_efficiency",
             f"mechanical efficiency: {of}",
@@ -94,7 +94,7 @@ def declare(mechanics: Mechanics) -> Declared:
 
 
 def _efficiency(m: Mechanics) -> Expression:
-    """Share of what is put into a machine that comes out of it, in the mean over a cycle."""
+    """Mechanical efficiency over a cycle: mean power delivered over mean power supplied."""
     useful, driving = (mean(m, m.moment_of(frozenset({role}))) for role in ("useful", "driving"))
     taken = -mean(m, m.moment_of()) - mean(m, m.reactions.variables["friction_moment"])
     out = _positive(-useful) + _positive(-taken)
@@ -106,6 +106,6 @@ def _positive(x: Expression) -> Expression:
 
 
 def _ratio(out: Measured, put_in: Measured) -> Measured:
-    """A ratio; undefined where nothing is put in."""
+    """A ratio; undefined if no power is supplied."""
     with np.errstate(all="ignore"):
         return out / put_in

@@ -1,4 +1,4 @@
-"""Inertia forces of bodies, the masses that stand for them, and what shakes the frame."""
+"""Inertia forces of bodies, the masses that replace bodies, and shaking forces on the frame."""
 
 import numpy as np
 
@@ -22,7 +22,7 @@ def declare(mechanics: Mechanics) -> Declared:
     for name in mechanics.scene.bodies:
         yield from _forces(mechanics, name)
         if mechanics.scene.bodies[name].swing is not None:
-            words = f"moment of inertia of {called('body', name)} about its centre of mass, from the time of its swing"
+            words = f"moment of inertia of {called('body', name)} about its mass centre, from the period of its swing"
             yield Summary(f"{name}.moment_of_inertia", words, "kg m2", lambda name=name: _swung(mechanics, name))
         yield from _replacement(mechanics, name)
     yield from _shaking(mechanics)
@@ -45,15 +45,15 @@ def _forces(m: Mechanics, name: str) -> Declared:
     )
     yield Field(
         f"{name}.inertia_offset",
-        f"distance of the resultant of the inertia forces of {called('body', name)} from its centre of mass "
-        "(positive: passes to the right of it)",
+        f"distance of the resultant of the inertia forces of {called('body', name)} from its mass centre "
+        "(positive: passes to its right)",
         "m",
         lambda: m.inertia_forces(name).offset,
     )
 
 
 def _swung(m: Mechanics, name: str) -> Expression:
-    """Moment of inertia from a swing, with what cancels of mgh T²/4π² in its figure."""
+    """Moment of inertia from a swing; the error estimate includes the cancellation in mgh T²/4π² − mh²."""
     own = (f"bodies.{name}.mass", f"bodies.{name}.swing.")
     paths = [path for path in scene_numbers(m.scene) if path.startswith(own)]
 
@@ -65,12 +65,12 @@ def _swung(m: Mechanics, name: str) -> Expression:
 
 
 def _replacement(m: Mechanics, name: str) -> Declared:
-    """Masses and places of the points that stand for a body, and what they miss of its moment of inertia."""
+    """Masses and positions of the points that replace a body, and their error in its moment of inertia."""
     body, graph, count = m.scene.bodies[name], m.graph, count_points(m.scene, name)
     for i in range(count):
         chosen = body.replace.at[i : i + 1]
-        place = ("the centre of mass" if chosen == (CENTRE,) else chosen[0]) if chosen else "the point found"
-        whose = f"mass {i + 1} (at {place}) that stands for {called('body', name)}"
+        place = ("the mass centre" if chosen == (CENTRE,) else chosen[0]) if chosen else "the computed point"
+        whose = f"mass {i + 1} (at {place}) that replaces {called('body', name)}"
         part = replacement_mass(m.scene, name, i)
         for key, words, unit, compute in (
             ("mass", f"point {whose}, may be negative", "kg", part.mass),
@@ -85,7 +85,7 @@ def _replacement(m: Mechanics, name: str) -> Declared:
             f"replacement error of {name}",
             lambda n: error_of(replacement(m.scene, name, n), body_inertia(m.scene, name, n)),
         )
-        words = f"moment of inertia of the point masses that stand for {called('body', name)}, less its own"
+        words = f"moment of inertia of the point masses that replace {called('body', name)}, minus its own"
         yield Summary(f"{name}.replacement_error", words, "kg m2", lambda: VariantNumber(error))
 
 
@@ -97,7 +97,7 @@ def _shaking(m: Mechanics) -> Declared:
     yield Field("shaking_force", force, "N", lambda: m.shaking.force.length, "F")
     yield Field(
         "shaking_moment",
-        f"shaking moment about {about} at constant speed, inertia of shafts and gears in it, loads not",
+        f"shaking moment about {about} at constant speed, including shafts and gears, excluding loads",
         "N m",
         lambda: m.shaking.moment,
     )
@@ -107,10 +107,10 @@ def _shaking(m: Mechanics) -> Declared:
 
 
 def order_of_force(m: Mechanics, n: int) -> Expression:
-    """Longer half axis of the ellipse that order n of the shaking force draws.
+    """Major semi-axis of the ellipse described by order n of the shaking force.
 
-    With the complex force z = F_x + i F_y, order n is c₊ e^{inφ} + c₋ e^{−inφ}, c± = 1/T ∫ z e^{∓inφ} dφ, and the half
-    axes are ||c₊| ± |c₋||.
+    With the complex force z = F_x + i F_y, order n is c₊ e^{inφ} + c₋ e^{−inφ}, c± = 1/T ∫ z e^{∓inφ} dφ; the semi-axes
+    are ||c₊| ± |c₋||.
     """
     cosine, sine = multiple_angle(m.graph, n)
     x, y = m.shaking.force

@@ -1,4 +1,4 @@
-"""Positions, velocities and accelerations: what may be asked of the motion of points, links and sliders."""
+"""Positions, velocities and accelerations of points, links and sliders."""
 
 from collections.abc import Callable
 
@@ -12,7 +12,11 @@ from engine.quantities.register import Declared, Field, InputUnits
 from engine.scene.names import joint_owners
 from engine.scene.pairs import held_by_frame
 
-_WORDS = ("", "first derivative by the input of the ", "second derivative by the input of the ")
+_WORDS = (
+    "{}",
+    "first derivative of the {} with respect to the input",
+    "second derivative of the {} with respect to the input",
+)
 _SUFFIXES = ("", "_phi", "_phiphi")
 _RATES = {
     "x": ("vx", "ax"),
@@ -26,7 +30,7 @@ _RATES_IN_WORDS = {
     "angle": "angular {rate} of link {owner}",
     "slide": "{rate} of slider {owner}",
 }
-# Of the coordinate, and of its derivatives by time.
+# Symbols of the coordinate and of its time derivatives.
 _SYMBOLS = {
     "x": ("x_{owner}", "v_{owner}x", "a_{owner}x"),
     "y": ("y_{owner}", "v_{owner}y", "a_{owner}y"),
@@ -56,7 +60,7 @@ def declare(mechanics: Mechanics) -> Declared:
     for name, h in k.certificates.items():
         words = f"determinant of the loop equations of {name}, relative to its maximum"
         yield Field(f"{name}.transmission", words, "1", _known(k.sines[name]))
-        words = f"h of Newton and Kantorovich in {name}: no more than 1/2 proves its assembly mode"
+        words = f"Newton–Kantorovich h of {name}: up to 1/2 proves its assembly mode"
         yield Field(f"{name}.certificate", words, "1", _known(h))
     for name, motion in k.noncircular.items():
         yield from _of_wheel(name, scene.noncircular_wheels[name].geared_to, motion, k.coordinates)
@@ -74,7 +78,9 @@ def _of_wheel(
     for axis, node in zip("xy", coordinates(motion.pitch_point), strict=True):
         yield Field(f"{name}.pitch_{axis}", f"{axis} coordinate of the pitch point of {name}", "m", _known(node))
     for axis, node in zip("xy", motion.tangent, strict=True):
-        words = f"{axis} component of the unit tangent common to the pitch curves of {name} and {driver} there"
+        words = (
+            f"{axis} component of the common unit tangent of the pitch curves of {name} and {driver} at the pitch point"
+        )
         yield Field(f"{name}.tangent_{axis}", words, "1", _known(node))
     wheels = (
         ("", name, motion.radius, motion.curvature),
@@ -83,7 +89,7 @@ def _of_wheel(
     for prefix, wheel, radius, curvature in wheels:
         words = f"radius of the pitch curve of {wheel} at the pitch point with {name if prefix else driver}"
         yield Field(f"{name}.{prefix}pitch_radius", words, "m", _known(radius), "r")
-        words = f"curvature of the pitch curve of {wheel} there, positive where it is convex"
+        words = f"curvature of the pitch curve of {wheel} at the pitch point, positive if convex"
         yield Field(f"{name}.{prefix}curvature", words, "m-1", _known(curvature), "κ")
 
 
@@ -102,12 +108,12 @@ def _known(node: Node | Angle) -> Callable[[], Node | Angle]:
 def _coordinate(
     mechanics: Mechanics, owner: str, kind: str, words: str, unit: str, nodes: tuple[Node | Angle, Node, Node]
 ) -> Declared:
-    """A coordinate, its derivatives by the input, and its derivatives by time at the input's uniform speed."""
+    """A coordinate, its derivatives with respect to the input, and its time derivatives at constant input speed."""
     q, graph = InputUnits.of(mechanics.scene).q, mechanics.graph
     symbol, of_first, of_second = (text.format(owner=owner) for text in _SYMBOLS[kind])
     for order, (suffix, word, node) in enumerate(zip(_SUFFIXES, _WORDS, nodes, strict=True)):
         units = f"{unit} {q}-{order}" if order else unit
-        yield Field(f"{owner}.{kind}{suffix}", f"{word}{words}", units, _known(node), symbol + "′" * order)
+        yield Field(f"{owner}.{kind}{suffix}", word.format(words), units, _known(node), symbol + "′" * order)
     first, second = _RATES[kind]
     guided = kind in ("angle", "slide") and owner in held_by_frame(mechanics.scene) and nodes[2] is not graph.zero
     answers = ("peak",) if guided else ()

@@ -1,11 +1,11 @@
-"""The loops of the structural groups: how they transmit forces, whether they close, how they magnify inaccuracies.
+"""The loops of the structural groups: transmission angle, loop-closure residual, error magnification.
 
-An error dr of a link's length, or of a guide's offset, moves the inner joint B of a dyad so that it keeps to the other
-link or guide: u₁·dB = dr, u₂·dB = 0, with u₁ and u₂ along the links or across the guides. So B moves across u₂ by
-|dB| = dr/|sin γ|, γ the angle between u₁ and u₂: the transmission angle of RRR, that of the rod and the normal of the
-guide in RRP, of the two guides in PRP. In RPR the slot's point that lies at the pin moves so by an error of the slot's
-offset, in RPP the crossing of slot and guide by an error across the slot. Errors are magnified without bound in dead
-centres and change points of the group, where γ is 0.
+An error dr of a link's length, or of a guide's offset, displaces the inner joint B of a dyad along the direction that
+the other link or guide allows: u₁·dB = dr, u₂·dB = 0, with u₁ and u₂ along the links or across the guides. Thus B moves
+perpendicular to u₂ by |dB| = dr/|sin γ|, with γ the angle between u₁ and u₂: the transmission angle of RRR, the angle
+between the rod and the normal of the guide in RRP, between the two guides in PRP. In RPR, an error of the slot's offset
+displaces the slot's point at the pin in the same way; in RPP, an error across the slot the intersection of slot and
+guide. The magnification is unbounded at dead centres and change points of the group, where γ = 0.
 
 Source: any course of the theory of mechanisms, chapter on the accuracy of mechanisms.
 """
@@ -22,7 +22,7 @@ MAGNIFICATION, RESIDUAL = "error_magnification", "loop_closure_residual"
 
 
 def declare(mechanics: Mechanics) -> Declared:
-    """Transmission angles, error magnifications, and the loops' residual."""
+    """Transmission angles, error magnifications, and the loop-closure residual."""
     m, groups = mechanics, tuple(mechanics.scene.groups)
     words = "displacement of the joint or block per unit error of a length or offset, worst position"
     for group in groups:
@@ -54,12 +54,12 @@ def declare(mechanics: Mechanics) -> Declared:
 
 
 def least_sine(m: Mechanics, group: str) -> Expression:
-    """Least quality of force transmission of a group by magnitude; the quality never changes its sign."""
+    """Minimum magnitude of a group's transmission index, which never changes sign."""
     return LeastMagnitude(m.kinematics.sines[group])
 
 
 def _angle_of(sine: Measured) -> Measured:
-    """Angle from its sine, and how much less it may be."""
+    """Angle from its sine; the error estimate is towards smaller angles."""
     with np.errstate(invalid="ignore"):
         angle = np.arcsin(np.minimum(sine.value, 1.0))
         lower = np.arcsin(np.clip(sine.value - sine.error, 0.0, 1.0))

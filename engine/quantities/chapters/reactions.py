@@ -1,4 +1,4 @@
-"""Reactions in the pairs, what the machine does to its frame, the forces that load its links, and checks of them."""
+"""Reactions in the pairs, forces on the frame, loads on the links, and checks of them."""
 
 import math
 from itertools import combinations
@@ -38,19 +38,19 @@ def declare(mechanics: Mechanics) -> Declared:
                 yield from _load_direction(m, pair, link)
     for field in tooth_force_fields(m.scene):
         yield _variable(m, field.name, field.long_name, field.units, field.symbol)
-    on_frame = "of all that the machine does to its frame, drive included"
+    on_frame = "exerted by the machine on its frame, including the drive"
     yield _variable(m, "frame.reaction_x", f"x component of the force {on_frame}", "N")
     yield _variable(m, "frame.reaction_y", f"y component of the force {on_frame}", "N")
-    yield _variable(m, "frame.reaction_moment", f"moment about the origin {on_frame}", "N m")
+    yield _variable(m, "frame.reaction_moment", f"moment about the origin, {on_frame}", "N m")
     kept = drive_words(m.scene)
-    rubbing = ", friction in pairs among them" if has_friction(m.scene) else ""
-    own = ", without what drives of second inputs give" if own_drives(m.scene) else ""
+    with_friction = ", including friction in pairs" if has_friction(m.scene) else ""
+    own = ", without the drives of second inputs" if own_drives(m.scene) else ""
     yield _variable(m, "input_moment_by_equilibrium", f"{kept}, by equilibrium of the input link{own}", unit)
     for name in m.scene.inputs:
         slides = name in m.kinematics.slides
-        words = f"{'force' if slides else 'moment'} on {name} that keeps it to its law, by equilibrium"
+        words = f"drive {'force' if slides else 'moment'} on {name}, by equilibrium"
         yield _variable(m, driving_field(m.scene, name), words, "N" if slides else "N m", "F" if slides else "M")
-    words = f"{kept}, by virtual power of all forces{rubbing} (Zhukovsky's lever)"
+    words = f"{kept}, by virtual power of all forces{with_friction} (Zhukovsky's lever)"
     yield _variable(m, "input_moment_by_power", words, unit)
     for field in acting_fields(m.scene):
         yield _variable(m, field.name, field.long_name, field.units, field.symbol)
@@ -64,7 +64,7 @@ def _variable(m: Mechanics, name: str, words: str, unit: str, symbol: str = "", 
 def _fields_of(m: Mechanics, pair: Pair) -> Declared:
     force = force_words(m.scene, pair)
     if pair.name in m.scene.shafts and m.scene.shafts[pair.name].pressure_angle is None:
-        force += " (without forces between teeth)"
+        force += " (without tooth forces)"
     asked = ("peak",) if is_loaded(m) else ()
     yield _variable(m, f"{pair.name}.reaction_x", f"x component of the {force}", "N", "R_x")
     yield _variable(m, f"{pair.name}.reaction_y", f"y component of the {force}", "N", "R_y")
@@ -83,7 +83,7 @@ def _fields_of(m: Mechanics, pair: Pair) -> Declared:
 
 
 def force_words(scene: Scene, pair: Pair) -> str:
-    """The force in a pair as an engineer calls it: "crankpin force (joint A): crank on rod"."""
+    """The force in a pair in an engineer's terms: "crankpin force (joint A): crank on rod"."""
     acts = f"{pair.other} on {pair.link}"
     if pair.kind == "prismatic":
         held = pair.other == FRAME and pair.place.startswith("guide ")
@@ -92,7 +92,7 @@ def force_words(scene: Scene, pair: Pair) -> str:
 
 
 def _bearing(scene: Scene, pair: Pair) -> str:
-    """What the bearing of a joint is called."""
+    """Name of the bearing at a joint."""
     if isinstance(scene.input, CrankInput) and pair.name == "input":
         return "main-bearing"
     if isinstance(scene.input, CrankInput) and scene.input.link in (pair.link, pair.other):
@@ -109,7 +109,7 @@ def _direction(m: Mechanics, pair: Pair) -> Angle:
 
 
 def acting_fields(scene: Scene) -> list[Quantity]:
-    """Forces and moments of a scene as they act on its links; the drive and released brakes are none of them."""
+    """Forces and moments of a scene on its links, without the drive and the released brakes."""
     found = []
     for name in (*scene.forces, *scene.springs, *scene.cylinders):
         on = f" on point {scene.springs[name].between[1]}" if name in scene.springs else ""
@@ -120,30 +120,30 @@ def acting_fields(scene: Scene) -> list[Quantity]:
 
 
 def tooth_force_fields(scene: Scene) -> list[Quantity]:
-    """Forces between teeth: of shafts and non-circular wheels whose pressure angle is given, of racks and pinions."""
+    """Tooth forces of shafts and non-circular wheels with a pressure angle, and of racks and pinions."""
     found = []
 
-    def add(name: str, where: str, along: str, apart: str) -> None:
-        normal = f"force {where} along the normal to their flanks: the reaction of this higher pair"
+    def add(name: str, where: str, along: str, radial: str) -> None:
+        normal = f"force {where} along the normal to their flanks, the reaction of this higher pair"
         found.append(Quantity(f"{name}.tangential_force", along, "N", "F_t"))
-        found.append(Quantity(f"{name}.radial_force", apart, "N", "F_r"))
+        found.append(Quantity(f"{name}.radial_force", radial, "N", "F_r"))
         found.append(Quantity(f"{name}.normal_force", normal, "N", "F_n"))
 
     for name, shaft in scene.shafts.items():
         if shaft.pressure_angle is not None:
             where = f"between the teeth of {name} and its driver"
             along = f"tangential force {where}: the moment of the loads on {name} over its pitch radius"
-            add(name, where, along, f"force {where} that pushes them apart")
+            add(name, where, along, f"separating force {where}")
     for name, wheel in scene.noncircular_wheels.items():
         if wheel.pressure_angle is not None:
             where = f"between the teeth of {name} and of {wheel.geared_to}"
             along = f"force {where}, along the common tangent of their pitch curves"
-            add(name, where, along, f"force {where}, along the normal of their pitch curves, which pushes them apart")
+            add(name, where, along, f"separating force {where}, along the normal of their pitch curves")
     for table, words in (("racks", "pinion"), ("pinions", "rack")):
         for name in getattr(scene, table):
             where = f"between the teeth of {name} and of its {words}"
             along = f"force {where} on {name}, along the rack in the direction of its guide"
-            add(name, where, along, f"force {where} that pushes them apart")
+            add(name, where, along, f"separating force {where}")
     return found
 
 
@@ -171,9 +171,9 @@ def _disagreement(m: Mechanics) -> Expression:
     energy = m.input_moment if m.scene.inertia_in_reactions else -m.moment_of()
     if has_friction(m.scene):
         energy = energy - found["friction_moment"]
-    ways = (energy, m.reactions.moment_of_drives, found["input_moment_by_power"])
-    apart = maximum(*(unresolved_peak(one - other) for one, other in combinations(ways, 2)))
-    return share(apart, maximum(*(peak(way) for way in ways)))
+    torques = (energy, m.reactions.moment_of_drives, found["input_moment_by_power"])
+    difference = maximum(*(unresolved_peak(one - other) for one, other in combinations(torques, 2)))
+    return share(difference, maximum(*(peak(torque) for torque in torques)))
 
 
 def _residual(m: Mechanics) -> Expression:
@@ -184,7 +184,7 @@ def _residual(m: Mechanics) -> Expression:
 
 
 def _load_direction(m: Mechanics, pair: Pair, link: str) -> Declared:
-    """Where a bearing is loaded, in the axes of a link."""
+    """Directions in which a bearing is loaded, in the axes of a link."""
     load = f"load on {link} in {pair.place} ({link} axes)"
 
     def means() -> tuple[Expression, Expression, Expression]:
@@ -221,7 +221,7 @@ def _load_direction(m: Mechanics, pair: Pair, link: str) -> Declared:
 
 
 def _defined_direction(x: Measured, y: Measured) -> Measured:
-    """Direction of a mean vector; undefined where the vector is within its error."""
+    """Direction of a mean vector; undefined if the vector is smaller than its error."""
     angle, size = atan2(y, x), np.hypot(x.value, y.value)
     unknown = ~(size > np.hypot(x.error, y.error))
     return Measured(np.where(unknown, np.nan, angle.value), np.where(unknown, np.nan, np.minimum(angle.error, math.pi)))

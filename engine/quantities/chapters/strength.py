@@ -1,4 +1,4 @@
-"""Strength of pins and rods: pressure in bearings, buckling of struts, by the reactions in the pairs."""
+"""Strength of pins and rods from the reactions in the pairs: bearing pressure, buckling of struts."""
 
 from functools import partial
 
@@ -18,7 +18,7 @@ from engine.scene.scene import Numbers
 
 
 def declare(mechanics: Mechanics) -> Declared:
-    """Pressure of every pin, and what every strut bears."""
+    """Bearing pressure of every pin, and the buckling safety of every strut."""
     m = mechanics
     for name, pin in m.scene.pins.items():
         at = f"pins.{name}"
@@ -40,7 +40,7 @@ def _of_strut(m: Mechanics, name: str, strut: Strut) -> Declared:
     critical = graph.derived(f"{at}.critical force", lambda n: _critical_force(m, name, n))
 
     def compression() -> Expression:
-        """Greatest thrust at either end, 0 of a rod that is only pulled."""
+        """Maximum compressive force at either end; 0 for a rod always in tension."""
         found = maximum(*(greatest(thrust) for thrust in _thrusts(m, strut.link)))
         return maximum(found, found * 0.0)
 
@@ -94,7 +94,7 @@ def _critical_force(m: Mechanics, name: str, n: Numbers) -> np.ndarray:
 
 
 def _safety(critical: Measured, compression: Measured) -> Measured:
-    """Undefined of a rod that is only pulled."""
+    """Buckling safety; undefined for a rod always in tension."""
     with np.errstate(all="ignore"):
         found = critical / compression
     pulled = compression.value <= 0.0

@@ -28,7 +28,7 @@ from engine.scene.pairs import held_by_frame
 
 
 def declare(mechanics: Mechanics) -> Declared:
-    """Stroke of every slider, swing of every link that may swing."""
+    """Stroke of every slider, and swing of every link that may swing."""
     k = mechanics.kinematics
     for name in mechanics.structure.sliders:
         slide = k.slides[name]
@@ -39,13 +39,13 @@ def declare(mechanics: Mechanics) -> Declared:
 
 
 def swinging_links(mechanics: Mechanics) -> list[str]:
-    """Links that turn, but not uniformly: those that may swing."""
+    """Links that turn at a varying rate, which may swing."""
     zero, links = mechanics.graph.zero, mechanics.kinematics.links
     return [n for n in mechanics.structure.links if links[n].w is not zero and links[n].e is not zero]
 
 
 def _swing_end(mechanics: Mechanics, name: str, which: str) -> Expression:
-    """End of the swing of a link, or the position there; undefined for a link that turns all the way round."""
+    """End of the swing of a link, or the input position there; undefined for a link that turns fully."""
     link = mechanics.kinematics.links[name]
     scene = mechanics.scene
     geared, meshes = name in {*scene.pinions, *scene.inputs}, structure.meshes
@@ -63,7 +63,7 @@ def _unless_turning(value: Measured, turned: Measured) -> Measured:
 
 
 def _repeats_each_turn(mechanics: Mechanics, motion: Iterable[Node]) -> bool:
-    """Whether a motion is known to repeat itself with each turn of the crank, not only with the cycle."""
+    """Whether a motion is known to repeat with each turn of the crank, not only with the cycle."""
     return mechanics.scene.input.revolutions == 1 or mechanics.graph.q not in reached(motion)
 
 
@@ -101,7 +101,7 @@ def _ends(
 def quick_return_ratio(low_at: Measured, high_at: Measured) -> Measured:
     """Crank angle of the slow stroke over that of the fast one, R = α/(2π − α), at least 1.
 
-    Undefined where its error is as great as itself: an end that two places tie for may be at either.
+    Undefined if its error reaches its value: where two positions tie for an end of the stroke, either may be the end.
     """
     up = np.mod(high_at.value - low_at.value, FULL_TURN)
     slow = np.maximum(up, FULL_TURN - up)

@@ -1,4 +1,4 @@
-"""Deviations from what is wanted: of places from the path of a point, of a motion from rows over the crank angle."""
+"""Deviations from a wanted motion: of points from a path, of a motion from rows over the crank angle."""
 
 import numpy as np
 
@@ -20,13 +20,13 @@ def declare(mechanics: Mechanics) -> Declared:
     """Deviations of all wanted motions, as rms and maximum."""
     for name, wanted in mechanics.scene.wanted.items():
         if isinstance(wanted, WantedPath):
-            what, units = f"distance of the places wanted in {name} from the path of {wanted.point}", "m"
-            apart = _apart(mechanics, wanted)
-            rms, most = Formula(_rms, apart), Formula(_most, apart)
+            what, units = f"distance of the points wanted in {name} from the path of {wanted.point}", "m"
+            squared = _squared_distances(mechanics, wanted)
+            rms, most = Formula(_rms, squared), Formula(_maximum, squared)
         else:
             what, units = f"deviation of {wanted.of} from {name}", "rad" if isinstance(wanted, WantedAngle) else "m"
             inside = rows_over_angle(mechanics.kinematics, _from_to(wanted), [1.0, 1.0], "linear", "zero")
-            curve = inside * _beyond(mechanics, name, wanted)
+            curve = inside * _deviation(mechanics, name, wanted)
             yield Field(f"{name}.deviation", f"{what}, 0 outside its rows", units, lambda curve=curve: curve, "Δ")
             rms, most = sqrt(Integral(curve * curve) / Integral(inside)), peak(curve)
         words = f"{what}, rms"
@@ -36,8 +36,8 @@ def declare(mechanics: Mechanics) -> Declared:
         )
 
 
-def _apart(mechanics: Mechanics, wanted: WantedPath) -> tuple[Expression, ...]:
-    """Square of the distance of each place from the path."""
+def _squared_distances(mechanics: Mechanics, wanted: WantedPath) -> tuple[Expression, ...]:
+    """Square of the distance of each wanted point from the path."""
     graph, kinematics = mechanics.graph, mechanics.kinematics
     at = kinematics.coordinates(kinematics.points[wanted.point].r)
     begin = graph.store(np.array([wanted.x, wanted.y]))
@@ -54,8 +54,8 @@ def _from_to(wanted: WantedSlide | WantedAngle) -> list[float]:
     return [wanted.over_angle[0], wanted.over_angle[-1]]
 
 
-def _beyond(mechanics: Mechanics, name: str, wanted: WantedSlide | WantedAngle) -> Node:
-    """What a motion is beyond the rows and the offset."""
+def _deviation(mechanics: Mechanics, name: str, wanted: WantedSlide | WantedAngle) -> Node:
+    """Motion minus the rows and the offset."""
     kinematics, graph = mechanics.kinematics, mechanics.graph
     rows = rows_over_angle(kinematics, wanted.over_angle, wanted.wanted, wanted.interpolation, "hold")
     due = rows + graph.number(f"wanted.{name}.offset")
@@ -69,7 +69,7 @@ def _rms(*squares: Measured) -> Measured:
     return numbers.sqrt(sum(squares) / len(squares))
 
 
-def _most(*squares: Measured) -> Measured:
+def _maximum(*squares: Measured) -> Measured:
     found = squares[0]
     for square in squares[1:]:
         found = numbers.maximum(found, square)

@@ -1,4 +1,4 @@
-"""The flywheel as a wheel: what may be asked of its size, mass and stress."""
+"""The flywheel as a wheel: size, mass and stress."""
 
 from collections.abc import Callable
 
@@ -33,7 +33,7 @@ _BURSTING = {
 
 
 def declare(mechanics: Mechanics) -> Declared:
-    """Sizes of the wheel, where the scene says what it is made as."""
+    """Sizes of the wheel, if the scene gives its design."""
     flywheel = mechanics.scene.flywheel
     if flywheel is None or flywheel.wheel is None:
         return
@@ -45,7 +45,7 @@ def declare(mechanics: Mechanics) -> Declared:
 
 
 def _size(m: Mechanics, key: str) -> Expression:
-    """A size of the wheel that gives the inertia asked for at the peak speed."""
+    """A size of the wheel with the required inertia at the peak speed."""
     paths = [path for path in scene_numbers(m.scene) if path.startswith("flywheel.wheel.")]
     given = [VariantNumber(m.graph.number(path)) for path in paths]
     operands = (steady_cycle(m, "flywheel_used"), steady_cycle(m, "speed_max"), *given)

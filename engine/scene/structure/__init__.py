@@ -1,4 +1,4 @@
-"""The structure of a mechanism: input link, dyads, and the groups that free links make up."""
+"""The structure of a mechanism: input link, dyads, and groups of free links."""
 
 from engine import on_use
 

@@ -1,7 +1,7 @@
-"""Whether a cycle closes: turns of the parts of a machine must be whole in it; and how many of the crank that takes.
+"""Closure of the cycle: every part must make whole turns in it; how many crank turns that takes.
 
-A cycle is `input.revolutions` turns of the crank. All that is measured over it has to be in its place again at its end:
-otherwise gravity and springs would do work in every cycle.
+A cycle is `input.revolutions` turns of the crank. All parts must return to their initial positions at its end, or
+gravity and springs would do net work in every cycle.
 """
 
 import math
@@ -12,27 +12,22 @@ import numpy as np
 
 from engine.parts.skeleton import MOST_REVOLUTIONS
 
-# Roundings of a number of turns that follows from ratios, relative to it.
+# Relative rounding error of a number of turns computed from ratios.
 _ROUNDING = 64.0 * np.finfo(float).eps
 
 
 def is_whole(turns: float | np.ndarray) -> bool | np.ndarray:
-    """Whether numbers of turns are whole but for rounding.
-
-    Parameters
-    ----------
-    turns : float or ndarray
-    """
+    """Whether numbers of turns are whole, within rounding."""
     return np.abs(turns - np.round(turns)) <= _ROUNDING * np.maximum(1.0, np.abs(turns))
 
 
 def closing_revolutions(turns: Iterable[float]) -> int | None:
-    """Fewest turns of the crank that close a cycle; None where that would be more than a cycle may have.
+    """Fewest turns of the crank that close a cycle; None if they exceed the maximum.
 
     Parameters
     ----------
     turns : iterable of float
-        Of the parts, for each turn of the crank.
+        Turns of the parts per turn of the crank.
     """
     found = 1
     for ratio in turns:
@@ -44,14 +39,14 @@ def closing_revolutions(turns: Iterable[float]) -> int | None:
 
 
 def how_to_close(turns: Iterable[float], revolutions: int) -> str:
-    """What to do about a cycle that doesn't close.
+    """Suggestion for a cycle that doesn't close.
 
     Parameters
     ----------
     turns : iterable of float
-        Of its parts, for each turn of the crank.
+        Turns of the parts per turn of the crank.
     revolutions : int
-        Of the cycle so far: something else may need them.
+        Present length of the cycle, which other parts may require.
     """
     turns = list(turns)
     needed = closing_revolutions([*turns, 1.0 / revolutions]) or closing_revolutions(turns)

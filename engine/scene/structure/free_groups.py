@@ -1,4 +1,4 @@
-"""Structural groups that free links make up, of any class, and how their loops are cut.
+"""Structural groups of free links, of any class, and how their loops are cut.
 
 Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapter on the classification of mechanisms.
 """
@@ -15,10 +15,10 @@ class FreeGroup(NamedTuple):
     Attributes
     ----------
     name : str
-        `group_of_LINK`, that of its link with the most pairs.
+        `group_of_LINK`, after its link with the most pairs.
     links : tuple of str
     pairs : tuple of Pair
-        Its own, inner and outer ones.
+        Inner and outer pairs.
     """
 
     name: str
@@ -27,14 +27,14 @@ class FreeGroup(NamedTuple):
 
     @property
     def order(self) -> int:
-        """How many pairs join it to other links."""
+        """Number of outer pairs."""
         return sum(not {pair.link, pair.other} <= set(self.links) for pair in self.pairs)
 
     @property
     def group_class(self) -> int:
-        """Its class: 2 for a dyad, otherwise the number of sides of its largest closed contour.
+        """Class: 2 for a dyad, else the number of sides of the largest closed contour.
 
-        A link with three or more pairs is such a contour, and so is a loop of links.
+        A contour is a link with three or more pairs, or a loop of links.
         """
         if len(self.links) == 2:
             return 2
@@ -46,15 +46,15 @@ class FreeGroup(NamedTuple):
         return [pair for pair in self.pairs if link in (pair.link, pair.other)]
 
     def _longest_loop(self) -> int:
-        beside: dict[str, list[str]] = {link: [] for link in self.links}
+        neighbours: dict[str, list[str]] = {link: [] for link in self.links}
         for pair in self.pairs:
-            if pair.link in beside and pair.other in beside:
-                beside[pair.link].append(pair.other)
-                beside[pair.other].append(pair.link)
+            if pair.link in neighbours and pair.other in neighbours:
+                neighbours[pair.link].append(pair.other)
+                neighbours[pair.other].append(pair.link)
         longest, paths = 0, [[link] for link in self.links]
         while paths:
             path = paths.pop()
-            for link in beside[path[-1]]:
+            for link in neighbours[path[-1]]:
                 if link == path[0] and len(path) > 2:
                     longest = max(longest, len(path))
                 elif link not in path:
@@ -68,11 +68,11 @@ class Cutting(NamedTuple):
     Attributes
     ----------
     placed : tuple of (str, Pair)
-        Links with the pair by which each hangs on what is known or was placed before it: one unknown each.
+        Placed links, each with the pair that attaches it to a known link or to one placed before it: one unknown each.
     cut_links : tuple of str
-        Links with two pairs, each between two others: one equation each.
+        Links with two pairs, each between two other links: one equation each.
     cut_pairs : tuple of Pair
-        Pairs that close the loops that are left: two equations each.
+        Pairs that close the remaining loops: two equations each.
     """
 
     placed: tuple[tuple[str, Pair], ...]
@@ -81,9 +81,9 @@ class Cutting(NamedTuple):
 
 
 def cutting_of(group: FreeGroup) -> Cutting:
-    """The way to cut a group with the fewest unknowns: as many links cut out of its loops as can be.
+    """Cut a group so that the fewest unknowns remain: as many links as possible are cut out of its loops.
 
-    Prismatic pairs are cut last: across them links keep their direction, which leaves fewer angles to be found.
+    Prismatic pairs are cut last: links connected by one keep their relative direction, which saves angles as unknowns.
     """
     two = [link for link in group.links if _can_be_cut(group, link)]
     for count in range(min(len(two), len(group.links) // 2), -1, -1):
@@ -102,7 +102,7 @@ def _can_be_cut(group: FreeGroup, link: str) -> bool:
 
 
 def _spanned(group: FreeGroup, cut: tuple[str, ...]) -> list[tuple[str, Pair]] | None:
-    """Links but those cut, in an order in which each hangs on one before it; None where that can't be."""
+    """Order the links not cut so that each is attached to an earlier one; None if that is impossible."""
     left = [link for link in group.links if link not in cut]
     pairs = [p for p in group.pairs if p.link not in cut and p.other not in cut]
     pairs.sort(key=lambda pair: pair.kind != "prismatic")

@@ -1,9 +1,9 @@
-"""Groups of free links are found by themselves, by matching constraints to freedoms.
+"""Groups of free links, found by matching constraints to freedoms.
 
-A link has three freedoms, a lower pair takes two. What pairs can move which freedoms is a matching of constraints to
-freedoms; where each is matched, constraints that depend on each other in a circle belong to one group, and groups
-follow each other (Dulmage and Mendelsohn's decomposition). What is left without a partner moves too freely, or can't
-move.
+A link has three freedoms, and a lower pair imposes two constraints. Each constraint is matched to a freedom that it can
+determine. If all are matched, constraints that depend on each other cyclically form one group, and the groups are
+ordered (Dulmage–Mendelsohn decomposition). Unmatched freedoms mean that links move too freely; unmatched constraints,
+that they can't move.
 
 Source: A. L. Dulmage, N. S. Mendelsohn, Coverings of bipartite graphs, Canadian Journal of Mathematics 10 (1958).
 """
@@ -23,7 +23,7 @@ _FREEDOMS, _CONSTRAINTS = 3, 2
 
 
 def next_free_group(scene: Scene, known: Iterable[str]) -> FreeGroup | None:
-    """A group of free links that hangs on known links alone and has no group within it; None where there is none.
+    """The next group of free links attached to known links only, without a smaller group in it; None if there is none.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def next_free_group(scene: Scene, known: Iterable[str]) -> FreeGroup | None:
     constraints = _constraints(links, ready)
     matched = maximum_bipartite_matching(constraints, perm_type="column")
     of_freedom = _partners(matched, constraints.shape[1])
-    # Constraint i needs constraint j where it acts on a freedom that j decides; a last row stands for nothing at all.
+    # Constraint i needs constraint j if it acts on a freedom matched to j; the last row stands for no constraint.
     rows, columns = constraints.nonzero()
     nothing = constraints.shape[0]
     needed = np.where(of_freedom[columns] < 0, nothing, of_freedom[columns])
@@ -58,13 +58,13 @@ def next_free_group(scene: Scene, known: Iterable[str]) -> FreeGroup | None:
 
 
 def _waiting(scene: Scene, known: set[str]) -> tuple[list[str], list[Pair]]:
-    """Free links whose motion isn't known yet, and their pairs."""
+    """Free links whose motion is still unknown, and their pairs."""
     links = [link for link in scene.links if link not in known]
     return links, [p for p in free_pairs(scene) if p.link in links or p.other in links]
 
 
 def _constraints(links: Sequence[str], pairs: Sequence[Pair]) -> csr_array:
-    """Which constraint of a pair acts on which freedoms."""
+    """Incidence of the constraints of pairs and the freedoms of links."""
     found = np.zeros((_CONSTRAINTS * len(pairs), _FREEDOMS * len(links)), np.int8)
     for i, pair in enumerate(pairs):
         for j, link in enumerate(links):
@@ -80,7 +80,7 @@ def _named(scene: Scene, within: set[str], pairs: list[Pair]) -> FreeGroup:
 
 
 def why_not_grouped(scene: Scene, known: Iterable[str]) -> list[Problem]:
-    """Why some free links belong to no group: they move too freely, or can't move.
+    """Problem of the remaining free links: they move too freely, or can't move.
 
     Parameters
     ----------
@@ -119,20 +119,20 @@ def why_not_grouped(scene: Scene, known: Iterable[str]) -> list[Problem]:
 
 
 def _partners(of_row: np.ndarray, columns: int) -> np.ndarray:
-    """Row matched to each column, from the column matched to each row; −1: none."""
+    """Row matched to each column, from the column matched to each row; −1 if none."""
     found = np.full(columns, -1)
     found[of_row[of_row >= 0]] = np.flatnonzero(of_row >= 0)
     return found
 
 
 def _reached(adjacent: csr_array, begin: np.ndarray, partner: np.ndarray) -> tuple[set[int], set[int]]:
-    """Rows and columns that alternating paths reach from some rows.
+    """Rows and columns reached by alternating paths.
 
     Parameters
     ----------
     adjacent : sparse array (rows, columns)
     begin : ndarray of int
-        Rows without a partner.
+        Initial rows, without a partner.
     partner : ndarray (columns,) of int
         Row matched to each column.
     """

@@ -1,4 +1,4 @@
-"""The laws of second inputs against the first: how fast they go, how often they repeat themselves, what they fix."""
+"""The laws of second inputs relative to the first: rate, turns per cycle, and the numbers they fix."""
 
 import math
 
@@ -7,14 +7,7 @@ from engine.scene.scene import Scene, scene_numbers
 
 
 def law_rate(scene: Scene, name: str) -> float:
-    """How fast the argument of a second input's law goes with the first input [rad per rad, or per m].
-
-    Parameters
-    ----------
-    scene : Scene
-    name : str
-        Of the second input.
-    """
+    """Rate of the argument of a second input's law with respect to the first input [rad per rad, or per m]."""
     second = scene.inputs[name]
     if second.period is not None:
         return math.tau / (scene.input.speed * second.period)
@@ -22,14 +15,7 @@ def law_rate(scene: Scene, name: str) -> float:
 
 
 def drive_turns(scene: Scene, name: str) -> float:
-    """Turns that a second input gets on by against what it stands on, for each turn (or 2π m) of the first input.
-
-    Parameters
-    ----------
-    scene : Scene
-    name : str
-        Of a second input that turns; others make none.
-    """
+    """Net turns of a second input relative to its base per turn (or 2π m) of the first input; 0 for a slider."""
     second = scene.inputs[name]
     if second.type == "slider":
         return 0.0
@@ -38,13 +24,9 @@ def drive_turns(scene: Scene, name: str) -> float:
 
 
 def fixed_by_laws(scene: Scene) -> set[str]:
-    """Numbers that all variants share because of second inputs.
+    """Numbers that can't be varied because of second inputs.
 
-    A cycle must close in every variant, and places where sections meet are counted once for all of them.
-
-    Parameters
-    ----------
-    scene : Scene
+    The cycle must close in every variant, and section boundaries are laid out once for all variants.
     """
     cycle = isinstance(scene.input, CrankInput) and scene.input.start is None
     found: set[str] = set()

@@ -1,8 +1,9 @@
-"""Wheels and racks that can't mesh: axes at a distance that changes, unknown angles, racks that run away.
+"""Wheels and racks that can't mesh: varying axis distances, unknown angles, racks that run away.
 
-The angle of a pinion against what carries its rack must be known all the way, over many turns too. It is known against
-the frame for what is geared to the crank, and against what carries them for pinions, second inputs and sliders. Links
-of structural groups swing or turn as their loops allow: racks on one go with pinions whose angle is known against it.
+The total angle of a pinion relative to the carrier of its rack must be known over many turns. It is known relative to
+the frame for links geared to the crank, and relative to their carriers for pinions, second inputs and sliders. Links of
+structural groups swing or turn as their loops allow: a rack on such a link needs a pinion whose angle relative to the
+link is known.
 """
 
 import numpy as np
@@ -17,14 +18,14 @@ from engine.words.glossary import did_you_mean
 
 
 def rides_along(scene: Scene, point: str, guide: str) -> str | None:
-    """Slider on a guide that a point belongs to; None for a point that rides on none."""
+    """Slider on a guide to which a point belongs; None if there is none."""
     on_guide = [link for link in sliders(scene) if guide_of(scene, link) == guide]
     return next((link for link in on_guide if point in places_on(scene, link)), None)
 
 
 def mesh_problems(scene: Scene) -> list[Problem]:
-    """Everything that keeps racks and pinions of a scene from meshing."""
-    # What racks do is looked at once all pinions have racks.
+    """Reasons why racks, pinions and non-circular wheels of a scene can't mesh."""
+    # Racks are checked once all pinions have valid racks.
     problems = [problem for name in scene.noncircular_wheels for problem in _wrong_wheel(scene, name)]
     problems += [problem for name in scene.pinions for problem in _wrong_pinion(scene, name)]
     if problems:
@@ -78,7 +79,7 @@ def _wrong_pinion(scene: Scene, name: str) -> list[Problem]:
 
 
 def _unknown_angle(scene: Scene, name: str) -> list[Problem]:
-    """A rack on a link against which the angle of its pinion isn't known."""
+    """A rack on a link relative to which the angle of its pinion isn't known."""
     rack = scene.racks[name]
     carrier = scene.guides[rack.guide].link
     if root_of(scene, carrier) == root_of(scene, rack.pinion):
@@ -91,7 +92,7 @@ def _unknown_angle(scene: Scene, name: str) -> list[Problem]:
 
 
 def _unheld(scene: Scene, path: str, pivot: str, guide: str) -> list[Problem]:
-    """An axis that doesn't keep its distance from the rack."""
+    """An axis at a varying distance from the rack."""
     carrier = scene.guides[guide].link
     if pivot in places_on(scene, carrier) or rides_along(scene, pivot, guide) is not None:
         return []
@@ -100,7 +101,7 @@ def _unheld(scene: Scene, path: str, pivot: str, guide: str) -> list[Problem]:
 
 
 def _turning(scene: Scene) -> set[str]:
-    """Links that turn, with an angle that is known over all turns."""
+    """Turning links whose total angle over all turns is known."""
     crank = {scene.input.link} if isinstance(scene.input, CrankInput) else set()
     return (
         crank
@@ -111,7 +112,7 @@ def _turning(scene: Scene) -> set[str]:
 
 
 def carrier_of(scene: Scene, link: str) -> str | None:
-    """What carries a pinion, a second input or a slider, against which its angle is known; None for all else."""
+    """Carrier of a pinion, a second input or a slider, the reference of its angle; None for other links."""
     if link in scene.pinions:
         pinion = scene.pinions[link]
         return scene.guides[pinion.guide or guide_of(scene, pinion.rack)].link
@@ -122,7 +123,7 @@ def carrier_of(scene: Scene, link: str) -> str | None:
 
 
 def root_of(scene: Scene, link: str) -> str:
-    """Link against which the angle of a link is known over all turns: the frame, one of a structural group, itself."""
+    """Reference of a link's total angle over all turns: the frame, a link of a structural group, or the link itself."""
     while (carrier := carrier_of(scene, link)) is not None:
         link = carrier
     crank = {scene.input.link} if isinstance(scene.input, CrankInput) else set()
@@ -130,13 +131,7 @@ def root_of(scene: Scene, link: str) -> str:
 
 
 def has_known_angle(scene: Scene, shaft: str) -> bool:
-    """Whether a link is a shaft whose angle against the frame is known over all turns.
-
-    Parameters
-    ----------
-    scene : Scene
-    shaft : str
-    """
+    """Whether a link is a shaft whose total angle relative to the frame is known over all turns."""
     part = scene.shafts.get(shaft)
     return (
         part is not None
@@ -146,15 +141,14 @@ def has_known_angle(scene: Scene, shaft: str) -> bool:
 
 
 def net_turns(scene: Scene, link: str, numbers: Numbers | None = None) -> float | np.ndarray:
-    """Turns of a link for each turn of the crank, against that which its angle is known against.
+    """Turns of a link per turn of the crank, relative to the reference of its angle.
 
     Parameters
     ----------
     scene : Scene
     link : str
     numbers : Numbers, optional
-        Of variants, for ratios of shafts in place of the scene's; the turns are then an array (variants,) of float
-        where those vary.
+        Per-variant ratios of shafts instead of the scene's; the result is then an array (variants,) if those vary.
     """
     if link in scene.noncircular_wheels:
         wheel = scene.noncircular_wheels[link]

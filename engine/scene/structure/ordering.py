@@ -1,7 +1,7 @@
-"""The structure of a mechanism: ordering it into an input link and structural groups, or saying why it can't be.
+"""Ordering of a mechanism into an input link and structural groups, or the reasons why that is impossible.
 
-A mechanism is ordered when every group hangs on points and guides that are known before it; it then has as many
-degrees of freedom as input links. Lower pairs only: W = 3n − 2p₁ (Chebyshev), and W = 0 for each group.
+A mechanism is ordered if every group is attached to points and guides known before it; it then has as many degrees of
+freedom as input links. Lower pairs only: W = 3n − 2p₁ (Chebyshev), and W = 0 for each group.
 """
 
 from collections.abc import Container
@@ -35,13 +35,13 @@ class Structure(NamedTuple):
     Attributes
     ----------
     elements : tuple of OrderedPart
-        Each after all that it hangs on.
+        Each after all parts it is attached to.
     links : tuple of str
-        All moving links, shafts without a pivot left out.
+        All moving links except shafts without a pivot.
     sliders : tuple of str
-        Links that slide on a guide or in a slot: those with a slide coordinate.
+        Links with a slide coordinate, on a guide or in a slot.
     free_groups : dict of str to FreeGroup
-        Groups of free links, by their names.
+        Groups of free links, by name.
     """
 
     elements: tuple[OrderedPart, ...]
@@ -57,13 +57,13 @@ def group_links(scene: Scene, name: str) -> tuple[str, str]:
 
 
 def _outer(group: object) -> list[tuple[str, str]]:
-    """What a group hangs on: (kind, name) of its two outer pairs."""
+    """(kind, name) of the points or guides of a group's two outer pairs."""
     parts = (group.first, group.second)
     return [("guide", p.guide) if isinstance(p, (Sliding, Yoke)) else ("point", p.joint) for p in parts]
 
 
 class _Ordering(NamedTuple):
-    """Elements in order as far as the ordering goes; the link of each known point and guide; what is known."""
+    """State of the ordering: elements in order, the link of each known point and guide, known links, free groups."""
 
     elements: list[OrderedPart]
     points: dict[str, str]
@@ -75,7 +75,7 @@ class _Ordering(NamedTuple):
 def _in_mesh(
     scene: Scene, part: Rack | Pinion, links: Container[str], points: Container[str], guides: Container[str]
 ) -> bool:
-    """Whether all that a rack or a pinion hangs on is known."""
+    """Whether all parts that a rack or pinion is attached to are known."""
     driver = part.pinion if isinstance(part, Rack) else part.rack
     guide = part.guide or guide_of(scene, driver)
     held = part.pivot in points and (guide is None or guide in guides)
@@ -151,7 +151,7 @@ def _ordered(scene: Scene) -> _Ordering:
 
 
 def _check_movable(scene: Scene, points: dict[str, str], guides: dict[str, str]) -> list[tuple[str, str]]:
-    """Groups that hang on one link only: with it they are a rigid truss or parts that never move relative to it."""
+    """Groups attached to the frame only: a rigid truss, or parts that never move."""
     problems = []
     for name, group in scene.groups.items():
         carriers = {(points if kind == "point" else guides)[ref] for kind, ref in _outer(group)}
@@ -168,10 +168,10 @@ def _check_movable(scene: Scene, points: dict[str, str], guides: dict[str, str])
 
 
 def _sliding_loops(scene: Scene, ordering: _Ordering) -> list[tuple[str, str]]:
-    """Groups of free links with a loop of sliding pairs alone.
+    """Groups of free links with a loop of sliding pairs only.
 
-    Links on either side of a sliding pair keep their directions to each other; around such a loop this is said once
-    too often, so that the pairs hold less than their number tells.
+    Links connected by a sliding pair keep their relative direction. Around such a loop one of these conditions is
+    redundant, so the pairs impose fewer constraints than they count.
     """
     side: dict[str, str] = {}
 
@@ -198,7 +198,7 @@ def _sliding_loops(scene: Scene, ordering: _Ordering) -> list[tuple[str, str]]:
 
 
 def _free_problems(scene: Scene, ordering: _Ordering) -> list[tuple[str, str]]:
-    """Groups of free links that can't move, names they would take, and places told of points that they don't have."""
+    """Groups of free links that can't move, names already taken, and points in `near` that are not on free links."""
     problems, moving = [], {link for group in ordering.free_groups.values() for link in group.links}
     for name, group in ordering.free_groups.items():
         outer = {link for pair in group.pairs for link in (pair.link, pair.other)} - set(group.links)
@@ -269,14 +269,13 @@ def _why_unordered(scene: Scene, elements: list[OrderedPart], points: dict, guid
 
 @once
 def order(scene: Scene) -> Structure:
-    """Order a scene into its input link and structural groups, whatever order they are written in.
+    """Order a scene into its input link and structural groups, in whatever order they are written.
 
     Raises
     ------
     SceneError
-        No input, unknown or repeated names, links moved by two groups (over-constrained), dyads that hang on each
-        other or on the frame alone, free links that can't move or move too freely, and actions on what can't carry
-        them.
+        No input, unknown or repeated names, links moved by two groups (over-constrained), dyads attached to each other
+        or to the frame only, free links that can't move or move too freely, and actions on parts that can't carry them.
     """
     if scene.input is None:
         raise SceneError([("input", "is missing: a mechanism begins at it, and this scene has only machine elements")])

@@ -1,7 +1,7 @@
-"""Wheels on links that turn unevenly: about a joint of their carrier, in mesh with a wheel about another joint of it.
+"""Wheels on carriers that turn unevenly: on a joint of the carrier, in mesh with a wheel on another joint of it.
 
-By Willis the speeds of both relative to the carrier have a constant ratio, however that moves. What is geared to the
-crank and carried by what turns evenly itself turns evenly.
+By Willis, the speeds of both wheels relative to the carrier have a constant ratio, however the carrier moves. A wheel
+geared to the crank, on a carrier with a constant ratio to the crank, also has a constant ratio to it.
 """
 
 from engine.parts.skeleton import FRAME, Shaft
@@ -13,24 +13,12 @@ from engine.words.glossary import did_you_mean
 
 
 def train_problems(scene: Scene) -> list[Problem]:
-    """Everything that keeps wheels in mesh with those of links that turn unevenly from meshing.
-
-    Parameters
-    ----------
-    scene : Scene
-    """
+    """Reasons why wheels on unevenly turning carriers can't mesh."""
     return [problem for name, shaft in scene.shafts.items() for problem in _wrong_train(scene, name, shaft)]
 
 
 def mesh_axis(scene: Scene, name: str) -> str | None:
-    """Point about which the wheel lies that a shaft is geared to; None where it keeps no distance from the shaft's.
-
-    Parameters
-    ----------
-    scene : Scene
-    name : str
-        Of a shaft with a pivot.
-    """
+    """Axis of the wheel to which the pivoted shaft `name` is geared; None if its distance from the shaft varies."""
     shaft = scene.shafts[name]
     carried, driven = _axes_on(scene, shaft.carrier or FRAME), _axes_on(scene, shaft.geared_to)
     if shaft.geared_to == FRAME:
@@ -39,7 +27,7 @@ def mesh_axis(scene: Scene, name: str) -> str | None:
 
 
 def _axes_on(scene: Scene, link: str) -> list[str]:
-    """Points of a link, those first at which it is hinged to others."""
+    """Points of a link, its joints with other links first."""
     places = list(places_on(scene, link))
     own = [point for point in places if point in scene.points and scene.points[point].link == link]
     return [point for point in places if point not in own] + own
@@ -50,7 +38,7 @@ def _on_frame(scene: Scene, point: str) -> bool:
 
 
 def _is_one_of(scene: Scene, point: str, points: list[str]) -> bool:
-    """Whether a point is one of some, or lies in the same place of the frame as one of them."""
+    """Whether a point is one of some points, or a frame point that coincides with one of them."""
     if point in points or not _on_frame(scene, point):
         return point in points
     return any(_on_frame(scene, other) and scene.points[other] == scene.points[point] for other in points)

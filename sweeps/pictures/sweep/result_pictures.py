@@ -56,9 +56,10 @@ def result_pictures(
         front_picture(result, sweep_data(result, ())[0], made[0])
         return made
     data, marked = sweep_data(result, (x, y, colour), best)
-    plot_result(data, made[0], x, y, colour, marked)
     if out is None and x is y is colour is None:
         made += _pictures_of_one(result, best)
+    # Last: where it is there, so are the others.
+    plot_result(data, made[0], x, y, colour, marked)
     return made
 
 

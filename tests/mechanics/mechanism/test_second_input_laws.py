@@ -288,10 +288,13 @@ TOO_FAR = {"out": TURN, "back": {"type": "return", "law": "cycloidal", "swing": 
         ({"inputs__ram__sections__out__law": "uniform"}, "velocities jump"),
         ({"inputs__ram__sections__rest__angle": "10 deg"}, "not to 360 deg"),
         ({"inputs__ram__table": {"over_angle": [0, 1], "lift": [0, 0.01]}}, "one of the two"),
-        ({"inputs__ram__sections": {}}, "begin is where sections or a table begin"),
+        ({"inputs__ram__sections": {}}, "begin has no meaning without sections or a table"),
         ({"inputs__ram__ratio": 1.0}, "ratio"),
         ({"inputs__ram__sections": {"out": OUT, "rest": {"type": "dwell"}}}, "ends the turn 0.01 away from where"),
-        ({"inputs": {"arm": {"type": "crank", "pivot": "O", "sections": TOO_FAR}}}, "60 deg further back than out"),
+        (
+            {"inputs": {"arm": {"type": "crank", "pivot": "O", "sections": TOO_FAR}}},
+            "returns exceed the rises by 60 deg",
+        ),
     ],
 )
 def test_wrong_laws__are_refused_in_words(changes, told):

@@ -7,6 +7,7 @@ of one's own, and no promise that arrays don't overlap.
 import importlib
 
 import numba
+import numpy as np
 import pytest
 from llvmlite import ir
 from numba import types
@@ -41,6 +42,17 @@ def test_private_part__is_still_there(use):
     assert part is not None, f"{use}: Numba {numba.__version__} has no {module}.{name}"
     missing = [a for a in attributes if a not in BY_INSTANCES and not hasattr(part, a)]
     assert missing == [], f"{use}: {module}.{name} of Numba {numba.__version__} lacks them"
+
+
+def test_arrays_of_others__still_find_blas():
+    """Array functions are loaded without SciPy's BLAS; a product of matrices, compiled by anyone, has it."""
+
+    @numba.njit
+    def product(a, b):
+        return a @ b
+
+    a = np.arange(6.0).reshape(2, 3)
+    np.testing.assert_array_equal(product(a, a.T.copy()), a @ a.T)
 
 
 def test_dispatcher__keeps_what_running_and_tiles_read():

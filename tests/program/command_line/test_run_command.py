@@ -47,6 +47,23 @@ def test_run_with_pictures__builds_one_machine(press_folder, monkeypatch):
     assert len(built) == 1
 
 
+def test_pictures_newer_than_numbers_and_study__are_not_drawn_again(press_folder):
+    listed = done("run", "study.toml").partition("Files")[2].splitlines()[1:]
+    pictures = [Path(line.strip()) for line in listed if line.endswith(".png")]
+    assert len(pictures) == 3
+    before = {path: path.stat().st_mtime_ns for path in pictures}
+    again = done("run", "study.toml").partition("Files")[2].splitlines()[1:]
+    assert sorted(again) == sorted(listed)
+    assert {path: path.stat().st_mtime_ns for path in pictures} == before
+    # What an interruption leaves, and a question asked anew.
+    for change in (lambda: Path("results/study.png").unlink(), lambda: Path("study.toml").touch()):
+        change()
+        done("run", "study.toml")
+        after = {path: path.stat().st_mtime_ns for path in pictures}
+        assert all(after[path] > before[path] for path in pictures)
+        before = after
+
+
 def test_run_of_a_changed_study__keeps_the_former_result(press_result):
     Path("study.toml").write_text(STUDY.replace('"50 kg"', '"55 kg"'))
     answer = said("run", "study.toml", "--no-plots", "--out", press_result)

@@ -61,7 +61,7 @@ def verdict(text):
         found = dimension_of(parse(text), KNOWN)
     except ExpressionError:
         return None
-    return {base: float(power) for base, power in found.items() if base != "[angle]"}
+    return {f"[{base}]": float(power) for base, power in found.plain._asdict().items() if power}
 
 
 @settings(deadline=None, max_examples=400)

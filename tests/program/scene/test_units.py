@@ -8,8 +8,6 @@ changes the rounding to 53 bits with a chance of about 1e-24.
 
 import decimal
 import math
-import subprocess
-import sys
 from fractions import Fraction
 
 import mpmath
@@ -284,11 +282,6 @@ def test_example_of_dimension__fits_that_dimension_alone(dimension):
 def test_unknown_dimension__is_a_key_error():
     with pytest.raises(KeyError, match="unknown dimension 'lenght'"):
         to_si("80 mm", "lenght")
-
-
-def test_import__does_not_load_pint():
-    code = "import sys, engine.units.reading; sys.exit('pint' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 def test_caller_with_few_decimal_digits__gets_the_same_value():

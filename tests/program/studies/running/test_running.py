@@ -33,7 +33,7 @@ SCHEMA = {
     "excess_work": ("<f8", ("variant",), "J", "excess work"),
     "excess_work_error": ("<f8", ("variant",), "J", "error estimate of: excess work"),
     "ram.slide": ("<f8", ("variant", "phi"), "m", "displacement of slider ram"),
-    "reduced_moment": ("<f8", ("variant", "phi"), "N m", "reduced moment of all actions but the driver"),
+    "reduced_moment": ("<f8", ("variant", "phi"), "N m", "reduced moment of all loads except the drive"),
 }
 PARAMETERS = "input.length bodies.ram.mass"
 MEANINGS = """ok cannot_assemble singular outside_limits dropped not_finite stalls runs_away no_end jams any_speed locks
