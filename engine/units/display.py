@@ -209,6 +209,12 @@ def show_units(shown: Mapping[str, Any]) -> None:
     _shown.set(_Shown(shown.get("system", "mm"), shown.get("own", {})))
 
 
+def show_system(system: UnitSystem) -> None:
+    """Show numbers in a system from now on, with the scene's own units if it is the one shown already."""
+    if _shown.get(_Shown()).system != system:
+        _shown.set(_Shown(system))
+
+
 @functools.lru_cache(1024)
 def _row(units: str, system: UnitSystem, own: tuple[tuple[str, str], ...]) -> tuple[tuple[str, float, float], ...]:
     """Units of an SI unit: name, size in SI units, and least number shown in it; the first is that of tables."""

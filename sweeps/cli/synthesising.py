@@ -139,11 +139,13 @@ def path_command(table: Path, seed: int, speed: str, out: Path | None) -> None:
     from sweeps.synthesis.path_table import path_places
     from sweeps.synthesis.paths import four_bar_along
     from sweeps.synthesis.synthesised_scenes import path_text
+    from sweeps.text.csv_text import read_csv
 
     places, given = path_places(table), _speed(speed)
     with doing("Searching"):
         found = four_bar_along(places, seed)
-    _write(out or Path("path.toml"), lambda: path_text(found, len(places), given))
+    headers = (f"1 {column.unit}" for column in read_csv(table).values() if column.unit)
+    _write(out or Path("path.toml"), lambda: path_text(found, len(places), given), *headers)
 
 
 def _length(option: str, text: str) -> float:
@@ -156,12 +158,22 @@ def _number(option: str, text: str, dimension: str) -> float:
     return numbers_in_row(option, text, (dimension,))[0]
 
 
+def _texts(value: object) -> tuple[str, ...]:
+    """The texts of an option."""
+    return value if isinstance(value, tuple) else (value,) if isinstance(value, str) else ()
+
+
 def _speed(text: str) -> str:
     """Check that the text is a speed."""
     _number("--speed", text, "angular_speed")
     return text
 
 
-def _write(out: Path, text: Callable[[], str]) -> None:
+def _write(out: Path, text: Callable[[], str], *quantities: str) -> None:
+    """Write a scene in the units of the command's options, and of further quantities."""
+    from engine import show_units_of
+
+    given = [text for value in click.get_current_context().params.values() for text in _texts(value)]
+    show_units_of({"given": [part.strip() for text in (*given, *quantities) for part in text.split(",")]})
     write_text(out, text())
     tell(f"Wrote {out}: sweeps check {out}; sweeps plot {out}")

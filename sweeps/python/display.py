@@ -18,6 +18,7 @@ from engine import (
     figure_text,
     quantity_text,
     scene_numbers,
+    show_system,
 )
 from sweeps.pictures.drawing import mechanism_figure
 from sweeps.pictures.picture_error import PictureError
@@ -65,6 +66,7 @@ def to_html(thing: object) -> str:
 
 @to_html.register
 def _(thing: Scene) -> str:
+    show_system(thing.units)
     numbers = [
         (path, quantity_text(number.value, described_dimension(number.dimension).unit))
         for path, number in scene_numbers(thing).items()
@@ -100,6 +102,7 @@ def _(thing: Outcome) -> str:
 
 @to_html.register
 def _(thing: Study) -> str:
+    show_system(thing.scene.units)
     rows = []
     for axis in thing.design.axes:
         for name, values in axis.values(np.arange(axis.size)).items():

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from engine import MovingMachine, Scene, history, history_fields
+from engine import MovingMachine, Scene, history, history_fields, show_system
 from sweeps.optimising.optimum import is_front
 from sweeps.pictures.drawing import DrawnMotion, mechanism_figure
 from sweeps.pictures.machine.diagrams import diagrams
@@ -54,6 +54,7 @@ def plot_mechanism(
         The scene has no mechanism, a position can't be drawn, or a point of `paths` doesn't exist.
     """
     _need_mechanism(scene)
+    show_system(scene.units)
     return mechanism_figure(DrawnMotion(scene, values), at, paths, shown)
 
 
@@ -72,6 +73,7 @@ def plot_diagrams(scene: Scene, values: Mapping[str, float] | None = None) -> Fi
         The scene has no mechanism, or the machine can't be computed.
     """
     _need_mechanism(scene)
+    show_system(scene.units)
     return diagrams(MovingMachine(scene, values), new_figure(180, 115))
 
 
@@ -92,6 +94,7 @@ def plot_fields(scene: Scene, names: Sequence[str], x: str | None = None, positi
     PictureError, AskError
         The scene has no mechanism or no such field, or a field has no finite values.
     """
+    show_system(scene.units)
     return field_figure(scene, names, x, positions)
 
 
@@ -110,6 +113,7 @@ def plot_history(scene: Scene) -> Figure:
     """
     if not scene.regimes:
         raise PictureError('the scene has no regimes: add [regimes.NAME] with type = "run" or "steady"')
+    show_system(scene.units)
     seen = history(scene, fields=[name for name in history_fields(scene) if name.endswith(".reaction")])
     return history_diagrams(scene, seen, new_figure(180, 190))
 

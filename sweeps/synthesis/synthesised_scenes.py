@@ -2,6 +2,7 @@
 
 import math
 
+from engine import quantity_text, table_unit
 from sweeps.synthesis.paths import PathFourBar
 from sweeps.synthesis.positioned import PositionedFourBar
 from sweeps.synthesis.quick_return import QuickCrankRocker, QuickLever, QuickSliderCrank
@@ -23,7 +24,7 @@ def slider_crank_text(found: QuickSliderCrank, stroke: float, ratio: float, spee
         Of the crank, with its unit.
     """
     return f"""\
-# Offset slider-crank with a stroke of {_mm(stroke)} and a quick-return ratio of {ratio!r} (slow stroke to fast one).
+# Offset slider-crank with a stroke of {quantity_text(stroke, "m")} and a quick-return ratio of {ratio!r}.
 # Minimum transmission angle {_deg(found.least_transmission)}, between the rod and the normal of the guide.
 {_NEXT}
 title = "Slider-crank, quick-return ratio {ratio!r}"
@@ -39,8 +40,8 @@ way = {{ angle = 0 }}
 [groups.drive]
 type = "RRP"
 inner = "B"
-first = {{ link = "rod", joint = "A", length = "{_mm(found.rod)}" }}
-second = {{ link = "slider", guide = "way", offset = "{_mm(found.offset)}" }}
+first = {{ link = "rod", joint = "A", length = "{_length(found.rod)}" }}
+second = {{ link = "slider", guide = "way", offset = "{_length(found.offset)}" }}
 """
 
 
@@ -63,7 +64,7 @@ title = "Crank-rocker, quick-return ratio {ratio!r}"
 
 [points]
 O = {{ x = 0, y = 0 }}           # bearing of the crank
-D = {{ x = "{_mm(found.frame)}", y = 0 }}           # bearing of the rocker
+D = {{ x = "{_length(found.frame)}", y = 0 }}           # bearing of the rocker
 
 {_crank(found.crank, speed)}
 
@@ -86,18 +87,18 @@ def lever_text(found: QuickLever, stroke: float, ratio: float, speed: str) -> st
     """
     height = 0.5 * found.lever * (1.0 + math.cos(0.5 * found.swing))
     return f"""\
-# Crank-shaper with a stroke of {_mm(stroke)} and a quick-return ratio of {ratio!r} (slow stroke to fast one).
+# Crank-shaper with a stroke of {quantity_text(stroke, "m")} and a quick-return ratio of {ratio!r}.
 # The lever swings by {_deg(found.swing)}. The drag link's length doesn't affect stroke and ratio.
 {_NEXT}
 title = "Crank-shaper, quick-return ratio {ratio!r}"
 
 [points]
 D = {{ x = 0, y = 0 }}           # bearing of the lever
-O = {{ x = 0, y = "{_mm(found.frame)}" }}           # bearing of the crank
-P = {{ link = "lever", x = "{_mm(found.lever)}", y = 0 }}           # end of the lever
+O = {{ x = 0, y = "{_length(found.frame)}" }}           # bearing of the crank
+P = {{ link = "lever", x = "{_length(found.lever)}", y = 0 }}           # end of the lever
 
 [guides]
-way = {{ y = "{_mm(height)}", angle = "180 deg" }}
+way = {{ y = "{_length(height)}", angle = "180 deg" }}
 
 {_crank(found.crank, speed)}
 
@@ -109,7 +110,7 @@ second = {{ link = "lever", joint = "D" }}
 [groups.drive]
 type = "RRP"
 inner = "B"
-first = {{ link = "drag_link", joint = "P", length = "{_mm(0.4 * found.lever)}" }}
+first = {{ link = "drag_link", joint = "P", length = "{_length(0.4 * found.lever)}" }}
 second = {{ link = "ram", guide = "way" }}
 """
 
@@ -162,8 +163,8 @@ def path_text(found: PathFourBar, places: int, speed: str) -> str:
         Of the crank, with its unit.
     """
     return f"""\
-# Crank-rocker whose coupler point P follows a path of {places} points: deviation {1e3 * found.rms:.3g} mm
-# (rms) and {1e3 * found.greatest:.3g} mm (maximum). `sweeps plot FILE --paths P` draws its path.
+# Crank-rocker whose coupler point P follows a path of {places} points: deviation {quantity_text(found.rms, "m")}
+# (rms) and {quantity_text(found.greatest, "m")} (maximum). `sweeps plot FILE --paths P` draws its path.
 {_NEXT}
 title = "Crank-rocker along a path"
 
@@ -185,7 +186,7 @@ def _crank(length: float, speed: str) -> str:
 type = "crank"
 pivot = "O"
 pin = "A"
-length = "{_mm(length)}"
+length = "{_length(length)}"
 speed = "{speed}\""""
 
 
@@ -194,13 +195,14 @@ def _dyad(found: QuickCrankRocker | PositionedFourBar | PathFourBar) -> str:
 [groups.swing]
 type = "RRR"
 inner = "B"
-first = {{ link = "coupler", joint = "A", length = "{_mm(found.coupler)}" }}
-second = {{ link = "rocker", joint = "D", length = "{_mm(found.rocker)}" }}"""
+first = {{ link = "coupler", joint = "A", length = "{_length(found.coupler)}" }}
+second = {{ link = "rocker", joint = "D", length = "{_length(found.rocker)}" }}"""
 
 
-def _mm(length: float) -> str:
-    """A length with all digits, exact to rounding."""
-    return f"{1e3 * float(length)!r} mm"
+def _length(length: float) -> str:
+    """A length to fifteen digits."""
+    size, unit = table_unit("m")
+    return f"{length / size:.15g} {unit}"
 
 
 def _deg(angle: float) -> str:
@@ -208,4 +210,4 @@ def _deg(angle: float) -> str:
 
 
 def _xy(point: complex) -> str:
-    return f'x = "{_mm(point.real)}", y = "{_mm(point.imag)}"'
+    return f'x = "{_length(point.real)}", y = "{_length(point.imag)}"'

@@ -1,4 +1,4 @@
-"""DXF drawing of a mechanism: layers, millimetres, hidden lines removed."""
+"""DXF drawing of a mechanism: layers, millimetres or inches, hidden lines removed."""
 
 import os
 import sys
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from engine import Scene
+from engine import Scene, table_unit
 from sweeps.pictures.drawing import DrawnMotion, Primitive, primitives
 from sweeps.pictures.picture_error import PictureError
 from sweeps.text.whole_files import whole_file
@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from ezdxf.document import Drawing
     from ezdxf.layouts import Modelspace
 
-MM = 1000.0
+# Drawing units per metre.
+_MM, _IN = 1000.0, 1.0 / 0.0254
 # AutoCAD colour index (7 is black on white) and line type.
 _LOOKS = {
     "frame": (7, "CONTINUOUS"),
@@ -33,8 +34,13 @@ _LOOKS = {
 _GARBLED = (ValueError, TypeError, LookupError, AttributeError)
 
 
+def per_metre() -> float:
+    """Drawing units per metre: inches in the inch-pound system, otherwise millimetres."""
+    return _IN if table_unit("m")[1] in ("in", "ft") else _MM
+
+
 def new_document() -> "Drawing":
-    """An empty drawing in millimetres.
+    """An empty drawing in inches or millimetres, as for `per_metre`.
 
     Raises
     ------
@@ -55,11 +61,12 @@ def new_document() -> "Drawing":
         raise PictureError("DXF needs the package ezdxf: pip install 'machine-sweeps[dxf]'") from None
     except (OSError, *_GARBLED):
         raise PictureError(f"DXF: ezdxf can't read its font list {fonts}: delete that file") from None
-    return ezdxf.new("R2010", setup=["linetypes"], units=ezdxf.units.MM)
+    units = ezdxf.units.IN if per_metre() == _IN else ezdxf.units.MM
+    return ezdxf.new("R2010", setup=["linetypes"], units=units)
 
 
 def write_dxf(path: Path | str, drawn: Scene | DrawnMotion, phi: float, paths: Sequence[str] = ()) -> None:
-    """Write a mechanism at one position as DXF (R2010, millimetres), on the layers of `sweeps.pictures.drawing`.
+    """Write a mechanism at one position as DXF (R2010, mm or inches), on the layers of `sweeps.pictures.drawing`.
 
     Parameters
     ----------
@@ -79,7 +86,7 @@ def write_dxf(path: Path | str, drawn: Scene | DrawnMotion, phi: float, paths: S
     space = document.modelspace()
     shown = primitives(drawn, phi, paths)
     # Dash length equals text height.
-    document.header["$LTSCALE"] = MM * next(p.size for p in shown if p.kind == "text")
+    document.header["$LTSCALE"] = per_metre() * next(p.size for p in shown if p.kind == "text")
     for i, p in enumerate(shown):
         covers = [outline for q in shown[i + 1 :] if (outline := _cover(q)) is not None]
         _add(space, p, covers)
@@ -96,13 +103,13 @@ def _add(space: "Modelspace", p: Primitive, covers: list[np.ndarray]) -> None:
 
     look = {"layer": p.layer}
     if p.kind == "text":
-        text = space.add_text(p.text, height=MM * 0.7 * p.size, dxfattribs=look)
+        text = space.add_text(p.text, height=per_metre() * 0.7 * p.size, dxfattribs=look)
         text.set_placement(_point(p.points[0]), align=TextEntityAlignment.MIDDLE_CENTER)
     elif p.kind == "circle":
-        space.add_circle(_point(p.points[0]), MM * p.size, dxfattribs=look)
+        space.add_circle(_point(p.points[0]), per_metre() * p.size, dxfattribs=look)
         if p.fill == "solid":
             dot = space.add_hatch(dxfattribs=look)
-            dot.paths.add_edge_path().add_arc(_point(p.points[0]), MM * p.size)
+            dot.paths.add_edge_path().add_arc(_point(p.points[0]), per_metre() * p.size)
     elif p.layer == "paths":
         space.add_lwpolyline([_point(c) for c in p.points], dxfattribs=look)
     elif p.fill == "solid":
@@ -121,7 +128,7 @@ def _add(space: "Modelspace", p: Primitive, covers: list[np.ndarray]) -> None:
 
 
 def _point(c: complex) -> tuple[float, float]:
-    return MM * c.real, MM * c.imag
+    return per_metre() * c.real, per_metre() * c.imag
 
 
 def _cover(p: Primitive) -> np.ndarray | None:

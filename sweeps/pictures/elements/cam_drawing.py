@@ -1,11 +1,11 @@
-"""Manufacturing outlines of a cam: profile, pitch curve and cutter path at full size [mm], as DXF or SVG."""
+"""Manufacturing outlines of a cam: profile, pitch curve and cutter path at full size, as DXF or SVG."""
 
 from pathlib import Path
 
 import numpy as np
 
 from engine import CamCurves, CamElement, Scene, cam_curves
-from sweeps.pictures.drawing.dxf import new_document
+from sweeps.pictures.drawing.dxf import new_document, per_metre
 from sweeps.pictures.picture_error import PictureError
 from sweeps.report.files.cam_tables import cam_csv
 from sweeps.text.input_files import InputError
@@ -117,14 +117,14 @@ def _cross() -> list[tuple[complex, complex]]:
 
 
 def _dxf(out: Path, lines: dict[str, np.ndarray]) -> None:
-    document = new_document()
+    document, size = new_document(), per_metre() / MM
     space = document.modelspace()
     for name in (*lines, "axis"):
         colour, kind, _ = _LOOKS[name]
         document.layers.add(name, color=colour, linetype=kind)
     for name, line in lines.items():
-        space.add_lwpolyline([(p.real, p.imag) for p in line], close=True, dxfattribs={"layer": name})
-    for a, b in _cross():
+        space.add_lwpolyline([(p.real, p.imag) for p in size * line], close=True, dxfattribs={"layer": name})
+    for a, b in size * np.array(_cross()):
         space.add_line((a.real, a.imag), (b.real, b.imag), dxfattribs={"layer": "axis"})
     document.saveas(out)
 

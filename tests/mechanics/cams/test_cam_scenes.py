@@ -152,6 +152,10 @@ def test_exported_dxf__has_closed_outlines_in_millimetres(template):
     for name, least in (("profile", 30.0), ("pitch", 40.0), ("cutter", 50.0)):
         assert lines[name].closed
         assert min(math.hypot(x, y) for x, y in lines[name].get_points("xy")) == pytest.approx(least, abs=1e-6)
+    Path("inches.toml").write_text(f'units = "US"\n{Path(template).read_text(encoding="utf8")}', encoding="utf8")
+    said("export", "inches.toml", "--to", "inches.dxf")
+    (profile,) = ezdxf.readfile("inches.dxf").modelspace().query("LWPOLYLINE[layer=='profile']")
+    assert min(math.hypot(x, y) for x, y in profile.get_points("xy")) == pytest.approx(30 / 25.4, abs=1e-6)
 
 
 def test_element_that_is_no_cam__is_refused(template):

@@ -136,7 +136,7 @@ def test_parts_vary_by_their_paths():
         (COUPLING | {"stiffness": -1.0}, "greater than 0"),
         (COUPLING | {"damping": 1.0, "energy_absorption": 0.1}, "one of the two"),
         ({"type": "series", "parts": {"a": COUPLING}, "damping": 1.0}, "give it to them"),
-        ({"type": "series", "parts": {}}, "at least 1 item"),
+        ({"type": "series", "parts": {}}, "has too few entries: 0, at least 1"),
     ],
 )
 def test_part_that_cannot_be__says_what_to_mend(part, said):

@@ -172,7 +172,7 @@ def test_parts_of_the_shaft__count_as_their_series():
         ({"damping": 1.0, "damping_ratio": 0.1}, "one of the two"),
         ({"begin": "running"}, "give both, or neither"),
         ({"speed": 3.0, "load_before": 1.0}, "give both, or neither"),
-        ({"backlash": -0.1}, "greater than or equal to 0"),
+        ({"backlash": -0.1}, "must be at least 0"),
     ],
 )
 def test_drive_that_cannot_be__says_what_to_mend(change, said):

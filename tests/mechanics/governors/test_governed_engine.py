@@ -149,7 +149,7 @@ def test_valve_that_is_open_or_shut__has_no_equilibrium_but_its_switch():
         ),
         ({"new_load": None, "duration": 3.0}, "give new_load, or leave duration out"),
         ({"inertia": 0.0}, "inertia is missing"),
-        ({"inertia": -1.0}, "greater than or equal to 0"),
+        ({"inertia": -1.0}, "must be at least 0"),
     ],
 )
 def test_engines_that_cannot_be__are_refused(engine, words):

@@ -153,6 +153,11 @@ def measured(*asked):
             ("ram.stroke", "ram.stroke_time_ratio"),
             (0.3, 1.6),
         ),
+        (
+            ("slider-crank", "--stroke", "12 in", "--ratio", "1.4"),
+            ("slider.stroke", "slider.stroke_time_ratio"),
+            (12 * 0.0254, 1.4),
+        ),
     ],
 )
 def test_command__writes_a_scene_that_does_what_was_wanted(tmp_path, monkeypatch, command, asked, expected):
@@ -162,7 +167,10 @@ def test_command__writes_a_scene_that_does_what_was_wanted(tmp_path, monkeypatch
     assert measured(*asked) == pytest.approx(expected, rel=ROUNDING)
     # A person may have edited it since.
     assert "exists already" in refused("synthesise", *command, "--out", "found.toml")
-    assert Path("found.toml").read_text().startswith("# ")
+    text = Path("found.toml").read_text()
+    assert text.startswith("# ")
+    # In the units of the options.
+    assert (' in"' in text, ' mm"' in text) == ("12 in" in command, "12 in" not in command)
 
 
 @pytest.mark.parametrize(

@@ -166,6 +166,17 @@ def test_html__holds_a_drawing_and_the_numbers(machine, outcome):
     assert rows[1][2].text.startswith("0.08")
 
 
+def test_two_scenes__are_each_shown_in_their_system(machine):
+    american = machine.scene.model_copy(update={"units": "US"})
+    shown = [sweeps.to_html(scene) for scene in (american, machine.scene, american)]
+    assert shown[0] == shown[2]
+    assert [" in</td>" in text for text in shown] == [True, False, True]
+    assert [" mm</td>" in text for text in shown] == [False, True, False]
+    labels = [sweeps.plot_fields(scene, ["B.vx"]).axes[0].get_ylabel() for scene in (american, machine.scene)]
+    assert "in/s" in labels[0]
+    assert "m/s" in labels[1]
+
+
 def test_html__takes_a_title_for_text_not_for_markup(machine):
     text = sweeps.to_html(machine.scene.model_copy(update={"title": "<script>alert(1)</script> $x"}))
     assert "<script>" not in text

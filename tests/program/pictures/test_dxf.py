@@ -12,7 +12,7 @@ import pytest
 from drawn_machines import GALLERY, slider_crank
 from driving_cams import CIRCLE, SLIDING, changed
 
-from engine import Scene
+from engine import Scene, show_system
 from sweeps.pictures.drawing import DrawnMotion, primitives
 from sweeps.pictures.drawing.dxf import write_dxf
 from sweeps.pictures.picture_error import PictureError
@@ -36,6 +36,16 @@ def test_dxf__layers_millimetres_and_joints_in_place(tmp_path):
     pin = 50 * complex(math.cos(phi), math.sin(phi))
     assert min(abs(c - pin) for c in centres) < 1000 * EXACT
     assert {t.dxf.text for t in space.query("TEXT")} == {"O", "A", "B"}
+
+
+def test_dxf__of_an_american_scene_is_in_inches(tmp_path):
+    show_system("US")
+    write_dxf(tmp_path / "a.dxf", slider_crank(), 0.0)
+    document = ezdxf.readfile(tmp_path / "a.dxf")
+    assert document.units == ezdxf.units.IN
+    centres = [complex(*c.dxf.center.xyz[:2]) for c in document.modelspace().query("CIRCLE[layer=='joints']")]
+    # A crank of 50 mm.
+    assert min(abs(c - 50 / 25.4) for c in centres) < EXACT
 
 
 @pytest.mark.parametrize("name", GALLERY)

@@ -81,7 +81,7 @@ def test_steep_motor__gets_a_verdict_and_as_short_steps_as_it_needs():
         ({"only": "dc", "cycles": 1.0, "method": "rk4"}, "go together"),
         ({"only": "dc", "cycles": 1.0, "steps_per_turn": 64}, "go together"),
         ({"only": "dc", "cycles": 1.0, "method": "rk5", "steps_per_turn": 64}, "'rk4'"),
-        ({"only": "dc", "cycles": 1.0, "method": "rk4", "steps_per_turn": 4}, "greater than or equal to 8"),
+        ({"only": "dc", "cycles": 1.0, "method": "rk4", "steps_per_turn": 4}, "must be at least 8"),
         ({"only": "by_time", "cycles": 1.0, "method": "rk4", "steps_per_turn": 64}, "moments that depend on time"),
     ],
 )
