@@ -6,6 +6,7 @@ import numpy as np
 
 from engine import elements
 from engine.cycle.measured import Measured
+from engine.parts.regimes import RunRegime
 from engine.parts.skeleton import WheelForm
 from engine.quantities.quantity import has_cycle
 from engine.scene.scene import Numbers, Scene
@@ -99,3 +100,16 @@ def flywheel_ratio_rules(scene: Scene) -> Iterator[Rule]:
         "speed_fluctuation"
     )
     yield Rule("flywheel", "above", "1", sentence, judge, ("flywheel_used", "reduced_inertia.mean"))
+
+
+def run_flywheel_rules(scene: Scene) -> Iterator[Rule]:
+    """Runs of a machine whose flywheel is sized for steady running only."""
+    flywheel, runs = scene.flywheel, [n for n, regime in scene.regimes.items() if isinstance(regime, RunRegime)]
+    sized = flywheel is not None and flywheel.inertia is None and flywheel.speed_fluctuation is not None
+    if not (runs and sized and has_cycle(scene)):
+        return
+    sentence = (
+        f"{' and '.join(runs)} {'is' if len(runs) == 1 else 'are'} computed without the {{value}} that "
+        "speed_fluctuation requires; to start and stop the real wheel, give it as flywheel.inertia"
+    )
+    yield Rule("flywheel", "above", "kg m2", sentence, lambda n, used: (used, 0.0), ("flywheel_used",))

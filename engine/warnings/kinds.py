@@ -10,6 +10,7 @@ KINDS = (
     WarningKind("rim_width", "rim of the flywheel narrower than its limit", flywheel_rules.rim_width_rules),
     WarningKind("negative_flywheel", "flywheel inertia below 0", flywheel_rules.negative_flywheel_rules),
     WarningKind("flywheel_ratio", "flywheel far above the machine's inertia", flywheel_rules.flywheel_ratio_rules),
+    WarningKind("run_flywheel", "run without the flywheel that is sized", flywheel_rules.run_flywheel_rules),
     WarningKind("clearance", "clearance volume above its limit", load_rules.clearance_rules),
     WarningKind("discharge", "compressor that never reaches its discharge pressure", load_rules.discharge_rules),
     WarningKind("suction", "pump that the liquid drives", load_rules.suction_rules),

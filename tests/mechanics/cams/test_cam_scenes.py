@@ -24,7 +24,7 @@ from sweeps.text.scene_text import read_scene, write_scene
     [
         (ROLLER, {"sections__out__angle": "300 deg"}, "add up to 450 deg: nothing is left"),
         (ROLLER, {"sections__low__angle": "100 deg"}, "add up to 350 deg, not to 360 deg; leave out one"),
-        (ROLLER, {"sections__rest": {"type": "dwell"}}, "only one section may leave it out"),
+        (ROLLER, {"sections__rest": {"type": "dwell"}}, "only one section may omit it"),
         (ROLLER, {"sections__back__lift": "10 mm"}, "0.01 away from where it began; add a return"),
         (ROLLER, {"sections__out__lift": None}, "sections.out.lift is missing"),
         (ROLLER, {"sections__out__swing": "5 deg"}, "what moves here slides; give lift instead"),

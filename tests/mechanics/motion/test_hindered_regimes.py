@@ -54,8 +54,8 @@ def test_band_lined_with_blocks__stops_as_the_band_that_grips_alike():
         ({"blocks": 8}, "blocks and block_angle belong together"),
         ({"blocks": 8, "block_angle": 0.2}, "give wrap, or blocks with block_angle"),
         ({"wrap": None}, "give wrap, or blocks with block_angle"),
-        ({"tight_arm": -SLACK}, "the force on the lever slackens the band"),
-        ({"slack_arm": -0.01, "tight_arm": -0.02}, "the force on the lever slackens the band"),
+        ({"tight_arm": -SLACK}, "the lever slackens the band"),
+        ({"slack_arm": -0.01, "tight_arm": -0.02}, "the lever slackens the band"),
     ],
 )
 def test_band_that_cannot_brake_or_is_none__is_refused(keys, message):

@@ -21,6 +21,7 @@ CRANK = {"type": "crank", "pivot": "O", "pin": "A", "length": 0.05, "speed": 20.
 # Only the crank matters: what follows it has no mass and no load.
 FLYWHEEL = {"wheel": {"type": "rim", "diameter": 1.0}, "inertia": 1.0}
 HALF_WAVE = {"type": "formula", "on": "crank", "moment": "'10 N m' * (sin(phi) - 1)"}
+DROP = {"drop": {"type": "run", "time": 0.1}}
 COMPRESSOR = {
     "type": "compressor", "piston": "ram", "bore": 0.08, "clearance": 0.2, "suction": "1 bar", "discharge": "8 bar"
 }  # fmt: skip
@@ -178,6 +179,12 @@ CASES = [
         turning(1.01, moments={"load": HALF_WAVE}, flywheel={"speed_fluctuation": 0.05}),
         turning(0.99, moments={"load": HALF_WAVE}, flywheel={"speed_fluctuation": 0.05}),
         "is -0.01 kg·m², below 0 kg·m²",
+    ),
+    (
+        "run_flywheel",
+        turning(0.5, moments={"load": HALF_WAVE}, flywheel={"speed_fluctuation": 0.05}, regimes=DROP),
+        turning(0.5, moments={"load": HALF_WAVE}, flywheel={"speed_fluctuation": 0.05, "inertia": 0.5}, regimes=DROP),
+        "drop is computed without the 0.5 kg·m²",
     ),
     (
         "clearance",
