@@ -225,8 +225,8 @@ def test_laws_without_meaning__are_refused_in_words(scene, changes, told):
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
-        ({"inputs__second__travel": 0.1}, "one of the two"),
-        ({"inputs__second__drive": "crank"}, "follows the crank's angle, not the time"),
+        ({"inputs__second__travel": 0.1}, "give either period"),
+        ({"inputs__second__drive": "crank"}, "follows the crank angle, not time"),
     ],
 )
 def test_laws_of_two_kinds__are_no_law(changes, told):
