@@ -53,7 +53,7 @@ and wall time to the picture that the browser has painted.
 |---|---|---|---|
 """
 TAIL = """
-Nothing is compiled. What bounds it is the drawing at 120 positions, in Python; then the browser, which loads the page
+Nothing is compiled. What bounds it is the drawing at 60 positions, in Python; then the browser, which loads the page
 again. On a processor of its own a machine takes the processor's time, half a look, and the browser's time.
 """
 

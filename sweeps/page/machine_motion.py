@@ -34,14 +34,15 @@ def looks() -> dict[str, Any]:
     return {"layers": layers, "fills": FILLS}
 
 
-def motion_data(motion: DrawnMotion, brief: bool = False) -> dict[str, Any]:
+def motion_data(motion: DrawnMotion, intervals: int = INTERVALS, arrows: bool = True) -> dict[str, Any]:
     """A machine's drawing over its motion, with its curves, and the paths and arrows of its points.
 
     Parameters
     ----------
     motion : DrawnMotion
-    brief : bool
-        With fewer positions, and without arrows.
+    intervals : int
+        Of the drawing over the motion, such as INTERVALS or BRIEF.
+    arrows : bool
 
     Returns
     -------
@@ -54,7 +55,7 @@ def motion_data(motion: DrawnMotion, brief: bool = False) -> dict[str, Any]:
     PictureError
         A position can't be drawn.
     """
-    drawing = moving_drawing(motion, BRIEF if brief else INTERVALS)
+    drawing = moving_drawing(motion, intervals)
     paper, closed = _Paper(drawing, motion.radius), has_cycle(motion.scene)
     label, factor = input_axis(motion.scene, motion.q)
     last = motion.q[-1] + (motion.q[1] - motion.q[0] if closed else 0.0)
@@ -70,8 +71,8 @@ def motion_data(motion: DrawnMotion, brief: bool = False) -> dict[str, Any]:
         "axes": [paper.axes(*pair) for pair in drawing.axes],
         "figures": [paper.figure(figure) for figure in drawing.figures],
         "points": {visible(name): paper.flat(places) for name, places in moving.items()},
-        "arrows": [] if brief else list(_arrows(motion, drawing.nodes, moving, paper)),
-        "curves": list(_curves(motion, OF_CURVES * (BRIEF if brief else INTERVALS))),
+        "arrows": list(_arrows(motion, drawing.nodes, moving, paper)) if arrows else [],
+        "curves": list(_curves(motion, OF_CURVES * intervals)),
     }
 
 

@@ -16,7 +16,7 @@ from PIL import Image
 from engine import Mechanics, scene_numbers
 from sweeps.optimising.optimum import is_front
 from sweeps.page.digest import Digest
-from sweeps.page.machine_motion import looks, motion_data
+from sweeps.page.machine_motion import BRIEF, looks, motion_data
 from sweeps.page.page_text import SHORT
 from sweeps.pictures.drawing import DrawnMotion
 from sweeps.pictures.picture_error import PictureError
@@ -213,7 +213,7 @@ def machines_data(digest: Digest) -> dict[str, Any] | None:
     for number in dict.fromkeys([first, *([] if digest.is_one else _carried(digest))]):
         try:
             motion = DrawnMotion(scene, digest.values(number), known)
-            machine = motion_data(motion, brief=bool(machines))
+            machine = motion_data(motion, BRIEF, arrows=False) if machines else motion_data(motion)
         except PictureError:
             if not machines:
                 return None

@@ -7,7 +7,7 @@ from threading import Condition
 from typing import Any
 
 from engine import Scene, warnings_from_numbers
-from sweeps.page.machine_motion import looks, motion_data
+from sweeps.page.machine_motion import BRIEF, looks, motion_data
 from sweeps.page.page_text import page_text
 from sweeps.pictures.drawing import DrawnMotion
 from sweeps.text.input_files import Stamp, files_read
@@ -84,7 +84,7 @@ class WatchedPage:
 def _parts(scene: Scene, values: Mapping[str, float], name: str) -> dict[str, Any]:
     """Data for the template."""
     title = scene.title or name
-    machine = {"number": 0, "name": title, **motion_data(DrawnMotion(scene, values))}
+    machine = {"number": 0, "name": title, **motion_data(DrawnMotion(scene, values), BRIEF)}
     return {
         "title": title,
         "drawn": "The machine",

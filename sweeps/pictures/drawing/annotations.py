@@ -53,17 +53,16 @@ def annotations(
 
 def _masses(m: DrawnMotion, k: int, outlines: np.ndarray) -> tuple[list[Primitive], list[Primitive]]:
     """Centres of mass by body, each a disc with two quarters filled."""
-    figures, marks = [], []
+    figures = []
     for name, body in m.scene.bodies.items():
         if body.link in m.scene.shafts and m.scene.shafts[body.link].pivot is None:
             continue
-        at, r = complex(m.centres[name][k]), 0.9 * m.radius
+        at, r = complex(m.centres[name][k]), 0.7 * m.radius
         figures.append(Primitive("masses", "circle", (at,), r, "paper"))
         for turn in (0.0, math.pi):
             rim = at + r * np.exp(1j * (turn + np.linspace(0, math.pi / 2, 12)))
             figures.append(polygon(at, *rim, fill="solid", layer="masses"))
-        marks.append(_mark("masses", at, r, name))
-    return figures, marks
+    return figures, []
 
 
 def _forces(m: DrawnMotion, k: int, outlines: np.ndarray) -> tuple[list[Primitive], list[Primitive]]:

@@ -7,9 +7,10 @@ from functools import lru_cache
 import numpy as np
 
 from engine import FRAME, mesh_axis
+from sweeps.pictures.drawing.guides import rails_of
 from sweeps.pictures.drawing.higher_pairs import follower_guides
-from sweeps.pictures.drawing.motion import DrawnMotion, Slider
-from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, Primitive, fixed_pivot, hatched, line
+from sweeps.pictures.drawing.motion import DrawnMotion
+from sweeps.pictures.drawing.symbols import Primitive, fixed_pivot, hatched, line
 
 # Links within this angle of a stand's axis cover it; the stand turns to a clearer direction.
 NEAR_STAND = math.radians(45)
@@ -23,7 +24,7 @@ def frame_parts(m: DrawnMotion) -> tuple[Primitive, ...]:
     r, scene, found = m.radius, m.scene, []
     for slider in m.sliders:
         if scene.guides[slider.guide].link == FRAME:
-            found += hatched(*_rail(m, slider), r)
+            found += rails_of(m, slider).figures
     for group in scene.groups.values():
         if group.type == "RPP" and scene.guides[group.second.guide].link == FRAME:
             place, along = (values[0] for values in m.guide(group.second.guide))
@@ -61,20 +62,6 @@ def _free_side(m: DrawnMotion, pivot: str) -> complex:
         return sum(float(np.mean((arm / side).real > math.cos(NEAR_STAND) * np.abs(arm))) for arm in arms if arm.size)
 
     return min((-1j, 1j, -1, 1), key=lambda side: share(side) + (0.0 if side == -1j else CLEARLY))
-
-
-def _rail(m: DrawnMotion, slider: Slider) -> tuple[complex, complex]:
-    """Ends of a fixed guide under a slider, on the side away from the mechanism; the frame is on their right."""
-    r = m.radius
-    place, u = (complex(values[0]) for values in m.guide(slider.guide))
-    base = place + 1j * slider.offset * u
-    others = np.concatenate(list(m.points.values()))
-    side = float(np.nanmean(((others - base) / u).imag))
-    if abs(side) < 2 * r:
-        side = u.real if abs(u.real) > 1e-9 else u.imag
-    margin, (low, high) = (HALF_LENGTH + 2) * r, m.range_of(slider.link)
-    ends = [base + s * u - 1j * math.copysign(HALF_HEIGHT * r, side) * u for s in (low - margin, high + margin)]
-    return (ends[0], ends[1]) if side > 0 else (ends[1], ends[0])
 
 
 def bush_at(m: DrawnMotion, group: object) -> float:

@@ -2,6 +2,7 @@
 
 from engine import FRAME
 from sweeps.pictures.drawing.frame import bush_at
+from sweeps.pictures.drawing.guides import rails_of
 from sweeps.pictures.drawing.higher_pairs import cam_shapes, pitch_curves, planet_circles
 from sweeps.pictures.drawing.motion import DrawnMotion, Slider
 from sweeps.pictures.drawing.racks import rack_shapes
@@ -24,11 +25,16 @@ def plates_and_bars(m: DrawnMotion, k: int) -> tuple[list[Primitive], list[Primi
     for slider in m.sliders:
         if scene.guides[slider.guide].link != FRAME:
             under += _moving_guide(m, slider, k)
-    boxes = [box(m.axes(s.link)[0][k], m.guide(s.guide)[1][k], HALF_LENGTH * r, HALF_HEIGHT * r) for s in m.sliders]
+    boxes = [box(m.axes(s.link)[0][k], m.guide(s.guide)[1][k], HALF_LENGTH * r, block_half(m, s)) for s in m.sliders]
     spans = [tuple(m.points[end][k] for end in s.between) for s in scene.springs.values()]
     springs = [zigzag(a, b, r) for a, b in spans if abs(b - a) > r]
     touching = [*planet_circles(m, k), *cam_shapes(m, k), *rack_shapes(m, k), *pitch_curves(m, k)]
     return [*under, *boxes, *plates], [*touching, *over, *springs, *joints(m, k)]
+
+
+def block_half(m: DrawnMotion, slider: Slider) -> float:
+    """Half the height of a slider's block [m]."""
+    return rails_of(m, slider).half if m.scene.guides[slider.guide].link == FRAME else HALF_HEIGHT * m.radius
 
 
 def _slotted(m: DrawnMotion, name: str, k: int) -> list[Primitive]:

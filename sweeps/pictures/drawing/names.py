@@ -132,9 +132,11 @@ def texts_beside(
     marks = [outline_points(figures, 0.3 * height) for figures in drawn]
     around = np.exp(1j * np.radians([45, 135, 0, 180, 90, 270, 315, 225, 20, 70, 110, 160, 200, 250, 290, 340]))
     u, reach = np.tile(around, 5), np.repeat([0.25, 0.5, 1.0, 1.7, 2.6], around.size)
-    square = np.add.outer(np.linspace(-1, 1, 5), 1j * np.linspace(-1, 1, 5)).ravel()
     for same in zip(*marked, strict=True):
         joint = same[0]
+        # Dense enough that no other text fits between.
+        across = np.linspace(-1, 1, max(5, 2 * len(joint.text)))
+        square = np.add.outer(across, 1j * np.linspace(-1, 1, 5)).ravel()
         half = complex(0.36 * len(joint.text), 0.5) * height
         beside = half.real * np.clip(1.5 * u.real, -1, 1) + 1j * half.imag * u.imag
         away = (joint.size + height * reach) * u + beside

@@ -154,7 +154,7 @@ def _sheet_of_cycle(figure: Figure, moving: MovingMachine, cycle: CycleCurves) -
         delta = quantity_text(moving.summary("speed_fluctuation"), "1")
         # δ refers to the mean of the extremes, which is the input's speed.
         middle = abs(moving.numbers["input.speed"])
-        _panel(axes[1, 2], cycle, "speed", f"δ = {delta}, mean speed", "ω", middle)
+        _panel(axes[1, 2], cycle, "speed", f"δ = {delta}, mean", "ω", middle)
     else:
         why = "the machine stalls within the cycle" if "speed" in cycle.rows else TIMED
         _say(axes[1, 2], f"ω(φ): {why if _has_flywheel(moving.scene) else 'no flywheel in the scene'}")
@@ -227,6 +227,9 @@ def _energy_loop(ax: Axes, moving: MovingMachine, cycle: CycleCurves) -> None:
     (fi, unit_i), (fw, unit_w) = display_unit(cycle.units["reduced_inertia"], inertia), display_unit("J", work)
     ax.plot(fi * np.append(inertia, inertia[0]), fw * np.append(work, work[0]), color=BLUE)
     _mark_quarters(ax, cycle, fi * inertia, fw * work)
+    for k in np.array([1, 3, 5, 7]) * inertia.size // 8:
+        tip, tail = ((fi * inertia[i], fw * work[i]) for i in (k + max(1, inertia.size // 90), k))
+        ax.annotate("", tip, tail, arrowprops={"arrowstyle": "-|>", "color": BLUE, "linewidth": 1.0})
     ax.xaxis.set_major_locator(MaxNLocator(4))
     ax.set(title="Energy loop", xlabel=f"I, {unit_i}", ylabel=f"ΔE, {unit_w}")
     ax.set_xlim(fi * (inertia.min() - 0.25 * span_i), fi * (inertia.max() + 0.25 * span_i))

@@ -18,8 +18,8 @@ from sweeps.pictures.style import BLUE, GREY, SKY, VERMILION, house_style
 SECTORS = 36
 # Arc over which the load is lowest, for the oil hole [deg].
 SPAN = 120.0
-# Marks closer than this share of the peak load aren't all lettered.
-CROWDED = 0.12
+# Size of letters at marks, as x + iy, and least distance of marks, as shares of the peak load.
+LETTERS, DOT = 0.34 + 0.11j, 0.03
 
 
 class BearingLoad(NamedTuple):
@@ -131,14 +131,23 @@ def load_polar(load: BearingLoad, ax: PolarAxes) -> None:
     z = factor * (np.append(load.force, load.force[0]) if load.closed else load.force)
     ax.plot(np.angle(z), np.abs(z), color=BLUE, linewidth=1.1)
     every = max(1, round(math.pi / 6 / (load.q[1] - load.q[0])) if load.turns else load.q.size // 12)
-    top, lettered = factor * np.nanmax(np.abs(load.force)), np.empty(0, complex)
+    top = factor * np.nanmax(np.abs(load.force))
+    marked = lettered = np.empty(0, complex)
     for k in range(0, load.force.size, every):
         end = factor * load.force[k]
+        if not np.isfinite(end) or (np.abs(marked - end) < DOT * top).any():
+            continue
+        marked = np.append(marked, end)
         ax.plot(np.angle(end), abs(end), "o", color=BLUE, markersize=2.5)
-        if np.isfinite(end) and (np.abs(lettered - end) > CROWDED * top).all():
-            lettered = np.append(lettered, end)
+        # Towards the middle, where no angle is written.
+        ha, side = ("left", 1) if end.real <= 0 else ("right", -1)
+        middle = end + side * LETTERS.real / 2 * top
+        apart = lettered - middle
+        if not ((np.abs(apart.real) < LETTERS.real * top) & (np.abs(apart.imag) < LETTERS.imag * top)).any():
+            lettered = np.append(lettered, middle)
             text = f"φ {np.degrees(load.q[k]):.0f}°" if load.turns else quantity_text(float(load.q[k]), "m")
-            ax.annotate(text, (np.angle(end), abs(end)), (2, 2), textcoords="offset points", fontsize=6)
+            at = (np.angle(end), abs(end))
+            ax.annotate(text, at, (4 * side, 2), textcoords="offset points", fontsize=6, ha=ha)
     peak = factor * load.force[load.peak]
     ax.plot(np.angle(peak), abs(peak), "*", color=VERMILION, markersize=7)
     _axes(ax, unit, z)

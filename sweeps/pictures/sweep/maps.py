@@ -25,6 +25,8 @@ VEIL = "#e9ebed"
 MOST_TRAVEL = 4.0
 # Entries of a list that have room for a tick each.
 MOST_TICKS = 12
+# Cells with white edges.
+MOST_CELLS = 2500
 # Visible band width, as a share of the curve's range.
 SEEN = 0.002
 # Characters along the side of a panel.
@@ -164,7 +166,7 @@ def _band(ax: Axes, position: np.ndarray, values: np.ndarray, colour: str, alpha
 def map2d(ax: Axes, data: SweepData, x: str, y: str, colour: str, best: int | None = None) -> None:
     """Colour map with contour lines of a summary over two grid parameters; failed cells grey with the reason.
 
-    Without contour lines along a list, as no variant lies between its entries.
+    Over lists and whole numbers it has cells, without contour lines: no variant lies between them.
 
     Parameters
     ----------
@@ -200,16 +202,19 @@ def map2d(ax: Axes, data: SweepData, x: str, y: str, colour: str, best: int | No
     status = np.where(data.ok & ~sound, Verdict.NOT_FINITE, data.status)
     _failed_cells(ax, places_x, places_y, cells(status))
     if sound.any():
-        mesh = ax.pcolormesh(places_x, places_y, grid, cmap=COLOURS, shading="nearest", rasterized=grid.size > 10_000)
+        in_steps = data.in_steps(x) or data.in_steps(y)
+        edges = {"edgecolors": "white", "linewidth": 0.8} if in_steps and grid.size <= MOST_CELLS else {}
+        look = {"cmap": COLOURS, "shading": "nearest", "rasterized": grid.size > 10_000}
+        mesh = ax.pcolormesh(places_x, places_y, grid, **look, **edges)
         ax.figure.colorbar(mesh, ax=ax, label=label, pad=0.02)
-        if _is_smooth(grid) and not {x, y} & set(data.listed):
+        if _is_smooth(grid) and not in_steps:
             lines = ax.contour(places_x, places_y, grid, levels=8, colors="white", linewidths=0.7)
             ax.clabel(lines, fontsize=6.5, fmt="%.4g")
     if best is not None:
         ax.plot(xs[best], ys[best], "*", color=VERMILION, markeredgecolor="white", markersize=13, label="best")
     ax.set(xlabel=x_label, ylabel=y_label)
     for name, axis, places in ((x, ax.xaxis, places_x), (y, ax.yaxis, places_y)):
-        if name in data.listed and places.size <= MOST_TICKS:
+        if data.in_steps(name) and places.size <= MOST_TICKS:
             axis.set_ticks(places, [f"{place:.4g}" for place in places])
     ax.grid(False)
     handles = ax.get_legend_handles_labels()[0]

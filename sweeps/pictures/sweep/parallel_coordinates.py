@@ -5,7 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.patheffects import withStroke
 
+from engine import display_unit
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import COLOURS, GREY, PALE, VERMILION
 from sweeps.pictures.sweep.sweep_data import SweepData, wrapped
@@ -15,7 +17,6 @@ MOST_LINES = 3000
 MOST_COLUMNS = 10
 # Characters that fit below the axes of a 180 mm figure with a colour bar.
 LETTERS_ACROSS = 78
-LONGEST_LABEL = 80
 
 
 def chosen_columns(data: SweepData, colour: str) -> list[str]:
@@ -32,10 +33,15 @@ def chosen_columns(data: SweepData, colour: str) -> list[str]:
     Returns
     -------
     list of str
-        At most 10, with at least one summary if there is any; constant columns are omitted.
+        At most 10, with at least one summary if there is any; constant columns are omitted, and summaries that the
+        condition makes equal.
     """
-    asked = Condition.parse(data.condition).names if data.condition else ()
+    parts = Condition.parse(data.condition).parts if data.condition else ()
+    asked = {name for part in parts for name in part.names}
+    # The same for all variants that meet the condition.
+    equal = {name for part in parts if part.is_equality for name in part.names} - {colour}
     summaries = sorted(data.summaries, key=lambda name: (name != colour, name not in asked))
+    summaries = [name for name in summaries if name not in equal]
     varied, summaries = ([n for n in names if _differs(data, n)] for names in (data.varied, summaries))
     kept = 1 + sum(name in asked for name in summaries[1:]) if summaries else 0
     return [*varied[: max(MOST_COLUMNS - kept, 1)], *summaries][:MOST_COLUMNS]
@@ -65,7 +71,7 @@ def parallel(ax: Axes, data: SweepData, names: Sequence[str], colour: str, best:
     PictureError
         Nothing varies, or no such array.
     """
-    columns = [(*data.shown(name)[:2], name) for name in names]
+    columns = [(data.shown(name)[0], _short(data, name), name) for name in names]
     shades, label, _ = data.shown(colour)
     sound = data.ok & np.isfinite(shades)
     for values, _, _ in columns:
@@ -80,7 +86,7 @@ def parallel(ax: Axes, data: SweepData, names: Sequence[str], colour: str, best:
     lows, highs = (np.array([reach(values[sound]) for values, _, _ in columns]) for reach in (np.min, np.max))
     heights = (np.column_stack([values for values, _, _ in columns]) - lows) / (highs - lows)
     places = np.arange(len(columns))
-    look = {"linewidths": 0.7, "alpha": float(np.clip(300 / rows.size, 0.12, 0.8)), "rasterized": True}
+    look = {"linewidths": 0.7, "alpha": float(np.clip(200 / rows.size, 0.08, 0.7)), "rasterized": True}
     out, rows = rows[data.out[rows]], rows[~data.out[rows]]
     if out.size:
         ax.add_collection(LineCollection(_paths(places, heights[out]), color=PALE, **look))
@@ -90,7 +96,9 @@ def parallel(ax: Axes, data: SweepData, names: Sequence[str], colour: str, best:
         ax.add_collection(lines)
         ax.figure.colorbar(lines, ax=ax, label=label, pad=0.02).solids.set_alpha(1)
     if best is not None:
-        ax.plot(places, heights[best], color=VERMILION, linewidth=2, marker="o", markersize=4, label="best")
+        halo = [withStroke(linewidth=5, foreground="white")]
+        look = {"color": VERMILION, "linewidth": 2.4, "marker": "o", "markersize": 5, "zorder": 5}
+        ax.plot(places, heights[best], label="best", path_effects=halo, **look)
     if ax.get_legend_handles_labels()[0]:
         ax.figure.legend(loc="outside upper left", ncols=2)
     _uprights(ax, [text for _, text, _ in columns], lows, highs)
@@ -119,20 +127,14 @@ def _uprights(ax: Axes, labels: Sequence[str], lows: np.ndarray, highs: np.ndarr
 
 
 def _label(ax: Axes, labels: Sequence[str]) -> None:
-    """Label the axes: horizontally if the words fit, else slanted."""
-    across, places = min(18, LETTERS_ACROSS // len(labels)), range(len(labels))
-    texts = [label.replace(".\n", ".").replace("\n", " ") for label in labels]
-    level = [wrapped(text, across) for text in texts]
-    if all(len(line) <= across for lines in level for line in lines):
-        ax.set_xticks(places, ["\n".join(lines) for lines in level])
-    else:
-        slanting = ["\n".join(_two_lines(text)) for text in texts]
-        ax.set_xticks(places, slanting, rotation=45, ha="right", rotation_mode="anchor", fontsize=7)
+    """Label the axes horizontally; many or long labels are smaller."""
+    across = LETTERS_ACROSS // len(labels)
+    lines = [wrapped(label, min(18, across)) for label in labels]
+    tight = any(len(line) > across for found in lines for line in found)
+    ax.set_xticks(range(len(labels)), ["\n".join(found) for found in lines], fontsize=5.5 if tight else 7)
 
 
-def _two_lines(text: str) -> list[str]:
-    words, comma, unit = text.rpartition(", ")
-    if len(text) > LONGEST_LABEL and comma:
-        text = f"{words[: LONGEST_LABEL - len(unit)].rpartition(' ')[0]} …, {unit}"
-    widths = range(max(18, len(text) // 2), len(text) + 1)
-    return next((lines for width in widths if len(lines := wrapped(text, width)) <= 2), [text])
+def _short(data: SweepData, name: str) -> str:
+    """Name of a column as words, with its unit."""
+    _, unit = display_unit(data.units.get(name, "1"), np.asarray(data.arrays[name], float))
+    return name.replace("_", " ") + (f", {unit}" if unit not in ("", "1") else "")

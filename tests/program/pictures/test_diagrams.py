@@ -39,7 +39,7 @@ def test_diagrams__six_panels_with_the_engine_s_rows(tmp_path):
     wheel, delta = (float(outcome.summaries[name][0]) for name in names)
     assert figure.axes[4].get_title() == f"Energy loop: flywheel {quantity_text(wheel, 'kg m2')}"
     mean = quantity_text(COMPRESSOR.input.speed, "rad s-1")
-    assert figure.axes[5].get_title() == f"δ = {quantity_text(delta, '1')}, mean speed {mean}"
+    assert figure.axes[5].get_title() == f"δ = {quantity_text(delta, '1')}, mean {mean}"
 
 
 @pytest.mark.parametrize("template", ["motion/press_with_motor", "linkages/slider_crank"])
@@ -71,6 +71,16 @@ def test_tangents__touch_the_loop_from_outside_with_the_slopes_of_the_speeds():
         assert slope == pytest.approx(0.5 * 6.0**2 * (1 + sign * 0.02) ** 2)
         above = sign * (y0 + slope * (inertia - x0) - work)
         assert above.min() == pytest.approx(0, abs=1e-9 * np.ptp(work))
+
+
+def test_loop__has_arrows_in_the_sense_of_the_cycle():
+    axes = diagrams(COMPRESSOR, Figure()).axes[4]
+    inertia, work = axes.lines[0].get_data()
+    arrows = [text for text in axes.texts if text.arrow_patch is not None]
+    assert len(arrows) == 4
+    for arrow in arrows:
+        tail, tip = (np.argmin(np.hypot(inertia - x, work - y)) for x, y in (arrow.get_position(), arrow.xy))
+        assert 0 < tip - tail < 20
 
 
 def test_dead_centres__marked_where_the_in_line_slider_has_them():

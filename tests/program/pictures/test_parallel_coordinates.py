@@ -95,6 +95,22 @@ def test_column_that_is_the_same_in_all_computed_variants__left_out():
     assert chosen_columns(data, "mass") == ["a", "mass"]
 
 
+def test_chosen_columns__none_for_what_the_condition_makes_equal():
+    data = columns(["a", "b"], ["mass", "cost", "force"])._replace(condition="cost == 3 and force < 2")
+    assert chosen_columns(data, "mass") == ["a", "b", "mass", "force"]
+    assert chosen_columns(data, "cost") == ["a", "b", "cost", "force", "mass"]
+
+
+def test_labels__horizontal_names_with_units():
+    data = columns(long_paths(7), ["wheel_mass"])
+    with house_style():
+        axes = new_figure(180, 110).add_subplot()
+        parallel(axes, data, [*data.varied, *data.summaries], "wheel_mass")
+    labels = axes.get_xticklabels()
+    assert {label.get_rotation() for label in labels} == {0.0}
+    assert labels[-1].get_text().replace("\n", " ") == "wheel mass, kg·m²/rad"
+
+
 def test_wrapped__broken_at_blanks_and_dots_only():
     assert wrapped("groups.drive.first.length, mm", 14) == ["groups.drive.", "first.length,", "mm"]
     assert wrapped("at 0.25 of the eccentricity", 8) == ["at 0.25", "of the", "eccentricity"]

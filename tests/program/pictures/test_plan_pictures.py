@@ -34,6 +34,7 @@ from sweeps.pictures.plans import (
     shares,
     velocity_plan,
 )
+from sweeps.pictures.plans.bearing_loads import load_polar
 from sweeps.pictures.plans.forces.free_body import LONGEST
 from sweeps.pictures.plans.mechanism_plan import mechanism_plan
 from sweeps.pictures.plans.paper import Paper, round_scale
@@ -74,6 +75,19 @@ def test_bearing_loads__one_magnitude_in_all_axes_and_opposite_on_the_two_links(
             other = bearing_load(cycle, pair.name, pair.other)
             assert other.on == pair.other
             assert np.allclose(other.force * cycle.motion.axes(pair.other)[1], -frame.force, rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["stephenson_six_bar", "slider_crank", "crank_shaper"])
+def test_marks_of_bearing_loads__none_on_another(name):
+    cycle = cycle_of(name)
+    figure = Figure(figsize=(7, 7), dpi=100)
+    for k, pair in enumerate([pair for pair in pairs(cycle.scene) if pair.kind == "revolute"][:4]):
+        axes = figure.add_subplot(2, 2, k + 1, projection="polar")
+        load_polar(bearing_load(cycle, pair.name), axes)
+        figure.draw_without_rendering()
+        boxes = [text.get_window_extent() for text in axes.texts if text.get_text().startswith("φ")]
+        assert boxes
+        assert not any(one.overlaps(two) for one, two in combinations(boxes, 2))
 
 
 def test_bearing_load_of_a_guide__refused():

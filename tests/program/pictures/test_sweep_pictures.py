@@ -5,6 +5,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from matplotlib.collections import QuadMesh
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
@@ -99,6 +100,18 @@ def test_map__of_listed_sizes_has_a_tick_each_and_no_lines_between_them():
     map2d(axes, data, "a", "b", "mass")
     assert not any(isinstance(drawn, ContourSet) for drawn in axes.collections)
     assert [tick.get_text() for tick in axes.get_xticklabels()] == ["100", "125", "150", "175", "200"]
+
+
+def test_map__of_numbers_of_teeth_is_made_of_cells():
+    data = grid_data((5, 4))
+    whole = np.repeat(np.arange(20.0, 25.0), 4)
+    data = data._replace(arrays=dict(data.arrays) | {"a": whole}, units=dict(data.units) | {"a": "1"})
+    axes = Figure().add_subplot()
+    map2d(axes, data, "a", "b", "mass")
+    assert not any(isinstance(drawn, ContourSet) for drawn in axes.collections)
+    assert [tick.get_text() for tick in axes.get_xticklabels()] == ["20", "21", "22", "23", "24"]
+    (mesh,) = (drawn for drawn in axes.collections if isinstance(drawn, QuadMesh))
+    assert mesh.get_edgecolors().tolist() == [[1, 1, 1, 1]]
 
 
 def test_scatter__front_of_the_two_shown():
