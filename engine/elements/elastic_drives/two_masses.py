@@ -1,7 +1,6 @@
 """Motion of two masses on a shaft with backlash, as a system: its rates, guards, and what is held between them.
 
-With e = φ₁ − φ₂, counted from where the shaft is just in touch forwards, its moment is T = k e + b ė for e > 0, 0 in
-the backlash −Δ < e < 0, and T = k (e + Δ) + b ė behind it; damping may not pull, so T doesn't change its sign while in
+The moment T of the shaft follows from its twist e = φ₁ − φ₂ as in `shaft_touch`; it doesn't change its sign while in
 touch. Without backlash there is nothing to lose touch in. The load resists with M_c against its motion; at rest it
 sticks while |T| ≤ M_c:
 
@@ -23,6 +22,7 @@ import numpy as np
 from engine.compiling.decorators import scalar
 from engine.compiling.instructions import chosen
 from engine.elements.elastic_drives.elastic_shaft import DriveShaft
+from engine.elements.elastic_drives.shaft_touch import touch_left, touch_turns, touching_moment
 from engine.graph.nodes import Given, Graph, Node, Stage
 from engine.laws.motor_characteristics import bend_of, induction_motor
 from engine.laws.rounding import EPS
@@ -106,11 +106,9 @@ def sign(x: float) -> float:
 @scalar
 def drive_rates(drive: Drive, touch: float, moves: float, motion: Motion) -> tuple[float, float, float]:
     """Moment of the shaft [N·m], accelerations of motor and load [rad/s²]."""
-    mobility, load_mobility, stiffness, damping, backlash, load = drive
     twist, speed, load_speed, driving, _ = motion
-    pressed = twist + chosen(touch < 0.0, backlash, 0.0)
-    moment = chosen(touch == 0.0, 0.0, stiffness * pressed + damping * (speed - load_speed))
-    return moment, mobility * (driving - moment), chosen(moves == 0.0, 0.0, load_mobility * (moment - moves * load))
+    moment = touching_moment(drive[2:5], touch, twist, speed - load_speed)
+    return moment, drive[0] * (driving - moment), chosen(moves == 0.0, 0.0, drive[1] * (moment - moves * drive[5]))
 
 
 @scalar
@@ -118,25 +116,20 @@ def ways_of_drive(drive: Drive, touch: float, moves: float, motion: Motion) -> t
     """What has the sign by which the shaft's moment, or out of touch the twist, grows; so of the load's speed."""
     moment, rise, load_rise = drive_rates(drive, touch, moves, motion)
     slip, apart = motion[1] - motion[2], rise - load_rise
-    change = chosen(touch == 0.0, slip, drive[2] * slip + drive[3] * apart)
+    change = touch_turns(drive[2:5], touch, slip, apart)
     return chosen(change == 0.0, apart, change), moment - moves * drive[5]
 
 
 @scalar
 def guards_of_drive(drive: Drive, phase: Phase, motion: Motion) -> tuple[float, float, float, float]:
     """What is positive until touch changes, until the load's way does, and until either of `ways_of_drive` turns."""
-    _, _, stiffness, damping, backlash, load = drive
-    touch, moves, growing, gains = phase
+    (touch, moves, growing, gains), shaft, load = phase, drive[2:5], drive[5]
     twist, speed, load_speed, _, _ = motion
     moment, rise, load_rise = drive_rates(drive, touch, moves, motion)
     slip = speed - load_speed
-    ahead, behind, pull = stiffness * twist, -stiffness * (twist + backlash), damping * slip
-    # Pressed together, and the damper not pulling.
-    forwards, backwards = chosen(pull > 0.0, ahead, ahead + pull), chosen(pull < 0.0, behind, behind - pull)
-    parted = -chosen(forwards > backwards, forwards, backwards)
-    touches = chosen(backlash > 0.0, chosen(touch == 0.0, parted, touch * moment), math.inf)
+    touches = chosen(shaft[2] > 0.0, touch_left(shaft, touch, twist, slip), math.inf)
     holds = chosen(load > 0.0, chosen(moves == 0.0, load - abs(moment), moves * load_speed), math.inf)
-    change = chosen(touch == 0.0, slip, stiffness * slip + damping * (rise - load_rise))
+    change = touch_turns(shaft, touch, slip, rise - load_rise)
     gained = chosen(moves * load == 0.0, math.inf, gains * (moment - moves * load))
     return touches, holds, growing * change, gained
 
