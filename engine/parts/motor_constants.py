@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.laws.motor_characteristics import dc_motor_from_nameplate, kloss_from_nameplate
-from engine.parts.actions import DCCharacteristic, InductionCharacteristic, TableCharacteristic
+from engine.laws.motor_characteristics import dc_motor_from_nameplate, induction_motor, kloss_from_nameplate
+from engine.parts.actions import DCCharacteristic, InductionCharacteristic, TableCharacteristic, TableMotor
 
 Value = float | np.ndarray
 
@@ -23,7 +23,7 @@ class MotorCurve(NamedTuple):
     kloss : tuple or None
         Breakdown torque and slip, rotor ratio and synchronous speed, as in `induction_motor`.
     no_load_speed : float or ndarray
-        Speed above which the motor does not drive [rad/s].
+        Speed above which the motor does not drive; infinite for a motor by any table [rad/s].
     """
 
     level: Value
@@ -31,6 +31,12 @@ class MotorCurve(NamedTuple):
     bends: tuple[tuple[Value, Value], ...]
     kloss: tuple | None
     no_load_speed: Value
+
+    def moment(self, speed: Value) -> Value:
+        """Torque at a speed [N·m]."""
+        bent = (bend * np.maximum(speed - at, 0.0) for bend, at in self.bends)
+        moment = sum(bent, self.level + self.slope * speed)
+        return moment if self.kloss is None else moment + induction_motor(*self.kloss, speed)
 
 
 def bends_of(motor: DCCharacteristic | InductionCharacteristic | TableCharacteristic) -> int:
@@ -78,4 +84,5 @@ def motor_curve(
     slopes = np.diff(moment) / np.diff(speed)
     bends = tuple((scale * change, knot) for change, knot in zip(np.diff(slopes), speed[1:-1], strict=True))
     level = moment[0] - slopes[0] * speed[0]
-    return MotorCurve(scale * level, scale * slopes[0], bends, None, motor.no_load_speed)
+    no_load = motor.no_load_speed if isinstance(motor, TableMotor) else np.inf
+    return MotorCurve(scale * level, scale * slopes[0], bends, None, no_load)

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numba
@@ -53,6 +54,11 @@ class System(NamedTuple):
     guards : tuple of Guard
     clock : Given
         The time.
+    held : dict of Given to Node
+        What is held until a guard ends a step, numbers and states, and what each is from there on; where anything is,
+        the walk goes on.
+    signed : bool
+        Whether speeds may be negative; else each side faces the way it goes.
     """
 
     along: str
@@ -68,13 +74,16 @@ class System(NamedTuple):
     responses: tuple[Node, ...]
     guards: tuple[Guard, ...]
     clock: Given
+    held: Mapping[Given, Node] = MappingProxyType({})
+    signed: bool = False
 
 
 class Walks(NamedTuple):
     """Results of a number of walks, (variants,) each.
 
     `states`, `doubts`, `ending` (states and gathered, variants) and `recorded` are as in
-    `engine.stepping.walk.WalkBatch`, others as in `engine.stepping.walk.Lane`.
+    `engine.stepping.walk.WalkBatch`, others as in `engine.stepping.walk.Lane`; `numbers` are those of the variants,
+    with what is held as it was at the end.
     """
 
     states: np.ndarray
@@ -91,6 +100,7 @@ class Walks(NamedTuple):
     why: np.ndarray
     steps: np.ndarray
     recorded: np.ndarray
+    numbers: np.ndarray
 
     def some(self, chosen: np.ndarray) -> "Walks":
         """A subset of the variants, by index."""
@@ -141,7 +151,7 @@ class PrintedSystem:
         self.rates = [*system.rates, *system.gathered.values()]
         guards = (guard.value for guard in system.guards)
         before = system.speed, system.size, system.steepness, system.slope
-        self.watched = [*before, *system.responses, *system.slopes, *guards]
+        self.watched = [*before, *system.responses, *system.slopes, *system.held.values(), *guards]
         self.last = (*system.states, *system.unknown.values())
         title = f"Motion along {system.along}."
         self.functions: Functions = functions_in_motion(graph, title, first, last, self.rates, self.watched, self.last)
@@ -178,6 +188,8 @@ class PrintedSystem:
             extremes=extremes,
             shown=SHOWN,
             cycle=cycle,
+            held=np.array([rows[node] for node in system.held], int),
+            signed=system.signed,
         )
 
     def run(
@@ -193,6 +205,7 @@ class PrintedSystem:
     ) -> Walks:
         """Walk; parameters as in `engine.stepping.walk.WalkBatch`, `given` rows of lanes by name, steps to record."""
         states = np.array(states, float, order="C")
+        numbers = numbers.copy() if self.system.held else numbers
         doubts = np.zeros_like(states) if doubts is None else np.array(doubts, float, order="C")
         batch = self._batch(task, numbers, edges, instants, given, states, doubts, recorded)
         repeats = not (task.along_time or task.implicit or recorded) and np.isfinite(task.cycle)
@@ -201,7 +214,7 @@ class PrintedSystem:
             return new_room(task, len(numbers), len(edges) // 2, len(instants), bool(repeats))
 
         self._go(walk, states.shape[1], batch, task, room)
-        return Walks(states, doubts, batch.ending, *batch.found, batch.recorded)
+        return Walks(states, doubts, batch.ending, *batch.found, batch.recorded, batch.numbers)
 
     def close(
         self,

@@ -67,7 +67,7 @@ def integrals(nodes: np.ndarray) -> list[Polynomial]:
     return found
 
 
-def _tableau(nodes: np.ndarray) -> Tableau:
+def collocation(nodes: np.ndarray) -> Tableau:
     """The collocation method with the given nodes."""
     own = integrals(nodes)
     return Tableau(
@@ -104,7 +104,7 @@ def _method(tableau: Tableau, fine: np.ndarray, coarse: np.ndarray) -> Method:
     )
 
 
-RADAU = _tableau(FIVE_NODES)
+RADAU = collocation(FIVE_NODES)
 # Five nodes allow no second formula of the same order as `fine`.
 ORDER_NINE = _method(
     RADAU,

@@ -51,6 +51,8 @@ OWN_SHARE = 0.25 * 0.159
 SOLVED_TO, MOST_SECANTS, SURE_SECANTS = 1e-13, 20, 6
 # Share of its length by which the step to a guard's root is known, and how many steps are tried for it.
 ROOT, MOST_TRIALS = 4e-16, 60
+# Share of a step by which a root at its begin is none, and what stands for a guard's zero there.
+SLIGHT, TINY = 1e-9, 1e-292
 # An extreme of the speed is met where the slope is less than this share of its terms, for the speed is flat there. To
 # have it on both sides, a step to it goes on by a share of the bracket, and the second one by a share of its own way.
 FLAT, BEYOND, BEHIND = 1e-5, 1e-5, 0.2
@@ -145,6 +147,10 @@ class WalkTask(NamedTuple):
         Shares of a step at which its polynomial is recorded.
     cycle : float
         After which angle everything repeats itself; infinite if never [rad].
+    held : ndarray of int
+        Rows of P that a guard changes where it ends a step, to what `watch` fills before the guards.
+    signed : bool
+        Whether speeds may be negative.
     """
 
     along_time: bool
@@ -173,6 +179,8 @@ class WalkTask(NamedTuple):
     extremes: bool
     shown: np.ndarray
     cycle: float
+    held: np.ndarray
+    signed: bool
 
 
 class Lane(NamedTuple):
@@ -193,7 +201,8 @@ class Lane(NamedTuple):
     tolerance, farthest : row
         What a step may miss, and how far it may turn [rad].
     longest, floor : row
-        On a way along time, how long a step may be [s], and a speed below which the motion has faded [rad/s].
+        On a way along time, how long a step may be [s], and a speed below which the motion has faded [rad/s]; where
+        speeds may be negative, the least size by which errors of states are judged.
     turned, pace : row
         The angle turned, and the length that is tried next.
     at : row
@@ -352,6 +361,7 @@ class WalkBatch(NamedTuple):
     memory : ndarray
         All tables.
     numbers : ndarray (numbers, variants)
+        Those that are held are carried on.
     edges : ndarray (2 × edges, variants)
         Angles turned at the edges of a cycle, its begin and end among them, and their sides [rad].
     instants : ndarray (instants, variants)
@@ -391,7 +401,7 @@ def stand(share: float, stage: int, slot: int, printed: Printed, task: WalkTask,
     """Put into P what a stage needs of its position and time; its place is filled anew where `slot` is negative."""
     own, position, state = rows_of(room.lane), in_lanes(room.position), in_lanes(room.numbers)
     first, count = task.first_place, task.places
-    if slot < 0:
+    if slot < 0 and count > 0:
         for lane in range(LANES):
             turned = state[first + count, lane] if task.along_time else own.at[lane] + share * own.length[lane]
             turned = turned if turned < own.high[lane] else own.high[lane]
@@ -401,7 +411,7 @@ def stand(share: float, stage: int, slot: int, printed: Printed, task: WalkTask,
             position[1, lane], position[2, lane] = direction_of(position[0, lane])
         tile = room.numbers[first : first + count].reshape(count, 1, LANES)
         printed.places(room.numbers, printed.memory, room.position[0:1], room.position[1:2], room.position[2:3], tile)
-    else:
+    elif count > 0:
         kept, at = in_lanes(room.places), (slot * (task.stages + 1) + stage) * count
         # Within the step nothing is watched.
         for i in range(count if stage == 0 or stage == task.stages else task.rated):
@@ -713,7 +723,10 @@ def judge_steps(task: WalkTask, room: Room) -> None:
                 own.size[lane] = cycle * k[q, lane]
         else:
             for lane in range(LANES):
-                own.size[lane] = abs(begin[q, lane]) if q % 2 == 1 else 0.0
+                own.size[lane] = abs(begin[q, lane]) if q % 2 == 1 or task.signed else 0.0
+                own.size[lane] = (
+                    own.size[lane] if own.size[lane] > own.floor[lane] or not task.signed else own.floor[lane]
+                )
             for s in range(task.stages):
                 for lane in range(LANES):
                     made = abs(own.length[lane] * k[s * width + q, lane])
@@ -730,7 +743,7 @@ def judge_steps(task: WalkTask, room: Room) -> None:
         # Beyond what a step may turn its estimate is blind.
         far = abs(after[0, lane] - begin[0, lane]) > TOO_FAR * own.farthest[lane]
         own.missed[lane] = math.inf if far else own.missed[lane]
-    for q in range(1, task.states if task.along_time else 0, 2):
+    for q in range(1, task.states if task.along_time and not task.signed else 0, 2):
         for lane in range(LANES):
             # What sets off from rest may not come back to it within a step.
             back = begin[q, lane] <= 0.0 and after[q, lane] <= 0.0 and k[q, lane] != 0.0
@@ -872,7 +885,10 @@ def next_root(lane: int, task: WalkTask, room: Room) -> float:
             near, far = guards[g, lane], guards[count + g, lane]
             if near > 0.0 and far <= 0.0:
                 share = top_between(near, far, lane, room) if g == RISE else near / (near - far)
-                root = short + (long - short) * share
+                # What begins at its zero and rises first comes back to it anywhere.
+                share = 0.5 if short == 0.0 and share < SLIGHT else share
+                # Beyond the root rather than before it.
+                root = short + (long - short) * share + 0.5 * ROOT * long
                 best = root if root < best else best
     return best
 
@@ -925,6 +941,13 @@ def guard(g: int, lane: int, end: int, task: WalkTask, room: Room) -> float:
     return watched[row + task.watched - task.guards + g - FIRST, lane]
 
 
+@inlined
+def is_crossed(g: int, lane: int, task: WalkTask, room: Room) -> bool:
+    """Whether a guard vanishes within a step; where guards change what is held, a step may begin at the zero of one."""
+    near, far = guard(g, lane, 0, task, room), guard(g, lane, 1, task, room)
+    return (near > 0.0 and not far > 0.0) or (near == 0.0 and far < 0.0 and task.held.shape[0] > 0)
+
+
 @routine
 def fires(rises: bool, task: WalkTask, room: Room) -> None:
     """In which lanes a guard that is positive at the begin of the step isn't at its end, into the row `fired`.
@@ -937,8 +960,9 @@ def fires(rises: bool, task: WalkTask, room: Room) -> None:
     for g in range(FIRST + task.guards):
         if (g != EDGE or task.along_time) and (g != RISE or rises):
             for lane in range(LANES):
-                crossed = guard(g, lane, 0, task, room) > 0.0 and not guard(g, lane, 1, task, room) > 0.0
-                crossed = crossed and (g != RISE or own.trials[lane] > 0.0 or may_exceed(lane, task, room))
+                crossed = is_crossed(g, lane, task, room) and (
+                    g != RISE or own.trials[lane] > 0.0 or may_exceed(lane, task, room)
+                )
                 own.fired[lane] = 1.0 if crossed else own.fired[lane]
 
 
@@ -989,27 +1013,28 @@ def is_rounding(lane: int, room: Room) -> bool:
 
 @inlined
 def narrow(lane: int, task: WalkTask, room: Room) -> bool:
-    """Narrow down the root of a guard in a lane, by Illinois' rule; true where the step ends at it."""
+    """Narrow down the root of a guard in a lane; true where the step ends at it.
+
+    Source: N. Anderson and Å. Björck, A new high order method of regula falsi type, BIT 13 (1973).
+    """
     own, guards, count = rows_of(room.lane), in_lanes(room.guards), FIRST + task.guards
     length, fired, watched = own.length[lane], own.fired[lane] > 0.0, in_lanes(room.watched)
     if own.trials[lane] == 0.0:
         own.short[lane], own.long[lane], own.side[lane] = 0.0, length, 0.0
         own.short_speed[lane] = watched[SPEED, lane]
         for g in range(count):
-            guards[g, lane] = guard(g, lane, 0, task, room)
-    if fired and own.trials[lane] > 0.0 and (length >= own.long[lane] or is_flat(lane, task, room)):
+            near = guard(g, lane, 0, task, room)
+            guards[g, lane] = TINY if near == 0.0 and task.held.shape[0] > 0 else near
+    if fired and own.trials[lane] > 0.0 and (beyond_root(lane, task, room) or is_flat(lane, task, room)):
         return True
     side = 1.0 if fired else -1.0
     again = own.side[lane] == side
     for g in range(count):
-        # The end that stays counts half, the other one is new; slopes are what they are.
-        half = 0.5 if again and g != RISE else 1.0
-        if fired:
-            guards[g, lane] *= half
-            guards[count + g, lane] = guard(g, lane, 1, task, room)
-        else:
-            guards[count + g, lane] *= half
-            guards[g, lane] = guard(g, lane, 1, task, room) if guards[g, lane] > 0.0 else guards[g, lane]
+        # The end that stays counts less, the other one is new; slopes are what they are.
+        here, same, other = guard(g, lane, 1, task, room), g + (count if fired else 0), g + (0 if fired else count)
+        less = 1.0 - here / guards[same, lane]
+        guards[other, lane] *= (less if less > 0.0 else 0.5) if again and g != RISE else 1.0
+        guards[same, lane] = here if fired or guards[same, lane] > 0.0 else guards[same, lane]
     speed = watched[task.watched + SPEED, lane]
     if fired:
         own.long[lane], own.long_speed[lane] = length, speed
@@ -1021,11 +1046,24 @@ def narrow(lane: int, task: WalkTask, room: Room) -> bool:
 
 
 @inlined
+def beyond_root(lane: int, task: WalkTask, room: Room) -> bool:
+    """Whether a step that ends beyond the roots of guards ends at the first of them, by the straight line."""
+    own, guards = rows_of(room.lane), in_lanes(room.guards)
+    length, off = own.length[lane], 0.0
+    for g in range(FIRST + task.guards):
+        near, far = guards[g, lane], guard(g, lane, 1, task, room)
+        if near > 0.0 and not far > 0.0:
+            share = far / (far - near)
+            off = share if not share <= off else off
+    return length >= own.long[lane] or off * (length - own.short[lane]) <= ROOT * length
+
+
+@inlined
 def is_flat(lane: int, task: WalkTask, room: Room) -> bool:
     """Whether nothing but an extreme of the speed ends the step, and it is as good as met."""
     watched, end = in_lanes(room.watched), task.watched
     for g in range(FIRST + task.guards):
-        if g != RISE and guard(g, lane, 0, task, room) > 0.0 and not guard(g, lane, 1, task, room) > 0.0:
+        if g != RISE and is_crossed(g, lane, task, room):
             return False
     return abs(watched[end + SLOPE, lane]) <= FLAT * (abs(watched[SLOPE, lane]) + watched[SIZE, lane])
 
@@ -1107,6 +1145,19 @@ def advance(task: WalkTask, room: Room) -> None:
         own.steps[lane] += own.taken[lane]
 
 
+@inlined
+def switch(lane: int, task: WalkTask, room: Room) -> None:
+    """Change what a lane holds to what it is behind the guard that ended its step."""
+    watched, numbers, begin = in_lanes(room.watched), in_lanes(room.numbers), in_lanes(room.begin)
+    first, count = task.first_place + task.places, task.held.shape[0]
+    for i in range(count):
+        row, value = task.held[i], watched[2 * task.watched - task.guards - count + i, lane]
+        if row < first:
+            numbers[row, lane] = value
+        else:
+            begin[row - first, lane] = value
+
+
 @routine
 def take(edges: int, task: WalkTask, room: Room) -> None:
     """Take the step in lanes that do, and see what ends there."""
@@ -1123,7 +1174,7 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
                 # An extreme of the speed ends nothing but the step.
                 if g == RISE and own.ended[lane] >= 0.0:
                     continue
-                if guard(g, lane, 0, task, room) > 0.0 and not guard(g, lane, 1, task, room) > 0.0:
+                if is_crossed(g, lane, task, room):
                     own.ended[lane] = float(g)
     advance(task, room)
     for lane in range(LANES):
@@ -1146,10 +1197,12 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
                 own.turned[lane] = own.turned[lane] if task.along_time else end
         if own.at[lane] >= own.goal[lane]:
             own.why[lane] = GOAL
-        if own.ended[lane] == OTHER or own.ended[lane] >= FIRST:
+        if own.ended[lane] >= FIRST and task.held.shape[0] > 0:
+            switch(lane, task, room)
+        elif own.ended[lane] == OTHER or own.ended[lane] >= FIRST:
             own.why[lane] = OTHER_GOAL if own.ended[lane] == OTHER else GUARD + own.ended[lane] - FIRST
         speed = watched[task.watched + SPEED, lane]
-        if task.along_time and own.why[lane] == GOING and 0.0 < speed < own.floor[lane]:
+        if task.along_time and not task.signed and own.why[lane] == GOING and 0.0 < speed < own.floor[lane]:
             own.why[lane] = FADED
         own.trials[lane], own.refused[lane] = 0.0, math.inf
         if task.fixed:
@@ -1179,7 +1232,7 @@ def record(first: int, printed: Printed, recorded: np.ndarray, task: WalkTask, r
             continue
         i, v, shown = int(own.steps[lane]), first + lane, task.shown.shape[0]
         recorded[i, 0, v], recorded[i, 1, v], recorded[i, 2, v] = own.at[lane], own.length[lane], own.facing[lane]
-        for q in range(task.states + 1):
+        for q in range(min(task.states + 1, task.width)):
             at = 3 + q * (shown + 1)
             recorded[i, at + shown, v] = doubts[q, lane]
             for j in range(shown):
@@ -1348,12 +1401,14 @@ def take_in(first: int, batch: WalkBatch, task: WalkTask, room: Room) -> None:
 
 
 @routine
-def give_out(first: int, batch: WalkBatch, room: Room) -> None:
+def give_out(first: int, batch: WalkBatch, task: WalkTask, room: Room) -> None:
     """Hand out where a block of variants ended."""
     hand_out(in_lanes(room.begin), first, batch.states)
     hand_out(in_lanes(room.doubts), first, batch.doubts)
     hand_out(in_lanes(room.ending), first, batch.ending)
     hand_out(in_lanes(room.lane[FIRST_FOUND:]), first, batch.found)
+    if task.held.shape[0] > 0:
+        hand_out(in_lanes(room.numbers), first, batch.numbers)
 
 
 @driver
@@ -1390,4 +1445,4 @@ def walk(
             going = False
             for lane in range(LANES):
                 going = going or own.why[lane] == GOING
-        give_out(first, batch, room)
+        give_out(first, batch, task, room)

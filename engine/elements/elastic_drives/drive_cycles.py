@@ -11,27 +11,18 @@ from engine.compiling.running import prepare, spread
 from engine.elements.elastic_drives.elastic_cycle import (
     CLOSES,
     COLUMNS,
-    DAMPING_WORK,
-    ELASTIC,
-    ENDED,
-    ENERGY,
-    FOUND,
-    LOAD_WORK,
-    MOMENT_TIME,
-    MOTOR_SPEED,
-    MOTOR_WORK,
-    PERIOD,
-    POINTS,
+    GAUSS,
     STATE,
     TURNS_BACK,
     UNKNOWNS,
     CyclesToClose,
+    CycleSums,
     close_cycles,
 )
 from engine.words.verdicts import Verdict
 
 # Points of a step, its ends with Gauss' points, between which moments and speeds are interpolated, and how finely.
-_KNOTS = np.array([0.0, *POINTS, 1.0])
+_KNOTS = np.array([0.0, *GAUSS.nodes, 1.0])
 _SHARES = np.linspace(0.0, 1.0, 33)
 
 
@@ -42,7 +33,7 @@ class DrivenMachine(NamedTuple):
     ----------
     steps : ndarray (variants, steps)
         [rad].
-    places : ndarray (variants, steps, STAGES, LAWS + laws)
+    places : ndarray (variants, steps, STAGES, KNOWN + laws)
         Inertia [kg·m²], moments over ω⁰, ω¹, ω² and of power laws.
     node_inertia : ndarray (variants, steps + 1)
         At the ends of steps [kg·m²].
@@ -73,8 +64,7 @@ class ElasticCycle(NamedTuple):
         [rad/s].
     multipliers : ndarray (variants, 3)
         Magnitudes, the greatest first.
-    sums : ndarray (variants, FOUND)
-        As in `engine.elements.elastic_drives.elastic_cycle`.
+    sums : CycleSums
     verdict : ndarray (variants,) of uint8
     """
 
@@ -83,7 +73,7 @@ class ElasticCycle(NamedTuple):
     motor_speed: np.ndarray
     machine_speed: np.ndarray
     multipliers: np.ndarray
-    sums: np.ndarray
+    sums: CycleSums
     verdict: np.ndarray
 
     @property
@@ -106,9 +96,9 @@ def elastic_cycle(machine: DrivenMachine, given: np.ndarray, guess: np.ndarray) 
     """
     variants, count = machine.steps.shape
     states, nodes = guess.copy(), np.empty((variants, count + 1, STATE))
-    monodromy, sums = np.empty((variants, STATE, STATE)), np.empty((variants, FOUND))
-    parts = [given, machine.drives, machine.exponents, machine.steps, machine.places, states, nodes, monodromy, sums]
-    batch = CyclesToClose(*(np.require(part, requirements="C") for part in parts), machine.bent)
+    monodromy, sums = np.empty((variants, STATE, STATE)), CycleSums(*np.empty((len(CycleSums._fields), variants)))
+    parts = [given, machine.drives, machine.exponents, machine.steps, machine.places, states, nodes, monodromy]
+    batch = CyclesToClose(*(np.require(part, requirements="C") for part in parts), sums, machine.bent)
 
     def arguments() -> tuple:
         memory = np.empty((count, UNKNOWNS, COLUMNS)), np.empty((count, UNKNOWNS)), np.empty((2, UNKNOWNS, UNKNOWNS))
@@ -117,20 +107,19 @@ def elastic_cycle(machine: DrivenMachine, given: np.ndarray, guess: np.ndarray) 
     prepare(close_cycles, [types.intp, types.intp, *(numba.typeof(a) for a in arguments())])
     spread(close_cycles, variants, arguments)
     points = np.concatenate([nodes[:, :-1, None], states, nodes[:, 1:, None]], axis=2)
+    elastic, motor_speed, energy = np.moveaxis(points, 3, 0)
     inertia = machine.node_inertia
     inertia = np.concatenate([inertia[:, :-1, None], machine.places[..., 0], inertia[:, 1:, None]], axis=2)
     stiffness, damping = given[:, 0, None, None], given[:, 1, None, None]
     with np.errstate(all="ignore"):
-        speed = np.sqrt(2.0 * points[..., ENERGY] / inertia)
-        moment = points[..., ELASTIC] + damping * (points[..., MOTOR_SPEED] - speed)
-    verdict = np.where(sums[:, ENDED] == TURNS_BACK, Verdict.TURNS_BACK, Verdict.NOT_FINITE)
-    sound = (sums[:, ENDED] == CLOSES) & np.isfinite(monodromy).all(axis=(1, 2)) & np.isfinite(moment).all(axis=(1, 2))
+        speed = np.sqrt(2.0 * energy / inertia)
+        moment = elastic + damping * (motor_speed - speed)
+    verdict = np.where(sums.ended == TURNS_BACK, Verdict.TURNS_BACK, Verdict.NOT_FINITE)
+    sound = (sums.ended == CLOSES) & np.isfinite(monodromy).all(axis=(1, 2)) & np.isfinite(moment).all(axis=(1, 2))
     multipliers = np.full((variants, STATE), np.nan)
     multipliers[sound] = -np.sort(-np.abs(np.linalg.eigvals(monodromy[sound])), axis=1)
     verdict = np.where(sound, Verdict.OK, verdict).astype(np.uint8)
-    return ElasticCycle(
-        moment, points[..., ELASTIC] / stiffness, points[..., MOTOR_SPEED], speed, multipliers, sums, verdict
-    )
+    return ElasticCycle(moment, elastic / stiffness, motor_speed, speed, multipliers, sums, verdict)
 
 
 def least_and_greatest(curve: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -176,8 +165,7 @@ def drive_results(
     """
     (least, greatest), (slow, fast) = least_and_greatest(cycle.moment), least_and_greatest(cycle.motor_speed)
     (slowest, fastest), (near, far) = least_and_greatest(cycle.machine_speed), least_and_greatest(cycle.twist)
-    period, motors = cycle.sums[:, PERIOD], cycle.sums[:, MOTOR_WORK]
-    loads, damped = cycle.sums[:, LOAD_WORK], cycle.sums[:, DAMPING_WORK]
+    _, period, motors, loads, damped, impulse = cycle.sums
     with np.errstate(all="ignore"):
         return np.stack(
             [
@@ -188,7 +176,7 @@ def drive_results(
                 length / period,
                 2.0 * (fast - slow) / (fast + slow),
                 2.0 * (fastest - slowest) / (fastest + slowest),
-                cycle.sums[:, MOMENT_TIME] / period,
+                impulse / period,
                 greatest,
                 least,
                 0.5 * (greatest - least),

@@ -20,24 +20,20 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
 
 from engine.compiling.decorators import driver, routine
 from engine.laws.elementary import power
 from engine.laws.motor_characteristics import BENDS, PER_BEND, motors_at
+from engine.stepping.tableaux import collocation
 
-# Of each variant: stiffness, damping, inertia of the motor.
-STIFFNESS, DAMPING, MOTOR_INERTIA = range(3)
-# Of a place: inertia, moments over ω⁰, ω¹ and ω², then power laws.
-INERTIA, LEVEL, SLOPE, CURVATURE, LAWS = range(5)
-# State: elastic moment, speed of the motor, energy of the machine.
-ELASTIC, MOTOR_SPEED, ENERGY = range(3)
-STATE = 3
-# What is found of each variant: how it ended, period, works of motors, loads, damping, moment of the shaft over time.
-ENDED, PERIOD, MOTOR_WORK, LOAD_WORK, DAMPING_WORK, MOMENT_TIME = range(6)
-FOUND = 6
+# How a search ended.
 CLOSES, TURNS_BACK, NOT_FOUND = range(3)
-
-STAGES = 4
+# State: elastic moment, speed of the motor, energy of the machine. What is known of a place: inertia, moments over ω⁰,
+# ω¹ and ω², then power laws.
+STATE, KNOWN = 3, 4
+GAUSS = collocation(0.5 * (leggauss(4)[0] + 1.0))
+STAGES, _MATRIX, _WEIGHTS = GAUSS.stages, GAUSS.matrix, GAUSS.weights
 UNKNOWNS = STATE * STAGES
 COLUMNS = STATE + 1
 MOST_ITERATIONS = 60
@@ -49,25 +45,14 @@ _ROUNDED = 1e-13
 _LEAST, _MOST = 0.2, 5.0
 
 
-def _gauss() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Places, weights and matrix of collocation at Gauss' points on [0, 1]."""
-    points, weights = np.polynomial.legendre.leggauss(STAGES)
-    points, weights = 0.5 * (points + 1.0), 0.5 * weights
-    exponents = np.arange(STAGES)
-    integrals = points[:, None] ** (exponents + 1) / (exponents + 1)
-    return points, weights, integrals @ np.linalg.inv(points[:, None] ** exponents)
-
-
-POINTS, WEIGHTS, _MATRIX = _gauss()
-
-
 @routine
 def _loads(place: np.ndarray, exponents: np.ndarray, w: float) -> tuple[float, float]:
     """Moment of the loads at a place and a speed, and its derivative by the speed."""
-    moment = place[LEVEL] + w * (place[SLOPE] + w * place[CURVATURE])
-    slope = place[SLOPE] + 2.0 * w * place[CURVATURE]
+    level, fall, curvature = place[1], place[2], place[3]
+    moment = level + w * (fall + w * curvature)
+    slope = fall + 2.0 * w * curvature
     for law in range(exponents.shape[0]):
-        own = place[LAWS + law] * power(w, exponents[law])
+        own = place[KNOWN + law] * power(w, exponents[law])
         moment += own
         slope += exponents[law] * own / w
     return moment, slope
@@ -84,17 +69,18 @@ def _rates(
     jacobian: np.ndarray,
 ) -> None:
     """Derivatives of the state by the crank angle, and theirs by the state."""
-    k, b, first = own[STIFFNESS], own[DAMPING], own[MOTOR_INERTIA]
-    speed = math.sqrt(2.0 * state[ENERGY] / place[INERTIA])
-    by_energy = 1.0 / (place[INERTIA] * speed)
-    motor, motor_slope = motors_at(*motors, state[MOTOR_SPEED])
+    k, b, first = own[0], own[1], own[2]
+    elastic, motor_speed, energy = state[0], state[1], state[2]
+    speed = math.sqrt(2.0 * energy / place[0])
+    by_energy = 1.0 / (place[0] * speed)
+    motor, motor_slope = motors_at(*motors, motor_speed)
     load, load_slope = _loads(place, exponents, speed)
-    moment = state[ELASTIC] + b * (state[MOTOR_SPEED] - speed)
-    rates[0] = k * (state[MOTOR_SPEED] - speed) / speed
+    moment = elastic + b * (motor_speed - speed)
+    rates[0] = k * (motor_speed - speed) / speed
     rates[1] = (motor - moment) / (first * speed)
     rates[2] = moment + load
     jacobian[0, 0], jacobian[0, 1] = 0.0, k / speed
-    jacobian[0, 2] = -k * state[MOTOR_SPEED] / (speed * speed) * by_energy
+    jacobian[0, 2] = -k * motor_speed / (speed * speed) * by_energy
     jacobian[1, 0], jacobian[1, 1] = -1.0 / (first * speed), (motor_slope - b) / (first * speed)
     jacobian[1, 2] = (b / (first * speed) - rates[1] / speed) * by_energy
     jacobian[2, 0], jacobian[2, 1], jacobian[2, 2] = 1.0, b, (load_slope - b) * by_energy
@@ -129,26 +115,49 @@ def _solve(matrix: np.ndarray, right: np.ndarray, size: int, columns: int) -> No
             right[i, c] = total / matrix[i, i]
 
 
+class CycleSums(NamedTuple):
+    """What is found of cycles, (drives,).
+
+    Attributes
+    ----------
+    ended : ndarray
+        CLOSES, TURNS_BACK or NOT_FOUND.
+    period : ndarray
+        [s].
+    motor_work, load_work, damping_work : ndarray
+        [J].
+    impulse : ndarray
+        Moment of the shaft over time [N·m·s].
+    """
+
+    ended: np.ndarray
+    period: np.ndarray
+    motor_work: np.ndarray
+    load_work: np.ndarray
+    damping_work: np.ndarray
+    impulse: np.ndarray
+
+
 class CyclesToClose(NamedTuple):
     """Drives whose cycles are to be closed, and what is found.
 
     Attributes
     ----------
     given : ndarray (drives, 3)
-        STIFFNESS, DAMPING, MOTOR_INERTIA.
+        Stiffness, damping, inertia of the motor.
     drives : ndarray (rows, drives)
         Characteristics of the motors, as in `engine.laws.motor_characteristics`.
     exponents : ndarray (drives, laws)
     steps : ndarray (drives, steps)
         [rad].
-    places : ndarray (drives, steps, STAGES, LAWS + laws)
+    places : ndarray (drives, steps, STAGES, KNOWN + laws)
         The machine at Gauss' points of every step.
     states : ndarray (drives, steps, STAGES, STATE)
         There, a first guess; the motion when done.
     nodes : ndarray (drives, steps + 1, STATE)
         The motion at the ends of steps.
     monodromy : ndarray (drives, STATE, STATE)
-    found : ndarray (drives, FOUND)
+    sums : CycleSums
     bent : int
         How many bends the characteristics have.
     """
@@ -161,7 +170,7 @@ class CyclesToClose(NamedTuple):
     states: np.ndarray
     nodes: np.ndarray
     monodromy: np.ndarray
-    found: np.ndarray
+    sums: CycleSums
     bent: int
 
 
@@ -180,7 +189,7 @@ def close_cycles(
     room : ndarray (2, UNKNOWNS, UNKNOWNS)
         Memory.
     """
-    given, drives, exponents, steps, places, states, nodes, monodromy, found = batch[:9]
+    given, drives, exponents, steps, places, states, nodes, monodromy, sums = batch[:9]
     matrix, small = room[0], room[1]
     rates, jacobian, turned = small[0], small[1:4], small[4:8]
     whole, moved, other = small[8:11], small[11], matrix[0]
@@ -220,7 +229,7 @@ def close_cycles(
                     for c in range(COLUMNS):
                         turned[r, c] = 1.0 if r == c else 0.0
                         for s in range(STAGES):
-                            turned[r, c] += h * WEIGHTS[s] * right[STATE * s + r, c]
+                            turned[r, c] += h * _WEIGHTS[s] * right[STATE * s + r, c]
                 for c in range(COLUMNS):
                     for r in range(STATE):
                         other[r] = turned[r, STATE] if c == STATE else 0.0
@@ -252,7 +261,7 @@ def close_cycles(
                     rates[j] = change
                 for r in range(STATE):
                     for s in range(STAGES):
-                        moved[r] += h * WEIGHTS[s] * rates[STATE * s + r]
+                        moved[r] += h * _WEIGHTS[s] * rates[STATE * s + r]
                 for s in range(STAGES):
                     for r in range(STATE):
                         value = nodes[i, n, r]
@@ -262,35 +271,33 @@ def close_cycles(
                         sizes[r], off[r] = max(sizes[r], abs(value)), max(off[r], abs(value - before))
                         if value - before != value - before:
                             off[r] = math.inf
-                        if r == ENERGY:
+                        if r == STATE - 1:
                             positive &= value > 0.0
                             value = min(max(value, _LEAST * before), _MOST * before)
                         states[i, n, s, r] = value
             for r in range(STATE):
                 total = nodes[i, count - 1, r]
                 for s in range(STAGES):
-                    total += steps[i, count - 1] * WEIGHTS[s] * slopes[count - 1, STATE * s + r]
+                    total += steps[i, count - 1] * _WEIGHTS[s] * slopes[count - 1, STATE * s + r]
                 nodes[i, count, r] = total
             if last:
                 ended = CLOSES
                 break
             # A shaft without a moment has rounding alone: of the twist, and of the work.
-            least = _ROUNDED * (own[STIFFNESS] + sizes[ENERGY])
-            last = off[ELASTIC] <= _SETTLED * sizes[ELASTIC] + least
-            last &= off[MOTOR_SPEED] <= _SETTLED * sizes[MOTOR_SPEED]
-            last &= off[ENERGY] <= _SETTLED * sizes[ENERGY]
+            least, last = _ROUNDED * (own[0] + sizes[STATE - 1]), True
+            for r in range(STATE):
+                last &= off[r] <= _SETTLED * sizes[r] + (least if r == 0 else 0.0)
             ended = NOT_FOUND if positive else TURNS_BACK
-        for j in range(FOUND):
-            found[i, j] = 0.0
-        found[i, ENDED] = ended
+        sums.ended[i], sums.period[i], sums.impulse[i] = ended, 0.0, 0.0
+        sums.motor_work[i], sums.load_work[i], sums.damping_work[i] = 0.0, 0.0, 0.0
         for n in range(count):
             for s in range(STAGES):
-                state, place = states[i, n, s], places[i, n, s]
-                speed = math.sqrt(2.0 * state[ENERGY] / place[INERTIA])
-                slip = state[MOTOR_SPEED] - speed
-                time = steps[i, n] * WEIGHTS[s] / speed
-                found[i, PERIOD] += time
-                found[i, MOTOR_WORK] += time * motors_at(*motors, state[MOTOR_SPEED])[0] * state[MOTOR_SPEED]
-                found[i, LOAD_WORK] += time * _loads(place, powers, speed)[0] * speed
-                found[i, DAMPING_WORK] += time * given[i, DAMPING] * slip * slip
-                found[i, MOMENT_TIME] += time * (state[ELASTIC] + given[i, DAMPING] * slip)
+                elastic, motor_speed, energy = states[i, n, s, 0], states[i, n, s, 1], states[i, n, s, 2]
+                speed = math.sqrt(2.0 * energy / places[i, n, s, 0])
+                slip = motor_speed - speed
+                time = steps[i, n] * _WEIGHTS[s] / speed
+                sums.period[i] += time
+                sums.motor_work[i] += time * motors_at(*motors, motor_speed)[0] * motor_speed
+                sums.load_work[i] += time * _loads(places[i, n, s], powers, speed)[0] * speed
+                sums.damping_work[i] += time * own[1] * slip * slip
+                sums.impulse[i] += time * (elastic + own[1] * slip)

@@ -1,60 +1,35 @@
 """A drive of two masses on an elastic shaft with backlash: greatest moment, impacts, speeds at the end."""
 
-import math
 from typing import Annotated, ClassVar, Literal, NamedTuple
 
-import numba
 import numpy as np
-from numba import types
+from numpy.polynomial.chebyshev import chebfit, chebval
 from pydantic import Field, model_validator
 
-from engine.compiling.running import prepare, spread
-from engine.elements.elastic_drives.backlash_phases import (
-    CLOSINGS,
-    FOUND,
-    GREATEST,
-    GREATEST_AT,
-    IMPACT_AT,
-    IMPACT_SPEED,
-    LOAD_AT,
-    LOAD_SPEED,
-    MOTOR_SPEED,
-    PHASE,
+from engine.elements.elastic_drives.drive_motors import DriveMotor
+from engine.elements.elastic_drives.elastic_shaft import ElasticShaft, drive_shaft
+from engine.elements.elastic_drives.two_masses import (
+    Beginning,
+    DriveNumbers,
+    FollowedDrives,
     follow_drives,
+    shaft_moment,
 )
-from engine.elements.elastic_drives.drive_motors import DriveDCMotor, DriveInductionMotor, DriveMotor, DriveTableMotor
-from engine.elements.elastic_drives.elastic_shaft import DriveShaft, ElasticShaft, drive_shaft
-from engine.elements.elastic_drives.motor_phases import (
-    GAP,
-    LOAD_RATE,
-    MOMENT_AT_BEGIN,
-    MOTOR_FOUND,
-    MOTOR_MOMENT,
-    MOTOR_RATE,
-    MOTOR_ROOM,
-    ORDER,
-    SHAFT_MOMENT,
-    SHOWN,
-    TOO_STIFF,
-    follow_motor_drives,
-)
-from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers, nudged
-from engine.elements.oscillators.one_mass import free_motion
+from engine.elements.element import ROUNDING, Answers, Columns, Element, ElementResult, Numbers, nudged
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.laws.rounding import EPS
 from engine.parts.actions import Moment, Time
-from engine.parts.motor_constants import kloss_constants, stall_moment
+from engine.parts.motor_constants import MotorCurve, motor_curve
 from engine.parts.skeleton import Angle, AngularSpeed, Inertia
+from engine.stepping.system import SHOWN
 from engine.words.verdicts import Verdict
 
 # The least backlash [rad] whose products still are numbers of full precision.
 SMALLEST = np.finfo(float).tiny / np.finfo(float).eps
-# Under a motor vibrations are followed in up to 200 000 steps: an error of so many roundings.
-STEPS = 1e4
-# Instants of curves.
-_INSTANTS = 8004
-# Phases of a drive that a picture can show.
-MOST_SHOWN = 2000
+# What a step may miss, and for comparison; in thousands of steps so many roundings add up.
+TOLERANCE, COARSE, STEPS = 1e-12, 1e-10, 1e4
+# Instants of curves, and steps that a picture can show.
+_INSTANTS, MOST_SHOWN = 8004, 20_000
 
 
 class TwoMassDrive(ElasticShaft, Element):
@@ -108,47 +83,65 @@ class TwoMassDrive(ElasticShaft, Element):
             raise ValueError("give motor_moment (constant) or motor (its moment by its speed), one of the two")
         return self
 
-    def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants by their names."""
-        if self.motor is None:
-            (found, _, shaft), motor = followed_drive(self, n), n["motor_moment"]
-            too_stiff = np.zeros_like(motor)
-        else:
-            found, _, shaft = motor_driven(self, n)
-            motor, too_stiff = found[MOMENT_AT_BEGIN], found[TOO_STIFF]
-        load = n["load_moment"]
+    def values(self, n: Numbers, tolerance: float) -> tuple[Columns, FollowedDrives]:
+        """Results of a set of variants by their names, and their drives, with what a step may miss."""
+        followed, rigid = self.follow(n, tolerance), self.of_shaft(n)["rigid_moment"]
+        held = followed.held
+        found = {
+            "greatest_moment": held.greatest,
+            "greatest_moment_at": held.greatest_at,
+            "dynamic_factor": held.greatest / rigid,
+            "closings": held.closings,
+            "first_impact_at": held.impact_at,
+            "first_impact_speed": held.impact_speed,
+            "load_starts_at": held.load_at,
+            "motor_speed": followed.speed,
+            "load_speed": followed.load_speed,
+        }
+        return found, followed
+
+    def of_shaft(self, n: Numbers) -> Columns:
+        """Results that don't depend on the motion, by their names."""
+        shaft, load = drive_shaft(self, n), n["load_moment"]
+        motor = self.curve(n).moment(n["speed"] if self.begin == "running" else 0.0)
         rigid = rigid_moment(motor, load, n["motor_inertia"], n["load_inertia"])
         if self.begin == "at rest":
             # A load that the motor can't move holds all of its moment.
             rigid = np.where(load >= motor, motor, rigid)
-        return {
-            "stiffness": shaft.stiffness,
-            "damping": shaft.damping,
-            "natural_frequency": shaft.frequency,
-            "rigid_moment": rigid,
-            "greatest_moment": found[GREATEST],
-            "greatest_moment_at": found[GREATEST_AT],
-            "dynamic_factor": found[GREATEST] / rigid,
-            "closings": found[CLOSINGS],
-            "first_impact_at": found[IMPACT_AT],
-            "first_impact_speed": found[IMPACT_SPEED],
-            "load_starts_at": found[LOAD_AT],
-            "motor_speed": found[MOTOR_SPEED],
-            "load_speed": found[LOAD_SPEED],
-            "too_stiff": too_stiff,
-        }
+        named = zip(("stiffness", "damping", "natural_frequency"), shaft, strict=True)
+        return {**dict(named), "rigid_moment": rigid}
+
+    def curve(self, n: Numbers) -> MotorCurve:
+        """Characteristic of the motor."""
+        if self.motor is None:
+            return MotorCurve(n["motor_moment"], 0.0, (), None, np.inf)
+        return motor_curve(self.motor, "motor", n)
+
+    def follow(self, n: Numbers, tolerance: float, recorded: int = 0) -> FollowedDrives:
+        """Follow drives for their time, and record some steps."""
+        shaft, zero = drive_shaft(self, n), np.zeros_like(n["motor_inertia"])
+        # A backlash so small that its products vanish is none.
+        backlash = np.where(n["backlash"] < SMALLEST, 0.0, n["backlash"])
+        mobilities = 1.0 / n["motor_inertia"], 1.0 / n["load_inertia"]
+        drive = DriveNumbers(*mobilities, shaft.stiffness, shaft.damping + zero, backlash, n["load_moment"] + zero)
+        runs = self.begin == "running", n.get("speed", zero), n.get("load_before", zero)
+        return follow_drives(drive, self.curve(n), Beginning(*runs, n["time"] + zero), tolerance, recorded)
 
     def evaluate(self, n: Numbers) -> Answers:
-        """Results with their errors; under a motor with those of many steps, which nudges don't show."""
-        found, errors = nudged(self.values, n)
-        if self.motor is not None:
-            errors = {name: error + STEPS * EPS * np.abs(found[name]) for name, error in errors.items()}
-            # A speed rounds as that of the vibration does, however small it is in the end.
-            swing = found["greatest_moment"] / found["stiffness"] * found["natural_frequency"]
-            for name in ("motor_speed", "load_speed"):
-                errors[name] = errors[name] + STEPS * EPS * swing
-        too_stiff = np.where(found["too_stiff"] > 0.0, Verdict.SHAFT_RIGID, Verdict.OK)
-        return Answers(found, errors, too_stiff.astype(np.uint8))
+        """Results with their errors: from longer steps with other roundings."""
+        found, errors = nudged(self.of_shaft, n)
+        # Roundings up and down, in turn.
+        others = {name: row * (1.0 + (-1.0) ** i * ROUNDING * EPS) for i, (name, row) in enumerate(n.items())}
+        (fine, followed), (coarse, _) = self.values(n, TOLERANCE), self.values(others, COARSE)
+        # A speed rounds as that of the vibration does, however small it is in the end.
+        swing = fine["greatest_moment"] / found["stiffness"] * found["natural_frequency"]
+        with np.errstate(invalid="ignore"):
+            for name, row in fine.items():
+                size = np.abs(row) + (swing if name.endswith("speed") else 0.0)
+                error = np.abs(row - coarse[name]) + STEPS * EPS * size
+                errors[name] = np.where(np.isnan(error), np.inf, error)
+        too_stiff = np.where(followed.too_stiff, Verdict.SHAFT_RIGID, Verdict.OK)
+        return Answers(found | fine, errors, too_stiff.astype(np.uint8))
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Moment of the shaft, speeds of motor and load, and play over time."""
@@ -171,114 +164,6 @@ def rigid_moment(motor: np.ndarray, load: np.ndarray, first: np.ndarray, second:
     (M I₂ + M_c I₁)/(I₁ + I₂), M being the motor's moment and M_c the load's.
     """
     return (motor * second + load * first) / (first + second)
-
-
-def followed_drive(drive: TwoMassDrive, n: Numbers, shown: int = 0) -> tuple[np.ndarray, np.ndarray, DriveShaft]:
-    """Follow drives through their phases.
-
-    Parameters
-    ----------
-    drive : TwoMassDrive
-        How it is given and how it begins; its numbers are not used.
-    n : mapping of str to ndarray (variants,)
-        Its numbers by their keys, such as "motor_moment".
-    shown : int
-        How many phases to return.
-
-    Returns
-    -------
-    found : ndarray (FOUND, variants)
-    phases : ndarray (variants, shown, PHASE)
-        Both as for `follow_drives`.
-    shaft : DriveShaft
-    """
-    shaft = drive_shaft(drive, n)
-    none = np.zeros_like(shaft.stiffness)
-    inertias = n["motor_inertia"], n["load_inertia"]
-    # One so small that its products vanish is none.
-    backlash = np.where(n["backlash"] < SMALLEST, 0.0, n["backlash"])
-    if drive.begin == "running":
-        twist = rigid_moment(n["motor_moment"], n["load_before"], *inertias) / shaft.stiffness
-        speed, touch = n["speed"], none + 1.0
-    else:
-        # The whole backlash is open; without any, the shaft is in touch.
-        twist, speed, touch = -backlash, none, np.where(backlash > 0.0, 0.0, 1.0)
-    moments = backlash, n["motor_moment"], n["load_moment"], n["time"]
-    rows = (*inertias, shaft.stiffness, shaft.damping, *moments, twist, speed, touch)
-    given = np.array([np.broadcast_to(row, none.shape) for row in rows])
-    found, phases = np.empty((FOUND, none.size)), np.empty((none.size, shown, PHASE))
-    prepare(follow_drives, [types.intp, types.intp, *(numba.typeof(a) for a in (given, found, phases))])
-    spread(follow_drives, none.size, lambda: (given, found, phases))
-    return found, phases, shaft
-
-
-def motor_curves(motor: DriveMotor, n: Numbers, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Characteristics of a drive's motor as compiled code takes them.
-
-    Parameters
-    ----------
-    motor : DriveMotor
-    n : mapping of str to ndarray (count,)
-        Its numbers by their keys, such as "motor.stall_moment".
-    count : int
-
-    Returns
-    -------
-    lines : ndarray (count, rows, 2)
-        Rows of speed and moment; none for Kloss' formula.
-    kloss : ndarray (count, 4)
-        Its constants; (count, 0) for lines.
-    """
-    lines, kloss = np.empty((count, 0, 2)), np.empty((count, 0))
-    match motor:
-        case DriveDCMotor():
-            lines = np.zeros((count, 2, 2))
-            lines[:, 0, 1] = stall_moment(motor, "motor", n)
-            lines[:, 1, 0] = n["motor.no_load_speed"]
-        case DriveInductionMotor():
-            constants = kloss_constants(motor, "motor", n)
-            kloss = np.stack([np.broadcast_to(value, count) for value in constants], axis=1)
-        case DriveTableMotor():
-            table = np.stack([motor.speed, motor.moment], axis=1)
-            lines = np.repeat(table[None], count, axis=0)
-            lines[:, :, 1] *= n["motor.scale"][:, None]
-    return lines, kloss
-
-
-def motor_driven(drive: TwoMassDrive, n: Numbers, instants: int = 0) -> tuple[np.ndarray, np.ndarray, DriveShaft]:
-    """Follow drives under their motors.
-
-    Parameters
-    ----------
-    drive : TwoMassDrive
-        One with a `motor`; its numbers are not used.
-    n : mapping of str to ndarray (variants,)
-        Its numbers by their keys, such as "motor.stall_moment".
-    instants : int
-        At how many instants, equally spaced, to return what they do.
-
-    Returns
-    -------
-    found : ndarray (MOTOR_FOUND, variants)
-    shown : ndarray (variants, instants, SHOWN)
-        Both as for `follow_motor_drives`.
-    shaft : DriveShaft
-    """
-    shaft = drive_shaft(drive, n)
-    none = np.zeros_like(shaft.stiffness)
-    backlash = np.where(n["backlash"] < SMALLEST, 0.0, n["backlash"])
-    running = none + (drive.begin == "running")
-    starts = running, n.get("speed", none), n.get("load_before", none)
-    inertias, elastic = (n["motor_inertia"], n["load_inertia"]), (shaft.stiffness, shaft.damping, backlash)
-    rows = (*inertias, *elastic, n["load_moment"], n["time"], *starts)
-    given = np.stack([np.broadcast_to(row, none.shape) for row in rows], axis=1)
-    lines, kloss = motor_curves(drive.motor, n, none.size)
-    found, shown = np.empty((none.size, MOTOR_FOUND)), np.full((none.size, instants, SHOWN), np.nan)
-    tables = given, lines, kloss, found, shown
-    room = np.empty((MOTOR_ROOM, ORDER + 1))
-    prepare(follow_motor_drives, [types.intp, types.intp, *(numba.typeof(a) for a in (*tables, room))])
-    spread(follow_motor_drives, none.size, lambda: (*tables, np.empty_like(room)))
-    return found.T, shown, shaft
 
 
 class DriveHistory(NamedTuple):
@@ -314,37 +199,20 @@ def drive_history(drive: TwoMassDrive, instants: int) -> DriveHistory:
     drive : TwoMassDrive
     instants : int
     """
-    numbers = drive.own_numbers()
-    if drive.motor is not None:
-        _, (shown,), _ = motor_driven(drive, numbers, instants)
-        time = np.linspace(0.0, drive.time, instants)
-        rates = shown[:, MOTOR_RATE], shown[:, LOAD_RATE]
-        return DriveHistory(time, shown[:, SHAFT_MOMENT], *rates, shown[:, GAP], shown[:, MOTOR_MOMENT])
-    _, phases, shaft = followed_drive(drive, numbers, MOST_SHOWN)
-    phases = phases[0][~np.isnan(phases[0, :, 0])]
-    time = np.linspace(0.0, drive.time, instants)
-    k, b = float(shaft.stiffness[0]), float(shaft.damping[0])
-    rows = np.searchsorted(phases[:, 0], time, side="right") - 1
-    moment, motor, load, gap = np.empty((4, instants))
-    for row, (begins, touch, moves, e, v, speed) in enumerate(phases):
-        here = rows == row
-        t = time[here] - begins
-        if touch == 0:
-            push = drive.motor_moment / drive.motor_inertia + moves * drive.load_moment / drive.load_inertia
-            gap[here], rate = e + (v + 0.5 * push * t) * t, v + push * t
-            moment[here] = 0.0
-            load[here] = speed - moves * drive.load_moment / drive.load_inertia * t
-        else:
-            behind = drive.backlash if touch < 0 else 0.0
-            mobility = 1.0 / drive.motor_inertia + (1.0 / drive.load_inertia if moves else 0.0)
-            push = drive.motor_moment / drive.motor_inertia + moves * drive.load_moment / drive.load_inertia
-            frequency = np.full(t.shape, math.sqrt(k * mobility))
-            twist = push / (k * mobility)
-            deviation, rate = free_motion(frequency, 0.5 * b * mobility / frequency, e + behind - twist, v, t)
-            gap[here], moment[here] = twist + deviation - behind, k * (twist + deviation) + b * rate
-            total = drive.motor_inertia + drive.load_inertia
-            momentum = drive.motor_inertia * (v + speed) + drive.load_inertia * speed
-            momentum = momentum + (drive.motor_moment - moves * drive.load_moment) * t
-            load[here] = (momentum - drive.motor_inertia * rate) / total if moves else 0.0
-        motor[here] = load[here] + rate
-    return DriveHistory(time, moment, motor, load, gap, np.full(instants, drive.motor_moment))
+    n = drive.own_numbers()
+    followed = drive.follow(n, TOLERANCE, MOST_SHOWN)
+    steps = followed.recorded[: int(followed.steps[0]), :, 0]
+    time, shown = np.linspace(0.0, drive.time, instants), SHOWN.size
+    own = np.searchsorted(steps[:, 0], time, side="right") - 1
+    share = np.clip((time - steps[own, 0]) / steps[own, 1], 0.0, 1.0)
+
+    def along(state: int) -> np.ndarray:
+        at = 3 + state * (shown + 1)
+        series = chebfit(2.0 * SHOWN - 1.0, steps[:, at : at + shown].T, shown - 1)
+        return chebval(2.0 * share - 1.0, series[:, own], tensor=False)
+
+    shaft = drive_shaft(drive, n)
+    swung, speed, load_speed = map(along, range(3))
+    gap = swung / shaft.frequency
+    moment = shaft_moment(shaft, drive.backlash, gap, speed - load_speed)
+    return DriveHistory(time, moment, speed, load_speed, gap, drive.curve(n).moment(speed) + np.zeros(instants))

@@ -15,16 +15,7 @@ from engine.elements.elastic_drives.drive_cycles import (
     least_and_greatest,
     steps_needed,
 )
-from engine.elements.elastic_drives.elastic_cycle import (
-    ELASTIC,
-    ENERGY,
-    INERTIA,
-    LAWS,
-    MOTOR_SPEED,
-    POINTS,
-    STAGES,
-    STATE,
-)
+from engine.elements.elastic_drives.elastic_cycle import GAUSS, KNOWN, STAGES, STATE
 from engine.elements.elastic_drives.elastic_shaft import drive_shaft
 from engine.elements.elastic_drives.machine_drive import RESULTS, RUN_RESULTS, VERDICT_KEY, MachineDrive, machine_keys
 from engine.mechanism.mechanics import Mechanics
@@ -105,7 +96,7 @@ class ElasticDrives:
         ready, steps, verdict = self._ready(name, variants)
         for count in np.unique(steps):
             same = np.flatnonzero(steps == count)
-            together = max(1, TOGETHER // (count * STAGES * (LAWS + 2 * STATE)))
+            together = max(1, TOGETHER // (count * STAGES * (KNOWN + 2 * STATE)))
             for some in np.array_split(same, -(-same.size // together)):
                 part, who = ready.some(some), ready.which[some]
                 (fine, cycle), (coarse, _) = (_settled(part, int(n)) for n in (count, count // 2))
@@ -399,7 +390,7 @@ def _machine_over_cycle(ready: Ready, count: int) -> tuple[DrivenMachine, np.nda
     grid = dynamics.grid(bare, np.zeros(bare.count), dynamics.cycle, count)
     steps, variants = grid.steps, bare.count
     turned = np.concatenate([np.zeros((1, variants)), np.cumsum(steps, axis=0)])
-    within = turned[:-1, None] + steps[:, None] * np.array([0.0, *POINTS])[:, None]
+    within = turned[:-1, None] + steps[:, None] * np.array([0.0, *GAUSS.nodes])[:, None]
     every = np.concatenate([within.reshape(-1, variants), turned[-1:]])
     rows = dynamics.rows(bare, bare.direction * every)
     whole = rows.inertia + own
@@ -416,9 +407,8 @@ def _machine_over_cycle(ready: Ready, count: int) -> tuple[DrivenMachine, np.nda
     rigid = RigidCycle(points(moments.motors - own * epsilon), points(omega))
     columns = (rows.inertia, *rows.loads.sum(axis=0), *rows.powers)
     places = np.stack([points(column)[..., 1:-1] for column in columns], axis=3)
-    guess = np.empty((*places.shape[:3], STATE))
-    guess[..., ELASTIC], guess[..., MOTOR_SPEED] = rigid.moment[..., 1:-1], rigid.speed[..., 1:-1]
-    guess[..., ENERGY] = 0.5 * places[..., INERTIA] * guess[..., MOTOR_SPEED] ** 2
+    moment, speed = rigid.moment[..., 1:-1], rigid.speed[..., 1:-1]
+    guess = np.stack([moment, speed, 0.5 * places[..., 0] * speed**2], axis=3)
     drive = ready.rigid.drive
     nodes = rows.inertia[:: STAGES + 1].T
     machine = DrivenMachine(np.ascontiguousarray(steps.T), places, nodes, drive.rows, drive.exponents.T, drive.bent)

@@ -12,8 +12,6 @@ from engine.parts.actions import InductionCharacteristic, Motor
 from engine.parts.motor_constants import MotorCurve, bends_of, motor_curve
 from engine.scene.scene import Numbers, Scene
 
-_by_kloss = np.vectorize(induction_motor, otypes=[float])
-
 
 def motor_moment(scene: Scene, motors: tuple[str, ...], numbers: Numbers) -> float | np.ndarray:
     """Torque of the motors at the input speed, reduced to the input link [N·m], for every variant."""
@@ -22,10 +20,7 @@ def motor_moment(scene: Scene, motors: tuple[str, ...], numbers: Numbers) -> flo
         motor = scene.moments[name]
         ratio = motor_ratio(scene, motor, numbers)
         # A motor drives its shaft in the direction in which the shaft is meant to turn.
-        speed, curve = np.abs(numbers["input.speed"] * ratio), motor_curve(motor, f"moments.{name}", numbers)
-        moment = curve.level + curve.slope * speed
-        moment = moment + sum(bend * np.maximum(speed - at, 0.0) for bend, at in curve.bends)
-        moment = moment if curve.kloss is None else moment + _by_kloss(*curve.kloss, speed)
+        moment = motor_curve(motor, f"moments.{name}", numbers).moment(np.abs(numbers["input.speed"] * ratio))
         total = total + moment * np.abs(ratio) * np.sign(numbers["input.speed"])
     return total
 

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.elements.elastic_drives.shaft_touch import touch_turns
 from engine.motion.coupled.coupled_fields import CoupledPiece
 from engine.motion.coupled.two_sides import (
     APART,
@@ -342,8 +343,7 @@ class CoupledRuns:
         found = coupling_pull(sides, joined, moving[:, None], time[None])
         slip = moving[SHAFT_SPEED] - moving[CRANK_SPEED]
         change = found.shaft[0] - found.crank[0]
-        rate = sides.coupling.stiffness * slip + sides.coupling.damping * change
-        rate = np.where(joined.touch == 0.0, slip, rate)
+        rate = touch_turns(tuple(sides.coupling), joined.touch, slip, change)
         return np.sign(np.where(rate == 0.0, change, rate))
 
     def _walk(self, who: np.ndarray, method: int, faced: np.ndarray, goal: np.ndarray, longest: np.ndarray) -> Walks:
@@ -364,8 +364,7 @@ class CoupledRuns:
         joining = sizes.joining
         limits |= {joining.holds: holds, joining.sense: np.where(slips, joined.mode, 0), joining.moves: crank_moves}
         limits |= {joining.shaft_moves: shaft_moves, joining.engaged: joined.clock - joined.engaged}
-        limits |= {joining.forwards: joined.touch > 0.0, joining.backwards: joined.touch < 0.0}
-        limits |= {joining.growing: self.growing[who]}
+        limits |= {joining.touch: joined.touch, joining.growing: self.growing[who]}
         if stands.any():
             _, _, *ways = self._free(sides, joined, state[: SHAFT_SPEED + 1], time)
             limits |= {joining.resists: ways[0] - ways[2], joining.shaft_resists: ways[1] - ways[3]}

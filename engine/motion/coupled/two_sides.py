@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from scipy.interpolate import PPoly
 
+from engine.elements.elastic_drives.shaft_touch import touching_moment
 from engine.laws.loads import fluid_coupling_moment, slip_of
 from engine.laws.tables import make_table
 from engine.motion.coupled.two_speeds import at_two_speeds
@@ -92,8 +93,7 @@ class ElasticNumbers(NamedTuple):
 
     def moment(self, touch: np.ndarray, twist: np.ndarray, slip: np.ndarray) -> np.ndarray:
         """Moment of the shaft [N·m]."""
-        twist = twist + np.where(touch < 0.0, self.backlash, 0.0)
-        return np.where(touch == 0.0, 0.0, self.stiffness * twist + self.damping * slip)
+        return touching_moment(tuple(self), touch, twist, slip)
 
 
 def coupling_numbers(scene: Scene, numbers: Numbers, count: int) -> CouplingNumbers:

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.compiling.decorators import scalar
+from engine.elements.elastic_drives.shaft_touch import touch_left, touch_turns, touching_moment
 from engine.graph.derivatives import derivative
 from engine.graph.nodes import Given, Node, Stage
 from engine.laws.kinematics.closure import greater
@@ -77,8 +78,8 @@ class Joining(NamedTuple):
         Reduced to the crank [kg·m²].
     stiffness, damping, backlash : Given
         Of an elastic shaft [N·m/rad, N·m·s/rad, rad].
-    forwards, backwards : Given
-        1 where it is in touch that way, else 0.
+    touch : Given
+        1 where it touches forwards, −1 backwards, 0 nowhere.
     growing : Given
         +1 or −1: whether its moment, or out of touch its twist, rises or falls.
     resists, shaft_resists : Given
@@ -100,8 +101,7 @@ class Joining(NamedTuple):
     stiffness: Given
     damping: Given
     backlash: Given
-    forwards: Given
-    backwards: Given
+    touch: Given
     growing: Given
     resists: Given
     shaft_resists: Given
@@ -128,6 +128,8 @@ def _joining(mechanics: Mechanics, guards: tuple[str, ...], knots: int) -> Joini
     return Joining(**several, **{name: number(name) for name in Joining._fields if name not in several})
 
 
+# Derivative of the moment of an elastic shaft by the slip.
+BY_SLIP = {touching_moment: {5: lambda _, damping, __, touch, *___: damping * (touch * touch)}}
 # What ends a walk besides speeds, in the order of its guards.
 ENDINGS = ("crank rests", "shaft rests", "locks up", "astray", "breaks loose", "sets off", "touch", "turns")
 
@@ -184,8 +186,10 @@ def at_two_speeds(
     ahead, shaft_ahead = crank.facing * speed, other * shaft_speed
     slip = shaft_ahead - ahead
     touch = turns = graph.zero
+    elastic = joining.stiffness, joining.damping, joining.backlash
     if coupling is None:
-        apart, touch = _elastic(joining, twist, slip)
+        apart = graph.apply(touching_moment, elastic, joining.touch, twist, slip)
+        touch = graph.apply(touch_left, elastic, joining.touch, twist, slip)
     elif isinstance(coupling, FluidCoupling):
         table = graph.store(in_memory(make_table(coupling.slip, coupling.coefficient, coupling.interpolation)))
         apart = graph.apply(fluid_moment, graph.memory, table, joining.fluid, ahead, shaft_ahead)
@@ -205,8 +209,8 @@ def at_two_speeds(
     held, *rises = moved(m1)
     moment = joining.holds * held + (1.0 - joining.holds) * apart if knots else apart
     if coupling is None:
-        rate = joining.stiffness * slip + joining.damping * (other * rises[1] - crank.facing * rises[0])
-        turns = joining.growing * graph.apply(unless, joining.forwards + joining.backwards, slip, rate)
+        parting = other * rises[1] - crank.facing * rises[0]
+        turns = joining.growing * graph.apply(touch_turns, elastic, joining.touch, slip, parting)
     motors = of_crank.motors + of_shaft.motors
     powers = {
         name: of_crank.channels[name] * speed + of_shaft.channels[name] * shaft_speed for name in of_crank.channels
@@ -226,7 +230,7 @@ def at_two_speeds(
     named = zip(ENDINGS, endings, joining.never, strict=True)
     guards = [Guard("above", crank.above - speed), Guard("below", speed - crank.below)]
     guards += [Guard(name, value + never) for name, value, never in named]
-    slopes = [[derivative(rise, by, SLOPES) for by in (speed, shaft_speed)] for rise in moved(smooth)[1:]]
+    slopes = [[derivative(rise, by, SLOPES | BY_SLIP) for by in (speed, shaft_speed)] for rise in moved(smooth)[1:]]
     steepness = graph.apply(greater, *(abs(a) + abs(b) for a, b in slopes))
     rates, none = (ahead, rises[0], slip if coupling is None else shaft_ahead, rises[1]), graph.zero
     # A shaft's stiffness isn't among the slopes.
@@ -235,18 +239,6 @@ def at_two_speeds(
         "time", states, unknown, rates, gathered, speed, none, steepness, rises[0], solved, (), tuple(guards), clock
     )
     return system, TwoSizes(crank, shaft, joining)
-
-
-def _elastic(joining: Joining, twist: Node, slip: Node) -> tuple[Node, Node]:
-    """Moment of an elastic shaft, and what is positive until touch is lost or made."""
-    graph, k = twist.graph, joining.stiffness
-    behind, pull = k * (twist + joining.backlash), joining.damping * slip
-    moment = joining.forwards * (k * twist + pull) + joining.backwards * (behind + pull)
-    # Pressed together, and the damper not pulling.
-    apart = [-graph.apply(greater, -x, -(x + way * pull)) for x, way in ((k * twist, 1.0), (-behind, -1.0))]
-    touch = joining.forwards - joining.backwards
-    parted = -graph.apply(greater, *apart)
-    return moment, graph.apply(unless, joining.forwards + joining.backwards, parted, touch * moment)
 
 
 def _held_back(joining: Joining, capacity: Node, moment: Node, m1: Node, m2: Node) -> Node:

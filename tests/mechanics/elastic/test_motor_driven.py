@@ -1,4 +1,4 @@
-"""Two masses under a motor whose moment depends on its speed: exact phases, exponentials, other methods, refusals."""
+"""Two masses under a motor whose moment depends on its speed: other methods, exponentials, refusals."""
 
 import math
 
@@ -10,8 +10,8 @@ import scipy.linalg
 from element_samples import asked, element, one
 
 from engine import SceneError, Verdict
-from engine.elements.elastic_drives.motor_phases import MOST_RADIANS
 from engine.elements.elastic_drives.two_mass_drive import drive_history
+from engine.elements.elastic_drives.two_masses import MOST_RADIANS
 
 DRIVE = {
     "type": "two_mass_drive",
@@ -40,32 +40,93 @@ def motor_moment(motor, w):
     return 2 * motor["breakdown_moment"] / (s / motor["breakdown_slip"] + motor["breakdown_slip"] / s)
 
 
+def phase_by_phase(n: dict, driving, twist: float, speed: float, until: float) -> tuple[np.ndarray, float, int]:
+    """State at the end (twist, both speeds), greatest moment and closings, by SciPy from event to event."""
+    first, second, k, b, gap, load = (n[key] for key in KEYS)
+
+    def shaft(y, touch):
+        return touch * touch * (k * (y[0] + (gap if touch < 0 else 0.0)) + b * (y[1] - y[2]))
+
+    def rates(_, y, touch, way):
+        moment = shaft(y, touch)
+        return [y[1] - y[2], (driving(y[1]) - moment) / first, way * way * (moment - way * load) / second]
+
+    def pressed(y, way):
+        twist = y[0] if way > 0 else y[0] + gap
+        return min(way * k * twist, way * (k * twist + b * (y[1] - y[2])))
+
+    def guards(y, touch, way):
+        touches = [touch * shaft(y, touch)] if touch else [-pressed(y, 1), -pressed(y, -1)]
+        return [*(touches if gap > 0 else []), way * y[2] if way else load - abs(shaft(y, touch))]
+
+    y, t, closings = np.array([twist, speed, speed]), 0.0, 0
+    touch = 1 if gap == 0.0 or twist > 0.0 else 0 if twist >= -gap else -1
+    way = 1 if speed > 0.0 or load == 0.0 else 0
+    peak = abs(shaft(y, touch))
+    while t < until:
+        # Away from where the last event was.
+        for end, more in ((min(t + 1e-8, until), {}), (until, {"max_step": 2e-3})):
+            count = len(guards(y, touch, way))
+            events = [lambda _, y, touch, way, i=i: guards(y, touch, way)[i] for i in range(count)] if more else None
+            for event in events or []:
+                event.terminal, event.direction = True, -1
+            if t < end:
+                gone = scipy.integrate.solve_ivp(
+                    rates, (t, end), y, "DOP853", args=(touch, way), rtol=1e-11, atol=1e-13, events=events,
+                    dense_output=True, **more,
+                )  # fmt: skip
+                seen = gone.sol(np.linspace(t, gone.t[-1], 4000))
+                peak = max(peak, np.abs(shaft(seen, touch)).max())
+                t, y = gone.t[-1], gone.y[:, -1]
+        if gone.status == 1:
+            fired = next(i for i, times in enumerate(gone.t_events) if times.size)
+            if gap > 0.0 and fired < count - 1:
+                closings += touch == 0
+                touch = 0 if touch else (1 if y[0] > -0.5 * gap else -1)
+            elif way:
+                y[2], way = 0.0, 0
+            moment = shaft(y, touch)
+            peak = max(peak, abs(moment))
+            # The load is at rest, and set off.
+            if way == 0 and (abs(moment) > load or (fired == count - 1 and abs(moment) > load * (1 - 1e-9))):
+                way = 1 if moment > 0 else -1
+    return y, peak, closings
+
+
 @pytest.mark.parametrize("begin", ["at rest", "running"])
-def test_flat_characteristic__is_the_constant_moment_of_exact_phases(begin):
-    generator, n = np.random.default_rng(11), 60
+@pytest.mark.parametrize("motor", [None, LINE, KLOSS, TABLE])
+def test_drives__are_those_of_scipy_from_event_to_event(motor, begin):
+    generator, n = np.random.default_rng(11), 6
     first, second = 10 ** generator.uniform(-1, 0.5, (2, n))
     k = 10 ** generator.uniform(3, 4.5, n)
     b = generator.uniform(0, 1, n) ** 3 * 3 * np.sqrt(k * first * second / (first + second))
-    b[:15] = 0.0
+    b[:2] = 0.0
     gap = np.where(generator.random(n) < 0.3, 0.0, generator.uniform(0.001, 0.05, n))
-    # Without damper and load the backlash is crossed for ever, and its other end just grazed.
-    load = np.where(np.arange(n) > 50, 0.0, generator.uniform(0.05, 1.3, n) * 80.0)
-    numbers = dict(zip(KEYS, (first, second, k, b, gap, load), strict=True))
-    drive = DRIVE | {"damping": 0.0, "begin": begin}
+    numbers = dict(zip(KEYS, (first, second, k, b, gap, generator.uniform(4.0, 100.0, n)), strict=True))
+    drive = DRIVE | {"damping": 0.0, "begin": begin, "time": 0.1}
+    drive |= {"motor_moment": 80.0} if motor is None else {"motor": motor}
+    driving = (lambda _: 80.0) if motor is None else lambda w: motor_moment(motor, w)
     if begin == "running":
         drive |= {"speed": 5.0, "load_before": 1.0}
         numbers |= {"speed": generator.uniform(1.0, 9.0, n), "load_before": generator.uniform(0, 200, n)}
     varied = {f"it__{key}": v for key, v in numbers.items()}
-    exact, outcome = asked({"it": drive | {"motor_moment": 80.0}}, *(f"it.{x}" for x in NAMES), **varied)
-    flat = {"type": "table", "speed": [0.0, 3.0, 50.0], "moment": [80.0, 80.0, 80.0]}
-    found, other = asked({"it": drive | {"motor": flat}}, *(f"it.{x}" for x in NAMES), **varied)
+    found, outcome = asked({"it": drive}, *(f"it.{x}" for x in NAMES), **varied)
     assert (outcome.status == Verdict.OK).all()
-    assert (other.status == Verdict.OK).all()
-    assert len(set(exact[4])) > (3 if begin == "at rest" else 1)
-    # Some dozens of impacts let roundings grow by two digits.
-    size = np.abs(exact[2]).max()
-    for a, b, scale in zip(found, exact, (np.abs(exact[0]), 0.2, size, size, 0.5), strict=True):
-        assert (np.abs(a - b) <= 1e-12 * scale).all()
+    for v in range(n):
+        own = {key: float(row[v]) for key, row in numbers.items()}
+        twist, speed = -own["backlash"], 0.0
+        if begin == "running":
+            speed, (i1, i2) = own["speed"], (own["motor_inertia"], own["load_inertia"])
+            twist = (driving(speed) * i2 + own["load_before"] * i1) / (i1 + i2) / own["stiffness"]
+        y, peak, closings = phase_by_phase(own, driving, twist, speed, 0.1)
+        greatest, _, motor_speed, load_speed, closed = (row[v] for row in found)
+        swing = greatest / own["stiffness"] * math.sqrt(own["stiffness"] * (1 / first[v] + 1 / second[v]))
+        # SciPy's kinks in a table, and looks at a phase 0.01 rad of its vibration apart.
+        tolerance = 1e-6 if motor is TABLE else 1e-8
+        assert (motor_speed, load_speed) == pytest.approx(tuple(y[1:]), abs=tolerance * (swing + speed))
+        assert greatest == pytest.approx(peak, rel=1e-4)
+        assert greatest >= peak * (1 - 1e-7)
+        assert closed == closings
 
 
 @pytest.mark.parametrize("motor", [LINE, KLOSS, TABLE])
@@ -103,28 +164,30 @@ def test_straight_characteristic_without_backlash__is_the_matrix_exponential():
 
 
 @pytest.mark.parametrize("motor", [LINE, TABLE, KLOSS])
-@pytest.mark.parametrize("damping_ratio", [0.0, 0.1, 1.5])
-def test_stiff_shaft__turns_as_a_rigid_one_in_the_end(motor, damping_ratio):
-    given = {"motor": motor, "backlash": 0.0, "load_moment": 10.0, "time": 2.0, "damping_ratio": damping_ratio}
+def test_stiff_shaft__turns_as_a_rigid_one_in_the_end(motor):
+    """Several seconds: 30 000 radians of vibration are followed."""
+    given = {"motor": motor, "backlash": 0.0, "load_moment": 10.0, "time": 2.0, "damping_ratio": 0.0}
     rigid = scipy.integrate.solve_ivp(
         lambda t, w: (motor_moment(motor, w[0]) - 10.0) / 3.5, (0, 2), [0], "DOP853", rtol=1e-12, max_step=1e-3
     )
-    for k in (1e7, 4e9):
-        first, second = one(DRIVE | given | {"stiffness": k}, "motor_speed", "load_speed")
-        # Until T = 10 N m the load sticks, for at most 1 rad of the vibration; that turns the motor by T₀/(I₁ ω) more.
-        away = 100.0 / math.sqrt(0.5 * k)
-        assert (first, second) == pytest.approx((rigid.y[0, -1],) * 2, abs=3 * away + 1e-9)
+    k, ratio = (grid.ravel() for grid in np.meshgrid([1e6, 1e8], [0.0, 0.1, 1.5]))
+    names = "it.motor_speed", "it.load_speed"
+    speeds, outcome = asked({"it": DRIVE | given}, *names, it__stiffness=k, it__damping_ratio=ratio)
+    assert (outcome.status == Verdict.OK).all()
+    # Until T = 10 N m the load sticks, for at most 1 rad of the vibration; that turns the motor by T₀/(I₁ ω) more.
+    away = 100.0 / np.sqrt(0.5 * k)
+    assert (np.abs(speeds - rigid.y[0, -1]) < 3 * away + 1e-9).all()
 
 
 def test_damped_stiff_shaft_under_kloss__carries_no_more_than_the_breakdown_moment_after_its_start():
     drive = DRIVE | {"motor": KLOSS, "backlash": 0.0, "load_moment": 10.0, "time": 2.0, "damping_ratio": 0.1}
-    greatest, at = one(drive | {"stiffness": 4e9}, "greatest_moment", "greatest_moment_at")
+    greatest, at = one(drive | {"stiffness": 1e7}, "greatest_moment", "greatest_moment_at")
     # (M_b I₂ + M_c I₁)/(I₁ + I₂), where the rigid drive passes its breakdown speed, 14 rad/s.
-    # Twist lags by τ''/(τ ω²) = (40 rad/s² / 6 rad/s)²/(96 600 rad/s)² = 5e-9 of the moment.
-    assert greatest == pytest.approx((150.0 * 3.0 + 10.0 * 0.5) / 3.5, rel=6e-9)
+    # Twist lags by τ''/(τ ω²) = (40 rad/s² / 6 rad/s)²/(4 830 rad/s)² = 2e-6 of the moment.
+    assert greatest == pytest.approx((150.0 * 3.0 + 10.0 * 0.5) / 3.5, rel=2e-6)
     passed = scipy.integrate.quad(lambda w: 3.5 / (motor_moment(KLOSS, w) - 10.0), 0.0, 14.0, epsrel=1e-12)[0]
-    # The peak is flat: ripples of 1e-11 of its height move it by 1e-5 of the start.
-    assert at == pytest.approx(passed, abs=2e-5)
+    # The load sticks for at most 1 rad of the vibration, 0.2 ms.
+    assert at == pytest.approx(passed, abs=4e-4)
 
 
 @pytest.mark.parametrize("motor", [LINE, TABLE, KLOSS])
@@ -141,6 +204,7 @@ def test_shaft_too_stiff_for_its_time__is_refused_with_its_natural_frequency(mot
 
 
 def test_most_vibrations_that_are_followed__keep_their_error_estimates():
+    """Several seconds: 60 000 radians of vibration are followed."""
     k = np.array([1e4, 1e7, 0.999 * MOST_RADIANS**2 * 0.5 * 3.0 / 3.5])
     drive = DRIVE | {"motor": LINE, "backlash": 0.0, "load_moment": 0.0, "time": 1.0}
     names = "it.motor_speed", "it.load_speed"
@@ -156,16 +220,15 @@ def test_most_vibrations_that_are_followed__keep_their_error_estimates():
 
 
 def test_drive_that_is_stalled__vibrates_about_its_moment_for_as_long_as_asked():
-    drive = DRIVE | {"motor": LINE, "backlash": 0.0, "stiffness": 1e8, "load_moment": 500.0, "time": 3.0}
+    drive = DRIVE | {"motor": LINE, "backlash": 0.0, "stiffness": 1e7, "load_moment": 500.0, "time": 3.0}
     found, outcome = asked({"it": drive}, *(f"it.{name}" for name in NAMES))
     greatest, at, first, second, _ = (value[0] for value in found)
     # I₁ e″ + (S) e′ + k e = M₀ with S = 5 N m s.
-    decay, frequency = 5.0, math.sqrt(1e8 / 0.5 - 5.0**2)
+    decay, frequency = 5.0, math.sqrt(1e7 / 0.5 - 5.0**2)
     assert greatest == pytest.approx(100.0 * (1 + math.exp(-decay * math.pi / frequency)), rel=1e-12)
     assert at == pytest.approx(math.pi / frequency, rel=1e-9)
     end = 100.0 / (0.5 * frequency) * math.exp(-decay * 3.0) * math.sin(frequency * 3.0)
-    # In each of 30 000 steps the twist of 1e-6 rad is rounded.
-    assert abs(first - end) <= min(outcome.errors["it.motor_speed"][0], 1e-13)
+    assert abs(first - end) <= outcome.errors["it.motor_speed"][0]
     assert second == 0.0
 
 

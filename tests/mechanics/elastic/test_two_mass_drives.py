@@ -68,9 +68,10 @@ def test_sudden_load__doubles_the_change_of_the_moment():
 
 
 def test_rigid_shaft__leaves_the_motion_of_one_mass():
-    drive = DRIVE | {"backlash": 0.0, "stiffness": 1e13, "damping_ratio": 0.5, "time": 0.3}
+    drive = DRIVE | {"backlash": 0.0, "stiffness": 1e8, "damping_ratio": 0.5, "time": 0.3}
     speeds = one(drive, "motor_speed", "load_speed")
-    assert speeds == pytest.approx([(100 - 60) / 3.5 * 0.3] * 2, rel=1e-6)
+    # Until T = 60 N m the load sticks, for less than 1 rad of the vibration: 1/15 000 s.
+    assert speeds == pytest.approx([(100 - 60) / 3.5 * 0.3] * 2, abs=60 / 3.5 / 15_000)
 
 
 def small_steps(first, second, k, b, gap, motor, load, time, steps, begin):
@@ -155,7 +156,7 @@ def test_load_that_holds_the_motor__never_starts():
     drive = DRIVE | {"load_moment": 900.0, "damping_ratio": 0.1, "time": 3.0}
     (starts, _), of_load, (motor_speed, _) = figures(drive, "load_starts_at", "load_speed", "motor_speed")
     assert np.isnan(starts)
-    assert of_load == (0.0, 0.0)
+    assert of_load == (0.0, pytest.approx(0.0, abs=1e-11))
     assert abs(motor_speed) < 1e-6
 
 
