@@ -578,6 +578,11 @@ class Graph:
         """Where what the held nodes hold may switch, each place once."""
         return list(self._crossings.values())
 
+    @property
+    def all_tables(self) -> np.ndarray:
+        """Contents of the memory, which is never empty."""
+        return np.concatenate(self.tables) if self.tables else np.zeros(1)
+
     def store(self, table: np.ndarray) -> Constant:
         """Put a table into the memory, each of them once; where it begins there."""
         flat = np.ascontiguousarray(table, float).ravel()

@@ -266,7 +266,7 @@ def find_cycles(
             for lane in range(LANES):
                 if search.verdict[lane] == SEARCHING:
                     judge_cycle(lane, batch.fading, edges, task, room)
-        give_out(first, walks, room.walk)
+        give_out(first, walks, task, room.walk)
         hand_out(in_lanes(room.search[0:1]), first, batch.energies.reshape(1, batch.energies.shape[0]))
         for lane in range(min(LANES, batch.energies.shape[0] - first)):
             batch.told[0, first + lane], batch.told[1, first + lane] = search.off[lane], search.verdict[lane]

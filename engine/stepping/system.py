@@ -16,17 +16,34 @@ from engine.graph.functions import Functions, functions_in_motion, places_of
 from engine.graph.nodes import Given, Graph, Node
 from engine.stepping.closed_cycle import TOLD, CycleBatch, CycleRoom, find_cycles, new_cycle_room
 from engine.stepping.methods import EIGHT, METHODS
-from engine.stepping.walk import FOUND, GIVEN, LONGER, RESPONSES, STEEPEST, Room, WalkBatch, WalkTask, new_room, walk
+from engine.stepping.walk import (
+    FOUND,
+    GIVEN,
+    LONGER,
+    RESPONSES,
+    ROOT,
+    STEEPEST,
+    Room,
+    WalkBatch,
+    WalkTask,
+    new_room,
+    walk,
+)
 
 # Shares of a step at which its polynomial of degree seven is recorded.
 SHOWN = 0.5 - 0.5 * np.cos(np.pi * np.arange(8) / 7.0)
 
 
 class Guard(NamedTuple):
-    """Something that ends a step: its name, and a number that is positive until then."""
+    """Something that ends a step: its name, and a number that is positive until then.
+
+    Where it `flips` a given number, the walk goes on with the other sign of that. It `notes` how far the walk has come.
+    """
 
     name: str
     value: Node
+    flips: Given | None = None
+    notes: Given | None = None
 
 
 class System(NamedTuple):
@@ -52,6 +69,8 @@ class System(NamedTuple):
     guards : tuple of Guard
     clock : Given
         The time.
+    scales : tuple of Node
+        What errors of the states are measured by along time; without them, the states themselves.
     """
 
     along: str
@@ -67,6 +86,7 @@ class System(NamedTuple):
     responses: tuple[Node, ...]
     guards: tuple[Guard, ...]
     clock: Given
+    scales: tuple[Node, ...] = ()
 
 
 class Walks(NamedTuple):
@@ -140,16 +160,23 @@ class PrintedSystem:
         self.rates = [*system.rates, *system.gathered.values()]
         guards = (guard.value for guard in system.guards)
         before = system.speed, system.size, system.steepness, system.slope
-        self.watched = [*before, *system.responses, *system.slopes, *guards]
-        self.last = (*system.states, *system.unknown.values())
+        self.watched = [*before, *system.responses, *system.slopes, *system.scales, *guards]
+        notes = (guard.notes for guard in system.guards if guard.notes is not None)
+        self.last = (*system.states, *system.unknown.values(), *notes)
         title = f"Motion along {system.along}."
         self.functions: Functions = functions_in_motion(graph, title, first, last, self.rates, self.watched, self.last)
         self.names = {name: len(system.states) + i for i, name in enumerate(system.gathered)}
 
-    def task(self, cycle: float, method: int = EIGHT, extremes: bool = False, longer: float = 1.0) -> WalkTask:
+    def task(
+        self, cycle: float, method: int = EIGHT, extremes: bool = False, longer: float = 1.0, root: float = ROOT
+    ) -> WalkTask:
         """What a walk is to do."""
         system, made, rows = self.system, METHODS[method], self.functions.rows
         timed = system.clock in rows
+        flips, notes = (
+            np.array([rows.get(getattr(guard, name), -1) for guard in system.guards], int)
+            for name in ("flips", "notes")
+        )
         return WalkTask(
             along_time=system.along == "time",
             method=method,
@@ -160,6 +187,7 @@ class PrintedSystem:
             implicit=made.implicit,
             solved=math.isqrt(len(system.slopes)),
             slopes=RESPONSES + len(system.responses),
+            scales=RESPONSES + len(system.responses) + len(system.slopes) if system.scales else -1,
             solves=next(map(system.states.index, system.unknown), -1),
             nodes=made.nodes,
             matrix=made.matrix,
@@ -169,12 +197,15 @@ class PrintedSystem:
             width=len(self.rates),
             watched=len(self.watched),
             guards=len(system.guards),
+            flips=flips,
+            notes=notes,
             carries=len(system.responses) > 0 and bool(made.fine.any()),
             first_place=len(rows) - len(self.last) - len(self.functions.curves),
             places=len(self.functions.curves),
             rated=len(places_of(self.rates)),
             clock=rows[system.clock] if timed else -1,
             extremes=extremes,
+            root=root,
             shown=SHOWN,
             cycle=cycle,
         )
@@ -190,7 +221,10 @@ class PrintedSystem:
         doubts: np.ndarray | None = None,
         recorded: int = 0,
     ) -> Walks:
-        """Walk; parameters as in `engine.stepping.walk.WalkBatch`, rows of lanes by name, steps to record."""
+        """Walk; parameters as in `engine.stepping.walk.WalkBatch`, rows of lanes by name, steps to record.
+
+        What guards change of the numbers is written to them.
+        """
         states = np.array(states, float, order="C")
         doubts = np.zeros_like(states) if doubts is None else np.array(doubts, float, order="C")
         batch = self._batch(task, numbers, edges, instants, given, states, doubts, recorded)

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.blocks import Row, Rows, gather, hand_out, in_lanes
+from engine.compiling.blocks import Row, Rows, gather, hand_out, hand_out_row, in_lanes
 from engine.compiling.decorators import driver, inlined, routine
 from engine.compiling.memory import memory
 from engine.compiling.widths import LANES
@@ -51,6 +51,8 @@ OWN_SHARE = 0.25 * 0.159
 SOLVED_TO, MOST_SECANTS, SURE_SECANTS = 1e-13, 20, 6
 # Share of its length by which the step to a guard's root is known, and how many steps are tried for it.
 ROOT, MOST_TRIALS = 4e-16, 60
+# Of a guard below this share of what it comes to, the straight line tells nothing; so far into the step is then tried.
+NEXT_TO_NOTHING, LEAP = 1e-3, 0.1
 # An extreme of the speed is met where the slope is less than this share of its terms, for the speed is flat there. To
 # have it on both sides, a step to it goes on by a share of the bracket, and the second one by a share of its own way.
 FLAT, BEYOND, BEHIND = 1e-5, 1e-5, 0.2
@@ -130,8 +132,13 @@ class WalkTask(NamedTuple):
         Of an implicit method.
     states, width : int
         Rows of `rates`: those of the states, and with what is gathered.
+    scales : int
+        Row from which on `watch` fills what errors of the states are measured by along time; −1: by the states.
     watched, guards : int
         Rows that `watch` fills, and how many of them are guards, the last ones.
+    flips, notes : ndarray
+        Row of P that each guard changes the sign of while the walk goes on, −1 where it ends it; row of P in which it
+        writes where along the way, −1: none.
     carries : bool
         Whether what steps may be off by is carried along.
     first_place, places, rated : int
@@ -141,6 +148,8 @@ class WalkTask(NamedTuple):
         Row of P that holds the time; −1: none.
     extremes : bool
         Whether steps end at the extremes of the speed.
+    root : float
+        Share of its length by which the step to a guard's root is known.
     shown : ndarray
         Shares of a step at which its polynomial is recorded.
     cycle : float
@@ -156,6 +165,7 @@ class WalkTask(NamedTuple):
     implicit: bool
     solved: int
     slopes: int
+    scales: int
     solves: int
     nodes: np.ndarray
     matrix: np.ndarray
@@ -165,12 +175,15 @@ class WalkTask(NamedTuple):
     width: int
     watched: int
     guards: int
+    flips: np.ndarray
+    notes: np.ndarray
     carries: bool
     first_place: int
     places: int
     rated: int
     clock: int
     extremes: bool
+    root: float
     shown: np.ndarray
     cycle: float
 
@@ -352,6 +365,7 @@ class WalkBatch(NamedTuple):
     memory : ndarray
         All tables.
     numbers : ndarray (numbers, variants)
+        What guards change of them is carried on.
     edges : ndarray (2 × edges, variants)
         Angles turned at the edges of a cycle, its begin and end among them, and their sides [rad].
     instants : ndarray (instants, variants)
@@ -679,8 +693,8 @@ def eliminate(count: int, equations: Rows) -> None:
 def judge_steps(task: WalkTask, room: Room) -> None:
     """What the step misses, by what it may.
 
-    Along the angle that is a share of the greatest work of a step and of the time of a cycle; along time, of the angle
-    turned, and of the speed or its change.
+    Along the angle that is a share of the greatest work of a step and of the time of a cycle; along time, of the scales
+    of the system, or of the angle turned, and of the speed or its change.
     """
     own, k, begin = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin)
     after, errors, width = in_lanes(room.after), in_lanes(room.errors), task.width
@@ -711,6 +725,9 @@ def judge_steps(task: WalkTask, room: Room) -> None:
             for lane in range(LANES):
                 # Of time, what a cycle takes at this speed.
                 own.size[lane] = cycle * k[q, lane]
+        elif task.scales >= 0:
+            for lane in range(LANES):
+                own.size[lane] = watched[task.scales + q, lane]
         else:
             for lane in range(LANES):
                 own.size[lane] = abs(begin[q, lane]) if q % 2 == 1 else 0.0
@@ -867,11 +884,13 @@ def next_root(lane: int, task: WalkTask, room: Room) -> float:
     own, guards, count = rows_of(room.lane), in_lanes(room.guards), FIRST + task.guards
     short, long = own.short[lane], own.long[lane]
     best = long
-    if long - short > ROOT * long and own.trials[lane] <= MOST_TRIALS:
+    if long - short > task.root * long and own.trials[lane] <= MOST_TRIALS:
         for g in range(count):
             near, far = guards[g, lane], guards[count + g, lane]
             if near > 0.0 and far <= 0.0:
                 share = top_between(near, far, lane, room) if g == RISE else near / (near - far)
+                # What has just set in is next to nothing at the begin, wherever it vanishes.
+                share = LEAP if g != RISE and short == 0.0 and share < NEXT_TO_NOTHING else share
                 root = short + (long - short) * share
                 best = root if root < best else best
     return best
@@ -944,7 +963,7 @@ def fires(rises: bool, task: WalkTask, room: Room) -> None:
 
 @inlined
 def may_exceed(lane: int, task: WalkTask, room: Room) -> bool:
-    """Whether an extreme of the speed within the step may lie beyond all that came before it.
+    """Whether an extreme of the speed within the step may lie beyond all that came before it, or where a guard flips.
 
     It lies about within the triangle of the chord and the tangents at its ends, and surely within twice its height.
     """
@@ -953,12 +972,16 @@ def may_exceed(lane: int, task: WalkTask, room: Room) -> bool:
     leaves, comes = speed_slope(lane, 0, task, room), speed_slope(lane, 1, task, room)
     # Where the tangents meet.
     top = near + leaves * (far - near - comes * own.length[lane]) / (leaves - comes)
+    end = max(near, far) if leaves > 0.0 else min(near, far)
+    beyond = top - end if leaves > 0.0 else end - top
     # Where it isn't beyond both ends, a steep motor bends the speed in some other way.
-    if leaves > 0.0:
-        highest = max(near, far)
-        return not top >= highest or top + (top - highest) > own.fastest[lane]
-    lowest = min(near, far)
-    return not top <= lowest or top - (lowest - top) < own.slowest[lane]
+    if not beyond >= 0.0:
+        return True
+    for g in range(task.guards):
+        first, last = guard(FIRST + g, lane, 0, task, room), guard(FIRST + g, lane, 1, task, room)
+        if task.flips[g] >= 0 and first > 0.0 and not min(first, last) > 2.0 * beyond:
+            return True
+    return top + beyond > own.fastest[lane] if leaves > 0.0 else top - beyond < own.slowest[lane]
 
 
 @routine
@@ -1112,6 +1135,7 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
     """Take the step in lanes that do, and see what ends there."""
     own, begin, watched = rows_of(room.lane), in_lanes(room.begin), in_lanes(room.watched)
     k, ending, last = in_lanes(room.rates), in_lanes(room.ending), (task.stages - 1) * task.width
+    numbers = in_lanes(room.numbers)
     for q in range(task.width):
         for lane in range(LANES):
             # The last stage stands at the end of the step.
@@ -1124,7 +1148,12 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
                 if g == RISE and own.ended[lane] >= 0.0:
                     continue
                 if guard(g, lane, 0, task, room) > 0.0 and not guard(g, lane, 1, task, room) > 0.0:
-                    own.ended[lane] = float(g)
+                    flips, notes = (task.flips[g - FIRST], task.notes[g - FIRST]) if g >= FIRST else (-1, -1)
+                    if flips >= 0:
+                        numbers[flips, lane] = -numbers[flips, lane]
+                    if notes >= 0:
+                        numbers[notes, lane] = own.at[lane] + own.length[lane]
+                    own.ended[lane] = float(g) if flips < 0 else own.ended[lane]
     advance(task, room)
     for lane in range(LANES):
         if own.taken[lane] == 0.0:
@@ -1179,7 +1208,8 @@ def record(first: int, printed: Printed, recorded: np.ndarray, task: WalkTask, r
             continue
         i, v, shown = int(own.steps[lane]), first + lane, task.shown.shape[0]
         recorded[i, 0, v], recorded[i, 1, v], recorded[i, 2, v] = own.at[lane], own.length[lane], own.facing[lane]
-        for q in range(task.states + 1):
+        # There may be nothing that is gathered.
+        for q in range(min(task.states + 1, task.width)):
             at = 3 + q * (shown + 1)
             recorded[i, at + shown, v] = doubts[q, lane]
             for j in range(shown):
@@ -1348,8 +1378,12 @@ def take_in(first: int, batch: WalkBatch, task: WalkTask, room: Room) -> None:
 
 
 @routine
-def give_out(first: int, batch: WalkBatch, room: Room) -> None:
+def give_out(first: int, batch: WalkBatch, task: WalkTask, room: Room) -> None:
     """Hand out where a block of variants ended."""
+    for g in range(task.guards):
+        for row in (task.flips[g], task.notes[g]):
+            if row >= 0:
+                hand_out_row(in_lanes(room.numbers)[row], first, batch.numbers[row])
     hand_out(in_lanes(room.begin), first, batch.states)
     hand_out(in_lanes(room.doubts), first, batch.doubts)
     hand_out(in_lanes(room.ending), first, batch.ending)
@@ -1390,4 +1424,4 @@ def walk(
             going = False
             for lane in range(LANES):
                 going = going or own.why[lane] == GOING
-        give_out(first, batch, room)
+        give_out(first, batch, task, room)
