@@ -306,7 +306,7 @@ def _printed(graph: Graph, title: str, plan: _Plan, *parts: _Part) -> Functions:
         tuple(rows[n] for n in plan.held),
         tuple((places[c.curve], rows[c.level], c.offset) for c in plan.crossings),
         {node: i for i, node in enumerate(plan.curves)},
-        np.concatenate([np.zeros(0), *graph.tables]) if graph.tables else np.zeros(1),
+        graph.all_tables,
         2 if any(node.stage == Stage.CYCLE for node in reached(plan.event_nodes)) else 1,
     )
 

@@ -578,6 +578,11 @@ class Graph:
         """All crossings at which held nodes may switch, without duplicates."""
         return list(self._crossings.values())
 
+    @property
+    def all_tables(self) -> np.ndarray:
+        """Contents of the memory, which is never empty."""
+        return np.concatenate(self.tables) if self.tables else np.zeros(1)
+
     def store(self, table: np.ndarray) -> Constant:
         """Store a table in the memory, unless it is there already, and return the index at which it begins."""
         flat = np.ascontiguousarray(table, float).ravel()

@@ -1,6 +1,6 @@
-"""A scalar law applied to arrays: printed as a function over lanes, compiled once, its machine code cached."""
+"""Laws and nodes over arrays: printed as a function over lanes, compiled once, its machine code cached."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import NamedTuple
 
@@ -15,16 +15,56 @@ from engine.compiling.running import prepare, spread
 from engine.compiling.tiles import FILLS_TILE, TileFunction
 from engine.compiling.widths import LANES
 from engine.graph.functions import number_function
-from engine.graph.nodes import Graph
+from engine.graph.nodes import Given, Graph, Node, Number, Stage, reached
 
 
 class _Scratch(NamedTuple):
-    """Arrays for one block of variants: their numbers, their results, and the position and tables that no law reads."""
+    """Arrays for one block of variants: numbers, results, the position that no law reads, and all tables."""
 
     block: np.ndarray
     tile: np.ndarray
     nowhere: np.ndarray
-    no_tables: np.ndarray
+    tables: np.ndarray
+
+
+class NodesOverArrays:
+    """Nodes as a function of arrays: of numbers of the variant, and of numbers that are given.
+
+    Parameters
+    ----------
+    title : str
+    given : sequence of Given
+        Their rows come first.
+    results : sequence of Node
+    """
+
+    def __init__(self, title: str, given: Sequence[Given], results: Sequence[Node]) -> None:
+        self._numbers = [node for node in reached(results) if isinstance(node, Number)]
+        rows = {node: row for row, node in enumerate([*given, *self._numbers])}
+        text, self._results = number_function(title, results, rows), len(results)
+        self._function, self._tables = TileFunction(load_printed(text).numbers), results[0].graph.all_tables
+        self._given = len(given)
+
+    def table(self, numbers: Mapping[str, np.ndarray], variants: int) -> np.ndarray:
+        """Rows (numbers, variants) of the numbers of variants, behind those of what is given."""
+        table = np.zeros((self._given + len(self._numbers), variants))
+        for row, node in enumerate(self._numbers, self._given):
+            table[row] = node.compute(numbers)
+        return table
+
+    def __call__(self, table: np.ndarray, found: np.ndarray | None = None) -> np.ndarray:
+        """Results (results, variants) of rows as in `table`, written to `found` where that is given."""
+        found = np.empty((self._results, table.shape[1])) if found is None else found
+
+        def arguments() -> tuple:
+            block, tile = np.empty((len(table), LANES)), np.empty((len(found), 1, LANES))
+            return self._function, table, found, _Scratch(block, tile, np.zeros((1, LANES)), self._tables)
+
+        if not _fill.overloads:
+            kinds = (numba.typeof(argument) for argument in arguments()[1:])
+            prepare(_fill, [types.intp, types.intp, FILLS_TILE, *kinds])
+        spread(_fill, -(-table.shape[1] // LANES), arguments)
+        return found
 
 
 def over_arrays(law: Callable, *arguments: float | np.ndarray) -> np.ndarray:
@@ -37,29 +77,20 @@ def over_arrays(law: Callable, *arguments: float | np.ndarray) -> np.ndarray:
     arguments : float or ndarray (…)
         At least one is an array; broadcast against each other.
     """
-    function, count = _printed(law, len(arguments))
     table = np.array(np.broadcast_arrays(*arguments), float)
-    shape, table = table.shape[1:], table.reshape(len(table), -1)
-    found = np.empty((count, table.shape[1]))
-
-    def arguments() -> tuple:
-        block, tile = np.empty((len(table), LANES)), np.empty((count, 1, LANES))
-        return function, table, found, _Scratch(block, tile, np.zeros((1, LANES)), np.zeros(1))
-
-    prepare(_fill, [types.intp, types.intp, FILLS_TILE, *(numba.typeof(argument) for argument in arguments()[1:])])
-    spread(_fill, -(-table.shape[1] // LANES), arguments)
-    return found.reshape(count, *shape)
+    found = _of_law(law, len(arguments))(table.reshape(len(table), -1))
+    return found.reshape(-1, *table.shape[1:])
 
 
 @cache
-def _printed(law: Callable, count: int) -> tuple[TileFunction, int]:
-    """Compile a law of `count` numbers to fill a tile of one position; also returns its number of results."""
+def _of_law(law: Callable, count: int) -> NodesOverArrays:
+    """A law of `count` numbers over arrays."""
     graph = Graph()
-    given = [graph.derived(f"number {i}", lambda numbers: 0.0) for i in range(count)]
+    given = [graph.given(f"number {i}", Stage.VARIANT) for i in range(count)]
     results = graph.apply(law, *given)
-    results = results if isinstance(results, tuple) else (results,)
-    text = number_function(f"{law.__name__} over variants.", results, {node: i for i, node in enumerate(given)})
-    return TileFunction(load_printed(text).numbers), len(results)
+    return NodesOverArrays(
+        f"{law.__name__} over variants.", given, results if isinstance(results, tuple) else (results,)
+    )
 
 
 @driver
@@ -69,5 +100,5 @@ def _fill(begin: int, end: int, function: Callable, table: np.ndarray, found: np
     for b in range(begin, end):
         first = b * LANES
         gather(table, first, in_lanes(scratch.block))
-        function(scratch.block, scratch.no_tables, nowhere, nowhere, nowhere, scratch.tile)
+        function(scratch.block, scratch.tables, nowhere, nowhere, nowhere, scratch.tile)
         hand_out(in_lanes(scratch.tile), first, found)

@@ -81,7 +81,7 @@ class NodeValues:
                 variants = rows.shape[1]
                 return rows.ravel(), np.arange(variants) if variants > 1 else 0, variants
             case TableMemory():
-                return np.concatenate([np.zeros(0), *self._graph.tables])
+                return self._graph.all_tables
             case Position():
                 return q if node.which == "q" else getattr(np, node.which.removesuffix("_q"))(q)
             case Operation():

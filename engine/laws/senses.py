@@ -28,6 +28,12 @@ def sense(v: float) -> float:
 
 
 @scalar
+def past(guard: float, before: float, behind: float) -> float:
+    """One of two numbers: that before a guard, which is positive there, or that behind it."""
+    return chosen(guard > 0.0, before, behind)
+
+
+@scalar
 def side(s: float) -> float:
     """Side of the x axis to which a direction points: +1 above or along it, −1 below.
 

@@ -198,6 +198,12 @@ def table_segment(memory: np.ndarray, offset: float, x: float) -> tuple[float, f
     return left, memory[first], memory[first + 1], memory[first + 2], memory[first + 3]
 
 
+def on_piece(x: object, left: object, c3: object, c2: object, c1: object, c0: object) -> tuple[object, object]:
+    """Value and slope of a table at x on a piece, as from `table_segment`; numbers, arrays or nodes."""
+    t = x - left
+    return ((c3 * t + c2) * t + c1) * t + c0, (3.0 * c3 * t + 2.0 * c2) * t + c1
+
+
 @scalar
 def sum_of_segments(
     memory: np.ndarray, offsets: float, count: float, numbers: np.ndarray, begin: int, apart: int, x: float

@@ -441,7 +441,7 @@ class Machine:
     def _governed_engines(self) -> "tuple[machine.drives.governed_engines.GovernedEngines, Machine]":
         """Engines of the governors of this machine, and the machine with the quantities they require."""
         engines = machine.drives.governed_engines.GovernedEngines(self.scene, self._governing)
-        positions = elements.governors.places.CYCLE_POSITIONS
+        positions = elements.governors.transients.CYCLE_POSITIONS
         return engines, Machine(self.scene, engines.summaries, engines.fields, self.varied, positions)
 
     def _measure(

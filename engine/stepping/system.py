@@ -17,17 +17,33 @@ from engine.graph.functions import Functions, functions_in_motion, places_of
 from engine.graph.nodes import Given, Graph, Node
 from engine.stepping.closed_cycle import TOLD, CycleBatch, CycleRoom, find_cycles, new_cycle_room
 from engine.stepping.methods import EIGHT, METHODS
-from engine.stepping.walk import FOUND, GIVEN, LONGER, RESPONSES, STEEPEST, Room, WalkBatch, WalkTask, new_room, walk
+from engine.stepping.walk import (
+    FOUND,
+    GIVEN,
+    LONGER,
+    RESPONSES,
+    ROOT,
+    STEEPEST,
+    Room,
+    WalkBatch,
+    WalkTask,
+    new_room,
+    walk,
+)
 
 # Fractions of a step at which its polynomial of degree seven is recorded.
 SHOWN = 0.5 - 0.5 * np.cos(np.pi * np.arange(8) / 7.0)
 
 
 class Guard(NamedTuple):
-    """An event that ends a step: its name, and a number that is positive before it."""
+    """An event that ends a step: its name, and a number that is positive before it.
+
+    It `ends` the walk, or changes what is held.
+    """
 
     name: str
     value: Node
+    ends: bool = True
 
 
 class System(NamedTuple):
@@ -55,10 +71,12 @@ class System(NamedTuple):
     clock : Given
         The time.
     held : dict of Given to Node
-        What is held until a guard ends a step, numbers and states, and what each is from there on; where anything is,
-        the walk goes on.
+        What is held until a guard that doesn't end the walk ends a step, numbers and states, and what each is from
+        there on.
     signed : bool
         Whether speeds may be negative; else each side faces the way it goes.
+    scales : tuple of Node
+        What errors of the states are measured by along time; without them, the states themselves.
     """
 
     along: str
@@ -76,6 +94,7 @@ class System(NamedTuple):
     clock: Given
     held: Mapping[Given, Node] = MappingProxyType({})
     signed: bool = False
+    scales: tuple[Node, ...] = ()
 
 
 class Walks(NamedTuple):
@@ -151,13 +170,15 @@ class PrintedSystem:
         self.rates = [*system.rates, *system.gathered.values()]
         guards = (guard.value for guard in system.guards)
         before = system.speed, system.size, system.steepness, system.slope
-        self.watched = [*before, *system.responses, *system.slopes, *system.held.values(), *guards]
+        self.watched = [*before, *system.responses, *system.slopes, *system.scales, *system.held.values(), *guards]
         self.last = (*system.states, *system.unknown.values())
         title = f"Motion along {system.along}."
         self.functions: Functions = functions_in_motion(graph, title, first, last, self.rates, self.watched, self.last)
         self.names = {name: len(system.states) + i for i, name in enumerate(system.gathered)}
 
-    def task(self, cycle: float, method: int = EIGHT, extremes: bool = False, longer: float = 1.0) -> WalkTask:
+    def task(
+        self, cycle: float, method: int = EIGHT, extremes: bool = False, longer: float = 1.0, root: float = ROOT
+    ) -> WalkTask:
         """Settings of a walk."""
         system, made, rows = self.system, METHODS[method], self.functions.rows
         timed = system.clock in rows
@@ -171,6 +192,7 @@ class PrintedSystem:
             implicit=made.implicit,
             solved=math.isqrt(len(system.slopes)),
             slopes=RESPONSES + len(system.responses),
+            scales=RESPONSES + len(system.responses) + len(system.slopes) if system.scales else -1,
             solves=next(map(system.states.index, system.unknown), -1),
             nodes=made.nodes,
             matrix=made.matrix,
@@ -180,12 +202,14 @@ class PrintedSystem:
             width=len(self.rates),
             watched=len(self.watched),
             guards=len(system.guards),
+            ends=np.array([guard.ends for guard in system.guards], bool),
             carries=len(system.responses) > 0 and bool(made.fine.any()),
             first_place=len(rows) - len(self.last) - len(self.functions.curves),
             places=len(self.functions.curves),
             rated=len(places_of(self.rates)),
             clock=rows[system.clock] if timed else -1,
             extremes=extremes,
+            root=root,
             shown=SHOWN,
             cycle=cycle,
             held=np.array([rows[node] for node in system.held], int),

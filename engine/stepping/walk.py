@@ -51,8 +51,10 @@ OWN_SHARE = 0.25 * 0.159
 SOLVED_TO, MOST_SECANTS, SURE_SECANTS = 1e-13, 20, 6
 # Share of its length by which the step to a guard's root is known, and how many steps are tried for it.
 ROOT, MOST_TRIALS = 4e-16, 60
-# Share of a step by which a root at its begin is none, and what stands for a guard's zero there.
-SLIGHT, TINY = 1e-9, 1e-292
+# What stands for the zero of a guard at the begin of a step.
+TINY = 1e-292
+# Of a guard below this share of what it comes to, the straight line tells nothing; so far into the step is then tried.
+NEXT_TO_NOTHING, LEAP = 1e-3, 0.1
 # An extreme of the speed is met where the slope is less than this share of its terms, for the speed is flat there. To
 # have it on both sides, a step to it goes on by a share of the bracket, and the second one by a share of its own way.
 FLAT, BEYOND, BEHIND = 1e-5, 1e-5, 0.2
@@ -132,8 +134,12 @@ class WalkTask(NamedTuple):
         Of an implicit method.
     states, width : int
         Rows of `rates`: those of the states, and with what is gathered.
+    scales : int
+        Row from which on `watch` fills what errors of the states are measured by along time; −1: by the states.
     watched, guards : int
         Rows that `watch` fills, and how many of them are guards, the last ones.
+    ends : ndarray of bool
+        Whether each guard ends the walk; others change what is held.
     carries : bool
         Whether what steps may be off by is carried along.
     first_place, places, rated : int
@@ -143,6 +149,8 @@ class WalkTask(NamedTuple):
         Row of P that holds the time; −1: none.
     extremes : bool
         Whether steps end at the extremes of the speed.
+    root : float
+        Share of its length by which the step to a guard's root is known.
     shown : ndarray
         Shares of a step at which its polynomial is recorded.
     cycle : float
@@ -162,6 +170,7 @@ class WalkTask(NamedTuple):
     implicit: bool
     solved: int
     slopes: int
+    scales: int
     solves: int
     nodes: np.ndarray
     matrix: np.ndarray
@@ -171,12 +180,14 @@ class WalkTask(NamedTuple):
     width: int
     watched: int
     guards: int
+    ends: np.ndarray
     carries: bool
     first_place: int
     places: int
     rated: int
     clock: int
     extremes: bool
+    root: float
     shown: np.ndarray
     cycle: float
     held: np.ndarray
@@ -689,8 +700,8 @@ def eliminate(count: int, equations: Rows) -> None:
 def judge_steps(task: WalkTask, room: Room) -> None:
     """What the step misses, by what it may.
 
-    Along the angle that is a share of the greatest work of a step and of the time of a cycle; along time, of the angle
-    turned, and of the speed or its change.
+    Along the angle that is a share of the greatest work of a step and of the time of a cycle; along time, of the scales
+    of the system, or of the angle turned, and of the speed or its change.
     """
     own, k, begin = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin)
     after, errors, width = in_lanes(room.after), in_lanes(room.errors), task.width
@@ -721,6 +732,9 @@ def judge_steps(task: WalkTask, room: Room) -> None:
             for lane in range(LANES):
                 # Of time, what a cycle takes at this speed.
                 own.size[lane] = cycle * k[q, lane]
+        elif task.scales >= 0:
+            for lane in range(LANES):
+                own.size[lane] = watched[task.scales + q, lane]
         else:
             for lane in range(LANES):
                 own.size[lane] = abs(begin[q, lane]) if q % 2 == 1 or task.signed else 0.0
@@ -880,15 +894,15 @@ def next_root(lane: int, task: WalkTask, room: Room) -> float:
     own, guards, count = rows_of(room.lane), in_lanes(room.guards), FIRST + task.guards
     short, long = own.short[lane], own.long[lane]
     best = long
-    if long - short > ROOT * long and own.trials[lane] <= MOST_TRIALS:
+    if long - short > task.root * long and own.trials[lane] <= MOST_TRIALS:
         for g in range(count):
             near, far = guards[g, lane], guards[count + g, lane]
             if near > 0.0 and far <= 0.0:
                 share = top_between(near, far, lane, room) if g == RISE else near / (near - far)
-                # What begins at its zero and rises first comes back to it anywhere.
-                share = 0.5 if short == 0.0 and share < SLIGHT else share
+                # What begins at its zero, or has just set in, is next to nothing there, wherever it vanishes.
+                share = LEAP if g != RISE and short == 0.0 and share < NEXT_TO_NOTHING else share
                 # Beyond the root rather than before it.
-                root = short + (long - short) * share + 0.5 * ROOT * long
+                root = short + (long - short) * share + 0.5 * task.root * long
                 best = root if root < best else best
     return best
 
@@ -968,7 +982,7 @@ def fires(rises: bool, task: WalkTask, room: Room) -> None:
 
 @inlined
 def may_exceed(lane: int, task: WalkTask, room: Room) -> bool:
-    """Whether an extreme of the speed within the step may lie beyond all that came before it.
+    """Whether an extreme of the speed within the step may lie beyond all before it, or where a guard ends the step.
 
     It lies about within the triangle of the chord and the tangents at its ends, and surely within twice its height.
     """
@@ -977,12 +991,16 @@ def may_exceed(lane: int, task: WalkTask, room: Room) -> bool:
     leaves, comes = speed_slope(lane, 0, task, room), speed_slope(lane, 1, task, room)
     # Where the tangents meet.
     top = near + leaves * (far - near - comes * own.length[lane]) / (leaves - comes)
+    end = max(near, far) if leaves > 0.0 else min(near, far)
+    beyond = top - end if leaves > 0.0 else end - top
     # Where it isn't beyond both ends, a steep motor bends the speed in some other way.
-    if leaves > 0.0:
-        highest = max(near, far)
-        return not top >= highest or top + (top - highest) > own.fastest[lane]
-    lowest = min(near, far)
-    return not top <= lowest or top - (lowest - top) < own.slowest[lane]
+    if not beyond >= 0.0:
+        return True
+    for g in range(task.guards):
+        first, last = guard(FIRST + g, lane, 0, task, room), guard(FIRST + g, lane, 1, task, room)
+        if not task.ends[g] and first > 0.0 and not min(first, last) > 2.0 * beyond:
+            return True
+    return top + beyond > own.fastest[lane] if leaves > 0.0 else top - beyond < own.slowest[lane]
 
 
 @routine
@@ -1055,7 +1073,7 @@ def beyond_root(lane: int, task: WalkTask, room: Room) -> bool:
         if near > 0.0 and not far > 0.0:
             share = far / (far - near)
             off = share if not share <= off else off
-    return length >= own.long[lane] or off * (length - own.short[lane]) <= ROOT * length
+    return length >= own.long[lane] or off * (length - own.short[lane]) <= task.root * length
 
 
 @inlined
@@ -1146,6 +1164,16 @@ def advance(task: WalkTask, room: Room) -> None:
 
 
 @inlined
+def switches(lane: int, task: WalkTask, room: Room) -> bool:
+    """Whether a guard that doesn't end the walk ended a lane's step."""
+    if rows_of(room.lane).trials[lane] > 0.0:
+        for g in range(task.guards):
+            if not task.ends[g] and is_crossed(FIRST + g, lane, task, room):
+                return True
+    return False
+
+
+@inlined
 def switch(lane: int, task: WalkTask, room: Room) -> None:
     """Change what a lane holds to what it is behind the guard that ended its step."""
     watched, numbers, begin = in_lanes(room.watched), in_lanes(room.numbers), in_lanes(room.begin)
@@ -1174,7 +1202,7 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
                 # An extreme of the speed ends nothing but the step.
                 if g == RISE and own.ended[lane] >= 0.0:
                     continue
-                if is_crossed(g, lane, task, room):
+                if is_crossed(g, lane, task, room) and (g < FIRST or task.ends[g - FIRST]):
                     own.ended[lane] = float(g)
     advance(task, room)
     for lane in range(LANES):
@@ -1197,9 +1225,9 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
                 own.turned[lane] = own.turned[lane] if task.along_time else end
         if own.at[lane] >= own.goal[lane]:
             own.why[lane] = GOAL
-        if own.ended[lane] >= FIRST and task.held.shape[0] > 0:
+        if switches(lane, task, room):
             switch(lane, task, room)
-        elif own.ended[lane] == OTHER or own.ended[lane] >= FIRST:
+        if own.ended[lane] == OTHER or own.ended[lane] >= FIRST:
             own.why[lane] = OTHER_GOAL if own.ended[lane] == OTHER else GUARD + own.ended[lane] - FIRST
         speed = watched[task.watched + SPEED, lane]
         if task.along_time and not task.signed and own.why[lane] == GOING and 0.0 < speed < own.floor[lane]:
@@ -1232,6 +1260,7 @@ def record(first: int, printed: Printed, recorded: np.ndarray, task: WalkTask, r
             continue
         i, v, shown = int(own.steps[lane]), first + lane, task.shown.shape[0]
         recorded[i, 0, v], recorded[i, 1, v], recorded[i, 2, v] = own.at[lane], own.length[lane], own.facing[lane]
+        # There may be nothing that is gathered.
         for q in range(min(task.states + 1, task.width)):
             at = 3 + q * (shown + 1)
             recorded[i, at + shown, v] = doubts[q, lane]

@@ -26,6 +26,7 @@ from engine.elements.elastic_drives.shaft_touch import touch_left, touch_turns, 
 from engine.graph.nodes import Given, Graph, Node, Stage
 from engine.laws.motor_characteristics import bend_of, induction_motor
 from engine.laws.rounding import EPS
+from engine.laws.senses import past
 from engine.parts.motor_constants import MotorCurve
 from engine.stepping.system import Guard, PrintedSystem, System, Walks
 from engine.stepping.walk import Why
@@ -167,12 +168,6 @@ def behind_guard(drive: Drive, phase: Phase, motion: Motion, seen: Seen) -> Behi
     return touch, moves, sign(change), sign(gain), *seen_so_far, load_speed
 
 
-@scalar
-def turned_side(beyond: float, side: float) -> float:
-    """The side of a bend behind a guard that is positive before it."""
-    return chosen(beyond > 0.0, side, -side)
-
-
 class MotorNodes(NamedTuple):
     """A motor's characteristic as nodes: level, slope, bends and the side held of each, Kloss' constants."""
 
@@ -222,14 +217,14 @@ class TwoMasses(PrintedSystem):
         _, *rises = graph.apply(drive_rates, drive, *phase[:2], motion)
         names = ("touch", "load", "moment turns", "load turns")
         guards = [
-            Guard(name, value)
+            Guard(name, value, False)
             for name, value in zip(names, graph.apply(guards_of_drive, drive, phase, motion), strict=True)
         ]
         behind = graph.apply(behind_guard, drive, phase, motion, seen)
         held = dict(zip((*self.held, load_speed), behind, strict=True))
         for i, (_, knot, side) in enumerate(self.motor.bends):
-            guards.append(Guard(f"bend {i}", side * (speed - knot)))
-            held[side] = graph.apply(turned_side, guards[-1].value, side)
+            guards.append(Guard(f"bend {i}", side * (speed - knot), False))
+            held[side] = graph.apply(past, guards[-1].value, side, -side)
         rates, zero = (self.frequency * (speed - load_speed), *rises), graph.zero
         system = System(
             "time", states, {}, rates, {}, speed, zero, zero, rises[0], (), (), tuple(guards), clock, held, True

@@ -7,23 +7,15 @@ follows from them follows to first order wherever numbers change a little, so th
 from typing import NamedTuple
 
 import numpy as np
-from numba import types
 
-from engine.compiling.blocks import lane_of
-from engine.compiling.decorators import driver, scalar
-from engine.compiling.running import prepare
+from engine.compiling.decorators import scalar
 from engine.cycle.regula_falsi import regula_falsi
 from engine.elements.element import Columns, Element, Numbers
-from engine.elements.governors.places import (
-    GEOMETRY,
-    Holding,
-    Throttling,
-    equilibrium_at,
-    linkage_at,
-    rounding_of_margin,
-)
+from engine.elements.governors.governed_engine import TableThrottle
+from engine.elements.governors.governor_nodes import States, equilibrium_nodes
 from engine.elements.sampled_peak import sampled_peak
-from engine.graph.over_arrays import over_arrays
+from engine.graph.nodes import Graph, Stage
+from engine.graph.over_arrays import NodesOverArrays, over_arrays
 from engine.laws.governors.equilibrium import insensitivity_by_friction, speed_with_friction
 from engine.laws.governors.stability import (
     critical_damping_of_sleeve,
@@ -35,53 +27,15 @@ from engine.laws.governors.stability import (
     vyshnegradsky,
 )
 from engine.laws.rounding import EPS
-from engine.laws.tables import Table, in_memory, make_table
+from engine.laws.tables import on_piece
 from engine.words.verdicts import Verdict
 
 # Samples of a characteristic, and in each piece of a table; how far inside a piece its ends are sampled, and how far
 # apart values are whose difference is a slope, both as a share of the range.
 SAMPLES, _PIECE_SAMPLES, _INSIDE, _APART = 33, 9, 1e-12, 1e-6
-# Samples in which a position is sought for a radius that no formula gives; halvings of a bracket down to rounding.
-_OF_RADIUS, _HALVINGS = 64, 64
+# Halvings of a bracket down to rounding.
+_HALVINGS = 64
 _TINY = 1e-300
-
-
-class States(NamedTuple):
-    """Governors in equilibrium at positions (...,); all ndarray.
-
-    Attributes
-    ----------
-    radius, lift, force, speed, sleeve, margin
-        r, z from the inner stop, controlling force, speed of the spindle, force at the sleeve, stability μ.
-    lift_rate, mass, stiffness, balls
-        z'; inertia and stiffness at the sleeve; 2 m r² of the balls.
-    radius_rate, height, rounding
-        r'; z from where linkages count it; what μ may be off by.
-    """
-
-    radius: np.ndarray
-    lift: np.ndarray
-    force: np.ndarray
-    speed: np.ndarray
-    sleeve: np.ndarray
-    margin: np.ndarray
-    lift_rate: np.ndarray
-    mass: np.ndarray
-    stiffness: np.ndarray
-    balls: np.ndarray
-    radius_rate: np.ndarray
-    height: np.ndarray
-    rounding: np.ndarray
-
-    @property
-    def works(self) -> np.ndarray:
-        """Whether whatever holds the balls presses the sleeve down."""
-        return (self.sleeve > 0.0) & (self.radius * self.radius_rate > 0.0)
-
-    @property
-    def stable(self) -> np.ndarray:
-        """Whether governors are stable or isochronous there, as far as rounding lets tell."""
-        return self.works & (self.margin >= -self.rounding)
 
 
 class Marks(NamedTuple):
@@ -113,75 +67,35 @@ class Marks(NamedTuple):
     isochronous: np.ndarray
     mean_speed: np.ndarray
 
-    @property
-    def of_motion(self) -> np.ndarray:
-        """What the motion after a change of load begins from, in the order of `places` (variants, 6)."""
-        found = (self.inner, self.outer, self.middle, self.before, self.after, self.mean_speed)
-        return np.ascontiguousarray(np.transpose(found))
-
-
-_ROWS = types.float64[:, ::1]
-_TYPES = (types.intp, _ROWS, types.float64[::1], types.float64[::1], _ROWS, types.float64[:, :, ::1])
-
-
-@driver
-def _fill_states(
-    kind: int, numbers: np.ndarray, memory: np.ndarray, inner: np.ndarray, places: np.ndarray, found: np.ndarray
-) -> None:
-    """Write the states (fields, places, variants) at places (places, variants), lifts from the inner positions."""
-    tables = lane_of(memory)
-    for v in range(numbers.shape[0]):
-        p = lane_of(numbers[v])
-        zero = linkage_at(kind, p, inner[v])[5]
-        for k in range(places.shape[0]):
-            x = places[k, v]
-            state = equilibrium_at(kind, p, tables, x, zero)
-            for j in range(10):
-                found[j, k, v] = state[j]
-            link = linkage_at(kind, p, x)
-            found[10, k, v], found[11, k, v] = link[1], link[5]
-            found[12, k, v] = rounding_of_margin(kind, p, tables, x, zero, state[5])
-
 
 class GovernorVariants(NamedTuple):
-    """A governor with the numbers of some variants: by their keys, and as a row for each (variants, numbers)."""
+    """A governor with the numbers of some variants, by their keys and as rows, and its states as a function of these.
+
+    The first two rows are the position, and that of the inner stop.
+    """
 
     governor: Element
     n: Numbers
+    states: NodesOverArrays
     rows: np.ndarray
-    memory: np.ndarray
 
     def at(self, places: np.ndarray, inner: np.ndarray) -> States:
         """States at positions (..., variants), lifts counted from inner positions (variants,)."""
-        places = np.ascontiguousarray(places)
-        lines = places.reshape(-1, len(self.rows))
-        found = np.empty((len(States._fields), *lines.shape))
-        prepare(_fill_states, _TYPES)
-        _fill_states(int(self.governor.holding), self.rows, self.memory, np.ascontiguousarray(inner), lines, found)
-        return States(*found.reshape(-1, *places.shape))
+        lines = places.reshape(-1, self.rows.shape[1])
+        found = np.empty((len(lines), len(States._fields), lines.shape[1]))
+        self.rows[1] = inner
+        for line, states in zip(lines, found, strict=True):
+            self.rows[0] = line
+            self.states(self.rows, states)
+        return States(*np.moveaxis(found, 1, 0).reshape(-1, *places.shape))
 
-    def position_of(self, radius: np.ndarray) -> np.ndarray:
-        """Positions at which the balls have a radius; NaN where they can't.
+    def with_numbers(self, n: Numbers) -> "GovernorVariants":
+        """The governor with other numbers, or of other variants."""
+        return self._replace(n=n, rows=self.states.table(n, n["ball_mass"].size))
 
-        A governor with balls on its lower arms may have two of them: the first counts at which the sleeve rises.
-        """
-        upper, lower, upper_pivot, lower_pivot, ball_arm, _ = self.rows.T[GEOMETRY : GEOMETRY + 6]
-        match self.governor.holding:
-            case Holding.UPPER_ARMS:
-                return upper_pivot + (radius - upper_pivot) * upper / ball_arm
-            case Holding.LOWER_ARMS:
-                low = np.maximum(upper_pivot - upper, lower_pivot - lower)
-                high = np.minimum(upper_pivot + upper, lower_pivot + lower)
-                # Both ends are left out: there an arm lies at right angles to the axis.
-                places = low + (np.arange(_OF_RADIUS)[:, None] + 0.5) * ((high - low) / _OF_RADIUS)
-                found = self.at(places, low)
-                below = found.radius - radius < 0.0
-                crossed = below[:-1] & (found.lift_rate[:-1] > 0.0) & (found.radius[1:] - radius >= 0.0)
-                k = crossed.argmax(axis=0)
-                a, b = (np.take_along_axis(places, k[None] + i, axis=0)[0] for i in (0, 1))
-                x = regula_falsi(lambda x: self.at(x, low).radius - radius, a, b)
-                return np.where(crossed.any(axis=0), self.moved(x, low, "radius", radius), np.nan)
-        return radius
+    def some(self, who: np.ndarray) -> "GovernorVariants":
+        """Those of some variants, by index."""
+        return self._replace(n={key: row[who] for key, row in self.n.items()}, rows=self.rows.take(who, axis=1))
 
     def moved(self, x: np.ndarray, inner: np.ndarray, name: str, wanted: np.ndarray) -> np.ndarray:
         """Positions near others at which "radius" or "lift" is what is wanted, to first order."""
@@ -191,16 +105,16 @@ class GovernorVariants(NamedTuple):
     def throttle(self, lift: np.ndarray, whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Moment of the engine at the mean speed of the governor, and by how much it falls for each metre of lift."""
         throttle = self.governor.engine.throttle
-        if self.governor.throttling == Throttling.TABLE:
-            table = make_table(throttle.over_lift, throttle.moment, throttle.interpolation)
+        if isinstance(throttle, TableThrottle):
+            table = throttle.table
             piece = np.clip(np.searchsorted(table.breaks, lift, "right") - 1, 0, len(table.coefficients) - 1)
-            t, (c3, c2, c1, c0) = lift - table.breaks[piece], np.moveaxis(table.coefficients[piece], -1, 0)
-            return ((c3 * t + c2) * t + c1) * t + c0, -((3.0 * c3 * t + 2.0 * c2) * t + c1)
+            moment, rise = on_piece(lift, table.breaks[piece], *np.moveaxis(table.coefficients[piece], -1, 0))
+            return moment, -rise
         full, closed = self.n["engine.throttle.full"], self.n["engine.throttle.closed"]
-        if self.governor.throttling == Throttling.LINEAR:
-            fall = (full - closed) / whole
-            return full - fall * lift, fall
-        return np.where(lift <= self.n["engine.throttle.switch"], full, closed), 0.0 * lift
+        if self.governor.has_valve:
+            return np.where(lift <= self.n["engine.throttle.switch"], full, closed), 0.0 * lift
+        fall = (full - closed) / whole
+        return full - fall * lift, fall
 
 
 def governor_variants(governor: Element, n: Numbers) -> GovernorVariants:
@@ -211,28 +125,10 @@ def governor_variants(governor: Element, n: Numbers) -> GovernorVariants:
     governor : Governor
     n : mapping of str to ndarray (variants,)
     """
-    return GovernorVariants(governor, n, governor.row(n), governor_memory(governor)[0])
-
-
-def governor_memory(governor: Element) -> tuple[np.ndarray, float]:
-    """Tables of a governor one after another, and where that of the throttle begins."""
-    held = governor.controlling_table
-    parts = [] if held is None else [in_memory(_going_on(held))]
-    offset = float(sum(part.size for part in parts))
-    if governor.throttling == Throttling.TABLE:
-        throttle = governor.engine.throttle
-        parts.append(in_memory(make_table(throttle.over_lift, throttle.moment, throttle.interpolation)))
-    return np.concatenate(parts) if parts else np.zeros(1), offset
-
-
-def _going_on(table: Table) -> Table:
-    """A table that goes on straight beyond its rows: its ends have the slopes that they have from inside."""
-    cubic = table.coefficients.copy()
-    first, last = cubic[1], cubic[-2]
-    t = table.breaks[-2] - table.breaks[-3]
-    cubic[0] = (0.0, 0.0, first[2], first[3])
-    cubic[-1] = (0.0, 0.0, (3 * last[0] * t + 2 * last[1]) * t + last[2], np.polyval(last, t))
-    return table._replace(coefficients=cubic)
+    graph = Graph()
+    given = [graph.given(label, Stage.VARIANT) for label in ("position", "inner stop")]
+    states = NodesOverArrays("Governors in equilibrium.", given, equilibrium_nodes(governor, graph, *given))
+    return GovernorVariants(governor, n, states, np.zeros(0)).with_numbers(n)
 
 
 @np.errstate(all="ignore")
@@ -249,7 +145,7 @@ def governor_marks(g: GovernorVariants) -> tuple[Marks, np.ndarray]:
     verdicts : ndarray (variants,) of uint8
     """
     least, greatest = g.n["least_radius"], g.n["greatest_radius"]
-    low, high = g.position_of(least), g.position_of(greatest)
+    low, high = (g.governor.position_of(g, radius) for radius in (least, greatest))
     places = _sample_places(g, low, high)
     found = g.at(places, low)
     finite = np.isfinite(found.radius_rate) & np.isfinite(found.lift_rate)
@@ -325,7 +221,7 @@ def _sample_places(g: GovernorVariants, low: np.ndarray, high: np.ndarray) -> np
     if table is None:
         return low + (high - low) * (np.arange(SAMPLES) / (SAMPLES - 1))[:, None]
     breaks = table.breaks[1:-1, None] + 0.0 * low
-    if g.governor.holding == Holding.OVER_LIFT:
+    if g.governor.over_radius is None:
         breaks = low + breaks / g.n["lift_ratio"]
     ends = np.concatenate([low[None], np.clip(breaks, low, high), high[None]])
     tiny = _INSIDE * (high - low)
@@ -357,7 +253,7 @@ def _edge(
 
 def _surplus(g: GovernorVariants, found: States, whole: np.ndarray, mean: np.ndarray, load: np.ndarray) -> np.ndarray:
     """Moment of the engine that its load leaves at equilibrium; what is left to the switch of a valve."""
-    if g.governor.throttling == Throttling.FULL_AND_SHUT:
+    if g.governor.has_valve:
         return g.n["engine.throttle.switch"] - found.lift
     regulation = g.n["engine.self_regulation"] / g.n["engine.ratio"]
     return g.throttle(found.lift, whole)[0] - regulation * (found.speed - mean) - load
@@ -371,7 +267,7 @@ def _working_position(g: GovernorVariants, marks: Marks, load: np.ndarray) -> tu
     regulation = g.n["engine.self_regulation"] / g.n["engine.ratio"]
     most, least = g.throttle(ends.lift, whole)[0] - regulation * (ends.speed - mean)
     verdicts = np.select([~(load <= most), ~(load >= least)], [Verdict.STALLS, Verdict.RUNS_AWAY], Verdict.OK)
-    if g.governor.throttling == Throttling.FULL_AND_SHUT:
+    if g.governor.has_valve:
         switch = g.n["engine.throttle.switch"]
         verdicts = np.where((ends.lift[0] < switch) & (switch < ends.lift[1]), verdicts, Verdict.OUTSIDE_LIMITS)
     x = regula_falsi(lambda x: _surplus(g, g.at(x, low), whole, mean, load), marks.begin, marks.end)
@@ -384,7 +280,7 @@ def _at_load(
     """States near positions at which engines carry a load, to first order."""
     there, (whole, mean) = g.at(x, inner), known
     left = _surplus(g, there, whole, mean, load)
-    if g.governor.throttling == Throttling.FULL_AND_SHUT:
+    if g.governor.has_valve:
         return g.at(x + left / there.lift_rate, inner)
     # At equilibrium a lift dz goes with a speed dω = ω c dz/(2 E).
     regulation = g.n["engine.self_regulation"] / g.n["engine.ratio"]
@@ -403,7 +299,7 @@ def near_equilibrium(g: GovernorVariants, marks: Marks) -> Columns:
         Of some variants; those that are evaluated are copies of them, one after another.
     """
     n = g.n
-    copies = len(g.rows) // marks.inner.size
+    copies = g.rows.shape[1] // marks.inner.size
     inner, outer, begin, end, shakiest, weakest, middle, before, after, *_ = (np.tile(x, copies) for x in marks)
     stops = (inner, n["least_radius"]), (outer, n["greatest_radius"])
     low, high = (g.moved(x, inner, "radius", radius) for x, radius in stops)
@@ -413,7 +309,7 @@ def near_equilibrium(g: GovernorVariants, marks: Marks) -> Columns:
         return np.where(x == inner, low, np.where(x == outer, high, x))
 
     found = g.at(np.stack([low, high, own(begin), own(end), own(shakiest), own(weakest)]), low)
-    at_low, at_high, first, last, shaky, weak = (States(*(row[k] for row in found)) for k in range(6))
+    at_low, at_high, first, last, shaky, weak = found.each()
     half = g.at(g.moved(middle, low, "lift", 0.5 * (first.lift + last.lift)), low)
     mean, effort = 0.5 * (first.speed + last.speed), n["speed_change"] * half.sleeve
     falls, rises, insensitivity = over_arrays(
@@ -448,7 +344,7 @@ def near_equilibrium(g: GovernorVariants, marks: Marks) -> Columns:
     new = _at_load(g, after, low, known, n.get("engine.new_load", load))
     ratio, nothing = n["engine.ratio"], np.full(low.size, np.nan)
     rows = (nothing, nothing, 0.0 * low, nothing, nothing, nothing, nothing, nothing, 1.0 + 0.0 * low)
-    if g.governor.throttling != Throttling.FULL_AND_SHUT:
+    if not g.governor.has_valve:
         balls, pull = ratio * ratio * new.balls, 2.0 * new.sleeve * ratio / new.speed
         gain = g.throttle(new.lift, at_high.lift)[1]
         numbers = n["engine.inertia"], new.mass, n["damping"], new.stiffness, n["engine.self_regulation"]

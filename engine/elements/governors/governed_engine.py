@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from engine.laws.tables import TableError, make_table
+from engine.laws.tables import Table, TableError, make_table
 from engine.parts.actions import Moment
 from engine.parts.skeleton import ActionRef, Inertia, Length, Number, Part, Positive, quantity
 from engine.units.display import quantity_text
@@ -41,6 +41,11 @@ class TableThrottle(Part):
                 "governor closes the throttle as it lifts the sleeve; sort the rows so that the moment falls"
             )
         return self
+
+    @property
+    def table(self) -> Table:
+        """Table of the moment."""
+        return make_table(self.over_lift, self.moment, self.interpolation)
 
 
 class FullAndShutThrottle(Part):

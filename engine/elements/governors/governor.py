@@ -6,28 +6,23 @@ A governor has two balls. Their radii say where the stops are; lifts of the slee
 from typing import Annotated, ClassVar
 
 import numpy as np
-from numba import types
 from pydantic import Field, model_validator
 
-from engine.compiling.running import prepare
 from engine.elements.element import ROUNDING, Answers, Element, ElementResult, Numbers, Rank, nudged
 from engine.elements.governors.equilibria import (
+    GovernorVariants,
     governor_marks,
-    governor_memory,
     governor_variants,
     near_equilibrium,
     search_errors,
 )
-from engine.elements.governors.governed_engine import (
-    FullAndShutThrottle,
-    GovernedEngine,
-    LinearThrottle,
-    TableThrottle,
-)
+from engine.elements.governors.governed_engine import FullAndShutThrottle, GovernedEngine
 from engine.elements.governors.governor_curves import governor_panels
-from engine.elements.governors.places import GEOMETRY_NUMBERS, Holding, Throttling
-from engine.elements.governors.transients import ANSWERS, FINE, MOTION_ROOM, Followed, follow_changes
+from engine.elements.governors.governor_nodes import Holding, Linkage, held_by_weights, numbers
+from engine.elements.governors.transients import TOLERANCE, follow_changes
 from engine.elements.panels import Panel
+from engine.graph.nodes import Graph, Node
+from engine.laws.governors.linkages import balls_on_upper_arms
 from engine.laws.tables import Table
 from engine.parts.actions import Force
 from engine.parts.skeleton import STANDARD_GRAVITY, Acceleration, Length, Mass, Number, Positive, quantity
@@ -97,21 +92,10 @@ _TRANSIENT = (
     ElementResult("inner_stop_hits", "how often the sleeve runs on its inner stop", **_FLAG, rank=Rank.FURTHER),
     ElementResult("outer_stop_hits", "how often the sleeve runs on its outer stop", **_FLAG, rank=Rank.FURTHER),
 )
-# Keys of a governor's own numbers, and of its engine's, in the order of `engine.elements.governors.places`.
-_OWN = (
-    *("ball_mass", "sleeve_mass", "stiffness", "preload", "gravity", "friction", "damping"),
-    *("least_radius", "greatest_radius", "speed_change"),
-)
-_OF_ITS_ENGINE = ("inertia", "ratio", "throttle.full", "throttle.closed", "self_regulation")
 # What keys of the curves of a mechanism begin with.
 CYCLE = "cycle."
-# Variants whose motion is followed on one thread before the next piece of work is asked for.
-TOGETHER = 32
-_ROW, _TABLE = types.float64[::1], types.float64[:, ::1]
-_FOLLOWED = types.NamedTuple((_TABLE, _TABLE, _TABLE, types.uint8[::1]), Followed)
-_TYPES = (types.intp, types.intp, _TABLE, _ROW, types.float64, _FOLLOWED, _ROW)
-
-
+# Where arms are, as keys.
+ARMS = ("upper_arm", "lower_arm", "upper_pivot", "lower_pivot")
 # Positions follow from the numbers by roots and directions of arms, which round as much again as the numbers do.
 OF_ARMS = 2.0
 
@@ -124,9 +108,6 @@ class Governor(Element):
     """
 
     picture: ClassVar = "governor"
-    # Keys of what holds the balls, in the order of `engine.elements.governors.places`.
-    holding: ClassVar[Holding]
-    geometry: ClassVar[tuple[str, ...]]
 
     ball_mass: Annotated[Mass, Field(gt=0)]
     sleeve_mass: Annotated[Mass, Field(ge=0)] = 0.0
@@ -160,68 +141,48 @@ class Governor(Element):
         return self.engine is not None and self.engine.machine
 
     @property
-    def throttling(self) -> Throttling:
-        """How the moment of the engine depends on the lift."""
-        match self.engine and self.engine.throttle:
-            case LinearThrottle():
-                return Throttling.LINEAR
-            case TableThrottle():
-                return Throttling.TABLE
-            case FullAndShutThrottle():
-                return Throttling.FULL_AND_SHUT
-        return Throttling.NONE
+    def has_valve(self) -> bool:
+        """Whether the throttle is a valve that is open or shut."""
+        return self.engine is not None and isinstance(self.engine.throttle, FullAndShutThrottle)
 
     @property
     def controlling_table(self) -> Table | None:
         """Table of the controlling force, where there is one."""
         return None
 
-    @property
-    def variants_at_once(self) -> int:
-        """Few where a change of load is followed."""
-        return TOGETHER if self.is_followed else Element.variants_at_once
+    def linkage(self, graph: Graph, x: Node) -> Linkage:
+        """How balls and sleeve move together at a position."""
+        raise NotImplementedError
+
+    def held(self, graph: Graph, x: Node, link: Linkage, lift: Node) -> Holding:
+        """What holds the balls at a position."""
+        raise NotImplementedError
+
+    def position_of(self, g: GovernorVariants, radius: np.ndarray) -> np.ndarray:
+        """Positions at which the balls have a radius; NaN where they can't."""
+        return radius
 
     def results(self) -> tuple[ElementResult, ...]:
         """Those of the governor, with an engine of its stability, followed over time of what a change of load does."""
         of_engine = _OF_ENGINE if self.engine is not None else ()
         return (*_STATICS, *of_engine, *(_TRANSIENT if self.is_followed else ()))
 
-    def row(self, n: Numbers) -> np.ndarray:
-        """Numbers in the order of `engine.elements.governors.places`, (variants, numbers); 0 where there is none.
-
-        Parameters
-        ----------
-        n : mapping of str to ndarray (variants,)
-        """
-        load = n.get("engine.load", 0.0)
-        found = [n.get(key, 0.0) for key in _OWN]
-        found += [*(n[key] for key in self.geometry), *(0.0,) * (GEOMETRY_NUMBERS - len(self.geometry))]
-        found += [*(n.get(f"engine.{key}", 0.0) for key in _OF_ITS_ENGINE), load, n.get("engine.new_load", load)]
-        found += [n.get(f"engine.{key}", 0.0) for key in ("duration", "settling_band", "throttle.switch")]
-        return np.ascontiguousarray(np.array(np.broadcast_arrays(*found), float).T)
-
     def evaluate(self, n: Numbers) -> Answers:
-        """Results near equilibrium with errors by nudges, those of motion by steps of half the length, and verdicts."""
-        cycle = np.array([n[key] for key in n if key.startswith(CYCLE)])
-        n = {key: row for key, row in n.items() if not key.startswith(CYCLE)}
-        g = governor_variants(self, n)
+        """Results near equilibrium with errors by nudges, those of motion by a second, coarser run, and verdicts."""
+        g = governor_variants(self, {key: row for key, row in n.items() if not key.startswith(CYCLE)})
         marks, verdicts = governor_marks(g)
-        found, errors = nudged(lambda m: near_equilibrium(governor_variants(self, m), marks), n)
+        found, errors = nudged(lambda m: near_equilibrium(g.with_numbers(m), marks), g.n)
         errors = {name: OF_ARMS * row for name, row in errors.items()}
         for name, more in search_errors(g, marks, found).items():
             errors[name] = errors[name] + ROUNDING * more
-        well = verdicts == Verdict.OK
         if self.is_followed:
-            answers, coarse = np.full((2, well.size, ANSWERS), np.nan)
-            prepare(follow_changes, _TYPES)
-            rows = np.concatenate([g.rows, cycle.T], axis=1) if cycle.size else g.rows
-            tables, room = governor_memory(self), np.empty(MOTION_ROOM)
-            kind, throttle = int(self.holding), int(self.throttling)
-            followed = Followed(answers, coarse, marks.of_motion, verdicts)
-            follow_changes(kind, throttle, rows, *tables, followed, room)
-            off = np.abs(answers - coarse) + ROUNDING * np.abs(answers) * FINE
-            for result, row, missed in zip(_TRANSIENT, answers.T, off.T, strict=True):
-                found[result.name], errors[result.name] = row, missed
+            cycle = np.array([n[key] for key in n if key.startswith(CYCLE)]).reshape(-1, verdicts.size)
+            fine, coarse = (follow_changes(g, marks, verdicts, cycle, coarser) for coarser in (False, True))
+            for result, row, other in zip(_TRANSIENT, fine.answers, coarse.answers, strict=True):
+                found[result.name] = row
+                errors[result.name] = np.abs(row - other) + ROUNDING * np.abs(row) * TOLERANCE
+            verdicts = np.where(fine.verdict == Verdict.OK, coarse.verdict, fine.verdict)
+        well = verdicts == Verdict.OK
         found = {name: np.where(well, row, np.nan) for name, row in found.items()}
         return Answers(found, {name: np.where(well, row, 0.0) for name, row in errors.items()}, verdicts)
 
@@ -246,6 +207,10 @@ class LoadedGovernor(Governor):
     preload: Force = 0.0
     gravity: Annotated[Acceleration, Field(ge=0)] = STANDARD_GRAVITY
 
+    def held(self, graph: Graph, x: Node, link: Linkage, lift: Node) -> Holding:
+        """By weights and the spring."""
+        return held_by_weights(graph, link, lift)
+
 
 class ArmGovernor(LoadedGovernor):
     """A governor with upper arms on the spindle and lower arms on the sleeve.
@@ -254,13 +219,24 @@ class ArmGovernor(LoadedGovernor):
     where arms cross the axis.
     """
 
-    holding: ClassVar = Holding.UPPER_ARMS
-    geometry: ClassVar = ("upper_arm", "lower_arm", "upper_pivot", "lower_pivot", "upper_arm")
-
     upper_arm: Positive
     lower_arm: Positive
     upper_pivot: Length = 0.0
     lower_pivot: Length = 0.0
+
+    @property
+    def ball_arm_key(self) -> str:
+        """Key of the distance of the balls from the upper pivots."""
+        return "upper_arm"
+
+    def linkage(self, graph: Graph, x: Node) -> Linkage:
+        """By its arms, the upper ones with the balls."""
+        return Linkage(*graph.apply(balls_on_upper_arms, x, *numbers(graph, *ARMS, self.ball_arm_key)))
+
+    def position_of(self, g: GovernorVariants, radius: np.ndarray) -> np.ndarray:
+        """Radii of the joints."""
+        pivot = g.n["upper_pivot"]
+        return pivot + (radius - pivot) * g.n["upper_arm"] / g.n[self.ball_arm_key]
 
 
 def cycle_key(k: int) -> str:

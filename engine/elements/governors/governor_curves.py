@@ -4,13 +4,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import types
 
-from engine.compiling.running import prepare
 from engine.elements.element import Element
-from engine.elements.governors.equilibria import governor_marks, governor_memory, governor_variants, near_equilibrium
+from engine.elements.governors.equilibria import governor_marks, governor_variants, near_equilibrium
 from engine.elements.governors.governed_engine import GovernedEngine
-from engine.elements.governors.transients import ANSWERS, MOTION_ROOM, follow_one
+from engine.elements.governors.transients import follow_changes
 from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.units.display import quantity_text
 from engine.words.verdicts import Verdict
@@ -50,10 +48,6 @@ class GovernorCurves(NamedTuple):
     verdict: Verdict
 
 
-_LINE = types.float64[::1]
-_MOTION_TYPES = (types.intp, types.intp, _LINE, _LINE, types.float64, _LINE, types.float64[:, ::1], _LINE)
-
-
 def governor_curves(governor: Element, positions: int = 401) -> GovernorCurves:
     """Characteristic of a governor from one stop to the other, and somewhat beyond.
 
@@ -71,12 +65,12 @@ def governor_curves(governor: Element, positions: int = 401) -> GovernorCurves:
     marks, verdicts = governor_marks(g)
     room = BEYOND * (marks.outer[0] - marks.inner[0])
     places = np.linspace(marks.inner[0] - room, marks.outer[0] + room, positions)
-    found = g.at(places[:, None], marks.inner)
+    found = g.some(np.zeros(positions, int)).at(places, marks.inner)
     ends = g.at(np.stack([marks.inner, marks.outer, marks.begin, marks.end]), marks.inner).radius[:, 0]
     # Without stops, or without equilibrium between them, there is nothing to see.
     between = (places >= marks.inner[0]) & (places <= marks.outer[0])
-    seen = slice(None) if np.isfinite(found.speed[between, 0]).any() else slice(0)
-    rows = (row[seen, 0] for row in found[:6])
+    seen = slice(None) if np.isfinite(found.speed[between]).any() else slice(0)
+    rows = (row[seen] for row in found[:6])
     return GovernorCurves(*rows, between[seen], tuple(ends[:2]), tuple(ends[2:]), Verdict(verdicts[0]))
 
 
@@ -96,10 +90,6 @@ class LoadChange(NamedTuple):
     speed: np.ndarray
     before: float
     after: float
-
-
-# Instants that there is room for.
-MOST_INSTANTS = 8000
 
 
 def load_change(governor: Element, cycle: np.ndarray | None = None) -> LoadChange | None:
@@ -122,14 +112,12 @@ def load_change(governor: Element, cycle: np.ndarray | None = None) -> LoadChang
     marks, verdicts = governor_marks(g)
     if verdicts[0] != Verdict.OK:
         return None
-    numbers = g.rows[0] if cycle is None else np.concatenate([g.rows[0], cycle])
-    rows, (memory, offset) = np.full((MOST_INSTANTS, 3), np.nan), governor_memory(governor)
-    kind, throttle = int(governor.holding), int(governor.throttling)
-    prepare(follow_one, _MOTION_TYPES)
-    follow_one(kind, throttle, numbers, memory, offset, marks.of_motion[0], rows, np.empty(MOTION_ROOM + ANSWERS))
+    changes = follow_changes(
+        g, marks, verdicts, np.zeros((0, 1)) if cycle is None else cycle[:, None], False, records=True
+    )
     steady = near_equilibrium(g, marks)
     after = steady["working_speed"][0]
-    return LoadChange(*rows[np.isfinite(rows[:, 0])].T, after - steady["steady_speed_change"][0], after)
+    return LoadChange(*changes.instants, after - steady["steady_speed_change"][0], after)
 
 
 class StabilityPoint(NamedTuple):

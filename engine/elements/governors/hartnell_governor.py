@@ -1,11 +1,13 @@
 """Hartnell's governor."""
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from engine.elements.governors.governor import LoadedGovernor
-from engine.elements.governors.places import Holding
+from engine.elements.governors.governor_nodes import Linkage, numbers
+from engine.graph.nodes import Graph, Node
+from engine.laws.governors.linkages import balls_on_bell_cranks
 from engine.parts.skeleton import Length, quantity
 
 
@@ -15,11 +17,13 @@ class HartnellGovernor(LoadedGovernor):
     `pivot_radius` is that of the cranks' pivots; there the ball arms are parallel to the axis.
     """
 
-    holding: ClassVar = Holding.BELL_CRANKS
-    geometry: ClassVar = ("ball_arm", "sleeve_arm", "pivot_radius")
-
     type: Literal["hartnell_governor"]
     ball_arm: Annotated[Length, Field(gt=0)]
     sleeve_arm: Annotated[Length, Field(gt=0)]
     pivot_radius: Annotated[Length, Field(gt=0)]
     stiffness: Annotated[quantity("stiffness"), Field(gt=0)]
+
+    def linkage(self, graph: Graph, x: Node) -> Linkage:
+        """By its bell cranks."""
+        keys = ("ball_arm", "sleeve_arm", "pivot_radius")
+        return Linkage(*graph.apply(balls_on_bell_cranks, x, *numbers(graph, *keys)))

@@ -1,12 +1,20 @@
 """Proell's governor."""
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import Field
 
-from engine.elements.governors.governor import ArmGovernor
-from engine.elements.governors.places import Holding
+from engine.cycle.regula_falsi import regula_falsi
+from engine.elements.governors.equilibria import GovernorVariants
+from engine.elements.governors.governor import ARMS, ArmGovernor
+from engine.elements.governors.governor_nodes import Linkage, numbers
+from engine.graph.nodes import Graph, Node
+from engine.laws.governors.linkages import balls_on_lower_arms
 from engine.parts.skeleton import Length
+
+# Samples in which a position is sought for a radius.
+_SAMPLES = 64
 
 
 class ProellGovernor(ArmGovernor):
@@ -15,9 +23,25 @@ class ProellGovernor(ArmGovernor):
     The extensions are parallel to the axis when the balls are at `parallel_radius`.
     """
 
-    holding: ClassVar = Holding.LOWER_ARMS
-    geometry: ClassVar = (*ArmGovernor.geometry[:-1], "extension", "parallel_radius")
-
     type: Literal["proell_governor"]
     extension: Annotated[Length, Field(gt=0)]
     parallel_radius: Length
+
+    def linkage(self, graph: Graph, x: Node) -> Linkage:
+        """By its arms, the lower ones with the balls."""
+        return Linkage(*graph.apply(balls_on_lower_arms, x, *numbers(graph, *ARMS, "extension", "parallel_radius")))
+
+    def position_of(self, g: GovernorVariants, radius: np.ndarray) -> np.ndarray:
+        """Radii of the joints; of two of them the first at which the sleeve rises."""
+        upper, lower, upper_pivot, lower_pivot = (g.n[key] for key in ARMS)
+        low = np.maximum(upper_pivot - upper, lower_pivot - lower)
+        high = np.minimum(upper_pivot + upper, lower_pivot + lower)
+        # Both ends are left out: there an arm lies at right angles to the axis.
+        places = low + (np.arange(_SAMPLES)[:, None] + 0.5) * ((high - low) / _SAMPLES)
+        found = g.at(places, low)
+        below = found.radius - radius < 0.0
+        crossed = below[:-1] & (found.lift_rate[:-1] > 0.0) & (found.radius[1:] - radius >= 0.0)
+        k = crossed.argmax(axis=0)
+        a, b = (np.take_along_axis(places, k[None] + i, axis=0)[0] for i in (0, 1))
+        x = regula_falsi(lambda x: g.at(x, low).radius - radius, a, b)
+        return np.where(crossed.any(axis=0), g.moved(x, low, "radius", radius), np.nan)

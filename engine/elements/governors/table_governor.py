@@ -1,12 +1,14 @@
 """Governors by a table of their controlling force."""
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from engine.elements.governors.governed_engine import check_rows
 from engine.elements.governors.governor import Governor
-from engine.elements.governors.places import Holding
+from engine.elements.governors.governor_nodes import Holding, Linkage, by_table
+from engine.graph.nodes import Graph, Node
 from engine.laws.tables import Table, make_table
 from engine.parts.skeleton import Length, Number, quantity
 from engine.units.display import quantity_text
@@ -17,8 +19,6 @@ class TableGovernor(Governor):
 
     The rows stand over the radius of the balls, or over the lift, which is `lift_ratio` times the radius gained.
     """
-
-    geometry: ClassVar = ("lift_ratio",)
 
     type: Literal["table_governor"]
     over_radius: list[Length] | None = None
@@ -45,12 +45,25 @@ class TableGovernor(Governor):
         return self
 
     @property
-    def holding(self) -> Holding:
-        """Over what the controlling force is tabled."""
-        return Holding.OVER_RADIUS if self.over_radius is not None else Holding.OVER_LIFT
-
-    @property
     def controlling_table(self) -> Table:
-        """Table of the controlling force over the radius or the lift."""
+        """Table of the controlling force over the radius or the lift, which goes on straight beyond its rows."""
         rows = self.over_radius if self.over_radius is not None else self.over_lift
-        return make_table(rows, self.controlling_force, self.interpolation)
+        table = make_table(rows, self.controlling_force, self.interpolation)
+        cubic = table.coefficients.copy()
+        first, last = cubic[1], cubic[-2]
+        t = table.breaks[-2] - table.breaks[-3]
+        cubic[0] = (0.0, 0.0, first[2], first[3])
+        cubic[-1] = (0.0, 0.0, (3 * last[0] * t + 2 * last[1]) * t + last[2], np.polyval(last, t))
+        return table._replace(coefficients=cubic)
+
+    def linkage(self, graph: Graph, x: Node) -> Linkage:
+        """The sleeve moves in proportion to the radius."""
+        ratio, zero = graph.number("lift_ratio"), graph.zero
+        height = (x - graph.number("least_radius")) * ratio
+        return Linkage(x, graph.one, zero, zero, zero, height, ratio, zero)
+
+    def held(self, graph: Graph, x: Node, link: Linkage, lift: Node) -> Holding:
+        """By the table."""
+        u, rate = (x, graph.one) if self.over_radius is not None else (lift, link.lift_rate)
+        force, slope = by_table(graph, self.controlling_table, u)
+        return Holding(2.0 * force, 2.0 * rate * slope, abs(2.0 * force))

@@ -18,7 +18,6 @@ class WattGovernor(ArmGovernor):
     ball_arm: Annotated[Length, Field(gt=0)] | None = None
 
     @property
-    def geometry(self) -> tuple[str, ...]:
-        """Keys of what holds the balls."""
-        balls = "upper_arm" if self.ball_arm is None else "ball_arm"
-        return (*ArmGovernor.geometry[:-1], balls)
+    def ball_arm_key(self) -> str:
+        """Key of the distance of the balls from the upper pivots."""
+        return "upper_arm" if self.ball_arm is None else "ball_arm"

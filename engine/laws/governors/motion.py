@@ -9,6 +9,8 @@ which turns i times as fast as the engine with speed ω. Primes are derivatives 
 
 import math
 
+import numpy as np
+
 from engine.compiling.decorators import scalar
 
 
@@ -64,52 +66,45 @@ def engine_acceleration(moment: float, inertia: float, whirl_rate: float, veloci
     return (moment - whirl_rate * velocity * speed) / inertia
 
 
-@scalar
-def time_to_speed(speed: float, target: float, moment: float, self_regulation: float, inertia: float) -> float:
-    """Time in which an engine changes from one speed to another while its sleeve is held.
-
-    The torque changes by −s (ω̃ − ω) with the speed.
-
-    Parameters
-    ----------
-    speed, target : float
-        [rad/s]
-    moment : float
-        M_d − M_c at the initial speed [N·m].
-    self_regulation, inertia : float
-        s [N·m·s/rad], I + i² J [kg·m²].
-
-    Returns
-    -------
-    float
-        [s]; infinite if the target is never reached.
-    """
-    change = target - speed
-    if change == 0.0:
-        return 0.0
-    if moment * change <= 0.0:
-        return math.inf
-    if self_regulation == 0.0:
-        return inertia * change / moment
-    share = self_regulation * change / moment
-    return -inertia / self_regulation * math.log1p(-share) if share < 1.0 else math.inf
+# Curves over the cycle of an engine that is a mechanism, and through how many neighbours they go.
+CURVES, NEIGHBOURS = 4, 6
+BEFORE = NEIGHBOURS // 2 - 1
 
 
 @scalar
-def speed_after(speed: float, time: float, moment: float, self_regulation: float, inertia: float) -> float:
-    """Speed of an engine after some time with its sleeve held [rad/s].
+def curves_of_cycle(
+    memory: np.ndarray, offset: float, positions: float, cycle: float, angle: float
+) -> tuple[float, float, float, float]:
+    """Curves of the engine's mechanism at a crank angle, by Lagrange's polynomials through six neighbours.
 
     Parameters
     ----------
-    speed, time : float
-        [rad/s], [s]
-    moment, self_regulation, inertia : float
-        As in `time_to_speed`.
+    memory : array of float
+    offset, positions : float
+        Where the curves begin in it, and at how many equally spaced angles they are known: at each of them a value of
+        each curve, from BEFORE positions before the first one on.
+    cycle, angle : float
+        [rad]
 
     Returns
     -------
-    float
+    tuple of 4 floats
+        Reduced inertia beside its mean [kg·m²], its derivative by the angle, the driving moment over its mean, and what
+        else acts, without its mean [N·m].
     """
-    if self_regulation == 0.0:
-        return speed + moment * time / inertia
-    return speed - moment / self_regulation * math.expm1(-self_regulation * time / inertia)
+    turns = angle / cycle
+    place = (turns - math.floor(turns)) * positions
+    first = math.floor(min(place, positions - 1.0))
+    t = place - first + BEFORE
+    at = int(offset) + CURVES * int(first)
+    inertia, slope, driving, other = 0.0, 0.0, 0.0, 0.0
+    for i in range(NEIGHBOURS):
+        weight = 1.0
+        for j in range(NEIGHBOURS):
+            weight *= (t - j) * (1.0 / (i - j)) if j != i else 1.0
+        k = at + CURVES * i
+        inertia += weight * memory[k]
+        slope += weight * memory[k + 1]
+        driving += weight * memory[k + 2]
+        other += weight * memory[k + 3]
+    return inertia, slope, driving, other

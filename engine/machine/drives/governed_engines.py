@@ -6,7 +6,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from engine.elements.governors.governor import cycle_key
-from engine.elements.governors.places import NUMBERS
 from engine.machine.results import Outcome
 from engine.scene.scene import Numbers, Scene
 
@@ -56,7 +55,7 @@ class GovernedEngines:
             found[path] = numbers[path] + mean + numbers.get("flywheel.inertia", 0.0)
             if engine.duration is not None:
                 rows = self._curves(outcome, engine.throttled, mean)
-                found |= {f"elements.{name}.{cycle_key(NUMBERS + k)}": row for k, row in enumerate(rows)}
+                found |= {f"elements.{name}.{cycle_key(k)}": row for k, row in enumerate(rows)}
         return found
 
     def _curves(self, outcome: Outcome, throttled: Sequence[str], mean: np.ndarray) -> np.ndarray:

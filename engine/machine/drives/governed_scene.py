@@ -5,7 +5,8 @@ import math
 import numpy as np
 
 from engine.elements.governors.governor import cycle_key
-from engine.elements.governors.places import CYCLE_LENGTH, CYCLE_POSITIONS, NUMBERS
+from engine.elements.governors.transients import CYCLE_POSITIONS
+from engine.laws.governors.motion import CURVES
 from engine.machine.drives.governed_engines import GovernedEngines
 from engine.machine.machine import Machine
 from engine.scene.scene import Numbers, Scene, scene_numbers
@@ -40,6 +41,6 @@ def governed_scene(scene: Scene) -> tuple[Scene, dict[str, np.ndarray]]:
         engine = elements[name].engine.model_copy(update={"machine": False, "inertia": inertia})
         elements[name] = elements[name].model_copy(update={"engine": engine})
         if engine.duration is not None:
-            keys = [f"elements.{name}.{cycle_key(k)}" for k in range(NUMBERS, CYCLE_LENGTH + 1)]
+            keys = [f"elements.{name}.{cycle_key(k)}" for k in range(CURVES * CYCLE_POSITIONS + 1)]
             cycles[name] = np.array([found[key][0] for key in keys])
     return scene.model_copy(update={"elements": elements}), cycles

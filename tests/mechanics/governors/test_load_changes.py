@@ -190,10 +190,7 @@ def test_isochronous_governor__comes_back_to_the_same_speed():
     assert 0 < found["settling_time"][0] < 30
 
 
-def test_errors__cover_what_a_hundredth_of_the_tolerance_finds():
-    from engine.elements.governors import transients
-
-    assert pytest.approx(transients.COARSE) == 100 * transients.FINE
+def test_errors__are_small():
     found, errors, _ = governor_results(CASES["friction"])
     for key in ("highest_speed", "lowest_speed", "settling_time", "hunting", "overshoot"):
         assert 0 < errors[key][0] < 1e-5 * abs(found[key][0]), key
@@ -339,3 +336,16 @@ def test_dashpot_that_all_but_holds_the_sleeve__is_followed_or_given_up():
     )
     assert status[1] == Verdict.NO_END
     assert np.isnan(found["highest_speed"][1])
+
+
+@pytest.mark.parametrize("angle", [0.0, 1.3, 3.999, 4.0, -0.7, 9.1])
+def test_curves_of_a_cycle__are_those_of_a_polynomial(angle):
+    """Through six neighbours a polynomial of degree five is exact, and a cycle repeats itself."""
+    from engine.laws.governors.motion import BEFORE, NEIGHBOURS, curves_of_cycle
+
+    cycle, count, offset = 4.0, 8, 3
+    turn = np.arange(-BEFORE, count + NEIGHBOURS - BEFORE) * cycle / count
+    curves = [np.polynomial.Polynomial(row) for row in ([1, 2, 3, 4, 5, 6], [0, 1, 0, -1, 0, 1], [7], [0, 0, 0, 0, 1])]
+    memory = np.concatenate([np.zeros(offset), np.array([curve(turn) for curve in curves]).T.ravel()])
+    found = curves_of_cycle(memory, offset, count, cycle, angle)
+    assert_allclose(found, [curve(angle % cycle) for curve in curves], rtol=1e-12, atol=1e-12)

@@ -1,0 +1,131 @@
+"""A governor at one position, as nodes of a graph: all that statics and motion need of it, whatever its kind.
+
+Numbers of a governor and its engine go by their keys, such as "ball_mass" or "engine.load".
+"""
+
+from typing import NamedTuple
+
+from engine.elements.element import Element
+from engine.graph.nodes import Graph, Node, Number
+from engine.laws.governors.equilibrium import (
+    controlling_force,
+    equilibrium_speed,
+    holding,
+    moving_inertia,
+    sleeve_equivalent,
+    sleeve_stiffness,
+    stability_margin,
+)
+from engine.laws.rounding import EPS
+from engine.laws.tables import Table, in_memory, on_piece, table_segment
+
+
+class Linkage(NamedTuple):
+    """How balls and sleeve move together: r, r', r''; h', h'' of the balls' height; z, z', z'' of the sleeve's."""
+
+    radius: Node
+    radius_rate: Node
+    radius_rate_rate: Node
+    rise: Node
+    rise_rate: Node
+    height: Node
+    lift_rate: Node
+    lift_rate_rate: Node
+
+
+class Holding(NamedTuple):
+    """What holds the balls: V', V'', and the magnitudes that V' is a sum of."""
+
+    slope: Node
+    curvature: Node
+    size: Node
+
+
+def numbers(graph: Graph, *keys: str) -> tuple[Number, ...]:
+    """Numbers of the governor and its engine, or those that their motion is given."""
+    return tuple(map(graph.number, keys))
+
+
+def held_by_weights(graph: Graph, link: Linkage, lift: Node) -> Holding:
+    """What balls and sleeve hold by their weights, and a spring on the sleeve."""
+    keys = ("ball_mass", "sleeve_mass", "gravity", "preload", "stiffness")
+    mass, sleeve_mass, gravity, preload, stiffness = numbers(graph, *keys)
+    ball, weight = mass * gravity, sleeve_mass * gravity
+    loads = ball, weight + preload + stiffness * lift, stiffness
+    slope, curvature = graph.apply(holding, *loads, link.rise, link.rise_rate, link.lift_rate, link.lift_rate_rate)
+    whole = weight + abs(preload) + stiffness * (abs(link.height) + abs(link.height - lift))
+    return Holding(slope, curvature, 2.0 * ball * abs(link.rise) + whole * abs(link.lift_rate))
+
+
+def by_table(graph: Graph, table: Table, u: Node) -> tuple[Node, Node]:
+    """Value and slope of a table."""
+    return on_piece(u, *graph.apply(table_segment, graph.memory, graph.store(in_memory(table)), u))
+
+
+class States(NamedTuple):
+    """A governor in equilibrium at positions, as nodes, or as arrays (...,).
+
+    Attributes
+    ----------
+    radius, lift, force, speed, sleeve, margin
+        r, z from the inner stop, controlling force, speed of the spindle, force at the sleeve, stability μ.
+    lift_rate, mass, stiffness, balls
+        z'; inertia and stiffness at the sleeve; 2 m r² of the balls.
+    radius_rate, height, rounding
+        r'; z from where linkages count it; what μ may be off by.
+    """
+
+    radius: Node
+    lift: Node
+    force: Node
+    speed: Node
+    sleeve: Node
+    margin: Node
+    lift_rate: Node
+    mass: Node
+    stiffness: Node
+    balls: Node
+    radius_rate: Node
+    height: Node
+    rounding: Node
+
+    def each(self) -> list["States"]:
+        """States along the first axis, one after another."""
+        return [States(*parts) for parts in zip(*self, strict=True)]
+
+    @property
+    def works(self) -> object:
+        """Whether whatever holds the balls presses the sleeve down."""
+        return (self.sleeve > 0.0) & (self.radius * self.radius_rate > 0.0)
+
+    @property
+    def stable(self) -> object:
+        """Whether governors are stable or isochronous there, as far as rounding lets tell."""
+        return self.works & (self.margin >= -self.rounding)
+
+
+def equilibrium_nodes(governor: Element, graph: Graph, x: Node, inner: Node) -> States:
+    """A governor in equilibrium at a position, its lift counted from the position of the inner stop."""
+    link = governor.linkage(graph, x)
+    lift = link.height - governor.linkage(graph, inner).height
+    slope, curvature, size = governor.held(graph, x, link, lift)
+    (mass, sleeve_mass), radius = numbers(graph, "ball_mass", "sleeve_mass"), link.radius
+    force = graph.apply(controlling_force, slope, link.radius_rate)
+    sleeve = graph.apply(sleeve_equivalent, slope, link.lift_rate)
+    margin = graph.apply(stability_margin, *link[:3], slope, curvature)
+    inertia = graph.apply(moving_inertia, mass, sleeve_mass, link.radius_rate, link.rise, link.lift_rate)
+    return States(
+        radius=radius,
+        lift=lift,
+        force=force,
+        speed=graph.apply(equilibrium_speed, force, mass, radius),
+        sleeve=sleeve,
+        margin=margin,
+        lift_rate=link.lift_rate,
+        mass=inertia / (link.lift_rate * link.lift_rate),
+        stiffness=graph.apply(sleeve_stiffness, sleeve, margin, radius, link.radius_rate, link.lift_rate),
+        balls=2.0 * mass * radius * radius,
+        radius_rate=link.radius_rate,
+        height=link.height,
+        rounding=32.0 * EPS * (1.0 + abs(margin + 1.0)) * (1.0 + size / abs(slope)),
+    )
