@@ -37,6 +37,8 @@ FIRST = 0.1
 MOST_RADIANS = 6e4
 # How often a walk is carried on at most.
 MOST_WALKS = 200
+# Numbers beyond this are garbage.
+MOST_SIZE = 1e100
 # Beyond all angles [rad].
 _FAR = 1e300
 # Peaks that are the same but for rounding differ by less than this share.
@@ -321,14 +323,17 @@ def follow_drives(
     starts = np.where((speed > 0.0) | ((moves != 0.0) & (touch != 0.0)), 0.0, -1.0)
     held = HeldOfDrive(touch, moves, *signs, np.abs(moment), zero, zero, zero - 1.0, zero - 1.0, starts)
     frequency = drive.frequency
-    too_stiff = time * frequency > MOST_RADIANS
+    # A damper far stronger than a critical one is as fast as a stiff shaft.
+    too_stiff = time * np.fmax(frequency, 0.1 * drive.damping * (mobility + load_mobility)) > MOST_RADIANS
+    size = np.abs(np.array([*drive, twist, driving, speed, time, frequency])).max(axis=0)
+    follows = ~too_stiff & (size < MOST_SIZE) & (frequency > 1.0 / MOST_SIZE) & (mobility > 0.0) & (load_mobility > 0.0)
     numbers = dict(zip((*made.drive, *made.held), (*drive, *held), strict=True))
     numbers |= {made.motor.level: motor.level, made.motor.slope: motor.slope}
     numbers |= {made.frequency: frequency, made.radian: 1.0 / frequency}
     numbers |= dict(zip(made.motor.kloss, motor.kloss or (), strict=True))
     for (bend, knot, side), (change, at) in zip(made.motor.bends, motor.bends, strict=True):
         numbers |= {bend: change, knot: at, side: np.where(speed >= at, 1.0, -1.0)}
-    lanes = {"tolerance": tolerance, "clock": zero, "goal": np.where(too_stiff, 0.0, time)}
+    lanes = {"tolerance": tolerance, "clock": zero, "goal": np.where(follows, time, 0.0)}
     lanes |= {"pace": np.minimum(FIRST / frequency, time), "floor": (np.abs(driving) + load) / stiffness * frequency}
     walks = _walk(made, numbers, np.array([frequency * twist, speed, speed]), lanes, recorded)
     swung, speed, load_speed = walks.states
@@ -340,7 +345,7 @@ def follow_drives(
     held = held._replace(greatest=greatest, greatest_at=at)
     for name in ("impact_at", "impact_speed", "load_at"):
         held = held._replace(**{name: np.where(getattr(held, name) < 0.0, np.nan, getattr(held, name))})
-    lost = np.where((walks.why == Why.GOAL) & ~too_stiff, 0.0, np.nan)
+    lost = np.where((walks.why == Why.GOAL) & follows, 0.0, np.nan)
     held = HeldOfDrive(*(row + lost for row in held))
     return FollowedDrives(held, speed + lost, load_speed + lost, too_stiff, walks.steps, walks.recorded)
 
