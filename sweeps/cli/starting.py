@@ -1,6 +1,5 @@
 """Commands to get started: list, new, schema, modes, guide."""
 
-import tempfile
 from pathlib import Path
 
 import click
@@ -84,8 +83,10 @@ def modes(scene: str, out: Path | None, no_plots: bool) -> None:
 
 @click.command("guide")
 @click.argument("chapter", required=False)
-@click.option("--web", is_flag=True, help="Open the whole guide in the browser, with pictures, search and reference.")
-@click.option("--out", type=click.Path(path_type=Path), help="With --web: folder to keep the site in.")
+@click.option("--web", is_flag=True, help="Make a site of the whole guide, with pictures, search and reference.")
+@click.option(
+    "--out", type=click.Path(path_type=Path), help="Folder of the site; default: guide, opened in the browser."
+)
 @errors_as_messages
 def guide_command(chapter: str | None, web: bool, out: Path | None) -> None:
     """Show a chapter of the guide, or list them all.
@@ -106,7 +107,7 @@ def open_site(out: Path | None) -> None:
     from sweeps.report.help.reference_pages import reference_pages
 
     with doing("Building the site"):
-        first = build_site(lambda: {"commands": commands_page(), **reference_pages()}, out or Path(tempfile.mkdtemp()))
+        first = build_site(lambda: {"commands": commands_page(), **reference_pages()}, out or Path("guide"))
     tell(f"Wrote {first}")
     if out is None:
         click.launch(str(first))

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from sweeps.guide.chapters import SUBJECTS
 from sweeps.text.input_files import InputError
+from sweeps.text.whole_files import scratch_folder
 
 REFERENCE = "reference"
 _SETTINGS = {
@@ -58,17 +59,16 @@ def build_site(reference: Callable[[], Mapping[str, str]], folder: Path) -> Path
     except ImportError as error:
         mend = "pip install 'machine-sweeps[guide]'"
         raise InputError("--web", [(None, "", f"the site needs {error.name}: {mend}")]) from None
-    site, source, work = (folder.resolve() / name for name in ("site", "source", "work"))
+    folder = folder.resolve()
     try:
-        _write_source(reference(), source)
-        with docutils_namespace():
-            app = Sphinx(source, None, site, work, "html", _SETTINGS, status=None)
+        with scratch_folder() as scratch, docutils_namespace():
+            source = scratch / "source"
+            _write_source(reference(), source)
+            app = Sphinx(source, None, folder, scratch / "work", "html", _SETTINGS, status=None)
             app.build()
     except OSError as error:
         raise InputError(str(folder), [(None, "", f"can't be written: {error.strerror}")]) from None
-    for made in (source, work):
-        shutil.rmtree(made)
-    return site / "index.html"
+    return folder / "index.html"
 
 
 def _write_source(reference: Mapping[str, str], source: Path) -> None:

@@ -19,7 +19,7 @@ def site(tmp_path_factory):
     folder = tmp_path_factory.mktemp("guide")
     command = [sys.executable, "-m", "sweeps", "guide", "--out", str(folder)]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
-    return folder / "site", done.stdout + done.stderr
+    return folder, done.stdout + done.stderr
 
 
 def test_site__is_built_without_a_warning(site):

@@ -82,7 +82,7 @@ def test_templates__are_these_mechanisms_and_elements_with_a_title_each():
 def test_template__says_first_what_to_change(name):
     text = template_text(name)
     opening = text[: text.index("How to read this file")]
-    assert opening.startswith("# ")
+    assert opening.startswith("#:schema scene.schema.json\n# ")
     assert "# Change first: " in opening
 
 
