@@ -227,7 +227,7 @@ def test_element_that_cannot_be_drawn__leaves_the_pictures_of_the_others(tmp_pat
 def test_commands__on_a_governor(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert said("new", "governor").exit_code == 0
-    checked = said("check", "governor.toml")
+    checked = said("check", "governor.toml", "--all")
     assert checked.exit_code == 0
     assert "governor.vyshnegradsky_x" in checked.output
     plotted = said("plot", "governor.toml", "--out", "sheet.svg")
