@@ -96,7 +96,7 @@ _TRANSIENT = (
 CYCLE = "cycle."
 # Where arms are, as keys.
 ARMS = ("upper_arm", "lower_arm", "upper_pivot", "lower_pivot")
-# Positions follow from the numbers by roots and directions of arms, forces from both: each rounds as much as the numbers.
+# Positions follow from the numbers by roots and directions of arms, forces from both: each rounds as the numbers do.
 OF_ARMS = 3.0
 
 
