@@ -845,7 +845,7 @@ def next_instant(lane: int, count: int, room: Room) -> float:
 
 @routine
 def choose(edges: int, instants: int, most_steps: int, task: WalkTask, room: Room) -> bool:
-    """Choose the length of each lane's next step: an equal part of the distance to its end; 0 where the lane has ended.
+    """Choose the length of each lane's next step: an equal part of the distance to its next end, or 0 for no step.
 
     Returns whether any lane makes a step.
     """
@@ -1024,7 +1024,7 @@ def decide_steps(task: WalkTask, room: Room) -> bool:
 
 @inlined
 def is_rounding(lane: int, room: Room) -> bool:
-    """Whether a step's error is rounding alone: tiny, and hardly less than that of the longer step rejected before."""
+    """Whether a step's error is rounding: below NOISE, and at least FALLS times that of the step rejected before."""
     own = rows_of(room.lane)
     before, own.refused[lane] = own.refused[lane], own.missed[lane]
     rounding = own.missed[lane] * own.tolerance[lane] <= NOISE and own.missed[lane] >= FALLS * before
