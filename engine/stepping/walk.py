@@ -1,12 +1,12 @@
-"""The walk of a motion: step after step, each lane with lengths of its own, until something ends it.
+"""Integration of a motion step by step, each lane with its own step lengths, until an event ends it.
 
-A walk goes along the crank angle or along time. Whatever the system, a step is the same: the stages of a method, their
-rates from the printed functions, an estimated error, and guards. A guard is a number that is positive as long as the
-motion may go on as it does; the step in which it vanishes is repeated, ever more exactly shortened, to end there.
-Nothing is interpolated.
+A walk follows the crank angle or time. Every system is integrated alike: the stages of a method, their rates from the
+printed functions, an error estimate and guards. A guard is a number that is positive while the motion continues
+unchanged. A step in which it vanishes is repeated with refined lengths until it ends at the root; no event is located
+by interpolation.
 
-Along the angle, what depends on the position alone is the same in every cycle. The steps of a cycle are laid once, with
-what they need of their positions, and then repeated as long as they miss little enough.
+Along the angle, quantities of the position alone are the same in every cycle. The mesh of one cycle is laid once and
+its position-dependent values are stored; later cycles repeat it while the errors stay small enough.
 """
 
 import math
@@ -25,63 +25,63 @@ from engine.laws.elementary import direction_of, exponential
 from engine.laws.rounding import EPS
 from engine.stepping.methods import at_stage, step_end
 
-# Steps that are laid for a cycle, at most; lanes that need more go on without repeating theirs.
+# Maximum number of stored steps per cycle; lanes that need more don't repeat theirs.
 MOST_SLOTS = 160
 # Steps after which a walk can be interrupted.
 MOST_STEPS = 1 << 13
-# A repeated step may miss so many times what a new one may.
+# A repeated step may exceed the tolerance of a new one by this factor.
 ROUGHLY = 100.0
 SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
-# How far a disturbance may fade or grow within an explicit step; what share of the way between two edges a step along
-# time goes at most, where that isn't as narrow a share of the farthest step.
+# Limit of |h ∂f/∂y| for an explicit step. Along time, a step spans at most the fraction AT_ONCE of the interval between
+# two edges, unless that is less than the fraction NARROW of the longest step.
 STEEPEST, AT_ONCE, NARROW = 5.0, 0.25, 1e-3
-# Steps of a second walk may be so many times as long, and miss so many times as much, but for what tells nothing:
-# whatever limits them, all are others, and the difference of both walks tells what the first misses.
+# A comparison walk uses steps LONGER times as long and a tolerance COARSER times as large, but at most COARSEST, beyond
+# which it says nothing. All its steps differ, whatever limits them, so the difference of the walks estimates the error.
 LONGER, COARSER, COARSEST = 2.0, 2.0**7, 1e-2
-# An implicit method is worth its price where after so many steps they are shorter than this share of the farthest one
-# while disturbances fade within them by so much.
+# After MANY steps an implicit method pays where steps are shorter than the fraction WORTH_SOLVING of the longest step
+# and |h ∂f/∂y| exceeds FADES.
 MANY, WORTH_SOLVING, FADES = 100, 0.05, 0.3
-# Rounds for the stages of an implicit step, what they are found to, or nearly so where rounding keeps them from it, and
-# how much of itself a state may lose in one.
+# Newton iterations for the stages of an implicit step; their tolerance; the tolerance accepted where rounding stalls
+# them; the fraction of a state that an iteration leaves at least.
 MOST_ROUNDS, FOUND_TO, NEARLY_FOUND, LEAST_LEFT = 12, 1e-14, 1e-11, 0.1
-# The real eigenvalue of the matrix of Radau's method with five stages is 0.159; what of it counts in estimated errors.
+# The real eigenvalue of the matrix of Radau's method with five stages is 0.159; 1/4 of it filters error estimates.
 OWN_SHARE = 0.25 * 0.159
-# A rate that depends on itself is found to so much of itself, within so many trials; after some of them, rounding
-# alone keeps it from coming nearer.
+# Implicit rates: relative tolerance, maximum number of secant iterations, and the iterations after which only rounding
+# prevents further convergence.
 SOLVED_TO, MOST_SECANTS, SURE_SECANTS = 1e-13, 20, 6
-# Share of its length by which the step to a guard's root is known, and how many steps are tried for it.
+# Relative tolerance of the length of the step to a guard's root, and maximum number of trials.
 ROOT, MOST_TRIALS = 4e-16, 60
-# What stands for the zero of a guard at the begin of a step.
+# Replaces a guard of zero at the start of a step.
 TINY = 1e-292
-# Of a guard below this share of what it comes to, the straight line tells nothing; so far into the step is then tried.
+# Below this fraction of its final value a guard is too small for the secant; try this fraction of the step instead.
 NEXT_TO_NOTHING, LEAP = 1e-3, 0.1
-# An extreme of the speed is met where the slope is less than this share of its terms, for the speed is flat there. To
-# have it on both sides, a step to it goes on by a share of the bracket, and the second one by a share of its own way.
+# An extreme of the speed is found once the slope is below the fraction FLAT of its terms: the speed is flat there. To
+# bracket it, a trial step overshoots by the fraction BEYOND of the bracket, the second by BEHIND of its own distance.
 FLAT, BEYOND, BEHIND = 1e-5, 1e-5, 0.2
-# Errors below this share of a state are rounding; so is what is left of the way to an edge.
+# Errors below this fraction of a state are rounding; so is a distance to an edge.
 ROUNDED = 4.0 * float(np.finfo(float).eps)
-# A cycle that ends so near to the goal, as a share of it, ends there.
+# A cycle that ends this close to the goal, as a fraction of the cycle, ends at it.
 NEARLY = 1e-12
-# What a step misses is rounding, of forces that are in balance and such, where it is no more than this and falls to no
-# smaller a share when the step is shortened; it counts as so much of what a step may miss, for steps shall grow again.
+# A step error below NOISE is rounding (of torques in balance, say) if a shorter step leaves at least the fraction FALLS
+# of it. It then counts as the fraction FORGIVEN of the tolerance, so that steps grow again.
 NOISE, FALLS, FORGIVEN = 1e-11, 0.5, 0.05
-# A way is divided into equal steps where there are no more than so many.
+# An interval is divided into equal steps only if there are at most this many.
 MOST_PARTS = 1e6
-# A step in time is refused that turns more than so many times the farthest that a step may.
+# A step along time is rejected if it turns by more than this multiple of the largest permitted angle.
 TOO_FAR = 2.0
-# Steps shorter than this share of what they go along miss whatever is tried; at the begin, of this time [s].
+# Steps below this fraction of the distance covered fail; at the start along time, of LEAST_TIME [s].
 SHORTEST, LEAST_TIME = 1e-13, 1e-7
 
 
 def coarser(tolerance: float) -> float:
-    """What a step of a second walk may miss, for comparison."""
+    """Step tolerance of a comparison walk."""
     return max(tolerance, min(COARSER * tolerance, COARSEST))
 
 
 class Why(IntEnum):
     """Why a walk ended.
 
-    STEEP where an implicit method is worth more, FADED where the speed is next to nothing; from GUARD on, the guard of
+    STEEP: an implicit method would be faster. FADED: the speed has dropped below `floor`. From GUARD on: the guard of
     that number.
     """
 
@@ -97,66 +97,67 @@ class Why(IntEnum):
 
 
 GOING, GOAL, RANGE, LOST, STEEP, FULL, OTHER_GOAL, FADED, GUARD = (int(why) for why in Why)
-# What `watch` gives of a state before its guards: the speed, the magnitudes that the rate of the first state is made
-# of, its derivative by that state, what has the sign of the speed's slope, and from RESPONSES on derivatives of what is
-# gathered by the first state.
+# First rows of `watch`: speed; magnitude of the terms of the first state's rate; derivative of that rate with respect
+# to the first state; a number with the sign of the speed's slope; from RESPONSES on, derivatives of the integrands
+# with respect to the first state.
 SPEED, SIZE, STEEPNESS, SLOPE, RESPONSES = range(5)
-# Guards that are no rows of `rates`: the edge ahead, the other goal, an extreme of the speed.
+# Guards that aren't rows of `watch`: the edge ahead, the other goal, an extreme of the speed.
 EDGE, OTHER, RISE, FIRST = range(4)
 
 
 class WalkTask(NamedTuple):
-    """What a walk is to do, the same for all its variants.
+    """Settings of a walk, common to all variants.
 
     Attributes
     ----------
     along_time : bool
-        Whether it goes along time, the angle turned being its first state; else along the angle.
+        Whether time is the independent variable and the angle turned the first state; otherwise the angle is the
+        independent variable.
     method, stages : int
-        Number of the method, and its stages.
+        Number of the method, and of its stages.
     fixed : bool
         Whether steps have fixed lengths.
     longer : float
-        1, or LONGER of a second walk, for comparison.
+        1, or LONGER for a comparison walk.
     steepest : float
-        How far a disturbance may fade or grow within an explicit step.
+        Limit of |h ∂f/∂y| for an explicit step.
     nodes, parts : ndarray
-        Of the method.
+        Nodes and dense polynomial of the method.
     implicit : bool
-        Whether its stages are found by Newton's method.
+        Whether Newton's method finds the stages.
     solved : int
-        How many states it solves for: the energy, or the speeds; 0 where it can't.
+        Number of states Newton's method solves for: the energy, or the speeds; 0 if it can't.
     slopes : int
-        Row that `watch` fills with the first derivative of their rates by each of them.
+        First row of the Jacobian of their rates in `watch`.
     solves : int
-        The state whose rate depends on itself, −1: none; its row of P follows those of the states.
+        State with an implicit rate, −1: none; the row of that rate in P follows those of the states.
     matrix, inverse : ndarray
         Of an implicit method.
     states, width : int
-        Rows of `rates`: those of the states, and with what is gathered.
+        Rows of `rates`: those of the states, and those including the integrals.
     scales : int
-        Row from which on `watch` fills what errors of the states are measured by along time; −1: by the states.
+        First row of the error scales of the states in `watch`, along time; −1: the states themselves.
     watched, guards : int
-        Rows that `watch` fills, and how many of them are guards, the last ones.
+        Number of rows of `watch`, and of the guards, which are the last ones.
     ends : ndarray of bool
-        Whether each guard ends the walk; others change what is held.
+        Whether each guard ends the walk; others change held numbers.
     carries : bool
-        Whether what steps may be off by is carried along.
+        Whether error estimates are propagated.
     first_place, places, rated : int
-        Rows of P that the printed function `places` fills, and how many of them `rates` reads; those of the states
-        follow.
+        First row of P that the printed function `places` fills, the number of these rows, and how many of them `rates`
+        reads; the rows of the states follow.
     clock : int
         Row of P that holds the time; −1: none.
     extremes : bool
         Whether steps end at the extremes of the speed.
     root : float
-        Share of its length by which the step to a guard's root is known.
+        Relative tolerance of the length of the step to a guard's root.
     shown : ndarray
-        Shares of a step at which its polynomial is recorded.
+        Fractions of a step at which its polynomial is recorded.
     cycle : float
-        After which angle everything repeats itself; infinite if never [rad].
+        Period of the angle; infinite if there is none [rad].
     held : ndarray of int
-        Rows of P that a guard changes where it ends a step, to what `watch` fills before the guards.
+        Rows of P that change where a guard ends a step; their new values are the rows of `watch` before the guards.
     signed : bool
         Whether speeds may be negative.
     """
@@ -195,65 +196,66 @@ class WalkTask(NamedTuple):
 
 
 class Lane(NamedTuple):
-    """Rows of a block, a number for each lane.
+    """Rows of a block, one number per lane.
 
-    Given are those up to `pace`; handed out are those from `turned` to `steps`.
+    Inputs are the rows up to `pace`; outputs are those from `turned` to `steps`.
 
     Attributes
     ----------
     start, direction : row
-        Crank angle at the begin [rad], and the way in which the angle turned is counted, +1 or −1.
+        Crank angle at the start [rad], and the direction in which the angle turned is counted, +1 or −1.
     facing : row
-        The way in which it goes, +1 or −1.
+        Direction of motion, +1 or −1.
     clock : row
-        Time at the begin [s].
+        Time at the start [s].
     goal, other_goal : row
-        Where along its way it ends; at which angle turned on a way along time, and at which time along the angle.
+        Independent variable at the end; for a walk along time, the angle turned at the end, along the angle the time.
     tolerance, farthest : row
-        What a step may miss, and how far it may turn [rad].
+        Step tolerance, and largest angle of a step [rad].
     longest, floor : row
-        On a way along time, how long a step may be [s], and a speed below which the motion has faded [rad/s]; where
-        speeds may be negative, the least size by which errors of states are judged.
+        For a walk along time, the longest step [s] and the speed below which the motion has faded [rad/s]; where speeds
+        may be negative, the minimum scale of the errors of the states.
     turned, pace : row
-        The angle turned, and the length that is tried next.
+        Angle turned, and length of the next trial step.
     at : row
-        How far it has come along its way.
+        Independent variable, from the start.
     slowest, fastest, slow_off, fast_off : row
-        Least and greatest speed at the ends of steps, and what these may be off by.
+        Minimum and maximum speed at the ends of steps, and their error estimates.
     slope : row
-        What has the sign of the speed's slope, at the end.
+        A number with the sign of the speed's slope at the end.
     why, steps : row
-        Why it ended, and after how many steps.
+        Why the walk ended (`Why`), and its number of steps.
     scale, work, size : row
-        Greatest work of the steps taken; the same with the step that is tried; what a step's error is divided by.
+        Maximum work of the accepted steps; the same including the trial step; scale of a step's error.
     length, missed : row
-        Of the step that is tried, and what it misses by what it may.
+        Length of the trial step, and its error estimate relative to the tolerance.
     edge, base : row
-        Number of the edge behind it, and where its cycle begins.
+        Number of the edge behind, and the angle turned at which its cycle starts.
     low, high, begins, ends : row
-        Between which angles turned and times a step looks.
+        Limits of the angle turned and of the time at which a step evaluates its stages.
     short, long, trials, side : row
-        Lengths of steps before and behind a guard's root, how many were tried for it, and which of both stayed last.
+        Bracket of step lengths around a guard's root, number of trials, and side of the last one: −1 before the root,
+        +1 beyond.
     short_speed, long_speed : row
-        Speeds at the ends of these.
+        Speeds at the ends of the bracket.
     fired : row
-        1 where a guard ends the step.
+        1 if a guard ends the step.
     halt : row
-        Where along its way the cycle that is laid or repeated ends.
+        Independent variable at the end of the cycle that is laid or repeated.
     taken, able : row
-        1 where the step is taken, and where a cycle is repeated.
+        1 if the step is accepted; 1 if a cycle is repeated.
     kept : row
-        How many steps of a cycle are kept; −1 where none are.
+        Number of stored steps of a cycle; −1: none.
     free : row
-        Where along its way steps may be kept again.
+        Independent variable from which steps may be stored again.
     worst : row
-        What the worst of the steps that were repeated misses, by what it may.
+        Maximum error estimate of the repeated steps relative to the tolerance.
     doubt : row
-        What the first state may be off by at the begin of the step.
+        Error estimate of the first state at the start of the step.
     ended : row
         Number of the guard that ends the step; −1: none.
     refused : row
-        What the step missed, by what it may, that was refused last; infinite where none was since one was taken.
+        Error estimate, relative to the tolerance, of the last rejected step; infinite if none since an accepted step.
     """
 
     start: Row
@@ -310,7 +312,7 @@ FIRST_FOUND = 10
 
 
 class Room(NamedTuple):
-    """Memory for a block; arrays of lanes."""
+    """Scratch arrays for one block, lanes last."""
 
     numbers: np.ndarray
     position: np.ndarray
@@ -332,7 +334,7 @@ class Room(NamedTuple):
 
 
 def new_room(task: WalkTask, numbers: int, edges: int, instants: int, repeats: bool) -> Room:
-    """Memory for a block of machines with so many numbers, edges in a cycle and instants; whether cycles repeat."""
+    """Scratch arrays for one block; `repeats` adds room for the stored steps of a cycle."""
     laid, unknown = MOST_SLOTS if repeats else 1, task.stages * task.solved
     return Room(
         rows(numbers),
@@ -365,28 +367,28 @@ class Printed(NamedTuple):
 
 
 class WalkBatch(NamedTuple):
-    """What a number of walks are given, and what comes of them.
+    """Inputs and results of a number of walks.
 
     Attributes
     ----------
     memory : ndarray
         All tables.
     numbers : ndarray (numbers, variants)
-        Those that are held are carried on.
+        Held numbers are updated in place.
     edges : ndarray (2 × edges, variants)
-        Angles turned at the edges of a cycle, its begin and end among them, and their sides [rad].
+        Angles turned at the edges of a cycle, including its start and end, and the margins at them [rad].
     instants : ndarray (instants, variants)
     given : ndarray (GIVEN, variants)
     states : ndarray (width, variants)
-        States and what is gathered at the begin; they are carried on.
+        States and integrals at the start, updated in place.
     doubts : ndarray (width, variants)
-        What these may be off by, carried on too.
+        Their error estimates, updated in place.
     ending : ndarray (width, variants)
         Their rates at the end.
     found : ndarray (FOUND, variants)
     recorded : ndarray (steps, 3 + (states + 1) × (1 + places), variants)
-        Of each step where it begins, its length and its way; of each state and of what is gathered first its polynomial
-        and what it may be off by at the begin.
+        Start, length and direction of each step; for each state and the first integral, its polynomial and its error
+        estimate at the start.
     """
 
     memory: np.ndarray
@@ -409,7 +411,7 @@ rows_of = memory(one(Lane))
 
 @inlined
 def stand(share: float, stage: int, slot: int, printed: Printed, task: WalkTask, room: Room) -> None:
-    """Put into P what a stage needs of its position and time; its place is filled anew where `slot` is negative."""
+    """Put the position and the time of a stage into P; a negative `slot` computes the position's values afresh."""
     own, position, state = rows_of(room.lane), in_lanes(room.position), in_lanes(room.numbers)
     first, count = task.first_place, task.places
     if slot < 0 and count > 0:
@@ -424,7 +426,7 @@ def stand(share: float, stage: int, slot: int, printed: Printed, task: WalkTask,
         printed.places(room.numbers, printed.memory, room.position[0:1], room.position[1:2], room.position[2:3], tile)
     elif count > 0:
         kept, at = in_lanes(room.places), (slot * (task.stages + 1) + stage) * count
-        # Within the step nothing is watched.
+        # `watch` needs the other rows, but only at the ends of the step.
         for i in range(count if stage == 0 or stage == task.stages else task.rated):
             for lane in range(LANES):
                 state[first + i, lane] = kept[at + i, lane]
@@ -446,14 +448,14 @@ def rate(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
 
 @routine
 def solve_rates(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
-    """Rates of a stage where a state's rate depends on itself, as friction does on the acceleration; by secants.
+    """Rates of a stage by secants, where the rate of a state depends on itself, as friction does on the acceleration.
 
-    Where no rate is found, it is NaN, and the step is refused.
+    Where the iteration fails, the rate is NaN and the step is rejected.
     """
     own, row = rows_of(room.lane), task.first_place + task.places
     here, state = in_lanes(room.numbers)[row + task.states], in_lanes(room.numbers)[row + task.solves]
     found = in_lanes(room.rates)[stage * task.width + task.solves]
-    # Behind the equations of an implicit step.
+    # The rows behind the equations of an implicit step.
     last = room.equations.shape[0] - 1
     before, left_before = in_lanes(room.equations)[last - 1], in_lanes(room.equations)[last]
     for lane in range(LANES):
@@ -487,7 +489,7 @@ def fill_rates(stage: int, printed: Printed, task: WalkTask, room: Room) -> None
 
 @inlined
 def look(end: int, printed: Printed, task: WalkTask, room: Room) -> None:
-    """Watch the begin of a step, 0, or its end, 1."""
+    """Evaluate `watch` at the start of a step, 0, or at its end, 1."""
     count = task.watched
     filled_rows = room.watched[end * count : (end + 1) * count].reshape(count, 1, LANES)
     printed.watch(room.numbers, printed.memory, room.position[0:1], room.position[1:2], room.position[2:3], filled_rows)
@@ -495,7 +497,7 @@ def look(end: int, printed: Printed, task: WalkTask, room: Room) -> None:
 
 @inlined
 def keep_place(stage: int, task: WalkTask, room: Room) -> None:
-    """Keep what a stage needs of its position, in the slot of the step that each lane tries."""
+    """Store the position-dependent values of a stage in the slot of each lane's trial step."""
     own, kept, numbers = rows_of(room.lane), in_lanes(room.places), in_lanes(room.numbers)
     most = room.lengths.shape[0] - 1
     for lane in range(LANES):
@@ -506,9 +508,9 @@ def keep_place(stage: int, task: WalkTask, room: Room) -> None:
 
 @routine
 def attempt(kept: int, keeps: bool, printed: Printed, task: WalkTask, room: Room) -> None:
-    """Try a step in all lanes: its stages, its end and what it misses.
+    """Try a step in all lanes: its stages, its end and its error estimate.
 
-    From the places of slot `kept` where it isn't negative; else they are kept where it `keeps` them.
+    The position-dependent values come from slot `kept` unless it is negative; if `keeps`, they are stored.
     """
     own, k, begin = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin)
     after, errors = in_lanes(room.after), in_lanes(room.errors)
@@ -535,7 +537,7 @@ def attempt(kept: int, keeps: bool, printed: Printed, task: WalkTask, room: Room
         for q in range(first, task.states, 2):
             last = in_lanes(room.equations)[count * (count + 1) + (task.stages - 1) * task.states + q]
             for lane in range(LANES):
-                # The last stage is the end, without the rounding of a steep motor's moment.
+                # The last stage is the end, without the rounding of a steep motor's torque.
                 after[q, lane] = last[lane]
     for q in range(task.states):
         for lane in range(LANES):
@@ -551,9 +553,9 @@ def attempt(kept: int, keeps: bool, printed: Printed, task: WalkTask, room: Room
 
 @routine
 def find_stages(printed: Printed, task: WalkTask, room: Room) -> None:
-    """Find the stages of an implicit step by Newton's method; where it doesn't, the rates are NaN.
+    """Find the stages of an implicit step by Newton's method; without convergence the rates are NaN.
 
-    Unknown is the energy in all stages, or are the speeds; angles follow from the speeds of the round before.
+    The unknowns are the energy at all stages, or the speeds; angles follow from the rates of the previous iteration.
     """
     own, k, begin, equations = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin), in_lanes(room.equations)
     watched, kept, worst = in_lanes(room.watched), in_lanes(room.places), in_lanes(room.errors)[0]
@@ -602,7 +604,7 @@ def find_stages(printed: Printed, task: WalkTask, room: Room) -> None:
         eliminate(count, equations)
         pending = False
         for lane in range(LANES):
-            # Others may need more rounds.
+            # Converged lanes stay as they are while others iterate.
             own.able[lane] = 1.0 if worst[lane] > FOUND_TO else 0.0
             worst[lane] = 0.0 if worst[lane] > FOUND_TO else worst[lane]
         for s in range(stages):
@@ -632,7 +634,7 @@ def find_stages(printed: Printed, task: WalkTask, room: Room) -> None:
 
 @routine
 def turn_stages(task: WalkTask, room: Room) -> None:
-    """Angles in the stages of an implicit step along time, by the rates found for them."""
+    """Angles at the stages of an implicit step along time, from the latest rates."""
     own, k, begin, equations = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin), in_lanes(room.equations)
     count, stages = task.stages * task.solved, task.stages
     for s in range(stages):
@@ -647,7 +649,7 @@ def turn_stages(task: WalkTask, room: Room) -> None:
 
 @routine
 def rise_stages(task: WalkTask, room: Room) -> None:
-    """Accelerations in the stages of an implicit step from the speeds there: of a steep coupling these are surer."""
+    """Accelerations at the stages of an implicit step from the speeds there, which a steep coupling rounds less."""
     own, k, begin, equations = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin), in_lanes(room.equations)
     count, stages, sure = task.stages * task.solved, task.stages, in_lanes(room.errors)[1]
     for q in range(1, task.states, 2):
@@ -665,7 +667,7 @@ def rise_stages(task: WalkTask, room: Room) -> None:
 
 @inlined
 def rate_found(stage: int, printed: Printed, task: WalkTask, room: Room) -> None:
-    """Rates of a stage of an implicit step in the state that was found for it."""
+    """Rates of a stage of an implicit step at its current iterate."""
     kept, numbers, count = in_lanes(room.places), in_lanes(room.numbers), task.stages * task.solved
     state, own = task.first_place + task.places, in_lanes(room.equations)
     found = count * (count + 1) + stage * task.states
@@ -683,7 +685,7 @@ def rate_found(stage: int, printed: Printed, task: WalkTask, room: Room) -> None
 
 @routine
 def eliminate(count: int, equations: Rows) -> None:
-    """Solve linear equations by Gauss' elimination; the solution is where the right-hand sides were."""
+    """Solve linear equations by Gaussian elimination; the solution replaces the right-hand sides."""
     for pivot in range(count):
         own = pivot * (count + 1)
         for k in range(pivot + 1, count + 1):
@@ -698,10 +700,10 @@ def eliminate(count: int, equations: Rows) -> None:
 
 @routine
 def judge_steps(task: WalkTask, room: Room) -> None:
-    """What the step misses, by what it may.
+    """Error estimate of the step relative to the tolerance.
 
-    Along the angle that is a share of the greatest work of a step and of the time of a cycle; along time, of the scales
-    of the system, or of the angle turned, and of the speed or its change.
+    Along the angle, the scales are the maximum work of a step and the time of a cycle; along time, those of the system,
+    or the angle turned in the step, and the speed or its change.
     """
     own, k, begin = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin)
     after, errors, width = in_lanes(room.after), in_lanes(room.errors), task.width
@@ -712,8 +714,8 @@ def judge_steps(task: WalkTask, room: Room) -> None:
         own.missed[lane] = 0.0
     judged = task.states if task.along_time else task.states + 1
     for lane in range(LANES if task.implicit and not task.along_time else 0):
-        # A steep motor takes back the rest of an implicit step's error. Source: E. Hairer and G. Wanner, Solving
-        # Ordinary Differential Equations II, section IV.8.
+        # A steep motor damps an implicit step's error. Source: E. Hairer and G. Wanner, Solving Ordinary
+        # Differential Equations II, section IV.8.
         fades = -own.length[lane] * watched[count + STEEPNESS, lane]
         errors[0, lane] /= 1.0 + (OWN_SHARE * fades if fades > 0.0 else 0.0)
     for q in range(0 if task.fixed else judged):
@@ -725,12 +727,12 @@ def judge_steps(task: WalkTask, room: Room) -> None:
                     else watched[count + SIZE, lane]
                 )
                 size *= own.length[lane]
-                # A step that isn't taken says nothing of the works of those that are.
+                # A rejected step says nothing about the work of accepted ones.
                 own.work[lane] = size if size > own.scale[lane] else own.scale[lane]
                 own.size[lane] = own.work[lane]
         elif not task.along_time:
             for lane in range(LANES):
-                # Of time, what a cycle takes at this speed.
+                # Scale of the time: one cycle at this speed.
                 own.size[lane] = cycle * k[q, lane]
         elif task.scales >= 0:
             for lane in range(LANES):
@@ -747,19 +749,19 @@ def judge_steps(task: WalkTask, room: Room) -> None:
                     own.size[lane] = made if made > own.size[lane] else own.size[lane]
         for lane in range(LANES):
             off = abs(errors[q, lane]) / (own.tolerance[lane] * own.size[lane] + rounded * abs(begin[q, lane]))
-            # What doesn't move at all misses nothing.
+            # A state at rest has no error, and no scale either.
             off = off if errors[q, lane] != 0.0 else 0.0
             own.missed[lane] = off if off > own.missed[lane] or off != off else own.missed[lane]
     for q in range(width):
         for lane in range(LANES):
             own.missed[lane] = own.missed[lane] if abs(after[q, lane]) < math.inf else math.inf
     for lane in range(LANES if task.along_time else 0):
-        # Beyond what a step may turn its estimate is blind.
+        # Beyond this angle the error estimate is blind.
         far = abs(after[0, lane] - begin[0, lane]) > TOO_FAR * own.farthest[lane]
         own.missed[lane] = math.inf if far else own.missed[lane]
     for q in range(1, task.states if task.along_time and not task.signed else 0, 2):
         for lane in range(LANES):
-            # What sets off from rest may not come back to it within a step.
+            # A side that starts from rest can't return to rest within a step.
             back = begin[q, lane] <= 0.0 and after[q, lane] <= 0.0 and k[q, lane] != 0.0
             own.missed[lane] = math.inf if back else own.missed[lane]
     for lane in range(LANES):
@@ -774,7 +776,7 @@ def judge_steps(task: WalkTask, room: Room) -> None:
 
 @inlined
 def look_ahead(lane: int, count: int, room: Room) -> None:
-    """Between which angles a lane's step looks: no nearer to either edge than its side."""
+    """Limits of the angles at which a lane's step evaluates: its edges, less their margins."""
     own, edges, sides = rows_of(room.lane), in_lanes(room.edges), in_lanes(room.edges[count:])
     k = int(own.edge[lane])
     low, high = edges[k, lane] + sides[k, lane], edges[k + 1, lane] - sides[k + 1, lane]
@@ -792,7 +794,7 @@ def edge_ahead(lane: int, room: Room) -> float:
 
 @inlined
 def pass_edge(lane: int, count: int, task: WalkTask, room: Room) -> bool:
-    """Go on behind the edge ahead of a lane; false where the range ends there."""
+    """Move a lane past the edge ahead; false where the range ends there."""
     own, edges = rows_of(room.lane), in_lanes(room.edges)
     way, k = (1 if own.facing[lane] > 0.0 else -1), int(own.edge[lane])
     for _ in range(count + 1):
@@ -810,7 +812,7 @@ def pass_edge(lane: int, count: int, task: WalkTask, room: Room) -> bool:
 
 @inlined
 def find_edge(lane: int, count: int, task: WalkTask, room: Room) -> None:
-    """Find between which edges a lane is; at an edge, on the side that it faces."""
+    """Find the edges on either side of a lane; at an edge, take the interval ahead."""
     own, edges = rows_of(room.lane), in_lanes(room.edges)
     cycle, way = task.cycle, own.facing[lane]
     near = way * ROUNDED * (abs(own.turned[lane]) + (cycle if cycle < math.inf else 0.0))
@@ -823,7 +825,7 @@ def find_edge(lane: int, count: int, task: WalkTask, room: Room) -> None:
 
 @inlined
 def next_instant(lane: int, count: int, room: Room) -> float:
-    """The next instant at which something over time jumps or bends; between two of them a step looks."""
+    """Next instant at which a function of time jumps or bends; set the time limits of the step."""
     own, instants = rows_of(room.lane), in_lanes(room.instants)
     now = own.clock[lane] + own.at[lane]
     now += ROUNDED * abs(now)
@@ -838,14 +840,14 @@ def next_instant(lane: int, count: int, room: Room) -> float:
     return after
 
 
-# Lengths of steps, and what they come to
+# Step lengths and decisions
 
 
 @routine
 def choose(edges: int, instants: int, most_steps: int, task: WalkTask, room: Room) -> bool:
-    """Length of each lane's next step: an equal part of the way to what ends it; 0 where it goes no farther.
+    """Choose the length of each lane's next step: an equal part of the distance to its next end, or 0 for no step.
 
-    Whether any lane makes a step.
+    Returns whether any lane makes a step.
     """
     own, state, goes = rows_of(room.lane), in_lanes(room.begin), False
     for lane in range(LANES):
@@ -873,23 +875,23 @@ def choose(edges: int, instants: int, most_steps: int, task: WalkTask, room: Roo
         else:
             until, most = min(until, edge_ahead(lane, room)), min(most, own.farthest[lane])
         rest = until - own.at[lane]
-        # Nobody counts the steps of a way without an end.
+        # A distance of too many steps isn't divided.
         parts = math.ceil(rest / most * (1.0 - 1e-9)) if rest < MOST_PARTS * most else 0
         if task.along_time and task.longer == 1.0 and own.steps[lane] == 0.0:
-            # A walk that a single step could make is made in two.
+            # A walk of a single step would have no comparison: make two.
             parts = parts if parts != 1 else 2
         own.length[lane] = most if parts == 0 else (rest / parts if parts > 1 else rest)
         if not own.length[lane] > 0.0:
-            # From a state that isn't finite no step leads on.
+            # No step leads on from a state that isn't finite.
             own.length[lane], own.why[lane] = 0.0, LOST
     return goes
 
 
 @inlined
 def next_root(lane: int, task: WalkTask, room: Room) -> float:
-    """Length of the step to the first root between two, by the straight line; the longer one once it is known.
+    """Length of the step to the first root within the bracket, by the secant; the longer end once the root is found.
 
-    Extremes of the speed by the cubic of its values and slopes.
+    Extremes of the speed follow from the cubic through its values and slopes.
     """
     own, guards, count = rows_of(room.lane), in_lanes(room.guards), FIRST + task.guards
     short, long = own.short[lane], own.long[lane]
@@ -899,9 +901,9 @@ def next_root(lane: int, task: WalkTask, room: Room) -> float:
             near, far = guards[g, lane], guards[count + g, lane]
             if near > 0.0 and far <= 0.0:
                 share = top_between(near, far, lane, room) if g == RISE else near / (near - far)
-                # What begins at its zero, or has just set in, is next to nothing there, wherever it vanishes.
+                # A guard that starts at its zero, or just after it, is too small for the secant.
                 share = LEAP if g != RISE and short == 0.0 and share < NEXT_TO_NOTHING else share
-                # Beyond the root rather than before it.
+                # Aim beyond the root rather than before it.
                 root = short + (long - short) * share + 0.5 * task.root * long
                 best = root if root < best else best
     return best
@@ -909,7 +911,9 @@ def next_root(lane: int, task: WalkTask, room: Room) -> float:
 
 @inlined
 def top_between(leaves: float, comes: float, lane: int, room: Room) -> float:
-    """Share of the way between two lengths at which the speed is extreme, by its slopes towards the extreme there.
+    """Fraction of the bracket at which the speed is extreme; `leaves` and `comes` are its slopes at the two ends.
+
+    The slope at the start of the step is taken as positive.
 
     Source: Hermite's cubic, whose slope is a quadratic with one root between slopes of different signs.
     """
@@ -919,7 +923,7 @@ def top_between(leaves: float, comes: float, lane: int, room: Room) -> float:
     c = math.copysign(1.0, watched[SLOPE, lane]) * (own.long_speed[lane] - own.short_speed[lane])
     linear, squared = 6.0 * c - 4.0 * a - 2.0 * b, 3.0 * (a + b) - 6.0 * c
     share = 2.0 * a / (math.sqrt(max(linear * linear - 4.0 * squared * a, 0.0)) - linear)
-    # The second trial closes in on it from the other side.
+    # The second trial approaches from the other side.
     overshoot = BEYOND if own.trials[lane] != 2.0 else BEHIND * (share if own.side[lane] < 0.0 else share - 1.0)
     share += overshoot
     return share if 0.0 < share < 1.0 else 0.5
@@ -927,7 +931,7 @@ def top_between(leaves: float, comes: float, lane: int, room: Room) -> float:
 
 @inlined
 def speed_slope(lane: int, end: int, task: WalkTask, room: Room) -> float:
-    """Derivative of the speed along the way, at the begin of a step, 0, or its end, 1; dω/dφ = ω/(2E) · I ω dω/dφ."""
+    """Derivative of the speed at the start of a step, 0, or its end, 1; along the angle dω/dφ = ω/(2E) · I ω dω/dφ."""
     watched, energy = in_lanes(room.watched), in_lanes(room.begin) if end == 0 else in_lanes(room.after)
     slope, speed = watched[end * task.watched + SLOPE, lane], watched[end * task.watched + SPEED, lane]
     return slope if task.along_time else 0.5 * slope * speed / energy[0, lane]
@@ -935,7 +939,7 @@ def speed_slope(lane: int, end: int, task: WalkTask, room: Room) -> float:
 
 @inlined
 def guard(g: int, lane: int, end: int, task: WalkTask, room: Room) -> float:
-    """A guard of a lane at the begin of a step, 0, or at its end, 1."""
+    """Value of a guard of a lane at the start of a step, 0, or at its end, 1."""
     own, watched = rows_of(room.lane), in_lanes(room.watched)
     states = in_lanes(room.begin) if end == 0 else in_lanes(room.after)
     row = end * task.watched
@@ -947,7 +951,7 @@ def guard(g: int, lane: int, end: int, task: WalkTask, room: Room) -> float:
         return own.other_goal[lane] - states[task.states, lane]
     if g == RISE:
         slope, last = watched[SLOPE, lane], task.states - 1
-        # Of a motion in balance, the slope's sign is that of rounding.
+        # In a motion in balance the slope's sign is rounding.
         off = FOUND_TO * abs(in_lanes(room.begin)[last, lane])
         unsure = ROUNDED * watched[SIZE, lane] + abs(watched[STEEPNESS, lane]) * off
         sense = math.copysign(1.0, slope) if abs(slope) > unsure else 0.0
@@ -957,16 +961,16 @@ def guard(g: int, lane: int, end: int, task: WalkTask, room: Room) -> float:
 
 @inlined
 def is_crossed(g: int, lane: int, task: WalkTask, room: Room) -> bool:
-    """Whether a guard vanishes within a step; where guards change what is held, a step may begin at the zero of one."""
+    """Whether a guard vanishes within a step; where guards change held numbers, a step may start at a guard's zero."""
     near, far = guard(g, lane, 0, task, room), guard(g, lane, 1, task, room)
     return (near > 0.0 and not far > 0.0) or (near == 0.0 and far < 0.0 and task.held.shape[0] > 0)
 
 
 @routine
 def fires(rises: bool, task: WalkTask, room: Room) -> None:
-    """In which lanes a guard that is positive at the begin of the step isn't at its end, into the row `fired`.
+    """Set `fired` in lanes where a guard that is positive at the start of the step isn't positive at its end.
 
-    Extremes of the speed count where it `rises`.
+    If `rises`, extremes of the speed count too.
     """
     own = rows_of(room.lane)
     for lane in range(LANES):
@@ -982,18 +986,18 @@ def fires(rises: bool, task: WalkTask, room: Room) -> None:
 
 @inlined
 def may_exceed(lane: int, task: WalkTask, room: Room) -> bool:
-    """Whether an extreme of the speed within the step may lie beyond all before it, or where a guard ends the step.
+    """Whether an extreme of the speed within the step may exceed the extremes so far or trigger a guard.
 
-    It lies about within the triangle of the chord and the tangents at its ends, and surely within twice its height.
+    It lies roughly within the triangle of the chord and the end tangents, and certainly within twice its height.
     """
     own, watched = rows_of(room.lane), in_lanes(room.watched)
     near, far = watched[SPEED, lane], watched[task.watched + SPEED, lane]
     leaves, comes = speed_slope(lane, 0, task, room), speed_slope(lane, 1, task, room)
-    # Where the tangents meet.
+    # Intersection of the tangents.
     top = near + leaves * (far - near - comes * own.length[lane]) / (leaves - comes)
     end = max(near, far) if leaves > 0.0 else min(near, far)
     beyond = top - end if leaves > 0.0 else end - top
-    # Where it isn't beyond both ends, a steep motor bends the speed in some other way.
+    # An intersection between the end speeds means that a steep motor bends the curve otherwise.
     if not beyond >= 0.0:
         return True
     for g in range(task.guards):
@@ -1005,7 +1009,7 @@ def may_exceed(lane: int, task: WalkTask, room: Room) -> bool:
 
 @routine
 def decide_steps(task: WalkTask, room: Room) -> bool:
-    """In which lanes the step is taken, into the row `taken`; in others another length is tried. Whether in any."""
+    """Set `taken` in lanes that accept the step; other lanes try another length. Returns whether any lane accepts."""
     own, took = rows_of(room.lane), False
     fires(task.extremes, task, room)
     for lane in range(LANES):
@@ -1020,7 +1024,7 @@ def decide_steps(task: WalkTask, room: Room) -> bool:
 
 @inlined
 def is_rounding(lane: int, room: Room) -> bool:
-    """Whether rounding alone is what a step misses: so little, and no less than when a longer one was refused."""
+    """Whether a step's error is rounding: below NOISE, and at least FALLS times that of the step rejected before."""
     own = rows_of(room.lane)
     before, own.refused[lane] = own.refused[lane], own.missed[lane]
     rounding = own.missed[lane] * own.tolerance[lane] <= NOISE and own.missed[lane] >= FALLS * before
@@ -1031,7 +1035,7 @@ def is_rounding(lane: int, room: Room) -> bool:
 
 @inlined
 def narrow(lane: int, task: WalkTask, room: Room) -> bool:
-    """Narrow down the root of a guard in a lane; true where the step ends at it.
+    """Narrow the bracket of a guard's root in a lane; true where the step ends at the root.
 
     Source: N. Anderson and Å. Björck, A new high order method of regula falsi type, BIT 13 (1973).
     """
@@ -1048,7 +1052,7 @@ def narrow(lane: int, task: WalkTask, room: Room) -> bool:
     side = 1.0 if fired else -1.0
     again = own.side[lane] == side
     for g in range(count):
-        # The end that stays counts less, the other one is new; slopes are what they are.
+        # Replace the value at this end; reduce the weight of the end that stays twice. Slopes keep theirs.
         here, same, other = guard(g, lane, 1, task, room), g + (count if fired else 0), g + (0 if fired else count)
         less = 1.0 - here / guards[same, lane]
         guards[other, lane] *= (less if less > 0.0 else 0.5) if again and g != RISE else 1.0
@@ -1065,7 +1069,7 @@ def narrow(lane: int, task: WalkTask, room: Room) -> bool:
 
 @inlined
 def beyond_root(lane: int, task: WalkTask, room: Room) -> bool:
-    """Whether a step that ends beyond the roots of guards ends at the first of them, by the straight line."""
+    """Whether a step that ends beyond the roots of guards ends at the first of them, by the secant."""
     own, guards = rows_of(room.lane), in_lanes(room.guards)
     length, off = own.length[lane], 0.0
     for g in range(FIRST + task.guards):
@@ -1078,7 +1082,7 @@ def beyond_root(lane: int, task: WalkTask, room: Room) -> bool:
 
 @inlined
 def is_flat(lane: int, task: WalkTask, room: Room) -> bool:
-    """Whether nothing but an extreme of the speed ends the step, and it is as good as met."""
+    """Whether only an extreme of the speed ends the step, and the speed is flat there to tolerance."""
     watched, end = in_lanes(room.watched), task.watched
     for g in range(FIRST + task.guards):
         if g != RISE and is_crossed(g, lane, task, room):
@@ -1088,7 +1092,7 @@ def is_flat(lane: int, task: WalkTask, room: Room) -> bool:
 
 @inlined
 def is_short(length: float, lane: int, task: WalkTask, room: Room) -> bool:
-    """Whether a step turns so little that an implicit one is worth its price."""
+    """Whether a step turns by so little that an implicit one pays."""
     own = rows_of(room.lane)
     turns = length * abs(in_lanes(room.begin)[1, lane]) if task.along_time else length
     return turns < WORTH_SOLVING * own.farthest[lane]
@@ -1096,7 +1100,7 @@ def is_short(length: float, lane: int, task: WalkTask, room: Room) -> bool:
 
 @inlined
 def shorten(lane: int, task: WalkTask, room: Room) -> None:
-    """Choose a shorter step in a lane that misses too much; it is lost where none is short enough."""
+    """Choose a shorter step in a lane with too large an error; the lane is lost below the minimum length."""
     own, watched = rows_of(room.lane), in_lanes(room.watched)
     length, share = own.length[lane], SHRINK
     if own.missed[lane] < math.inf:
@@ -1115,18 +1119,18 @@ def shorten(lane: int, task: WalkTask, room: Room) -> None:
 
 @routine
 def carry_errors(task: WalkTask, room: Room) -> None:
-    """Carry over the step what the energy and what is gathered may be off by, and add what the step may be off by.
+    """Propagate the error estimates of the energy and the integrals over the step, and add those of the step.
 
-    What the energy is off by grows or fades as neighbouring motions part or meet, by e^∫∂M/∂E dφ; what is gathered
-    follows by its derivative. Every step rounds. All are magnitudes: nothing makes up for another. Source: E. Hairer,
-    S. P. Nørsett and G. Wanner, Solving Ordinary Differential Equations I, section I.14.
+    An error of the energy grows or fades as neighbouring motions diverge or converge, by exp ∫∂M/∂E dφ; those of the
+    integrals follow by their derivatives. Every step adds rounding. All are magnitudes, so none cancel. Source:
+    E. Hairer, S. P. Nørsett and G. Wanner, Solving Ordinary Differential Equations I, section I.14.
     """
     own, watched = rows_of(room.lane), in_lanes(room.watched)
     doubts, errors, begin, end = in_lanes(room.doubts), in_lanes(room.errors), in_lanes(room.begin), task.watched
     most, rounded = (-3.0, 4.0 * FOUND_TO) if task.implicit else (-1.0, 0.25 * EPS)
     for lane in range(LANES):
         grows = 0.5 * own.length[lane] * (watched[STEEPNESS, lane] + watched[end + STEEPNESS, lane])
-        # A step forgets no more than its method does.
+        # A step damps an error no more than its method does.
         grows = grows if grows > most else most
         own.doubt[lane] = doubts[0, lane]
         step = abs(errors[0, lane]) + rounded * begin[0, lane]
@@ -1142,7 +1146,7 @@ def carry_errors(task: WalkTask, room: Room) -> None:
 
 @routine
 def advance(task: WalkTask, room: Room) -> None:
-    """Take over the states at the end of the step in lanes that take it."""
+    """Accept the states at the end of the step in lanes that take it."""
     own, watched, begin, after = rows_of(room.lane), in_lanes(room.watched), in_lanes(room.begin), in_lanes(room.after)
     row, doubts = task.watched + SPEED, in_lanes(room.doubts)
     if task.carries:
@@ -1175,7 +1179,7 @@ def switches(lane: int, task: WalkTask, room: Room) -> bool:
 
 @inlined
 def switch(lane: int, task: WalkTask, room: Room) -> None:
-    """Change what a lane holds to what it is behind the guard that ended its step."""
+    """Set a lane's held numbers to their values after the guard that ended its step."""
     watched, numbers, begin = in_lanes(room.watched), in_lanes(room.numbers), in_lanes(room.begin)
     first, count = task.first_place + task.places, task.held.shape[0]
     for i in range(count):
@@ -1188,18 +1192,18 @@ def switch(lane: int, task: WalkTask, room: Room) -> None:
 
 @routine
 def take(edges: int, task: WalkTask, room: Room) -> None:
-    """Take the step in lanes that do, and see what ends there."""
+    """Accept the step in lanes that take it, and find out what ends there."""
     own, begin, watched = rows_of(room.lane), in_lanes(room.begin), in_lanes(room.watched)
     k, ending, last = in_lanes(room.rates), in_lanes(room.ending), (task.stages - 1) * task.width
     for q in range(task.width):
         for lane in range(LANES):
-            # The last stage stands at the end of the step.
+            # The last stage is the end of the step.
             ending[q, lane] = k[last + q, lane] if own.taken[lane] > 0.0 else ending[q, lane]
     for lane in range(LANES):
         own.ended[lane] = -1.0
         if own.taken[lane] > 0.0 and own.trials[lane] > 0.0:
             for g in range(FIRST + task.guards):
-                # An extreme of the speed ends nothing but the step.
+                # An extreme of the speed ends only the step.
                 if g == RISE and own.ended[lane] >= 0.0:
                     continue
                 if is_crossed(g, lane, task, room) and (g < FIRST or task.ends[g - FIRST]):
@@ -1247,7 +1251,7 @@ def take(edges: int, task: WalkTask, room: Room) -> None:
 
 @routine
 def record(first: int, printed: Printed, recorded: np.ndarray, task: WalkTask, room: Room) -> None:
-    """Write down the steps of lanes that take one: where each begins, its length, and its polynomial at some places."""
+    """Record accepted steps: start, length, direction, and polynomials at the fractions `shown`."""
     own, k, begin = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin)
     state, dense = in_lanes(room.numbers[task.first_place + task.places :]), task.nodes.shape[0]
     doubts = in_lanes(room.doubts)
@@ -1260,7 +1264,7 @@ def record(first: int, printed: Printed, recorded: np.ndarray, task: WalkTask, r
             continue
         i, v, shown = int(own.steps[lane]), first + lane, task.shown.shape[0]
         recorded[i, 0, v], recorded[i, 1, v], recorded[i, 2, v] = own.at[lane], own.length[lane], own.facing[lane]
-        # There may be nothing that is gathered.
+        # There may be no integral.
         for q in range(min(task.states + 1, task.width)):
             at = 3 + q * (shown + 1)
             recorded[i, at + shown, v] = doubts[q, lane]
@@ -1280,9 +1284,9 @@ def record(first: int, printed: Printed, recorded: np.ndarray, task: WalkTask, r
 
 @routine
 def lay(first: int, printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> None:
-    """Make new steps: those of a cycle, which are kept, in lanes with several ahead; all in others.
+    """Make new steps: one cycle's, to be stored, in lanes with several cycles ahead; all remaining ones in others.
 
-    Whatever a lane does depends on itself alone.
+    The lanes are independent.
     """
     own, slots = rows_of(room.lane), room.lengths.shape[0]
     for lane in range(LANES):
@@ -1295,7 +1299,7 @@ def lay(first: int, printed: Printed, batch: WalkBatch, task: WalkTask, room: Ro
 
 @routine
 def lay_steps(first: int, printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> None:
-    """Make new steps as far as each lane is to go; they are kept in lanes that keep them."""
+    """Make new steps up to each lane's halt, and store them in lanes that keep them."""
     own, lengths = rows_of(room.lane), in_lanes(room.lengths)
     slots, edges, records = room.lengths.shape[0], batch.edges.shape[0] // 2, batch.recorded.shape[0] > 0
     most_steps = batch.recorded.shape[0] if records else MOST_STEPS
@@ -1320,13 +1324,13 @@ def lay_steps(first: int, printed: Printed, batch: WalkBatch, task: WalkTask, ro
 
 @inlined
 def cycles_ahead(task: WalkTask) -> float:
-    """How many cycles a lane has ahead that repeats one."""
+    """Minimum number of cycles ahead of a lane that repeats one."""
     return (2.0 if task.extremes else 1.0) - NEARLY
 
 
 @inlined
 def remember(first: bool, lane: int, task: WalkTask, room: Room) -> None:
-    """Remember where a lane begins a cycle, and where it began the one before, if that isn't the `first`."""
+    """Store the state at the start of a lane's cycle, and that of the cycle before unless this is the `first`."""
     own, before, width = rows_of(room.lane), in_lanes(room.before), task.width
     begin, doubts, one = in_lanes(room.begin), in_lanes(room.doubts), 2 * task.width + 1
     for i in range(one):
@@ -1337,7 +1341,7 @@ def remember(first: bool, lane: int, task: WalkTask, room: Room) -> None:
 
 @inlined
 def go_back(lane: int, task: WalkTask, room: Room) -> None:
-    """Go back to where a lane began the cycle before; its steps are made anew up to the end of the one it left."""
+    """Return a lane to the start of the previous cycle; its steps are new up to the end of the cycle it left."""
     own, before, width = rows_of(room.lane), in_lanes(room.before), task.width
     begin, doubts = in_lanes(room.begin), in_lanes(room.doubts)
     for i in range(width):
@@ -1347,10 +1351,10 @@ def go_back(lane: int, task: WalkTask, room: Room) -> None:
 
 @routine
 def repeat(printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> None:
-    """Repeat the steps of a cycle in lanes that have one ahead, as long as they miss little enough.
+    """Repeat the steps of a cycle in lanes with enough cycles ahead, as long as the errors stay small.
 
-    Speeds over the angle of a motion and of the same one a cycle later never cross. So the extremes of a walk are those
-    of its first and its last cycle, whose steps are made anew.
+    The speed curves over the angle of a motion and of the same motion one cycle later never cross. The extremes of a
+    walk are therefore those of its first and last cycles, whose steps are made anew.
     """
     own, first = rows_of(room.lane), True
     while True:
@@ -1376,7 +1380,7 @@ def repeat(printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> No
                     own.at[lane], own.why[lane] = own.goal[lane], GOAL
                 own.turned[lane] = own.at[lane]
             elif own.why[lane] == GOING and own.at[lane] != own.turned[lane]:
-                # It left its steps on the way; new ones begin from there.
+                # The lane left the stored steps within the cycle; make new ones from there.
                 if task.extremes:
                     go_back(lane, task, room)
                 own.turned[lane], own.halt[lane] = own.at[lane], math.inf
@@ -1387,7 +1391,7 @@ def repeat(printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> No
 
 @routine
 def repeat_steps(slots: int, printed: Printed, task: WalkTask, room: Room) -> None:
-    """Repeat the steps that are kept in lanes that are able to; they no longer are where one misses too much."""
+    """Repeat the stored steps in lanes that are `able`; a lane with too large an error no longer is."""
     own, lengths = rows_of(room.lane), in_lanes(room.lengths)
     for lane in range(LANES):
         own.worst[lane] = 0.0
@@ -1410,7 +1414,7 @@ def repeat_steps(slots: int, printed: Printed, task: WalkTask, room: Room) -> No
 
 @routine
 def take_in(first: int, batch: WalkBatch, task: WalkTask, room: Room) -> None:
-    """Take in a block of variants from the first one on, all lanes where they begin."""
+    """Load a block of variants, starting at number `first`, at their initial states."""
     own, edges, last = rows_of(room.lane), batch.edges.shape[0] // 2, min(LANES, batch.given.shape[1] - first)
     gather(batch.numbers, first, in_lanes(room.numbers))
     gather(batch.edges, first, in_lanes(room.edges))
@@ -1431,7 +1435,7 @@ def take_in(first: int, batch: WalkBatch, task: WalkTask, room: Room) -> None:
 
 @routine
 def give_out(first: int, batch: WalkBatch, task: WalkTask, room: Room) -> None:
-    """Hand out where a block of variants ended."""
+    """Store the final states of a block of variants."""
     hand_out(in_lanes(room.begin), first, batch.states)
     hand_out(in_lanes(room.doubts), first, batch.doubts)
     hand_out(in_lanes(room.ending), first, batch.ending)
@@ -1451,7 +1455,7 @@ def walk(
     task: WalkTask,
     room: Room,
 ) -> None:
-    """Carry the blocks begin … end − 1 of variants to the end of their walks.
+    """Integrate the variants of blocks begin … end − 1 to the end of their walks.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""Transients of a drive with an elastic shaft and backlash: starts, sudden loads, impacts."""
+"""Drives with an elastic shaft and backlash: starts, sudden loads, impacts, steady running."""

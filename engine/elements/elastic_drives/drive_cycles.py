@@ -1,4 +1,4 @@
-"""Steady motion of a machine on an elastic shaft: its cycle closed, and what it is measured by."""
+"""Steady running of a machine on an elastic shaft: its periodic cycle, and the results."""
 
 import math
 from typing import NamedTuple
@@ -21,20 +21,20 @@ from engine.elements.elastic_drives.elastic_cycle import (
 )
 from engine.words.verdicts import Verdict
 
-# Points of a step, its ends with Gauss' points, between which moments and speeds are interpolated, and how finely.
+# Points of a step, its ends with the Gauss points, and the fractions at which curves through them are sampled.
 _KNOTS = np.array([0.0, *GAUSS.nodes, 1.0])
 _SHARES = np.linspace(0.0, 1.0, 33)
 
 
 class DrivenMachine(NamedTuple):
-    """A machine without its driver, as its drive feels it, at Gauss' points of every step of its cycle.
+    """A machine without its driver, as seen by its drive, at the Gauss points of every step of its cycle.
 
     Attributes
     ----------
     steps : ndarray (variants, steps)
         [rad].
     places : ndarray (variants, steps, STAGES, KNOWN + laws)
-        Inertia [kg·m²], moments over ω⁰, ω¹, ω² and of power laws.
+        Inertia [kg·m²], coefficients of the torques in ω⁰, ω¹, ω² and in power laws.
     node_inertia : ndarray (variants, steps + 1)
         At the ends of steps [kg·m²].
     drives : ndarray (rows, variants)
@@ -42,7 +42,7 @@ class DrivenMachine(NamedTuple):
     exponents : ndarray (variants, laws)
         Of the power laws.
     bent : int
-        How many bends the characteristics have.
+        Number of bends of the characteristics.
     """
 
     steps: np.ndarray
@@ -54,16 +54,16 @@ class DrivenMachine(NamedTuple):
 
 
 class ElasticCycle(NamedTuple):
-    """Steady motion of a machine on an elastic shaft, at the points of every step; (variants, steps, points).
+    """Steady running of a machine on an elastic shaft, at the points of every step; (variants, steps, points).
 
     Attributes
     ----------
     moment, twist : ndarray
-        Of the shaft [N·m], [rad].
+        Torque [N·m] and twist [rad] of the shaft.
     motor_speed, machine_speed : ndarray
         [rad/s].
     multipliers : ndarray (variants, 3)
-        Magnitudes, the greatest first.
+        Magnitudes, in descending order.
     sums : CycleSums
     verdict : ndarray (variants,) of uint8
     """
@@ -78,21 +78,21 @@ class ElasticCycle(NamedTuple):
 
     @property
     def begin(self) -> np.ndarray:
-        """Twist, speed at the motors' end, angle turned and speed of the machine at the begin, (4, variants)."""
+        """Twist, speed at the motor end, angle turned and speed of the machine at the start, (4, variants)."""
         rows = (self.twist, self.motor_speed, np.zeros_like(self.twist), self.machine_speed)
         return np.array([row[:, 0, 0] for row in rows])
 
 
 def elastic_cycle(machine: DrivenMachine, given: np.ndarray, guess: np.ndarray) -> ElasticCycle:
-    """Find the steady motion of drives.
+    """Find the steady running of drives.
 
     Parameters
     ----------
     machine : DrivenMachine
     given : ndarray (variants, 3)
-        Stiffness and damping of the shaft, inertia at the motors' end.
+        Stiffness and damping of the shaft, inertia at the motor end.
     guess : ndarray (variants, steps, STAGES, STATE)
-        First guess of the motion.
+        Initial guess of the motion.
     """
     variants, count = machine.steps.shape
     states, nodes = guess.copy(), np.empty((variants, count + 1, STATE))
@@ -123,8 +123,8 @@ def elastic_cycle(machine: DrivenMachine, given: np.ndarray, guess: np.ndarray) 
 
 
 def least_and_greatest(curve: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Least and greatest value of a curve through the points of its steps, (variants, steps, points)."""
-    # Lagrange's polynomials of a step's points, at equal shares of it.
+    """Minimum and maximum of a curve through the points of its steps, (variants, steps, points)."""
+    # Lagrange polynomials through a step's points, evaluated at equally spaced fractions of the step.
     powers = np.arange(_KNOTS.size)
     through = (_SHARES[:, None] ** powers) @ np.linalg.inv(_KNOTS[:, None] ** powers)
     return -_top(-curve, through), _top(curve, through)
@@ -134,7 +134,7 @@ def _top(curve: np.ndarray, through: np.ndarray) -> np.ndarray:
     variants, count, _ = curve.shape
     top, who = np.full(variants, -np.inf), np.arange(variants)
     highest = curve.max(axis=2).argmax(axis=1)
-    # The top between two steps' points may be in either of them.
+    # The peak may lie in the step with the highest point or in either neighbour.
     for beside in (-1, 0, 1):
         fine = curve[who, (highest + beside) % count] @ through.T
         at = np.clip(fine.argmax(axis=1), 1, _SHARES.size - 2)
@@ -161,7 +161,7 @@ def drive_results(
     length : float
         Crank angle of a cycle [rad].
     rigid_moment : ndarray (variants,)
-        Greatest magnitude of the moment of a rigid shaft [N·m].
+        Peak magnitude of the torque of a rigid shaft [N·m].
     """
     (least, greatest), (slow, fast) = least_and_greatest(cycle.moment), least_and_greatest(cycle.motor_speed)
     (slowest, fastest), (near, far) = least_and_greatest(cycle.machine_speed), least_and_greatest(cycle.twist)
@@ -194,7 +194,7 @@ def drive_results(
 
 
 def steps_needed(frequency: np.ndarray, speed: np.ndarray, length: float) -> np.ndarray:
-    """Steps of a cycle in which the shaft's vibration and the machine's curves are resolved, powers of 2; (variants,).
+    """Number of steps per cycle, (variants,): powers of 2 that resolve the shaft's vibration and the machine's curves.
 
     Parameters
     ----------
@@ -211,5 +211,5 @@ def steps_needed(frequency: np.ndarray, speed: np.ndarray, length: float) -> np.
     return 2 ** np.ceil(np.log2(most)).astype(int)
 
 
-# Steps of a cycle at most: of a shaft that vibrates faster still, vibrations count little; and of a turn at least.
+# Maximum number of steps per cycle (vibrations of a stiffer shaft hardly matter), and minimum number per revolution.
 MOST_STEPS, LEAST_STEPS = 8192, 128

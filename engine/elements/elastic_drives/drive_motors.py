@@ -8,7 +8,7 @@ from engine.parts.actions import DCCharacteristic, InductionCharacteristic, Tabl
 
 
 class DriveDCMotor(DCCharacteristic):
-    """A DC motor with a straight characteristic; instead of the stall moment, power and rated speed may be given."""
+    """A DC motor with a linear characteristic; power and rated speed may replace the stall torque."""
 
     type: Literal["dc"]
 
@@ -20,9 +20,9 @@ class DriveInductionMotor(InductionCharacteristic):
 
 
 class DriveTableMotor(TableCharacteristic):
-    """A motor by a table of its moment over its speed, with straight lines between; the outermost ones go on.
+    """A motor defined by a table of its torque over its speed, with linear interpolation and extrapolation.
 
-    All moments are multiplied by `scale`.
+    All torques are multiplied by `scale`.
     """
 
     type: Literal["table"]

@@ -1,15 +1,15 @@
-"""Steady motion of a motor, an elastic shaft and a machine whose inertia changes: the cycle that closes in itself.
+"""Steady running of a motor, an elastic shaft and a machine with variable inertia: the periodic cycle.
 
-With the machine's crank angle φ₂ as the independent variable, S = k(φ₁ − φ₂) the elastic moment of the shaft, ω₁ the
+With the machine's crank angle φ₂ as the independent variable, S = k(φ₁ − φ₂) the elastic torque of the shaft, ω₁ the
 motor's speed and E = ½I(φ₂)ω₂² the machine's energy, the equations of motion
 
     I₁ φ̈₁ = M_m(φ̇₁) − T,   I(φ₂) φ̈₂ + ½ I′(φ₂) φ̇₂² = T + M(φ₂, φ̇₂),   T = S + b(φ̇₁ − φ̇₂)
 
-become S′ = k(ω₁/ω₂ − 1), ω₁′ = (M_m − T)/(I₁ω₂), E′ = T + M: everything but the state is known at every place
-beforehand, and no derivative of I is needed. All steps of the cycle are solved together by collocation of order eight,
-at Gauss' points, in Newton's iterations: each composes the linear maps of the steps to that of the cycle, P, and closes
-it, (I − P) x = p. At the solution P is the monodromy matrix of Poincaré's map, its eigenvalues are the multipliers. The
-collocation is stable for the stiffest shafts, so that rigid motion is a limit of the same equations.
+become S′ = k(ω₁/ω₂ − 1), ω₁′ = (M_m − T)/(I₁ω₂), E′ = T + M. Everything but the state is known in advance at every
+node, and no derivative of I is needed. Newton's method solves all steps of the cycle together, by collocation of order
+eight at Gauss points. Each iteration composes the linear maps of the steps into that of the cycle, P, and closes the
+cycle: (I − P) x = p. At the solution P is the monodromy matrix of the Poincaré map, and its eigenvalues are the
+multipliers. The collocation is stable for arbitrarily stiff shafts, so rigid motion is a limit of the same equations.
 
 Sources: K. V. Frolov et al., Theory of Mechanisms and Machines (drives with elastic links); U. M. Ascher,
 R. M. M. Mattheij and R. D. Russell, Numerical Solution of Boundary Value Problems for Ordinary Differential Equations
@@ -27,27 +27,27 @@ from engine.laws.elementary import power
 from engine.laws.motor_characteristics import BENDS, PER_BEND, motors_at
 from engine.stepping.tableaux import collocation
 
-# How a search ended.
+# Outcomes of a search.
 CLOSES, TURNS_BACK, NOT_FOUND = range(3)
-# State: elastic moment, speed of the motor, energy of the machine. What is known of a place: inertia, moments over ω⁰,
-# ω¹ and ω², then power laws.
+# Size of the state: elastic torque, motor speed, energy of the machine. Number of known values at a node: inertia and
+# torque coefficients in ω⁰, ω¹ and ω²; power laws follow.
 STATE, KNOWN = 3, 4
 GAUSS = collocation(0.5 * (leggauss(4)[0] + 1.0))
 STAGES, _MATRIX, _WEIGHTS = GAUSS.stages, GAUSS.matrix, GAUSS.weights
 UNKNOWNS = STATE * STAGES
 COLUMNS = STATE + 1
 MOST_ITERATIONS = 60
-# Changes of the state, as shares of its size, after which an iteration was the last but one.
+# Relative change of the state after which one more iteration is the last.
 _SETTLED = 1e-7
-# What rounding leaves of an elastic moment, over stiffness and energy.
+# Rounding of an elastic torque, relative to stiffness plus energy.
 _ROUNDED = 1e-13
-# In an iteration the energy at a place changes by no more than these factors.
+# Limits of the factor by which an iteration changes the energy at a node.
 _LEAST, _MOST = 0.2, 5.0
 
 
 @routine
 def _loads(place: np.ndarray, exponents: np.ndarray, w: float) -> tuple[float, float]:
-    """Moment of the loads at a place and a speed, and its derivative by the speed."""
+    """Torque of the loads at a node and a speed, and its derivative with respect to the speed."""
     level, fall, curvature = place[1], place[2], place[3]
     moment = level + w * (fall + w * curvature)
     slope = fall + 2.0 * w * curvature
@@ -68,7 +68,7 @@ def _rates(
     rates: np.ndarray,
     jacobian: np.ndarray,
 ) -> None:
-    """Derivatives of the state by the crank angle, and theirs by the state."""
+    """Derivatives of the state with respect to the crank angle, and their Jacobian."""
     k, b, first = own[0], own[1], own[2]
     elastic, motor_speed, energy = state[0], state[1], state[2]
     speed = math.sqrt(2.0 * energy / place[0])
@@ -88,7 +88,7 @@ def _rates(
 
 @routine
 def _solve(matrix: np.ndarray, right: np.ndarray, size: int, columns: int) -> None:
-    """Solve a small system of linear equations in place, by Gauss' elimination with pivots."""
+    """Solve a small system of linear equations in place, by Gaussian elimination with pivoting."""
     for i in range(size):
         pivot = i
         for r in range(i + 1, size):
@@ -116,7 +116,7 @@ def _solve(matrix: np.ndarray, right: np.ndarray, size: int, columns: int) -> No
 
 
 class CycleSums(NamedTuple):
-    """What is found of cycles, (drives,).
+    """Results for cycles, (drives,).
 
     Attributes
     ----------
@@ -127,7 +127,7 @@ class CycleSums(NamedTuple):
     motor_work, load_work, damping_work : ndarray
         [J].
     impulse : ndarray
-        Moment of the shaft over time [N·m·s].
+        Integral of the shaft torque over time [N·m·s].
     """
 
     ended: np.ndarray
@@ -139,7 +139,7 @@ class CycleSums(NamedTuple):
 
 
 class CyclesToClose(NamedTuple):
-    """Drives whose cycles are to be closed, and what is found.
+    """Inputs and results of the search for periodic cycles.
 
     Attributes
     ----------
@@ -151,15 +151,15 @@ class CyclesToClose(NamedTuple):
     steps : ndarray (drives, steps)
         [rad].
     places : ndarray (drives, steps, STAGES, KNOWN + laws)
-        The machine at Gauss' points of every step.
+        The machine at the Gauss points of every step.
     states : ndarray (drives, steps, STAGES, STATE)
-        There, a first guess; the motion when done.
+        The motion at the Gauss points: initial guess on entry, solution on return.
     nodes : ndarray (drives, steps + 1, STATE)
         The motion at the ends of steps.
     monodromy : ndarray (drives, STATE, STATE)
     sums : CycleSums
     bent : int
-        How many bends the characteristics have.
+        Number of bends of the characteristics.
     """
 
     given: np.ndarray
@@ -178,16 +178,16 @@ class CyclesToClose(NamedTuple):
 def close_cycles(
     begin: int, end: int, batch: CyclesToClose, maps: np.ndarray, slopes: np.ndarray, room: np.ndarray
 ) -> None:
-    """Find the steady motion of drives `begin` … `end` − 1.
+    """Find the steady running of drives `begin` … `end` − 1.
 
     Parameters
     ----------
     begin, end : int
     batch : CyclesToClose
     maps, slopes : ndarray (steps, UNKNOWNS, COLUMNS), (steps, UNKNOWNS)
-        Memory.
+        Scratch.
     room : ndarray (2, UNKNOWNS, UNKNOWNS)
-        Memory.
+        Scratch.
     """
     given, drives, exponents, steps, places, states, nodes, monodromy, sums = batch[:9]
     matrix, small = room[0], room[1]
@@ -245,7 +245,7 @@ def close_cycles(
             _solve(matrix, turned, STATE, 1)
             for r in range(STATE):
                 moved[r] = turned[r, 0]
-            # Sizes of the state, and how far what it was made linear about is from it.
+            # Largest values of the state, and its largest changes in this iteration.
             sizes, off, positive = other[:STATE], other[STATE : 2 * STATE], True
             for r in range(STATE):
                 sizes[r], off[r] = 0.0, 0.0
@@ -283,7 +283,7 @@ def close_cycles(
             if last:
                 ended = CLOSES
                 break
-            # A shaft without a moment has rounding alone: of the twist, and of the work.
+            # The torque of an unloaded shaft is rounding of its twist and of the work.
             least, last = _ROUNDED * (own[0] + sizes[STATE - 1]), True
             for r in range(STATE):
                 last &= off[r] <= _SETTLED * sizes[r] + (least if r == 0 else 0.0)

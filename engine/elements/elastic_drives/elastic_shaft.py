@@ -1,4 +1,4 @@
-"""The elastic shaft of a drive, as elements have it: how it is given, its stiffness and damping."""
+"""The elastic shaft of a drive, for elements: keys, stiffness and damping."""
 
 from typing import Annotated, NamedTuple
 
@@ -14,7 +14,7 @@ from engine.parts.skeleton import Name, Number, Part
 
 
 class ElasticShaft(Part):
-    """Something with an elastic shaft: its stiffness is given, or that of its parts in series."""
+    """An elastic shaft, with its stiffness given directly or by its parts in series."""
 
     stiffness: Annotated[TorsionalStiffness, Field(gt=0)] | None = None
     parts: Annotated[dict[Name, ElasticPart], Field(min_length=1)] | None = None
@@ -31,7 +31,7 @@ class ElasticShaft(Part):
 
 
 class DriveShaft(NamedTuple):
-    """Stiffness [N·m/rad] and damping [N·m·s/rad] of a drive's shaft, and its natural frequency in touch [rad/s]."""
+    """Stiffness [N·m/rad] and damping [N·m·s/rad] of a drive's shaft, and natural frequency in contact [rad/s]."""
 
     stiffness: np.ndarray
     damping: np.ndarray
@@ -39,12 +39,12 @@ class DriveShaft(NamedTuple):
 
 
 def drive_shaft(drive: ElasticShaft, n: Numbers) -> DriveShaft:
-    """The shaft of a drive, with all dampers as they are at its natural frequency.
+    """The shaft of a drive, with all dampers evaluated at its natural frequency.
 
     Parameters
     ----------
     drive : ElasticShaft
-        How its shaft is given; its numbers are not used.
+        Defines which keys are given; its own values are not used.
     n : mapping of str to ndarray (variants,)
         Its numbers by their keys, and the inertias at its ends, "motor_inertia" and "load_inertia".
     """

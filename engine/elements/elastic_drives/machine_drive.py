@@ -1,7 +1,7 @@
-"""The drive of the scene's own machine through an elastic shaft: moments of the shaft, speeds, stability.
+"""The drive of the scene's own machine through an elastic shaft: shaft torques, speeds, stability.
 
-The scene's machine is what a drive is asked with: `engine.machine.drives.elastic_drives` hands in its curves, and gives
-the results to the drive as numbers of its own, with their error estimates and the verdict on every variant.
+The results depend on the scene's machine: `engine.machine.drives.elastic_drives` computes them from its curves and sets
+them as numbers of the drive, with their error estimates and the verdict on every variant.
 """
 
 from typing import Annotated, ClassVar, Literal
@@ -58,7 +58,7 @@ RUN_RESULTS = (
 
 
 def machine_keys(kind: str) -> tuple[str, ...]:
-    """Under which keys a drive is given its results (`kind` "value") or their error figures ("error")."""
+    """Keys of a drive's results (`kind` "value") or of their error estimates ("error")."""
     return tuple(f"machine.{kind}.{result.name}" for result in (*RESULTS, *RUN_RESULTS))
 
 
@@ -66,11 +66,11 @@ VERDICT_KEY = "machine.verdict"
 
 
 class MachineRun(Part):
-    """A run over `time`, at rest on an untwisted shaft at a crank angle or out of the steady motion at φ = 0.
+    """A run over `time`, from rest with an untwisted shaft at a crank angle, or from steady running at φ = 0.
 
-    From then on everything acts but what is `off`: with the motors a stop is followed, without what was off in steady
-    motion a sudden load. `backlash` is the whole angle through which one end turns freely against the other: at rest
-    it is open, and the motors have to close it; steady motion doesn't know of it.
+    During the run all actions are active except those in `off`: with the motors `off` the machine runs down; an action
+    that was off in steady running acts as a sudden load. `backlash` is the whole angle through which one end turns
+    freely relative to the other: at rest it is open, and the motors have to close it; steady running ignores it.
     """
 
     begin: Literal["at rest", "steady"] = "at rest"
@@ -89,9 +89,9 @@ class MachineRun(Part):
 class MachineDrive(ElasticShaft, Element):
     """The scene's motors drive its crank through an elastic shaft.
 
-    At the motors' end turns the `driver`, a shaft of the scene, or a `motor_inertia` that the scene doesn't have;
-    everything else of the scene turns with the crank. Stiffness, damping and `motor_inertia` are reduced to the crank.
-    What is named as `off` doesn't act in steady motion. A `run` is followed over time.
+    The motor end carries the `driver`, a shaft of the scene, or a `motor_inertia` in addition to the scene; all other
+    inertia of the scene turns with the crank. Stiffness, damping and `motor_inertia` are reduced to the crank. Actions
+    named in `off` are inactive in steady running. A `run` is simulated over time.
     """
 
     picture: ClassVar = "cycle"
@@ -110,10 +110,10 @@ class MachineDrive(ElasticShaft, Element):
         return self
 
     def evaluate(self, n: Numbers) -> Answers:
-        """The results that the drive is given."""
+        """The results set as numbers of the drive."""
         parts = ({r.name: n[f"machine.{kind}.{r.name}"] for r in self.RESULTS} for kind in ("value", "error"))
         return Answers(*parts, n[VERDICT_KEY].astype(np.uint8))
 
     def machine_needed(self) -> tuple[str, str]:
-        """A crank that turns."""
+        """The scene needs a fully turning crank."""
         return "", "only a crank that turns fully is driven through an elastic shaft"

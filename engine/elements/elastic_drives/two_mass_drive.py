@@ -1,4 +1,4 @@
-"""A drive of two masses on an elastic shaft with backlash: greatest moment, impacts, speeds at the end."""
+"""A drive of two masses on an elastic shaft with backlash: peak torque, impacts, final speeds."""
 
 from typing import Annotated, ClassVar, Literal, NamedTuple
 
@@ -24,22 +24,22 @@ from engine.parts.skeleton import Angle, AngularSpeed, Inertia
 from engine.stepping.system import SHOWN
 from engine.words.verdicts import Verdict
 
-# The least backlash [rad] whose products still are numbers of full precision.
+# The smallest backlash [rad] whose products keep full precision.
 SMALLEST = np.finfo(float).tiny / np.finfo(float).eps
-# What a step may miss, and for comparison; in thousands of steps so many roundings add up.
+# Step tolerance, and that of the comparison run; number of steps over which rounding accumulates.
 TOLERANCE, COARSE, STEPS = 1e-12, 1e-10, 1e4
-# Instants of curves, and steps that a picture can show.
+# Instants of curves, and maximum number of steps recorded for a plot.
 _INSTANTS, MOST_SHOWN = 8004, 20_000
 
 
 class TwoMassDrive(ElasticShaft, Element):
-    """A motor drives a load through a shaft with backlash; all is reduced to one shaft.
+    """A motor drives a load through a shaft with backlash; all quantities are reduced to one shaft.
 
-    `backlash` is the whole angle through which one end turns freely against the other. The load resists with
-    `load_moment`, as dry friction does: at rest it holds up to that moment. The motor drives with the constant
-    `motor_moment`, or as a `motor` whose moment depends on its speed. `begin` "at rest", it closes the whole backlash
-    first; "running", the drive runs with `load_before` at `speed` until at time 0 the load jumps to `load_moment`. What
-    happens is computed up to `time`.
+    `backlash` is the whole angle through which one end turns freely relative to the other. The load resists with
+    `load_moment` like dry friction: at rest it holds up to that torque. The motor drives with the constant
+    `motor_moment`, or as a `motor` whose torque depends on its speed. With `begin` "at rest", the whole backlash has to
+    close first; with "running", the drive runs at `speed` against `load_before` until at time 0 the load jumps to
+    `load_moment`. The motion is computed up to `time`.
     """
 
     picture: ClassVar = "transient"
@@ -84,7 +84,7 @@ class TwoMassDrive(ElasticShaft, Element):
         return self
 
     def values(self, n: Numbers, tolerance: float) -> tuple[Columns, FollowedDrives]:
-        """Results of a set of variants by their names, and their drives, with what a step may miss."""
+        """Results of a set of variants by name, and their drives, for a step tolerance."""
         followed, rigid = self.follow(n, tolerance), self.of_shaft(n)["rigid_moment"]
         held = followed.held
         found = {
@@ -101,12 +101,12 @@ class TwoMassDrive(ElasticShaft, Element):
         return found, followed
 
     def of_shaft(self, n: Numbers) -> Columns:
-        """Results that don't depend on the motion, by their names."""
+        """Results that don't depend on the motion, by name."""
         shaft, load = drive_shaft(self, n), n["load_moment"]
         motor = self.curve(n).moment(n["speed"] if self.begin == "running" else 0.0)
         rigid = rigid_moment(motor, load, n["motor_inertia"], n["load_inertia"])
         if self.begin == "at rest":
-            # A load that the motor can't move holds all of its moment.
+            # If the motor can't move the load, the load holds all of its torque.
             rigid = np.where(load >= motor, motor, rigid)
         named = zip(("stiffness", "damping", "natural_frequency"), shaft, strict=True)
         return {**dict(named), "rigid_moment": rigid}
@@ -118,9 +118,9 @@ class TwoMassDrive(ElasticShaft, Element):
         return motor_curve(self.motor, "motor", n)
 
     def follow(self, n: Numbers, tolerance: float, recorded: int = 0) -> FollowedDrives:
-        """Follow drives for their time, and record some steps."""
+        """Compute drives for their duration, and record up to `recorded` steps."""
         shaft, zero = drive_shaft(self, n), np.zeros_like(n["motor_inertia"])
-        # A backlash so small that its products vanish is none.
+        # A backlash whose products underflow counts as zero.
         backlash = np.where(n["backlash"] < SMALLEST, 0.0, n["backlash"])
         mobilities = 1.0 / n["motor_inertia"], 1.0 / n["load_inertia"]
         drive = DriveNumbers(*mobilities, shaft.stiffness, shaft.damping + zero, backlash, n["load_moment"] + zero)
@@ -128,12 +128,12 @@ class TwoMassDrive(ElasticShaft, Element):
         return follow_drives(drive, self.curve(n), Beginning(*runs, n["time"] + zero), tolerance, recorded)
 
     def evaluate(self, n: Numbers) -> Answers:
-        """Results with their errors: from longer steps with other roundings."""
+        """Results with error estimates from longer steps with perturbed numbers."""
         found, errors = nudged(self.of_shaft, n)
-        # Roundings up and down, in turn.
+        # Perturb up and down in turn.
         others = {name: row * (1.0 + (-1.0) ** i * ROUNDING * EPS) for i, (name, row) in enumerate(n.items())}
         (fine, followed), (coarse, _) = self.values(n, TOLERANCE), self.values(others, COARSE)
-        # A speed rounds as that of the vibration does, however small it is in the end.
+        # A speed rounds like that of the vibration, however small it is at the end.
         swing = fine["greatest_moment"] / found["stiffness"] * found["natural_frequency"]
         with np.errstate(invalid="ignore"):
             for name, row in fine.items():
@@ -144,7 +144,7 @@ class TwoMassDrive(ElasticShaft, Element):
         return Answers(found | fine, errors, too_stiff.astype(np.uint8))
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
-        """Moment of the shaft, speeds of motor and load, and play over time."""
+        """Plots of shaft torque, speeds of motor and load, and play over time."""
         history, x = drive_history(self, _INSTANTS), PanelAxis("time", "s")
         peak = np.abs(history.moment).argmax()
         moments = Curve("of the shaft", history.moment), Curve("of the motor", history.motor_moment, True)
@@ -159,9 +159,9 @@ class TwoMassDrive(ElasticShaft, Element):
 
 
 def rigid_moment(motor: np.ndarray, load: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Moment of a rigid shaft between a motor of the first inertia and a load of the second that turn [N·m].
+    """Torque of a rigid shaft between a motor with the first inertia and a load with the second, both turning [N·m].
 
-    (M I₂ + M_c I₁)/(I₁ + I₂), M being the motor's moment and M_c the load's.
+    (M I₂ + M_c I₁)/(I₁ + I₂), with the motor's torque M and the load's M_c.
     """
     return (motor * second + load * first) / (first + second)
 
@@ -174,13 +174,13 @@ class DriveHistory(NamedTuple):
     time : ndarray (instants,)
         [s].
     moment : ndarray (instants,)
-        Of the shaft [N·m].
+        Shaft torque [N·m].
     motor_speed, load_speed : ndarray (instants,)
         [rad/s].
     gap : ndarray (instants,)
-        e = φ₁ − φ₂, 0 where the shaft touches forwards [rad].
+        e = φ₁ − φ₂, 0 at first forward contact [rad].
     motor_moment : ndarray (instants,)
-        [N·m].
+        Motor torque [N·m].
     """
 
     time: np.ndarray
@@ -192,7 +192,7 @@ class DriveHistory(NamedTuple):
 
 
 def drive_history(drive: TwoMassDrive, instants: int) -> DriveHistory:
-    """What a drive does, at equally spaced instants.
+    """Motion of a drive, at equally spaced instants.
 
     Parameters
     ----------

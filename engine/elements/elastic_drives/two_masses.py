@@ -1,13 +1,13 @@
-"""Motion of two masses on a shaft with backlash, as a system: its rates, guards, and what is held between them.
+"""Motion of two masses on a shaft with backlash, as a system: rates, guards, and quantities held between the guards.
 
-The moment T of the shaft follows from its twist e = φ₁ − φ₂ as in `shaft_touch`; it doesn't change its sign while in
-touch. Without backlash there is nothing to lose touch in. The load resists with M_c against its motion; at rest it
-sticks while |T| ≤ M_c:
+The shaft torque T follows from the twist e = φ₁ − φ₂ as in `shaft_touch`; it doesn't change its sign in contact.
+Without backlash, contact is never lost. The load resists with M_c against its motion; at rest it sticks while
+|T| ≤ M_c:
 
     I₁ ω₁′ = M(ω₁) − T,   I₂ ω₂′ = T ∓ M_c.
 
-Touch and the way of the load are held. Steps end where either changes, and at the extremes of T, of the play and of ω₂:
-within a step all of them are monotonic, so that no short touch and no short stop is passed over.
+The contact and the load's direction of motion are held. Steps end where either changes, and at the extremes of T, of
+the play and of ω₂. Within a step all of these are monotonic, so that no short contact or stop is missed.
 
 Source: K. V. Frolov et al., Theory of Mechanisms and Machines (drives with elastic links and clearances).
 """
@@ -31,21 +31,21 @@ from engine.parts.motor_constants import MotorCurve
 from engine.stepping.system import Guard, PrintedSystem, System, Walks
 from engine.stepping.walk import Why
 
-# The first step, in radians of the vibration.
+# First step, in radians of the vibration.
 FIRST = 0.1
-# A drive is followed through no more of its vibration than this, which a single one takes some seconds for.
+# Longest motion, in radians of the vibration; a single drive takes some seconds for it.
 MOST_RADIANS = 6e4
-# How often a walk is carried on at most.
+# Maximum number of continuations of a walk.
 MOST_WALKS = 200
-# Numbers beyond this are garbage.
+# Larger numbers are meaningless.
 MOST_SIZE = 1e100
 # Beyond all angles [rad].
 _FAR = 1e300
-# Peaks that are the same but for rounding differ by less than this share.
+# Ties of peaks within rounding go to the earlier one.
 _HIGHER = 1.0 + 1e-11
 
-# Numbers as in `DriveNumbers`; twist, both speeds, the motor's moment, time; what is held, as in `HeldOfDrive`, in two
-# parts; all of that with the load's speed.
+# Numbers as in `DriveNumbers`; twist, both speeds, motor torque, time; the two parts of `HeldOfDrive`; all of
+# `HeldOfDrive` with the load's speed.
 Drive = tuple[float, float, float, float, float, float]
 Motion = tuple[float, float, float, float, float]
 Phase = tuple[float, float, float, float]
@@ -54,22 +54,22 @@ Behind = tuple[float, float, float, float, float, float, float, float, float, fl
 
 
 class HeldOfDrive(NamedTuple):
-    """What a drive holds between two guards, nodes or arrays (variants,): the phase, and what was seen so far.
+    """Quantities held between two guards, nodes or arrays (variants,): the phase, and the results so far.
 
     Attributes
     ----------
     touch : Given or ndarray
-        1 where the shaft touches forwards, −1 backwards, 0 nowhere.
+        Contact of the shaft: 1 forward, −1 backward, 0 none.
     moves : Given or ndarray
-        The way the load moves, 1 or −1; 0 where it sticks.
+        Direction of the load's motion, 1 or −1; 0 if it sticks.
     growing, gains : Given or ndarray
-        1 or −1: whether the shaft's moment, or out of touch the twist, and the load's speed grow.
+        1 or −1: whether the shaft torque (the twist, if out of contact) and the load's speed grow.
     greatest, greatest_at : Given or ndarray
-        Greatest magnitude of the shaft's moment and when [N·m], [s].
+        Peak magnitude of the shaft torque [N·m] and its time [s].
     closings, impact_at, impact_speed : Given or ndarray
-        How often the backlash closed, when first [s] and how fast [rad/s]; −1 where it never did.
+        How often the backlash closed; time [s] and relative speed [rad/s] of the first impact, −1 if none.
     load_at : Given or ndarray
-        When the load started [s]; −1 where it never did.
+        When the load started [s]; −1 if never.
     """
 
     touch: Given | np.ndarray
@@ -96,19 +96,19 @@ class DriveNumbers(NamedTuple):
 
     @property
     def frequency(self) -> np.ndarray:
-        """Natural frequency in touch [rad/s]."""
+        """Natural frequency in contact [rad/s]."""
         return np.sqrt(self.stiffness * (self.mobility + self.load_mobility))
 
 
 @scalar
 def sign(x: float) -> float:
-    """The sign of a number, 0 of 0."""
+    """Sign of a number, 0 for 0."""
     return chosen(x > 0.0, 1.0, chosen(x < 0.0, -1.0, 0.0))
 
 
 @scalar
 def drive_rates(drive: Drive, touch: float, moves: float, motion: Motion) -> tuple[float, float, float]:
-    """Moment of the shaft [N·m], accelerations of motor and load [rad/s²]."""
+    """Shaft torque [N·m], accelerations of motor and load [rad/s²]."""
     twist, speed, load_speed, driving, _ = motion
     moment = touching_moment(drive[2:5], touch, twist, speed - load_speed)
     return moment, drive[0] * (driving - moment), chosen(moves == 0.0, 0.0, drive[1] * (moment - moves * drive[5]))
@@ -116,7 +116,7 @@ def drive_rates(drive: Drive, touch: float, moves: float, motion: Motion) -> tup
 
 @scalar
 def ways_of_drive(drive: Drive, touch: float, moves: float, motion: Motion) -> tuple[float, float]:
-    """What has the sign by which the shaft's moment, or out of touch the twist, grows; so of the load's speed."""
+    """Numbers with the signs of the rates of the shaft torque (twist, if out of contact) and of the load's speed."""
     moment, rise, load_rise = drive_rates(drive, touch, moves, motion)
     slip, apart = motion[1] - motion[2], rise - load_rise
     change = touch_turns(drive[2:5], touch, slip, apart)
@@ -125,7 +125,7 @@ def ways_of_drive(drive: Drive, touch: float, moves: float, motion: Motion) -> t
 
 @scalar
 def guards_of_drive(drive: Drive, phase: Phase, motion: Motion) -> tuple[float, float, float, float]:
-    """What is positive until touch changes, until the load's way does, and until either of `ways_of_drive` turns."""
+    """Guards of the contact, the load's direction, and both signs of `ways_of_drive`; positive until these change."""
     (touch, moves, growing, gains), shaft, load = phase, drive[2:5], drive[5]
     twist, speed, load_speed, _, _ = motion
     moment, rise, load_rise = drive_rates(drive, touch, moves, motion)
@@ -139,7 +139,7 @@ def guards_of_drive(drive: Drive, phase: Phase, motion: Motion) -> tuple[float, 
 
 @scalar
 def behind_guard(drive: Drive, phase: Phase, motion: Motion, seen: Seen) -> Behind:
-    """What is held behind a guard, as in `HeldOfDrive`, and the load's speed there."""
+    """Held quantities after a guard, as in `HeldOfDrive`, and the load's speed."""
     touch, moves, _, _ = phase
     twist, speed, load_speed, driving, now = motion
     greatest, greatest_at, closings, impact_at, impact_speed, load_at = seen
@@ -158,7 +158,7 @@ def behind_guard(drive: Drive, phase: Phase, motion: Motion, seen: Seen) -> Behi
     moment, _, _ = drive_rates(drive, touch, moves, motion)
     pulls = chosen(starts > 0.0, sign(moment), chosen(abs(moment) > drive[5], sign(moment), 0.0))
     moves = chosen(stops > 0.0, pulls, chosen(moves == 0.0, pulls, moves))
-    # A damper is hit with full speed.
+    # At an impact the damper acts with the full relative speed.
     reached = chosen(abs(before) > abs(moment), abs(before), abs(moment))
     higher = reached > greatest * _HIGHER
     greatest_at = chosen(higher, now, greatest_at)
@@ -171,7 +171,7 @@ def behind_guard(drive: Drive, phase: Phase, motion: Motion, seen: Seen) -> Behi
 
 
 class MotorNodes(NamedTuple):
-    """A motor's characteristic as nodes: level, slope, bends and the side held of each, Kloss' constants."""
+    """A motor's characteristic as nodes: level, slope, bends with their current sides, constants of Kloss' formula."""
 
     level: Given
     slope: Given
@@ -179,7 +179,7 @@ class MotorNodes(NamedTuple):
     kloss: tuple[Given, ...]
 
     def moment(self, speed: Node) -> Node:
-        """Moment at a speed [N·m]."""
+        """Torque at a speed [N·m]."""
         graph = speed.graph
         bent = (bend * graph.apply(bend_of, speed - knot) for bend, knot, _ in self.bends)
         moment = sum(bent, self.level + self.slope * speed)
@@ -187,14 +187,14 @@ class MotorNodes(NamedTuple):
 
 
 class TwoMasses(PrintedSystem):
-    """The system of a drive, its functions printed.
+    """System of a drive with its printed functions.
 
     Parameters
     ----------
     bends : int
-        How often its motor's characteristic bends.
+        Number of bends of the motor's characteristic.
     kloss : bool
-        Whether Kloss' formula is part of it.
+        Whether the characteristic includes Kloss' formula.
     """
 
     def __init__(self, bends: int, kloss: bool) -> None:
@@ -203,7 +203,7 @@ class TwoMasses(PrintedSystem):
         def given(label: str) -> Given:
             return graph.given(label, Stage.STATE)
 
-        # The twist counts as a speed, so that all states are of one size.
+        # The twist is scaled to a speed, so that all states have similar magnitudes.
         labels = "twist by natural frequency", "speed of the motor", "speed of the load"
         swung, speed, load_speed = states = tuple(map(given, labels))
         self.frequency, self.radian = given("natural frequency"), given("time of a radian")
@@ -238,7 +238,7 @@ two_masses = cache(TwoMasses)
 
 
 def shaft_moment(shaft: DriveShaft, backlash: float, twist: np.ndarray, slip: np.ndarray) -> np.ndarray:
-    """Moment of a shaft by its twist and the rate of that [N·m]; damping doesn't pull where there is a backlash."""
+    """Torque of a shaft from its twist and twist rate [N·m]; with a backlash, damping can't pull."""
     forwards, pull = shaft.stiffness * twist, shaft.damping * slip
     if backlash == 0.0:
         return forwards + pull
@@ -248,7 +248,7 @@ def shaft_moment(shaft: DriveShaft, backlash: float, twist: np.ndarray, slip: np
 
 
 class FollowedDrives(NamedTuple):
-    """Drives at the end of their time, arrays (variants,).
+    """Drives at the end of their duration, arrays (variants,).
 
     Attributes
     ----------
@@ -256,9 +256,9 @@ class FollowedDrives(NamedTuple):
     speed, load_speed : ndarray
         Of motor and load at the end [rad/s].
     too_stiff : ndarray of bool
-        Which vibrate too often within their time to be followed.
+        Drives not computed because they vibrate too often within their duration.
     steps, recorded : ndarray
-        How many steps were made; these, as in `engine.stepping.walk.WalkBatch`, as many as there is room for.
+        Number of steps, and the recorded ones, as in `engine.stepping.walk.WalkBatch`.
     """
 
     held: HeldOfDrive
@@ -270,7 +270,7 @@ class FollowedDrives(NamedTuple):
 
 
 class Beginning(NamedTuple):
-    """How drives begin, (variants,): at rest with all of the backlash open, or where they run with another load.
+    """Initial state of drives, (variants,): at rest with the whole backlash open, or running with another load.
 
     Attributes
     ----------
@@ -278,7 +278,7 @@ class Beginning(NamedTuple):
     speed, load_before : ndarray
         [rad/s], [N·m].
     time : ndarray
-        For how long they are followed [s].
+        Duration [s].
     """
 
     runs: bool
@@ -290,7 +290,7 @@ class Beginning(NamedTuple):
 def follow_drives(
     drive: DriveNumbers, motor: MotorCurve, begin: Beginning, tolerance: float, recorded: int = 0
 ) -> FollowedDrives:
-    """Follow drives for their time.
+    """Compute drives for their duration.
 
     Parameters
     ----------
@@ -299,19 +299,19 @@ def follow_drives(
     motor : MotorCurve
     begin : Beginning
     tolerance : float
-        What a step may miss.
+        Step tolerance.
     recorded : int
-        How many steps to record at most.
+        Maximum number of steps to record.
     """
     made, zero, time = two_masses(len(motor.bends), motor.kloss is not None), np.zeros_like(begin.time), begin.time
     speed, driving = zero + begin.speed, motor.moment(begin.speed) + zero
-    # What is lost in the rounding of the motor's moment resists nothing.
+    # A load below the rounding of the motor torque counts as zero.
     drive = drive._replace(load=np.where(driving + drive.load > driving, drive.load, 0.0))
     mobility, load_mobility, stiffness, _, backlash, load = drive
-    # Within the backlash whatever is rounded.
+    # Stay within the backlash whatever is rounded.
     twist, touch = -backlash * (1.0 - 4.0 * EPS), np.where(backlash > 0.0, 0.0, 1.0)
     if begin.runs:
-        # Until now both masses were accelerated alike.
+        # Up to now both masses had the same acceleration.
         shared = driving * mobility + begin.load_before * load_mobility
         pressed = shared / (mobility + load_mobility) / stiffness
         touch = np.where((pressed > 0.0) | (backlash == 0.0), 1.0, -1.0)
@@ -323,7 +323,7 @@ def follow_drives(
     starts = np.where((speed > 0.0) | ((moves != 0.0) & (touch != 0.0)), 0.0, -1.0)
     held = HeldOfDrive(touch, moves, *signs, np.abs(moment), zero, zero, zero - 1.0, zero - 1.0, starts)
     frequency = drive.frequency
-    # A damper far stronger than a critical one is as fast as a stiff shaft.
+    # A damper far above critical is as fast as a stiff shaft.
     too_stiff = time * np.fmax(frequency, 0.1 * drive.damping * (mobility + load_mobility)) > MOST_RADIANS
     size = np.abs(np.array([*drive, twist, driving, speed, time, frequency])).max(axis=0)
     follows = ~too_stiff & (size < MOST_SIZE) & (frequency > 1.0 / MOST_SIZE) & (mobility > 0.0) & (load_mobility > 0.0)
@@ -357,7 +357,7 @@ def _walk(
     lanes: Mapping[str, np.ndarray],
     recorded: int,
 ) -> Walks:
-    """Walk to the end of the time, however many steps that takes."""
+    """Walk to the end of the duration, in several walks if one has too many steps."""
     count = states.shape[1]
     numbers = made.limited(np.zeros((len(made.functions.rows), count)), numbers)
     edges, nothing = np.zeros((4, count)), np.zeros((0, count))

@@ -1,4 +1,4 @@
-"""Speed governors: characteristics, stability with the engine they govern, and what a change of load does."""
+"""Speed governors: characteristics, stability with the governed engine, and response to a change of load."""
 
 from engine import on_use
 

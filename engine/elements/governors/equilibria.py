@@ -1,7 +1,7 @@
-"""Governors in equilibrium: their characteristic between the stops, where they are stable, their engine near a load.
+"""Governors in equilibrium: characteristic between the stops, stable range, and the engine's equilibrium under load.
 
-Positions that are searched (ends of the stable stretch, least stability, the lift at a load) are found once. What
-follows from them follows to first order wherever numbers change a little, so that error estimates are made by nudges.
+Positions that need a search (ends of the stable range, minimum stability, lift at a load) are found once. The results
+at slightly different numbers follow to first order, so error estimates by perturbation need no further search.
 """
 
 from typing import NamedTuple
@@ -30,24 +30,24 @@ from engine.laws.rounding import EPS
 from engine.laws.tables import on_piece
 from engine.words.verdicts import Verdict
 
-# Samples of a characteristic, and in each piece of a table; how far inside a piece its ends are sampled, and how far
-# apart values are whose difference is a slope, both as a share of the range.
+# Number of samples of a characteristic, and per piece of a table; distance of the outer samples from the ends of a
+# piece, and of the points of a difference quotient, as fractions of the range.
 SAMPLES, _PIECE_SAMPLES, _INSIDE, _APART = 33, 9, 1e-12, 1e-6
-# Halvings of a bracket down to rounding.
+# Bisections of a bracket down to rounding.
 _HALVINGS = 64
 _TINY = 1e-300
 
 
 class Marks(NamedTuple):
-    """What is searched of each governor, once (variants,).
+    """Results of the searches for each governor (variants,).
 
     Attributes
     ----------
     inner, outer, begin, end, shakiest, weakest, middle, before, after : ndarray
-        Positions: the stops, the ends of the longest stable stretch, the least stability, the least force at the sleeve
-        in the stretch, half of its lift, the engine's load before and after its change.
+        Positions: the stops, the ends of the longest stable range, minimum stability, minimum sleeve force in the
+        range, half of its lift, equilibrium under the engine's load before and after the change.
     off_begin, off_end, off_shakiest : ndarray
-        How far rounding moves them.
+        Rounding errors of these positions.
     isochronous : ndarray
     mean_speed : ndarray
     """
@@ -69,9 +69,9 @@ class Marks(NamedTuple):
 
 
 class GovernorVariants(NamedTuple):
-    """A governor with the numbers of some variants, by their keys and as rows, and its states as a function of these.
+    """A governor with the numbers of some variants, by key and as rows, and its states as a function of the rows.
 
-    The first two rows are the position, and that of the inner stop.
+    The first two rows are the position and that of the inner stop.
     """
 
     governor: Element
@@ -80,7 +80,7 @@ class GovernorVariants(NamedTuple):
     rows: np.ndarray
 
     def at(self, places: np.ndarray, inner: np.ndarray) -> States:
-        """States at positions (..., variants), lifts counted from inner positions (variants,)."""
+        """States at positions (..., variants), with lifts from the inner positions (variants,)."""
         lines = places.reshape(-1, self.rows.shape[1])
         found = np.empty((len(lines), len(States._fields), lines.shape[1]))
         self.rows[1] = inner
@@ -94,16 +94,16 @@ class GovernorVariants(NamedTuple):
         return self._replace(n=n, rows=self.states.table(n, n["ball_mass"].size))
 
     def some(self, who: np.ndarray) -> "GovernorVariants":
-        """Those of some variants, by index."""
+        """A subset of the variants, by index."""
         return self._replace(n={key: row[who] for key, row in self.n.items()}, rows=self.rows.take(who, axis=1))
 
     def moved(self, x: np.ndarray, inner: np.ndarray, name: str, wanted: np.ndarray) -> np.ndarray:
-        """Positions near others at which "radius" or "lift" is what is wanted, to first order."""
+        """Positions at which "radius" or "lift" has the wanted value, to first order from nearby ones."""
         there = self.at(x, inner)
         return x - (getattr(there, name) - wanted) / getattr(there, f"{name}_rate")
 
     def throttle(self, lift: np.ndarray, whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Moment of the engine at the mean speed of the governor, and by how much it falls for each metre of lift."""
+        """Engine torque at the governor's mean speed, and its decrease per metre of lift."""
         throttle = self.governor.engine.throttle
         if isinstance(throttle, TableThrottle):
             table = throttle.table
@@ -133,7 +133,7 @@ def governor_variants(governor: Element, n: Numbers) -> GovernorVariants:
 
 @np.errstate(all="ignore")
 def governor_marks(g: GovernorVariants) -> tuple[Marks, np.ndarray]:
-    """Search the characteristic of governors, and the lifts at which their engines carry their loads.
+    """Search the characteristic of governors, and find the lifts at which their engines carry their loads.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def governor_marks(g: GovernorVariants) -> tuple[Marks, np.ndarray]:
     step = _APART * (high - low)
 
     def peak_of(name: str, where: np.ndarray) -> np.ndarray:
-        """Where a state is least, beside the least of samples."""
+        """Position of the minimum of a state, refined from the smallest sample."""
 
         def turned(x: np.ndarray) -> np.ndarray:
             return -getattr(g.at(x, low), name)
@@ -211,12 +211,12 @@ def governor_marks(g: GovernorVariants) -> tuple[Marks, np.ndarray]:
 
 
 def _at(rows: np.ndarray, k: np.ndarray) -> np.ndarray:
-    """Of each variant, the row that counts."""
+    """Row k of each variant."""
     return np.take_along_axis(rows, k[None], axis=0)[0]
 
 
 def _sample_places(g: GovernorVariants, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Positions from one stop to the other; of a table in each of its pieces, on both sides of its breaks."""
+    """Sample positions between the stops; for a table in each of its pieces, on both sides of its breaks."""
     table = g.governor.controlling_table
     if table is None:
         return low + (high - low) * (np.arange(SAMPLES) / (SAMPLES - 1))[:, None]
@@ -235,7 +235,7 @@ def _sample_places(g: GovernorVariants, low: np.ndarray, high: np.ndarray) -> np
 def _edge(
     g: GovernorVariants, low: np.ndarray, places: np.ndarray, k: np.ndarray, side: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Where a stable stretch ends beyond its sample k, to one side, and how far rounding moves that."""
+    """End of a stable range beyond its sample k, in one direction, and its rounding error."""
     other = np.clip(k + side, 0, len(places) - 1)
     inside = stable = _at(places, k)
     unstable = _at(places, other)
@@ -252,7 +252,7 @@ def _edge(
 
 
 def _surplus(g: GovernorVariants, found: States, whole: np.ndarray, mean: np.ndarray, load: np.ndarray) -> np.ndarray:
-    """Moment of the engine that its load leaves at equilibrium; what is left to the switch of a valve."""
+    """Engine torque minus load at equilibrium; for a valve, lift missing to its switch."""
     if g.governor.has_valve:
         return g.n["engine.throttle.switch"] - found.lift
     regulation = g.n["engine.self_regulation"] / g.n["engine.ratio"]
@@ -260,7 +260,7 @@ def _surplus(g: GovernorVariants, found: States, whole: np.ndarray, mean: np.nda
 
 
 def _working_position(g: GovernorVariants, marks: Marks, load: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Positions in the stable stretch at which engines carry a load, and verdicts on that."""
+    """Positions in the stable range at which engines carry a load, and verdicts on that."""
     low, mean = marks.inner, marks.mean_speed
     whole = g.at(marks.outer, low).lift
     ends = g.at(np.stack([marks.begin, marks.end]), low)
@@ -277,7 +277,7 @@ def _working_position(g: GovernorVariants, marks: Marks, load: np.ndarray) -> tu
 def _at_load(
     g: GovernorVariants, x: np.ndarray, inner: np.ndarray, known: tuple[np.ndarray, ...], load: np.ndarray
 ) -> States:
-    """States near positions at which engines carry a load, to first order."""
+    """States at which engines carry a load, to first order from nearby positions."""
     there, (whole, mean) = g.at(x, inner), known
     left = _surplus(g, there, whole, mean, load)
     if g.governor.has_valve:
@@ -290,13 +290,13 @@ def _at_load(
 
 @np.errstate(all="ignore")
 def near_equilibrium(g: GovernorVariants, marks: Marks) -> Columns:
-    """All results of governors whose marks are known, to first order in the change of their numbers.
+    """All results of governors from their marks, to first order in changes of their numbers.
 
     Parameters
     ----------
     g : GovernorVariants
     marks : Marks
-        Of some variants; those that are evaluated are copies of them, one after another.
+        For some variants; `g` contains copies of these, one set after another.
     """
     n = g.n
     copies = g.rows.shape[1] // marks.inner.size
@@ -305,7 +305,7 @@ def near_equilibrium(g: GovernorVariants, marks: Marks) -> Columns:
     low, high = (g.moved(x, inner, "radius", radius) for x, radius in stops)
 
     def own(x: np.ndarray) -> np.ndarray:
-        """A mark, moved with a stop that it stands at."""
+        """A mark; one that lies at a stop moves with it."""
         return np.where(x == inner, low, np.where(x == outer, high, x))
 
     found = g.at(np.stack([low, high, own(begin), own(end), own(shakiest), own(weakest)]), low)
@@ -367,7 +367,7 @@ _STABILITY = (
 def under_friction(
     friction: float, least: float, least_force: float, greatest: float, greatest_force: float, weakest: float
 ) -> tuple[float, float, float]:
-    """Speeds at which the sleeve falls to its lowest and rises to its highest; the greatest insensitivity."""
+    """Speeds at which the sleeve reaches its lowest and highest position; the maximum insensitivity."""
     return (
         speed_with_friction(least, -friction, least_force),
         speed_with_friction(greatest, friction, greatest_force),
@@ -379,7 +379,7 @@ def under_friction(
 def stability_with_engine(
     engine: float, mass: float, b: float, stiffness: float, s: float, gain: float, pull: float, balls: float
 ) -> tuple[float, float, float, float, float, float, float, float, float]:
-    """What the linear equation of an engine and its governor says, as named by `_STABILITY`."""
+    """Results of the linearized equation of an engine and its governor, as named by `_STABILITY`."""
     inertia = engine + balls
     a3, a2, a1, a0 = governed_polynomial(inertia, mass, b, stiffness, s, gain, pull)
     x, y, time = vyshnegradsky(a3, a2, a1, a0)
@@ -399,7 +399,7 @@ def stability_with_engine(
 
 
 def search_errors(g: GovernorVariants, marks: Marks, found: Columns) -> Columns:
-    """Roundings in which the errors of some results end besides: of differences, and of positions that were searched.
+    """Additional rounding errors of some results: from differences, and from the searched positions.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The engine that a governor holds at its speed, and its throttle."""
+"""The engine that a governor controls, and its throttle."""
 
 from typing import Annotated, Literal
 
@@ -11,7 +11,7 @@ from engine.units.display import quantity_text
 
 
 class LinearThrottle(Part):
-    """A moment that falls in proportion to the lift: `full` at the inner stop, `closed` at the outer one."""
+    """Engine torque that falls linearly with the lift: `full` at the inner stop, `closed` at the outer one."""
 
     type: Literal["linear"]
     full: Moment
@@ -23,7 +23,7 @@ class LinearThrottle(Part):
 
 
 class TableThrottle(Part):
-    """A moment by a table over the lift of the sleeve; it must not rise with the lift."""
+    """Engine torque by a table over the lift of the sleeve; it must not rise with the lift."""
 
     type: Literal["table"]
     over_lift: list[Length]
@@ -44,12 +44,12 @@ class TableThrottle(Part):
 
     @property
     def table(self) -> Table:
-        """Table of the moment."""
+        """Table of the torque."""
         return make_table(self.over_lift, self.moment, self.interpolation)
 
 
 class FullAndShutThrottle(Part):
-    """A valve that is either open or shut: `full` below the lift `switch`, `closed` above it."""
+    """On-off valve: torque `full` below the lift `switch`, `closed` above it."""
 
     type: Literal["full and shut"]
     full: Moment
@@ -75,7 +75,7 @@ def _closing(throttle: "LinearThrottle | FullAndShutThrottle") -> "LinearThrottl
 
 
 def check_rows(x: list[float], y: list[float], interpolation: str, names: tuple[str, str]) -> None:
-    """Refuse rows that make no table, in words of the scene."""
+    """Raise ValueError if rows make no table, with the scene's keys in the message."""
     try:
         make_table(x, y, interpolation, names=names)
     except TableError as error:
@@ -83,17 +83,17 @@ def check_rows(x: list[float], y: list[float], interpolation: str, names: tuple[
 
 
 class GovernedEngine(Part):
-    """The engine that a governor holds at its speed.
+    """The engine whose speed a governor controls.
 
-    `ratio` is the speed of the governor's spindle over the engine's. The throttle gives the moment at the mean speed of
-    the governor; with `self_regulation` it falls, or the load rises, by so much for each rad/s above that. The engine
-    runs at `load` until it changes to `new_load`; the run is followed for `duration`, and counts as settled where its
-    speed stays within the share `settling_band` of the new one.
+    `ratio` is the speed of the governor's spindle over the engine's. The throttle gives the torque at the mean speed of
+    the governor; `self_regulation` is the decrease of the torque, or the increase of the load, per rad/s above that
+    speed. The engine runs at `load` until the load changes to `new_load`; the motion is simulated for `duration`, and
+    is settled once the speed stays within the fraction `settling_band` of the new steady speed.
 
-    With `machine` the engine is the scene's own mechanism: the mean over its cycle of its reduced inertia, and that of
-    its flywheel, are added to `inertia`. Over time it then turns with its true reduced inertia, and under its own
-    actions: those that are `throttled` as the throttle says, all others as they are. `load` is the mean of all that
-    resists, also of the mechanism's own.
+    With `machine` the engine is the scene's own mechanism: `inertia` is added to the cycle averages of its reduced
+    inertia and its flywheel's. Over time the mechanism moves with its actual reduced inertia and its own actions: those
+    that are `throttled` follow the throttle, all others are unchanged. `load` is the mean of all resistances, including
+    the mechanism's own.
     """
 
     machine: bool = False

@@ -1,6 +1,6 @@
-"""Governors: their characteristic, their stability with an engine, and what a change of load does.
+"""Governors: characteristic, stability with an engine, and response to a change of load.
 
-A governor has two balls. Their radii say where the stops are; lifts of the sleeve are counted from the inner stop.
+A governor has two balls. The stops are given by radii of the balls; sleeve lifts are measured from the inner stop.
 """
 
 from typing import Annotated, ClassVar
@@ -92,19 +92,19 @@ _TRANSIENT = (
     ElementResult("inner_stop_hits", "how often the sleeve runs on its inner stop", **_FLAG, rank=Rank.FURTHER),
     ElementResult("outer_stop_hits", "how often the sleeve runs on its outer stop", **_FLAG, rank=Rank.FURTHER),
 )
-# What keys of the curves of a mechanism begin with.
+# Prefix of the keys for the curves of a mechanism.
 CYCLE = "cycle."
-# Where arms are, as keys.
+# Keys of the arms' dimensions.
 ARMS = ("upper_arm", "lower_arm", "upper_pivot", "lower_pivot")
-# Positions follow from the numbers by roots and directions of arms, forces from both: each rounds as the numbers do.
+# Positions follow from the numbers by roots and directions of arms, forces from both: each step adds as much rounding.
 OF_ARMS = 3.0
 
 
 class Governor(Element):
-    """What all governors have: two balls, a sleeve with friction, damping and a spring, stops, and perhaps an engine.
+    """Common to all governors: two balls, a sleeve with friction, damping and a spring, stops, optionally an engine.
 
-    `sleeve_mass` is that of the sleeve with its central load. The spring on the sleeve has the force `preload` at the
-    inner stop. `speed_change` is the share of the speed for which effort and power are told.
+    `sleeve_mass` includes the central load. The spring on the sleeve has the force `preload` at the inner stop.
+    `speed_change` is the relative speed change for which effort and power are computed.
     """
 
     picture: ClassVar = "governor"
@@ -132,7 +132,7 @@ class Governor(Element):
 
     @property
     def is_followed(self) -> bool:
-        """Whether a change of load is followed over time."""
+        """Whether a change of load is simulated over time."""
         return self.engine is not None and self.engine.duration is not None
 
     @property
@@ -142,33 +142,33 @@ class Governor(Element):
 
     @property
     def has_valve(self) -> bool:
-        """Whether the throttle is a valve that is open or shut."""
+        """Whether the throttle is an on-off valve."""
         return self.engine is not None and isinstance(self.engine.throttle, FullAndShutThrottle)
 
     @property
     def controlling_table(self) -> Table | None:
-        """Table of the controlling force, where there is one."""
+        """Table of the controlling force, if any."""
         return None
 
     def linkage(self, graph: Graph, x: Node) -> Linkage:
-        """How balls and sleeve move together at a position."""
+        """Linkage of balls and sleeve at a position."""
         raise NotImplementedError
 
     def held(self, graph: Graph, x: Node, link: Linkage, lift: Node) -> Holding:
-        """What holds the balls at a position."""
+        """Potential that holds the balls at a position."""
         raise NotImplementedError
 
     def position_of(self, g: GovernorVariants, radius: np.ndarray) -> np.ndarray:
-        """Positions at which the balls have a radius; NaN where they can't."""
+        """Positions at which the balls have a radius; NaN where they can't reach it."""
         return radius
 
     def results(self) -> tuple[ElementResult, ...]:
-        """Those of the governor, with an engine of its stability, followed over time of what a change of load does."""
+        """Results of the governor; with an engine, its stability; with a simulated change of load, the response."""
         of_engine = _OF_ENGINE if self.engine is not None else ()
         return (*_STATICS, *of_engine, *(_TRANSIENT if self.is_followed else ()))
 
     def evaluate(self, n: Numbers) -> Answers:
-        """Results near equilibrium with errors by nudges, those of motion by a second, coarser run, and verdicts."""
+        """Statics with errors by perturbation, motion with errors by a second, coarser run, and verdicts."""
         g = governor_variants(self, {key: row for key, row in n.items() if not key.startswith(CYCLE)})
         marks, verdicts = governor_marks(g)
         found, errors = nudged(lambda m: near_equilibrium(g.with_numbers(m), marks), g.n)
@@ -187,11 +187,11 @@ class Governor(Element):
         return Answers(found, {name: np.where(well, row, 0.0) for name, row in errors.items()}, verdicts)
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
-        """Its characteristic; with an engine its stability and a change of load."""
+        """Characteristic; with an engine, its stability and a change of load."""
         return governor_panels(self, (given or {}).get("cycle"))
 
     def machine_needed(self) -> tuple[str, str]:
-        """A crank that turns, where the engine is the scene's mechanism."""
+        """The scene needs a fully turning crank if the engine is its mechanism."""
         if not self.governs_machine:
             return "", ""
         words = (
@@ -201,14 +201,14 @@ class Governor(Element):
 
 
 class LoadedGovernor(Governor):
-    """A governor that is held by weights and a spring."""
+    """A governor loaded by weights and a spring."""
 
     stiffness: Annotated[quantity("stiffness"), Field(ge=0)] = 0.0
     preload: Force = 0.0
     gravity: Annotated[Acceleration, Field(ge=0)] = STANDARD_GRAVITY
 
     def held(self, graph: Graph, x: Node, link: Linkage, lift: Node) -> Holding:
-        """By weights and the spring."""
+        """Potential of the weights and the spring."""
         return held_by_weights(graph, link, lift)
 
 
@@ -216,7 +216,7 @@ class ArmGovernor(LoadedGovernor):
     """A governor with upper arms on the spindle and lower arms on the sleeve.
 
     `upper_pivot` and `lower_pivot` are the distances of their pivots from the axis, on the side of the ball; negative
-    where arms cross the axis.
+    if the arms cross the axis.
     """
 
     upper_arm: Positive
@@ -230,7 +230,7 @@ class ArmGovernor(LoadedGovernor):
         return "upper_arm"
 
     def linkage(self, graph: Graph, x: Node) -> Linkage:
-        """By its arms, the upper ones with the balls."""
+        """Linkage of the arms, with the balls on the upper ones."""
         return Linkage(*graph.apply(balls_on_upper_arms, x, *numbers(graph, *ARMS, self.ball_arm_key)))
 
     def position_of(self, g: GovernorVariants, radius: np.ndarray) -> np.ndarray:
@@ -240,5 +240,5 @@ class ArmGovernor(LoadedGovernor):
 
 
 def cycle_key(k: int) -> str:
-    """Under which key a governor is given a number of the curves of its mechanism, by its place in the row."""
+    """Key of the k-th number of the curves of a governor's mechanism."""
     return f"{CYCLE}{k}"

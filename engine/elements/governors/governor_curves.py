@@ -1,4 +1,4 @@
-"""One governor as curves, to be drawn: its characteristic, and what a change of load does over time."""
+"""Curves of one governor for plots: its characteristic, and the motion after a change of load."""
 
 import math
 from typing import NamedTuple
@@ -13,26 +13,26 @@ from engine.elements.panels import Curve, Mark, Panel, PanelAxis
 from engine.units.display import quantity_text
 from engine.words.verdicts import Verdict
 
-# Margins nearer to 0 than this are drawn as stable: sweeps tell them apart, a line can't.
+# Margins this close to 0 are drawn as stable: a plotted line can't show the difference.
 _FLAT = 1e-12
-# How far beyond the stops curves are drawn, as a share of the range between them.
+# Extent of the curves beyond the stops, as a fraction of the range between them.
 BEYOND = 0.25
 
 
 class GovernorCurves(NamedTuple):
-    """Equilibrium of a governor at positions evenly spread about its stops, SI units.
+    """Equilibrium of a governor at equally spaced positions between and beyond its stops, SI units.
 
     Attributes
     ----------
     radius, lift, force, speed, sleeve, margin : ndarray (positions,)
-        Radius of the balls, lift of the sleeve from the inner stop, controlling force of one ball, speed of the
-        spindle, force at the sleeve that holds the balls, and (dω²/dr)/(ω²/r). NaN where arms don't reach.
+        Radius of the balls, sleeve lift from the inner stop, controlling force of one ball, spindle speed, force at the
+        sleeve that holds the balls, and (dω²/dr)/(ω²/r). NaN where the arms don't reach.
     between : ndarray (positions,) of bool
         Whether a position lies between the stops.
     stops : tuple of 2 floats
         Radii at the inner and the outer stop.
     stable : tuple of 2 floats
-        Radii of the ends of the longest stable stretch; NaN where there is none.
+        Radii at the ends of the longest stable range; NaN without one.
     verdict : Verdict
     """
 
@@ -49,7 +49,7 @@ class GovernorCurves(NamedTuple):
 
 
 def governor_curves(governor: Element, positions: int = 401) -> GovernorCurves:
-    """Characteristic of a governor from one stop to the other, and somewhat beyond.
+    """Characteristic of a governor between its stops and somewhat beyond.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def governor_curves(governor: Element, positions: int = 401) -> GovernorCurves:
     Returns
     -------
     GovernorCurves
-        Without positions where arms don't reach as far as the stops.
+        Without positions if the arms don't reach the stops.
     """
     g = governor_variants(governor, governor.own_numbers())
     marks, verdicts = governor_marks(g)
@@ -67,7 +67,7 @@ def governor_curves(governor: Element, positions: int = 401) -> GovernorCurves:
     places = np.linspace(marks.inner[0] - room, marks.outer[0] + room, positions)
     found = g.some(np.zeros(positions, int)).at(places, marks.inner)
     ends = g.at(np.stack([marks.inner, marks.outer, marks.begin, marks.end]), marks.inner).radius[:, 0]
-    # Without stops, or without equilibrium between them, there is nothing to see.
+    # Without stops, or without equilibrium between them, there is nothing to plot.
     between = (places >= marks.inner[0]) & (places <= marks.outer[0])
     seen = slice(None) if np.isfinite(found.speed[between]).any() else slice(0)
     rows = (row[seen] for row in found[:6])
@@ -80,7 +80,7 @@ class LoadChange(NamedTuple):
     Attributes
     ----------
     time, lift, speed : ndarray (instants,)
-        Time, lift of the sleeve, speed of the engine.
+        Time, sleeve lift, engine speed.
     before, after : float
         Steady speeds of the engine.
     """
@@ -93,18 +93,18 @@ class LoadChange(NamedTuple):
 
 
 def load_change(governor: Element, cycle: np.ndarray | None = None) -> LoadChange | None:
-    """Follow what the change of load of a governor's engine does.
+    """Motion of a governor's engine after its change of load.
 
     Parameters
     ----------
     governor : Governor
     cycle : ndarray, optional
-        Of a governor of a mechanism, from `governed_scene`.
+        For a governor of a mechanism, from `governed_scene`.
 
     Returns
     -------
     LoadChange or None
-        As far as the motion can be followed; None without a change that is to be followed, or without equilibrium.
+        Up to where the integration succeeds; None without equilibrium, or if no change of load is to be simulated.
     """
     if not governor.is_followed:
         return None
@@ -121,14 +121,14 @@ def load_change(governor: Element, cycle: np.ndarray | None = None) -> LoadChang
 
 
 class StabilityPoint(NamedTuple):
-    """Place of an engine with its governor in Vyshnegradsky's diagram."""
+    """Coordinates of an engine with its governor in Vyshnegradsky's diagram."""
 
     x: float
     y: float
 
 
 def stability_point(governor: Element) -> StabilityPoint | None:
-    """Place of a governor's engine in Vyshnegradsky's diagram.
+    """Coordinates of a governor's engine in Vyshnegradsky's diagram.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def stability_point(governor: Element) -> StabilityPoint | None:
     Returns
     -------
     StabilityPoint or None
-        None without an engine, without equilibrium, and for a valve that is open or shut.
+        None without an engine, without equilibrium, and for an on-off valve.
     """
     if governor.engine is None:
         return None
@@ -147,7 +147,7 @@ def stability_point(governor: Element) -> StabilityPoint | None:
 
 
 def governor_panels(governor: Element, cycle: np.ndarray | None = None) -> tuple[Panel, ...]:
-    """Controlling force and speed in equilibrium; with an engine, its stability and a change of load.
+    """Controlling force and equilibrium speed; with an engine, its stability and a change of load.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ def governor_panels(governor: Element, cycle: np.ndarray | None = None) -> tuple
 
 
 def _parts(curve: GovernorCurves, row: np.ndarray) -> list[Curve]:
-    """A row where the governor is stable between its stops, and where it isn't."""
+    """A row split into its stable and unstable parts between the stops."""
     stable = curve.margin >= -_FLAT
     chosen = (("stable", stable & curve.between), ("unstable", ~stable & curve.between))
     return [Curve(words, np.where(part, row, np.nan)) for words, part in chosen if part.any()]
@@ -187,7 +187,7 @@ def _characteristic(curve: GovernorCurves) -> Panel:
 
 
 def _speeds(curve: GovernorCurves, friction: float) -> Panel:
-    """Speed of the spindle over the lift, with the band in which friction holds the sleeve."""
+    """Spindle speed over lift, with the band in which friction holds the sleeve."""
     curves, chosen = _parts(curve, curve.speed), curve.between
     if friction > 0.0:
         share = np.minimum(friction / curve.sleeve, 1.0)
@@ -199,7 +199,7 @@ def _speeds(curve: GovernorCurves, friction: float) -> Panel:
 
 
 def _diagram(point: StabilityPoint) -> Panel:
-    """Vyshnegradsky's diagram: where an engine with its governor hunts, oscillates or comes to rest without."""
+    """Vyshnegradsky's diagram: regions in which an engine with its governor hunts, oscillates, or does neither."""
     top = max(6.0, 1.25 * point.x, 1.25 * point.y)
     x = np.linspace(top / 400.0, top, 400)
     # Double roots −a, −a, −1/a²: X = 2a + 1/a², Y = a² + 2/a; the two branches meet at (3, 3).
@@ -214,7 +214,7 @@ def _diagram(point: StabilityPoint) -> Panel:
 
 
 def _change(change: LoadChange, engine: GovernedEngine) -> tuple[Panel, Panel]:
-    """Speed of the engine and lift of the sleeve after a change of load."""
+    """Engine speed and sleeve lift after a change of load."""
     x, y = PanelAxis("time after the change of load", "s"), PanelAxis("speed of the engine", "rad s-1")
     band = [Mark(words, None, change.after * (1.0 + side * engine.settling_band)) for words, side in _BAND]
     title = f"Load from {quantity_text(engine.load, 'N m')} to {quantity_text(engine.new_load, 'N m')}"

@@ -1,6 +1,6 @@
-"""A governor at one position, as nodes of a graph: all that statics and motion need of it, whatever its kind.
+"""A governor at one position, as nodes of a graph: everything that statics and motion need, for every type.
 
-Numbers of a governor and its engine go by their keys, such as "ball_mass" or "engine.load".
+The numbers of a governor and its engine are named by their keys, such as "ball_mass" or "engine.load".
 """
 
 from typing import NamedTuple
@@ -21,7 +21,7 @@ from engine.laws.tables import Table, in_memory, on_piece, table_segment
 
 
 class Linkage(NamedTuple):
-    """How balls and sleeve move together: r, r', r''; h', h'' of the balls' height; z, z', z'' of the sleeve's."""
+    """Motion of balls and sleeve: r, r', r''; h', h'' of the balls' height; z, z', z'' of the sleeve's."""
 
     radius: Node
     radius_rate: Node
@@ -34,7 +34,7 @@ class Linkage(NamedTuple):
 
 
 class Holding(NamedTuple):
-    """What holds the balls: V', V'', and the magnitudes that V' is a sum of."""
+    """Potential that holds the balls: V', V'', and the sum of the magnitudes of the terms of V'."""
 
     slope: Node
     curvature: Node
@@ -42,12 +42,12 @@ class Holding(NamedTuple):
 
 
 def numbers(graph: Graph, *keys: str) -> tuple[Number, ...]:
-    """Numbers of the governor and its engine, or those that their motion is given."""
+    """Numbers of the governor and its engine, or those given to their motion."""
     return tuple(map(graph.number, keys))
 
 
 def held_by_weights(graph: Graph, link: Linkage, lift: Node) -> Holding:
-    """What balls and sleeve hold by their weights, and a spring on the sleeve."""
+    """Potential of the weights of balls and sleeve and of a spring on the sleeve."""
     keys = ("ball_mass", "sleeve_mass", "gravity", "preload", "stiffness")
     mass, sleeve_mass, gravity, preload, stiffness = numbers(graph, *keys)
     ball, weight = mass * gravity, sleeve_mass * gravity
@@ -68,11 +68,11 @@ class States(NamedTuple):
     Attributes
     ----------
     radius, lift, force, speed, sleeve, margin
-        r, z from the inner stop, controlling force, speed of the spindle, force at the sleeve, stability μ.
+        r, z from the inner stop, controlling force, spindle speed, force at the sleeve, stability μ.
     lift_rate, mass, stiffness, balls
         z'; inertia and stiffness at the sleeve; 2 m r² of the balls.
     radius_rate, height, rounding
-        r'; z from where linkages count it; what μ may be off by.
+        r'; z from the linkage's own origin; error estimate of μ.
     """
 
     radius: Node
@@ -95,17 +95,17 @@ class States(NamedTuple):
 
     @property
     def works(self) -> object:
-        """Whether whatever holds the balls presses the sleeve down."""
+        """Whether the force that holds the balls presses the sleeve down."""
         return (self.sleeve > 0.0) & (self.radius * self.radius_rate > 0.0)
 
     @property
     def stable(self) -> object:
-        """Whether governors are stable or isochronous there, as far as rounding lets tell."""
+        """Whether governors are stable or isochronous there, within rounding."""
         return self.works & (self.margin >= -self.rounding)
 
 
 def equilibrium_nodes(governor: Element, graph: Graph, x: Node, inner: Node) -> States:
-    """A governor in equilibrium at a position, its lift counted from the position of the inner stop."""
+    """A governor in equilibrium at a position, with its lift from the position of the inner stop."""
     link = governor.linkage(graph, x)
     lift = link.height - governor.linkage(graph, inner).height
     slope, curvature, size = governor.held(graph, x, link, lift)

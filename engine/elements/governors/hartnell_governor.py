@@ -14,7 +14,8 @@ from engine.parts.skeleton import Length, quantity
 class HartnellGovernor(LoadedGovernor):
     """Hartnell's governor: balls on the upright arms of bell cranks, which lift the sleeve against a spring.
 
-    `pivot_radius` is that of the cranks' pivots; there the ball arms are parallel to the axis.
+    `pivot_radius` is the radius of the cranks' pivots; with the balls at this radius the ball arms are parallel to the
+    axis.
     """
 
     type: Literal["hartnell_governor"]
@@ -24,6 +25,6 @@ class HartnellGovernor(LoadedGovernor):
     stiffness: Annotated[quantity("stiffness"), Field(gt=0)]
 
     def linkage(self, graph: Graph, x: Node) -> Linkage:
-        """By its bell cranks."""
+        """Linkage of the bell cranks."""
         keys = ("ball_arm", "sleeve_arm", "pivot_radius")
         return Linkage(*graph.apply(balls_on_bell_cranks, x, *numbers(graph, *keys)))

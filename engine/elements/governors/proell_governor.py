@@ -13,7 +13,7 @@ from engine.graph.nodes import Graph, Node
 from engine.laws.governors.linkages import balls_on_lower_arms
 from engine.parts.skeleton import Length
 
-# Samples in which a position is sought for a radius.
+# Samples for bracketing the position at a radius.
 _SAMPLES = 64
 
 
@@ -28,15 +28,15 @@ class ProellGovernor(ArmGovernor):
     parallel_radius: Length
 
     def linkage(self, graph: Graph, x: Node) -> Linkage:
-        """By its arms, the lower ones with the balls."""
+        """Linkage of the arms, with the balls on the lower ones."""
         return Linkage(*graph.apply(balls_on_lower_arms, x, *numbers(graph, *ARMS, "extension", "parallel_radius")))
 
     def position_of(self, g: GovernorVariants, radius: np.ndarray) -> np.ndarray:
-        """Radii of the joints; of two of them the first at which the sleeve rises."""
+        """Radii of the joints; of two solutions the first at which the sleeve rises."""
         upper, lower, upper_pivot, lower_pivot = (g.n[key] for key in ARMS)
         low = np.maximum(upper_pivot - upper, lower_pivot - lower)
         high = np.minimum(upper_pivot + upper, lower_pivot + lower)
-        # Both ends are left out: there an arm lies at right angles to the axis.
+        # Without both ends: there an arm is at right angles to the axis.
         places = low + (np.arange(_SAMPLES)[:, None] + 0.5) * ((high - low) / _SAMPLES)
         found = g.at(places, low)
         below = found.radius - radius < 0.0

@@ -1,4 +1,4 @@
-"""Governors by a table of their controlling force."""
+"""Governors defined by a table of their controlling force."""
 
 from typing import Annotated, Literal
 
@@ -15,9 +15,9 @@ from engine.units.display import quantity_text
 
 
 class TableGovernor(Governor):
-    """A governor by a table of its controlling force, found by experiment: the force on each ball, without friction.
+    """A governor defined by a table of its measured controlling force: the force on each ball, without friction.
 
-    The rows stand over the radius of the balls, or over the lift, which is `lift_ratio` times the radius gained.
+    The rows are over the radius of the balls, or over the lift, which is `lift_ratio` times the increase in radius.
     """
 
     type: Literal["table_governor"]
@@ -46,7 +46,7 @@ class TableGovernor(Governor):
 
     @property
     def controlling_table(self) -> Table:
-        """Table of the controlling force over the radius or the lift, which goes on straight beyond its rows."""
+        """Table of the controlling force over radius or lift, extrapolated linearly beyond its rows."""
         rows = self.over_radius if self.over_radius is not None else self.over_lift
         table = make_table(rows, self.controlling_force, self.interpolation)
         cubic = table.coefficients.copy()
@@ -63,7 +63,7 @@ class TableGovernor(Governor):
         return Linkage(x, graph.one, zero, zero, zero, height, ratio, zero)
 
     def held(self, graph: Graph, x: Node, link: Linkage, lift: Node) -> Holding:
-        """By the table."""
+        """Potential from the table."""
         u, rate = (x, graph.one) if self.over_radius is not None else (lift, link.lift_rate)
         force, slope = by_table(graph, self.controlling_table, u)
         return Holding(2.0 * force, 2.0 * rate * slope, abs(2.0 * force))

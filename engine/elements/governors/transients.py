@@ -1,9 +1,9 @@
-"""What a change of load does: the motion of governors and their engines.
+"""Response to a change of load: the motion of governors and their engines.
 
-A walk in time ends where friction stops the sleeve or lets it go, and at the stops, which take all of its velocity.
-Where a valve switches, where the speed of the engine comes into its band or leaves it, and where a sleeve without
-friction turns, so that no touch of a stop is missed, a step ends and the walk goes on. Error figures come from a second
-run with longer steps, and with every second position of the curves where the engine is a mechanism.
+A walk along time ends where friction stops or releases the sleeve, and at the stops, which absorb all of its velocity.
+A step also ends, without ending the walk, where a valve switches, where the engine speed enters or leaves its band, and
+where a sleeve without friction reverses, so that no contact with a stop is missed. Error estimates come from a second
+run with longer steps, and with every second position of the curves if the engine is a mechanism.
 """
 
 import math
@@ -31,23 +31,23 @@ from engine.stepping.system import SHOWN, Guard, PrintedSystem, System, Walks
 from engine.stepping.walk import LONGER, Why, coarser
 from engine.words.verdicts import Verdict
 
-# What a step may miss, as a share of the range, and of this share of the speed: governors work within a few hundredths;
-# how far it may turn where the engine is a mechanism [rad].
+# Step tolerance, as a fraction of the range and of SPEED_SCALE times the speed, since governors work within a few
+# hundredths of it; largest angle of a step if the engine is a mechanism [rad].
 TOLERANCE, SPEED_SCALE, FARTHEST_TURN = 1e-7, 0.01, 0.25 * math.pi
-# Steps, and walks, after which a run is given up.
+# Numbers of steps and of walks after which a run is given up.
 MOST_STEPS, MOST_WALKS = 100_000, 20_000
-# The last part of a run, in which the swing is measured.
+# Start of the last part of a run, in which the swing is measured, as a fraction of the run.
 LAST_PART = 0.75
-# Steps that are recorded at a time, and how many a recorded run has at least.
+# Maximum number of steps recorded per walk, and minimum number of steps of a recorded run.
 RECORDED, LEAST_RECORDED = 64, 500
-# Where the engine is a mechanism, curves over its cycle are known at so many equally spaced crank angles.
+# Number of equally spaced crank angles of the curves over a mechanism's cycle.
 CYCLE_POSITIONS = 360
-# By this share of the range a guard is behind what it guards, so that none vanishes at the begin of a step; by this one
-# a valve's lift begins below its switch; a sleeve without friction has turned when it goes back so fast.
+# Guards are offset by BEHIND of the range so that none vanishes at the start of a step; a valve starts BELOW_SWITCH
+# of the range below its switch; a sleeve without friction has reversed at TURNED of its reference speed.
 BEHIND, BELOW_SWITCH, TURNED = 1e-15, 1e-9, 1e-4
-# Share of a step by which events are known: the speed, which is known to rounding, tells no more.
+# Relative tolerance of event times in a step: the speed, exact to rounding, allows no smaller one.
 ROOT = 1e-12
-# Angles of an engine without a cycle are of any size.
+# The angle of an engine without a cycle has no bounds.
 NO_EDGES = np.array([[-1e300], [1e300], [0.0], [0.0]])
 ENDINGS = ("stalls", "inner", "outer", "reverses", "rises", "falls")
 STALLS, INNER, OUTER, REVERSES, RISES, FALLS = (Why.GUARD + i for i in range(len(ENDINGS)))
@@ -63,18 +63,18 @@ class Moving(NamedTuple):
 
 
 class SleeveMode(NamedTuple):
-    """Numbers that stay what they are within a walk.
+    """Numbers that are constant during a walk.
 
     Attributes
     ----------
     moves : node or ndarray
-        1 where the sleeve moves, 0 where it rests.
+        1 if the sleeve moves, 0 if it rests.
     sense, rubs : node or ndarray
-        +1 or −1 where friction hinders it, rising or falling, else 0; friction against it [N].
+        +1 or −1 if friction opposes a rising or falling sleeve, else 0; the friction force against it [N].
     low, high : node or ndarray
         Positions of the stops; infinite for a resting sleeve.
     rises, falls : node or ndarray
-        Speeds of the engine at which a resting sleeve does [rad/s]; infinite for others.
+        Engine speeds at which a resting sleeve starts to rise or fall [rad/s]; infinite otherwise.
     """
 
     moves: Given | np.ndarray
@@ -87,16 +87,16 @@ class SleeveMode(NamedTuple):
 
 
 class Flipped(NamedTuple):
-    """Numbers that guards change on the way, or their rows.
+    """Numbers that guards change during a walk, or their rows.
 
     Attributes
     ----------
     inside, crossed : node or int
-        +1 or −1: whether the speed is in its band, and when in a walk it came into it or left it the last time [s].
+        +1 or −1: whether the speed is in its band; time in the walk at which it last entered or left the band [s].
     opens : node or int
         +1 or −1: whether a valve is open.
     rising : node or int
-        +1 or −1: whether a sleeve without friction rises; 0 of others.
+        +1 or −1: whether a sleeve without friction rises; 0 otherwise.
     """
 
     inside: Given | int
@@ -106,7 +106,7 @@ class Flipped(NamedTuple):
 
 
 def governed_system(governor: Element, machine: bool) -> tuple[System, Graph, SleeveMode, Flipped]:
-    """The motion of a governor and its engine, by `engine.laws.governors.motion`.
+    """Equations of motion of a governor and its engine, from `engine.laws.governors.motion`.
 
     Parameters
     ----------
@@ -193,18 +193,18 @@ def governed_system(governor: Element, machine: bool) -> tuple[System, Graph, Sl
 
 
 class Changes(NamedTuple):
-    """What changes of load come to.
+    """Results of changes of load.
 
     Attributes
     ----------
     answers : ndarray (answers, variants)
-        Highest and lowest speed [rad/s]; greatest departure beyond the new steady speed, as a share; time from which on
-        the speed stays in the band [s], NaN where it doesn't; half of its swing in the last part, as a share; how often
-        the sleeve runs on its inner and its outer stop.
+        Maximum and minimum speed [rad/s]; relative overshoot beyond the new steady speed; time after which the speed
+        stays in the band [s], NaN if never; half of its relative swing in the last part; how often the sleeve hits its
+        inner and its outer stop.
     verdict : ndarray (variants,)
-        OK; STALLS where the engine stops; NO_END after too many steps; NOT_FINITE.
+        OK; STALLS if the engine stops; NO_END after too many steps; NOT_FINITE.
     instants : ndarray (3, instants)
-        Of the first variant where runs are recorded: time [s], lift [m], speed [rad/s].
+        Of the first variant if runs are recorded: time [s], lift [m], speed [rad/s].
     """
 
     answers: np.ndarray
@@ -215,16 +215,16 @@ class Changes(NamedTuple):
 def follow_changes(
     g: GovernorVariants, marks: Marks, verdict: np.ndarray, cycle: np.ndarray, second: bool, records: bool = False
 ) -> Changes:
-    """Follow engines and their governors from a change of load on.
+    """Simulate engines and their governors after a change of load.
 
     Parameters
     ----------
     g : GovernorVariants
     marks : Marks
     verdict : ndarray (variants,)
-        Those without a complaint are followed.
+        Only variants with OK are simulated.
     cycle : ndarray (numbers, variants)
-        Curves of mechanisms one after another, and lengths of their cycles; without numbers of other engines.
+        Curves of mechanisms one after another, and lengths of their cycles; without rows for other engines.
     second : bool
         Whether steps are longer, for comparison.
     records : bool
@@ -235,7 +235,7 @@ def follow_changes(
     if not who.size:
         return Changes(found, verdict, np.zeros((3, 0)))
     runs = _Runs(g.some(who), Marks(*(row[who] for row in marks)), cycle[:, who], second, records)
-    # What isn't finite ends as a verdict, not as a warning.
+    # Infinite and undefined values become verdicts, not warnings.
     with np.errstate(all="ignore"):
         runs.go_to_end()
         found[:, who], verdict[who] = runs.answers(), runs.verdict
@@ -243,7 +243,7 @@ def follow_changes(
 
 
 class _Runs:
-    """Runs of a number of variants on their way; rows (variants,)."""
+    """Runs of a number of variants, in progress; rows (variants,)."""
 
     def __init__(self, g: GovernorVariants, marks: Marks, cycle: np.ndarray, second: bool, records: bool) -> None:
         self.g, self.marks, self.records, count = g, marks, records, marks.inner.size
@@ -256,10 +256,10 @@ class _Runs:
         self.steady, self.band = goal.speed / ratio, n["engine.settling_band"] * goal.speed / ratio
         direction = goal.speed - begin.speed
         self.upward = np.where(direction == 0.0, n["engine.load"] - n["engine.new_load"], direction) > 0.0
-        # So all that is followed is positive but the rate of the position.
+        # With this origin all states except the rate of the position are positive.
         self.origin = low - self.width
         position = marks.before - self.origin
-        # On the switch a valve would be neither open nor shut.
+        # At the switch a valve would be neither open nor shut.
         position = position - (BELOW_SWITCH * self.width if g.governor.has_valve else 0.0)
         speed = begin.speed / ratio
         self.state = Moving(np.zeros(count), speed.copy(), np.zeros(count), position)
@@ -285,7 +285,7 @@ class _Runs:
         for node, row in rows.items():
             if isinstance(node, Number):
                 self.numbers[row] = node.compute(given)
-        # Rows of them, which change with the walks, and on the way.
+        # Views of rows that change between walks, and numbers of rows that change during them.
         self.held = SleeveMode(*(self.numbers[rows[node]] for node in held))
         self.flipped = Flipped(*(rows.get(node, -1) for node in flipped))
         inside = np.abs(speed - self.steady) <= self.band
@@ -305,7 +305,7 @@ class _Runs:
         self._rest(np.flatnonzero(rests))
 
     def _take_curves(self, cycle: np.ndarray, graph: Graph, stride: int) -> dict[str, np.ndarray]:
-        """Take the curves of mechanisms into memory, through every position or one of several; where they are."""
+        """Load every `stride`-th position of mechanisms' curves into memory; return the numbers that locate them."""
         *curves, length = cycle
         rows, first = np.array(curves).reshape(CURVES, CYCLE_POSITIONS, -1)[:, ::stride], graph.all_tables
         positions = rows.shape[1]
@@ -325,7 +325,7 @@ class _Runs:
         self.verdict[~self.done] = Verdict.NO_END
 
     def answers(self) -> np.ndarray:
-        """Rows of answers as in `Changes`."""
+        """Rows of results as in `Changes`."""
         (lowest, highest), (bottom, top), steady = self.extremes, self.late, self.steady
         beyond = np.where(self.upward, highest - steady, steady - lowest)
         swing = 0.5 * (top - bottom) / steady
@@ -341,7 +341,7 @@ class _Runs:
         return np.array([time, lift, speed])
 
     def _rest(self, who: np.ndarray) -> None:
-        """Let the sleeve rest in some variants, or move on where friction doesn't hold it."""
+        """Stop the sleeve in some variants, or restart it where friction doesn't hold it."""
         if not who.size:
             return
         g, position, speed = self.g.some(who), self.state.position[who], self.state.speed[who]
@@ -357,7 +357,7 @@ class _Runs:
         self._move(who[speed < falls], -1.0)
 
     def _move(self, who: np.ndarray, sense: float) -> None:
-        """Let the sleeve move."""
+        """Set the sleeve in motion."""
         held, friction, width = self.held, self.g.n["friction"][who], self.width[who]
         held.moves[who], held.rises[who], held.falls[who] = 1.0, np.inf, -np.inf
         held.low[who], held.high[who] = width * (1.0 - BEHIND), width * (2.0 + BEHIND)
@@ -365,7 +365,7 @@ class _Runs:
         self.numbers[self.flipped.rising, who] = np.where(friction > 0.0, 0.0, sense)
 
     def _walk(self, who: np.ndarray, mark: np.ndarray) -> Walks:
-        """Walk up to a time, or to what changes before."""
+        """Walk up to a time, or to an earlier change."""
         numbers, crossed = self.numbers.take(who, axis=1), self.flipped.crossed
         numbers[crossed] = np.nan
         longest = self.duration[who] / LEAST_RECORDED if self.records else np.inf
@@ -382,7 +382,7 @@ class _Runs:
         return gone
 
     def _advance(self, who: np.ndarray) -> None:
-        """Walk as far as nothing changes, and see what does there."""
+        """Walk until something changes, and handle the change."""
         early = self.time[who] < LAST_PART * self.duration[who]
         mark = np.where(early, LAST_PART, 1.0) * self.duration[who]
         gone = self._walk(who, mark)
@@ -408,7 +408,7 @@ class _Runs:
         self.verdict[who], self.done[who] = verdict, True
 
     def _after(self, who: np.ndarray, why: np.ndarray) -> None:
-        """What follows from where walks ended."""
+        """Handle the events that ended walks."""
 
         def met(ending: int) -> np.ndarray:
             return who[why == ending]
@@ -422,7 +422,7 @@ class _Runs:
         self._rest(who[np.isin(why, (INNER, OUTER, REVERSES))])
 
     def _record(self, gone: Walks) -> None:
-        """Keep the instants of the steps of the first variant."""
+        """Record the instants of the steps of the first variant."""
         at, length, _, *rows = gone.recorded[: int(gone.steps[0]), :, 0].T
         each = len(SHOWN) + 1
         seen = {name: np.array(rows[i * each : i * each + len(SHOWN)]).T for i, name in enumerate(Moving._fields)}

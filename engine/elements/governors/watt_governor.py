@@ -11,7 +11,7 @@ from engine.parts.skeleton import Length
 class WattGovernor(ArmGovernor):
     """Watt's governor: balls on the upper arms.
 
-    They are at `ball_arm` from the pivots; at the joints with the lower arms where that isn't given.
+    The balls are at `ball_arm` from the pivots; by default at the joints with the lower arms.
     """
 
     type: Literal["watt_governor"]

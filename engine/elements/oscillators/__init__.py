@@ -1,1 +1,1 @@
-"""One mass on a spring with a damper: free, forced, run through its resonance."""
+"""One mass on a spring with a damper: free and forced vibration, and passage through resonance."""

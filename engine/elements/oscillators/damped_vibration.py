@@ -1,4 +1,4 @@
-"""A free damped vibration as compiled code takes it, number by number; for arrays it is `one_mass.free_motion`."""
+"""Free damped vibration of scalars, for compiled code; `one_mass.free_motion` takes arrays."""
 
 import math
 
@@ -9,7 +9,7 @@ _NEVER = math.inf
 
 @inlined
 def _parts(w: float, beta: float, time: float) -> tuple[float, float]:
-    """e^(−βt) cos ω_d t and e^(−βt) sin(ω_d t)/ω_d, up to a little beyond critical damping."""
+    """e^(−βt) cos ω_d t and e^(−βt) sin(ω_d t)/ω_d, up to slightly above critical damping."""
     square = (w - beta) * (w + beta)
     x_square, decay = square * time * time, math.exp(-beta * time)
     if x_square > 0.01:
@@ -22,10 +22,10 @@ def _parts(w: float, beta: float, time: float) -> tuple[float, float]:
 
 @inlined
 def damped_vibration(w: float, beta: float, u: float, v: float, time: float) -> tuple[float, float]:
-    """A free vibration u″ + 2βu′ + w²u = 0 some time after it was u with the rate v: it and its rate then."""
+    """Displacement and velocity of a free vibration ü + 2βu̇ + w²u = 0, a time after they were u and v."""
     square = (beta - w) * (beta + w)
     if square * time * time > 0.01:
-        # Far from critical damping the two exponentials apart, which cancel each other in the rate.
+        # Far above critical damping, separate exponentials avoid the cancellation in the rate.
         root = math.sqrt(square)
         slow, fast = -w * w / (beta + root), -(beta + root)
         first, second = (v - fast * u) / (2.0 * root), (slow * u - v) / (2.0 * root)
@@ -37,13 +37,13 @@ def damped_vibration(w: float, beta: float, u: float, v: float, time: float) -> 
 
 @routine
 def next_turn(w: float, beta: float, value: float, rate: float) -> float:
-    """When a free damped vibration that begins with a value and a rate is stationary for the first time after that."""
+    """Time of the first stationary point of a free damped vibration with given initial value and rate; inf if none."""
     square = (w - beta) * (w + beta)
     below = beta * rate + w * w * value
     if square > 0.0:
         root = math.sqrt(square)
         angle = math.atan2(root * rate, below)
-        # Within (0, π], so that a stationary beginning doesn't count.
+        # Within (0, π]: a stationary start doesn't count.
         if angle <= 1e-12:
             angle += math.pi
         return min(angle, math.pi) / root

@@ -1,4 +1,4 @@
-"""Parts of one mass on a spring: its spring, how it starts, what shakes it."""
+"""Parts of one mass on a spring: spring, initial state, excitation."""
 
 from typing import Annotated, Literal
 
@@ -22,7 +22,7 @@ ExcitingSpeed = Annotated[AngularSpeed, Field(ge=0)]
 
 
 class CantileverSpring(Part):
-    """A round cantilever that carries the mass at its end; its own mass isn't counted."""
+    """A round cantilever that carries the mass at its end; the cantilever's own mass is neglected."""
 
     length: Positive
     diameter: Positive
@@ -40,7 +40,7 @@ class CantileverSpring(Part):
 
 
 class FreeStart(Part):
-    """The mass let go: displacement and velocity at the start, and the `time` afterwards at which it is looked at."""
+    """Free motion: displacement and velocity at the start, and the `time` at which the motion is reported."""
 
     displacement: Length = 0.0
     velocity: Speed = 0.0
@@ -48,7 +48,7 @@ class FreeStart(Part):
 
 
 class HarmonicForce(Part):
-    """A force on the mass that swings about 0 with the angular frequency `speed`."""
+    """A harmonic force on the mass, with zero mean and the angular frequency `speed`."""
 
     type: Literal["force"]
     amplitude: Annotated[Force, Field(gt=0)]
@@ -56,7 +56,7 @@ class HarmonicForce(Part):
 
 
 class RotatingUnbalance(Part):
-    """A mass off the axis of a rotor on the oscillating mass, which counts it as its own."""
+    """An eccentric mass of a rotor on the oscillating mass, which includes it."""
 
     type: Literal["unbalance"]
     mass: Annotated[Mass, Field(gt=0)]
@@ -65,7 +65,7 @@ class RotatingUnbalance(Part):
 
 
 class SupportMotion(Part):
-    """The support of spring and damper swings with an amplitude."""
+    """Harmonic motion of the support of spring and damper."""
 
     type: Literal["support_motion"]
     amplitude: Positive
@@ -73,10 +73,10 @@ class SupportMotion(Part):
 
 
 class OverTime(ByFormula):
-    """What drives the mass over time: by rows, straight between them, or by a `formula` of the time t.
+    """Excitation over time: by rows with linear interpolation, or by a `formula` of the time t.
 
-    Rows begin at 0 s, and the last one stays. `time` says how long the motion is followed, with rows up to the last of
-    them unless it is given. A formula may use the `numbers` beside it.
+    Rows start at 0 s, and the last value stays. `time` is the duration of the motion; by default it ends at the last
+    row. A formula may use the `numbers` next to it.
     """
 
     over_time: list[Time] | None = None
@@ -85,11 +85,11 @@ class OverTime(ByFormula):
 
     @property
     def expression(self) -> TextExpression:
-        """What the formula says."""
+        """The parsed formula."""
         return parse(self.formula, any_quantity)
 
     def _check(self, key: str, unit: str) -> None:
-        """Refuse what is neither rows nor a formula of the time, of one unit."""
+        """Raise ValueError unless there are either rows or a formula of the time with the right unit."""
         rows = getattr(self, key)
         if (rows is None) != (self.over_time is None) or (rows is None) == (self.formula is None):
             raise ValueError(f"give over_time and {key}, or a formula: one of the two")
@@ -138,7 +138,7 @@ class ForceOverTime(OverTime):
 
 
 class SupportOverTime(OverTime):
-    """The support of spring and damper is moved over time, without jumps."""
+    """Displacement of the support of spring and damper over time, without jumps."""
 
     type: Literal["support_over_time"]
     displacement: list[Length] | None = None

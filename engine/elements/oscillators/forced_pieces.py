@@ -1,14 +1,15 @@
-"""One mass under a force, or on a support, that changes linearly from row to row of a table: exactly, piece by piece.
+"""Exact response of one mass to a force or support motion that is linear between the rows of a table.
 
-In a piece that begins at t = 0 the force F = F₀ + F₁t, or the support at x = x₀ + x₁t, moves the mass by A + Bt,
+In a piece that starts at t = 0 the force F = F₀ + F₁t, or the support motion x = x₀ + x₁t, has the particular solution
+A + Bt,
 
     force:   B = F₁/k,   A = (F₀ − bB)/k;        support:   B = x₁,   A = x₀,
 
-and about that it vibrates freely, q = A + Bt + u, ü + 2βu̇ + ω₀²u = 0. The spring is stretched by q, or by q − x = u.
+to which a free vibration is added: q = A + Bt + u, ü + 2βu̇ + ω₀²u = 0. The spring is stretched by q, or by q − x = u.
 
-Where q is greatest, B + u̇ = 0. The velocity u̇ is itself a free vibration, stationary every half period, so that
-between two such instants B + u̇ vanishes once at the most. The tops of a vibration that drifts as it dies away fall at
-first, if at all, and then rise, as Ce^(−βt) + Bt does: the greatest is one of the first or of the last.
+At the extremes of q, B + u̇ = 0. The velocity u̇ is itself a free vibration with a stationary point every half period,
+so that B + u̇ vanishes at most once between two of them. The successive maxima of a decaying vibration with a drift
+first fall, if at all, and then rise, as Ce^(−βt) + Bt does: the largest is one of the first or of the last.
 
 Source: J. P. Den Hartog, Mechanical Vibrations, chapter 2; S. S. Rao, Mechanical Vibrations, chapter 4 (response to an
 arbitrary excitation by pieces).
@@ -24,16 +25,16 @@ from engine.compiling.running import over_variants
 from engine.cycle.roots import MOST_TURNS, newton_between
 from engine.elements.oscillators.damped_vibration import damped_vibration, next_turn
 
-# Half periods at either end of a piece in which its greatest displacement is looked for: of each sign two tops.
+# Half periods searched for the peak at either end of a piece: two extremes of each sign.
 _ENDS = 4
-# Half periods that can be counted.
+# Largest number of half periods that can be counted.
 _MOST = 2.0**52
-# Of tops that are the same but for rounding, the first.
+# Ties within rounding go to the earlier peak.
 _HIGHER = 1.0 + 1e-11
 
 
 class Oscillators(NamedTuple):
-    """One mass on a spring in each variant; every attribute is an ndarray (variants,).
+    """One mass on a spring for each variant; every attribute is an ndarray (variants,).
 
     Attributes
     ----------
@@ -42,7 +43,7 @@ class Oscillators(NamedTuple):
     displacement, velocity : ndarray
         At the start [m], [m/s].
     horizon : ndarray
-        The time they are followed [s].
+        Duration of the motion [s].
     """
 
     stiffness: np.ndarray
@@ -61,7 +62,7 @@ class Response(NamedTuple):
     displacement, displacement_at : ndarray
         Peak magnitude [m] and its time [s].
     stretch, stretch_at : ndarray
-        The same of the spring.
+        The same for the stretch of the spring.
     end, end_velocity : ndarray
         Displacement [m] and velocity [m/s] at the horizon.
     rounded : ndarray
@@ -79,7 +80,7 @@ class Response(NamedTuple):
 
 @routine
 def _when_it_turns(low: float, high: float, w: float, beta: float, u: float, v: float, drift: float) -> float:
-    """When B + u̇ vanishes, which changes its sign once between two instants: Newton's method between bounds."""
+    """Root of B + u̇, which changes its sign once between two instants, by Newton's method within the bracket."""
     rises = drift + damped_vibration(w, beta, u, v, high)[1] > 0.0
     time = 0.5 * (low + high)
     for _ in range(MOST_TURNS):
@@ -95,7 +96,7 @@ def _when_it_turns(low: float, high: float, w: float, beta: float, u: float, v: 
 def _greatest_in(
     length: float, w: float, beta: float, u: float, v: float, level: float, drift: float
 ) -> tuple[float, float]:
-    """Greatest magnitude of A + Bt + u after the start of a piece, and when it is reached."""
+    """Peak magnitude of A + Bt + u after the start of a piece, and its time."""
     greatest, at = abs(level + drift * length + damped_vibration(w, beta, u, v, length)[0]), length
     first = next_turn(w, beta, v, -2.0 * beta * v - w * w * u)
     half = math.pi / math.sqrt((w - beta) * (w + beta)) if w > beta else math.inf
@@ -129,7 +130,7 @@ def follow_pieces(
     found: Response,
     states: np.ndarray,
 ) -> None:
-    """Follow oscillators `begin` … `end` − 1 through the pieces of their excitation.
+    """Compute oscillators `begin` … `end` − 1 through the pieces of their excitation.
 
     Parameters
     ----------
@@ -138,11 +139,11 @@ def follow_pieces(
         Whether the rows are displacements of the support instead of forces on the mass.
     oscillators : Oscillators
     rows : ndarray (1 or variants, 2, rows)
-        Times, ascending from 0, and forces or displacements; the last one stays.
+        Times, ascending from 0, and forces or displacements; the last value stays.
     found : Response
-        Filled in.
+        Output.
     states : ndarray (variants, kept, 3)
-        Time, displacement and velocity at the begin of pieces, as many as there is room for; NaN behind the last.
+        Output: time, displacement and velocity at the start of the first `kept` pieces; the time is NaN past the last.
     """
     for i in range(begin, end):
         k, mass, horizon = oscillators.stiffness[i], oscillators.mass[i], oscillators.horizon[i]

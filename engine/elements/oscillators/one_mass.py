@@ -1,7 +1,7 @@
-"""Vibration of one mass, q″ + 2 β q′ + ω₀² q = f(t): free, and forced by a harmonic force, an unbalance or its support.
+"""Vibration of one mass, q″ + 2 β q′ + ω₀² q = f(t): free, or excited by a harmonic force, an unbalance or its support.
 
-All functions take arrays that broadcast. ζ = β/ω₀ is the damping ratio and η = Ω/ω₀ the frequency ratio; what has no
-value, such as the decrement of an aperiodic motion, is NaN, and an amplitude without a bound infinite.
+All functions take arrays that broadcast. ζ = β/ω₀ is the damping ratio and η = Ω/ω₀ the frequency ratio. Undefined
+values, such as the decrement of an aperiodic motion, are NaN; unbounded amplitudes are infinite.
 
 Source: J. P. Den Hartog, Mechanical Vibrations, chapter 2.
 """
@@ -26,12 +26,12 @@ def decrement_of_ratio(ratio: np.ndarray) -> np.ndarray:
 
 
 def ratio_from_absorption(absorption: np.ndarray) -> np.ndarray:
-    """Damping ratio that dissipates the share ψ of the greatest energy in a cycle at the natural frequency, ψ/(4π)."""
+    """Damping ratio ψ/(4π) that dissipates the fraction ψ of the peak energy per cycle at the natural frequency."""
     return absorption / (2.0 * math.tau)
 
 
 def dynamic_factor(eta: np.ndarray, ratio: np.ndarray) -> np.ndarray:
-    """Amplitude under a harmonic force over the deflection by that force at rest, 1/√((1 − η²)² + (2ζη)²)."""
+    """Amplitude under a harmonic force over the static deflection, 1/√((1 − η²)² + (2ζη)²)."""
     with np.errstate(divide="ignore"):
         return 1.0 / np.hypot((1.0 - eta) * (1.0 + eta), 2.0 * ratio * eta)
 
@@ -52,27 +52,27 @@ def transmission_lag(eta: np.ndarray, ratio: np.ndarray) -> np.ndarray:
 
 
 def resonance_factor(ratio: np.ndarray) -> np.ndarray:
-    """Greatest dynamic factor, 1/(2ζ√(1 − ζ²)), of a force of one size or of an unbalance; NaN from ζ = √½ on."""
+    """Maximum dynamic factor, 1/(2ζ√(1 − ζ²)), of a constant-amplitude force or an unbalance; NaN for ζ ≥ √½."""
     with np.errstate(invalid="ignore", divide="ignore"):
         found = 0.5 / (ratio * np.sqrt((1.0 - ratio) * (1.0 + ratio)))
     return np.where(2.0 * ratio**2 < 1.0, found, math.nan)
 
 
 def resonance_ratio(ratio: np.ndarray) -> np.ndarray:
-    """Frequency ratio at which a force of one size has its greatest effect, √(1 − 2ζ²); of an unbalance 1 over it."""
+    """Frequency ratio of the peak under a constant-amplitude force, √(1 − 2ζ²); the inverse holds for an unbalance."""
     with np.errstate(invalid="ignore"):
         return np.sqrt(1.0 - 2.0 * ratio**2)
 
 
 def support_resonance_ratio(ratio: np.ndarray) -> np.ndarray:
-    """Frequency ratio at which the motion of a support has its greatest effect, η² = 2/(1 + √(1 + 8ζ²))."""
+    """Frequency ratio of the peak under a motion of the support, η² = 2/(1 + √(1 + 8ζ²))."""
     return np.sqrt(2.0 / (1.0 + np.sqrt(1.0 + 8.0 * ratio**2)))
 
 
 def free_motion(
     frequency: np.ndarray, ratio: np.ndarray, displacement: np.ndarray, velocity: np.ndarray, time: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Free motion from given start values, of whatever damping.
+    """Free motion from given initial values, for any damping.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def free_motion(
     displacement, velocity : ndarray
         At the start [m], [m/s].
     time : ndarray
-        Since then [s].
+        After the start [s].
 
     Returns
     -------
@@ -94,7 +94,7 @@ def free_motion(
 def greatest_displacement(
     frequency: np.ndarray, ratio: np.ndarray, displacement: np.ndarray, velocity: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Greatest magnitude of a free motion, at its start or where it first turns back, and when.
+    """Peak magnitude of a free motion, at its start or at its first reversal, and its time.
 
     Parameters
     ----------

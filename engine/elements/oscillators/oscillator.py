@@ -1,4 +1,4 @@
-"""One mass on a spring: its constants, free motion, vibration, and its run through resonance."""
+"""One mass on a spring: constants, free motion, forced vibration, and passage through resonance."""
 
 import math
 from typing import Annotated, ClassVar, Literal
@@ -48,12 +48,12 @@ from engine.words.verdicts import Verdict
 Ratio = Annotated[Number, Field(ge=0)]
 DAMPINGS = ("damping", "damping_ratio", "decrement", "energy_absorption")
 _Constants = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
-# Instants of curves; damping ratios drawn beside the oscillator's own, and the range of frequency ratios; where one
-# without a start is let go [m].
+# Instants of curves; damping ratios plotted for comparison, and the range of frequency ratios; initial displacement
+# for the plot of an oscillator without a start [m].
 _INSTANTS = 2001
 _RATIOS, _WIDEST = (0.05, 0.1, 0.2, 0.5), 3.0
 _LET_GO = 1e-3
-# Variants at a time whose formulas are worked out, each to thousands of rows.
+# Variants per block for formulas, each of which expands to thousands of rows.
 _FORMULA_BLOCK = 32
 _CONSTANTS = (
     ElementResult("stiffness", "stiffness of the spring", "N m-1"),
@@ -93,9 +93,9 @@ _THROUGH = (
 class OscillatorElement(Element):
     """A mass on a spring, given by its `stiffness` or as a cantilever, with a damper.
 
-    The damper is given by its `damping`, or its `damping_ratio`, the logarithmic `decrement`, or `energy_absorption`,
-    the share of the greatest energy dissipated in a cycle at the natural frequency; without any of them there is none.
-    Let go at the `start`, it moves freely, or under an excitation over time, which then begins with these values.
+    The damper is given by its `damping`, its `damping_ratio`, the logarithmic `decrement`, or `energy_absorption`, the
+    fraction of the peak energy dissipated per cycle at the natural frequency; by default there is none. From the
+    `start` values the mass moves freely, or under an excitation over time.
     """
 
     picture: ClassVar = "vibration"
@@ -130,12 +130,12 @@ class OscillatorElement(Element):
 
     @property
     def variants_at_once(self) -> int:
-        """Few where a formula is worked out."""
+        """A small block if a formula is evaluated."""
         by_formula = isinstance(self.excitation, OverTime) and self.excitation.formula is not None
         return _FORMULA_BLOCK if by_formula else Element.variants_at_once
 
     def results(self) -> tuple[ElementResult, ...]:
-        """Those of what the mass is given to do."""
+        """Results for the start, excitation and passage given."""
         if isinstance(self.excitation, OverTime):
             return _CONSTANTS + OVER_TIME_RESULTS
         found = _CONSTANTS
@@ -145,7 +145,7 @@ class OscillatorElement(Element):
         return found
 
     def values(self, n: Numbers) -> Columns:
-        """Results of a set of variants; infinite at a resonance without damping, NaN for what there is not."""
+        """Results of a set of variants; infinite at an undamped resonance, NaN where undefined."""
         stiffness, frequency, ratio, damping = constants = _constants(self, n)
         found = {
             "stiffness": stiffness,
@@ -175,13 +175,13 @@ class OscillatorElement(Element):
         return found
 
     def evaluate(self, n: Numbers) -> Answers:
-        """Results with their errors, over time with what the pieces of a formula miss and rounding that they carry."""
+        """Results with errors; over time, errors include those of the linear pieces of a formula, and rounding."""
         found, errors = nudged(self.values, n)
         if self.run_through is not None:
             time = found["run_through_time"]
             turned = (np.abs(n["run_through.start"]) + np.abs(n["run_through.acceleration"]) * time) * time
             for result in _THROUGH:
-                # The angle that the rotor has turned is rounded in a few steps, whatever depends on it.
+                # The angle turned by the rotor rounds in a few steps; all results depend on it.
                 errors[result.name] += 4.0 * EPS * turned * np.abs(found[result.name])
         if isinstance(self.excitation, OverTime):
             stiffness, _, ratio, _ = _constants(self, n)
@@ -193,7 +193,7 @@ class OscillatorElement(Element):
         return Answers(found, errors)
 
     def history(self, instants: int) -> OscillatorHistory:
-        """The mass under an excitation over time, at equally spaced instants.
+        """Motion of the mass under an excitation over time, at equally spaced instants.
 
         Parameters
         ----------
@@ -203,10 +203,10 @@ class OscillatorElement(Element):
         return oscillator_history(self.excitation, n, self.values(n), instants)
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
-        """What is asked about: free motion, vibration over the exciting frequency, run through resonance.
+        """Plots: free motion, vibration over the exciting frequency, passage through resonance.
 
-        Under an excitation over time: that, displacement, and force of the spring over time. One that is asked about
-        its own numbers alone is let go at a displacement.
+        Under an excitation over time: excitation, displacement and spring force over time. Without start and excitation
+        the plot shows a free motion from an initial displacement.
         """
         if isinstance(self.excitation, OverTime):
             return self._over_time()
@@ -236,7 +236,7 @@ class OscillatorElement(Element):
     def _free(self) -> Panel:
         own = self.own_values()
         beta, ratio = own["damping_ratio"] * own["natural_frequency"], own["damping_ratio"]
-        # Some periods, or until it has died away.
+        # Some periods, or until the motion has decayed.
         long = 10 * math.tau / own["natural_frequency"]
         span = max(self.start.time, own["free_greatest_at"], min(long, 6.0 / beta) if beta > 0 else long)
         time = np.linspace(0.0, span, _INSTANTS)
@@ -278,7 +278,7 @@ class OscillatorElement(Element):
         steady = self.model_copy(update={"run_through": None}).over("excitation.speed", speed[kept])["amplitude"]
         curves = Curve("on the way", size[kept]), Curve("at steady speed", steady, True)
         top = own["run_through_amplitude"]
-        # Steady vibration without damping goes beyond all bounds.
+        # The undamped steady vibration is unbounded.
         limits = (0.0, 1.6 * top) if math.isfinite(top) else None
         x, y, marks = (
             PanelAxis("speed", "rad s-1"),
@@ -315,7 +315,7 @@ def _damping_ratio(n: Numbers, mass: np.ndarray, frequency: np.ndarray) -> np.nd
 
 
 def _forced(element: OscillatorElement, n: Numbers, constants: _Constants) -> Columns:
-    """Steady vibration under a harmonic excitation, and where it would be greatest."""
+    """Steady vibration under a harmonic excitation, and its peak over the exciting frequency."""
     stiffness, frequency, ratio, damping = constants
     speed = n["excitation.speed"]
     eta = speed / frequency
@@ -334,10 +334,10 @@ def _forced(element: OscillatorElement, n: Numbers, constants: _Constants) -> Co
             best = support_resonance_ratio(ratio)
             greatest = transmissibility(best, ratio)
     amplitude = unit * factor
-    # What stretches spring and damper: the motion against the support.
+    # Spring and damper are stretched by the motion relative to the support.
     stretch = eta**2 * dynamic_factor(eta, ratio) * unit if element.excitation.type == "support_motion" else amplitude
     with np.errstate(invalid="ignore"):
-        # No power without a damper, however great the amplitude.
+        # Without a damper the power is 0 even at infinite amplitude.
         power = np.where(damping > 0.0, 0.5 * damping * (speed * stretch) ** 2, 0.0)
     return {
         "frequency_ratio": eta,

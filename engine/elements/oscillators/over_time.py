@@ -1,4 +1,4 @@
-"""What one mass does under a force, or on a support, that is given over time: greatest values, and its history."""
+"""Response of one mass to a force or support motion given over time: peaks and history."""
 
 import math
 from typing import NamedTuple
@@ -10,7 +10,7 @@ from engine.elements.oscillators.excitations import OverTime, SupportOverTime
 from engine.elements.oscillators.forced_pieces import Oscillators, Response, follow_pieces
 from engine.elements.oscillators.one_mass import free_motion
 
-# Straight pieces that a formula is made of; the half of them tells what they miss.
+# Linear pieces that approximate a formula; half of them yields the error estimate.
 PIECES = 4096
 OVER_TIME_RESULTS = (
     ElementResult("greatest_displacement", "peak displacement", "m"),
@@ -24,7 +24,7 @@ OVER_TIME_RESULTS = (
 
 
 def _given_over_time(excitation: OverTime, n: Numbers, pieces: int) -> tuple[np.ndarray, np.ndarray]:
-    """Rows (1 or variants, 2, rows) of what drives the mass, and for how long it is followed (variants or 1,)."""
+    """Rows (1 or variants, 2, rows) of the excitation, and the duration of the motion (variants or 1,)."""
     if excitation.formula is None:
         drives = excitation.displacement if isinstance(excitation, SupportOverTime) else excitation.force
         rows = np.array([[excitation.over_time, drives]], float)
@@ -39,7 +39,7 @@ def _given_over_time(excitation: OverTime, n: Numbers, pieces: int) -> tuple[np.
 def _followed(
     excitation: OverTime, n: Numbers, stiffness: np.ndarray, ratio: np.ndarray, pieces: int, kept: int = 0
 ) -> tuple[Response, np.ndarray, np.ndarray, np.ndarray]:
-    """The response, the states kept at the begin of pieces, and the rows and horizons of the excitation."""
+    """The response, the states at the start of pieces, and the rows and horizons of the excitation."""
     rows, horizon = _given_over_time(excitation, n, pieces)
     none = np.zeros_like(stiffness)
     start = n.get("start.displacement", none), n.get("start.velocity", none)
@@ -53,7 +53,7 @@ def _followed(
 def over_time_columns(
     excitation: OverTime, n: Numbers, stiffness: np.ndarray, ratio: np.ndarray, pieces: int = PIECES
 ) -> tuple[Columns, Columns]:
-    """Results of an oscillator under an excitation over time, and the rounding that they carry beside that of numbers.
+    """Results of an oscillator under an excitation over time, and the magnitudes on which its rounding acts.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def over_time_columns(
     stiffness, ratio : ndarray (variants,)
         [N/m]; damping ratio.
     pieces : int
-        Of which a formula is made.
+        Number of linear pieces for a formula.
 
     Returns
     -------
@@ -100,7 +100,7 @@ def over_time_columns(
 
 
 class OscillatorHistory(NamedTuple):
-    """One mass over time; every attribute is an ndarray (instants,).
+    """Motion of one mass over time; every attribute is an ndarray (instants,).
 
     Attributes
     ----------
@@ -122,7 +122,7 @@ class OscillatorHistory(NamedTuple):
 
 
 def oscillator_history(excitation: OverTime, n: Numbers, columns: Columns, instants: int) -> OscillatorHistory:
-    """An oscillator under an excitation over time, at equally spaced instants.
+    """Motion of an oscillator under an excitation over time, at equally spaced instants.
 
     Parameters
     ----------

@@ -1,13 +1,13 @@
-"""A rotor run through its resonance with constant angular acceleration: the greatest amplitude on the way.
+"""Passage of a rotor through its resonance with constant angular acceleration: peak amplitude.
 
-The rotor's unbalance m e drives one mass M,
+The rotor's unbalance m e excites one mass M,
 
     q″ + 2 β q′ + ω₀² q = −(m e/M) (e^(iφ))″,   φ′ = ω₁ + α t,
 
-q complex: of a rotor on equal supports all around, its deflection across the axis; of one that moves in one direction
-alone the real part, with |q| as the envelope. With y = q + (m e/M) e^(iφ) the equation has the roots
-λ = −β ± i ω_d, each of which drives a part of y that is an error function of complex argument. It begins with the
-steady vibration at the speed ω₁.
+with q complex. For a rotor on isotropic supports q is its transverse deflection; for a mass that moves in one direction
+its real part is, with |q| as the envelope. With y = q + (m e/M) e^(iφ) the equation has the roots λ = −β ± i ω_d, each
+of which yields a part of y with an error function of complex argument. The initial motion is the steady vibration at
+the speed ω₁.
 
 Sources: F. M. Lewis, Vibration during acceleration through a critical speed, Trans. ASME 54 (1932); W. Gautschi,
 Efficient computation of the complex error function, SIAM J. Numer. Anal. 7 (1970), for w(z) = e^(−z²) erfc(−iz).
@@ -20,9 +20,9 @@ from scipy.special import wofz
 
 from engine.elements.sampled_peak import sampled_peak
 
-# Instants at which the amplitude is looked up before its greatest one is narrowed down.
+# Instants at which the amplitude is sampled before the peak is refined.
 INSTANTS = 64
-# The beats after the resonance decay; the greatest amplitude is the first of them, within so many units of time 1/√|α|.
+# Time sampled before and after the crossing, in units of 1/√|α|. The beats after it decay; the peak is the first one.
 _BEFORE, _AFTER = 4.0, 8.0
 _TURNED = np.exp(-0.25j * math.pi)
 
@@ -30,7 +30,7 @@ _TURNED = np.exp(-0.25j * math.pi)
 def _driven_part(root: np.ndarray, start: np.ndarray, acceleration: np.ndarray, time: np.ndarray) -> np.ndarray:
     """Integral of e^(λ (t − τ)) e^(i (ω₁ τ + α τ²/2)) over τ from 0 to t, for α > 0.
 
-    With u = τ + (ω₁ + iλ)/α the exponent is iα u²/2 and a constant, and the integral one of e^(−z²) along
+    With u = τ + (ω₁ + iλ)/α the exponent is iα u²/2 plus a constant, and the integral one of e^(−z²) along
     z = e^(−iπ/4) √(α/2) u: differences of e^(−z²) w(iz) for Re z ≥ 0, and of −e^(−z²) w(−iz) for Re z < 0.
     """
     centre = (start + 1j * root) / acceleration
@@ -40,7 +40,7 @@ def _driven_part(root: np.ndarray, start: np.ndarray, acceleration: np.ndarray, 
     free = np.exp(root * time)
     end = np.where(z_end.real < 0.0, -driven * _scaled(-z_end), driven * _scaled(z_end))
     begin = np.where(z_begin.real < 0.0, -free * _scaled(-z_begin), free * _scaled(z_begin))
-    # Having passed from one half of the plane to the other, the free vibration that the resonance left behind.
+    # If Re z changes its sign: the free vibration that the resonance left behind.
     between = (z_begin.real < 0.0) & (z_end.real >= 0.0)
     left = np.where(between, np.exp(np.where(between, root * time + z_begin**2, 0.0)), 0.0)
     return math.sqrt(math.pi) / (2.0 * scale * _TURNED) * (begin - end + 2.0 * left)
@@ -54,23 +54,23 @@ def _scaled(z: np.ndarray) -> np.ndarray:
 def run_through_motion(
     frequency: np.ndarray, ratio: np.ndarray, start: np.ndarray, acceleration: np.ndarray, time: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Deflection of a rotor and its rate while its speed changes, over the eccentricity m e/M of all that vibrates.
+    """Deflection and velocity of a rotor during a speed change, over the eccentricity m e/M of the vibrating mass.
 
     Parameters
     ----------
     frequency, ratio : ndarray
         Natural frequency ω₀ [rad/s], damping ratio 0 ≤ ζ < 1.
     start : ndarray
-        Speed at which it begins [rad/s], at least 0.
+        Initial speed [rad/s], at least 0.
     acceleration : ndarray
-        Of the rotation [rad/s²], not 0; negative for a run-down.
+        Angular acceleration [rad/s²], not 0; negative for a run-down.
     time : ndarray
-        Since the start [s].
+        After the start [s].
 
     Returns
     -------
     deflection, rate : ndarray of complex
-        The latter in 1/s.
+        The rate in 1/s.
     """
     # A run-down is a run-up of the mirrored rotor, −i instead of i, from a negative speed.
     down = acceleration < 0.0
@@ -87,7 +87,7 @@ def run_through_motion(
         free = (y_rate - other * y - 2.0 * beta) * np.exp(root * time)
         part = (driven + free) / (root - other)
         found, change = found + part, change + root * part
-    # Each driven part grows by e^(iφ) − λ times itself, −λ² of it by 2β e^(iφ) in both.
+    # The derivative of each driven part contains e^(iφ); −λ² sums to 2β e^(iφ) over both parts.
     found, change = found - phase, change + (2.0 * beta - 1j * (speed + rate * time)) * phase
     return np.where(down, found.conj(), found), np.where(down, change.conj(), change)
 
@@ -95,7 +95,7 @@ def run_through_motion(
 def run_through_peak(
     frequency: np.ndarray, ratio: np.ndarray, start: np.ndarray, acceleration: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Greatest deflection of a rotor that is run through its resonance, and when.
+    """Peak deflection of a rotor that passes through its resonance, and its time.
 
     Parameters
     ----------
@@ -105,10 +105,9 @@ def run_through_peak(
     Returns
     -------
     peak : ndarray (variants,)
-        Over the eccentricity m e/M. NaN from ζ = √½ on, where there is no resonance, and where the speed moves away
-        from it.
+        Over the eccentricity m e/M. NaN for ζ ≥ √½, where there is no resonance, and if the speed moves away from it.
     time : ndarray (variants,)
-        Since the start [s].
+        After the start [s].
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         crossed = (frequency - start) / acceleration
@@ -120,14 +119,14 @@ def run_through_peak(
             (frequency, ratio, start, acceleration, crossed, unit), (1.0, 0.1, 0.0, 0.1, 10.0, 1.0), strict=True
         )
     )
-    # Where damping is strong for the acceleration, the resonance lasts longer than the beats: 2 β/α.
+    # With strong damping for the acceleration, the resonance lasts longer than the beats: 2 β/α.
     lasts = np.maximum(1.0, 2.0 * ratio * frequency * unit)
     begin = np.maximum(crossed - _BEFORE * lasts * unit, 0.0)
     step = (crossed + _AFTER * lasts * unit - begin) / (INSTANTS - 1)
     times = begin + step * np.arange(INSTANTS)[:, None]
 
     def size(time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Amplitude, and its slope times itself."""
+        """Amplitude, and the product of amplitude and slope."""
         moved, change = run_through_motion(frequency, ratio, start, acceleration, time)
         return np.abs(moved), (moved.conj() * change).real
 

@@ -1,4 +1,4 @@
-"""The scene's machine on an elastic shaft: its curves for the drives that its motors drive it through."""
+"""The scene's machine on an elastic shaft: results of the drives between its motors and its crank."""
 
 import time
 from collections.abc import Sequence
@@ -30,14 +30,14 @@ from engine.motion.settled.steady import steady_motion
 from engine.scene.scene import Numbers, Scene, scene_numbers
 from engine.words.verdicts import Verdict
 
-# Numbers of the curves of variants that are solved together.
+# Maximum number of values in the curves of variants that are solved together.
 TOGETHER = 4_000_000
-# Crank angles at which the machine's inertia is looked at.
+# Number of crank angles for the mean inertia.
 LOOKED_AT = 256
 # Relative rounding floors of results and multipliers, added to the change from half as many steps.
 ROUNDING = 1e-13
 SURE_OF_MULTIPLIER = 1e-9
-# Steps of a run by which its time is forecast.
+# Number of steps timed to forecast the duration of a run.
 STEPS_TIMED = 100
 
 
@@ -48,7 +48,7 @@ class ElasticDrives:
     ----------
     mechanics : Mechanics
     drives : sequence of str
-        Elements.
+        Names of the elements.
     """
 
     def __init__(self, mechanics: Mechanics, drives: Sequence[str]) -> None:
@@ -90,7 +90,7 @@ class ElasticDrives:
         return found
 
     def _of(self, name: str, variants: Variants) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Results (results, variants) of a drive, their error figures, and verdicts."""
+        """Results (results, variants) of a drive, their error estimates, and verdicts."""
         values, errors = np.full((2, len(RESULTS) + len(RUN_RESULTS), variants.count), np.nan)
         begin = np.full((4, variants.count), np.nan)
         ready, steps, verdict = self._ready(name, variants)
@@ -117,7 +117,7 @@ class ElasticDrives:
         errors: np.ndarray,
         verdict: np.ndarray,
     ) -> None:
-        """Write the results of a run, and the verdicts on those without a complaint so far."""
+        """Write the results and verdicts of a run, for variants whose verdict is OK so far."""
         well = np.flatnonzero(verdict[ready.which] == Verdict.OK)
         if not well.size:
             return
@@ -127,20 +127,20 @@ class ElasticDrives:
             np.stack([run.greatest, run.greatest_at, run.state[1], run.state[3], run.state[2], run.stops, run.closings])
             for run in (fine, coarse)
         )
-        # What hasn't come to its end has none.
+        # Unfinished runs have no results.
         rows[:, fine.verdict != Verdict.OK] = np.nan
         values[len(RESULTS) :, part.which] = rows
         errors[len(RESULTS) :, part.which] = np.abs(rows - rough) + ROUNDING * np.abs(rows)
         verdict[part.which] = fine.verdict
 
     def seconds_of_runs(self, numbers: Numbers, count: int) -> float:
-        """Forecast how long the runs of one variant take [s], the mean of some, by how long a few steps do.
+        """Forecast the computing time of the runs per variant [s], on average, by timing a few steps.
 
         Parameters
         ----------
         numbers : Numbers
         count : int
-            How many variants.
+            Number of variants.
         """
         variants, seconds = self._schedule.variants(numbers, count), 0.0
         for name in self.runs:
@@ -149,14 +149,14 @@ class ElasticDrives:
                 steps = steps_on_shaft(ready.frequency, self._of_run(name, ready, "time"))
                 followed = np.flatnonzero(steps > 0.0)
                 if followed.size:
-                    # Once for the comparison as well, with steps of twice the length.
+                    # The comparison run, with steps twice as long, adds half.
                     seconds += 1.5 * steps.sum() / count * self._seconds_of_step(name, ready.some(followed[:1]))
         return seconds
 
     def _seconds_of_step(self, name: str, ready: "Ready") -> float:
-        """How long a step of a drive's run takes [s]."""
+        """Computing time per step of a drive's run [s]."""
         still, few = np.zeros((4, 1)), STEPS_TIMED * FINEST / ready.frequency
-        # The first time it may be compiled.
+        # The first run may include compiling.
         for _ in range(2):
             begun = time.perf_counter()
             self._run(name, ready, still, duration=np.minimum(few, self._of_run(name, ready, "time")))
@@ -176,7 +176,7 @@ class ElasticDrives:
         observers: Sequence[Observer] = (),
         duration: np.ndarray | None = None,
     ) -> ElasticRun:
-        """Follow a drive's run, from its own begin or out of a steady motion, (4, variants), or a part of it."""
+        """Simulate a drive's run, or the first part of it, from rest or from a steady state, (4, variants)."""
         run = self.drives[name].run
         angle, whole, backlash = (self._of_run(name, ready, key) for key in ("angle", "time", "backlash"))
         duration = whole if duration is None else duration
@@ -185,7 +185,7 @@ class ElasticDrives:
         return run_on_shaft(sides, ready.frequency, begin, duration, precision, observers)
 
     def _ready(self, name: str, variants: Variants) -> "tuple[Ready, np.ndarray, np.ndarray]":
-        """Those of some variants that have a steady motion with a rigid shaft; their steps, and verdicts on all."""
+        """Variants with steady running on a rigid shaft, their numbers of steps, and verdicts on all."""
         dynamics = self.dynamics[name]
         driven = dynamics.driven(variants)
         own, added = self._inertias(name, driven)
@@ -205,7 +205,7 @@ class ElasticDrives:
         return ready, steps, verdict.astype(np.uint8)
 
     def as_is(self, name: str) -> "tuple[Ready, ElasticCycle, DrivenMachine, RigidCycle] | None":
-        """The scene as it is on one of the shafts, in its steady motion; None where it has none."""
+        """The scene's own values on one of the shafts, in steady running; None without steady running."""
         ready, steps, _ = self._ready(name, self._schedule.variants(Numbers(scene_numbers(self.scene), {}), 1))
         if not steps.size:
             return None
@@ -214,7 +214,7 @@ class ElasticDrives:
         return None if found.verdict[0] != Verdict.OK else (ready, found, machine, rigid)
 
     def history(self, name: str) -> np.ndarray | None:
-        """Time, state as in `ElasticRun` and moment along the run of the scene as it is; None where there is none."""
+        """Time, state as in `ElasticRun` and torque along the run at the scene's own values; None without one."""
         found = self.as_is(name) if name in self.runs else None
         if found is None:
             return None
@@ -224,13 +224,13 @@ class ElasticDrives:
 
     @staticmethod
     def _judged(values: np.ndarray, errors: np.ndarray, verdict: np.ndarray) -> np.ndarray:
-        """Verdicts, with that on motions from which disturbances grow."""
+        """Verdicts, including that on motions whose disturbances grow."""
         k = [result.name for result in RESULTS].index("multiplier")
         grows = values[k] > 1.0 + errors[k] + SURE_OF_MULTIPLIER
         return np.where((verdict == Verdict.OK) & grows, Verdict.GROWS, verdict)
 
     def _inertias(self, name: str, variants: Variants) -> tuple[np.ndarray, np.ndarray]:
-        """Inertia at the motors' end, reduced to the crank, and how much of it the scene doesn't have."""
+        """Inertia at the motor end, reduced to the crank, and the part of it that isn't in the scene."""
         n, drive = variants.numbers, self.drives[name]
         if drive.driver is None:
             own = np.broadcast_to(n[f"elements.{name}.motor_inertia"], (variants.count,)).astype(float)
@@ -240,18 +240,18 @@ class ElasticDrives:
 
 
 class DriveCycle(NamedTuple):
-    """Steady motion of a machine on an elastic shaft over its cycle, (places,): the ends of every step.
+    """Steady running of a machine on an elastic shaft over its cycle, (places,): the ends of every step.
 
     Attributes
     ----------
     angle : ndarray
         Crank angle turned [rad].
     moment, rigid_moment : ndarray
-        Of the shaft, and of a rigid one in the steady motion that it has [N·m].
+        Torque of the shaft, and of a rigid shaft in its own steady running [N·m].
     motor_speed, machine_speed, rigid_speed : ndarray
-        At the motors' end, of the crank, and with a rigid shaft [rad/s].
+        At the motor end, of the crank, and with a rigid shaft [rad/s].
     twist : ndarray
-        By which the crank lags behind [rad].
+        Angle by which the crank lags [rad].
     """
 
     angle: np.ndarray
@@ -264,7 +264,7 @@ class DriveCycle(NamedTuple):
 
 
 def drive_cycle(scene: Scene, name: str) -> DriveCycle | None:
-    """Steady motion of a scene's machine on the elastic shaft that an element is.
+    """Steady running of a scene's machine on the elastic shaft of an element.
 
     Parameters
     ----------
@@ -275,7 +275,7 @@ def drive_cycle(scene: Scene, name: str) -> DriveCycle | None:
     Returns
     -------
     DriveCycle or None
-        None where there is no steady motion.
+        None without steady running.
     """
     with np.errstate(all="ignore"):
         found = ElasticDrives(Mechanics(scene), (name,)).as_is(name)
@@ -296,13 +296,13 @@ class DriveRun(NamedTuple):
     time : ndarray
         [s].
     twist : ndarray
-        By which the crank lags behind [rad].
+        Angle by which the crank lags [rad].
     motor_speed : ndarray
-        At the motors' end [rad/s].
+        At the motor end [rad/s].
     angle, machine_speed : ndarray
-        That the crank turned [rad], and its speed [rad/s].
+        Angle turned by the crank [rad], and its speed [rad/s].
     moment : ndarray
-        Of the shaft [N·m].
+        Shaft torque [N·m].
     """
 
     time: np.ndarray
@@ -314,7 +314,7 @@ class DriveRun(NamedTuple):
 
 
 def drive_run(scene: Scene, name: str) -> DriveRun | None:
-    """The run of a scene's machine on the elastic shaft that an element is.
+    """The run of a scene's machine on the elastic shaft of an element.
 
     Parameters
     ----------
@@ -325,7 +325,7 @@ def drive_run(scene: Scene, name: str) -> DriveRun | None:
     Returns
     -------
     DriveRun or None
-        None where there is no run, or no steady motion.
+        None without a run, or without steady running.
     """
     with np.errstate(all="ignore"):
         found = ElasticDrives(Mechanics(scene), (name,)).history(name)
@@ -333,7 +333,7 @@ def drive_run(scene: Scene, name: str) -> DriveRun | None:
 
 
 class Ready(NamedTuple):
-    """Variants of a drive that can be solved: machines with and without the inertia at the motors' end, shafts.
+    """Variants of a drive that can be solved: machines with and without the inertia at the motor end, and shafts.
 
     Attributes
     ----------
@@ -344,7 +344,7 @@ class Ready(NamedTuple):
     frequency : ndarray (variants,)
         Natural frequency [rad/s].
     which : ndarray (variants,) of int
-        Which of all variants they are.
+        Their indices among all variants.
     """
 
     dynamics: Dynamics
@@ -355,13 +355,13 @@ class Ready(NamedTuple):
     which: np.ndarray
 
     def some(self, chosen: np.ndarray) -> "Ready":
-        """Some of them, by index."""
+        """A subset, by index."""
         rest = (part[chosen] for part in (self.given, self.frequency, self.which))
         return Ready(self.dynamics, self.rigid.some(chosen), self.bare.some(chosen), *rest)
 
 
 class RigidCycle(NamedTuple):
-    """Moment of a rigid shaft [N·m] and its speed [rad/s] at the points of every step, (variants, steps, points)."""
+    """Torque [N·m] and speed [rad/s] of a rigid shaft at the points of every step, (variants, steps, points)."""
 
     moment: np.ndarray
     speed: np.ndarray
@@ -374,10 +374,10 @@ def _mean_inertia(dynamics: Dynamics, variants: Variants) -> np.ndarray:
 
 
 def _settled(ready: Ready, count: int) -> tuple[np.ndarray, ElasticCycle]:
-    """Results (results, variants) with so many steps, and the motion."""
+    """Results (results, variants) with `count` steps, and the motion."""
     machine, guess, rigid = _machine_over_cycle(ready, count)
     found = elastic_cycle(machine, ready.given, guess)
-    # Within a jump nothing is to be read between the points of a step.
+    # Across a jump, curves aren't interpolated between the points of a step.
     jumps = machine.steps[..., None] < GAP
     least, greatest = least_and_greatest(np.where(jumps, rigid.moment[..., :1], rigid.moment))
     most = np.fmax(np.abs(least), np.abs(greatest))
@@ -385,7 +385,7 @@ def _settled(ready: Ready, count: int) -> tuple[np.ndarray, ElasticCycle]:
 
 
 def _machine_over_cycle(ready: Ready, count: int) -> tuple[DrivenMachine, np.ndarray, RigidCycle]:
-    """Machines over their cycle in so many steps, a first guess of their motion, and their motion on a rigid shaft."""
+    """Machines over a cycle of `count` steps, an initial guess of their motion, and their motion on a rigid shaft."""
     dynamics, bare, own = ready.dynamics, ready.bare, ready.given[:, 2]
     grid = dynamics.grid(bare, np.zeros(bare.count), dynamics.cycle, count)
     steps, variants = grid.steps, bare.count
@@ -400,7 +400,7 @@ def _machine_over_cycle(ready: Ready, count: int) -> tuple[DrivenMachine, np.nda
     epsilon = (moments.total - 0.5 * omega**2 * rows.inertia_phi) / whole
 
     def points(values: np.ndarray) -> np.ndarray:
-        """Values at the points of every step, its ends among them: (variants, steps, points)."""
+        """Values at the points of every step, including its ends: (variants, steps, points)."""
         begins = values[:-1].reshape(-1, STAGES + 1, variants)
         return np.moveaxis(np.concatenate([begins, values[STAGES + 1 :: STAGES + 1, None]], axis=1), 2, 0)
 

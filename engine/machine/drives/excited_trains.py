@@ -1,4 +1,4 @@
-"""What the scene's machine does to the torsional trains that it excites: harmonics of its input moment."""
+"""Excitation of torsional trains by the scene's machine: harmonics of its drive torque."""
 
 from collections.abc import Callable
 
@@ -14,7 +14,7 @@ from engine.scene.scene import Numbers
 
 
 def machine_harmonics(m: Mechanics) -> list[Expression]:
-    """Mean inertia; mean of the input moment at uniform speed, then cosine and sine parts of its harmonics, in turn."""
+    """Mean inertia; mean of the drive torque at constant speed, then cosine and sine parts of its harmonics in turn."""
     harmonics = (part for k in range(1, MACHINE_HARMONICS + 1) for part in input_moment_harmonic(m, k))
     return [mean(m, m.reduced.inertia), mean(m, m.input_moment), *harmonics]
 
@@ -26,7 +26,7 @@ def machine_numbers(
     value_of: Callable[[Expression], Measured],
     variants: int,
 ) -> dict[str, np.ndarray]:
-    """What the machine does to the trains that it excites.
+    """Numbers of the machine for the trains that it excites.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def machine_numbers(
     expressions : list of Expression
         From `machine_harmonics`.
     value_of : callable
-        What was measured of an expression.
+        Returns the measured value of an expression.
     variants : int
 
     Returns
@@ -50,7 +50,7 @@ def machine_numbers(
         [np.broadcast_to(part, (variants,)).astype(float) for part in parts]
         for parts in ([f.value for f in found], [f.error for f in found])
     )
-    # The input moment holds against what acts on the train: M − ½ ω² dI/dφ is its negative.
+    # The drive torque balances the torque on the train: M − ½ ω² dI/dφ is its negative.
     cosines, sines = [-values[0], *(-v for v in values[1::2])], [0.0 * values[0], *(-v for v in values[2::2])]
     off = [errors[0], *(a + b for a, b in zip(errors[1::2], errors[2::2], strict=True))]
     own = {"speed": numbers["input.speed"], "revolutions": m.scene.input.revolutions}

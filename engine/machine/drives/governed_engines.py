@@ -1,4 +1,4 @@
-"""What a mechanism is to the governors that govern it: an inertia, and moments over its cycle."""
+"""A mechanism as the engine of governors: its inertia, and its torques over the cycle."""
 
 import math
 from collections.abc import Sequence
@@ -9,13 +9,13 @@ from engine.elements.governors.governor import cycle_key
 from engine.machine.results import Outcome
 from engine.scene.scene import Numbers, Scene
 
-# Of the mechanism alone, without a flywheel.
+# Of the mechanism only, without a flywheel.
 MEAN_INERTIA = "reduced_inertia.mean"
 _CYCLE_FIELDS = ("reduced_inertia", "reduced_inertia_phi", "reduced_moment")
 
 
 class GovernedEngines:
-    """What governors of a mechanism need of it: its mean inertia, and its curves where a change of load is followed.
+    """Data of the mechanism for its governors: mean inertia, and curves if a change of load is simulated.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ class GovernedEngines:
     Attributes
     ----------
     summaries, fields : tuple of str
-        What the mechanism is to be asked, at CYCLE_POSITIONS positions.
+        Quantities required of the mechanism, at CYCLE_POSITIONS positions.
     """
 
     summaries = (MEAN_INERTIA,)
@@ -44,7 +44,7 @@ class GovernedEngines:
         Parameters
         ----------
         outcome : Outcome
-            Of the mechanism, with what it is to be asked.
+            Of the mechanism, with the required quantities.
         numbers : Numbers
             Of the same variants.
         """
@@ -59,13 +59,13 @@ class GovernedEngines:
         return found
 
     def _curves(self, outcome: Outcome, throttled: Sequence[str], mean: np.ndarray) -> np.ndarray:
-        """Curves of the variants in the order that governors have them, and the cycle's length: (numbers, variants)."""
+        """Curves of the variants in the governors' order, and the length of the cycle: (numbers, variants)."""
         inertia, slope, moment = (outcome.fields[name] for name in _CYCLE_FIELDS)
         driving = sum((outcome.fields[f"{action}.moment"] for action in throttled), np.zeros_like(moment))
         other = moment - driving
         with np.errstate(divide="ignore", invalid="ignore"):
             share = driving / driving.mean(axis=1, keepdims=True) if throttled else np.ones_like(moment)
-        # What is throttled has to drive: otherwise no throttle governs it.
+        # Throttled actions have to drive: otherwise no throttle can govern them.
         share = np.where(driving.mean(axis=1, keepdims=True) > 0.0, share, np.nan) if throttled else share
         parts = (inertia - mean[:, None], slope, share, other - other.mean(axis=1, keepdims=True))
         length = np.full((1, moment.shape[0]), self._length)

@@ -1,4 +1,4 @@
-"""A scene in which governors of its mechanism are given what they need of it, to be looked at one by one."""
+"""A scene whose governors have the data of its mechanism, so that each can be evaluated separately."""
 
 import math
 
@@ -13,7 +13,7 @@ from engine.scene.scene import Numbers, Scene, scene_numbers
 
 
 def governed_scene(scene: Scene) -> tuple[Scene, dict[str, np.ndarray]]:
-    """A scene whose governors' engines have what the scene's mechanism gives them, where that is the engine.
+    """A scene in which governors of its mechanism have the mechanism's data.
 
     Parameters
     ----------
@@ -22,8 +22,8 @@ def governed_scene(scene: Scene) -> tuple[Scene, dict[str, np.ndarray]]:
     Returns
     -------
     scene : Scene
-        With the whole inertia of these engines; the same where no governor governs the mechanism, or where that can't
-        be evaluated.
+        With the whole inertia of these engines; unchanged if no governor governs the mechanism, or if the mechanism
+        can't be evaluated.
     cycles : dict of str to ndarray
         Curves of the mechanism by the names of the governors that need them, for `load_change`.
     """

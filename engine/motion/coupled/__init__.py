@@ -1,1 +1,1 @@
-"""Motion at two speeds: a shaft that a coupling holds to the crank, or lets slip."""
+"""Motion at two speeds: a coupling locks a shaft to the crank or lets it slip."""

@@ -1,4 +1,4 @@
-"""What runs at two speeds are asked for: where they stand between two regimes, and the numbers of each."""
+"""Results of runs at two speeds: the shaft's state between two regimes, and the quantities of each."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -15,19 +15,19 @@ from engine.motion.moments.equation_of_motion import EquationOfMotion
 from engine.motion.runs.watching import Observer
 from engine.words.verdicts import Verdict
 
-# Steps of a grid that differ by no more are equal.
+# Relative tolerance of equal grid steps.
 EVEN = 1e-9
 
 
 class CoupledStanding(NamedTuple):
-    """Where the shaft of a coupling stands between two regimes.
+    """State of a coupling's shaft between two regimes.
 
     Attributes
     ----------
     speed : ndarray (variants,)
         Reduced to the crank, in the direction of motion [rad/s].
     engaged : ndarray (variants,)
-        For how long the coupling has been engaged [s].
+        Time since the coupling was engaged [s].
     """
 
     speed: np.ndarray
@@ -35,23 +35,23 @@ class CoupledStanding(NamedTuple):
 
 
 class CoupledOutcome(NamedTuple):
-    """How runs at two speeds went; arrays (variants,) unless said.
+    """Results of runs at two speeds; arrays (variants,) except where noted.
 
     Attributes
     ----------
     verdict : ndarray of uint8
     turned, omega, shaft_omega, time : ndarray
-        Of the crank and of the shaft at the end.
+        Angle turned and speed of the crank, speed of the shaft, and time at the end.
     works : ndarray (sorts, variants)
         Of the motors, and of each channel [J].
     squares : ndarray
-        Motors' moment squared over time [N²·m²·s].
+        Integral of the squared motor torque over time [N²·m²·s].
     energy, change : ndarray
-        Greatest kinetic energy, about, and its change [J].
+        Approximate maximum kinetic energy, and its change [J].
     covered : ndarray (2, variants)
-        Least and greatest angle turned by the crank [rad].
+        Minimum and maximum angle turned by the crank [rad].
     values : dict of str to ndarray
-        By their names in a regime, without the coupling's and the shaft's.
+        By their names in a regime, without the prefixes of the coupling and the shaft.
     """
 
     verdict: np.ndarray
@@ -67,7 +67,7 @@ class CoupledOutcome(NamedTuple):
     values: dict[str, np.ndarray]
 
     def over_all(self, ready: np.ndarray, count: int) -> "CoupledOutcome":
-        """The outcome of some of so many variants as one of all, NaN for the others."""
+        """The outcome of the `ready` variants, spread over all `count` of them, NaN for the others."""
         verdict = np.full(count, Verdict.OK, np.uint8)
         verdict[ready] = self.verdict
         rows = (of_all(row, ready, count) for row in self[1:-1])
@@ -83,7 +83,7 @@ def run_coupled(
     precision: Precision,
     observers: Sequence[Observer] = (),
 ) -> CoupledOutcome:
-    """Carry runs to their end; parameters are those of `CoupledRuns`."""
+    """Run to the end; parameters are those of `CoupledRuns`."""
     runs = CoupledRuns(sides, speeds, clock, engaged, ends, precision, observers)
     started, begun = _energy(sides, runs.state, np.zeros_like(clock), clock)
     runs.go_to_end()
@@ -94,7 +94,7 @@ def run_coupled(
         slip = np.where(state[SHAFT_TURNED] == 0.0, 0.0, slipped / np.abs(state[SHAFT_TURNED]))
         mean = state[SHAFT_TURNED] / runs.time
     drives = (form.variants.drive for form in (sides.crank, sides.shaft.form))
-    # Motors are on one of the two sides alone.
+    # Motors are on only one of the two sides.
     peaks = [greatest_moment(d, low, high) for d, low, high in zip(drives, runs.lows, runs.highs, strict=True)]
     values = {
         "speed_min": runs.lows[0],
@@ -130,7 +130,7 @@ def run_coupled(
 def _energy(
     sides: CoupledSides, state: np.ndarray, time: np.ndarray, clock: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Kinetic energy of both sides together, and that of the shaft's [J]."""
+    """Kinetic energy of both sides together, and that of the shaft [J]."""
     rows, _ = sides.crank.at(state[TURNED], state[CRANK_SPEED], clock + time, np.ones_like(time))
     shaft = 0.5 * sides.shaft.inertia * state[SHAFT_SPEED] ** 2
     return 0.5 * rows.inertia[0] * state[CRANK_SPEED] ** 2 + shaft, shaft
@@ -139,7 +139,7 @@ def _energy(
 def held_moment(
     two: TwoSides, dynamics: Dynamics, variants: Variants, places: np.ndarray, energy: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Greatest moment that a clutch transmits in steady motion while it holds, and the most that it can [N·m].
+    """Peak torque that a locked clutch transmits in steady running, and its capacity [N·m].
 
     Parameters
     ----------
@@ -166,13 +166,13 @@ def held_moment(
 
 
 def _greatest_between(values: np.ndarray, even: np.ndarray) -> np.ndarray:
-    """Greatest of values at some places, the first axis, with the tops of parabolas through three of them.
+    """Maximum along the first axis, including the peaks of parabolas through three nodes.
 
     Parameters
     ----------
     values : ndarray (places, variants)
     even : ndarray (places - 2, variants) of bool
-        Whether a place, the first and the last left out, is as far from the one before as from the one after it.
+        Whether an inner node is equally far from both neighbours.
     """
     low, middle, high = values[:-2], values[1:-1], values[2:]
     bend = low - 2.0 * middle + high

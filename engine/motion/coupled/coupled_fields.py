@@ -1,4 +1,4 @@
-"""Fields along runs at two speeds: those of the motion of both sides, and the loads on the pairs of the crank's."""
+"""Fields along runs at two speeds: those of the motion of both sides, and loads on the crank's pairs."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -16,23 +16,23 @@ from engine.motion.settled.cycle import motion_rows, power_rows
 from engine.stepping.system import SHOWN
 
 STATES = (TURNED, CRANK_SPEED, SHAFT_TURNED, SHAFT_SPEED)
-# Of the polynomials that steps are recorded as.
+# Of the polynomials in which steps are recorded.
 DEGREE = SHOWN.size - 1
 
 
 class CoupledPiece(NamedTuple):
-    """A piece of the way of some variants, whose sides stay joined as they are; arrays (nodes, variants).
+    """A segment of the motion of some variants during which the joining doesn't change; arrays (nodes, variants).
 
-    What ends before others repeats its last node.
+    Shorter runs repeat their last node.
 
     Attributes
     ----------
     time : ndarray
-        Since the begin of the run [s].
+        From the start of the run [s].
     moving : ndarray (4, nodes, variants)
         Angle and speed of the crank, and of the shaft or the twist of an elastic one.
     moment : ndarray
-        Of the coupling, on the crank [N·m].
+        Torque of the coupling on the crank [N·m].
     joined : Joined
     """
 
@@ -53,30 +53,30 @@ class CoupledPiece(NamedTuple):
 
     @property
     def steps(self) -> np.ndarray:
-        """Distances of the nodes, none where two steps meet [s]."""
+        """Spacing of the nodes, 0 where two steps meet [s]."""
         return np.diff(self.time, axis=0)
 
     def goes_as(self, other: "CoupledPiece") -> bool:
-        """Whether sides are joined as they are on another piece."""
+        """Whether the sides are joined as in another segment."""
         return all(np.array_equal(row, there) for row, there in zip(self.joined, other.joined, strict=True))
 
     @staticmethod
     def in_one(pieces: "Sequence[CoupledPiece]") -> "CoupledPiece":
-        """Pieces that go alike in one."""
+        """Concatenate segments with the same joining."""
         every = ((piece.time, piece.moving, piece.moment) for piece in pieces)
         time, moving, moment = (np.concatenate(rows, axis=-2) for rows in zip(*every, strict=True))
         return CoupledPiece(time, moving, moment, pieces[0].joined)
 
 
 class CycleStates:
-    """Keeps the states along a cycle of variants whose sides stay joined as they are, and reads them at crank angles.
+    """Stores the states along a cycle of variants whose joining doesn't change, and evaluates them at crank angles.
 
     Parameters
     ----------
     count : int
-        How many variants.
+        Number of variants.
     looks : int
-        Equally spaced nodes of each step, its ends included; more than the degree of the recorded polynomial.
+        Equally spaced nodes of each step, including its ends; more than the degree of the recorded polynomial.
     """
 
     def __init__(self, count: int, looks: int) -> None:
@@ -85,14 +85,14 @@ class CycleStates:
         self._joined: Joined | None = None
 
     def see(self, who: np.ndarray, piece: CoupledPiece) -> None:
-        """Keep a piece."""
+        """Store a segment."""
         if self._joined is None:
             self._joined = piece.joined
         along = np.array([piece.time, *piece.moving])
         lengths = np.diff(piece.time, axis=0)
         nodes = along.shape[1] - np.argmax(lengths[::-1] > 0.0, axis=0)
         for column, variant in enumerate(who):
-            # What ends before others repeats its last node.
+            # Shorter runs repeat their last node.
             own = along[:, : nodes[column], column]
             self._seen[variant].append(own.reshape(len(own), -1, self._looks))
 
@@ -107,7 +107,7 @@ class CycleStates:
 
 
 def _read(steps: np.ndarray, turned: np.ndarray) -> np.ndarray:
-    """Time and states, (rows, angles), at angles turned, from looks at steps, (rows, steps, looks)."""
+    """Time and states, (rows, angles), at angles turned, from steps sampled at nodes, (rows, steps, nodes)."""
     nodes = np.linspace(-1.0, 1.0, steps.shape[2])
     of = np.clip(np.searchsorted(steps[1 + TURNED, :, 0], turned, side="right") - 1, 0, steps.shape[1] - 1)
     fitted = np.polynomial.polynomial.polyfit(nodes, steps.reshape(-1, nodes.size).T, DEGREE)
@@ -121,7 +121,7 @@ def _read(steps: np.ndarray, turned: np.ndarray) -> np.ndarray:
 
 
 def _inward(time: np.ndarray) -> np.ndarray:
-    """Which way leads into the step of each node, +1 at the begin of one and −1 at its end, where moments may jump."""
+    """Direction into the step from each node, +1 at its start and −1 at its end, where torques may jump."""
     meet = np.diff(time, axis=0) == 0.0
     edge = np.ones((1, time.shape[1]), bool)
     begins, ends = np.concatenate((edge, meet)), np.concatenate((meet, edge))
@@ -135,7 +135,7 @@ class CoupledFields(RunFields):
     ----------
     sides : CoupledSides
     clock : ndarray (variants,)
-        Time at the begin [s].
+        Time at the start [s].
     loads : PairLoads or None
     """
 
@@ -145,9 +145,9 @@ class CoupledFields(RunFields):
         self.sides = sides
 
     def __call__(self, who: np.ndarray, piece: CoupledPiece) -> dict[str, np.ndarray]:
-        """All fields on a piece of some variants' motion, as for runs at one speed.
+        """All fields in a segment of some variants' motion, as for runs at one speed.
 
-        With them are the speed of the shaft, the moment of the coupling, and the power of each channel.
+        Adds the speed of the shaft, the torque of the coupling, and the power of each channel.
         """
         sides, (time, moving, _, joined) = self.sides.some(who), piece
         moving = moving.copy()
@@ -176,7 +176,7 @@ class CoupledFields(RunFields):
         found = self.on_pairs(who, facing, self.start[who] + way * moving[TURNED], omega, pull.crank, clock)
         for name in WITH_FLYWHEEL:
             if name in found:
-                # The inertia of the shaft turns the frame, as a flywheel's does.
+                # Like a flywheel, the shaft's inertia loads the frame.
                 ratio = own.numbers[f"shafts.{sides.two.coupling.shaft}.ratio"]
                 found[name] = found[name] - sides.shaft.inertia / ratio * way * pull.shaft
         return rows | found

@@ -1,7 +1,7 @@
-"""Runs at two speeds: from a given state until an angle, a time, a speed, rest, or until the clutch locks up.
+"""Runs at two speeds: from a given state to an angle, a time, a speed, rest, or the lock-up of the clutch.
 
-A walk in time goes on as long as the sides stay joined as they are. It ends where a clutch stops slipping or breaks
-loose, where a side comes to rest or sets off, where something changes by itself, and where the run is to end.
+A walk along time lasts as long as the joining of the sides doesn't change. It ends where a clutch stops slipping or
+breaks loose, where a side stops or starts, where a time-dependent quantity changes, and at the end of the run.
 """
 
 from collections.abc import Sequence
@@ -33,37 +33,37 @@ from engine.stepping.walk import LONGER, Why, coarser
 from engine.words.verdicts import Verdict
 
 TOLERANCE, FARTHEST_TURN = 1e-10, 0.25 * np.pi
-# Shares of a step at which speeds and moments are looked at, and what makes them of those that are recorded.
+# Fractions of a step at which speeds and torques are sampled, and the interpolation matrix from the recorded ones.
 LOOKS = np.arange(17) / 16
 AT_LOOKS = np.array([np.polynomial.Polynomial.fit(SHOWN, row, SHOWN.size - 1)(LOOKS) for row in np.eye(SHOWN.size)]).T
-# Steps that are recorded at a time, and times that a run is carried on.
+# Maximum numbers of steps recorded per walk, and of walks per run.
 RECORDED, MOST_WALKS = 64, 100_000
-# Speeds that change by no more in a cycle stay as they are; a share of the greatest speed that counts as rest where
-# nothing stops a machine; swings that differ by no more are the same [rad].
+# Relative change of the speeds per cycle that counts as none; fraction of the maximum speed that counts as rest where
+# nothing stops a machine; difference of equal swings [rad].
 SETTLED, FADED, SAME_SWING = 1e-8, 1e-9, 1e-6
-# A peak that is higher by a smaller share is the same as the one before it.
+# A peak counts as later only if it is higher by more than this fraction.
 SAME_PEAK = 1e-12
-# Newton's steps to the top of a quartic.
+# Newton iterations for the peak of a quartic.
 NEWTONS = 5
-# Share of a cycle within which an angle is its end.
+# Angles this close to the end of a cycle, as a fraction of it, count as its end.
 NEARLY = 1e-9
-# A standing machine is looked at so many times until something changes.
+# Steps of a standing machine to the next change.
 WAITS = 4
-# Why a walk ends besides those of every walk, in the order of the guards of the system.
+# Reasons for the end of a walk, in addition to the common ones, in the order of the system's guards.
 ABOVE, BELOW, CRANK_RESTS, SHAFT_RESTS, LOCKS_UP, ASTRAY, BREAKS_LOOSE, SETS_OFF, TOUCH, TURNS = (
     Why.GUARD + i for i in range(10)
 )
 
 
 class Precision(NamedTuple):
-    """How exactly runs are followed.
+    """Precision of runs.
 
     Attributes
     ----------
     tolerance : float
-        What a step may miss, as a share.
+        Relative tolerance of a step.
     coarser : bool
-        Whether steps are longer and looked at half as often, for comparison.
+        Whether this is a comparison run: longer steps, sampled half as often.
     """
 
     tolerance: float = TOLERANCE
@@ -74,10 +74,10 @@ FINE = Precision()
 
 
 class CoupledEnds(NamedTuple):
-    """Where runs end, (variants,): angle turned [rad], time [s], speed of the crank [rad/s]; infinite for never.
+    """Ends of runs, (variants,): angle turned [rad], time [s], speed of the crank [rad/s]; infinite for never.
 
-    `rest` says whether the run ends when the crank rests, `reversal` whether where it stands, be it for a moment,
-    `lock_up` whether it does when the clutch holds; `most_turned` [rad] is where it is given up.
+    The run also ends when the crank remains at rest if `rest`, when it is at rest even for an instant if `reversal`,
+    and when the clutch locks if `lock_up`. A run that turns by `most_turned` [rad] is given up.
     """
 
     turned: np.ndarray
@@ -89,53 +89,53 @@ class CoupledEnds(NamedTuple):
     reversal: bool = False
 
     def some(self, who: np.ndarray) -> "CoupledEnds":
-        """Of some of the variants, by index."""
+        """A subset of the variants, by index."""
         rows = {key: getattr(self, key)[who] for key in ("turned", "time", "speed", "most_turned")}
         return self._replace(**rows)
 
 
 class CoupledRuns:
-    """Runs of a number of variants on their way.
+    """Runs of a number of variants, in progress.
 
     Parameters
     ----------
     sides : CoupledSides
     speeds : tuple of ndarray (variants,)
-        Of the crank and of the shaft at the begin, reduced to the crank [rad/s].
+        Of the crank and of the shaft at the start, reduced to the crank [rad/s].
     clock, engaged : ndarray (variants,)
-        Time at the begin, and since the coupling is engaged [s].
+        Clock time at the start, and time since the coupling was engaged [s].
     ends : CoupledEnds
     precision : Precision
     observers : sequence of Observer
-        They see a `CoupledPiece` of each walk.
+        Each receives a `CoupledPiece` of every walk.
 
     Attributes
     ----------
     state : ndarray (rows, variants)
-        Now: angle and speed of the crank, of the shaft, in the direction of motion, angles counted from the begin of
-        the run; and what is gathered.
+        Current angle and speed of the crank and of the shaft, in the direction of motion, angles from the start of the
+        run; then the integrals.
     time : ndarray (variants,)
-        Since the begin of the run [s].
+        From the start of the run [s].
     joined : Joined
     verdict : ndarray of uint8
     done : ndarray of bool
     lows, highs : ndarray (2, variants)
-        Least and greatest speeds of the crank and of the shaft [rad/s].
+        Minimum and maximum speeds of the crank and of the shaft [rad/s].
     covered : ndarray (2, variants)
-        Least and greatest angle turned by the crank [rad].
+        Minimum and maximum angle turned by the crank [rad].
     peak, peak_at : ndarray
-        Greatest moment of the coupling by magnitude [N·m], and when [s].
+        Peak magnitude of the coupling torque [N·m], and its time [s].
     stops, closings : ndarray
         How often the crank came to rest, and how often a backlash closed.
     growing : ndarray
-        +1 or −1: whether the moment of a shaft with backlash, or out of touch its twist, rises or falls. No step goes
-        beyond an extreme of it, so that none passes over a short touch.
+        +1 or −1: whether the torque of a shaft with backlash (its twist, if out of contact) rises or falls. Steps end
+        at its extremes, so that none passes over a short contact.
     once_steep : ndarray
-        1 where steps were implicit on the way, else 0.
+        1 if any step was implicit, else 0.
     slip_time : ndarray
-        For how long a clutch slipped [s].
+        Total time of slip of a clutch [s].
     lock_time, lock_speed : ndarray
-        When it held last, and how fast the crank turned then; NaN where it never did.
+        Time of the last lock-up and speed of the crank then; NaN without one.
     """
 
     def __init__(
@@ -174,7 +174,7 @@ class CoupledRuns:
 
     def go_to_end(self) -> None:
         """Carry the runs to their end, in place."""
-        # What isn't finite ends as a verdict, not as a warning.
+        # Infinite and undefined values become verdicts, not warnings.
         with np.errstate(all="ignore"):
             for _ in range(MOST_WALKS):
                 self._settle(np.flatnonzero(self.unsettled & ~self.done))
@@ -188,29 +188,29 @@ class CoupledRuns:
         self._give_up(np.flatnonzero(~self.done))
 
     def _give_up(self, who: np.ndarray) -> None:
-        """End runs that go on for ever: with the clutch slipping, the crank standing, or as they are."""
+        """End runs that would never end: with the clutch slipping, with the crank standing, or in motion."""
         slips, stands = np.abs(self.joined.mode[who]) == FORWARDS, self.joined.crank_way[who] == 0.0
         verdict = np.where(slips, Verdict.SLIPS, np.where(stands, Verdict.STALLS, Verdict.NO_END))
         self.verdict[who], self.done[who] = verdict, True
 
     def _never_changes(self, who: np.ndarray) -> np.ndarray:
-        """Of which variants nothing depends on time any more, and no time ends the run."""
+        """Whether nothing depends on time any more and no time ends the run."""
         free = np.isinf(self.ends.time[who]) & np.isinf(self._longest(who))
         return free & (not self.sides.crank.dynamics.changing)
 
     def _fades(self, who: np.ndarray) -> np.ndarray:
-        """Of which variants the crank only slows down and never comes to rest, as all that acts vanishes with speed."""
+        """Whether the crank slows down without ever stopping, since all torques vanish with the speed."""
         return self._never_changes(who) & self.sides.crank.dynamics.fades
 
-    # How the sides are joined
+    # Joining of the sides
 
     def _settle(self, who: np.ndarray) -> None:
-        """Decide whether the sides of some variants go together, and which way each goes."""
+        """Decide the joining of the sides of some variants, and the direction of each side."""
         if not who.size:
             return
         self.unsettled[who] = self.steep[who] = False
         sides, joined, moving = self.sides.some(who), self.joined.some(who), self.state[: SHAFT_SPEED + 1, who].copy()
-        # Behind a jump that lies just there.
+        # Evaluate behind a jump at this very angle.
         moving[TURNED] += np.sign(moving[CRANK_SPEED]) * sides.crank.beside(moving[TURNED])
         ways = np.sign(moving[CRANK_SPEED]), np.sign(moving[SHAFT_SPEED])
         mode = np.full(who.size, APART if sides.open else FLUID)
@@ -227,7 +227,7 @@ class CoupledRuns:
         stands = who[ways[0] == 0.0]
         begun = self.state[TURNED, stands] != 0.0
         self.done[stands] |= (self.ends.rest | self.ends.reversal) & begun
-        # Both stand: until a moment over time or the clutch changes, or the time is over.
+        # Both stand until a time-dependent torque or the clutch changes, or until the run's time is over.
         both = who[(ways[0] == 0.0) & (ways[1] == 0.0)]
         both = both[~self.done[both]]
         for_ever = both[~np.isfinite(self._longest(both))]
@@ -237,7 +237,7 @@ class CoupledRuns:
     def _holding(
         self, sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray, ways: tuple[np.ndarray, ...]
     ) -> np.ndarray:
-        """Whether clutches hold or slip, and which way."""
+        """Joining of clutches: locked, or the direction of slip."""
         slip = np.sign(moving[SHAFT_SPEED] - moving[CRANK_SPEED]).astype(int)
         standing = (ways[0] == 0.0) & (ways[1] == 0.0)
         forth, back, _, shaft_forth, _, shaft_back = self._free(sides, joined, moving, time)
@@ -245,7 +245,7 @@ class CoupledRuns:
         capacity = _grip(sides, joined.engaged + time)
         trial = joined._replace(mode=np.full(slip.size, TOGETHER), crank_way=off, shaft_way=off)
         needed = coupling_pull(sides, trial, moving[:, None], time[None]).moment[0]
-        # Where both stand, either may be held by its own resistances.
+        # Where both stand, either side may be held by its own resistance.
         alone = np.where(shaft_forth > capacity, 1, np.where(-shaft_back > capacity, -1, 0))
         crank_forth, crank_back = forth - shaft_forth, back - shaft_back
         alone = np.where(
@@ -257,12 +257,12 @@ class CoupledRuns:
     def _free(
         self, sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray
     ) -> tuple[np.ndarray, ...]:
-        """Moments that set off both sides together, forwards and backwards; so of the crank and of the shaft alone."""
+        """Torques that would start both sides together, the crank or the shaft, each forwards and backwards."""
         forth = np.ones(time.size)
         found = []
         for way in (forth, -forth):
             turned, w1, _, w2 = moving
-            # These torques decide about sides at rest only.
+            # These torques only decide about sides at rest.
             rows, of_crank = sides.crank.at(turned, w1, joined.clock + time, way, UNIFORM)
             crank = of_crank.total[0] - 0.5 * w1 * w1 * rows.inertia_phi[0]
             found.append((crank, sides.shaft.moments(w2[None], way).total[0]))
@@ -278,7 +278,7 @@ class CoupledRuns:
         mode: np.ndarray,
         ways: tuple[np.ndarray, ...],
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Which way each side goes: as it moves, or as it sets off from rest."""
+        """Direction of each side: of its motion, or of its start from rest."""
         both_forth, both_back, forth, shaft_forth, back, shaft_back = self._free(sides, joined, moving, time)
         moment = coupling_pull(sides, joined._replace(mode=mode), moving[:, None], time[None]).moment[0]
         holds = mode == TOGETHER
@@ -293,7 +293,7 @@ class CoupledRuns:
     # Walks
 
     def _longest(self, who: np.ndarray) -> np.ndarray:
-        """Time to the next instant at which a moment over time, or the clutch, changes, or to the end [s]."""
+        """Time to the next change of a time-dependent torque or the clutch, or to the end of the run [s]."""
         time = self.time[who]
         instants = self.sides.crank.variants.instants[:, who] - self.joined.clock[who]
         knots = self.sides.coupling.times[:, who] - self.joined.engaged[who]
@@ -302,44 +302,44 @@ class CoupledRuns:
         return later.min(axis=0) - time
 
     def _goal(self, who: np.ndarray, faced: np.ndarray) -> np.ndarray:
-        """Angle turned that a walk goes to at most: an end, or a place to look at how the sides are joined."""
+        """Largest angle turned of a walk: the end of the run, or the next angle at which to check the joining."""
         ends, turned, joined = self.ends.some(who), self.state[TURNED, who], self.joined.some(who)
         end = np.where(faced > 0.0, np.minimum(ends.turned, ends.most_turned), ends.most_turned)
         ahead = end - faced * turned
-        # What may go on for ever is compared with itself from cycle to cycle.
+        # A run without an end is compared with itself from cycle to cycle.
         compared = np.isinf(ends.turned) & np.isinf(ends.time)
         cycles = (np.floor(faced * turned / self.cycle + NEARLY) + 1.0) * self.cycle
         ahead = np.where(compared, np.minimum(ahead, cycles - faced * turned), ahead)
-        # Where moments jump a clutch may break loose, and what stands may set off.
+        # Where torques jump, a clutch may break loose and a standing side start.
         looks = (joined.mode == TOGETHER) | (joined.shaft_way == 0.0)
         crank = self.sides.crank
         way = faced * crank.variants.direction[who]
         here = crank.start[who] + crank.variants.direction[who] * turned
         breaks = np.mod(way * (crank.variants.breaks.angles[:, who] - here), self.cycle)
-        # Rounding may put one that was just met on either side.
+        # Rounding may put the jump just passed on either side.
         breaks = np.where((breaks > JUMP) & (breaks < self.cycle - JUMP), breaks, np.inf)
         nearest = np.fmin.reduce(breaks, axis=0, initial=np.inf)
         return turned + faced * np.where(looks, np.minimum(ahead, nearest), ahead)
 
     def _first_pace(self, sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> np.ndarray:
-        """Length of a step to try first [s]."""
+        """Length of the first trial step [s]."""
         found = coupling_pull(sides, joined, moving[:, None], time[None])
         speed = np.maximum(np.abs(moving[CRANK_SPEED]), np.abs(moving[SHAFT_SPEED]))
         change = np.maximum(np.abs(found.crank[0]), np.abs(found.shaft[0]))
         fading = np.abs(found.on_crank.slope - moving[CRANK_SPEED] * found.rows.inertia_phi)[0] / found.rows.inertia[0]
         fading += np.abs(found.on_shaft.slope[0]) / sides.shaft.inertia
-        # A hundredth of the time that a radian takes; moments that pull speeds together leave less.
+        # A hundredth of the time per radian; less where torques pull the speeds together.
         first = 0.01 / np.maximum(np.maximum(speed, np.sqrt(change)), fading)
         if not sides.is_elastic:
             return first
-        # Within a backlash, less than it takes to cross it.
+        # Within a backlash, a quarter of the time it takes to cross it, at most.
         gap, rise = sides.coupling.backlash, np.abs(found.shaft[0] - found.crank[0])
         crossing = gap / (np.abs(moving[SHAFT_SPEED] - moving[CRANK_SPEED]) + np.sqrt(gap * rise))
         return np.where(joined.touch == 0.0, np.minimum(first, 0.25 * crossing), first)
 
     @staticmethod
     def _growing(sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> np.ndarray:
-        """Whether the moment of an elastic shaft, or out of touch its twist, rises or falls."""
+        """Sign of the rate of an elastic shaft's torque, or of its twist if out of contact."""
         found = coupling_pull(sides, joined, moving[:, None], time[None])
         slip = moving[SHAFT_SPEED] - moving[CRANK_SPEED]
         change = found.shaft[0] - found.crank[0]
@@ -347,7 +347,7 @@ class CoupledRuns:
         return np.sign(np.where(rate == 0.0, change, rate))
 
     def _walk(self, who: np.ndarray, method: int, faced: np.ndarray, goal: np.ndarray, longest: np.ndarray) -> Walks:
-        """Walk by a method, at most for a time [s] and up to an angle turned."""
+        """Walk by a method, for at most a time [s] and up to an angle turned."""
         sides, joined, system = self.sides.some(who), self.joined.some(who), self.sides.two.system
         sizes, own, state, time = system.sizes, sides.crank.variants, self.state[:, who].copy(), self.time[who]
         crank_moves, shaft_moves = joined.crank_way != 0.0, joined.shaft_way != 0.0
@@ -376,7 +376,7 @@ class CoupledRuns:
             first = self._first_pace(sides, joined, state[: SHAFT_SPEED + 1], time)
             self.pace[who] = np.where(new, self.longer * first, self.pace[who])
         waits = ~crank_moves & ~shaft_moves
-        # What nothing stops comes to rest in no time.
+        # A machine that nothing stops fades instead of coming to rest.
         floor = np.where(self._fades(who), FADED * self.highs[0, who], 0.0)
         lanes = {"start": sides.crank.start, "direction": own.direction, "facing": faced[0]}
         lanes |= {"clock": joined.clock + time, "goal": longest, "other_goal": goal, "tolerance": self.tolerance}
@@ -387,7 +387,7 @@ class CoupledRuns:
         return system.run(task, numbers, edges, nothing, lanes, state, recorded=RECORDED)
 
     def _advance(self, who: np.ndarray, method: int) -> None:
-        """Walk by a method as far as nothing changes, and see what does there."""
+        """Walk by a method until something changes, and handle the change."""
         joined = self.joined.some(who)
         faced, longest = faced_ways(joined), self._longest(who)
         goal = self._goal(who, faced[0])
@@ -407,14 +407,14 @@ class CoupledRuns:
         lost = who[(why == Why.LOST) | ((why == Why.STEEP) & (method == NINE))]
         self.steep[who] |= why == Why.STEEP
         self.once_steep[who[why == Why.STEEP]] = 1.0
-        # Reactions aren't finite where friction leaves no equilibrium.
+        # Friction without an equilibrium makes the reactions infinite.
         rubs = self.sides.crank.dynamics.friction is not None
         self.verdict[lost], self.done[lost] = Verdict.JAMS if rubs else Verdict.NOT_FINITE, True
         self.done[who[ended]] = True
         self._after(who, why, goal)
 
     def _see(self, who: np.ndarray, joined: Joined, before: np.ndarray, gone: Walks) -> None:
-        """Take in what is greatest and least on the way, from the recorded steps."""
+        """Update minima, maxima and peaks from the recorded steps."""
         made, shown = gone.steps.astype(int), SHOWN.size
         step, column = np.nonzero(np.arange(made.max())[:, None] < made)
         at, length, _, *rows = gone.recorded[step, :, column].T
@@ -439,16 +439,16 @@ class CoupledRuns:
                 observer.see(who[made > 0], piece)
 
     def _see_peaks(self, mine: np.ndarray, size: np.ndarray, time: np.ndarray) -> None:
-        """Take in the greatest moments of steps of some variants, by their sizes at instants, (instants, steps)."""
+        """Update the peak torques of some variants from magnitudes at instants of steps, (instants, steps)."""
         tops, share = highest(size)
         when, before = time[0] + share * (time[-1] - time[0]), self.peak[mine]
         np.fmax.at(self.peak, mine, tops)
         higher = np.flatnonzero((tops > before * (1.0 + SAME_PEAK)) & (tops == self.peak[mine]))
-        # Of steps with the same peak the first one counts.
+        # Ties go to the earlier step.
         self.peak_at[mine[higher[::-1]]] = when[higher[::-1]]
 
     def _moments(self, who: np.ndarray, joined: Joined, moving: np.ndarray, time: np.ndarray) -> np.ndarray:
-        """Moments of the coupling at instants of the steps of some variants, (instants, steps)."""
+        """Torques of the coupling at instants of the steps of some variants, (instants, steps)."""
         holds = (joined.mode == TOGETHER) & (joined.crank_way != 0.0)
         if self.sides.is_elastic:
             slip = moving[SHAFT_SPEED] - moving[CRANK_SPEED]
@@ -462,28 +462,28 @@ class CoupledRuns:
         if holds.any():
             sides, ways = self.sides.some(who[holds]), joined.crank_way[holds]
             there, moving = time[:, holds], moving[..., holds].copy()
-            # Moments jump at the ends of a step, not within it.
+            # Torques jump at the ends of a step, not within it.
             moving[TURNED, 0] += ways * sides.crank.beside(moving[TURNED, 0])
             moving[TURNED, -1] -= ways * sides.crank.beside(moving[TURNED, -1])
             found[:, holds] = coupling_pull(sides, joined.some(holds), moving, there).moment
         return found
 
-    # After a step
+    # After a walk
 
     def _after(self, who: np.ndarray, why: np.ndarray, goal: np.ndarray) -> None:
-        """What follows from where walks ended."""
+        """Handle the events that ended walks."""
 
         def met(*whys: int) -> np.ndarray:
             return who[np.isin(why, whys)]
 
         locked = met(LOCKS_UP)
         if locked.size:
-            # Of what rounding leaves between the speeds, the heavier side says more.
+            # The speeds differ by rounding: take their mean, weighted by inertia.
             sides, moving = self.sides.some(locked), self.state[:, locked]
             crank = sides.crank.at(moving[TURNED], moving[CRANK_SPEED], self.time[locked], np.ones(locked.size))
             crank, shaft = crank[0].inertia[0], sides.shaft.inertia
             both = (crank * moving[CRANK_SPEED] + shaft * moving[SHAFT_SPEED]) / (crank + shaft)
-            # A side that stands, or comes to rest just then, does.
+            # A standing crank stays at rest.
             both = np.where(self.joined.crank_way[locked] == 0.0, 0.0, both)
             self.state[CRANK_SPEED, locked] = self.state[SHAFT_SPEED, locked] = both
         rest = met(CRANK_RESTS)
@@ -517,16 +517,16 @@ class CoupledRuns:
         self._tell_endless(rest, at_mark, who)
 
     def _tell_endless(self, rest: np.ndarray, at_mark: np.ndarray, who: np.ndarray) -> None:
-        """Give up runs that never come to their end.
+        """Give up runs that never end.
 
-        Those that come no farther forward than when they came to rest the last time, that go as they did a cycle
-        before, that go ever more slowly and don't come to rest.
+        These are runs that swing no farther forward than at their last stop, that repeat the cycle before, or that
+        slow down for ever without stopping.
         """
         rest = rest[~self.done[rest] & self._never_changes(rest) & (self.joined.crank_way[rest] > 0.0)]
         turned = self.state[TURNED, rest]
         again = turned <= self.farthest_swing[rest] + SAME_SWING
         if self.ends.rest:
-            # What is lost in each swing brings it to rest.
+            # A run to rest gets there if each swing is smaller than the last.
             again &= turned >= self.farthest_swing[rest] - SAME_SWING
         self.farthest_swing[rest] = turned
         self._give_up(rest[again])
@@ -549,12 +549,12 @@ class CoupledRuns:
 
 
 def _grip(sides: CoupledSides, engaged: np.ndarray) -> np.ndarray:
-    """Moment that clutches hold [N·m] after they have been engaged for some time [s]."""
+    """Torque capacity of locked clutches [N·m], a given time after their engagement [s]."""
     return sides.coupling.capacity_at(engaged) * (1.0 + GRIP)
 
 
 def highest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Greatest of values at equal distances, the first axis, with the top of the quartic about it; and its place.
+    """Maximum of equally spaced values along the first axis, on the quartic around the largest; and its location.
 
     Parameters
     ----------
@@ -563,13 +563,13 @@ def highest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     Returns
     -------
     value, share : ndarray (steps,)
-        The share of the way from the first place to the last.
+        The location is a fraction of the interval from the first node to the last.
     """
     last, column = len(values) - 1, np.arange(values.shape[1])
     k = values.argmax(axis=0)
     centre = np.clip(k, 2, last - 2)
     a, b, c, d, e = (values[centre + way, column] for way in (-2, -1, 0, 1, 2))
-    # Derivatives of the quartic in its middle, over their factorials.
+    # Taylor coefficients of the quartic about its middle node.
     first, second = (a - 8.0 * b + 8.0 * d - e) / 12.0, (-a + 16.0 * b - 30.0 * c + 16.0 * d - e) / 24.0
     third, fourth = (e - 2.0 * d + 2.0 * b - a) / 12.0, (e - 4.0 * d + 6.0 * c - 4.0 * b + a) / 24.0
     begin = (k - centre).astype(float)

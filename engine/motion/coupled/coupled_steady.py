@@ -1,8 +1,8 @@
-"""Steady motion at two speeds, through a fluid coupling: the speeds of both sides that come back after a cycle.
+"""Steady running at two speeds, through a fluid coupling: speeds of both sides that return after a cycle.
 
-They are the fixed point of the map from one cycle of the crank to the next, by Newton's method; the derivatives of the
-map are differences of cycles that begin a little faster and slower. It starts from the speeds at which the mean moments
-over a cycle are in balance.
+They are the fixed point of the map from one cycle of the crank to the next, found by Newton's method. The Jacobian of
+the map follows from differences of cycles that start slightly faster and slower. The initial guess is the pair of
+speeds at which the mean torques over a cycle balance.
 """
 
 from collections.abc import Sequence
@@ -19,21 +19,21 @@ from engine.motion.runs.watching import Observer
 from engine.motion.settled.steady import no_load_speed
 from engine.words.verdicts import Verdict
 
-# Speeds come back to so much of themselves; where steps keep them from it, to so much, if nothing is gained any more.
+# Relative tolerance of the speeds after a cycle; the tolerance accepted where step errors stall the convergence.
 RETURNED, NEARLY = 1e-10, 1e-7
 MOST_ROUNDS = 40
-# Share of a speed by which cycles begin faster and slower: what it bends and what steps miss weigh about the same.
+# Relative speed difference for the Jacobian: curvature of the map and step errors weigh about the same.
 APART = 3e-4
-# Greatest change of a speed at once, of itself.
+# Maximum relative change of a speed per iteration.
 FARTHEST = 0.3
-# A disturbance that neither grows nor fades, to so much, leaves the speed undecided.
+# Relative tolerance within which a multiplier of 1 leaves the speed undetermined.
 UNDECIDED = 1e-6
-# Speeds, of the no-load speed, and crank angles at which mean moments are looked at.
+# Numbers of speeds and of crank angles at which mean torques are computed; highest speed over the no-load speed.
 SPEEDS, PLACES, HIGHEST = 96, 64, 1.3
 
 
 class CoupledSteady(NamedTuple):
-    """Steady motion at two speeds; arrays (variants,).
+    """Steady running at two speeds; arrays (variants,).
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class CoupledSteady(NamedTuple):
     speeds : ndarray (2, variants)
         Of the crank and of the shaft at φ = 0, reduced to the crank [rad/s].
     multiplier : ndarray
-        By which the largest of small disturbances grows from cycle to cycle.
+        Largest factor by which a small disturbance grows per cycle.
     residual : ndarray
         Relative difference of the speeds after a cycle.
     """
@@ -53,16 +53,16 @@ class CoupledSteady(NamedTuple):
 
 
 def settled_at_two_speeds(sides: CoupledSides, precision: Precision) -> CoupledSteady:
-    """Find the steady motion of machines with a fluid coupling.
+    """Find the steady running of machines with a fluid coupling.
 
     Parameters
     ----------
     sides : CoupledSides
-        From φ = 0 on.
+        Starting at φ = 0.
     precision : Precision
     """
     count = sides.count
-    # A cycle from the speeds themselves, and from either of them a little higher and lower.
+    # A cycle from the speeds themselves, and from each of them slightly raised and lowered.
     begun = np.array([[1.0, 1.0 + APART, 1.0 - APART, 1.0, 1.0], [1.0, 1.0, 1.0, 1.0 + APART, 1.0 - APART]])
     ways = begun.shape[1]
     every = sides.some(np.tile(np.arange(count), ways)) if count else sides
@@ -89,7 +89,7 @@ def settled_at_two_speeds(sides: CoupledSides, precision: Precision) -> CoupledS
         limit = np.abs(change / here).max(axis=0) / FARTHEST
         change = change / np.maximum(limit, 1.0)
         good[:, pending] = np.where(whole, here, good[:, pending])
-        # Where a cycle isn't come through, back half of the way to where one was.
+        # Where a cycle fails, go half of the distance back to speeds where one succeeded.
         ahead = np.where(whole, here + change, 0.5 * (here + good[:, pending]))
         x[:, pending] = np.where(settled, here, ahead)
         verdict[pending[whole & undecided & ~settled]] = Verdict.ANY_SPEED
@@ -104,15 +104,15 @@ def settled_at_two_speeds(sides: CoupledSides, precision: Precision) -> CoupledS
 def one_cycle(
     sides: CoupledSides, speeds: np.ndarray, precision: Precision, observers: Sequence[Observer] = ()
 ) -> CoupledOutcome:
-    """A cycle of the crank from φ = 0 on.
+    """One cycle of the crank, starting at φ = 0.
 
     Parameters
     ----------
     sides : CoupledSides
     speeds : ndarray (2, variants)
-        Of the crank and of the shaft at its begin, reduced to the crank [rad/s].
+        Of the crank and of the shaft at the start, reduced to the crank [rad/s].
     precision, observers
-        As of `run_coupled`.
+        As for `run_coupled`.
     """
     zero, never = np.zeros(sides.count), np.full(sides.count, np.inf)
     cycle = np.full(sides.count, sides.crank.dynamics.cycle)
@@ -121,7 +121,7 @@ def one_cycle(
 
 
 def _newton(slopes: np.ndarray, off: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Greatest multiplier, the change of both speeds that makes the map's fixed point, and whether there is none."""
+    """Largest multiplier, Newton's correction of both speeds, and whether the fixed point is undetermined."""
     (a, b), (c, d) = slopes
     (p, q), det = (1.0 - a, 1.0 - d), (1.0 - a) * (1.0 - d) - b * c
     change = np.array([q * off[0] + b * off[1], c * off[0] + p * off[1]]) / det
@@ -131,7 +131,7 @@ def _newton(slopes: np.ndarray, off: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 
 def _in_balance(sides: CoupledSides) -> tuple[np.ndarray, np.ndarray]:
-    """Verdicts, and the greatest speeds of both sides, (2, variants), at which mean moments are in balance."""
+    """Verdicts, and the highest speeds of both sides, (2, variants), at which the mean torques balance."""
     crank, shaft, count = sides.crank, sides.shaft.form, sides.count
     (own, on_crank), (_, on_shaft) = tops = [no_load_speed(side.variants) for side in (crank, shaft)]
     top = HIGHEST * np.where(on_crank | on_shaft, np.fmax(*(top * driven for top, driven in tops)), own)
@@ -153,7 +153,7 @@ def _in_balance(sides: CoupledSides) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _highest_balance(speeds: np.ndarray, moments: np.ndarray) -> np.ndarray:
-    """The greatest of falling speeds (speeds, variants) below which moments begin to drive; NaN where none do."""
+    """Highest of descending speeds (speeds, variants) below which the torques drive; NaN if none."""
     drives = (moments[1:] >= 0.0) & (moments[:-1] < 0.0)
     at, lane = drives.argmax(axis=0), np.arange(moments.shape[1])
     low, high = moments[at + 1, lane], moments[at, lane]

@@ -1,7 +1,8 @@
-"""A run of a machine on an elastic shaft, over time: I₁φ̈₁ = M_m − T, I(φ₂)φ̈₂ + ½I′φ̇₂² = T + M, T = kq + bq̇.
+"""Run of a machine on an elastic shaft, over time: I₁φ̈₁ = M_m − T, I(φ₂)φ̈₂ + ½I′φ̇₂² = T + M, T = kq + bq̇.
 
-It is a run at two speeds, of the machine and of the motors' end. Where the machine comes to a stop it goes on, turns
-back, or sticks until the shaft's moment overcomes what resists, whichever way; with a backlash, touch is lost and made.
+It is a run at two speeds, those of the machine and of the motor end. Where the machine stops it continues, turns back,
+or sticks until the shaft's torque overcomes the resistance in either direction. With backlash, contact opens and
+closes.
 """
 
 from collections.abc import Sequence
@@ -16,23 +17,23 @@ from engine.motion.coupled.two_speeds import CRANK_SPEED, SHAFT_SPEED, SHAFT_TUR
 from engine.motion.runs.watching import Observer
 from engine.words.verdicts import Verdict
 
-# A run is forecast by steps of so many radians of the shaft's vibration, and refused where it needs too many.
+# Radians of the shaft's vibration per step, for the forecast of the number of steps; more than MOST_STEPS are refused.
 FINEST, MOST_STEPS = 0.3, 200_000
-# State of a run: twist, speed at the motors' end, angle turned by the machine, its speed.
+# State of a run: twist, speed at the motor end, angle turned by the machine, its speed.
 STATE = [SHAFT_TURNED, SHAFT_SPEED, TURNED, CRANK_SPEED]
 
 
 class ElasticRun(NamedTuple):
-    """What machines did, (variants,): greatest magnitude of the shaft's moment and when, state at the end, stops.
+    """Results, (variants,): peak shaft torque and its time, state at the end, numbers of stops and closings.
 
     Attributes
     ----------
     greatest, greatest_at : ndarray
-        [N·m], [s].
+        Peak magnitude of the shaft torque [N·m], and its time [s].
     state : ndarray (4, variants)
-        Twist [rad], speed at the motors' end [rad/s], angle turned [rad], speed of the machine [rad/s].
+        Twist [rad], speed at the motor end [rad/s], angle turned [rad], speed of the machine [rad/s].
     stops, closings : ndarray
-        How often the machine came to a stop on the way, and how often the backlash closed.
+        How often the machine stopped during the run, and how often the backlash closed.
     verdict : ndarray of uint8
     """
 
@@ -45,7 +46,7 @@ class ElasticRun(NamedTuple):
 
 
 def steps_on_shaft(frequency: np.ndarray, duration: np.ndarray) -> np.ndarray:
-    """About how many steps a run takes by the shaft's vibration, (variants,); 0 where it isn't followed.
+    """Approximate number of steps of a run for the shaft's vibration, (variants,); 0 if the run is refused.
 
     Parameters
     ----------
@@ -66,7 +67,7 @@ def run_on_shaft(
     precision: Precision = FINE,
     observers: Sequence[Observer] = (),
 ) -> ElasticRun:
-    """Follow machines on their shafts.
+    """Run machines on their shafts.
 
     Parameters
     ----------
@@ -75,12 +76,12 @@ def run_on_shaft(
     frequency : ndarray (variants,)
         Natural frequency [rad/s].
     begin : ndarray (4, variants)
-        State at the begin, the twist without backlash; a shaft that begins at rest has to close all of it.
+        Initial state, the twist without backlash; a shaft initially at rest has to close all of it.
     duration : ndarray (variants,)
         [s].
     precision : Precision
     observers : sequence of Observer
-        They see a `CoupledPiece` of each walk.
+        Each receives a `CoupledPiece` of every walk.
     """
     twist, motor, turned, machine = begin
     backlash, never, zero = sides.coupling.backlash, np.full_like(duration, np.inf), np.zeros_like(duration)
@@ -90,7 +91,7 @@ def run_on_shaft(
     touch = np.where(backlash > 0.0, np.where(at_rest, 0.0, np.where(twist < 0.0, -1.0, 1.0)), 1.0)
     runs.joined.touch[:] = touch
     runs.state[TURNED], runs.state[SHAFT_TURNED] = turned, twist - np.where(touch < 1.0, backlash, 0.0)
-    # No steps are lost on what so many can't follow.
+    # Refused variants take no steps.
     hopeless = steps_on_shaft(frequency, duration) == 0.0
     runs.done |= hopeless | (duration <= 0.0)
     runs.go_to_end()
@@ -99,17 +100,17 @@ def run_on_shaft(
 
 
 class ElasticHistory:
-    """Keeps what it sees of the first variant: time, state and moment of the shaft, (6, instants)."""
+    """Stores the first variant: time, state and torque of the shaft, (6, instants)."""
 
     def __init__(self) -> None:
         self._seen: list[np.ndarray] = []
 
     def see(self, who: np.ndarray, piece: CoupledPiece) -> None:
-        """Keep a piece."""
+        """Store a segment."""
         if who[0] == 0:
             self._seen.append(np.array([piece.time, *piece.moving[STATE], piece.moment])[:, :, 0])
 
     @property
     def rows(self) -> np.ndarray:
-        """All of it."""
+        """The stored rows, (6, instants)."""
         return np.concatenate(self._seen, axis=1)

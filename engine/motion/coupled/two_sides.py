@@ -1,7 +1,7 @@
-"""The two sides of a coupling: the crank with all that turns with it, and the shaft with what is on it.
+"""The two sides of a coupling: the crank with everything geared to it, and the shaft with its masses.
 
-Everything is reduced to the crank: speeds and angles of the shaft over its ratio, moments times it. Where the coupling
-holds, both sides then turn alike.
+All quantities are reduced to the crank: speeds and angles of the shaft are divided by its ratio, torques multiplied by
+it. Locked sides then turn at the same speed.
 """
 
 from functools import cached_property
@@ -26,25 +26,25 @@ if TYPE_CHECKING:
 
 
 def coupling_of(scene: Scene) -> tuple[str, Coupling] | None:
-    """Name and model of a scene's coupling; None where it has none."""
+    """Name and model of a scene's coupling; None without one."""
     return next(iter(scene.couplings.items()), None)
 
 
 class CouplingNumbers(NamedTuple):
-    """Numbers of a coupling, of a number of variants.
+    """Numbers of a coupling, for a number of variants.
 
     Attributes
     ----------
     ratio : ndarray (variants,)
-        Speed of the shaft over the crank's, by magnitude.
+        Magnitude of the shaft's speed over the crank's.
     times : ndarray (rows, variants)
-        From when it is engaged on [s], at which its capacity bends.
+        Knots of the capacity, from the engagement on [s].
     capacity : ndarray (rows, variants)
-        There, reduced to the crank [N·m]; no rows of a fluid coupling.
+        Capacity at the knots, reduced to the crank [N·m]; no rows for a fluid coupling.
     fluid : ndarray (variants,)
-        Reduced moment of a fluid coupling over λ ω² [kg·m²].
+        Reduced torque of a fluid coupling over λ ω² [kg·m²].
     coefficient : PPoly or None
-        λ by the slip.
+        λ over slip.
     """
 
     ratio: np.ndarray
@@ -54,11 +54,11 @@ class CouplingNumbers(NamedTuple):
     coefficient: PPoly | None
 
     def some(self, who: np.ndarray) -> "CouplingNumbers":
-        """Of some of the variants, by index."""
+        """A subset of the variants, by index."""
         return CouplingNumbers(*(rows[..., who] for rows in self[:4]), self.coefficient)
 
     def capacity_at(self, engaged: np.ndarray) -> np.ndarray:
-        """Greatest moment of a clutch [N·m] that has been engaged for some time [s]."""
+        """Torque capacity of a clutch [N·m], a given time after its engagement [s]."""
         value = np.broadcast_to(self.capacity[0], engaged.shape)
         pieces = zip(self.times, self.times[1:], self.capacity, self.capacity[1:], strict=False)
         for begin, end, low, high in pieces:
@@ -68,7 +68,7 @@ class CouplingNumbers(NamedTuple):
         return value
 
     def fluid_moment(self, crank: np.ndarray, shaft: np.ndarray) -> np.ndarray:
-        """Moment of a fluid coupling on the crank [N·m], by the speeds of both sides."""
+        """Torque of a fluid coupling on the crank [N·m], from the speeds of both sides."""
         shaft_drives = np.abs(shaft) >= np.abs(crank)
         fast, slow = np.where(shaft_drives, shaft, crank), np.where(shaft_drives, crank, shaft)
         moment = self.fluid * fluid_coupling_moment(self.coefficient(slip_of(fast, slow)), 1.0, fast, 1.0)
@@ -84,15 +84,15 @@ class ElasticNumbers(NamedTuple):
 
     @property
     def times(self) -> np.ndarray:
-        """Nothing about it changes by itself."""
+        """Empty: nothing about the shaft depends on time."""
         return np.zeros((0, self.stiffness.size))
 
     def some(self, who: np.ndarray) -> "ElasticNumbers":
-        """Of some of the variants, by index."""
+        """A subset of the variants, by index."""
         return ElasticNumbers(*(row[who] for row in self))
 
     def moment(self, touch: np.ndarray, twist: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Moment of the shaft [N·m]."""
+        """Torque of the shaft [N·m]."""
         return touching_moment(tuple(self), touch, twist, slip)
 
 
@@ -105,7 +105,7 @@ def coupling_numbers(scene: Scene, numbers: Numbers, count: int) -> CouplingNumb
         With a coupling.
     numbers : Numbers
     count : int
-        How many variants there are.
+        Number of variants.
     """
     name, coupling = coupling_of(scene)
     at, none = f"couplings.{name}", np.zeros((0, count))
@@ -138,7 +138,7 @@ class ShaftSide(NamedTuple):
     Attributes
     ----------
     form : EquationOfMotion
-        Of what acts on the shaft, its speed reduced to the crank.
+        Of the torques on the shaft, its speed reduced to the crank.
     inertia : ndarray (variants,)
         Reduced to the crank [kg·m²].
     """
@@ -147,31 +147,30 @@ class ShaftSide(NamedTuple):
     inertia: np.ndarray
 
     def moments(self, omega: np.ndarray, facing: np.ndarray) -> Moments:
-        """Moments at speeds (instants, variants); `facing` ±1 is the way that resistances resist."""
+        """Torques at speeds (instants, variants); `facing` ±1 is the direction that resistances oppose."""
         still = np.zeros_like(omega)
         return self.form.along(still, omega, still, facing)[1]
 
 
-# How the sides are joined: held together, slipping forwards (the shaft is faster) or backwards, free of each other, or
-# by a fluid.
+# Joining of the sides: locked, slipping forwards (the shaft is faster) or backwards, disconnected, or by a fluid.
 TOGETHER, FORWARDS, BACKWARDS, APART, FLUID = 0, 1, -1, 2, 3
 
 
 class Joined(NamedTuple):
-    """How both sides of every variant are in a phase of the motion; arrays (variants,).
+    """Joining and directions of both sides during a phase of the motion; arrays (variants,).
 
     Attributes
     ----------
     mode : ndarray of int
         TOGETHER, FORWARDS, …
     crank_way, shaft_way : ndarray
-        +1 or −1, the way each side moves, 0 where it stands.
+        Direction of motion of each side, +1 or −1; 0 if it stands.
     clock : ndarray
-        Time of moments over time, at the begin of the run [s].
+        Clock time of time-dependent torques at the start of the run [s].
     engaged : ndarray
-        For how long the coupling has been engaged, at the begin of the run [s].
+        Time since the coupling was engaged, at the start of the run [s].
     touch : ndarray
-        Where an elastic shaft is in touch: +1 forwards, −1 backwards, 0 nowhere.
+        Contact of an elastic shaft: +1 forward, −1 backward, 0 none.
     """
 
     mode: np.ndarray
@@ -182,12 +181,12 @@ class Joined(NamedTuple):
     touch: np.ndarray
 
     def some(self, who: np.ndarray) -> "Joined":
-        """Of some of the variants, by index."""
+        """A subset of the variants, by index."""
         return Joined(*(row[who] for row in self))
 
 
 class CoupledSides(NamedTuple):
-    """Both sides of a coupling, of a number of variants.
+    """Both sides of a coupling, for a number of variants.
 
     Attributes
     ----------
@@ -195,7 +194,7 @@ class CoupledSides(NamedTuple):
     shaft : ShaftSide
     coupling : CouplingNumbers or ElasticNumbers
     open : bool
-        Whether the coupling is open, and transmits nothing.
+        Whether the coupling is open and transmits nothing.
     two : TwoSides or OnElasticShaft
     """
 
@@ -207,7 +206,7 @@ class CoupledSides(NamedTuple):
 
     @property
     def count(self) -> int:
-        """How many variants."""
+        """Number of variants."""
         return self.crank.variants.count
 
     @property
@@ -217,16 +216,16 @@ class CoupledSides(NamedTuple):
 
     @property
     def is_fluid(self) -> bool:
-        """Whether it is a fluid coupling that is not open."""
+        """Whether the coupling is a fluid coupling that is not open."""
         return not (self.is_elastic or self.open) and self.coupling.coefficient is not None
 
     def some(self, who: np.ndarray) -> "CoupledSides":
-        """Of some of the variants, by index."""
+        """A subset of the variants, by index."""
         shaft = ShaftSide(self.shaft.form.some(who), self.shaft.inertia[who])
         return self._replace(crank=self.crank.some(who), shaft=shaft, coupling=self.coupling.some(who))
 
     def numbers(self, joined: Joined) -> np.ndarray:
-        """Numbers of the motion at two speeds, (numbers, variants), but for the joining's and for what ends it."""
+        """Numbers of the motion at two speeds, (numbers, variants), without those of the joining and of the ends."""
         faced = faced_ways(joined)
         found = np.empty((len(self.two.system.functions.rows), self.count))
         for way in (1.0, -1.0):
@@ -237,7 +236,7 @@ class CoupledSides(NamedTuple):
         return found
 
     def _facing(self, way: float, other: float) -> np.ndarray:
-        """So of variants whose crank and shaft face one way each, +1 or −1."""
+        """The same for variants whose crank and shaft have the directions given, +1 or −1."""
         key, kept = ("two speeds", way, other), self.crank.variants.kept
         if key not in kept:
             system, variants = self.two.system, self.crank.variants
@@ -260,17 +259,17 @@ class CoupledSides(NamedTuple):
 
 
 def faced_ways(joined: Joined) -> tuple[np.ndarray, np.ndarray]:
-    """The way each side faces, +1 or −1; sides that stand face forward."""
+    """Direction that each side faces, +1 or −1; standing sides face forwards."""
     return np.where(joined.crank_way < 0.0, -1.0, 1.0), np.where(joined.shaft_way < 0.0, -1.0, 1.0)
 
 
 class Pull(NamedTuple):
-    """What moves both sides at some instants, each (instants, variants).
+    """Torques and accelerations of both sides at some instants, each (instants, variants).
 
     Attributes
     ----------
     moment : ndarray
-        Of the coupling on the crank [N·m]; of sides held together what it takes.
+        Torque of the coupling on the crank [N·m]; for locked sides the torque required.
     crank, shaft : ndarray
         Accelerations [rad/s²].
     rows : Rows
@@ -287,7 +286,7 @@ class Pull(NamedTuple):
 
 
 def coupling_pull(sides: CoupledSides, joined: Joined, moving: np.ndarray, time: np.ndarray) -> Pull:
-    """What moves both sides.
+    """Torques and accelerations of both sides.
 
     Parameters
     ----------
@@ -296,7 +295,7 @@ def coupling_pull(sides: CoupledSides, joined: Joined, moving: np.ndarray, time:
     moving : ndarray (4, instants, variants)
         Angle and speed of the crank, and of the shaft.
     time : ndarray (instants, variants)
-        Since the begin of the run [s].
+        From the start of the run [s].
     """
     turned, w1, _, w2 = moving
     faced, holds = faced_ways(joined), joined.mode == TOGETHER
@@ -322,13 +321,13 @@ def coupling_pull(sides: CoupledSides, joined: Joined, moving: np.ndarray, time:
 
 
 class OnElasticShaft:
-    """What acts on either side of an elastic shaft: loads on the machine, motors at the other end.
+    """Actions on both sides of an elastic shaft: loads on the machine, motors at the other end.
 
     Parameters
     ----------
     reduction : Reduction
     off : frozenset of str
-        Actions that don't act.
+        Inactive actions.
 
     Attributes
     ----------
@@ -343,7 +342,7 @@ class OnElasticShaft:
 
     @cached_property
     def system(self) -> MachineSystem:
-        """The equation of motion of both sides, its functions printed."""
+        """Equation of motion of both sides, with its printed functions."""
         mechanics = self.crank.reduction.mechanics
         return MachineSystem(*at_two_speeds(mechanics, None, 0, self._motors, self._loads, False, False), mechanics)
 
@@ -353,11 +352,11 @@ class OnElasticShaft:
         Parameters
         ----------
         bare : Variants
-            Without what turns at the motors' end.
+            Without the inertia of the motor end.
         start : ndarray (variants,)
-            Crank angle where the angle turned is 0 [rad].
+            Crank angle at zero angle turned [rad].
         shaft : ndarray (3, variants)
-            Stiffness, damping, inertia at the motors' end.
+            Stiffness, damping, inertia of the motor end.
         backlash : ndarray (variants,)
             [rad].
         """
@@ -368,17 +367,17 @@ class OnElasticShaft:
 
 
 class TwoSides:
-    """What acts on either side of a scene's coupling in one of its regimes.
+    """Actions on both sides of a scene's coupling in one of its regimes.
 
     Parameters
     ----------
     reduction : Reduction
     off : frozenset of str
-        Actions that don't act, and the coupling where it is open.
+        Inactive actions, and the coupling if it is open.
     works : bool
-        Whether the works of useful and harmful loads, … are told apart.
+        Whether the works of useful and harmful loads, … are integrated separately.
     friction : PairLoads, optional
-        The moment that stands for friction in the pairs, if any rub.
+        For the torque equivalent to friction in the pairs, if they have any.
 
     Attributes
     ----------
@@ -402,7 +401,7 @@ class TwoSides:
 
     @cached_property
     def system(self) -> MachineSystem:
-        """The equation of motion of both sides, its functions printed."""
+        """Equation of motion of both sides, with its printed functions."""
         mechanics, coupling = self.crank.reduction.mechanics, self.coupling
         knots = 0
         if isinstance(coupling, FrictionClutch):
@@ -411,11 +410,11 @@ class TwoSides:
         return MachineSystem(*at_two_speeds(mechanics, coupling, knots, *acting, self.crank.works, rubs), mechanics)
 
     def without_shaft(self, numbers: Numbers, count: int) -> Numbers:
-        """Numbers of machines whose crank is rid of the coupled shaft's inertia."""
+        """Numbers of machines without the coupled shaft's inertia on the crank."""
         return numbers.with_values({f"shafts.{self.coupling.shaft}.inertia": np.zeros(count)})
 
     def without_inertia(self, whole: Variants) -> np.ndarray:
-        """Of which variants a side has none, (variants,) of bool."""
+        """Whether a side lacks inertia, (variants,) of bool."""
         sides = self.of(whole, np.zeros(whole.count))
         return self.crank.reduction.without_inertia(sides.crank.variants) | (sides.shaft.inertia <= 0.0)
 
@@ -427,7 +426,7 @@ class TwoSides:
         whole : Variants
             With the inertia of everything.
         start : ndarray (variants,)
-            Crank angle where the angle turned is 0 [rad].
+            Crank angle at zero angle turned [rad].
         """
         count, n = whole.count, whole.numbers
         numbers = self.without_shaft(n, count)

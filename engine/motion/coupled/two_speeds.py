@@ -1,11 +1,11 @@
-"""The equation of motion of a machine at two speeds: those of the crank and of the shaft behind a coupling.
+"""Equation of motion of a machine at two speeds: those of the crank and of the shaft on the other side of a coupling.
 
-I ε₁ + ½ω₁² dI/dφ = M₁ + T and J ε₂ = M₂ − T, with the coupling's moment T on the crank; a clutch that holds makes both
-sides one, (I + J) ε + ½ω² dI/dφ = M₁ + M₂. An elastic shaft has T = k q + b q̇ with its twist q = φ₂ − φ₁, counted from
-where it is just in touch forwards; with a backlash Δ, T = k (q + Δ) + b q̇ in touch backwards, and none between.
+I ε₁ + ½ω₁² dI/dφ = M₁ + T and J ε₂ = M₂ − T, with the coupling's torque T on the crank. A locked clutch makes both
+sides one: (I + J) ε + ½ω² dI/dφ = M₁ + M₂. An elastic shaft has T = k q + b q̇; its twist q = φ₂ − φ₁ is zero at first
+forward contact. With a backlash Δ, T = k (q + Δ) + b q̇ in backward contact, and T = 0 between contacts.
 
-Everything is reduced to the crank. Each side has a speed that is never negative, and faces the way it goes: its moments
-count that way, T in the direction of motion.
+All quantities are reduced to the crank. Each side has a non-negative speed and a direction of motion; torques on it
+count in that direction, T in the machine's direction of motion.
 """
 
 from typing import NamedTuple
@@ -23,23 +23,22 @@ from engine.motion.one_speed import SLOPES, Sizes, friction_of, inertia_with_fly
 from engine.parts.couplings import Coupling, FluidCoupling
 from engine.stepping.system import Guard, System
 
-# Share of the moments by which they exceed what holds a standing side, where it sets off.
+# Relative excess of the driving torque at breakaway.
 SURELY = 1e-11
-# By this share of its capacity a clutch holds more than it transmits slipping: less than any step misses.
+# Relative excess of a clutch's static capacity over its slipping torque: below the error of any step.
 GRIP = 1e-11
-# A clutch that slips against its sense by more than this share of the speeds is judged again.
+# The sign of the slip is decided again once a clutch slips the other way by more than this fraction of the speeds.
 ASTRAY = 1e-9
-# States, and what is gathered besides the works of the motors and of each channel; behind an elastic shaft the third
-# state is its twist.
+# States, and the integrals other than the works of each channel; with an elastic shaft the third state is its twist.
 TURNED, CRANK_SPEED, SHAFT_TURNED, SHAFT_SPEED = range(4)
 GATHERED = ("heat", "slipped", "squares", "motors")
 
 
 @scalar
 def fluid_moment(memory: np.ndarray, table: float, factor: float, crank: float, shaft: float) -> float:
-    """Moment of a fluid coupling on the crank by the speeds of both sides, from the table of λ by the slip.
+    """Torque of a fluid coupling on the crank from the speeds of both sides and the table of λ over slip.
 
-    `factor` is the moment over λ ω² [kg·m²].
+    `factor` is the torque over λ ω² [kg·m²].
     """
     shaft_drives = abs(shaft) >= abs(crank)
     fast, slow = (shaft, crank) if shaft_drives else (crank, shaft)
@@ -52,41 +51,41 @@ def fluid_moment(memory: np.ndarray, table: float, factor: float, crank: float, 
 
 @scalar
 def ramp(x: float, begin: float, end: float) -> float:
-    """Share of the way from a begin to an end that x has come; 0 before it, 1 behind it."""
+    """Linear ramp of x from 0 at `begin` to 1 at `end`, constant outside."""
     share = (x - begin) / (end - begin)
     return 0.0 if x <= begin else 1.0 if share >= 1.0 else share
 
 
 class Joining(NamedTuple):
-    """Numbers that say how the sides are joined.
+    """Numbers that define how the sides are joined.
 
     Attributes
     ----------
     holds : Given
-        1 where a clutch holds, else 0.
+        1 if a clutch is locked, else 0.
     sense : Given
-        +1 or −1: the way a clutch slips, forwards where the shaft is faster; 0 where it doesn't.
+        Sign of a clutch's slip, +1 if the shaft is faster, −1 if slower; 0 without slip.
     moves, shaft_moves : Given
-        1 where a side moves, 0 where it stands.
+        1 if a side moves, 0 if it stands.
     fluid : Given
-        Moment of a fluid coupling over λ ω² [kg·m²].
+        Torque of a fluid coupling over λ ω² [kg·m²].
     engaged : Given
-        When the coupling was engaged, by the clock [s].
+        Clock time at which the coupling was engaged [s].
     times, capacity : tuple of Given
-        From then on [s], and the moment that a clutch transmits there [N·m].
+        Times after the engagement [s], and the torque a clutch transmits then [N·m].
     shaft_inertia : Given
         Reduced to the crank [kg·m²].
     stiffness, damping, backlash : Given
         Of an elastic shaft [N·m/rad, N·m·s/rad, rad].
     touch : Given
-        1 where it touches forwards, −1 backwards, 0 nowhere.
+        Contact of the elastic shaft: 1 forward, −1 backward, 0 none.
     growing : Given
-        +1 or −1: whether its moment, or out of touch its twist, rises or falls.
+        +1 or −1: whether its torque (its twist, if out of contact) rises or falls.
     resists, shaft_resists : Given
-        Sum of the moments on a standing side, forwards and backwards, each the way it would go: twice what resists
-        there, below zero [N·m].
+        Sum of the torques on a standing side for a start forwards and one backwards, each positive in the direction of
+        the start: minus twice the resistance [N·m].
     never : tuple of Given
-        Infinite for guards that don't count, in their order, else 0.
+        Infinite for inactive guards, in their order, else 0.
     """
 
     holds: Given
@@ -128,9 +127,9 @@ def _joining(mechanics: Mechanics, guards: tuple[str, ...], knots: int) -> Joini
     return Joining(**several, **{name: number(name) for name in Joining._fields if name not in several})
 
 
-# Derivative of the moment of an elastic shaft by the slip.
+# Derivative of the torque of an elastic shaft with respect to the slip.
 BY_SLIP = {touching_moment: {5: lambda _, damping, __, touch, *___: damping * (touch * touch)}}
-# What ends a walk besides speeds, in the order of its guards.
+# Events that end a walk apart from speed limits, in the order of the guards.
 ENDINGS = ("crank rests", "shaft rests", "locks up", "astray", "breaks loose", "sets off", "touch", "turns")
 
 
@@ -143,7 +142,7 @@ def at_two_speeds(
     works: bool,
     rubs: bool,
 ) -> tuple[System, TwoSizes]:
-    """The equation of motion of both sides of a coupling.
+    """Equation of motion of both sides of a coupling.
 
     Parameters
     ----------
@@ -151,13 +150,13 @@ def at_two_speeds(
     coupling : Coupling or None
         None for an elastic shaft.
     knots : int
-        How many instants a clutch's capacity goes by.
+        Number of instants that define a clutch's capacity over time.
     on_shaft, elsewhere : frozenset of str
         Actions on the coupled shaft, and all others.
     works : bool
-        Whether the works of useful and harmful loads, … are told apart.
+        Whether the works of useful and harmful loads, … are integrated separately.
     rubs : bool
-        Whether there is friction in pairs.
+        Whether pairs have friction.
     """
     graph, inertia = mechanics.graph, inertia_with_flywheel(mechanics)[0]
     labels = ("angle turned", "speed of a state", "angle turned by the shaft", "speed of the shaft")
@@ -176,7 +175,7 @@ def at_two_speeds(
         capacity = capacity + (joining.capacity[i] - joining.capacity[i - 1]) * rise
     own, other = joining.shaft_inertia, shaft.facing
     of_inertia, unknown = (0.5 * speed * speed) * (crank.way * mechanics.reduced.slope), {}
-    # Motors and fluids make a step stiff; friction doesn't, and its derivative is as long as all reactions.
+    # Motors and fluids make steps stiff. Friction doesn't, and its derivative is as long as all reactions.
     smooth, m2 = of_crank.total - of_inertia, of_shaft.total
     if rubs:
         unknown[speed] = graph.given("acceleration", Stage.STATE)
@@ -197,10 +196,10 @@ def at_two_speeds(
         apart = joining.sense * capacity
 
     def moved(m1: Node) -> tuple[Node, Node, Node]:
-        """Moment of a clutch that holds, and the accelerations of both sides."""
+        """Torque of a locked clutch, and the accelerations of both sides."""
         held, rises = apart, ((m1 + crank.facing * apart) / inertia, (m2 - other * apart) / own)
         if knots:
-            # Sides that hold face the same way.
+            # Locked sides have the same direction.
             together = (m1 + m2) / (inertia + own)
             held = other * (m2 - own * together)
             rises = tuple(joining.holds * together + (1.0 - joining.holds) * alone for alone in rises)
@@ -233,7 +232,7 @@ def at_two_speeds(
     slopes = [[derivative(rise, by, SLOPES | BY_SLIP) for by in (speed, shaft_speed)] for rise in moved(smooth)[1:]]
     steepness = graph.apply(greater, *(abs(a) + abs(b) for a, b in slopes))
     rates, none = (ahead, rises[0], slip if coupling is None else shaft_ahead, rises[1]), graph.zero
-    # A shaft's stiffness isn't among the slopes.
+    # The stiffness of a shaft isn't among the slopes.
     solved = () if coupling is None else tuple(slope for row in slopes for slope in row)
     system = System(
         "time", states, unknown, rates, gathered, speed, none, steepness, rises[0], solved, (), tuple(guards), clock
@@ -242,8 +241,8 @@ def at_two_speeds(
 
 
 def _held_back(joining: Joining, capacity: Node, moment: Node, m1: Node, m2: Node) -> Node:
-    """By how much what holds standing sides exceeds the moments that would set one off, either way."""
-    # What resists doesn't change with the way, and all else changes sign.
+    """Margin of the resistances of standing sides over the torques that would start one, in either direction."""
+    # Resistances keep their sign when the direction reverses; all other torques change it.
     graph, m1_back, m2_back = m1.graph, joining.resists - m1, joining.shaft_resists - m2
 
     def most(*nodes: Node) -> Node:
@@ -252,7 +251,7 @@ def _held_back(joining: Joining, capacity: Node, moment: Node, m1: Node, m2: Nod
             first = graph.apply(greater, first, node)
         return first
 
-    # What moves doesn't set off.
+    # A moving side doesn't start.
     never = graph.constant(-1e300)
     alone = most(m1 + moment, m1_back - moment), most(m2 - moment, m2_back + moment)
     stands = [
@@ -261,11 +260,11 @@ def _held_back(joining: Joining, capacity: Node, moment: Node, m1: Node, m2: Nod
     ]
     both = most(m1 + m2, m1_back + m2_back, most(m1, m1_back, m2, m2_back) - capacity)
     held_apart = graph.apply(unless, joining.holds, most(*stands), both)
-    # Where nothing acts at first, what lends the shaft 1 rad/s² is something.
+    # Without any torque the scale is the one that accelerates the shaft at 1 rad/s².
     return SURELY * (most(abs(m1), abs(m2), abs(moment)) + joining.shaft_inertia) - held_apart
 
 
 @scalar
 def unless(flag: float, value: float, otherwise: float) -> float:
-    """A value, unless a flag is set; then another one."""
+    """`value` if the flag is zero, else `otherwise`."""
     return value if flag == 0.0 else otherwise
