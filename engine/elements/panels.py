@@ -18,14 +18,14 @@ class PanelAxis(NamedTuple):
 
 
 class Curve(NamedTuple):
-    """A curve with its label, NaN where undefined; a `beside` curve is a reference and drawn faintly.
+    """A curve with its label, NaN where undefined; a reference curve is `faint`.
 
     `places`, if given, replace the panel's. A faint curve with its own places is labelled at its end, except in a plan.
     """
 
     words: str
     values: np.ndarray
-    beside: bool = False
+    faint: bool = False
     places: np.ndarray | None = None
 
 
@@ -67,15 +67,15 @@ class Panel(NamedTuple):
     names: Sequence[str] = ()
 
 
-def path(words: str, points: np.ndarray | Sequence[complex], beside: bool = False) -> Curve:
+def path(words: str, points: np.ndarray | Sequence[complex], faint: bool = False) -> Curve:
     """A line through points of a plane, given as complex numbers."""
     points = np.asarray(points)
-    return Curve(words, points.imag, beside, points.real)
+    return Curve(words, points.imag, faint, points.real)
 
 
-def circle(words: str, radius: float, centre: complex = 0.0, beside: bool = True) -> Curve:
+def circle(words: str, radius: float, centre: complex = 0.0, faint: bool = True) -> Curve:
     """A circle in a plane."""
-    return path(words, centre + radius * np.exp(1j * np.linspace(0.0, math.tau, 361)), beside)
+    return path(words, centre + radius * np.exp(1j * np.linspace(0.0, math.tau, 361)), faint)
 
 
 def plan(curves: Sequence[Curve], title: str = "", unit: str = "m", words: tuple[str, str] = ("x", "y")) -> Panel:

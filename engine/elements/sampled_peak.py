@@ -32,6 +32,6 @@ def sampled_peak(
     turns = (slope(low) > 0.0) & (slope(high) < 0.0)
     place = np.where(turns, regula_falsi(slope, low, high), there)
     peak, sampled = f(place), np.take_along_axis(samples, best, axis=0)[0]
-    # At a kink the root of the slope may be off the peak.
+    # At a kink the root of the slope can miss the peak.
     lower = peak < sampled
     return np.where(lower, sampled, peak), np.where(lower, there, place)

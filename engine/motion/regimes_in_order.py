@@ -303,22 +303,22 @@ class Schedule:
         for name, ends in fine.by_equal_steps.items():
             change, size = np.abs(ends - coarse.by_equal_steps[name]), np.abs(ends)
             rough |= ~(change <= TELLS_NOTHING * size).all(axis=0) | (coarse.verdict != Verdict.OK)
-        told = np.where(rough & (fine.verdict == Verdict.OK), Verdict.TOO_COARSE, fine.verdict).astype(np.uint8)
-        fine = fine._replace(verdict=told)
+        verdict = np.where(rough & (fine.verdict == Verdict.OK), Verdict.TOO_COARSE, fine.verdict).astype(np.uint8)
+        fine = fine._replace(verdict=verdict)
         # A verdict with coarser steps only is due to the method, not to the machine.
         values = {name: np.where(fine.verdict == Verdict.OK, v, np.nan) for name, v in fine.values.items()}
         errors = {}
         for name, value in values.items():
             change = np.where(coarse.verdict == Verdict.OK, np.abs(value - coarse.values[name]), np.abs(value))
-            doubt = np.maximum(share_of_change(name) * change, fine.missed.get(name, 0.0))
-            errors[name] = doubt + ROUNDING * np.maximum(np.abs(value), fine.scales.get(name, 0.0))
+            carried_error = np.maximum(share_of_change(name) * change, fine.missed.get(name, 0.0))
+            errors[name] = carried_error + ROUNDING * np.maximum(np.abs(value), fine.scales.get(name, 0.0))
         for name, rows in fine.fields.items():
             size, other = _greatest(np.abs(rows)), coarse.fields[name]
             # The positions of the coarser cycle are a subset.
             change = _greatest(np.abs(rows[:, :: rows.shape[1] // other.shape[1]] - other))
-            doubt = np.where(coarse.verdict == Verdict.OK, change, size)
-            doubt += ROUNDING * np.maximum(size, fine.scales.get(name, 0.0))
-            errors[name] = np.where(fine.verdict == Verdict.OK, doubt, np.nan)
+            carried_error = np.where(coarse.verdict == Verdict.OK, change, size)
+            carried_error += ROUNDING * np.maximum(size, fine.scales.get(name, 0.0))
+            errors[name] = np.where(fine.verdict == Verdict.OK, carried_error, np.nan)
         return RegimeAnswers(values, errors, fine.fields, fine.verdict, np.reshape(fine.covered, (-1, 2, count)))
 
     def variants(self, numbers: Numbers, count: int) -> Variants:
@@ -373,9 +373,9 @@ class Schedule:
                 energy = _greatest_energy(dynamics, variants, standing.angle, outcome)
                 if self.regimes[name].method is not None:
                     gone.by_equal_steps[name] = np.stack(outcome.state[:3])
-                told = partial(self._of_run, name, dynamics, variants, energy=energy)
-                found, scale = told(outcome) | extremes.values, extremes.scales
-                off = {} if half else spread_errors(outcome, outcome.changed, told)
+                results_of = partial(self._of_run, name, dynamics, variants, energy=energy)
+                found, scale = results_of(outcome) | extremes.values, extremes.scales
+                off = {} if half else spread_errors(outcome, outcome.changed, results_of)
                 gone.missed.update({f"{name}.{key}": row for key, row in off.items()})
                 found |= self._at_end(outcome, standing)
                 # The work residual is relative to the works, and rounds as they do.
@@ -718,14 +718,14 @@ class Schedule:
                 variants.kept["steady"] = steady_motion(dynamics, variants, self.tolerance, nodes)
             steady, off = variants.kept["steady"]
 
-        def told(steady: Steady) -> dict[str, np.ndarray]:
+        def results_of(steady: Steady) -> dict[str, np.ndarray]:
             return self._of_steady(name, dynamics, variants, steady)
 
         if off is not None and not half:
-            missed |= spread_errors(steady, off, told)
+            missed |= spread_errors(steady, off, results_of)
         if off is not None and half:
             steady = steady.shifted(off)
-        found |= told(steady)
+        found |= results_of(steady)
         if self.sides:
             two = self.sides[frozenset(self.regimes[name].off)]
             peak, most = held_moment(two, dynamics, variants, grid.places[NODES], steady.record[0])

@@ -41,9 +41,9 @@ OK, STALLS, RUNS_AWAY, ANY_SPEED, NOT_FINITE = (
 )
 # Verdict of a lane still being searched, and of one whose motor is too steep for explicit steps.
 SEARCHING, TOO_STEEP = -1.0, -2.0
-# Most cycles. An energy is accepted if the next differs by less than CLOSED (relative) or UNTOLD (fraction of the error
-# of the steps), or by less than NEARLY_CLOSED if rounding prevents that.
-MOST_CYCLES, CLOSED, UNTOLD, NEARLY_CLOSED = 60, 1e-12, 0.01, 1e-8
+# Most cycles. An energy is accepted if the next differs by less than CLOSED (relative) or NEGLIGIBLE (fraction of the
+# error of the steps), or by less than NEARLY_CLOSED if rounding prevents that.
+MOST_CYCLES, CLOSED, NEGLIGIBLE, NEARLY_CLOSED = 60, 1e-12, 0.01, 1e-8
 # Reused steps whose error exceeds the tolerance by this factor are chosen again before the cycle is accepted.
 ALLOWED = 10.0
 # Largest factor by which an energy is raised; smallest fraction, of its distance to the lower bound, to which it drops.
@@ -89,7 +89,7 @@ class CycleSearch(NamedTuple):
 
 
 search_of = memory(one(CycleSearch))
-TOLD = ("off", "verdict")
+OUTCOME = ("off", "verdict")
 
 
 class CycleRoom(NamedTuple):
@@ -108,14 +108,14 @@ class CycleBatch(NamedTuple):
         From the first trial energies; updated to the ends of the cycles found.
     energies : ndarray (variants,)
         At the starts of the cycles found.
-    told : ndarray (TOLD, variants)
+    outcome : ndarray (OUTCOME, variants)
     fading : int
         Row of the states with ∮ ∂M/∂E dφ.
     """
 
     walks: WalkBatch
     energies: np.ndarray
-    told: np.ndarray
+    outcome: np.ndarray
     fading: int
 
 
@@ -127,14 +127,14 @@ def new_cycle_room(room: Room) -> CycleRoom:
 @routine
 def begin_cycle(lane: int, energy: float, edges: int, task: WalkTask, room: CycleRoom) -> None:
     """Set a lane to the start of a cycle."""
-    own, search, begin, doubts = (
+    own, search, begin, carried_errors = (
         rows_of(room.walk.lane),
         search_of(room.search),
         in_lanes(room.walk.begin),
-        in_lanes(room.walk.doubts),
+        in_lanes(room.walk.carried_errors),
     )
     for q in range(task.width):
-        begin[q, lane], doubts[q, lane] = 0.0, 0.0
+        begin[q, lane], carried_errors[q, lane] = 0.0, 0.0
     begin[0, lane], search.energy[lane] = energy, energy
     own.at[lane], own.turned[lane], own.steps[lane], own.trials[lane] = 0.0, 0.0, 0.0, 0.0
     own.scale[lane] = 0.0 if search.laying[lane] > 0.0 else own.scale[lane]
@@ -162,8 +162,8 @@ def judge_cycle(lane: int, fading: int, edges: int, task: WalkTask, room: CycleR
         multiplier = math.exp(min(end[fading, lane], 700.0))
         off, last = abs(after - before) / before, search.off[lane]
         newton = before + (after - before) / (1.0 - multiplier) if multiplier != 1.0 else math.nan
-        unsure = in_lanes(room.walk.doubts)[0, lane] / abs(1.0 - multiplier)
-        settled = abs(newton - before) <= max(CLOSED * before, UNTOLD * unsure)
+        unsure = in_lanes(room.walk.carried_errors)[0, lane] / abs(1.0 - multiplier)
+        settled = abs(newton - before) <= max(CLOSED * before, NEGLIGIBLE * unsure)
         settled = settled or (abs(newton - before) <= NEARLY_CLOSED * before and off >= 0.5 * last)
         search.off[lane] = off
         # If the work is too small to change the energy, keep the previous direction.
@@ -269,4 +269,4 @@ def find_cycles(
         give_out(first, walks, task, room.walk)
         hand_out(in_lanes(room.search[0:1]), first, batch.energies.reshape(1, batch.energies.shape[0]))
         for lane in range(min(LANES, batch.energies.shape[0] - first)):
-            batch.told[0, first + lane], batch.told[1, first + lane] = search.off[lane], search.verdict[lane]
+            batch.outcome[0, first + lane], batch.outcome[1, first + lane] = search.off[lane], search.verdict[lane]

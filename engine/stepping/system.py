@@ -15,7 +15,7 @@ from engine.compiling.tiles import FILLS_TILE, TileFunction
 from engine.compiling.widths import LANES
 from engine.graph.functions import Functions, functions_in_motion, places_of
 from engine.graph.nodes import Given, Graph, Node
-from engine.stepping.closed_cycle import TOLD, CycleBatch, CycleRoom, find_cycles, new_cycle_room
+from engine.stepping.closed_cycle import OUTCOME, CycleBatch, CycleRoom, find_cycles, new_cycle_room
 from engine.stepping.methods import EIGHT, METHODS
 from engine.stepping.walk import (
     FOUND,
@@ -100,13 +100,13 @@ class System(NamedTuple):
 class Walks(NamedTuple):
     """Results of a number of walks, (variants,) each.
 
-    `states`, `doubts`, `ending` (states and gathered, variants) and `recorded` are as in
+    `states`, `carried_errors`, `ending` (states and gathered, variants) and `recorded` are as in
     `engine.stepping.walk.WalkBatch`, others as in `engine.stepping.walk.Lane`; `numbers` are those of the variants,
     with what is held as it was at the end.
     """
 
     states: np.ndarray
-    doubts: np.ndarray
+    carried_errors: np.ndarray
     ending: np.ndarray
     turned: np.ndarray
     pace: np.ndarray
@@ -133,7 +133,7 @@ class Closed(NamedTuple):
     ----------
     energy : ndarray (variants,)
         At the start [J].
-    states, doubts : ndarray (states and gathered, variants)
+    states, carried_errors : ndarray (states and gathered, variants)
         At the end, and their error estimates for an exact start.
     off : ndarray (variants,)
         |P(E) − E|/E.
@@ -143,7 +143,7 @@ class Closed(NamedTuple):
 
     energy: np.ndarray
     states: np.ndarray
-    doubts: np.ndarray
+    carried_errors: np.ndarray
     off: np.ndarray
     verdict: np.ndarray
 
@@ -224,21 +224,21 @@ class PrintedSystem:
         instants: np.ndarray,
         given: Mapping[str, np.ndarray],
         states: np.ndarray,
-        doubts: np.ndarray | None = None,
+        carried_errors: np.ndarray | None = None,
         recorded: int = 0,
     ) -> Walks:
         """Walk; parameters as in `engine.stepping.walk.WalkBatch`, `given` rows of lanes by name, steps to record."""
         states = np.array(states, float, order="C")
         numbers = numbers.copy() if self.system.held else numbers
-        doubts = np.zeros_like(states) if doubts is None else np.array(doubts, float, order="C")
-        batch = self._batch(task, numbers, edges, instants, given, states, doubts, recorded)
+        carried_errors = np.zeros_like(states) if carried_errors is None else np.array(carried_errors, float, order="C")
+        batch = self._batch(task, numbers, edges, instants, given, states, carried_errors, recorded)
         repeats = not (task.along_time or task.implicit or recorded) and np.isfinite(task.cycle)
 
         def room() -> Room:
             return new_room(task, len(numbers), len(edges) // 2, len(instants), bool(repeats))
 
         self._go(walk, states.shape[1], batch, task, room)
-        return Walks(states, doubts, batch.ending, *batch.found, batch.recorded, batch.numbers)
+        return Walks(states, carried_errors, batch.ending, *batch.found, batch.recorded, batch.numbers)
 
     def close(
         self,
@@ -252,13 +252,15 @@ class PrintedSystem:
         states, nothing = np.zeros((task.width, energies.size)), np.zeros((0, energies.size))
         states[0] = energies
         walks = self._batch(task, numbers, edges, nothing, given, states, np.zeros_like(states), 0)
-        batch = CycleBatch(walks, np.empty_like(energies), np.empty((len(TOLD), energies.size)), self.names["fading"])
+        batch = CycleBatch(
+            walks, np.empty_like(energies), np.empty((len(OUTCOME), energies.size)), self.names["fading"]
+        )
 
         def room() -> CycleRoom:
             return new_cycle_room(new_room(task, len(numbers), len(edges) // 2, 0, not task.implicit))
 
         self._go(find_cycles, energies.size, batch, task, room)
-        return Closed(batch.energies, walks.states, walks.doubts, *batch.told)
+        return Closed(batch.energies, walks.states, walks.carried_errors, *batch.outcome)
 
     def _batch(
         self,
@@ -268,7 +270,7 @@ class PrintedSystem:
         instants: np.ndarray,
         given: Mapping[str, np.ndarray],
         states: np.ndarray,
-        doubts: np.ndarray,
+        carried_errors: np.ndarray,
         recorded: int,
     ) -> WalkBatch:
         count = states.shape[1]
@@ -277,7 +279,7 @@ class PrintedSystem:
         kept = np.empty((recorded, 3 + (task.states + 1) * (1 + SHOWN.size), count))
         found, parts = np.empty((len(FOUND), count)), (numbers, edges, instants, rows)
         parts = [np.require(part, float, "CW") for part in parts]
-        return WalkBatch(self.functions.memory, *parts, states, doubts, np.empty_like(states), found, kept)
+        return WalkBatch(self.functions.memory, *parts, states, carried_errors, np.empty_like(states), found, kept)
 
     def _go(
         self,

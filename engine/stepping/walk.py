@@ -250,7 +250,7 @@ class Lane(NamedTuple):
         Independent variable from which steps may be stored again.
     worst : row
         Maximum error estimate of the repeated steps relative to the tolerance.
-    doubt : row
+    carried_error : row
         Error estimate of the first state at the start of the step.
     ended : row
         Number of the guard that ends the step; −1: none.
@@ -302,7 +302,7 @@ class Lane(NamedTuple):
     kept: Row
     free: Row
     worst: Row
-    doubt: Row
+    carried_error: Row
     ended: Row
     refused: Row
 
@@ -324,7 +324,7 @@ class Room(NamedTuple):
     begin: np.ndarray
     after: np.ndarray
     errors: np.ndarray
-    doubts: np.ndarray
+    carried_errors: np.ndarray
     ending: np.ndarray
     equations: np.ndarray
     before: np.ndarray
@@ -381,7 +381,7 @@ class WalkBatch(NamedTuple):
     given : ndarray (GIVEN, variants)
     states : ndarray (width, variants)
         States and integrals at the start, updated in place.
-    doubts : ndarray (width, variants)
+    carried_errors : ndarray (width, variants)
         Their error estimates, updated in place.
     ending : ndarray (width, variants)
         Their rates at the end.
@@ -397,7 +397,7 @@ class WalkBatch(NamedTuple):
     instants: np.ndarray
     given: np.ndarray
     states: np.ndarray
-    doubts: np.ndarray
+    carried_errors: np.ndarray
     ending: np.ndarray
     found: np.ndarray
     recorded: np.ndarray
@@ -882,7 +882,7 @@ def choose(edges: int, instants: int, most_steps: int, task: WalkTask, room: Roo
             parts = parts if parts != 1 else 2
         own.length[lane] = most if parts == 0 else (rest / parts if parts > 1 else rest)
         if not own.length[lane] > 0.0:
-            # No step leads on from a state that isn't finite.
+            # No step starts from a NaN or infinite state.
             own.length[lane], own.why[lane] = 0.0, LOST
     return goes
 
@@ -1126,29 +1126,37 @@ def carry_errors(task: WalkTask, room: Room) -> None:
     E. Hairer, S. P. Nørsett and G. Wanner, Solving Ordinary Differential Equations I, section I.14.
     """
     own, watched = rows_of(room.lane), in_lanes(room.watched)
-    doubts, errors, begin, end = in_lanes(room.doubts), in_lanes(room.errors), in_lanes(room.begin), task.watched
+    carried_errors, errors, begin, end = (
+        in_lanes(room.carried_errors),
+        in_lanes(room.errors),
+        in_lanes(room.begin),
+        task.watched,
+    )
     most, rounded = (-3.0, 4.0 * FOUND_TO) if task.implicit else (-1.0, 0.25 * EPS)
     for lane in range(LANES):
         grows = 0.5 * own.length[lane] * (watched[STEEPNESS, lane] + watched[end + STEEPNESS, lane])
         # A step damps an error no more than its method does.
         grows = grows if grows > most else most
-        own.doubt[lane] = doubts[0, lane]
+        own.carried_error[lane] = carried_errors[0, lane]
         step = abs(errors[0, lane]) + rounded * begin[0, lane]
-        after = own.doubt[lane] * exponential(grows) + step
-        doubts[0, lane] = after if own.taken[lane] > 0.0 else doubts[0, lane]
+        after = own.carried_error[lane] * exponential(grows) + step
+        carried_errors[0, lane] = after if own.taken[lane] > 0.0 else carried_errors[0, lane]
     for q in range(1, task.width):
         row = RESPONSES + q - 1
         for lane in range(LANES):
-            follows = abs(watched[row, lane]) * own.doubt[lane] + abs(watched[end + row, lane]) * doubts[0, lane]
-            more = doubts[q, lane] + 0.5 * own.length[lane] * follows + abs(errors[q, lane])
-            doubts[q, lane] = more if own.taken[lane] > 0.0 else doubts[q, lane]
+            follows = (
+                abs(watched[row, lane]) * own.carried_error[lane]
+                + abs(watched[end + row, lane]) * carried_errors[0, lane]
+            )
+            more = carried_errors[q, lane] + 0.5 * own.length[lane] * follows + abs(errors[q, lane])
+            carried_errors[q, lane] = more if own.taken[lane] > 0.0 else carried_errors[q, lane]
 
 
 @routine
 def advance(task: WalkTask, room: Room) -> None:
     """Accept the states at the end of the step in lanes that take it."""
     own, watched, begin, after = rows_of(room.lane), in_lanes(room.watched), in_lanes(room.begin), in_lanes(room.after)
-    row, doubts = task.watched + SPEED, in_lanes(room.doubts)
+    row, carried_errors = task.watched + SPEED, in_lanes(room.carried_errors)
     if task.carries:
         carry_errors(task, room)
     for q in range(task.width):
@@ -1156,7 +1164,7 @@ def advance(task: WalkTask, room: Room) -> None:
             begin[q, lane] = after[q, lane] if own.taken[lane] > 0.0 else begin[q, lane]
     for lane in range(LANES):
         speed, took = watched[row, lane], own.taken[lane] > 0.0
-        off = 0.5 * speed * doubts[0, lane] / begin[0, lane] if task.carries else math.nan
+        off = 0.5 * speed * carried_errors[0, lane] / begin[0, lane] if task.carries else math.nan
         slower, faster = took and speed < own.slowest[lane], took and speed > own.fastest[lane]
         own.slowest[lane] = speed if slower else own.slowest[lane]
         own.slow_off[lane] = off if slower else own.slow_off[lane]
@@ -1254,7 +1262,7 @@ def record(first: int, printed: Printed, recorded: np.ndarray, task: WalkTask, r
     """Record accepted steps: start, length, direction, and polynomials at the fractions `shown`."""
     own, k, begin = rows_of(room.lane), in_lanes(room.rates), in_lanes(room.begin)
     state, dense = in_lanes(room.numbers[task.first_place + task.places :]), task.nodes.shape[0]
-    doubts = in_lanes(room.doubts)
+    carried_errors = in_lanes(room.carried_errors)
     for s in range(task.stages, dense):
         at_stage(task.method, s, task.states, task.width, begin, own.length, k, state)
         stand(task.nodes[s], s, -1, printed, task, room)
@@ -1267,7 +1275,7 @@ def record(first: int, printed: Printed, recorded: np.ndarray, task: WalkTask, r
         # There may be no integral.
         for q in range(min(task.states + 1, task.width)):
             at = 3 + q * (shown + 1)
-            recorded[i, at + shown, v] = doubts[q, lane]
+            recorded[i, at + shown, v] = carried_errors[q, lane]
             for j in range(shown):
                 theta, value, factor = task.shown[j], 0.0, 1.0
                 for p in range(task.parts.shape[0]):
@@ -1332,9 +1340,9 @@ def cycles_ahead(task: WalkTask) -> float:
 def remember(first: bool, lane: int, task: WalkTask, room: Room) -> None:
     """Store the state at the start of a lane's cycle, and that of the cycle before unless this is the `first`."""
     own, before, width = rows_of(room.lane), in_lanes(room.before), task.width
-    begin, doubts, one = in_lanes(room.begin), in_lanes(room.doubts), 2 * task.width + 1
+    begin, carried_errors, one = in_lanes(room.begin), in_lanes(room.carried_errors), 2 * task.width + 1
     for i in range(one):
-        now = own.at[lane] if i == 2 * width else begin[i, lane] if i < width else doubts[i - width, lane]
+        now = own.at[lane] if i == 2 * width else begin[i, lane] if i < width else carried_errors[i - width, lane]
         before[i, lane] = now if first else before[one + i, lane]
         before[one + i, lane] = now
 
@@ -1343,9 +1351,9 @@ def remember(first: bool, lane: int, task: WalkTask, room: Room) -> None:
 def go_back(lane: int, task: WalkTask, room: Room) -> None:
     """Return a lane to the start of the previous cycle; its steps are new up to the end of the cycle it left."""
     own, before, width = rows_of(room.lane), in_lanes(room.before), task.width
-    begin, doubts = in_lanes(room.begin), in_lanes(room.doubts)
+    begin, carried_errors = in_lanes(room.begin), in_lanes(room.carried_errors)
     for i in range(width):
-        begin[i, lane], doubts[i, lane] = before[i, lane], before[width + i, lane]
+        begin[i, lane], carried_errors[i, lane] = before[i, lane], before[width + i, lane]
     own.at[lane], own.free[lane] = before[2 * width, lane], before[4 * width + 1, lane] + task.cycle
 
 
@@ -1354,7 +1362,7 @@ def repeat(printed: Printed, batch: WalkBatch, task: WalkTask, room: Room) -> No
     """Repeat the steps of a cycle in lanes with enough cycles ahead, as long as the errors stay small.
 
     The speed curves over the angle of a motion and of the same motion one cycle later never cross. The extremes of a
-    walk are therefore those of its first and last cycles, whose steps are made anew.
+    walk are therefore those of its first and last cycles, whose steps are computed again.
     """
     own, first = rows_of(room.lane), True
     while True:
@@ -1421,7 +1429,7 @@ def take_in(first: int, batch: WalkBatch, task: WalkTask, room: Room) -> None:
     gather(batch.instants, first, in_lanes(room.instants))
     gather(batch.given, first, in_lanes(room.lane))
     gather(batch.states, first, in_lanes(room.begin))
-    gather(batch.doubts, first, in_lanes(room.doubts))
+    gather(batch.carried_errors, first, in_lanes(room.carried_errors))
     for lane in range(LANES):
         own.at[lane] = 0.0 if task.along_time else own.turned[lane]
         own.slowest[lane], own.fastest[lane], own.slope[lane] = math.inf, -math.inf, math.nan
@@ -1437,7 +1445,7 @@ def take_in(first: int, batch: WalkBatch, task: WalkTask, room: Room) -> None:
 def give_out(first: int, batch: WalkBatch, task: WalkTask, room: Room) -> None:
     """Store the final states of a block of variants."""
     hand_out(in_lanes(room.begin), first, batch.states)
-    hand_out(in_lanes(room.doubts), first, batch.doubts)
+    hand_out(in_lanes(room.carried_errors), first, batch.carried_errors)
     hand_out(in_lanes(room.ending), first, batch.ending)
     hand_out(in_lanes(room.lane[FIRST_FOUND:]), first, batch.found)
     if task.held.shape[0] > 0:

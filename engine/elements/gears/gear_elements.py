@@ -74,7 +74,7 @@ class GearMesh(Part):
     """Two wheels in mesh; if it is `internal`, the second is the ring with internal teeth.
 
     `module` is the normal module; default: the train's. The loss is given by the `efficiency` of the mesh with its
-    carrier at rest, or by the mean coefficient of `friction` of its teeth; the default is no loss.
+    carrier at rest, or by the mean coefficient of `friction` of its teeth; by default there is no loss.
     """
 
     between: tuple[Name, Name]

@@ -178,8 +178,8 @@ def _tips_meet(
 def minimum_teeth(teeth: TeethInMesh) -> np.ndarray:
     """Minimum teeth of the smaller wheel (internal: of the pinion) without interference from the larger wheel's tips.
 
-    Shifts and the larger wheel stay unchanged; NaN if no number of teeth suffices, up to 2^20 or, in an internal mesh,
-    below that of the ring.
+    Shifts and the larger wheel stay unchanged. NaN if even the largest number of teeth is too small: 2^20, or in an
+    internal mesh one below that of the ring.
     """
     is_first = (teeth.first <= teeth.second) | (teeth.sense < 0)
     large, small_shift, large_shift = (

@@ -104,7 +104,7 @@ def load_change(governor: Element, cycle: np.ndarray | None = None) -> LoadChang
     Returns
     -------
     LoadChange or None
-        Up to where the integration succeeds; None without equilibrium, or if no change of load is to be simulated.
+        Up to where the integration succeeds; None without equilibrium, or if the scene has no change of load.
     """
     if not governor.is_followed:
         return None

@@ -49,7 +49,7 @@ def slope_of(values: np.ndarray, steps: np.ndarray, k: int) -> float:
 
 @scalar
 def joins(steps: np.ndarray, k: int) -> bool:
-    """Whether step k exists and is no jump."""
+    """Whether step k exists and is not a jump."""
     return 0 <= k < steps.shape[0] and steps[k] > GAP
 
 

@@ -129,10 +129,10 @@ def _take(runs: Progress, who: np.ndarray, before: np.ndarray, gone: Walks) -> N
     omega = np.sqrt(2.0 * energy / runs.inertia(who, turned))
     # An error of the time or speed that ends the run shifts its end.
     by_time, by_speed = gone.why == Why.OTHER_GOAL, np.isin(gone.why, (ABOVE, BELOW))
-    slides = np.where(by_time, gone.doubts[TIME] * omega, 0.0)
-    slides = np.where(by_speed, gone.doubts[ENERGY] / np.abs(gone.slope), slides)
-    off = gone.doubts + np.where(slides > 0.0, np.abs(gone.ending) * slides, 0.0)
-    speed_off = gone.doubts[ENERGY] + np.where(slides > 0.0, np.abs(gone.slope) * slides, 0.0)
+    slides = np.where(by_time, gone.carried_errors[TIME] * omega, 0.0)
+    slides = np.where(by_speed, gone.carried_errors[ENERGY] / np.abs(gone.slope), slides)
+    off = gone.carried_errors + np.where(slides > 0.0, np.abs(gone.ending) * slides, 0.0)
+    speed_off = gone.carried_errors[ENERGY] + np.where(slides > 0.0, np.abs(gone.slope) * slides, 0.0)
     speed_off = np.where(by_speed, 0.0, 0.5 * omega / energy * speed_off)
     system = runs.dynamics.by_angle
     works, squares = gathered(system, runs.dynamics, gone.states, energy - before, -1.0)
@@ -141,7 +141,7 @@ def _take(runs: Progress, who: np.ndarray, before: np.ndarray, gone: Walks) -> N
     new = slides, speed_off, off[ENERGY], time_off, squares_off, works_off
     for mine, changed in zip(runs.changed, new, strict=False):
         mine[..., who] = changed
-    runs.carried[:, who] = gone.doubts
+    runs.carried[:, who] = gone.carried_errors
     slower, faster = gone.slowest < runs.slowest[who], gone.fastest > runs.fastest[who]
     runs.changed.slowest[who] = np.where(slower, gone.slow_off, runs.changed.slowest[who])
     runs.changed.fastest[who] = np.where(faster, gone.fast_off, runs.changed.fastest[who])
@@ -175,7 +175,7 @@ def _piece_of(runs: Progress, who: np.ndarray, before: State, gone: Walks, impli
     columns = np.broadcast_to(np.arange(who.size), turned.shape)
     time, whole, omega, moment = at(columns, turned)
     # Interpolation errors must not make time decrease.
-    end = before.time + gone.states[TIME] + (gone.doubts[TIME] if runs.half else 0.0)
+    end = before.time + gone.states[TIME] + (gone.carried_errors[TIME] if runs.half else 0.0)
     time = np.minimum(np.maximum.accumulate(time, axis=0), end)
 
     def within(columns: np.ndarray, nodes: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, ...]:

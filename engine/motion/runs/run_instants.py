@@ -63,7 +63,7 @@ class RunInstants:
             self._stand(still, outcome.state.time[still], past=True)
 
     def _count(self, upto: np.ndarray) -> np.ndarray:
-        """Number of requested places that are no later."""
+        """Number of requested instants up to each of some."""
         return np.searchsorted(self.asked, upto * (1.0 + ROUNDED), side="right")
 
     def _keep(self, who: np.ndarray, piece: Piece, columns: np.ndarray, instants: np.ndarray) -> None:

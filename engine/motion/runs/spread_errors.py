@@ -18,7 +18,7 @@ Told = dict[str, np.ndarray]
 
 
 def spread_errors(
-    motion: Motion, errors: tuple, told: Callable[[Motion], dict[str, np.ndarray]]
+    motion: Motion, errors: tuple, results_of: Callable[[Motion], dict[str, np.ndarray]]
 ) -> dict[str, np.ndarray]:
     """Error estimates of results: the sum of the changes due to the error of each of a motion's own numbers.
 
@@ -27,10 +27,10 @@ def spread_errors(
     motion : with `shifted`
     errors : named tuple of ndarray
         Error estimates of its numbers; `works` has one row for each work. `verdict`, `steep` and `record` are skipped.
-    told : callable
+    results_of : callable
         Computes the results of a motion.
     """
-    known, nothing = told(motion), type(errors)(*(np.zeros_like(x) for x in errors))
+    known, nothing = results_of(motion), type(errors)(*(np.zeros_like(x) for x in errors))
     off = {name: np.zeros_like(value) for name, value in known.items()}
     names = [name for name in errors._fields if name not in ("verdict", "works", "record", "steep")]
     alone = [nothing._replace(**{name: getattr(errors, name)}) for name in names]
@@ -39,6 +39,6 @@ def spread_errors(
         works[i] = work
         alone.append(nothing._replace(works=works))
     for change in alone:
-        for name, value in told(motion.shifted(change)).items():
+        for name, value in results_of(motion.shifted(change)).items():
             off[name] += np.abs(value - known[name])
     return off

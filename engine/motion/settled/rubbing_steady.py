@@ -111,8 +111,8 @@ def _measured(
     begun, ended, residual, period, slowest, fastest, squares = rows
     multiplier = np.where(verdict == Verdict.OK, multiplier, np.nan)
     fluctuation = 2.0 * (fastest - slowest) / (fastest + slowest)
-    told = begun, ended, multiplier, residual, period, slowest, fastest, fluctuation, squares, works, record
-    return Steady(verdict, *told, np.zeros(verdict.size))
+    found = begun, ended, multiplier, residual, period, slowest, fastest, fluctuation, squares, works, record
+    return Steady(verdict, *found, np.zeros(verdict.size))
 
 
 def _cycle(

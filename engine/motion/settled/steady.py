@@ -106,7 +106,7 @@ def steady_motion(
 
 
 class _Motion:
-    """Machines whose steady running is to be found."""
+    """Machines whose steady running is sought."""
 
     def __init__(self, dynamics: Dynamics, variants: Variants, tolerance: float) -> None:
         self.dynamics, self.variants, self.tolerance, self.system = dynamics, variants, tolerance, dynamics.by_angle
@@ -138,22 +138,22 @@ class _Motion:
         found, off = ([np.full(shape, np.nan) for shape in shapes] for _ in range(2))
         # The error of a cycle recurs in the next one, so the total error is a geometric series.
         multiplier = np.exp(np.minimum(closed.states[self.system.names["fading"]], 700.0))
-        doubt = (closed.doubts[ENERGY] + closed.off * closed.energy) / np.abs(1.0 - multiplier)
+        carried_error = (closed.carried_errors[ENERGY] + closed.off * closed.energy) / np.abs(1.0 - multiplier)
         for implicit in (False, True):
             who = np.flatnonzero((verdict == Verdict.OK) & (steep == implicit))
             if not who.size:
                 continue
-            gone, record, record_off = self._cycle(who, implicit, closed.energy[who], doubt[who], asked[:, who])
+            gone, record, record_off = self._cycle(who, implicit, closed.energy[who], carried_error[who], asked[:, who])
             # A cycle with shorter steps may reveal that a motor is steep.
             steep[who] |= gone.why == Why.STEEP
             verdict[who[(gone.why != Why.GOAL) & (implicit | (gone.why != Why.STEEP))]] = Verdict.NOT_FINITE
-            own, other = self._told(closed.energy[who], doubt[who], closed.off[who], gone)
+            own, other = self._told(closed.energy[who], carried_error[who], closed.off[who], gone)
             for mine, new in zip((*found, *off), (*own, record, *other, record_off), strict=True):
                 mine[..., who] = np.where(gone.why == Why.GOAL, new, np.nan)
         return Steady(verdict, *found, steep.astype(float)), Steady(verdict, *off, np.zeros(count))
 
     def _told(
-        self, energy: np.ndarray, doubt: np.ndarray, residual: np.ndarray, gone: Walks
+        self, energy: np.ndarray, carried_error: np.ndarray, residual: np.ndarray, gone: Walks
     ) -> tuple[list[np.ndarray], list[np.ndarray]]:
         """Numbers of cycles in the order of `Steady`, without verdict and record, and their error estimates."""
         names = self.system.names
@@ -162,16 +162,22 @@ class _Motion:
         low, high = gone.slowest, gone.fastest
         fluctuation = 2.0 * (high - low) / (high + low)
         # An initial error, as far as it does not decay, shifts both extremes by the same ratio and leaves δ unchanged.
-        common = 0.5 * multiplier * doubt / energy
+        common = 0.5 * multiplier * carried_error / energy
         apart = np.maximum(gone.slow_off / low - common, 0.0) + np.maximum(gone.fast_off / high - common, 0.0)
-        fluctuation_off = fluctuation * doubt / energy + apart
-        between = np.maximum(gone.doubts[ENERGY] - multiplier * doubt, 0.0)
+        fluctuation_off = fluctuation * carried_error / energy + apart
+        between = np.maximum(gone.carried_errors[ENERGY] - multiplier * carried_error, 0.0)
         works, squares = self._works(gone.states, ended - energy, -1.0)
-        works_off, squares_off = self._works(gone.doubts, between + np.abs(ended - energy), 1.0)
+        works_off, squares_off = self._works(gone.carried_errors, between + np.abs(ended - energy), 1.0)
         period = gone.states[TIME]
         own = [energy, ended, multiplier, residual, period, low, high, fluctuation, squares, works]
-        ended_off = doubt + np.abs(ended - energy) + between
-        off = [doubt, ended_off, multiplier * gone.doubts[names["fading"]], residual, gone.doubts[TIME]]
+        ended_off = carried_error + np.abs(ended - energy) + between
+        off = [
+            carried_error,
+            ended_off,
+            multiplier * gone.carried_errors[names["fading"]],
+            residual,
+            gone.carried_errors[TIME],
+        ]
         off += [gone.slow_off, gone.fast_off, fluctuation_off, squares_off, works_off]
         return own, off
 
@@ -183,17 +189,17 @@ class _Motion:
         return np.stack([motors, *loads]), squares
 
     def _cycle(
-        self, who: np.ndarray, implicit: bool, energy: np.ndarray, doubt: np.ndarray, asked: np.ndarray
+        self, who: np.ndarray, implicit: bool, energy: np.ndarray, carried_error: np.ndarray, asked: np.ndarray
     ) -> tuple[Walks, np.ndarray, np.ndarray]:
         """A cycle from given energies; the record at the requested angles, and its error estimates."""
         task = self.system.task(self.dynamics.cycle, NINE if implicit else EIGHT, True)._replace(clock=-1)
         nodes, nothing = len(asked), np.zeros((0, who.size))
         lanes = self._lanes(who, CLOSEST if nodes else CLOSER)
-        states, doubts = np.zeros((2, task.width, who.size))
-        states[ENERGY], doubts[ENERGY] = energy, doubt
+        states, carried_errors = np.zeros((2, task.width, who.size))
+        states[ENERGY], carried_errors[ENERGY] = energy, carried_error
         numbers, edges = self.numbers[:, who], self.edges[:, who]
         if not nodes:
-            gone = self.system.run(task, numbers, edges, nothing, lanes, states, doubts)
+            gone = self.system.run(task, numbers, edges, nothing, lanes, states, carried_errors)
             return gone, *np.full((2, 3, 0, who.size), np.nan)
         record, off = np.full((2, 3, nodes, who.size), np.nan)
         whole: Walks | None = None
@@ -201,12 +207,12 @@ class _Motion:
         while left.size:
             own = {name: value[left] if np.ndim(value) else value for name, value in lanes.items()}
             parts = numbers[:, left], edges[:, left], nothing[:, left]
-            gone = self.system.run(task, *parts, own, states[:, left], doubts[:, left], RECORDED)
+            gone = self.system.run(task, *parts, own, states[:, left], carried_errors[:, left], RECORDED)
             begun = lanes["turned"] if whole is not None else np.zeros(who.size)
             self._read(gone, left, begun[left], asked, record, off)
             whole = gone if whole is None else _joined(whole, left, gone)
             lanes["turned"], lanes["pace"] = whole.turned, whole.pace
-            states, doubts = whole.states, whole.doubts
+            states, carried_errors = whole.states, whole.carried_errors
             left = left[(gone.why == Why.FULL) & (gone.steps > 0.0)]
         # The speed determines the torque unless the motor is very steep.
         steep = -whole.states[self.system.names["fading"]] > STEEP * whole.steps
@@ -230,8 +236,8 @@ class _Motion:
         nodes, columns = np.nonzero(over)
         turned = np.minimum(wanted[over], gone.turned[columns])
         found, doubtful = np.empty((2, 3, turned.size))
-        for doubts, rows in ((False, found), (True, doubtful)):
-            read_steps(turned.size, gone.recorded, gone.steps, columns, turned, doubts, rows)
+        for carried_errors, rows in ((False, found), (True, doubtful)):
+            read_steps(turned.size, gone.recorded, gone.steps, columns, turned, carried_errors, rows)
         record[:, nodes, who[columns]], off[:, nodes, who[columns]] = found, doubtful - found
 
 

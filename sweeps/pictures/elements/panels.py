@@ -82,17 +82,17 @@ def draw_panel(ax: Axes, panel: Panel, with_x: bool = True) -> None:
     along, along_unit = display_unit(panel.x.unit, panel.places)
     factor, unit = (along, along_unit) if panel.kind == "plan" else display_unit(panel.y.unit, usual)
     colours = iter(PALETTE * len(panel.curves))
-    for k, (words, row, beside, own) in enumerate(panel.curves):
-        colour = GREY if beside else next(colours)
+    for k, (words, row, faint, own) in enumerate(panel.curves):
+        colour = GREY if faint else next(colours)
         places = panel.places if own is None else own
         if panel.kind == "bars":
             width = 0.8 * np.diff(places).min(initial=1.0) / len(panel.curves)
             shift = width * (k - 0.5 * (len(panel.curves) - 1))
             ax.bar(along * (places + shift), factor * row, along * width, color=colour, label=words or "_")
             continue
-        look = {"linewidth": 0.8, "zorder": 1.5} if beside else {}
+        look = {"linewidth": 0.8, "zorder": 1.5} if faint else {}
         (line,) = ax.plot(along * places, factor * row, color=colour, label=words or "_", **look)
-        if beside and own is not None and panel.kind == "curves":
+        if faint and own is not None and panel.kind == "curves":
             line.set_label("_")
             ax.annotate(words, line.get_xydata()[-1], (2, 1), textcoords="offset points", fontsize=6.5, color=GREY)
     for words, place, height in panel.marks:

@@ -117,7 +117,7 @@ def test_weights__give_back_what_they_take_and_repeated_cycles_are_the_first_one
     np.testing.assert_allclose(found.states[0], begin[0], rtol=1e-12)
     once = walked(weighed, begin, TURN)
     np.testing.assert_allclose(found.states[1], 40.0 * once.states[1], rtol=1e-11)
-    assert (np.abs(found.states[0] - begin[0]) <= found.doubts[0]).all()
+    assert (np.abs(found.states[0] - begin[0]) <= found.carried_errors[0]).all()
 
 
 def test_walks__are_the_same_alone_and_among_others_to_the_last_bit():
