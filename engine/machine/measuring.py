@@ -363,6 +363,12 @@ class _Steady:
         self.numbers += [of.fluctuation] if of.fluctuation is not None else []
 
 
+def defined_where(arc: Measured, middle: Measured) -> Measured:
+    """Middle of an arc; undefined if the arc does not exceed its error."""
+    exists = arc.value > arc.error
+    return Measured(np.where(exists, middle.value, np.nan), np.where(exists, middle.error, np.nan))
+
+
 class MeasuredCycles:
     """Measurements on the cycles of some variants.
 
@@ -505,7 +511,8 @@ class MeasuredCycles:
                 k = m._compared.index((rate, curve))
                 return outcome.compared.greatest_magnitude[k]
             case UnloadedArc(force, square, which):
-                return (outcome.arcs if which == "arc" else outcome.arc_middles)[m._arcs.index((force, square))]
+                k = m._arcs.index((force, square))
+                return outcome.arcs[k] if which == "arc" else defined_where(outcome.arcs[k], outcome.arc_middles[k])
             case StrokeEnd(coordinate, _, which):
                 return self._stroke_end(coordinate, which)
             case SteadyCycle():

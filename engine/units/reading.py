@@ -53,6 +53,7 @@ class UnitError(ValueError):
 
 _TWO_PI = "6.283185307179586476925286766559005768394"
 
+# gal is the US gallon, 231 in³.
 # hp is the mechanical horsepower, 550 ft lbf/s; PS the metric one, 75 kgf m/s. The pound is 0.45359237 kg, standard
 # gravity 9.80665 m/s², tonf the short ton-force, 2000 lbf. spm is strokes per minute, one a revolution. Left out is
 # what may be taken for something else: nm and kn (N m and kN in small letters), ton (three of them), cal (several), P,
@@ -75,6 +76,7 @@ L = 1e-3 m**3
 ml = 1e-6 m**3
 mL = 1e-6 m**3
 cc = 1e-6 m**3
+gal = 3.785411784e-3 m**3
 rad = [angle]
 mrad = 1e-3 rad
 rev = {_TWO_PI} rad
@@ -93,6 +95,8 @@ rps = {_TWO_PI} rad / s
 rpm = {_TWO_PI} / 60 rad / s
 RPM = {_TWO_PI} / 60 rad / s
 spm = {_TWO_PI} / 60 rad / s
+gpm = gal / 60 / s
+cfm = 0.028316846592 / 60 m**3 / s
 kg = [mass]
 mg = 1e-6 kg
 g = 1e-3 kg
@@ -174,6 +178,7 @@ _TON = (
     "{!r} is ambiguous: the short ton is 2000 lb, the long ton 2240 lb, the metric ton 1000 kg, '1 t'; of force they "
     "are 2000 lbf ('1 tonf'), 2240 lbf and 9.80665 kN"
 )
+_GAUGE = {"psig": "14.696 psi", "barg": "1.01325 bar"}
 _SPELLINGS = str.maketrans(
     {"·": "*", "⋅": "*", "×": "*", "µ": "u", "μ": "u", "°": "deg", "%": "percent"}
     | dict(zip("⁻¹²³⁴⁵⁶⁷⁸⁹", "-123456789", strict=True))
@@ -491,6 +496,8 @@ def _read_factor(tokens: deque[str], unit: str, expected: str) -> dict[str, int]
     name, power = factor.groups()
     if name in ("ton", "tons"):
         raise UnitError(_TON.format(name))
+    if name in _GAUGE:
+        raise UnitError(f"{name!r} is a gauge pressure; pressures are absolute: add {_GAUGE[name]}")
     if name not in UNIT_NAMES:
         raise UnitError(f"unknown unit {name!r}{_did_you_mean(name)} (expected {expected})")
     return {name: int(power or 1)}

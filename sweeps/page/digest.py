@@ -25,7 +25,8 @@ class Price(NamedTuple):
     ----------
     text : str
     margin : float
-        Relative distance from the limit at the best variant, negative if missed; NaN without a best variant.
+        Distance from the limit at the best variant, relative to the limit; NaN without a best variant, of conditions
+        joined by `or`, and if the limit is 0.
     without : int or None
         The best variant without this part.
     """
@@ -33,6 +34,14 @@ class Price(NamedTuple):
     text: str
     margin: float
     without: int | None
+
+
+def _margin(part: Condition, values: Mapping[str, np.ndarray], errors: Mapping[str, np.ndarray]) -> float:
+    sides = part.sides(values, errors)
+    if sides is None or sides[2] == 0.0:
+        return np.nan
+    _, value, limit = sides
+    return abs(value - limit) / abs(limit)
 
 
 class Neighbour(NamedTuple):
@@ -134,7 +143,7 @@ class Digest:
             without, margin = self._first(others, 1), np.nan
             if self.best is not None:
                 here = self.result.rows(np.array([self.best]), required.behind(part.names))
-                margin = -float(part.margins(*required.known(here), 1).max())
+                margin = _margin(part, *required.known(here))
             yield Price(part.text, margin, int(without[0]) if without.size else None)
 
     @cached_property

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine import Verdict, quantity_text
+from engine import Verdict, figure_text, quantity_text
 from sweeps.report.sweep_result import SweepResult, drop_counts
 from sweeps.text.conditions import Condition, Judgement, Where
 
@@ -134,6 +134,6 @@ def _miss_words(result: SweepResult, condition: Condition, known: tuple) -> str:
     if gap == 0.0:
         return f"lies on the limit of {plain}"
     if right != 0.0 and gap <= _FAR * abs(right):
-        return f"{verb} {plain} by {100 * gap / abs(right):.2g} %"
+        return f"{verb} {plain} by {figure_text(100 * gap / abs(right), None, 2)} %"
     name = condition.names[0] if len(condition.names) == 1 else ""
     return f"{verb} {plain} by {quantity_text(gap, result.units.get(name, '1'))}" if name else f"misses {plain}"

@@ -81,7 +81,7 @@ def test_digest__price_of_a_condition_is_the_best_without_it(result):
     assert price.text == whole.goal.condition
     assert price.without == whole.select(None, "excess_work")[0]
     stroke, limit = whole.columns["ram.stroke"][whole.best()], 0.08
-    assert price.margin == pytest.approx((stroke - limit) / (stroke + limit), rel=1e-9)
+    assert price.margin == pytest.approx((stroke - limit) / limit, rel=1e-9)
 
 
 def test_digest__neighbours_are_a_step_of_the_grid_away(result):

@@ -39,7 +39,7 @@ FACTORS = {
     "pressure": {"Pa": 1, "kPa": 1000, "MPa": 10**6, "GPa": 10**9, "bar": 10**5, "psi": LBF / INCH**2, "atm": 101325},
     "power": {"W": 1, "kW": 1000, "MW": 10**6, "hp": 550 * FOOT * LBF, "PS": 75 * GRAVITY},
     "energy": {"J": 1, "kJ": 1000, "MJ": 10**6, "kWh": 3_600_000},
-    "volume": {"l": "1e-3", "L": "1e-3"},
+    "volume": {"l": "1e-3", "L": "1e-3", "gal": 231 * INCH**3},
     "speed": {"mph": 5280 * FOOT / 3600},
     "angular_speed": dict.fromkeys(("rpm", "RPM", "spm", "1/min", "min-1", "r/min", "rev/min"), 2 * PI / 60),
     "number": {"%": "0.01"},
@@ -403,3 +403,14 @@ def test_fractions__are_read_in_columns_and_give_their_unit():
     assert column_in_text(["1 1/4", "3/4", "2"], "in", "length") == [0.03175, 0.01905, 0.0508]
     assert unit_in(" 1 1/4 in ") == "in"
     assert unit_in("1/4") == unit_in("x") == ""
+
+
+def test_flows_of_pumps_and_fans__are_gallons_and_cubic_feet_per_minute():
+    assert to_si("60 gpm", "m3 s-1") == float(231 * INCH**3)
+    assert to_si("60 cfm", "m3 s-1") == float(FOOT**3)
+
+
+@pytest.mark.parametrize(("text", "atmosphere"), [("190 psig", "14.696 psi"), ("13 barg", "1.01325 bar")])
+def test_gauge_pressure__is_refused_with_what_to_add(text, atmosphere):
+    with pytest.raises(UnitError, match=f"pressures are absolute: add {atmosphere}"):
+        to_si(text, "pressure")
