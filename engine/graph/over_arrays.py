@@ -1,5 +1,6 @@
 """Laws and nodes over arrays: printed as a function over lanes, compiled once, its machine code cached."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import NamedTuple
@@ -78,8 +79,9 @@ def over_arrays(law: Callable, *arguments: float | np.ndarray) -> np.ndarray:
         At least one is an array; broadcast against each other.
     """
     table = np.array(np.broadcast_arrays(*arguments), float)
-    found = _of_law(law, len(arguments))(table.reshape(len(table), -1))
-    return found.reshape(-1, *table.shape[1:])
+    shape = table.shape[1:]
+    found = _of_law(law, len(arguments))(table.reshape(len(table), math.prod(shape)))
+    return found.reshape(len(found), *shape)
 
 
 @cache

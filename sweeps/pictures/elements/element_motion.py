@@ -68,8 +68,10 @@ def moving_element(scene: Scene, values: Mapping[str, float], name: str | None) 
     if name is None and len(found) == 1:
         name = next(iter(found))
     if name not in found:
-        listed = ", ".join(found) or "none"
-        raise InputError(name or "scene", [(None, "--element", f"name a cam or gear train of this scene: {listed}")])
+        one = f"name a cam or gear train of this scene: {', '.join(found)}"
+        none = "the scene has only machine elements, and neither a cam nor a gear train" if name is None else ""
+        none = none or "this scene has no cam or gear train that is an element"
+        raise InputError(name or "scene", [(None, "--element", one if found else none)])
     return found[name]
 
 
