@@ -80,7 +80,7 @@ def folder(tmp_path_factory):
         "compressor_whole": scene + chapters["formulas"] + chapters["motion"] + chapters["forces"],
         "study": chapters["study"],
         "sizes": chapters["searching"],
-        "plate": chapters["links"],
+        "plate": "".join(blocks("toml plate.toml", GUIDE["links"])),
         "cam": "".join(blocks("toml cam.toml", GUIDE["cams"])),
         "reducer": "".join(blocks("toml reducer.toml", GUIDE["gears"])),
     }
