@@ -71,6 +71,7 @@ def folder(tmp_path_factory):
     scene = compressor()
     chapters = {name: "".join(blocks("toml", text)) for name, text in GUIDE.items()}
     chapters["forces"] = "".join(blocks("toml rubbing.toml", GUIDE["forces"])) + chapters["forces"]
+    chapters["formulas"] = "".join(blocks("toml loaded.toml", GUIDE["formulas"]))
     texts = {
         "compressor": scene,
         "compressor_friction": scene + chapters["forces"],
