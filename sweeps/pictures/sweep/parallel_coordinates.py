@@ -14,6 +14,8 @@ from sweeps.pictures.sweep.sweep_data import SweepData, wrapped
 from sweeps.text.conditions import Condition
 
 MOST_LINES = 3000
+# Up to this number, lines stay lines in an SVG file, which is smaller than their pixels.
+MOST_VECTORS = 300
 MOST_COLUMNS = 10
 # Characters that fit below the axes of a 180 mm figure with a colour bar.
 LETTERS_ACROSS = 78
@@ -86,7 +88,8 @@ def parallel(ax: Axes, data: SweepData, names: Sequence[str], colour: str, best:
     lows, highs = (np.array([reach(values[sound]) for values, _, _ in columns]) for reach in (np.min, np.max))
     heights = (np.column_stack([values for values, _, _ in columns]) - lows) / (highs - lows)
     places = np.arange(len(columns))
-    look = {"linewidths": 0.7, "alpha": float(np.clip(200 / rows.size, 0.08, 0.7)), "rasterized": True}
+    alpha = float(np.clip(200 / rows.size, 0.08, 0.7))
+    look = {"linewidths": 0.7, "alpha": alpha, "rasterized": rows.size > MOST_VECTORS}
     out, rows = rows[data.out[rows]], rows[~data.out[rows]]
     if out.size:
         ax.add_collection(LineCollection(_paths(places, heights[out]), color=PALE, **look))

@@ -71,6 +71,7 @@ def folder(tmp_path_factory):
     scene = compressor()
     chapters = {name: "".join(blocks("toml", text)) for name, text in GUIDE.items()}
     chapters["forces"] = "".join(blocks("toml rubbing.toml", GUIDE["forces"])) + chapters["forces"]
+    chapters["formulas"] = "".join(blocks("toml loaded.toml", GUIDE["formulas"]))
     texts = {
         "compressor": scene,
         "compressor_friction": scene + chapters["forces"],
@@ -80,7 +81,7 @@ def folder(tmp_path_factory):
         "compressor_whole": scene + chapters["formulas"] + chapters["motion"] + chapters["forces"],
         "study": chapters["study"],
         "sizes": chapters["searching"],
-        "plate": chapters["links"],
+        "plate": "".join(blocks("toml plate.toml", GUIDE["links"])),
         "cam": "".join(blocks("toml cam.toml", GUIDE["cams"])),
         "reducer": "".join(blocks("toml reducer.toml", GUIDE["gears"])),
     }
@@ -163,11 +164,11 @@ def test_python__runs(folder, monkeypatch):
         for number, snippet in enumerate(blocks("python", text)):
             found = names[f"{page} {number}"] = {}
             exec(compile(snippet, page, "exec"), found)
-    assert names["python 0"]["outcome"].summaries["flywheel_wittenbauer"].shape == (3,)
-    assert dict(names["python 0"]["data"].sizes)["variant"] == 21 * 3 * 256
-    assert dict(names["python 1"]["data"].sizes)["variant"] == 21
-    assert names["python 2"]["power"].sizes["rod_ratio"] == 256
-    assert float(names["python 2"]["peak_moment"].min()) > 0.0
+    assert names["python 1"]["outcome"].summaries["flywheel_wittenbauer"].shape == (3,)
+    assert dict(names["python 1"]["data"].sizes)["variant"] == 21 * 3 * 256
+    assert dict(names["python 2"]["data"].sizes)["variant"] == 21
+    assert names["python 3"]["power"].sizes["rod_ratio"] == 256
+    assert float(names["python 3"]["peak_moment"].min()) > 0.0
 
 
 def test_formulas__work_as_the_guide_says(folder):
