@@ -157,7 +157,7 @@ def other_pages() -> list[Path]:
 
 def folder_for(page: Path, folder: Path) -> Path:
     """A new folder in which a page outside the tutorial is run."""
-    (own := folder / page.stem).mkdir()
+    (own := folder / "pages" / page.stem).mkdir(parents=True)
     for step in BASIS:
         write_files(step, own)
     return own

@@ -36,6 +36,8 @@ class BearingLoad(NamedTuple):
         Positions of the input [rad or m].
     force : complex ndarray (positions,)
         x + iy [N].
+    maximum : float
+        Peak of its magnitude [N].
     turns, closed : bool
         Whether the input is a crank, and whether the first position follows the last.
     """
@@ -45,6 +47,7 @@ class BearingLoad(NamedTuple):
     on: str
     q: np.ndarray
     force: np.ndarray
+    maximum: float
     turns: bool
     closed: bool
 
@@ -92,7 +95,7 @@ def bearing_load(cycle: MachineCycle, pair: str, axes: str = FRAME) -> BearingLo
     sign = 1 if on == found.link else -1
     turned = sign * force * cycle.motion.axes(axes)[1].conj()
     turns = isinstance(cycle.scene.input, CrankInput)
-    return BearingLoad(found, axes, on, cycle.motion.q, turned, turns, cycle.is_closed)
+    return BearingLoad(found, axes, on, cycle.motion.q, turned, cycle.peak_force(pair), turns, cycle.is_closed)
 
 
 def shares(load: BearingLoad) -> np.ndarray:
@@ -152,7 +155,7 @@ def load_polar(load: BearingLoad, ax: PolarAxes) -> None:
     ax.plot(np.angle(peak), abs(peak), "*", color=VERMILION, markersize=7)
     _axes(ax, unit, z)
     whose = "frame axes" if load.axes == FRAME else f"axes of {load.axes}"
-    ax.set_title(f"on {load.on}, {whose}\npeak {abs(peak):.4g} {unit}", fontsize=7.5, pad=8)
+    ax.set_title(f"on {load.on}, {whose}\npeak {factor * load.maximum:.4g} {unit}", fontsize=7.5, pad=8)
 
 
 def load_rose(load: BearingLoad, ax: PolarAxes) -> None:

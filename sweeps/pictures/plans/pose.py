@@ -119,6 +119,12 @@ class MachineCycle:
         """A reaction over the cycle, x + iy [N]: `PAIR.reaction`."""
         return self.forces[f"{name}_x"] + 1j * self.forces[f"{name}_y"]
 
+    def peak_force(self, pair: str) -> float:
+        """Peak reaction of a pair, as results have it; of a machine that doesn't assemble everywhere, as drawn [N]."""
+        force = np.abs(self.force(f"{pair}.reaction"))
+        whole = np.isfinite(force).all()
+        return self.motion.machine.summary(f"{pair}.reaction.peak") if whole else float(np.nanmax(force))
+
     def at(self, position: float | None = None) -> "Pose":
         """The machine at the node nearest to a crank angle [rad] or displacement [m].
 

@@ -36,10 +36,9 @@ def reaction_panel(cycle: MachineCycle, pair: Pair, ax: Axes) -> None:
     ax.plot(q, factor * _closed(cycle, np.abs(force)), color=BLUE, label="R")
     ax.plot(q, factor * _closed(cycle, force.real), color=ORANGE, linewidth=0.8, label="$R_x$")
     ax.plot(q, factor * _closed(cycle, force.imag), color=GREEN, linewidth=0.8, label="$R_y$")
-    peak = int(np.nanargmax(np.abs(force)))
     ax.set(xlabel=label, ylabel=f"R, {unit}", xlim=(q[0], q[-1]))
     what = f"{pair.name}: {pair.other} on {pair.link}"
-    ax.set_title(f"{what}\npeak {factor * abs(force[peak]):.4g} {unit}", fontsize=7.5)
+    ax.set_title(f"{what}\npeak {factor * cycle.peak_force(pair.name):.4g} {unit}", fontsize=7.5)
     if cycle.is_closed:
         ax.set_xticks(np.linspace(0, q[-1], 5))
     if _bears_moment(cycle, pair):

@@ -128,11 +128,15 @@ def _of_records(one: SweepResult, other: SweepResult) -> Iterator[str]:
 
 
 def _leaves(data: Any, path: str) -> Iterator[tuple[str, Any]]:
-    """A record by path, lists unsplit."""
+    """A record by path; entries of a list by their names or their number."""
     if isinstance(data, dict):
         for key, value in data.items():
             if path or key not in _NOT_COMPARED:
                 yield from _leaves(value, f"{path}.{key}" if path else key)
+    elif isinstance(data, list) and any(isinstance(entry, dict) for entry in data):
+        for i, entry in enumerate(data, 1):
+            names = entry.get("names") if isinstance(entry, dict) else None
+            yield from _leaves(entry, f"{path}.{', '.join(names) if names else i}")
     else:
         yield path, data
 
@@ -144,6 +148,7 @@ def _texts(scene: Scene) -> Iterator[tuple[str, Any]]:
 
 
 def _shown(value: object) -> str:
+    value = ", ".join(map(str, value)) if isinstance(value, list) else value
     text = str(value) if value not in ("", None) else "nothing"
     return text if len(text) <= 60 else text[:57] + "..."
 

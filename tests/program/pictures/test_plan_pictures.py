@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from plan_machines import MACHINES, MECHANISMS, cycle_of
 
-from engine import FRAME, Scene
+from engine import FRAME, Machine, Scene
 from engine.scene.pairs import pairs
 from sweeps.pictures.drawing.racks import rack_bar
 from sweeps.pictures.picture_error import PictureError
@@ -40,6 +40,8 @@ from sweeps.pictures.plans.mechanism_plan import mechanism_plan
 from sweeps.pictures.plans.paper import Paper, round_scale
 from sweeps.pictures.plans.sheets import kinematic_sheet
 from sweeps.pictures.style import BLUE, MM_PER_INCH
+from sweeps.study.bundled import bundled_studies
+from sweeps.text.scene_text import read_scene
 from sweeps.text.templates import bundled_templates
 
 # Bearings
@@ -48,6 +50,15 @@ from sweeps.text.templates import bundled_templates
 def heavy_crank():
     scene = {"points": {"O": {"x": 0, "y": 0}}, "gravity": 10.0, "input": crank(speed=1e-6)}
     return Scene.model_validate(scene | {"bodies": {"disc": {"link": "crank", "mass": 3.0}}})
+
+
+def test_peak_of_a_bearing__is_that_of_the_results():
+    """It may lie where a valve opens, between two of the positions drawn."""
+    scene = read_scene(bundled_studies()["compressor"].parent / "scenes" / "compressor.toml")
+    cycle = MachineCycle(scene)
+    outcome = Machine(scene, ["input.reaction.peak"]).evaluate({})
+    peak, error = outcome.summaries["input.reaction.peak"][0], outcome.errors["input.reaction.peak"][0]
+    assert bearing_load(cycle, "input").maximum == pytest.approx(peak, rel=1e-9, abs=error)
 
 
 def test_load_of_a_heavy_wheel__stands_in_the_frame_and_turns_in_the_shaft():

@@ -39,6 +39,7 @@ def test_results_of_other_machines__differ_where_they_should(results):
     assert answer.exit_code == 1
     assert "groups.slide.first.length: 200 mm and 210 mm" in answer.stdout
     assert "Variants: 8 and 12, 8 in common" in answer.stdout
+    assert not set("[]{}") & set(answer.stdout)
     # In line, the stroke is twice the crank whatever the rod; the two longest cranks assemble with neither.
     assert row(counts_of(answer.stdout), "ram.stroke")[1:3] == ["8", "0"]
     assert row(counts_of(answer.stdout), "excess_work")[1:3] == ["2", "6"]
