@@ -4,6 +4,7 @@ import re
 import shlex
 from pathlib import Path
 
+import matplotlib.pyplot
 import numpy as np
 import pytest
 import tomlkit
@@ -169,6 +170,8 @@ def test_python__runs(folder, monkeypatch):
     assert dict(names["python 2"]["data"].sizes)["variant"] == 21
     assert names["python 3"]["power"].sizes["rod_ratio"] == 256
     assert float(names["python 3"]["peak_moment"].min()) > 0.0
+    # xarray plots by pyplot, which keeps figures.
+    matplotlib.pyplot.close("all")
 
 
 def test_formulas__work_as_the_guide_says(folder):
