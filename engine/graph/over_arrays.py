@@ -47,7 +47,7 @@ class NodesOverArrays:
         self._given = len(given)
 
     def table(self, numbers: Mapping[str, np.ndarray], variants: int) -> np.ndarray:
-        """Rows (numbers, variants) of the numbers of variants, behind those of what is given."""
+        """Table (numbers, variants) for a call: rows for the given numbers, still 0, then those of the variants."""
         table = np.zeros((self._given + len(self._numbers), variants))
         for row, node in enumerate(self._numbers, self._given):
             table[row] = node.compute(numbers)
