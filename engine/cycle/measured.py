@@ -1,4 +1,4 @@
-"""Values with error estimates.
+"""Values with error estimates, real or complex.
 
 The error estimate of a result follows from those of its operands to first order, plus the rounding of the operation.
 Contributions are added by magnitude, because they may have a common cause. Where the first order fails, at zeros of
@@ -7,11 +7,13 @@ square roots and of divisors, the estimate is the change that the operands' erro
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 _ROUNDING = np.finfo(np.float64).eps
+# Rounding units of a complex product or quotient.
+_COMPLEX_ROUNDING = 4.0
 # A smaller number that was computed from squares is unknown, since its square is subnormal.
 UNKNOWN_ROOT = float(np.sqrt(np.finfo(np.float64).tiny))
 
@@ -22,6 +24,7 @@ class Measured:
     Parameters
     ----------
     value : array_like
+        Real or complex.
     error : array_like
         Error estimate, at least 0; meaningless where the value is NaN.
     """
@@ -30,7 +33,7 @@ class Measured:
     __array_ufunc__ = None
 
     def __init__(self, value: object, error: object = 0.0) -> None:
-        self.value = np.asarray(value, dtype=float)
+        self.value = np.asarray(value, dtype=complex if np.iscomplexobj(value) else float)
         error = np.asarray(error, dtype=float)
         self.error = error if error.shape == self.value.shape else np.broadcast_to(error, self.value.shape)
 
@@ -45,8 +48,23 @@ class Measured:
         """Shape of the values."""
         return self.value.shape
 
+    def reshape(self, *shape: int) -> Measured:
+        """The same values in another shape."""
+        return Measured(self.value.reshape(shape), self.error.reshape(shape))
+
+    @property
+    def real(self) -> Measured:
+        """The real part."""
+        return Measured(self.value.real, self.error)
+
+    def sum(self) -> Measured:
+        """Sum over the first axis."""
+        rounded = _ROUNDING * np.abs(self.value).sum(axis=0)
+        return Measured(self.value.sum(axis=0), self.error.sum(axis=0) + rounded)
+
     def _rounded(self) -> Measured:
-        self.error = self.error + _ROUNDING * np.abs(self.value)
+        units = _COMPLEX_ROUNDING if self.value.dtype.kind == "c" else 1.0
+        self.error = self.error + units * _ROUNDING * np.abs(self.value)
         return self
 
     def __neg__(self) -> Measured:
@@ -96,9 +114,26 @@ class Measured:
         return measured(other) / self
 
 
+def stacked(parts: Sequence[Measured]) -> Measured:
+    """Values of one shape along a new first axis."""
+    return Measured(np.stack([x.value for x in parts]), np.stack([x.error for x in parts]))
+
+
 def measured(value: object) -> Measured:
     """Return a value as `Measured`; plain numbers are exact."""
     return value if isinstance(value, Measured) else Measured(value)
+
+
+def propagated(value: np.ndarray, *operands: tuple[np.ndarray, Measured]) -> Measured:
+    """A value with the error of its operands by their partial derivatives: of an operand that occurs more than once.
+
+    Parameters
+    ----------
+    value : ndarray
+    operands : tuple of (ndarray, Measured)
+        The derivative with respect to an operand, and the operand.
+    """
+    return Measured(value, sum(np.abs(slope) * x.error for slope, x in operands))._rounded()
 
 
 def sqrt(x: Measured) -> Measured:

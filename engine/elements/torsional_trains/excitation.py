@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.cycle.measured import Measured, measured, stacked
 from engine.elements.element import Element, Numbers
 from engine.elements.engines.made_engine import ROUNDED_ORDERS, engine_torque
 from engine.elements.torsional_trains.reduced_train import ReducedTrain
@@ -24,20 +25,16 @@ class TrainExcitation(NamedTuple):
         Ascending, positive.
     speed : ndarray (variants,)
         [rad/s].
-    moments : ndarray of complex (nodes, orders, variants)
+    moments : Measured complex (nodes, orders, variants)
         M(t) = Re Σ M_h e^(i h Ω t) [N·m].
-    means : ndarray (nodes, variants)
+    means : Measured (nodes, variants)
         Mean torques [N·m].
-    moment_errors, mean_errors : ndarray
-        Their error estimates, of the same shapes [N·m].
     """
 
     orders: tuple[float, ...]
     speed: np.ndarray
-    moments: np.ndarray
-    means: np.ndarray
-    moment_errors: np.ndarray
-    mean_errors: np.ndarray
+    moments: Measured
+    means: Measured
 
 
 def excitation_orders(train: Element, revolutions: int = 1) -> tuple[float, ...]:
@@ -76,20 +73,12 @@ def train_excitation(train: Element, reduced: ReducedTrain, n: Numbers) -> Train
     """
     revolutions = int(n["machine.revolutions"][0]) if train.machine_at is not None else 1
     orders, layout = excitation_orders(train, revolutions), train.layout
-    node_of = dict(zip(layout.masses, layout.node_of, strict=True))
-    nodes, variants = reduced.inertias.shape
-    moments, means = np.zeros((nodes, len(orders), variants), complex), np.zeros((nodes, variants))
-    moment_errors, mean_errors = np.zeros(moments.shape), np.zeros(means.shape)
+    nodes, node_of = range(len(layout.parents)), dict(zip(layout.masses, layout.node_of, strict=True))
+    none = measured(np.zeros(reduced.inertias.shape[1], complex))
+    sums = {(node, order): none for node in nodes for order in (0.0, *orders)}
 
     def add(mass: str, order: float, moment: np.ndarray, error: np.ndarray) -> None:
-        node, ratio = node_of[mass], reduced.ratios[mass]
-        if order == 0:
-            means[node] += ratio * np.real(moment)
-            mean_errors[node] += np.abs(ratio) * error
-        else:
-            place = orders.index(order)
-            moments[node, place] += ratio * moment
-            moment_errors[node, place] += np.abs(ratio) * error
+        sums[node_of[mass], order] += reduced.ratios[mass] * Measured(moment, error)
 
     for name, excitation in train.excitations.items():
         amplitude, phase = (n[f"excitations.{name}.{key}"] for key in ("amplitude", "phase"))
@@ -110,7 +99,9 @@ def train_excitation(train: Element, reduced: ReducedTrain, n: Numbers) -> Train
             cosine, sine, error = (n[f"machine.{part}_{k}"] for part in ("cosine", "sine", "error"))
             # cos hφ + … = Re (c − i s) e^(ihφ), with decreasing φ if the machine turns backwards.
             add(train.machine_at, k / revolutions, cosine - 1j * np.where(backwards, -sine, sine), error)
+    means = [sums[node, 0.0].real for node in nodes]
     if train.load is not None:
-        means[node_of[train.load]] -= means.sum(axis=0)
-        mean_errors[node_of[train.load]] += mean_errors.sum(axis=0)
-    return TrainExcitation(orders, train_speed(train, n), moments, means, moment_errors, mean_errors)
+        means[node_of[train.load]] -= stacked(means).sum()
+    every = stacked([sums[node, order] for node in nodes for order in (0.0, *orders)])
+    moments = every.reshape(len(nodes), 1 + len(orders), -1)[:, 1:]
+    return TrainExcitation(orders, train_speed(train, n), moments, stacked(means))

@@ -4,8 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from engine.cycle.measured import Measured
 from engine.elements.compliances.reduction import in_series, reduced_part
 from engine.elements.element import Element, Numbers
+from engine.laws.rounding import EPS
 
 
 class ReducedTrain(NamedTuple):
@@ -46,6 +48,10 @@ class ReducedTrain(NamedTuple):
     ratios: dict[str, np.ndarray]
     shaft_ratios: dict[str, np.ndarray]
     roundings: np.ndarray
+
+    def known(self, numbers: np.ndarray) -> Measured:
+        """Products of the train's inertias or stiffnesses, with their error estimates."""
+        return Measured(numbers, EPS * (self.roundings + 2.0) * np.abs(numbers))
 
 
 def reduced_train(train: Element, n: Numbers) -> ReducedTrain:
@@ -88,7 +94,7 @@ def reduced_train(train: Element, n: Numbers) -> ReducedTrain:
             node = layout.shaft_to.index(name)
             stiffnesses[node], dampings[node], absorptions[node] = g**2 * stiffness, g**2 * damping, absorption
     if train.takes_machine_inertia:
-        roundings = np.maximum(roundings, n["machine.inertia_error"] / n["machine.inertia"] / np.finfo(float).eps)
+        roundings = np.maximum(roundings, n["machine.inertia_error"] / n["machine.inertia"] / EPS)
     # Every joint on the path multiplies by its ratio: rounding of the ratio and of the product.
     roundings = roundings + 4.0 * (len(layout.path) if any_ratio(train) else 0) + 8.0 + 2.0 * len(train.gears)
     return ReducedTrain(

@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from engine.cycle.measured import Measured
+from engine.cycle.measured import Measured, maximum, measured, where
 from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank
 from engine.elements.engines.engine import OF_SHAKING, EngineElement
 from engine.elements.panels import Panel
@@ -245,26 +245,22 @@ def _shape(train: TorsionalTrain, reduced: ReducedTrain, natural: NaturalVibrati
     """A mode as rotations of the masses about their own axes, relative to the maximum."""
     layout = train.layout
     own = np.stack([reduced.ratios[mass] for mass in layout.masses])
-    q = own * natural.modes[k, list(layout.node_of)]
-    e = np.abs(own) * natural.mode_errors[k, list(layout.node_of)]
-    greatest = np.abs(q).argmax(axis=0)[None]
-    top, top_error = np.take_along_axis(q, greatest, axis=0)[0], np.take_along_axis(e, greatest, axis=0)[0]
-    with np.errstate(invalid="ignore", divide="ignore"):
-        values = q / top
-        errors = (e + np.abs(values) * top_error) / np.abs(top)
-    return {f"mode_{k + 1}.{mass}": Measured(values[i], errors[i]) for i, mass in enumerate(layout.masses)}
+    mode = natural.modes[k, list(layout.node_of)], natural.mode_errors[k, list(layout.node_of)]
+    amplitudes = Measured(own) * Measured(*mode)
+    greatest = np.abs(amplitudes.value).argmax(axis=0), np.arange(own.shape[1])
+    shape = amplitudes / amplitudes[greatest]
+    return {f"mode_{k + 1}.{mass}": shape[i] for i, mass in enumerate(layout.masses)}
 
 
 def _margins(natural: NaturalVibration, excitation: TrainExcitation) -> dict[str, Measured]:
     """Relative distance of the nearest order from each natural frequency."""
     found: dict[str, Measured] = {}
-    orders = np.array(excitation.orders)
-    for k, (frequency, error) in enumerate(zip(natural.frequencies, natural.frequency_errors, strict=True), 1):
-        with np.errstate(invalid="ignore"):
-            away = np.abs(orders[:, None] * excitation.speed / frequency - 1.0)
-        nearest = away.argmin(axis=0)
-        margin = np.take_along_axis(away, nearest[None], axis=0)[0]
-        found[f"margin_{k}"] = Measured(margin, (1.0 + margin) * (error / frequency + 4.0 * EPS))
+    orders, speed = np.array(excitation.orders), excitation.speed
+    excited = Measured(orders[:, None] * speed, EPS * orders[:, None] * speed)
+    for k, frequency in enumerate(map(Measured, natural.frequencies, natural.frequency_errors), 1):
+        away = abs(excited / frequency - 1.0)
+        nearest = away.value.argmin(axis=0)
+        found[f"margin_{k}"] = away[nearest, np.arange(speed.size)]
         found[f"nearest_order_{k}"] = Measured(orders[nearest])
     return found
 
@@ -273,69 +269,50 @@ def _vibration(train: TorsionalTrain, reduced: ReducedTrain, excitation: TrainEx
     """Torques of the shafts, amplitudes of the masses, and dissipated power."""
     layout, orders = train.layout, excitation.orders
     frequencies = np.array(orders).reshape(-1, 1) * excitation.speed
-    swings = forced_vibration(reduced, frequencies, excitation.moments, excitation.moment_errors)
-    mean = under_mean_moments(reduced, excitation.means, excitation.mean_errors)
+    swings = forced_vibration(reduced, frequencies, excitation.moments)
+    mean = under_mean_moments(reduced, excitation.means)
     still = np.zeros((1, excitation.speed.size))
     found: dict[str, Measured] = {}
     # Infinite values stay infinite when scaled.
     with np.errstate(invalid="ignore"):
         for name in train.shafts:
-            own = reduced.shaft_ratios[name]
-            alternating, off = _shaft_moment(train, reduced, name, swings, frequencies)
-            constant, constant_off = _shaft_moment(train, reduced, name, mean, still)
-            constant_off = np.abs(constant_off[0] / own)
-            constant = constant[0].real / own
-            (least, greatest), off = _range(excitation, alternating / own, off / own)
-            found[f"{name}.mean_moment"] = Measured(constant, constant_off)
-            found[f"{name}.alternating_moment"] = Measured(0.5 * (greatest - least), off)
-            total = np.maximum(np.abs(constant + greatest), np.abs(constant + least))
-            found[f"{name}.greatest_moment"] = Measured(total, constant_off + off)
+            ratio = reduced.shaft_ratios[name]
+            constant = _shaft_moment(train, reduced, name, mean, still)[0].real / ratio
+            least, greatest = _range(orders, _shaft_moment(train, reduced, name, swings, frequencies) / ratio)
+            found[f"{name}.mean_moment"] = constant
+            found[f"{name}.alternating_moment"] = 0.5 * (greatest - least)
+            found[f"{name}.greatest_moment"] = maximum(abs(constant + greatest), abs(constant + least))
         for mass, node in zip(layout.masses, layout.node_of, strict=True):
-            own = reduced.ratios[mass]
-            (least, greatest), off = _range(excitation, own * swings.angles[node], own * swings.angle_errors[node])
-            found[f"{mass}.amplitude"] = Measured(0.5 * (greatest - least), off)
-        found["dissipated_power"] = Measured(swings.dissipated, _dissipation_error(reduced, swings))
+            least, greatest = _range(orders, reduced.ratios[mass] * swings.angles[node])
+            found[f"{mass}.amplitude"] = 0.5 * (greatest - least)
+        found["dissipated_power"] = swings.dissipated
     return found
 
 
 def _shaft_moment(
     train: TorsionalTrain, reduced: ReducedTrain, name: str, swings: ForcedVibration, frequencies: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Reduced torque k (θ_first − θ_second) of a shaft and its error estimate (orders, variants)."""
+) -> Measured:
+    """Reduced torque k (θ_first − θ_second) of a shaft (orders, variants)."""
     layout, first = train.layout, train.shafts[name].between[0]
     if name in layout.shaft_to:
         node = layout.shaft_to.index(name)
         forwards = layout.node_of[layout.masses.index(first)] == layout.parents[node]
-        return (1.0 if forwards else -1.0) * swings.moments[node], swings.moment_errors[node]
+        return swings.moments[node] if forwards else -swings.moments[node]
     mass = dict(layout.grounded)[name]
-    node = layout.node_of[layout.masses.index(mass)]
     stiffness, damping, loss = reduced.ground_shafts[name]
-    held = stiffness + 1j * (loss / math.tau + frequencies * damping)
-    moment = held * swings.angles[node]
-    off = np.abs(held) * swings.angle_errors[node] + EPS * (reduced.roundings + 8.0) * np.abs(moment)
-    return (1.0 if first == mass else -1.0) * moment, off
+    held = reduced.known(stiffness + 1j * (loss / math.tau + frequencies * damping))
+    moment = held * swings.angles[layout.node_of[layout.masses.index(mass)]]
+    return moment if first == mass else -moment
 
 
-def _range(
-    excitation: TrainExcitation, amplitudes: np.ndarray, errors: np.ndarray
-) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:
-    """Minimum and maximum of a sum of orders over time, and the error estimate of both."""
-    if not excitation.orders:
-        nothing = np.zeros(excitation.speed.size)
-        return (nothing, nothing), nothing
-    infinite = np.isinf(errors).any(axis=0)
-    sound = np.where(infinite, 0.0, amplitudes)
-    least, greatest = extremes_of_orders(excitation.orders, sound)
-    rounded = EPS * (8.0 + 24.0 * max(excitation.orders)) * np.abs(sound)
-    off = (np.where(infinite, 0.0, np.abs(errors)) + rounded).sum(axis=0)
-    return (np.where(infinite, -math.inf, least), np.where(infinite, math.inf, greatest)), off
-
-
-def _dissipation_error(reduced: ReducedTrain, swings: ForcedVibration) -> np.ndarray:
-    """Error estimate of the dissipated power: twice the relative error of the least accurate amplitude."""
-    # Ignore orders whose amplitudes are rounding: they dissipate nothing.
-    sizes = np.abs(swings.angles).max(axis=0)
-    shares = np.where(sizes > 0.0, swings.angle_errors.max(axis=0) / np.where(sizes > 0.0, sizes, 1.0), 0.0)
-    heaviest = np.where(sizes >= 1e-6 * sizes.max(axis=0, initial=0.0), shares, 0.0).max(axis=0, initial=0.0)
-    spread = 2.0 * heaviest + EPS * (reduced.roundings + 32.0) + 1e-12
-    return spread * np.abs(swings.dissipated)
+def _range(orders: tuple[float, ...], amplitudes: Measured) -> tuple[Measured, Measured]:
+    """Minimum and maximum of a sum of orders over time; infinite at a resonance."""
+    if not orders:
+        nothing = measured(np.zeros(amplitudes.shape[1:]))
+        return nothing, nothing
+    infinite = ~np.isfinite(amplitudes.error).all(axis=0)
+    sound = np.where(infinite, 0.0, amplitudes.value)
+    rounded = EPS * (8.0 + 24.0 * max(orders)) * np.abs(sound)
+    error = (np.where(infinite, 0.0, amplitudes.error) + rounded).sum(axis=0)
+    least, greatest = (Measured(found, error) for found in extremes_of_orders(orders, sound))
+    return where(infinite, measured(-math.inf), least), where(infinite, measured(math.inf), greatest)

@@ -66,7 +66,7 @@ def _campbell(excitation: TrainExcitation, natural: NaturalVibration) -> Panel:
     fastest, levels = _FASTEST * speed, natural.frequencies[:_MOST_MODES, 0]
     top = 1.15 * max(levels[levels <= orders.max() * fastest], default=levels[0])
     # Work of each order on each mode, |Σ q M_h|, relative to the maximum over the orders.
-    work = np.abs(np.nan_to_num(natural.modes[: len(levels), :, 0], nan=1.0) @ excitation.moments[:, :, 0])
+    work = np.abs(np.nan_to_num(natural.modes[: len(levels), :, 0], nan=1.0) @ excitation.moments.value[:, :, 0])
     most = work.max(axis=1, keepdims=True)
     felt = work >= _FELT * np.where(most > 0.0, most, 1.0)
     seen = levels < top
