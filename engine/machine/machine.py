@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from engine import elements, machine, motion, warnings
-from engine.compiling.threads import threads
+from engine.compiling.threads import on_all_threads, threads
+from engine.compiling.widths import LANES
 from engine.cycle.measured import UNKNOWN_ROOT, Measured
 from engine.elements.element import Rank
 from engine.graph.nodes import Found, Node, reached
@@ -408,9 +409,12 @@ class Machine:
 
     def _fill(self, outcome: Outcome, room: np.ndarray, keep: np.ndarray, numbers: Numbers) -> None:
         """Evaluate the variants `keep`, and write their summaries, fields and verdicts."""
-        batch = VARIANTS_AT_ONCE * threads()
+        # Whole blocks of lanes for each thread.
+        batch = min(-(-keep.size // (threads() * LANES)) * LANES, VARIANTS_AT_ONCE)
         batches = [slice(first, first + batch) for first in range(0, keep.size, batch)]
-        measured = [self._measure(outcome, room, keep[some], numbers.of_variants(some)) for some in batches]
+        measured = on_all_threads(
+            lambda some: self._measure(outcome, room, keep[some], numbers.of_variants(some)), batches
+        )
         panels, excess, of_trains = zip(*measured, strict=True)
         machine = {key: np.concatenate([found[key] for found in of_trains]) for key in of_trains[0]}
         of_machine = {f"elements.{t}.{key}": row for t in self._trains for key, row in machine.items()}

@@ -2,7 +2,9 @@
 
 import json
 import platform
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -38,10 +40,11 @@ if TYPE_CHECKING:
 
     from sweeps.run.cluster.crew import Crew
 
-# Attributes that don't affect numbers.
 # Failed blocks named in a message.
 FAILURES_NAMED = 3
-
+# Blocks computed while one is written.
+IN_ADVANCE = 2
+# Attributes that don't affect numbers.
 WORDS = ("title", "question", "study", "study_json", "scene", "scene_text")
 
 
@@ -198,9 +201,12 @@ def _computed(
         return excerpts_of(earlier, study, store.slice(i))
 
     if crew is None:
-        blocks, buffer = Blocks(study, store.layout), study.machine().new_buffer(store.layout.block)
-        for i in store.pending:
-            yield i, blocks.columns(store.slice(i), excerpts(i), buffer)
+        blocks, machine = Blocks(study, store.layout), study.machine()
+        yield from _in_advance(
+            lambda i, buffer: blocks.columns(store.slice(i), excerpts(i), buffer),
+            store.pending,
+            [machine.new_buffer(store.layout.block) for _ in range(min(threads(), IN_ADVANCE) + 1)],
+        )
         return
     from sweeps.run.cluster.on_workers import compute_block
 
@@ -208,6 +214,25 @@ def _computed(
     jobs = ((i, (part.start, part.stop, [e.outline for e in excerpts(i)])) for i, part in rows)
     for i, (columns, origin) in crew.results(compute_block, jobs):
         yield i, columns if origin is None else filled_in(columns, origin, excerpts(i))
+
+
+def _in_advance(
+    compute: Callable[[int, np.ndarray], dict[str, np.ndarray]], pending: Sequence[int], buffers: Sequence[np.ndarray]
+) -> Iterator[tuple[int, dict[str, np.ndarray]]]:
+    """Blocks in order: while one is written, the next are computed, each with a buffer of its own."""
+    pool = ThreadPoolExecutor(max(len(buffers) - 1, 1), thread_name_prefix="blocks")
+    running: deque[tuple[int, Future]] = deque()
+    try:
+        for k, i in enumerate(pending):
+            # The buffer is free again: its block has been written.
+            running.append((i, pool.submit(compute, i, buffers[k % len(buffers)])))
+            if len(running) == len(buffers):
+                done, block = running.popleft()
+                yield done, block.result()
+        for i, block in running:
+            yield i, block.result()
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
 def _unfinished_text(store: Store, failures: Mapping[int, str]) -> str:
