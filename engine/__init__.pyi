@@ -130,7 +130,6 @@ from engine.scene.names import guide_of
 from engine.scene.pairs import (
     Pair,
     holder_of,
-    joint_of,
     mesh_driver,
     own_drives,
 )
@@ -343,7 +342,6 @@ __all__ = [
     "is_union",
     "is_warning",
     "joined_by_and",
-    "joint_of",
     "load_change",
     "made_engine",
     "made_ready",

@@ -93,6 +93,12 @@ class Constant(Node):
         self.value = value
 
 
+def _written(compute: Compute) -> tuple:
+    """What a function computes, as far as can be compared: its code, and the texts and numbers it refers to."""
+    inner = (cell.cell_contents for cell in getattr(compute, "__closure__", None) or ())
+    return getattr(compute, "__code__", compute), *(x for x in inner if isinstance(x, (str, int, float)))
+
+
 class Number(Node):
     """A number of the variant, computed from the scene's numbers.
 
@@ -369,7 +375,10 @@ class Graph:
 
     def derived(self, label: str, compute: Compute) -> Number:
         """Return a number computed once per variant from the scene's numbers; equal labels mean the same number."""
-        return self._once(("number", label), lambda: Number(self, label, compute))
+        found = self._once(("number", label), lambda: Number(self, label, compute))
+        if _written(found.compute) != _written(compute):
+            raise ValueError(f"the label {label!r} stands for two numbers")
+        return found
 
     def number_table(self, label: str, numbers: Iterable[Number]) -> NumberTable:
         """Return a table of numbers to look up by index; no other node may use these numbers."""

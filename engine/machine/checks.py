@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from engine.machine.results import AskError
-from engine.scene.pairs import joint_of, pairs
+from engine.scene.pairs import pairs
 from engine.scene.scene import Scene, SceneNumber, within_limits
 from engine.units.display import quantity_text
 from engine.units.reading import UnitError, in_text
@@ -124,7 +124,7 @@ def full_names(scene: Scene, text: str) -> str:
 
     def full(found: re.Match[str]) -> str:
         regime, joint = found.groups()
-        held = [pair for pair in there if pair.kind == "revolute" and joint_of(pair) == joint]
+        held = [pair for pair in there if pair.joint == joint]
         if joint in names or not held:
             return found[0]
         if len(held) > 1:

@@ -8,14 +8,13 @@ import numpy as np
 from engine.graph.nodes import Graph, Node, Number
 from engine.laws.elementary import direction_of, power
 from engine.mechanism.vectors import Vector
-from engine.parts.skeleton import CrankInput
 from engine.scene.scene import Scene
 
 
 def input_span(scene: Scene, graph: Graph) -> tuple[Number, Number]:
     """First and last position of the input [rad, or m for a sliding input]."""
     drive = scene.input
-    if isinstance(drive, CrankInput) and drive.start is None:
+    if drive.turns_fully:
         full = 2.0 * math.pi * drive.revolutions
         return graph.derived("first position", lambda n: 0.0), graph.derived("last position", lambda n: full)
     return graph.number("input.start"), graph.number("input.stop")

@@ -176,7 +176,7 @@ class Mechanics:
     @property
     def speed_squared(self) -> Number:
         """Square of the input speed."""
-        return self.graph.derived("square of the input's speed", lambda n: n["input.speed"] ** 2)
+        return InputMotion.uniform(self.graph).square
 
     @property
     def forward(self) -> Number:

@@ -37,7 +37,6 @@ from engine.scene.pairs import (
     driving_field,
     follower_pair,
     has_friction,
-    joint_of,
     lossy_meshes,
     pairs,
     pairs_of_group,
@@ -270,7 +269,7 @@ class Reactions:
     def _place(self, pair: Pair) -> MovingPoint:
         """Point where a pair's reaction acts: the joint, or the slider's origin."""
         if pair.kind == "revolute":
-            return self.kinematics.points[joint_of(pair)]
+            return self.kinematics.points[pair.joint]
         return self.kinematics.links[pair.link].origin
 
     def _in_joint(self, pair: Pair, force: Vector) -> None:

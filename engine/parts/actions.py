@@ -92,6 +92,8 @@ class OnLink(Part):
     positive direction. `role` classifies its work: "driving", "useful" or "harmful" (losses).
     """
 
+    by_speed_alone: ClassVar[bool] = True
+
     on: LinkRef
     acts: Literal["always", "along", "against"] = "always"
     role: Role = "useful"
@@ -217,12 +219,16 @@ class ConstantMoment(OnLink):
 class TableMoment(OnLink, Tabled):
     """A moment given by a table."""
 
+    by_speed_alone: ClassVar[bool] = False
+
     type: Literal["table"]
     moment: list[Moment]
 
 
 class FormulaMoment(OnLink, ByFormula):
     """A moment given by a formula, as for forces; `omega` is the angular velocity of the loaded link."""
+
+    by_speed_alone: ClassVar[bool] = False
 
     type: Literal["formula"]
     moment: FormulaText
@@ -260,6 +266,8 @@ class PowerDragMoment(ResistingOnLink):
 
 class Brake(Part):
     """A brake on a link or shaft; it acts against the rotation, in regimes only, unless a regime lists it as `off`."""
+
+    by_speed_alone: ClassVar[bool] = True
 
     on: LinkRef
 
@@ -343,6 +351,8 @@ class TorsionSpring(Part):
     `stiffness` is k. `free_angle` is θ₀.
     """
 
+    by_speed_alone: ClassVar[bool] = False
+
     type: Literal["torsion_spring"]
     on: LinkRef
     stiffness: TorsionalStiffness
@@ -355,6 +365,8 @@ class Carried(Part):
     `forwards` is the rotation that moves the masses forwards, which is up for a hoist and for a positive slope.
     `gravity` defaults to the scene's, or to 9.80665 m/s² if the scene has none.
     """
+
+    by_speed_alone: ClassVar[bool] = False
 
     masses: ClassVar[tuple[str, ...]] = ("mass",)
     radius: ClassVar[str] = "drum_radius"
@@ -449,6 +461,8 @@ class DCCharacteristic(Part):
 
 class Motor(Part):
     """A motor on the crank or a shaft geared to it; its torque depends on its speed only."""
+
+    by_speed_alone: ClassVar[bool] = True
 
     on: LinkRef
 

@@ -18,7 +18,7 @@ Plain numbers are SI; text takes units ("80 mm").
 import math
 from collections.abc import Iterator
 from functools import cache
-from typing import Annotated, Literal, NamedTuple, get_args, get_origin
+from typing import Annotated, ClassVar, Literal, NamedTuple, get_args, get_origin
 
 import numpy as np
 from annotated_types import Ge, Gt, Le, Lt
@@ -260,6 +260,11 @@ class CrankInput(Part):
     start: Angle | None = None
     stop: Angle | None = None
 
+    @property
+    def turns_fully(self) -> bool:
+        """Whether the machine has a closed cycle."""
+        return self.start is None
+
     @model_validator(mode="after")
     def _limits_come_together(self) -> "CrankInput":
         if (self.start is None) != (self.stop is None):
@@ -277,6 +282,8 @@ class SliderInput(Part):
     `start` and `stop` are the ends of its travel. `speed` is its mean speed, positive in the direction of the guide.
     `point` names its point on the guide, at which other links can be hinged.
     """
+
+    turns_fully: ClassVar[bool] = False
 
     type: Literal["slider"]
     link: Name

@@ -58,7 +58,7 @@ class InputUnits(NamedTuple):
 
 def has_cycle(scene: Scene) -> bool:
     """Whether the input turns fully, so that the machine has a closed cycle."""
-    return isinstance(scene.input, CrankInput) and scene.input.start is None
+    return scene.input is not None and scene.input.turns_fully
 
 
 def drive_words(scene: Scene) -> str:

@@ -1,11 +1,12 @@
 """The names in a scene: what each denotes, what refers to it, and which parts may carry which."""
 
 import math
+from typing import get_args
 
 from engine import laws
-from engine.parts.actions import Carried, Motor, Tabled, TorsionSpring
+from engine.parts.actions import Carried, MomentAction, Motor, Tabled, TorsionSpring
 from engine.parts.regimes import OF_CRANK, OF_SLIDER, Regime, run_keys
-from engine.parts.skeleton import FRAME, CrankInput, SliderInput, Sliding, Yoke
+from engine.parts.skeleton import FRAME, CrankInput, Group, SliderInput, Sliding, Yoke
 from engine.parts.wanted_motion import wrong_angles
 from engine.scene.scene import Scene, SceneError, once
 from engine.scene.structure.closing import how_to_close, is_whole
@@ -125,13 +126,18 @@ def guide_of(scene: Scene, link: str) -> str | None:
     return getattr({**scene.links, **scene.racks, **scene.inputs}.get(link), "guide", None)
 
 
+def inner_link(group: Group) -> str:
+    """Link that carries the inner joint of a group, of the two that meet there: the sliding one, else the first."""
+    return group.second.link if group.type == "RRP" else group.first.link
+
+
 @once
 def joint_owners(scene: Scene) -> dict[str, str]:
     """Link that carries each joint named by free links: the joint's own link, or the first free link to name it."""
     owners = {input_point(scene): scene.input.link}
     for group in scene.groups.values():
         if hasattr(group, "inner"):
-            owners[group.inner] = group.second.link if group.type == "RRP" else group.first.link
+            owners[group.inner] = inner_link(group)
     owners |= {name: point.link for name, point in scene.points.items()}
     for name, link in scene.links.items():
         for joint in link.joints:
@@ -250,7 +256,7 @@ def _wrong_argument(scene: Scene, name: str) -> list[Problem]:
 def _open_laws(scene: Scene) -> list[Problem]:
     """Second inputs that are not back at their start after a cycle of a crank that turns fully."""
     drive, problems = scene.input, []
-    if not isinstance(drive, CrankInput) or drive.start is not None:
+    if not drive.turns_fully:
         return []
     rates = {name: (law_rate(scene, name), drive_turns(scene, name)) for name in scene.inputs}
     needed = [part for name, second in scene.inputs.items() for part in rates[name][not second.repeats :]]
@@ -296,7 +302,7 @@ def _wrong_cams(scene: Scene) -> list[Problem]:
             allowed = ", ".join(sorted(carriers)) or "none, as the input slides"
             message = f"a cam sits on the crank or on a shaft with a pivot that is geared to it; such are: {allowed}"
             problems.append((f"{at}.on", message))
-        elif drive.start is None and not is_whole(carriers[cam.on] * drive.revolutions):
+        elif drive.turns_fully and not is_whole(carriers[cam.on] * drive.revolutions):
             message = (
                 f"{cam.on!r} makes {abs(carriers[cam.on] * drive.revolutions):g} turns in a cycle of "
                 f"{drive.revolutions} of the crank, and the cam's motion doesn't close: "
@@ -389,7 +395,7 @@ def _no_stroke(scene: Scene) -> list[Problem]:
 def _no_cycle(scene: Scene) -> list[Problem]:
     """Parts that need an input that turns fully, or an even number of revolutions per cycle."""
     drive, problems = scene.input, []
-    turns = isinstance(drive, CrankInput) and drive.start is None
+    turns = drive.turns_fully
     if scene.flywheel is not None and not turns:
         problems.append(("flywheel", "needs a crank that turns fully; leave it out, or input.start and input.stop"))
     for name, cylinder in scene.cylinders.items():
@@ -403,7 +409,7 @@ def _no_cycle(scene: Scene) -> list[Problem]:
 def _open_tables(scene: Scene) -> list[Problem]:
     """Tables over the angle that don't close over the cycle of a crank that turns fully."""
     drive, problems = scene.input, []
-    if not (isinstance(drive, CrankInput) and drive.start is None):
+    if not drive.turns_fully:
         return []
     for table, ordinate in (("forces", "force"), ("moments", "moment")):
         for name, action in getattr(scene, table).items():
@@ -450,7 +456,7 @@ def _wrong_regimes(scene: Scene) -> list[Problem]:
 
 def _wrong_for_range(drive: CrankInput | SliderInput, name: str, regime: Regime) -> list[Problem]:
     """Keys of a regime that do not apply to its input: one that turns fully, one that doesn't, one that slides."""
-    at, turns = f"regimes.{name}", isinstance(drive, CrankInput) and drive.start is None
+    at, turns = f"regimes.{name}", drive.turns_fully
     if regime.type == "steady":
         message = "an input that doesn't turn fully has no cycle, so no steady motion; use type = 'run'"
         return [] if turns else [(f"{at}.type", message)]
@@ -501,11 +507,10 @@ def _wrong_drives(scene: Scene) -> list[Problem]:
     return problems
 
 
-# Moments that depend on nothing but the speed of their shaft.
-_BY_SPEED_ALONE = (
-    *("constant", "against_motion", "linear_drag", "quadratic_drag", "power_drag"),
-    *("dc_motor", "induction_motor", "table_motor", "block_brake", "disc_brake", "band_brake"),
-)
+def _by_speed_alone() -> list[str]:
+    """Types of moments that depend on nothing but the speed of their shaft."""
+    kinds = get_args(get_args(MomentAction)[0])
+    return [get_args(kind.model_fields["type"].annotation)[0] for kind in kinds if kind.by_speed_alone]
 
 
 def _wrong_couplings(scene: Scene) -> list[Problem]:
@@ -517,7 +522,7 @@ def _wrong_couplings(scene: Scene) -> list[Problem]:
         elif shaft not in geared:
             allowed = ", ".join(sorted(geared)) or "none: add one to [shafts]"
             problems.append((path, f"a coupling joins the crank to a shaft geared to it; such are: {allowed}"))
-        elif scene.regimes and scene.input.start is not None:
+        elif scene.regimes and not scene.input.turns_fully:
             message = "motion at two speeds needs a crank that turns fully; leave it, or input.start and input.stop"
             problems.append((f"couplings.{name}", message))
         elif scene.shafts[shaft].pivot is not None:
@@ -532,10 +537,10 @@ def _wrong_couplings(scene: Scene) -> list[Problem]:
             (
                 f"moments.{n}.type",
                 f"shaft {shaft!r} turns at a speed of its own, by coupling {name!r}, and a moment on it may depend on "
-                f"that speed alone; allowed: {', '.join(_BY_SPEED_ALONE)}",
+                f"that speed alone; allowed: {', '.join(_by_speed_alone())}",
             )
             for n, moment in on_shaft.items()
-            if moment.type not in _BY_SPEED_ALONE
+            if not moment.by_speed_alone
         ]
         sides = {n in on_shaft for n, m in scene.moments.items() if isinstance(m, Motor)}
         if len(sides) == 2:

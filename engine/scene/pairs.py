@@ -5,7 +5,7 @@ from typing import Literal, NamedTuple
 
 from engine.parts.pair_friction import PairFriction
 from engine.parts.skeleton import FRAME, CrankInput, Hinged, Sliding, Yoke
-from engine.scene.names import Problem, guide_of, joint_owners
+from engine.scene.names import Problem, guide_of, inner_link, joint_owners
 from engine.scene.scene import Scene, once
 from engine.words.glossary import did_you_mean
 
@@ -27,15 +27,29 @@ class Pair(NamedTuple):
         Link on which its reaction acts.
     other : str
         Link that exerts the reaction.
-    place : str
-        Description: "joint A", "guide way", "the slot of rocker".
+    joint, guide : str
+        Joint of a revolute pair, guide of a prismatic one; "" otherwise.
     """
 
     name: str
     kind: Literal["revolute", "prismatic", "contact"]
     link: str
     other: str
-    place: str
+    joint: str = ""
+    guide: str = ""
+
+    @property
+    def place(self) -> str:
+        """Description: "joint A", "guide way", "the slot of rocker"."""
+        if self.kind == "contact":
+            return f"the contact of cam {self.name.partition('.')[0]}"
+        if self.joint:
+            return f"joint {self.joint}"
+        return f"guide {self.guide}" if self.guide else f"the slot of {self.other}"
+
+    def beyond(self, link: str) -> str:
+        """The link on the other side."""
+        return self.other if link == self.link else self.link
 
 
 class RodPairs(NamedTuple):
@@ -52,7 +66,7 @@ def holder_of(scene: Scene, point: str) -> str:
         return scene.points[point].link
     for group in scene.groups.values():
         if getattr(group, "inner", None) == point:
-            return group.second.link if group.type == "RRP" else group.first.link
+            return inner_link(group)
     return joint_owners(scene).get(point, scene.input.link)
 
 
@@ -145,8 +159,7 @@ def follower_pair(scene: Scene, cam: str) -> Pair:
 @once
 def contact_pairs(scene: Scene) -> list[Pair]:
     """Contacts of cams with their followers, `CAM.contact`: higher pairs, which may have friction."""
-    found = ((name, cam.follower.link, cam.on) for name, cam in scene.cams.items())
-    return [Pair(f"{name}.contact", "contact", link, on, f"the contact of cam {name}") for name, link, on in found]
+    return [Pair(f"{name}.contact", "contact", cam.follower.link, cam.on) for name, cam in scene.cams.items()]
 
 
 @once
@@ -160,11 +173,6 @@ def free_pairs(scene: Scene) -> list[Pair]:
     return found
 
 
-def joint_of(pair: Pair) -> str:
-    """Name of the joint of a revolute pair."""
-    return pair.place.removeprefix("joint ")
-
-
 def pairs_of_group(scene: Scene, name: str) -> tuple[Pair, Pair, Pair]:
     """First, inner and second pair of a group."""
     group = scene.groups[name]
@@ -176,14 +184,14 @@ def pairs_of_group(scene: Scene, name: str) -> tuple[Pair, Pair, Pair]:
         for side, part in (("first", one), ("second", two))
     )
     if hasattr(group, "inner"):
-        inner = Pair(f"{name}.inner", "revolute", one.link, two.link, f"joint {group.inner}")
+        inner = Pair(f"{name}.inner", "revolute", one.link, two.link, group.inner)
     else:
-        inner = Pair(f"{name}.inner", "prismatic", one.link, two.link, f"the slot of {two.link}")
+        inner = Pair(f"{name}.inner", "prismatic", one.link, two.link)
     return first, inner, second
 
 
 def _joint(scene: Scene, name: str, link: str, point: str) -> Pair:
-    return Pair(name, "revolute", link, holder_of(scene, point), f"joint {point}")
+    return Pair(name, "revolute", link, holder_of(scene, point), point)
 
 
 def _pivot_of_shaft(scene: Scene, name: str, point: str) -> Pair:
@@ -193,7 +201,7 @@ def _pivot_of_shaft(scene: Scene, name: str, point: str) -> Pair:
 
 
 def _on_guide(scene: Scene, name: str, link: str, guide: str) -> Pair:
-    return Pair(name, "prismatic", link, scene.guides[guide].link, f"guide {guide}")
+    return Pair(name, "prismatic", link, scene.guides[guide].link, guide=guide)
 
 
 def friction_problems(scene: Scene) -> list[Problem]:
@@ -261,8 +269,7 @@ def rods_of(scene: Scene) -> dict[str, RodPairs]:
 
 def _pairs_in(scene: Scene, joint: str, link: str) -> Iterator[Pair]:
     """Pairs of a link in one of its joints."""
-    turning = (pair for pair in pairs(scene) if pair.kind == "revolute" and joint_of(pair) == joint)
-    return (pair for pair in turning if link in (pair.link, pair.other))
+    return (pair for pair in pairs(scene) if pair.joint == joint and link in (pair.link, pair.other))
 
 
 def _wrong_at_cam(path: str, friction: PairFriction, rolls: bool) -> Iterator[Problem]:

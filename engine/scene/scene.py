@@ -162,7 +162,7 @@ class Scene(Part, metaclass=_RefusedInWords):
         rest = any(getattr(self, key) != field.default for key, field in fields.items())
         if self.input is None and (rest or not self.elements):
             raise ValueError("input is missing: only machine elements do without a mechanism")
-        if not (isinstance(self.input, CrankInput) and self.input.start is None):
+        if self.input is None or not self.input.turns_fully:
             for name, element in self.elements.items():
                 key, why = element.machine_needed()
                 if why:

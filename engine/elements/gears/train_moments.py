@@ -13,7 +13,7 @@ import numpy as np
 from engine.cycle.measured import Measured
 from engine.elements.element import Numbers
 from engine.elements.gears.gear_elements import GearTrain
-from engine.elements.gears.mesh_equations import solve
+from engine.elements.gears.small_systems import solve
 from engine.elements.gears.train_speeds import teeth_of
 from engine.laws.rounding import EPS
 

@@ -6,7 +6,7 @@ from engine.cycle.measured import Measured
 from engine.elements.element import Numbers
 from engine.elements.gears.gear_elements import GearTrain
 from engine.elements.gears.gear_structure import MeshPlace
-from engine.elements.gears.mesh_equations import solve
+from engine.elements.gears.small_systems import solve
 from engine.laws.rounding import EPS
 
 

@@ -9,11 +9,11 @@ A dyad is two links with three lower pairs and no degree of freedom. Each of the
   (d'Alembert), enter six equations of equilibrium for the six unknowns of its three pairs;
 - closure: residual of a computed position in lengths, guides and directions, relative to a length.
 
-Conventions ----------- A, D are known outer joints and B is the inner joint; u is the unit vector of a guide and n = k
-× u its left normal; `mode` is the assembly mode, +1 or −1. Lengths in m, rates per unit of q. The position of a group
-that can't be assembled is NaN. In a singular position (dead centre, change point) the position stays finite, and rates
-and reactions are infinite or NaN. `sine` measures force transmission like the sine of the transmission angle, 1 at best
-and 0 in a singular position; its sign is that of `mode`.
+Conventions: A, D are known outer joints and B is the inner joint; u is the unit vector of a guide and n = k × u its
+left normal; `mode` is the assembly mode, +1 or −1. Lengths in m, rates per unit of q. The position of a group that
+can't be assembled is NaN. In a singular position (dead centre, change point) the position stays finite, and rates and
+reactions are infinite or NaN. `sine` measures force transmission like the sine of the transmission angle, 1 at best and
+0 in a singular position; its sign is that of `mode`.
 
 The load on a link is a force (fx, fy) [N] and a moment m [N·m] about the link's origin: the outer joint for a link of
 RRR, for the rod of RRP, for the block and for the rocker; the joint for a slider; the crossing of slot and guide for

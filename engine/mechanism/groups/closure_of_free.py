@@ -15,7 +15,7 @@ from typing import NamedTuple
 from engine.graph.nodes import Node
 from engine.mechanism.assembly import Assembly, GuideLine, MovingPoint, Slide, Turning
 from engine.mechanism.vectors import Vector
-from engine.scene.pairs import Pair, joint_of
+from engine.scene.pairs import Pair
 from engine.scene.structure.free_groups import Cutting, FreeGroup, cutting_of
 
 
@@ -171,8 +171,8 @@ class ClosureOfFree:
         return _at(links[link], self.local(link, joint))
 
     def _hinged(self, links: dict[str, Turning], name: str, pair: Pair, unknown: Direction, still: bool) -> Turning:
-        other = pair.other if name == pair.link else pair.link
-        joint = joint_of(pair)
+        other = pair.beyond(name)
+        joint = pair.joint
         hinge = Turning(self.joint_on(links, other, joint, still), unknown.u, unknown.w, unknown.e)
         return hinge._replace(origin=_at(hinge, -self.local(name, joint)))
 
@@ -209,7 +209,7 @@ class ClosureOfFree:
 
     def ends(self, links: dict[str, Turning], cut: CutLink, still: bool = False) -> tuple[MovingPoint, MovingPoint]:
         """Joints at the ends of a cut link with two joints."""
-        found = [self.joint_on(links, _far(cut.name, pair), joint_of(pair), still) for pair in (cut.one, cut.other)]
+        found = [self.joint_on(links, pair.beyond(cut.name), pair.joint, still) for pair in (cut.one, cut.other)]
         return found[0], found[1]
 
     def measures(self) -> list[Node]:
@@ -219,11 +219,11 @@ class ClosureOfFree:
 
     def bar(self, cut: CutLink) -> Vector:
         """Vector from the first to the second joint of a cut link, in the link's axes."""
-        return self.local(cut.name, joint_of(cut.other)) - self.local(cut.name, joint_of(cut.one))
+        return self.local(cut.name, cut.other.joint) - self.local(cut.name, cut.one.joint)
 
     def line(self, links: dict[str, Turning], cut: CutLink) -> tuple[GuideLine, Node]:
         """Guide line of a cut link's joint, on the link beyond the guide, and the joint's distance to its left."""
-        joint, guide = self.local(cut.name, joint_of(cut.one)), self.slider_guide(cut.other)
+        joint, guide = self.local(cut.name, cut.one.joint), self.slider_guide(cut.other)
         if cut.other.link == cut.name:
             return self.guide_on(guide, links[cut.other.other]), self.offset(cut.name) + joint.y
         slider = links[cut.other.link]
@@ -233,7 +233,7 @@ class ClosureOfFree:
 
     def _of_link(self, links: dict[str, Turning], cut: CutLink, still: bool) -> Miss:
         if cut.other.kind == "prismatic":
-            point = self.joint_on(links, _far(cut.name, cut.one), joint_of(cut.one), still)
+            point = self.joint_on(links, cut.one.beyond(cut.name), cut.one.joint, still)
             return _line_residual(*self.line(links, cut), point)
         one, other = self.ends(links, cut, still)
         bar = self.bar(cut)
@@ -242,8 +242,8 @@ class ClosureOfFree:
 
     def _of_pair(self, links: dict[str, Turning], pair: Pair, still: bool) -> list[Miss]:
         if pair.kind == "revolute":
-            one = self.joint_on(links, pair.link, joint_of(pair), still)
-            other = self.joint_on(links, pair.other, joint_of(pair), still)
+            one = self.joint_on(links, pair.link, pair.joint, still)
+            other = self.joint_on(links, pair.other, pair.joint, still)
             r, v, a = (first - two for first, two in zip(one, other, strict=True))
             return [Miss(r.x, v.x, a.x), Miss(r.y, v.y, a.y)]
         line, slider = self.guide_on(self.slider_guide(pair), links[pair.other]), links[pair.link]
@@ -273,11 +273,11 @@ class ClosureOfFree:
         turns: dict[str, int | None] = {}
         origins: dict[str, tuple[Reach, Vector]] = {}
         for i, ((name, pair), unknown) in enumerate(zip(self.cutting.placed, unknowns, strict=True)):
-            other = pair.other if name == pair.link else pair.link
+            other = pair.beyond(name)
             if isinstance(unknown, Direction):
                 turns[name] = i
-                base = self._reach_of_joint(origins, turns, nothing, other, joint_of(pair))
-                origins[name] = base, self.local(name, joint_of(pair))
+                base = self._reach_of_joint(origins, turns, nothing, other, pair.joint)
+                origins[name] = base, self.local(name, pair.joint)
                 continue
             turns[name] = turns.get(other)
             guide = self.slider_guide(pair)
@@ -290,9 +290,9 @@ class ClosureOfFree:
             origins[name] = Reach(first, reach.second + twice), self._zero
         found = []
         for cut, miss in zip(self.cut_links, misses, strict=False):
-            one = self._reach_of_joint(origins, turns, nothing, _far(cut.name, cut.one), joint_of(cut.one))
+            one = self._reach_of_joint(origins, turns, nothing, cut.one.beyond(cut.name), cut.one.joint)
             if cut.other.kind == "revolute":
-                two = self._reach_of_joint(origins, turns, nothing, _far(cut.name, cut.other), joint_of(cut.other))
+                two = self._reach_of_joint(origins, turns, nothing, cut.other.beyond(cut.name), cut.other.joint)
                 first = [a + b for a, b in zip(one.first, two.first, strict=True)]
                 total, length = _total(first), self.bar(cut).length
                 # Upper bound: the residual is half the difference of the squares of distance and length.
@@ -300,15 +300,14 @@ class ClosureOfFree:
                 first = [reach * length for reach in first]
                 found.append((first, total * total + (one.second + two.second) * distance))
                 continue
-            carrier, point = _far(cut.name, cut.other), self.joint_on(links, _far(cut.name, cut.one), joint_of(cut.one))
+            carrier, point = cut.other.beyond(cut.name), self.joint_on(links, cut.one.beyond(cut.name), cut.one.joint)
             base, place = origins.get(carrier, (nothing, self._zero))
             arm = (point.r - _at(links[carrier], place).r).length
             found.append(self._reach_from_line(one, base, turns.get(carrier), arm, within))
         for pair in self.cutting.cut_pairs:
             if pair.kind == "revolute":
                 one, two = (
-                    self._reach_of_joint(origins, turns, nothing, name, joint_of(pair))
-                    for name in (pair.link, pair.other)
+                    self._reach_of_joint(origins, turns, nothing, name, pair.joint) for name in (pair.link, pair.other)
                 )
                 first = [a + b for a, b in zip(one.first, two.first, strict=True)]
                 found += [(first, one.second + two.second)] * 2
@@ -349,11 +348,6 @@ class ClosureOfFree:
             return first, second
         second = second + 2.0 * _total(first) + (arm + _total(first) * within)
         return [f + arm if k == turns else f for k, f in enumerate(first)], second
-
-
-def _far(link: str, pair: Pair) -> str:
-    """The link on the other side of a pair."""
-    return pair.other if pair.link == link else pair.link
 
 
 def _at(link: Turning, place: Vector) -> MovingPoint:

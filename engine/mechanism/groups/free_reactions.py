@@ -15,7 +15,7 @@ from engine.mechanism.groups.closure_of_free import ClosureOfFree, CutLink
 from engine.mechanism.groups.free import FreeMotion
 from engine.mechanism.link_loads import Components, LinkLoads, Wrench
 from engine.mechanism.vectors import Vector
-from engine.scene.pairs import Pair, joint_of
+from engine.scene.pairs import Pair
 
 
 def free_reactions(assembly: Assembly, motion: FreeMotion, loads: Mapping[str, Wrench]) -> dict[str, Components]:
@@ -60,12 +60,9 @@ class _Balance:
             total = total + (load.force.dot(link.origin.v) + load.moment * link.w)
         return total
 
-    def _far(self, name: str, pair: Pair) -> str:
-        return pair.other if pair.link == name else pair.link
-
     def _joint(self, name: str, pair: Pair) -> MovingPoint:
         """The joint of a pair as a point of the link beyond it."""
-        return self._closure.joint_on(self._motion.links, self._far(name, pair), joint_of(pair))
+        return self._closure.joint_on(self._motion.links, pair.beyond(name), pair.joint)
 
     def _register(self, pair: Pair, name: str, force: Vector) -> None:
         """Register the force in a joint, given as it acts on the link `name`."""
@@ -79,12 +76,12 @@ class _Balance:
         moment = total.moment - (joint.r - self._links[cut.name].origin.r).cross(total.force)
         load = Wrench(total.force, moment)
         if cut.other.kind == "prismatic":
-            self._loads.push(self._far(cut.name, cut.one), joint, total.force)
-            self._loads.twist(self._far(cut.name, cut.other), moment)
+            self._loads.push(cut.one.beyond(cut.name), joint, total.force)
+            self._loads.twist(cut.other.beyond(cut.name), moment)
             return load
         across = self._across(cut, load)
-        self._loads.push(self._far(cut.name, cut.one), joint, total.force + across)
-        self._loads.push(self._far(cut.name, cut.other), self._joint(cut.name, cut.other), -across)
+        self._loads.push(cut.one.beyond(cut.name), joint, total.force + across)
+        self._loads.push(cut.other.beyond(cut.name), self._joint(cut.name, cut.other), -across)
         return load
 
     def _direction(self, cut: CutLink) -> Vector:
@@ -97,7 +94,7 @@ class _Balance:
 
     def _along(self, cut: CutLink, load: Wrench, unknown: Node) -> None:
         """Apply the solved force of a cut link, and register the link's reactions."""
-        joint, one, other = self._joint(cut.name, cut.one), *(self._far(cut.name, p) for p in (cut.one, cut.other))
+        joint, one, other = self._joint(cut.name, cut.one), *(p.beyond(cut.name) for p in (cut.one, cut.other))
         if cut.other.kind == "revolute":
             one_end, other_end = self._closure.ends(self._motion.links, cut)
             force = unknown * (other_end.r - one_end.r)
@@ -143,7 +140,7 @@ class _Balance:
 
     def _remove_link(self, name: str, pair: Pair) -> None:
         """Remove the last link of the chain: its pair takes all its loads."""
-        load, link, other = self._loads.total(name), self._links[name], self._far(name, pair)
+        load, link, other = self._loads.total(name), self._links[name], pair.beyond(name)
         if pair.kind == "revolute":
             self._register(pair, name, -load.force)
             self._loads.push(other, self._joint(name, pair), load.force)

@@ -70,7 +70,7 @@ def turns_of_input(drive: CrankInput | SliderInput, rate: float) -> range:
     rate : float
         [rad per rad, or per m of a sliding input]
     """
-    ends = (0.0, TURN * drive.revolutions) if drive.start is None else (drive.start, drive.stop)
+    ends = (0.0, TURN * drive.revolutions) if drive.turns_fully else (drive.start, drive.stop)
     first, last = sorted(rate * end for end in ends)
     return range(math.floor(first / TURN) - 1, math.ceil(last / TURN + 1e-9) + 1)
 

@@ -86,7 +86,7 @@ def force_words(scene: Scene, pair: Pair) -> str:
     """The force in a pair in an engineer's terms: "crankpin force (joint A): crank on rod"."""
     acts = f"{pair.other} on {pair.link}"
     if pair.kind == "prismatic":
-        held = pair.other == FRAME and pair.place.startswith("guide ")
+        held = pair.other == FRAME and bool(pair.guide)
         return f"side thrust of {pair.link} ({pair.place})" if held else f"force in {pair.place}: {acts}"
     return f"{_bearing(scene, pair)} force ({pair.place}): {acts}"
 

@@ -2,7 +2,6 @@
 
 import math
 
-from engine.parts.skeleton import CrankInput
 from engine.scene.scene import Scene, scene_numbers
 
 
@@ -28,7 +27,7 @@ def fixed_by_laws(scene: Scene) -> set[str]:
 
     The cycle must close in every variant, and section boundaries are laid out once for all variants.
     """
-    cycle = isinstance(scene.input, CrankInput) and scene.input.start is None
+    cycle = scene.input.turns_fully
     found: set[str] = set()
     for name, second in scene.inputs.items():
         at, speed = f"inputs.{name}", getattr(second, "speed", 0.0)

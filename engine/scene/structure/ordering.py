@@ -12,7 +12,7 @@ from engine.parts.skeleton import FRAME, Sliding, Yoke
 from engine.scene import structure
 from engine.scene.load_formulas import formula_problems
 from engine.scene.masses import replacement_problems
-from engine.scene.names import acting, definitions, guide_of, input_point, joint_owners, misplaced, sliders
+from engine.scene.names import acting, definitions, guide_of, inner_link, input_point, joint_owners, misplaced, sliders
 from engine.scene.pairs import friction_problems, pairs, strength_problems
 from engine.scene.scene import Scene, SceneError, once
 from engine.words.glossary import did_you_mean
@@ -138,7 +138,7 @@ def _ordered(scene: Scene) -> _Ordering:
                 elements.append(OrderedPart("group", name))
                 known_links.update(group_links(scene, name))
                 if hasattr(group, "inner"):
-                    points[group.inner] = group.first.link
+                    points[group.inner] = inner_link(group)
                 grown = True
         found = None if grown or not scene.links else structure.free_matching.next_free_group(scene, known_links)
         if found is not None:
@@ -155,7 +155,7 @@ def _check_movable(scene: Scene, points: dict[str, str], guides: dict[str, str])
     problems = []
     for name, group in scene.groups.items():
         carriers = {(points if kind == "point" else guides)[ref] for kind, ref in _outer(group)}
-        if group.type in ("RRR", "RRP", "RPR", "PRP", "RPP") and carriers == {FRAME}:
+        if carriers == {FRAME}:
             n = len(group_links(scene, name))
             problems.append(
                 (

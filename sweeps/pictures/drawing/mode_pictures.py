@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from engine import AssemblyMode, CrankInput, Near, Scene, assembly_modes
+from engine import AssemblyMode, Near, Scene, assembly_modes
 from sweeps.pictures.drawing.painting import picture
 from sweeps.pictures.picture_error import PictureError
 
@@ -44,7 +44,7 @@ def mode_pictures(
         Why a mode can't be drawn, such as links that don't reach; None if it is drawn.
     """
     drive = scene.input
-    first = 0.0 if isinstance(drive, CrankInput) and drive.start is None else drive.start
+    first = 0.0 if drive.turns_fully else drive.start
     made: dict[Path, PictureError | None] = {}
     for group, found in modes.items():
         for number, mode in enumerate(found or (), 1):

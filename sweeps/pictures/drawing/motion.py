@@ -18,7 +18,6 @@ from engine import (
     Sliding,
     Verdict,
     has_cycle,
-    joint_of,
     order_groups,
     pairs_of,
     places_on,
@@ -195,4 +194,4 @@ class DrawnMotion:
     @property
     def hinges(self) -> set[str]:
         """Points that are revolute pairs."""
-        return {joint_of(pair) for pair in pairs_of(self.scene) if pair.kind == "revolute"}
+        return {pair.joint for pair in pairs_of(self.scene) if pair.kind == "revolute"}

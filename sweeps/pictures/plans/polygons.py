@@ -13,7 +13,7 @@ Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapter on veloci
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
-from engine import FRAME, RPP, RPR, CrankInput, FreeGroup, Hinged, guide_of, joint_of
+from engine import FRAME, RPP, RPR, CrankInput, FreeGroup, Hinged, guide_of
 from sweeps.pictures.plans.contacts import Rolling, Touching, lettered, rolling, touching
 from sweeps.pictures.plans.lettering import subscript, symbol
 from sweeps.pictures.plans.pose import Movement, Pose, Turn
@@ -323,7 +323,7 @@ class _Composer:
             # From points known before the group.
             turning.sort(key=lambda pair: {pair.link, pair.other} <= set(group.links))
             for pair in turning[1:] if link not in drawn else ():
-                self._bar(link, joint_of(turning[0]), joint_of(pair))
+                self._bar(link, turning[0].joint, pair.joint)
         for pair in group.pairs:
             if pair.kind != "prismatic":
                 continue

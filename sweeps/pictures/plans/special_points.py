@@ -9,7 +9,7 @@ Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapter on plans 
 from itertools import combinations
 from typing import NamedTuple
 
-from engine import FreeGroup, joint_of
+from engine import FreeGroup
 from sweeps.pictures.plans.pose import Pose
 
 # Bars with a smaller sine of their angle meet too far away to draw.
@@ -72,7 +72,7 @@ def special_point(pose: Pose, group: FreeGroup) -> SpecialPoint | None:
         place = _crossing(pose, one, two)
         if place is not None:
             others = [p for p in group.pairs_of(link) if not {p.link, p.other} & {one.link, two.link}]
-            joint = joint_of(others[0]) if others[0].kind == "revolute" else None
+            joint = others[0].joint or None
             name = "W"
             while name in pose.motion.points:
                 name += "w"
@@ -89,7 +89,7 @@ def _bars(group: FreeGroup, ternary: str) -> list[PlanBar]:
             continue
         inner = next(pair for pair in around if ternary in (pair.link, pair.other))
         (outer,) = [pair for pair in around if pair is not inner]
-        found.append(PlanBar(link, joint_of(outer), joint_of(inner)))
+        found.append(PlanBar(link, outer.joint, inner.joint))
     return found
 
 
