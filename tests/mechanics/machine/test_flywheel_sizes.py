@@ -1,7 +1,6 @@
 """The flywheel's methods and the speeds of whole machines against the equation of motion, dense fields and each other.
 
-What the room of the cycle makes of works and inertias is compared with closed forms in test_flywheels.py, and for
-extreme numbers in test_extremes_matrix.py.
+For extreme numbers they are compared with closed forms in test_extremes_matrix.py.
 """
 
 import itertools
