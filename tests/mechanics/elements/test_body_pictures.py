@@ -7,7 +7,7 @@ import pytest
 from element_samples import DISC, LEVER, WOUND, one, scene
 
 from engine import body_ellipsoid, wound_stresses
-from sweeps.pictures.elements.element_pictures import element_pictures, element_sheet
+from sweeps.pictures.elements.element_pictures import element_sheet
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import new_figure
 
@@ -108,15 +108,3 @@ def test_way_on_an_elastic_tie__stretches_it_as_far_as_energy_and_moment_of_mome
     speed, force = next(line for line in pull.get_lines() if line.get_label() == "by an impulse").get_data()
     # Straight between places that are a few hundredths of the speed apart.
     assert np.interp(burst, speed, force) == pytest.approx(1e-3 * TIE["strength"], rel=1e-4)
-
-
-def test_bodies__are_drawn_with_the_other_elements(tmp_path):
-    made = element_pictures(scene(lever=LEVER, tape=WOUND, disc=DISC, plate=PLATE, tie=TIE), tmp_path / "bodies.svg")
-    assert [path.name for path in made] == [
-        "bodies_lever_sliding.svg",
-        "bodies_tape_stresses.svg",
-        "bodies_disc_plan.svg",
-        "bodies_plate_views.svg",
-        "bodies_tie_pull.svg",
-    ]
-    assert all(path.stat().st_size > 1000 for path in made)
