@@ -113,16 +113,6 @@ def test_figures_of_amplitudes_and_moments__hold_against_50_digits(inertias, sti
         assert abs(value - exact) <= error
 
 
-def test_two_masses__have_the_closed_form_of_their_shaft_moment():
-    a, b, k, w, m = 0.8, 2.0, 5e4, 120.0, 70.0
-    train = chain([a, b], [k], speed=60.0, excitations={"e": harmonic("m0", 2, m)})
-    # Relative motion: a b/(a + b) q″ + k q = m b/(a + b) cos w t.
-    expected = m * b / (a + b) / abs(1 - w**2 * a * b / (a + b) / k)
-    found = solved(train)
-    assert found["s0.alternating_moment"][0] == pytest.approx(expected, rel=1e-13)
-    assert found["margin_1"][0] == pytest.approx(abs(w / math.sqrt(k * (a + b) / (a * b)) - 1), rel=1e-12)
-
-
 def test_resonance_without_damping__is_a_status_and_with_damping_a_number():
     # ω² = 1e4 · (1 + 1)/(1 · 1) / 2: the order's frequency is exactly 100.
     train = chain([1.0, 1.0], [5e3], speed=50.0, excitations={"e": harmonic("m0", 2, 1.0)})

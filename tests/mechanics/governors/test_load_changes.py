@@ -90,15 +90,6 @@ def test_just_beside_the_critical_damping__it_decays_or_grows():
     assert hunting[1] < 0.7 * swing[1]
 
 
-def test_variants__are_what_each_is_by_itself():
-    damping = np.array([50.0, 200.0, 400.0])
-    together, _, _ = governor_results(CASES["friction"], damping=damping)
-    for k, b in enumerate(damping):
-        alone, _, _ = governor_results(CASES["friction"] | {"damping": float(b)})
-        for key, column in together.items():
-            assert column[k] == alone[key][0] or (np.isnan(column[k]) and np.isnan(alone[key][0])), key
-
-
 # The engine is a mechanism
 
 ANGLES = [k * math.pi / 6 for k in range(12)]

@@ -2,7 +2,6 @@
 
 import math
 
-import numpy as np
 import pytest
 from motion_scenes import ECCENTRIC_MASS, ECCENTRICITY, GRAVITY, ask, pendulum, rotor, run, slider_crank, steady
 from motion_scenes import INERTIA as INERTIA_OF_ROTOR
@@ -198,18 +197,6 @@ def test_work_balance__in_watts_and_joules():
     assert other == pytest.approx(0.0, abs=1e-6)
     assert found["go.motor_power"] * found["go.time"] == pytest.approx(motor, rel=1e-14)
     assert found["go.efficiency"] == pytest.approx(useful / (motor + driving), rel=1e-14)
-
-
-def test_variants_of_all_kinds__each_its_own_way():
-    scene = slider_crank({"go": run("dc load rub", speed=30.0, from_speed=15.0, at_most=100.0)}, flywheel=0.05)
-    stalls = [1.7, 1.9, 2.0, 2.5, 3.0, 5.0, 20.0]
-    found = ask(scene, "go.time", varied={"moments.dc.stall_moment": stalls})
-    # 2.4 N·m resist; the motor gives 0.7 of its stall moment at 30 rad/s: from 3.43 N·m on it gets there.
-    assert [code == Verdict.OK for code in found.status] == [False] * 5 + [True] * 2
-    assert np.isnan(found.values["go.time"][:5]).all()
-    for i in (5, 6):
-        one = ask(scene, "go.time", varied={"moments.dc.stall_moment": [stalls[i]]})
-        assert one.values["go.time"][0] == pytest.approx(found.values["go.time"][i], rel=1e-13)
 
 
 @pytest.mark.parametrize("load", [-25.0, -200.0])

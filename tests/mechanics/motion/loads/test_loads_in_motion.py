@@ -198,17 +198,6 @@ def test_brake_left_on__is_borne_by_the_frame():
         np.testing.assert_allclose(braked[name], rubbed[name] + shift, rtol=0, atol=1e-9 * size + 1e-12, err_msg=name)
 
 
-def test_what_is_off__loads_nothing():
-    heavy, light = (rows_of(settled(f"dc fan {more}", flywheel=0.2)) for more in ("gravity", ""))
-    weight = 9.81 * (RAM_MASS + ECCENTRIC_MASS)
-    # Whatever the motion: the frame bears the weight of all, and what all masses take.
-    for rows, down in ((heavy, weight), (light, 0.0)):
-        size = np.abs(rows["frame.reaction_y"]).max()
-        np.testing.assert_allclose(
-            rows["frame.reaction_y"], rows["shaking_force_y"] - down, rtol=0, atol=200 * EPS * size
-        )
-
-
 # Statistics and their error estimates
 
 
