@@ -30,9 +30,6 @@ from engine.elements.engines.made_engine import ROUNDED_ORDERS
 from engine.elements.engines.shafts import crankshaft_counterweights, remaining_shaking
 from engine.elements.engines.shaking import SHAKING_ORDERS, engine_shaking
 
-ratios = st.floats(0.02, 0.6)
-
-
 # Harmonics of the slider-crank
 
 
@@ -242,15 +239,6 @@ def test_split_crankpin_of_a_v_twin__balances_the_first_order_at_any_bank_angle(
     assert left.forces.major[0] <= 8 * EPS
 
 
-@few
-@given(st.integers(2, 6), st.floats(0.1, 0.5))
-def test_boxer_and_in_line_six__leave_no_force(pairs, ratio):
-    for layout, orders in ((boxer_engine(2 * pairs).layout(), (1, 2, 4, 6)), (in_line_engine(6).layout(), (1, 2, 4))):
-        found = engine_shaking(Engine(layout, 1.0, 1 / ratio), orders)
-        assert (found.forces.major <= ROUNDED_ORDERS * EPS * found.force_terms).all()
-    assert (found.couples.major <= ROUNDED_ORDERS * EPS * found.couple_terms).all()
-
-
 def test_problem_of_four_cranks_at_right_angles__has_no_forces_and_the_couples_of_a_hand_calculation():
     # Cranks 1-4-2-3 at 90°, r = 50 mm, l = 200 mm, 0.2 m apart, 2 kg, 2000 rpm (a textbook problem).
     layout = in_line_engine(4, [math.radians(x) for x in (0, 180, 270, 90)]).layout(spacing=0.2)
@@ -270,16 +258,6 @@ def test_cylinders__stand_about_the_cranks_middle_with_their_rods_side_by_side()
     assert_allclose(rows.positions, [-0.07, 0.03, -0.05, 0.05, -0.03, 0.07], rtol=4 * EPS)
     assert_allclose(np.degrees(rows.banks), [60, 60, 0, 0, -60, -60], rtol=4 * EPS)
     assert_allclose(boxer_engine(4).layout(spacing=0.1).positions, [-0.15, 0.05, -0.05, 0.15], rtol=4 * EPS)
-
-
-def test_variants__are_those_computed_one_by_one():
-    angle, radius, mass = np.linspace(0.5, 2, 7), np.linspace(0.03, 0.06, 7), np.linspace(0.2, 1, 7)
-    together = engine_shaking(Engine(v_engine(6).layout(angle, 0.1, 0.08, 0.02), radius, 0.15, mass[:, None], 0.3))
-    for k in range(7):
-        alone = engine_shaking(Engine(v_engine(6).layout(angle[k], 0.1, 0.08, 0.02), radius[k], 0.15, mass[k], 0.3))
-        for one, all_ in zip(alone[:2], together[:2], strict=True):
-            assert_allclose(all_.forward[k], one.forward, rtol=0, atol=1e-16)
-            assert_allclose(all_.backward[k], one.backward, rtol=0, atol=1e-16)
 
 
 @few

@@ -15,7 +15,6 @@ from engine import ElementsAlone, Scene, SceneError, Verdict
 from engine.elements.engines.harmonics import piston_harmonics
 from engine.elements.engines.shaking import SHAKING_ORDERS
 from sweeps import SweepResult, read_study, run_study
-from sweeps.pictures.elements.order_picture import order_picture
 from sweeps.report.order_table import order_table, remaining_orders, well_known_engines
 from sweeps.study.bundled import bundled_studies
 from sweeps.text.scene_text import scene_from
@@ -207,8 +206,3 @@ def test_order_table__says_what_a_student_expects():
 def test_remaining_orders_of_an_engine_without_even_firing__leave_torque_out():
     row = next(r for r in well_known_engines() if r.name == "V2 90°")
     assert remaining_orders(row._replace(firing_order=None)).torque_orders is None
-
-
-def test_order_picture__is_drawn(tmp_path):
-    order_picture(tmp_path / "orders.png", well_known_engines()[3:6])
-    assert (tmp_path / "orders.png").stat().st_size > 10_000

@@ -237,12 +237,6 @@ def test_torque_by_too_few_nodes__has_an_error_figure_that_says_so(nodes, monkey
             assert abs(value(coarse, name)[0] - value(exact, name)[0]) <= value(coarse, name)[1], name
 
 
-def test_even_firing__leaves_the_multiples_of_the_firings_per_turn():
-    outcome = results(**FOUR | {"gas": GAS})
-    left = [n for n in TORQUE_ORDERS if value(outcome, torque_name(n))[0] > 0]
-    assert left == [2, 4, 6]
-
-
 def test_bank_angle_at_which_the_order_cannot_fire__has_no_torque_but_forces():
     twin = FOUR | {"layout": "V", "cylinders": 2, "bank_angle": 1.0, "gas": GAS, "firing_order": (1, 2)}
     outcome = results({"bank_angle": [0.5, 1.0, 3.0]}, **twin)

@@ -2,17 +2,12 @@
 
 import math
 
-import mpmath
 import numpy as np
 import pytest
-from engine_samples import ALL, RIGHT, angles, few
-from hypothesis import given
-from hypothesis import strategies as st
-from mpmath import mpf
+from engine_samples import RIGHT
 from numpy.testing import assert_allclose
 
 from engine.elements.engines.engine_layout import LayoutError, boxer_engine, in_line_engine, radial_engine, v_engine
-from engine.elements.engines.engine_torque import CylinderParts, Indicator, cylinder_torque
 from engine.elements.engines.firing import (
     FOUR_STROKE,
     even_firing_order,
@@ -88,30 +83,3 @@ def test_even_firing__leaves_the_multiples_of_the_firings_per_turn(cylinders, le
     remain = np.isin(orders, left)
     assert_allclose(sums[remain], cylinders, rtol=1e-13)
     assert (sums[~remain] <= 1e-13 * cylinders).all()
-
-
-def inertia_torque(parts, orders):
-    """Of one cylinder: without a difference of pressures the gas gives none."""
-    outside = 1e5
-    still = Indicator(0.1, outside, outside, outside, 0.0, 0.0, outside)
-    return cylinder_torque(still, np.array(0.1), CylinderParts(*map(np.asarray, parts)), orders).orders
-
-
-@few
-@given(st.floats(0.05, 0.4), st.floats(-0.15, 0.15), st.floats(0.1, 2.0), st.floats(0, 0.1), angles)
-def test_inertia_torque__is_the_rate_of_the_kinetic_energy(ratio, aside, mass, correction, phi):
-    with mpmath.workdps(30):
-        rod, offset = 1 / mpf(ratio), mpf(aside / ratio)
-        top = mpmath.asin(offset / (rod + 1))
-
-        def energy(t):
-            lean = mpmath.asin((offset - mpmath.sin(t)) / rod)
-            rate = mpmath.sin(t - lean) / mpmath.cos(lean)
-            swing = -mpmath.cos(t) / (rod * mpmath.cos(lean))
-            return (mpf(mass) * rate**2 + mpf(correction) * swing**2) / 2
-
-        expected = float(-mpmath.diff(energy, top + mpf(phi)))
-    parts = (1.0, 1 / ratio, aside / ratio, mass, correction, 1.0)
-    found = (inertia_torque(parts, ALL) @ np.exp(1j * np.array(ALL) * phi)).real
-    # Beyond order 24 at λ + |ε| = 0.55: 25 exp(−24 · arccosh(0.85/0.4)).
-    assert abs(found - expected) <= 1e-12 * (mass + correction)

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from engine import ElementsAlone, Scene, SceneError, Verdict
 from sweeps.pictures.elements.element_pictures import element_sheet
-from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.style import new_figure
 from sweeps.study.bundled import STUDIES
 from sweeps.text.scene_text import read_scene
@@ -240,21 +239,6 @@ def test_rotor__that_cannot_be_is_refused_in_words(changes, message):
         element(**changes)
 
 
-def test_rotor__beside_other_elements_gives_what_it_gives_alone():
-    screw = {
-        "type": "screw", "load": 6400.0, "mean_diameter": 0.03, "pitch": 0.004, "thread": "square", "friction": 0.08,
-    }  # fmt: skip
-    scene = Scene.model_validate({"elements": {"low": screw, "fan": rotor_of(), "high": screw | {"pitch": 0.006}}})
-    asked = list(ElementsAlone(scene).available_summaries)
-    outcome = ElementsAlone(scene, asked).evaluate({})
-    alone = {f"fan.{name}": v for name, v in results()[0].items()}
-    for name, pitch in (("low", 0.004), ("high", 0.006)):
-        single = ElementsAlone(Scene.model_validate({"elements": {name: screw | {"pitch": pitch}}}))
-        names = list(single.available_summaries)
-        alone |= ElementsAlone(single.scene, names).evaluate({}).summaries
-    assert {k: v[0] for k, v in outcome.summaries.items()} == {k: v[0] for k, v in alone.items()}
-
-
 # The plan
 
 
@@ -274,10 +258,3 @@ def test_plan__shows_masses_corrections_and_what_the_bearings_feel():
     heights = np.array([bar.get_height() for bar in bars.patches]).reshape(3, 2)
     forces = [[found[f"{b}_force_{word}"][0] for b in ("first", "second")] for word in ("before", "after")]
     assert heights[:2] / heights[0, 0] == pytest.approx(np.array(forces) / forces[0][0])
-
-
-def test_plan__is_written_and_an_impossible_one_refused(tmp_path):
-    element_sheet(element(), tmp_path / "plan.png")
-    assert (tmp_path / "plan.png").stat().st_size > 10_000
-    with pytest.raises(PictureError, match="unknown picture format"):
-        element_sheet(element(), tmp_path / "plan.doc")

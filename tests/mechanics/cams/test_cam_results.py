@@ -2,7 +2,6 @@
 
 import math
 
-import mpmath
 import numpy as np
 import pytest
 from cam_samples import ARM, CAMS, FACE, FLAT, KNIFE, ROLLER, cam_answers, cam_of, cam_scene
@@ -12,10 +11,6 @@ from hypothesis import strategies as st
 from engine import ElementsAlone, Verdict, cam_curves, scene_numbers
 
 OMEGA = 600 * math.pi / 30
-CIRCLE = {
-    "up": {"type": "rise", "law": "harmonic", "angle": "180 deg", "lift": "10 mm"},
-    "down": {"type": "return", "law": "harmonic"},
-}
 
 
 def within(value, error, true, slack=0.0):
@@ -51,63 +46,6 @@ def test_greatest_motion__is_the_known_peak(law, velocity, acceleration, jerk):
         assert values["acceleration_jump"] == 0.0
 
 
-def test_flat_face_on_an_eccentric_circle():
-    """Harmonic motion by half turns is that of an eccentric circle: one radius, contact to either side by e."""
-    values, errors, status = cam_answers(FLAT, sections=CIRCLE)
-    assert status == Verdict.OK
-    within(values["convex_radius"], errors["convex_radius"], 0.035)
-    within(values["face_length"], errors["face_length"], 0.010)
-    within(values["face_from"], errors["face_from"], -0.005)
-    curves = cam_curves(cam_of(FLAT, sections=CIRCLE))
-    np.testing.assert_allclose(np.abs(curves.profile - 1j * curves.profile.imag.mean()), 0.035, rtol=0.2)
-    middle = (curves.profile[0] + curves.profile[len(curves.profile) // 2]) / 2
-    np.testing.assert_allclose(np.abs(curves.profile - middle), 0.035, rtol=1e-12)
-
-
-def test_pressure_angle_and_curvature__with_many_digits():
-    """A 3-4-5 rise: the roots of their derivatives, by mpmath with 40 digits."""
-    values, errors, status = cam_answers(
-        ROLLER, "rise_pressure_angle", "rise_pressure_angle_at", "convex_radius", sections__out__law="3-4-5"
-    )
-    assert status == Verdict.OK
-    cam = cam_of(ROLLER, sections__out__law="3-4-5")
-    with mpmath.workdps(40):
-        r, e = mpmath.mpf(cam.base_radius) + mpmath.mpf(cam.follower.roller_radius), mpmath.mpf(cam.follower.offset)
-        beta, h = mpmath.mpf(cam.sections["out"].angle), mpmath.mpf(cam.sections["out"].lift)
-        s0 = mpmath.sqrt(r * r - e * e)
-
-        def s(phi, order):
-            u = phi / beta
-            law = (
-                10 * u**3 - 15 * u**4 + 6 * u**5,
-                30 * (u**2 - 2 * u**3 + u**4),
-                60 * (u - 3 * u**2 + 2 * u**3),
-                60 * (1 - 6 * u + 6 * u**2),
-            )
-            return h * law[order] / beta**order
-
-        def slope(phi):
-            return s(phi, 2) * (s0 + s(phi, 0)) - (s(phi, 1) - e) * s(phi, 1)
-
-        at = mpmath.findroot(slope, mpmath.mpf(values["rise_pressure_angle_at"]))
-        alpha = mpmath.atan((s(at, 1) - e) / (s0 + s(at, 0)))
-
-        def kappa(phi):
-            y, v = s0 + s(phi, 0), s(phi, 1) - e
-            return (y * y + v * v + v * s(phi, 1) - y * s(phi, 2)) / (y * y + v * v) ** 1.5
-
-        rough = max((float(kappa(beta * k / 400)), k) for k in range(401))[1]
-        curved = kappa(mpmath.findroot(lambda phi: mpmath.diff(kappa, phi), beta * rough / 400))
-        radius = 1 / curved - mpmath.mpf(cam.follower.roller_radius)
-    within(values["rise_pressure_angle"], errors["rise_pressure_angle"], float(alpha))
-    within(values["rise_pressure_angle_at"], errors["rise_pressure_angle_at"], float(at))
-    assert errors["rise_pressure_angle"] < 1e-12
-    assert errors["rise_pressure_angle_at"] < 1e-6
-    back, off, _ = cam_answers(ROLLER, "convex_radius", sections__out__law="3-4-5")
-    # The return of this cam is less curved than its rise.
-    within(back["convex_radius"], off["convex_radius"], float(radius))
-
-
 LAWS = ["parabolic", "harmonic", "cycloidal", "3-4-5", "4-5-6-7", "modified sine", "modified trapezoid"]
 
 
@@ -132,7 +70,7 @@ def cams(draw):
     }
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(cams())
 def test_extremes__are_those_of_dense_samples(cam):
     """Samples lie below the extremes, by no more than a few parts in 1e4."""
@@ -194,7 +132,7 @@ def test_needed_preload_and_lift_off_speed__are_where_the_force_vanishes(cam):
     within(exactly["lift_off_speed"], off["lift_off_speed"], 3000 * math.pi / 30, 1e-9)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(cams(), st.floats(0.2, 1.0), st.floats(0.0, 0.5))
 def test_least_base_circle__just_keeps_its_limits(cam, angle, share):
     radius = share * cam["base_radius"]
@@ -250,10 +188,10 @@ def swinging_cams(draw):
     }
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(swinging_cams())
 def test_least_base_circle_under_an_arm__is_the_least_that_keeps_its_limits(cam):
-    """There the cam's own results keep the limits; from nothing up to it, dense samples of forty cams don't."""
+    """There the cam's own results keep the limits; from nothing up to it, samples of sixteen cams don't."""
     assume(cam["base_radius"] > 0)
     follower, limits = cam["follower"], cam["limits"]
     d, arm, roller = follower["pivot_distance"], follower.get("arm", 0.0), follower.get("roller_radius", 0.0)
@@ -273,8 +211,8 @@ def test_least_base_circle_under_an_arm__is_the_least_that_keeps_its_limits(cam)
         assert kept(least, 1e-7)
         assert not kept(least * (1 - 1e-6))
     up_to = least * (1 - 1e-6) if math.isfinite(least) else (d + arm - roller if arm else d)
-    for base in np.linspace(nothing, up_to, 40) if up_to > nothing else []:
-        curves = cam_curves(cam_of(cam, base_radius=base), 300)
+    for base in np.linspace(nothing, up_to, 16) if up_to > nothing else []:
+        curves = cam_curves(cam_of(cam, base_radius=base), 150)
         # Undercut profiles have their curvatures too: of the roller's path less the roller.
         pitch = curves.curvature / (1 + roller * curves.curvature)
         fine = curves.angle.size > 0 and pitch.max() * (roller + limits["convex_radius"]) <= 1

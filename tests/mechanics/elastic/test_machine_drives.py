@@ -1,7 +1,6 @@
 """A machine driven through an elastic shaft: against integration in time, closed forms, the rigid limit."""
 
 import math
-from collections.abc import Callable
 from time import perf_counter
 
 import numpy as np
@@ -493,65 +492,6 @@ def test_start_through_backlash__loses_no_energy_but_to_drag_and_damper():
     inside = (history.twist < -1e-9) & (history.twist > -0.05 + 1e-9)
     assert inside.sum() > 5
     assert (history.moment[inside] == 0.0).all()
-
-
-def bouncing(k: float, b: float, first: float, gap: float, until: float) -> tuple[np.ndarray, int]:
-    """A start through backlash by SciPy, from touch to touch: state at the end (q, ω₁, φ, ω₂), and closings."""
-
-    def pressed(y: np.ndarray, way: int) -> float:
-        twist = y[0] if way > 0 else y[0] + gap
-        return min(way * k * twist, way * (k * twist + b * (y[1] - y[3])))
-
-    def rates(_: float, y: np.ndarray, touch: int) -> list[float]:
-        q, w1, phi, w2 = y
-        s = MASS * 0.01
-        whole, slope = WHEEL + s * np.sin(phi) ** 2, s * np.sin(2 * phi)
-        moment = (k * (q + (gap if touch < 0 else 0.0)) + b * (w1 - w2)) * (touch != 0)
-        drag = DRAG * 0.01 * np.sin(phi) ** 2 * w2
-        own = STALL * (1 - w1 / NO_LOAD) - moment
-        return [w1 - w2, own / first, w2, (moment - drag - 0.5 * slope * w2**2) / whole]
-
-    def event(function: Callable, direction: int) -> Callable:
-        function.terminal, function.direction = True, direction
-        return function
-
-    closes = [event(lambda _, y, touch, way=way: pressed(y, way), 1) for way in (1, -1)]
-    parts = event(lambda _, y, touch: touch * (k * (y[0] + (gap if touch < 0 else 0.0)) + b * (y[1] - y[3])), -1)
-    how = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-14}
-    t, y, touch, closings = 0.0, np.array([-gap, 0.0, 0.0, 0.0]), 0, 0
-    while t < until:
-        # Away from where it parted or touched.
-        for end, more in (
-            (min(t + 1e-7, until), {}),
-            (until, {"events": parts if touch else closes, "max_step": 5e-4}),
-        ):
-            if t < end:
-                gone = solve_ivp(rates, (t, end), y, args=(touch,), **how, **more)
-                t, y = gone.t[-1], gone.y[:, -1]
-        if gone.status == 1:
-            closings += touch == 0
-            touch = 0 if touch else (1 if y[0] > -0.5 * gap else -1)
-    return y, closings
-
-
-@pytest.mark.parametrize("stiffness", [1288.513, 1879.66])
-def test_short_touch_of_a_backlash__is_not_passed_over(stiffness):
-    """The shaft dips into touch for a part of its vibration, and out again, within the length of a step."""
-    scene = yoke({"stiffness": stiffness, "run": {"time": 0.5, "backlash": 0.02}})
-    status, values, errors = asked(scene, ["run_closings", "run_motor_speed", "run_machine_speed"])
-    y, closings = bouncing(stiffness, 0.4, 0.2, 0.02, 0.5)
-    assert status[0] == Verdict.OK
-    assert values["run_closings"][0] == closings
-    for name, value in (("run_motor_speed", y[1]), ("run_machine_speed", y[3])):
-        # SciPy's own error: 1e-12 a step, over some hundred steps and a dozen bounces.
-        assert abs(values[name][0] - value) <= errors[name][0] + 1e-9 * abs(value), name
-
-
-def test_no_backlash_and_hardly_any__are_the_same():
-    drives = [{"damping": 0.0, "run": {"time": 0.5, "backlash": gap}} for gap in (0.0, 1e-12)]
-    found = [run_of(yoke(drive))[0] for drive in drives]
-    for name in ("greatest_moment", "motor_speed", "machine_speed"):
-        assert found[0][name] == pytest.approx(found[1][name], rel=1e-6), name
 
 
 def test_template__answers_everything_of_its_drive():

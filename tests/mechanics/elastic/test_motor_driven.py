@@ -10,7 +10,6 @@ import scipy.linalg
 from element_samples import asked, element, one
 
 from engine import SceneError, Verdict
-from engine.elements.elastic_drives.two_mass_drive import drive_history
 from engine.elements.elastic_drives.two_masses import MOST_RADIANS
 
 DRIVE = {
@@ -129,40 +128,6 @@ def test_drives__are_those_of_scipy_from_event_to_event(motor, begin):
         assert closed == closings
 
 
-@pytest.mark.parametrize("motor", [LINE, KLOSS, TABLE])
-def test_start_through_backlash__is_that_of_another_method(motor):
-    drive = DRIVE | {"motor": motor, "load_moment": 0.0, "time": 0.4}
-
-    def rates(t, y):
-        e, first, second = y
-        shaft = 2e4 * (max(e, 0.0) + min(e + 0.02, 0.0))
-        return first - second, (motor_moment(motor, first) - shaft) / 0.5, shaft / 3.0
-
-    # Straight pieces meet in kinks: short steps instead of events at them.
-    other = scipy.integrate.solve_ivp(rates, (0, 0.4), (-0.02, 0, 0), "DOP853", rtol=1e-11, atol=1e-12, max_step=2e-4)
-    greatest, _, first, second, _ = one(drive, *NAMES)
-    assert (first, second) == pytest.approx(tuple(other.y[1:, -1]), rel=2e-7)
-    shafts = 2e4 * np.maximum(other.y[0], 0.0)
-    # Between instants 2e-4 s apart the peak is 1/8 (ω h)² higher, ω = 216 rad/s.
-    assert greatest == pytest.approx(shafts.max(), rel=3e-4)
-
-
-def test_straight_characteristic_without_backlash__is_the_matrix_exponential():
-    drive = DRIVE | {"motor": LINE, "backlash": 0.0, "load_moment": 0.0, "damping": 40.0, "time": 1.0}
-    first, second, k, b = 0.5, 3.0, 2e4, 40.0
-    slope = -100.0 / 20.0
-    system = np.array(
-        [
-            [0, 1, -1, 0],
-            [-k / first, (slope - b) / first, b / first, 100.0 / first],
-            [k / second, b / second, -b / second, 0],
-            [0, 0, 0, 0],
-        ]
-    )
-    end = scipy.linalg.expm(system) @ [0, 0, 0, 1]
-    assert one(drive, "motor_speed", "load_speed") == pytest.approx(end[1:3], rel=1e-11)
-
-
 @pytest.mark.parametrize("motor", [LINE, TABLE, KLOSS])
 def test_stiff_shaft__turns_as_a_rigid_one_in_the_end(motor):
     """Several seconds: 30 000 radians of vibration are followed."""
@@ -248,28 +213,6 @@ def test_motors_of_many_variants__are_those_of_each():
     scaled, _ = asked({"it": DRIVE | {"motor": TABLE}}, "it.motor_speed", it__motor__scale=2.0)
     twice = TABLE | {"moment": [2 * m for m in TABLE["moment"]]}
     assert scaled[0] == one(DRIVE | {"motor": twice}, "motor_speed")
-
-
-def test_motor_in_balance_with_its_load__comes_to_that_speed():
-    steady = {"backlash": 0.0, "damping_ratio": 0.2, "time": 30.0, "load_moment": 60.0}
-    assert one(DRIVE | steady | {"motor": LINE}, "motor_speed", "load_speed") == pytest.approx([8.0, 8.0], rel=1e-9)
-    # M = 60 N m on the stable branch: s/s_b + s_b/s = 2 M_b/M.
-    ratio = 150.0 / 60.0
-    slip = 0.3 * (ratio - math.sqrt(ratio**2 - 1))
-    end = one(DRIVE | steady | {"motor": KLOSS | {"breakdown_slip": 0.3}, "load_moment": 60.0}, "motor_speed")
-    assert end == pytest.approx([20.0 * (1 - slip)], rel=1e-9)
-
-
-def test_history_under_a_motor__ends_as_the_results_do():
-    drive = DRIVE | {"motor": KLOSS, "damping_ratio": 0.05}
-    history = drive_history(element(drive), 20_001)
-    greatest, at, first, second, _ = one(drive, *NAMES)
-    assert (history.motor_speed[-1], history.load_speed[-1]) == pytest.approx((first, second), rel=1e-12)
-    assert np.interp(at, history.time, history.moment) == pytest.approx(greatest, rel=1e-5)
-    apart = history.motor_speed - history.load_speed
-    slid = np.concatenate([[0], np.cumsum(0.5 * history.time[1] * (apart[1:] + apart[:-1]))])
-    # The trapezoidal rule: h²/12 times the change of the relative acceleration.
-    assert np.abs(history.gap - history.gap[0] - slid).max() < 1e-7
 
 
 @pytest.mark.parametrize(

@@ -162,13 +162,6 @@ def test_shaft_without_a_wall__is_a_status_never_a_number():
         assert np.isnan([v[1:] for v in values]).all()
 
 
-def test_variants__don_t_depend_on_their_neighbours():
-    train, stiffnesses = chain([1.0, 2.0, 0.5], [1e4, 3e4]), np.linspace(1e3, 1e5, 130)
-    together, _ = frequencies_of(train, shafts__s1__stiffness=stiffnesses)
-    alone = [frequencies_of(train, shafts__s1__stiffness=[k])[0][:, 0] for k in stiffnesses[[0, 63, 64, 129]]]
-    assert np.array_equal(together[:, [0, 63, 64, 129]].T, alone)
-
-
 SERIES = {"type": "series", "parts": {"c": {"type": "coupling", "stiffness": 1.0, "damping": 1.0}}}
 DAMPED_PARTS = {
     "masses": {"m0": {"inertia": 1.0}, "m1": {"inertia": 1.0}},

@@ -102,12 +102,6 @@ def test_forced_vibration__solves_the_equation_and_balances_work(kind, eta, rati
     assert found[4][0] == pytest.approx(0.5 * found[5][0] * speed**2 * abs(q) ** 2, rel=1e-6)
 
 
-def test_dynamic_factor_without_damping__is_one_at_rest_and_at_root_two():
-    for eta in (1e-9, math.sqrt(2)):
-        data = OSCILLATOR | {"excitation": {"type": "force", "amplitude": 1.0, "speed": 20 * eta}}
-        assert one(data, "dynamic_factor") == pytest.approx([1.0], rel=1e-12)
-
-
 @pytest.mark.parametrize("kind", ["force", "unbalance", "support_motion"])
 @pytest.mark.parametrize("ratio", [0.01, 0.2, 0.6])
 def test_resonance__is_the_greatest_of_all_speeds(kind, ratio):

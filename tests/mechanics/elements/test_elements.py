@@ -5,14 +5,14 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from element_samples import BELT, EVERY, GUIDE, INCLINE, JACK, JOURNAL, ROLLER, WEDGE, asked, one, scene
+from element_samples import BELT, GUIDE, INCLINE, JACK, JOURNAL, ROLLER, WEDGE, asked, one, scene
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mpf
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.optimize import brentq
 
-from engine import ElementsAlone, Verdict, is_warning
+from engine import ElementsAlone, Verdict
 from engine.laws.friction.coefficients import WORN_IN
 
 EPS = np.finfo(float).eps
@@ -221,17 +221,6 @@ def test_error_figure__grows_where_digits_cancel():
         for friction, got, error in zip(frictions, down, outcome.errors[ask[0]], strict=True):
             f = mpf(float(friction))
             assert abs(mpf(float(got)) - 6400 * mpf(0.015) * (f - slope) / (1 + f * slope)) <= error
-
-
-def test_every_element__answers_everything_it_offers():
-    ready = ElementsAlone(scene(**EVERY))
-    names = [name for name in ready.available_summaries if not is_warning(name)]
-    outcome = ElementsAlone(scene(**EVERY), names).evaluate({})
-    assert outcome.status[0] == Verdict.OK
-    assert all(np.isfinite(outcome.summaries[n][0]) and outcome.errors[n][0] >= 0 for n in names)
-    assert {n.partition(".")[0] for n in names} == set(EVERY)
-    known = ready.available_summaries
-    assert all(known[name].long_name.startswith(f"{name.partition('.')[0]}: ") for name in names)
 
 
 def test_results_that_need_a_number__are_offered_with_it_alone():

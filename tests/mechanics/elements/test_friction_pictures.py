@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from element_samples import BELT, GUIDE, INCLINE, JACK, JOURNAL, WEDGE, scene
+from element_samples import BELT, GUIDE, INCLINE, JOURNAL, scene
 
-from sweeps.pictures.elements.element_pictures import element_pictures, element_sheet
+from sweeps.pictures.elements.element_pictures import element_sheet
 from sweeps.pictures.style import new_figure
 
 
@@ -55,12 +55,3 @@ def test_roller__its_pull_grows_with_the_arm_until_it_slides():
     arm, pull = drawn_by(roller)["force that moves it"]
     # k in mm, F = N k/r up to f N, in kN.
     assert pull == pytest.approx(np.minimum(5.0 * arm / 200.0, 1.0), rel=1e-12)
-
-
-def test_pictures__of_all_these_elements(tmp_path):
-    machine = scene(jack=JACK, drive=BELT, key=WEDGE, ramp=INCLINE, way=GUIDE, pin=JOURNAL)
-    made = element_pictures(machine, tmp_path / "m.png")
-    assert [path.name for path in made] == [
-        f"m_{name}_friction.png" for name in ("jack", "drive", "key", "ramp", "way", "pin")
-    ]
-    assert all(path.stat().st_size > 0 for path in made)

@@ -1,4 +1,4 @@
-"""Pictures of locomotives and cars: their curves are the textbook's formulas, and files are made of them."""
+"""Pictures of locomotives and cars: their curves are the textbook's formulas."""
 
 import math
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from element_samples import scene
 
-from sweeps.pictures.elements.element_pictures import element_pictures, element_sheet
+from sweeps.pictures.elements.element_pictures import element_sheet
 from sweeps.pictures.style import new_figure
 
 AXLE = {
@@ -68,9 +68,3 @@ def test_car__comes_to_rest_where_its_results_say(brakes):
     # At 15 m/s, two thirds of the greatest speed; linear between points 1/240 apart the square misses 1e-5 of it.
     assert passed[-1] == pytest.approx(np.interp(15.0, speed, way), rel=1e-4)
     assert passed[1] == pytest.approx(12.0)
-
-
-def test_vehicles__get_files_of_their_own(tmp_path):
-    made = element_pictures(scene(axle=AXLE, car=CAR), tmp_path / "it.svg")
-    assert [path.name for path in made] == ["it_axle_shaking.svg", "it_car_braking.svg"]
-    assert all(path.stat().st_size > 5000 for path in made)

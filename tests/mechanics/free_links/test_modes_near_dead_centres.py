@@ -1,4 +1,4 @@
-"""Triads that come near to a dead centre: their positions, their error estimates, and the same bits in any company."""
+"""Triads that come near to a dead centre: their positions and error estimates."""
 
 from pathlib import Path
 
@@ -50,19 +50,3 @@ def test_triads_near_dead_centres__errors_are_within_their_estimates(campaigns):
     found = estimates.compared(24, 300, 2, None)
     for name, (error, estimate, *_) in found.items():
         assert (error <= estimate).all(), name
-
-
-def test_triads_near_dead_centres__have_the_same_bits_alone_and_among_others(campaigns):
-    *_, estimates = campaigns
-    numbers = estimates.random_numbers(300, 2)
-    machine = Machine(estimates.scene(), estimates.SUMMARIES, varied=list(numbers), positions=estimates.GRID)
-    together = machine.evaluate(numbers)
-    near = np.abs(together.summaries["group_of_plate.transmission.min"])
-    near[together.status != Verdict.OK] = np.inf
-    hardest = np.argsort(near)[:6]
-    assert near[hardest].max() < 0.1
-    for i in hardest:
-        alone = machine.evaluate({path: values[i : i + 1] for path, values in numbers.items()})
-        for name in estimates.SUMMARIES:
-            assert alone.summaries[name][0] == together.summaries[name][i], name
-            assert alone.errors[name][0] == together.errors[name][i], name

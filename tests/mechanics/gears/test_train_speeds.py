@@ -26,7 +26,7 @@ teeth = st.integers(12, 400)
 
 
 @given(sun=teeth, planet=teeth)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=10, deadline=None)
 def test_simple_planetary__has_the_six_ratios_of_willis(sun, planet):
     ring = sun + 2 * planet
     i0 = -Fraction(ring, sun)
@@ -50,22 +50,6 @@ def test_simple_planetary__has_the_six_ratios_of_willis(sun, planet):
         assert found["mobility"][0] == 1
 
 
-@given(sun=teeth, planet=teeth, of_sun=st.integers(-300, 300), of_ring=st.integers(-300, 300))
-@settings(max_examples=40, deadline=None)
-def test_differential__adds_both_inputs(sun, planet, of_sun, of_ring):
-    ring = sun + 2 * planet
-    roles = {"sun": {"speed": float(of_sun)}, "ring": {"speed": float(of_ring)}}
-    found, _ = found_of(simple_planetary(sun, planet, ring, roles, mesh=STEEP))
-    arm = Fraction(of_sun * sun + of_ring * ring, sun + ring)
-    value, error = found["arm.speed"]
-    assert abs(Fraction(float(value)) - arm) <= Fraction(float(error))
-    assert error <= 16 * EPS * (abs(of_sun) + abs(of_ring))
-    assert found["mobility"][0] == 2
-    # z_s (ω_s − ω_h) + z_p (ω_p − ω_h) = 0.
-    idler = arm - Fraction(sun, planet) * (of_sun - arm)
-    assert abs(Fraction(float(found["idler.speed"][0])) - idler) <= Fraction(float(found["idler.speed"][1]))
-
-
 @pytest.mark.parametrize("z", [(31623, 31624, 31623, 31622), (31622, 31623, 31624, 31623), (100, 101, 100, 99)])
 def test_basic_ratio_next_to_one__costs_as_many_digits_as_it_is_near(z):
     z1, z2, z3, z4 = z
@@ -85,24 +69,6 @@ def test_basic_ratio_of_one__lets_no_speed_follow():
     found, status = found_of(stepped_planetary(40, 60, 60, 40, roles))
     assert status == Verdict.NOT_FINITE
     assert np.isnan(found["arm.speed"][0])
-
-
-@given(data=st.data(), count=st.integers(2, 6))
-@settings(max_examples=30, deadline=None)
-def test_fixed_train__multiplies_its_ratios(data, count):
-    """Wheels on count + 1 shafts in the frame, one after another, internal meshes among them."""
-    wheels, shafts, meshes, exact = {}, {"s0": {"speed": SPEED}}, {}, Fraction(SPEED)
-    for k in range(count):
-        internal = data.draw(st.booleans())
-        a = data.draw(st.integers(12, 60))
-        b = data.draw(st.integers(75, 200))
-        wheels |= {f"a{k}": {"shaft": f"s{k}", "teeth": a}, f"b{k}": {"shaft": f"s{k + 1}", "teeth": b}}
-        shafts[f"s{k + 1}"] = {}
-        meshes[f"m{k}"] = {"between": [f"a{k}", f"b{k}"], "type": "internal" if internal else "external"} | STEEP
-        exact *= Fraction(a, b) if internal else -Fraction(a, b)
-    found, status = found_of({"type": "gear_train", "wheels": wheels, "shafts": shafts, "meshes": meshes})
-    assert status == Verdict.OK
-    near(found[f"s{count}.speed"], exact)
 
 
 def test_ravigneaux_set__agrees_with_its_two_basic_ratios():

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from engine import Scene, Verdict
-from sweeps.pictures.elements.element_pictures import element_pictures, element_sheet
+from sweeps.pictures.elements.element_pictures import element_sheet
 from sweeps.pictures.style import new_figure
 
 EPS = np.finfo(float).eps
@@ -126,8 +126,3 @@ def test_drawn_chain__touches_both_pitch_circles_and_is_tight_where_it_is_drawn_
         assert np.hypot(*arm) == pytest.approx(radius, rel=1e-13)
     # There the rim of the driving sprocket moves away from the driven one, and draws the chain along.
     assert speed * (x[0] * along[1] - y[0] * along[0]) < 0.0
-
-
-def test_drives__are_drawn(tmp_path):
-    made = element_pictures(Scene(elements={"chain": CHAIN, "wheels": FRICTION}), tmp_path / "drives.svg")
-    assert [path.name for path in made] == ["drives_chain_chain.svg", "drives_wheels_friction.svg"]

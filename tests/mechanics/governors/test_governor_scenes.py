@@ -63,15 +63,6 @@ def test_wrong_text__is_refused_with_the_mend(text, words):
     assert all(word in str(error.value) for word in words), str(error.value)
 
 
-def test_governor_beside_a_mechanism__is_what_it_is_alone():
-    both = Scene.model_validate(slider_crank(elements={"governor": GOVERNED}))
-    outcome = made_ready(both, ["ram.stroke", "governor.settling_time", "governor.least_speed"]).evaluate({})
-    alone, _, _ = governor_results(GOVERNED)
-    assert outcome.status[0] == Verdict.OK
-    for key in ("settling_time", "least_speed"):
-        assert outcome.summaries[f"governor.{key}"][0] == alone[key][0]
-
-
 def test_governor_of_the_machine__has_the_inertia_of_its_mechanism():
     """A slider-crank's mean reduced inertia, by the mean of its own curve, with its flywheel and what is given."""
     engine = {key: value for key, value in ENGINE.items() if key != "inertia"} | {"duration": 2.0}

@@ -17,7 +17,6 @@ from engine.laws.masses.replacement_masses import (
     dynamic_in_line,
     dynamic_three,
     dynamic_two,
-    inertia_error,
     static_three,
     static_two,
 )
@@ -127,12 +126,6 @@ def test_dynamic_four__keeps_all_four(mass, scale, turn, radii, jitter, gyration
     condition = np.linalg.cond(matrix)
     assume(condition < 1e4)
     check_conserved(dynamic_four(mass, inertia, *points), mass, inertia, roundings=16.0 * condition)
-
-
-def test_inertia_error__of_static_masses_at_the_ends_of_a_uniform_rod():
-    # m/2 at each end: mL²/4 where the rod has mL²/12.
-    found = static_two(3.0, (-0.5, 0.0), (0.5, 0.0))
-    assert math.isclose(inertia_error(found, 3.0 / 12), 3.0 * (1 / 4 - 1 / 12), rel_tol=4 * EPS)
 
 
 IMPOSSIBLE = {

@@ -182,25 +182,6 @@ def test_unknown_x__gives_nan(period):
     assert math.isnan(table_value(*table, math.nan))
 
 
-def test_float32__keeps_single_accuracy():
-    table = make_table([0.0, 1.0, 2.0, 3.0], [1.0, 2.0, -1.0, 1.0], "spline", period=3.0)
-    single = table._replace(
-        breaks=table.breaks.astype(np.float32),
-        coefficients=table.coefficients.astype(np.float32),
-        start=np.float32(table.start),
-        period=np.float32(table.period),
-    )
-    # Terms below 20 in float32, x exact in binary.
-    assert_allclose(table_value(*single, np.float32(4.25)), table_value(*table, 4.25), atol=20 * 6e-8)
-
-
-def test_input__is_not_changed():
-    x, y = np.array([0.0, 1.0, 2.0 + 1e-9]), np.array([1.0, 2.0, 1.0])
-    make_table(x, y, "spline", period=2.0)
-    assert_array_equal(x, [0.0, 1.0, 2.0 + 1e-9])
-    assert_array_equal(y, [1.0, 2.0, 1.0])
-
-
 @pytest.mark.parametrize(
     ("x", "y", "options", "message"),
     [

@@ -145,12 +145,6 @@ def test_loops__close_to_rounding(scene):
     assert 0 < made[0] < 100 * EPS
 
 
-def test_loops_in_single_precision__close_to_its_rounding():
-    machine = Machine(CHAIN, ["loop_closure_residual"], positions=POSITIONS, dtype=np.float32)
-    made = machine.evaluate({}).summaries["loop_closure_residual"][0]
-    assert 10 * EPS < made < 100 * np.finfo(np.float32).eps
-
-
 def test_crank_alone__has_no_loop():
     scene = slider_crank().model_dump(exclude_none=True) | {"groups": {}, "bodies": {}}
     available = Machine(Scene.model_validate(scene)).available_summaries
@@ -250,7 +244,3 @@ def test_direction_gap__chord_of_the_angle_missed(angle, other, between, length)
     assert missed == pytest.approx(expected, abs=16 * EPS * (1 + length))
     assert unit_gap((c, s)) == pytest.approx(abs(length - 1), abs=8 * EPS)
     assert distance((1.0, 2.0), (1.0 + c, 2.0 + s)) == pytest.approx(length, abs=16 * EPS)
-
-
-def test_guide_gap_of_a_machine_in_a_point__none():
-    assert guide_gap((1.0, 2.0), (1.0, 2.0, 1.0, 0.0), 0.0, 0.0, 0.0) == 0.0

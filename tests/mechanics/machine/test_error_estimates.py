@@ -59,18 +59,6 @@ def test_swing_near_a_change_point__is_right_whatever_else_is_asked():
             assert error[short > 1e-9].max() < 1e-6
 
 
-def test_swing_near_a_change_point__has_the_same_bits_alone_and_among_others():
-    lengths, _ = near_change_points(128)
-    asked = ["rod.swing", "rocker.swing", "rocker.angle.max", *BESIDE]
-    machine = Machine(four_bar(0.5, 1.5, 1.5, 1.5), asked, (), LENGTHS)
-    found = machine.evaluate(dict(zip(LENGTHS, lengths, strict=True)))
-    for i in range(128):
-        alone = machine.evaluate(dict(zip(LENGTHS, lengths[:, i : i + 1], strict=True)))
-        for name in asked:
-            assert alone.summaries[name][0] == found.summaries[name][i]
-            assert alone.errors[name][0] == found.errors[name][i]
-
-
 PRESS = {
     "gravity": 9.81,
     "points": {"O": {"x": 0, "y": 0}},

@@ -66,19 +66,6 @@ def test_parts_of_bodies__act_as_their_resultant():
         np.testing.assert_allclose(rows[0].fields[name], rows[1].fields[name], rtol=0, atol=500 * EPS * scale)
 
 
-def test_mass_of_one_part_varies__as_the_resultant_says():
-    link = LINKS[1]
-    apart, _ = scenes_of({link: PARTS})
-    path, masses = f"bodies.part_{link}_0.mass", np.array([0.0, 3.0, 1e6])
-    varied = Machine(apart, fields=DYNAMICS, varied=[path], positions=24).evaluate({path: masses})
-    for i, mass in enumerate(masses):
-        _, joined = scenes_of({link: [(mass, *PARTS[0][1:]), *PARTS[1:]]})
-        expected = Machine(joined, fields=DYNAMICS, positions=24).evaluate({}).fields
-        for name in DYNAMICS:
-            scale = np.abs(expected[name]).max()
-            np.testing.assert_allclose(varied.fields[name][i], expected[name][0], rtol=0, atol=500 * EPS * scale)
-
-
 def test_bodies_without_mass__leave_their_inertia():
     link = LINKS[1]
     rows = []

@@ -102,15 +102,6 @@ def test_offset_slider_crank__has_the_stroke_and_time_ratio_of_its_triangles():
         assert (outcome.errors[name] <= 1e-9 * outcome.summaries[name]).all()
 
 
-@pytest.mark.parametrize("rod", [0.06, 0.0500001, 1.0])
-def test_transmission_angle__is_that_of_a_crank_across_the_guide(rod):
-    group = rrp("B", ("rod", "A", rod), "ram", "way")
-    outcome = Machine(scene({"g": group}, {}, 0.05, {"way": {}}), ["g.transmission_angle"]).evaluate({})
-    ratio = 0.05 / rod
-    # A rounding of the ratio over its cosine.
-    within_figures(outcome, "g.transmission_angle", math.acos(ratio), 8 * EPS / math.sqrt((1 - ratio) * (1 + ratio)))
-
-
 ROCKER = rrr("B", ("rod", "A", 0.2), ("rocker", "D", 0.15))
 
 

@@ -184,19 +184,6 @@ def test_first_input_that_slides__beside_a_second_by_its_travel(sliding, phase, 
         )
 
 
-def test_speed_and_period_vary__where_nothing_has_to_close():
-    harmonics = changed(OVER_RANGE, inputs={"second": {**SECOND, "sections": {}, "begin": 0.0, "period": PERIOD}})
-    varied = ["input.speed", "inputs.second.period"]
-    rows = rows_of(
-        Machine(Scene.model_validate(harmonics), BALANCE, [*FIELDS, *DRIVES], varied, 24),
-        **dict(zip(varied, (20.0, 0.31), strict=True)),
-    )
-    other = changed(harmonics, input__speed=20.0, inputs__second__period=0.31)
-    own = rows_of(Machine(Scene.model_validate(other), BALANCE, [*FIELDS, *DRIVES], positions=24))
-    for name, row in rows.items():
-        np.testing.assert_allclose(row, own[name], rtol=1e-13, atol=1e-13 * np.abs(row).max())
-
-
 @pytest.mark.parametrize(
     ("scene", "changes", "told"),
     [

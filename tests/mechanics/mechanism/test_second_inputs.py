@@ -1,4 +1,4 @@
-"""Second inputs: five-bars by two circles and by Fourier, gears of the same law, powers of both drives, refusals."""
+"""Second inputs: five-bars by two circles and by Fourier, powers and friction of both drives, refusals."""
 
 import cmath
 import math
@@ -103,41 +103,6 @@ def test_rates__are_derivatives_of_positions():
     np.testing.assert_allclose(rows["second.angle_phiphi"], derived(psi, 2).real, atol=64**2 * 16 * EPS)
 
 
-def test_power_of_both_drives__changes_the_energy():
-    """M₁ω + M₂ψ̇ = dT/dt + dV/dt, the energy by positions and Fourier alone."""
-    omega, phi = 10.0, MACHINE.nodes
-    rows = varied(0.5, 0.2, 0.05, omega)
-    psi = np.array([law(q, 0.5, 0.2, 0.05) for q in phi])
-    joint = np.array([by_circles(q, p) for q, p in zip(phi, psi, strict=True)])
-    one, other = 0.05 * np.exp(1j * phi), 0.2 + 0.02j + (0.04 + 0.01j) * np.exp(1j * psi)
-    left, right, second = (joint - one) / 0.19, (joint - other) / 0.17, np.exp(1j * psi)
-    parts = [
-        (0.7, 0.002, one + (0.09 + 0.01j) * left, left),
-        (0.8, 0.003, other + 0.08 * right, right),
-        (1.5, 0.002, 0.2 + 0.02j + (0.01 + 0.02j) * second, second),
-    ]
-    energy = 50.0 * np.abs(joint - (0.05 - 0.2j)) ** 2
-    for mass, inertia, centre, direction in parts:
-        v, w = omega * derived(centre, 1), omega * np.abs(derived(direction, 1))
-        energy = energy + 0.5 * mass * np.abs(v) ** 2 + 0.5 * inertia * w**2 + mass * 9.81 * centre.imag
-    own, second_own = rows["input_moment_by_equilibrium"], rows["second.driving_moment"]
-    power = omega * (own + second_own * rows["second.angle_phi"])
-    np.testing.assert_allclose(power, omega * derived(energy, 1).real, atol=1e-8 * np.abs(power).max())
-    assert np.abs(second_own).max() > 0.1 * np.abs(own).max()
-
-
-def test_second_input_of_a_ratio__moves_as_a_geared_shaft_does():
-    second = {"pivot": "C", "ratio": -1, "phase": 0.5}
-    inputs = {"second": {"type": "crank", **second}}
-    names = [*MOTION, "input_moment_by_power", "second.reaction_x", "arms.inner.reaction"]
-    driven = Machine(Scene.model_validate(changed(FIVE_BAR, inputs=inputs)), BALANCE, names, positions=24)
-    shafts = {"second": {**second, "geared_to": "crank"}}
-    geared = Machine(Scene.model_validate(changed(FIVE_BAR, inputs={}, shafts=shafts)), BALANCE, names, positions=24)
-    one, other = rows_of(driven), rows_of(geared)
-    for name in names:
-        np.testing.assert_allclose(one[name], other[name], atol=32 * EPS * np.abs(other[name]).max())
-
-
 def test_friction__is_borne_by_both_drives():
     friction = {
         "own": {"pair": "second", "coefficient": 0.1, "diameter": 0.02},
@@ -150,7 +115,6 @@ def test_friction__is_borne_by_both_drives():
     np.testing.assert_allclose(whole, own + second * rate, atol=8 * EPS * (np.abs(own) + np.abs(second * rate)).max())
 
 
-SECOND = {"type": "crank", "pivot": "C", "ratio": 1}
 SLIDER = {"type": "slider", "link": "crank", "guide": "way", "point": "A", "start": 0, "stop": 0.05, "speed": 0.1}
 MOTOR = {"type": "dc_motor", "on": "crank", "stall_moment": 5, "no_load_speed": "900 rpm"}
 

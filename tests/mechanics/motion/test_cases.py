@@ -239,6 +239,7 @@ LAWS = {
         lambda w: 20 * (1 - w / 100),
         {"useful": constant(-1), "harmful": lambda w: -mpf(0.02) * w},
     ),
+    "motor and fan": (("dc", "fan"), lambda w: 20 * (1 - w / 100), {"harmful": lambda w: -mpf(0.0005) * w * w}),
     "fan": (("push", "rub", "fan"), none, {**PUSHED, "harmful": lambda w: -mpf(0.0005) * w * w}),
 }
 
@@ -332,8 +333,7 @@ def pieces(times, begin, end):
     return [((b + a) / 2 + (b - a) / 2 * X, (b - a) / 2 * WEIGHTS) for a, b in pairwise(cuts)]
 
 
-@pytest.mark.parametrize("interpolation", ["linear", "spline", "pchip"])
-@pytest.mark.parametrize("outside", ["hold", "zero"])
+@pytest.mark.parametrize(("interpolation", "outside"), [("linear", "hold"), ("spline", "zero"), ("pchip", "hold")])
 def test_moment_over_time__is_its_impulse(interpolation, outside):
     times, values = [0.5, 1.0, 2.0, 3.0, 5.0], [4.0, 10.0, -6.0, 2.0, 0.5]
     kick = {**KICK, "over_time": times, "moment": values, "interpolation": interpolation, "outside": outside}

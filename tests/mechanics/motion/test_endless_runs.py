@@ -118,7 +118,7 @@ def excess(omega: float) -> float:
 
 
 @pytest.mark.parametrize("end", [{"speed": 90.0}, {"cycles": 200.0}, {"rest": True}], ids=["speed", "angle", "rest"])
-@pytest.mark.parametrize("begin", [5.0, 30.0, 39.0, 39.9])
+@pytest.mark.parametrize("begin", [5.0, 39.9])
 def test_machine_that_its_motor_lets_stop__stalls_whatever_was_to_end_its_run(begin, end):
     scene = loaded_motor(from_speed=begin, **end)
     found, seen = ask(scene, "go.time"), history(Scene.model_validate(scene))

@@ -71,11 +71,14 @@ def test_locking_brake__is_told_by_name():
 
 
 @pytest.mark.parametrize(
-    "regime",
-    [run("dc", from_speed=20.0, cycles=3.0), run("dc", from_angle=1.0, cycles=3.0), steady("dc oil")],
+    ("regime", "offset"),
+    [
+        (run("dc", from_speed=20.0, cycles=3.0), 0.03),
+        (run("dc", from_angle=1.0, cycles=3.0), 0.0),
+        (steady("dc oil"), 0.03),
+    ],
     ids=["run", "from rest", "steady"],
 )
-@pytest.mark.parametrize("offset", [0.0, 0.03])
 def test_inertia_that_vanishes_at_a_dead_centre__is_told_at_once(regime, offset):
     scene = slider_crank({"go": regime})
     scene["guides"]["way"]["y"] = offset

@@ -137,14 +137,13 @@ def needed(speed: float) -> float:
     return 0.5 * speed**2 * 0.0075 * 1.4 + 900.0 * 0.05 + 0.6
 
 
-@pytest.mark.parametrize("positions", [60, 120, 240])
 @pytest.mark.parametrize("motor", ["dc", "induction"])
-def test_steady_motion_with_a_steep_motor__within_the_quasi_static_limit(motor, positions):
+def test_steady_motion_with_a_steep_motor__within_the_quasi_static_limit(motor):
     numbers = MOMENTS[motor]
     key, rated = {"dc": ("stall_moment", 100.0), "induction": ("breakdown_moment", 20.0)}[motor]
     scene = slider_crank({"on": steady(f"{motor} cut gravity fan")}, flywheel=0.02)
     names = "on.mean_speed on.speed_min on.speed_max on.motor_moment_peak on.multiplier on.work_residual"
-    found = ask(scene, names, positions, varied={f"moments.{motor}.{key}": [numbers[key] * s for s in STEEPER]})
+    found = ask(scene, names, 60, varied={f"moments.{motor}.{key}": [numbers[key] * s for s in STEEPER]})
     assert found.status == [Verdict.OK] * len(STEEPER)
     # M′ at the synchronous speed.
     slopes = {"dc": MOMENTS["dc"]["stall_moment"] / 100.0, "induction": 2 * 2.5 * RATIO**2 / (0.2 * 150.0)}

@@ -201,18 +201,6 @@ def test_jump__the_row_on_it_is_that_after_it():
 # Variants
 
 
-def test_variants__rows_do_not_depend_on_those_beside_them():
-    scene = slider_crank({"go": run("dc gravity", from_speed=2.0, time=0.7, at={"times": "0 s to 0.7 s, 9"})})
-    lengths = np.linspace(0.03, 0.06, 37)
-    names = " ".join(f"go.{name}" for name in (*FIELDS, "turned"))
-    together = ask(scene, "go.time", 240, names, {"input.length": lengths})
-    for i in (0, 17, 36):
-        alone = ask(scene, "go.time", 240, names, {"input.length": lengths[i : i + 1]})
-        for name, rows in alone.fields.items():
-            assert np.array_equal(rows[0], together.fields[name][i], equal_nan=True), name
-            assert alone.errors[name][0] == together.errors[name][i]
-
-
 def test_variants__as_many_instants_in_a_piece_as_there_are_variants_may_all_be_of_one():
     # A turn is a piece: in its first the heavy rotor meets both instants, in its second the light one.
     inertias, times = np.array([0.3, 0.5]), np.array([0.76, 0.8])

@@ -2,9 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from cycle_machines import CRANK, OFFSET, ROD, TO, at_positions, press, press_numbers, slide
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from cycle_machines import CRANK, OFFSET, ROD, at_positions, press, press_numbers, slide
 from numba import njit
 
 from engine.compiling.memory import memory
@@ -53,61 +51,6 @@ def test_landmarks_are_the_dead_centres(presses):
         assert np.all(getattr(found, name).error[0] < 1e-13)
 
 
-def test_work_of_a_force_over_a_part_of_the_stroke(presses):
-    near, far = stroke_ends(presses)
-    found = PRESS.evaluate(presses).integrals
-    # The force acts on the way in: its work is −F times the part of the stroke.
-    exact = -presses[7] * (presses[12] - presses[11]) * (far - near)
-    assert np.all(np.abs(found.value[0] - exact) <= found.error[0])
-    assert np.median(found.error[0] / np.abs(exact)) < 3e-13
-
-
-def windows(width):
-    """Two windows anywhere in a cycle, also at its ends, also overlapping, with forces of either sign."""
-    begin = st.one_of(st.just(0.0), st.floats(0.0, TURN - width), st.just(TURN - width))
-    return st.lists(st.tuples(begin, st.sampled_from([-1000.0, -3.0, 1.0, 500.0])), min_size=1, max_size=64)
-
-
-def check_windows(numbers):
-    """The mean moment of forces that act between two positions is F times the slider's way between them."""
-    found = PRESS.evaluate(numbers)
-    begin, end, force = numbers[9], numbers[TO], numbers[8]
-    exact = force * (slide(numbers, end) - slide(numbers, begin))
-    # Differences of places lose what each is rounded by.
-    rounding = 4e-16 * np.abs(force)
-    assert np.all(np.abs(found.integrals.value[0] - exact) <= found.integrals.error[0] + rounding)
-    way = np.abs(force) * (end - begin) * 0.15
-    assert np.all(found.integrals.error[0] <= 1e-12 * way + 1e-14 * np.abs(force))
-    # No moment where the force doesn't act; the greatest magnitude is inside of the window.
-    rates = np.abs(force * np.gradient(slide(numbers, np.linspace(begin, end, 201)), axis=0)) * 200.0 / (end - begin)
-    assert np.all(found.extremes.greatest_magnitude.value[0] >= rates[1:-1].max(axis=0) * (1.0 - 1e-3) - 1e-12)
-    # Outside of the window there is none.
-    assert np.all((found.extremes.least.value[0] <= 0.0) & (found.extremes.greatest.value[0] >= 0.0))
-
-
-@settings(max_examples=60, deadline=None)
-@given(st.data(), st.floats(-4.0, 0.5))
-def test_a_window_between_positions_of_any_width_anywhere(data, exponent):
-    width = 10.0**exponent
-    drawn = data.draw(windows(width))
-    begin, force = (np.array(column) for column in zip(*drawn, strict=True))
-    check_windows(press_numbers(begin.size, other_force=force, from_=begin, to=begin + width))
-
-
-@settings(max_examples=40, deadline=None)
-@given(st.floats(0.0, 1.0), st.floats(-4.0, 0.0), st.floats(0.0, TURN), st.floats(0.0, 2.0))
-def test_windows_of_stroke_and_position_that_overlap(share, exponent, begin, width):
-    end, far_share = min(begin + width, TURN), min(share + 10.0**exponent, 1.0)
-    windows_of_both = {"near_share": share, "far_share": far_share, "from_": begin, "to": end}
-    numbers = press_numbers(1, force=700.0, other_force=-40.0, **windows_of_both)
-    found = PRESS.evaluate(numbers)
-    near, far = stroke_ends(numbers)
-    exact = -700.0 * (far_share - share) * (far - near) - 40.0 * (slide(numbers, end) - slide(numbers, begin))
-    # Beside a dead centre a level is passed so slowly that the way there is known to rounding only.
-    assert np.abs(found.integrals.value[0] - exact) <= found.integrals.error[0] + 740.0 * 4e-16
-    assert found.integrals.error[0] < 1e-11
-
-
 def test_a_window_where_stroke_begins_and_ends_sets_in_at_the_dead_centres():
     numbers = press_numbers(3, force=100.0, near_share=np.array([0.0, 0.0, 0.9]), far_share=np.array([1.0, 0.1, 1.0]))
     numbers[OFFSET] = 0.0
@@ -151,16 +94,6 @@ def test_a_range_that_ends_before_a_dead_centre_takes_the_ends_for_landmarks():
     found = PRESS.evaluate(back)
     assert np.all(np.abs(found.integrals.value[0] + exact) <= found.integrals.error[0])
     assert np.all(found.means.value[0] < 0.0)
-
-
-def test_results_are_the_same_in_whatever_lane_with_cuts(presses):
-    together = PRESS.evaluate(presses)
-    order = np.random.default_rng(5).permutation(presses.shape[1])[:131]
-    apart = PRESS.evaluate(presses[:, order])
-    assert np.array_equal(together.integrals.value[:, order], apart.integrals.value)
-    assert np.array_equal(together.integrals.error[:, order], apart.integrals.error)
-    assert np.array_equal(together.extremes.least_at.value[:, order], apart.extremes.least_at.value)
-    assert np.array_equal(together.landmarks.least_at.value[:, order], apart.landmarks.least_at.value)
 
 
 @at_positions

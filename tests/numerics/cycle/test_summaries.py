@@ -5,7 +5,6 @@ import pytest
 import scipy.special as sp
 from cycle_machines import ORDERS, peak_curve, rounding_curves, smooth, smooth_numbers, wave_curve
 
-from engine.compiling.widths import LANES
 from engine.cycle.machine import CycleMachine, Plan
 
 TURN = 2.0 * math.pi
@@ -70,24 +69,6 @@ def test_a_finer_tolerance_takes_more_panels(curves):
     coarse, fine = evaluated(curves, 1e-4).panels, evaluated(curves, 1e-13).panels
     assert np.all(fine >= coarse)
     assert fine.mean() > 1.3 * coarse.mean()
-
-
-def test_results_are_the_same_in_whatever_lane(curves):
-    e, phase = curves
-    machine = smooth(integrals=(0, 1), extremes=(0, 1, 2), works=(0,), tolerance=1e-12)
-    together = machine.evaluate(smooth_numbers(e, phase))
-    rng = np.random.default_rng(2)
-    order = rng.permutation(e.size)[: 5 * LANES + 7]
-    apart = machine.evaluate(smooth_numbers(e[order], phase[order]))
-    for a, b in (
-        (together.integrals, apart.integrals),
-        *((getattr(together.extremes, n), getattr(apart.extremes, n)) for n in ("least", "least_at", "greatest")),
-        (together.works.greatest, apart.works.greatest),
-    ):
-        assert np.array_equal(a.value[..., order], b.value)
-        assert np.array_equal(a.error[..., order], b.error)
-    one = machine.evaluate(smooth_numbers(e[:1], phase[:1]))
-    assert np.array_equal(one.integrals.value[:, 0], together.integrals.value[:, 0])
 
 
 def test_ranges_that_differ_and_run_backwards():

@@ -106,13 +106,6 @@ def test_equal_peaks__are_told_by_the_first():
     assert (found.slowest_at, found.fastest_at) == pytest.approx((0, phi[2]))
 
 
-def test_constant_moment__needs_no_flywheel():
-    found = turning_moment_from_table([0, 1, TURN], [4.0, 4.0, 4.0], 10.0, 0.01, inertia=2.0)
-    assert found.excess_work == pytest.approx(0, abs=1e-13)
-    assert found.flywheel_inertia == pytest.approx(-2)
-    assert found.speed_fluctuation == pytest.approx(0, abs=1e-13)
-
-
 @few
 @given(moments, st.integers(0, 11))
 def test_where_the_cycle_begins__does_not_matter(moment, shift):

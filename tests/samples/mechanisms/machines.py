@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from oracle import EPS, Motion
 
-from engine import Machine, Scene, Verdict
+from engine import Machine, MovingMachine, Scene, Verdict
 
 NUDGE = 1e-7
 ROUNDINGS = 40
@@ -33,13 +33,8 @@ def nudged(part: object, rng: np.random.Generator) -> object:
     return part * (1 + NUDGE * rng.choice([-1, 1])) if isinstance(part, float) else part
 
 
-def kinematic_fields(machine: Machine) -> list[str]:
-    return [f for f in machine.available_fields if f.rpartition(".")[2].partition("_")[0] in WORDS]
-
-
-def places(machine: Machine, scene: Scene) -> np.ndarray:
-    drive = scene.input
-    return machine.nodes if drive.type == "crank" else drive.start + (drive.stop - drive.start) * machine.nodes
+def kinematic_fields(machine: MovingMachine) -> list[str]:
+    return [f for f in machine.register.fields if f.rpartition(".")[2].partition("_")[0] in WORDS]
 
 
 def difference(field: str, a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -85,18 +80,20 @@ def evaluated(scene: dict, fields: list[str], varied: dict[str, list], positions
 
 
 def check(scene: dict, fields: list[str] | None = None, **varied: list) -> None:
-    """Compare kinematic fields (all of them when none are named) of a scene and its variants with the oracle."""
+    """Compare kinematic fields (all of them when none are named) of a scene and its variants with the oracle.
+
+    By NumPy: that compiled code gives the same is tested in `test_one_machine.py`.
+    """
     paths = {path.replace("__", "."): values for path, values in varied.items()}
-    fields = fields or kinematic_fields(Machine(Scene.model_validate(scene)))
-    machine, outcome = evaluated(scene, fields, paths, positions=16)
+    for numbers in variants_of(scene, paths):
+        machine = MovingMachine(Scene.model_validate(numbers), positions=16)
+        names, q = fields or kinematic_fields(machine), machine.q
 
-    def rows(of: Scene) -> dict:
-        motion = Motion(of, places(machine, variant))
-        return {field: motion.field(field) for field in fields}
+        def rows(of: Scene, names: list[str] = names, q: np.ndarray = q) -> dict:
+            motion = Motion(of, q)
+            return {field: motion.field(field) for field in names}
 
-    for i, numbers in enumerate(variants_of(scene, paths)):
-        variant = Scene.model_validate(numbers)
-        compare({field: row[i] for field, row in outcome.fields.items()}, numbers, rows)
+        compare(machine.fields(names), numbers, rows)
 
 
 # Parts of scenes

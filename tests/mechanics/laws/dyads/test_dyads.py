@@ -386,6 +386,3 @@ def test_rpp_rates__derivatives_of_closed_geometry(a, way, turn):
         tolerance = ROUNDINGS * EPS * abs(gap) / by.imag * (1 + 1 / by.imag)
         for rate, reference in zip(rpp_rates(parts(gap), parts(u), parts(u * by)), expected, strict=True):
             near(rate, reference, tolerance)
-
-
-# Links

@@ -22,14 +22,10 @@ from engine.laws.friction.inclines import (
     wedge_withdraw,
 )
 from engine.laws.friction.screws import (
-    collar_moment,
     flank_friction,
     locking_friction,
-    lower_efficiency,
     lower_moment,
-    raise_efficiency,
     raise_moment,
-    thread_slope,
 )
 
 EPS = np.finfo(float).eps
@@ -66,17 +62,6 @@ def test_incline__is_in_equilibrium_both_ways(angle, pull_angle, friction, load)
                 # Numerator and denominator may cancel, each from terms no greater than 1 + f.
                 allowed = 8 * EPS * (1 + f) * (q + abs(force)) / left
                 assert abs(mpf(got) - force) <= allowed
-
-
-@quick
-@given(slopes, sizes)
-def test_incline_and_thread__without_friction_are_the_frictionless_ones(slope, load):
-    assert push_up(load, slope, 0.0) == load * slope
-    assert push_down(load, slope, 0.0) == -load * slope
-    assert raise_moment(load, 2.0, slope, 0.0) == 2.0 * load * slope
-    # tan of arctan: sine and cosine, each correct to 1 ulp.
-    angle = math.atan(slope)
-    assert_allclose(incline_up(load, angle, 0.0, -angle), load * slope, rtol=8 * EPS * (1 + slope * slope))
 
 
 @quick
@@ -153,21 +138,6 @@ def test_wedge__is_in_equilibrium_and_loses_what_friction_takes(load, slope, fac
             assert abs(force - way * mpf(load) * mpf(slope) - lost) <= mpf(10) ** -20 * (abs(force) + load * slope)
 
 
-def test_wedge__slips_out_by_itself_beyond_both_friction_angles():
-    face, base = 0.12, 0.08
-    limit = math.atan(face) + math.atan(base)
-    found = brentq(lambda angle: wedge_withdraw(1.0, math.tan(angle), face, base, 0.0), 0.0, 1.0, xtol=1e-15)
-    assert_allclose(found, limit, atol=4 * EPS)
-    # The guide carries a part of the load, but doesn't move the limit.
-    found = brentq(lambda angle: wedge_withdraw(1.0, math.tan(angle), face, base, 0.3), 0.0, 1.0, xtol=1e-15)
-    assert_allclose(found, limit, atol=4 * EPS)
-
-
-def test_wedge_without_friction__does_the_work_of_its_load():
-    assert wedge_drive(300.0, 0.25, 0.0, 0.0, 0.0) == 75.0
-    assert wedge_withdraw(300.0, 0.25, 0.0, 0.0, 0.0) == -75.0
-
-
 # Screws
 
 
@@ -227,37 +197,5 @@ def test_flank_friction__of_the_axial_section_is_as_near_as_stated(slope, fricti
     assert_allclose(axial - exact, stated, rtol=slope**2, atol=4 * EPS * axial)
 
 
-@pytest.mark.parametrize("half_angle", [0.0, math.radians(15.0), math.radians(30.0)])
-@pytest.mark.parametrize("collar", [0.0, 0.03])
-def test_self_locking_of_a_screw__begins_at_the_analytic_friction(half_angle, collar):
-    load, radius, collar_radius, slope = 5e3, 0.012, 0.02, thread_slope(0.006, 0.024)
-
-    def lowering(friction):
-        thread = lower_moment(load, radius, slope, flank_friction(friction, half_angle))
-        return thread + collar_moment(load, collar_radius, collar)
-
-    limit = locking_friction(radius, slope, half_angle, collar_radius, collar)
-    found = brentq(lowering, 0.0, 1.0, xtol=1e-16, rtol=4 * EPS)
-    # The moment's rounding, 8 eps Q r (slope + f), over its derivative, about Q r.
-    assert_allclose(found, limit, atol=8 * EPS)
-    if collar == 0.0:
-        assert_allclose(limit, slope * math.cos(half_angle), rtol=4 * EPS)
-
-
 def test_collar_that_holds_the_load_alone__needs_no_friction_in_the_thread():
     assert locking_friction(0.01, 0.05, 0.2, 0.02, 0.03) == 0.0
-
-
-@quick
-@given(sizes, slopes, frictions)
-def test_efficiencies_of_a_thread__are_those_of_the_angles(load, slope, friction):
-    with mpmath.workdps(50):
-        beta, phi = mpmath.atan(mpf(slope)), mpmath.atan(mpf(friction))
-        up, down = mpmath.tan(beta) / mpmath.tan(beta + phi), mpmath.tan(beta - phi) / mpmath.tan(beta)
-    left = 1 - slope * friction
-    if left > 1e-6:
-        got = raise_efficiency(load, 2.0, slope, raise_moment(load, 2.0, slope, friction))
-        assert_allclose(got, float(up), rtol=(8 + 2 / left) * EPS)
-    got = lower_efficiency(load, 2.0, slope, lower_moment(load, 2.0, slope, friction))
-    # Near the limit of self-locking slope - f cancels; its error is a rounding of the slope.
-    assert_allclose(got, max(float(down), 0.0), rtol=0, atol=8 * EPS)

@@ -15,11 +15,9 @@ from engine.laws.friction.belts import (
     belt_moment,
     centrifugal_tension,
     gripped_share,
-    shaft_force,
     slack_share,
     speed_of_most_power,
     tension_ratio,
-    tight_tension,
 )
 from engine.laws.friction.rolling import (
     pull,
@@ -60,25 +58,7 @@ def test_two_rollers__lose_with_the_difference_of_their_speeds(normal, radius, m
     assert_allclose(moment, abs(normal * 1e-4 * radius / reduced_radius(radius, mate)), rtol=8 * EPS)
 
 
-def test_roller_on_a_plane__is_one_of_two_rollers():
-    assert reduced_radius(0.3, math.inf) == 0.3
-    assert rollers_moment(10.0, 1e-3, 0.3, math.inf) == rolling_moment(10.0, 1e-3)
-    assert reduced_radius(0.3, 0.3) == 0.15
-
-
 # Belts
-
-
-@quick
-@given(frictions, st.floats(0.1, 20.0), sizes, st.floats(0.0, 1.0), sizes)
-def test_belt__tight_tension_and_moment_are_inverse(friction, wrap, radius, share, moment):
-    centrifugal = share * moment / radius
-    tight = tight_tension(moment, centrifugal, friction, wrap, radius)
-    # T - q v² takes off at most as much as is left.
-    grip = gripped_share(friction, wrap)
-    assert_allclose(belt_moment(tight, centrifugal, friction, wrap, radius), moment, rtol=(8 + 4 * grip) * EPS)
-    slack = (tight - centrifugal) * slack_share(friction, wrap) + centrifugal
-    assert_allclose((tight - slack) * radius, moment, rtol=0, atol=8 * EPS * tight * radius)
 
 
 @quick
@@ -119,16 +99,3 @@ def test_speed_of_most_power__is_the_maximum():
     assert power(best) > power(best * 1.01)
     assert power(best) > power(best / 1.01)
     assert belt_moment(tight, centrifugal_tension(density, 3 * best), 0.3, 3.0, 1.0) == 0.0
-
-
-@quick
-@given(sizes, st.floats(0.0, 1.0), st.floats(0.01, 2 * math.pi))
-def test_force_on_the_shaft__is_the_sum_of_two_vectors(tight, share, wrap):
-    slack = share * tight
-    with mpmath.workdps(50):
-        # Strands leave the pulley at its two ends of contact, each along the tangent there.
-        x = mpf(tight) - mpf(slack) * mpmath.cos(mpf(wrap))
-        y = mpf(slack) * mpmath.sin(mpf(wrap))
-        exact = mpmath.hypot(x, y)
-    # The sine's argument is rounded: eps of the greater tension.
-    assert_allclose(shaft_force(tight, slack, wrap), float(exact), rtol=8 * EPS, atol=4 * EPS * tight)

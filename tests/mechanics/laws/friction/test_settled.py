@@ -145,25 +145,6 @@ def test_margin__determinant_of_the_equations_that_remain():
     assert margin == pytest.approx(np.linalg.det(np.eye(3) - np.array(slopes).T), abs=1e-8)
 
 
-def test_order_of_pairs__plays_no_part():
-    rng = np.random.default_rng(3)
-    free, backs = rng.normal(size=(3, 2)), rng.uniform(-0.2, 0.2, (3, 2, 3))
-    kinds, edges = np.array([JOURNAL, GUIDE, GUIDE]), np.array([0.0, 0.0, 3.0])
-    first = settled_three(*known(kinds, edges, free, backs))
-    turned = [2, 0, 1]
-    other = settled_three(*known(kinds[turned], edges[turned], free[turned], backs[turned][:, :, turned]))
-    np.testing.assert_allclose([other[turned.index(i)] for i in range(3)], first[:3], rtol=ROUNDINGS * EPS)
-
-
-@pytest.mark.parametrize("count", [1, 2, 3])
-def test_nothing_that_loads_a_group__nothing_presses(count):
-    backs = np.full((count, 2, count), 0.1)
-    *n, margin, residual = SETTLED[count](*known([JOURNAL] * count, [0.0] * count, np.zeros((count, 2)), backs))
-    assert n == [0.0] * count
-    assert margin == 1.0
-    assert residual == 0.0
-
-
 def test_unknown_reaction__unknown_forces_and_margin():
     *n, margin, _ = settled_two(*known([JOURNAL, GUIDE], [0.0, 2.0], np.full((2, 2), math.nan), np.zeros((2, 2, 2))))
     assert np.isnan([*n, margin]).all()

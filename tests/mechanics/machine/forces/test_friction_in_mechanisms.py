@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from drawn_machines import geared_five_bar, sliding_input
 from loaded_machines import asked, loaded
-from machines import chain, places, prp
+from machines import chain, prp
 from reaction_graphs import in_all_pairs
 from rubbing import with_friction
 from rubbing_machines import RHO, L, Q, R, by_friction_circles, press, yoke
 
-from engine import Machine, Scene, SceneError, Verdict
+from engine import Machine, MovingMachine, Scene, SceneError, Verdict
 from engine.laws.friction.coefficients import NEW, STATIC_AND_KINETIC, WORN_IN, stribeck
 from engine.laws.friction.guides import overhung_drive, vee_friction
 from engine.laws.friction.inclines import wedge_drive, wedge_withdraw
@@ -46,26 +46,25 @@ MACHINES += [scene.model_dump(exclude_unset=True) for scene in (geared_five_bar(
 @pytest.mark.parametrize("plain", MACHINES)
 def test_friction__agrees_with_a_dense_non_linear_solution(plain):
     scene = in_all_pairs(loaded(plain, 1), 1, 0.3)
-    names = [name for name in asked(Scene.model_validate(scene)) if not name.startswith("frame")]
+    machine = MovingMachine(Scene.model_validate(scene), positions=8)
+    names = [name for name in asked(machine.scene) if not name.startswith("frame")]
     fields = [*(n for n in names if "input_moment" not in n), "friction_moment", "input_moment_with_friction"]
-    checks = ["input_moment_disagreement", "equilibrium_residual", "friction_residual"]
-    machine, outcome = outcome_of(scene, fields, checks, positions=8)
-    assert outcome.status[0] == Verdict.OK
-    expected = with_friction(machine.scene, places(machine, machine.scene))
-    for name in fields:
+    assert machine.verdict(fields) == Verdict.OK
+    expected = with_friction(machine.scene, machine.q)
+    for name, row in machine.fields(fields).items():
         scale = np.abs(expected[name]).max()
         # The reference solves in float64: condition of the equations, some 10, and xtol of fsolve, which is quadratic.
-        assert np.abs(outcome.fields[name][0] - expected[name]).max() <= 10 * ROUNDINGS * EPS * scale, name
-    assert outcome.summaries["input_moment_disagreement"][0] < ROUNDINGS * EPS
-    assert outcome.summaries["equilibrium_residual"][0] < ROUNDINGS * EPS
-    assert outcome.summaries["friction_residual"][0] <= 1e-10
+        assert np.abs(row - expected[name]).max() <= 10 * ROUNDINGS * EPS * scale, name
 
 
 def test_friction__costs_at_every_position_what_the_input_supplies_more():
     scene = RANDOM
     powers = [f"{friction['pair']}.friction_power" for friction in scene["friction"].values()]
     fields = ["input_moment", "input_moment_with_friction", "friction_moment", *powers]
-    machine, outcome = outcome_of(scene, fields, ["friction_loss"])
+    checks = ["input_moment_disagreement", "equilibrium_residual", "friction_residual"]
+    machine, outcome = outcome_of(scene, fields, ["friction_loss", *checks])
+    assert max(outcome.summaries[name][0] for name in checks[:2]) < ROUNDINGS * EPS
+    assert outcome.summaries["friction_residual"][0] <= 1e-10
     rows = {name: row[0] for name, row in outcome.fields.items()}
     lost = sum(rows[name] for name in powers)
     more = (rows["input_moment_with_friction"] - rows["input_moment"]) * machine.scene.input.speed
@@ -95,15 +94,6 @@ def test_friction__goes_over_into_none():
         np.testing.assert_allclose(outcome.fields[name][0], expected, rtol=0, atol=ROUNDINGS * EPS * scale)
         # Of first order in the coefficient: forces of this machine feel its thousandfold at most.
         np.testing.assert_allclose(outcome.fields[name][1], expected, rtol=0, atol=1e-3 * scale)
-
-
-def test_friction__in_float32_is_that_of_float64():
-    scene = in_all_pairs(press(0.0), 2, 0.3)
-    _, fine = outcome_of(scene, ["friction_moment"], positions=16)
-    _, rough = outcome_of(scene, ["friction_moment"], positions=16, dtype=np.float32)
-    expected = fine.fields["friction_moment"]
-    error = np.abs(rough.fields["friction_moment"] - expected).max() / np.abs(expected).max()
-    assert error < ROUNDINGS * np.finfo(np.float32).eps
 
 
 # Slider-crank, by friction circles and friction angle

@@ -107,17 +107,6 @@ def test_shaking__is_what_the_frame_bears_without_loads(name):
     np.testing.assert_allclose(moment + x * fy - y * fx, about_origin, rtol=0, atol=256 * EPS * size)
 
 
-def test_shaking_force__has_the_magnitude_of_its_components():
-    fields = ["shaking_force", "shaking_force_x", "shaking_force_y"]
-    varied = {"bodies.b.mass": [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]}
-    _, outcome = evaluated(six_bar(), fields, varied, 32)
-    size, x, y = (outcome.fields[field] for field in fields)
-    np.testing.assert_allclose(size, np.hypot(x, y), rtol=4 * EPS)
-    for i, mass in enumerate(varied["bodies.b.mass"]):
-        _, alone = evaluated(changed(six_bar(), {"bodies.b.mass": mass}), fields, {}, 32)
-        np.testing.assert_allclose(size[i], alone.fields["shaking_force"][0], rtol=0, atol=64 * EPS * size[i].max())
-
-
 def test_shaking_moment__is_about_the_inputs_pivot_or_the_named_point():
     field = Machine(Scene.model_validate(six_bar())).available_fields["shaking_moment"]
     assert "about O at" in field.long_name

@@ -87,12 +87,6 @@ def test_work_of_a_cycle__is_the_area_of_the_diagram(outcome, name):
     np.testing.assert_allclose(found, expected, rtol=1e-5, atol=jump)
 
 
-def test_both_heads__of_a_centred_crank_do_the_same_work(outcome):
-    for kind in ("compressor", "pump", "fourstroke", "twostroke"):
-        high, low = (outcome.summaries[f"{kind}_{head}.moment.mean"][:2] for head in ("high", "low"))
-        np.testing.assert_allclose(high, low, rtol=2e-4)
-
-
 @pytest.mark.parametrize("speed", [100.0, -100.0])
 def test_four_strokes__follow_the_firing_angle(speed):
     one = {"type": "four_stroke", "piston": "ram", "bore": BORE} | CYLINDERS["four_stroke"]

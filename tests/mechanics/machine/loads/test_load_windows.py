@@ -152,47 +152,6 @@ def test_windows_of_the_crank_angle__are_never_missed(windows):
     assert_within_figures(outcome, exactly(windows))
 
 
-def test_shear_that_cuts_one_millimetre__has_its_peak_and_its_work():
-    """Force over 1 mm of the stroke before the outer dead centre, against closed forms of the slider-crank."""
-    force, low, high = 1.2e6, 0.235, 0.236
-    load = {
-        "type": "table",
-        "on": "B",
-        "angle": 0.0,
-        "slider": "ram",
-        "measured_from": "guide",
-        "over_stroke": [low, low, high, high],
-        "force": [0.0, -force, -force, 0.0],
-        "interpolation": "linear",
-        "outside": "zero",
-        "acts": "along",
-    }
-    scene = Scene.model_validate({**CRANK, "forces": {"cut": load}})
-    outcome = Machine(scene, ["required_drive_moment", "reduced_moment.peak", "excess_work"]).evaluate({})
-
-    def angle_of(x: float) -> float:
-        # l² = r² + x² − 2 r x cos φ.
-        return math.acos((R * R + x * x - ROD * ROD) / (2 * R * x))
-
-    def rate(phi: float) -> float:
-        return R * math.sin(phi) * (1 + R * math.cos(phi) / math.sqrt(ROD**2 - (R * math.sin(phi)) ** 2))
-
-    enter, leave = angle_of(low), angle_of(high)
-    # The ram moves out from 2π − enter to 2π − leave, the other way round in −φ; rates and works are the same.
-    work = force * (high - low)
-    peak = force * max(rate(enter), rate(leave))
-    mean = work / TURN
-    excess = work - mean * (enter - leave)
-    for name, value in (
-        ("required_drive_moment", mean),
-        ("reduced_moment.peak", peak),
-        ("excess_work", excess),
-    ):
-        found, figure = outcome.summaries[name][0], outcome.errors[name][0]
-        assert abs(found - value) <= figure + 1e-12 * value
-        assert figure <= 1e-7 * value
-
-
 @settings(max_examples=20, deadline=None)
 @given(
     st.floats(0.151, 0.249),

@@ -177,16 +177,6 @@ def test_error_figures__cover_what_more_positions_change(only):
                 assert abs(found[name] - best[name]) <= found.figure(name) + best.figure(name), (name, positions)
 
 
-def test_variants_side_by_side__answer_as_alone():
-    scene = slider_crank({"go": run("dc cut gravity fan rub", speed=50.0)}, flywheel=0.05)
-    lengths = [0.15, 0.2, 0.4]
-    together = ask(scene, asked("go"), 120, varied={"groups.drive.first.length": lengths})
-    for i, length in enumerate(lengths):
-        alone = ask(scene, asked("go"), 120, varied={"groups.drive.first.length": [length]})
-        for name, values in together.values.items():
-            assert values[i] == alone.values[name][0], name
-
-
 # What can't be
 
 

@@ -1,15 +1,9 @@
-"""Moments at given speeds against their laws one by one, and variants that are the same in any company."""
+"""Moments at given speeds against their laws one by one."""
 
 import numpy as np
-import pytest
-from motion_scenes import run, slider_crank, steady
 
-from engine import Scene
 from engine.laws.motor_characteristics import induction_motor
-from engine.mechanism.mechanics import Mechanics
 from engine.motion.moments.at_speed import Drive, moments_at
-from engine.motion.regimes_in_order import Schedule
-from engine.scene.scene import Numbers, scene_numbers
 
 EPS = np.finfo(float).eps
 VARIANTS, PLACES, CHANNELS = 70, 3, 2
@@ -70,28 +64,3 @@ def test_loads_of_one_place__hold_at_all():
     one, all_the_same = (loads[:, :, :1], powers[:, :1]), (loads[:, :, [0] * PLACES], powers[:, [0] * PLACES])
     for part, other in zip(*(moments_at(drive, channel_of, *parts, w) for parts in (one, all_the_same)), strict=True):
         np.testing.assert_array_equal(part, other)
-
-
-@pytest.mark.parametrize(
-    ("regimes", "asked", "changes"),
-    [
-        ({"go": run("induction fan cut", from_speed=15.0, cycles=3.0)}, ("time", "useful_work"), {}),
-        # So steep that it goes implicitly.
-        ({"go": run("dc cut", from_speed=15.0, cycles=1.0)}, ("time", "motor_work"), {"dc": {"stall_moment": 2e5}}),
-        ({"go": run("brake", from_speed=15.0, rest=True)}, ("time", "angle"), {}),
-        ({"go": steady("dc cut gravity")}, ("speed_fluctuation", "multiplier", "motor_moment_rms"), {}),
-    ],
-    ids=["explicit", "implicit", "to rest", "steady"],
-)
-def test_variant__is_the_same_to_the_last_bit_in_any_company(regimes, asked, changes):
-    scene = Scene.model_validate(slider_crank(regimes, flywheel=0.1, **changes))
-    path = "groups.drive.first.length"
-    lengths = np.linspace(0.15, 0.4, VARIANTS)
-    schedule = Schedule(Mechanics(scene, frozenset({path})), {f"go.{name}" for name in asked}, 60)
-    numbers = Numbers(scene_numbers(scene), {path: lengths})
-    together = schedule.answers(numbers, VARIANTS)
-    assert (together.verdict == 0).all()
-    for i in (0, 31, 66):
-        alone = schedule.answers(numbers.of_variants(np.array([i])), 1)
-        for name, values in together.values.items():
-            assert alone.values[name][0] == values[i], name

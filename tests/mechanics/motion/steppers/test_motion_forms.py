@@ -1,7 +1,6 @@
-"""The energy form and the form in time: conservation, references at 30 digits, orders, agreement with each other."""
+"""The energy form and the form in time: conservation, references at 30 digits, agreement with each other."""
 
 import json
-import math
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +9,6 @@ from motion_scenes import ask, reduced, run, slider_crank
 from mpmath import mp
 
 from engine import Verdict
-from engine.motion.regimes_in_order import Schedule
-from engine.motion.runs.run_in_angle import FARTHER
-from engine.motion.runs.run_progress import Stepping
 from engine.stepping.methods import NINE
 
 REFERENCE = json.loads((Path(__file__).parents[3] / "oracles" / "motion" / "motion_reference.json").read_text())
@@ -41,19 +37,6 @@ def test_unloaded_machine__keeps_its_energy_over_3000_revolutions():
     assert fast * (1.0 - 1e-6) <= whole["go.speed_max"] <= both["go.speed_max"] <= fast * (1.0 + 1e-6)
     # Steps miss 1e-10 of a cycle's time each, and all cycles the same.
     assert both["go.time"] == pytest.approx(3e3 * whole["go.time"] + short["go.time"], rel=1e-10)
-
-
-def test_unloaded_machine__a_turn_takes_the_integral_of_one_over_omega():
-    with mp.workdps(30):
-        energy = reduced(0)[0] * 200
-        time = mp.quad(lambda phi: mp.sqrt(reduced(phi)[0] / (2 * energy)), mp.linspace(0, 2 * mp.pi, 9))
-        slow = mp.sqrt(2 * energy / max(reduced(phi)[0] for phi in mp.linspace(0, mp.pi, 2001)))
-    found = ask(slider_crank({"go": run("", from_speed=20.0, cycles=1.0)}), "go.time go.speed_min", 120)
-    # Each of some ten steps may miss 1e-10 of the time.
-    assert found["go.time"] == pytest.approx(float(time), rel=1e-10)
-    assert abs(found["go.time"] - float(time)) <= found.figure("go.time")
-    # Cubics between places a twelfth of a turn apart.
-    assert found["go.speed_min"] == pytest.approx(float(slow), rel=1e-5)
 
 
 # Two machines against mpmath at 30 digits
@@ -104,20 +87,6 @@ def test_implicit_steps__as_mpmath_at_30_digits_within_figures(name, monkeypatch
     monkeypatch.setattr("engine.motion.runs.run_in_angle.EIGHT", NINE)
     for errors in steps_and_errors(name, "", monkeypatch).values():
         assert (errors <= 100 * np.array(TOLERANCES)).all(), errors
-
-
-# Order
-
-
-@pytest.mark.parametrize("more", ["", " nothing"], ids=["energy form", "time form"])
-def test_steps_of_equal_length__order_8(more, monkeypatch):
-    errors = []
-    for length in (math.pi / 4, math.pi / 8):
-        equal = Stepping(1e25, 1e25, length / FARTHER, extremes=False)
-        monkeypatch.setattr(Schedule, "_stepping", lambda self, name, equal=equal: equal)
-        found = three_turns("dc", round(2 * math.pi / length), more)
-        errors.append(abs(found["omega"] / float(REFERENCE["dc"]["omega"]) - 1.0))
-    assert math.log2(errors[0] / errors[1]) > 7.0, errors
 
 
 # One form against the other

@@ -39,20 +39,6 @@ def test_parabola__slopes_and_integral_exact_at_any_nodes(steps, numbers):
     assert 0.0 <= hidden <= room * x[-1]
 
 
-def test_smooth_curve_with_a_jump__integral_of_order_four():
-    jump = 2.345678
-
-    def curve(x: np.ndarray) -> np.ndarray:
-        return np.sin(3 * x) + np.where(x > jump, 5 * np.exp(-x), 0.0)
-
-    exact = (1 - math.cos(3 * TURN)) / 3 + 5 * (math.exp(-jump) - math.exp(-TURN))
-    for count in (60, 120, 240, 480):
-        x = nodes_with(jump, count)
-        off = abs(integral(curve(x), np.diff(x))[0] - exact)
-        # Of order four with the fourth derivatives, of 81 at most, over some steps that aren't like their neighbours.
-        assert off <= 2.0 * (TURN / count) ** 4, count
-
-
 @given(
     st.floats(-0.95, 0.95),
     st.floats(0.1, 6.0),
