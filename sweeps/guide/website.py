@@ -91,6 +91,6 @@ def _contents(subject: str, names: tuple[str, ...]) -> str:
 
 
 def _for_sphinx(text: str) -> str:
-    """A page whose blocks show the name of their file; a calculation gets a style."""
-    text = re.sub(r"^```toml (\S+\.toml)$", r"```{code-block} toml\n:caption: \1\n", text, flags=re.M)
-    return re.sub(r"^```calculation$", "```{code-block} text\n:class: calculation\n", text, flags=re.M)
+    """A page whose blocks show the name of their file; calculations and formulas get a style."""
+    text = re.sub(r"^```(toml|python) (\S+\.\w+)$", r"```{code-block} \1\n:caption: \2\n", text, flags=re.M)
+    return re.sub(r"^```(?:calculation|formula)$", "```{code-block} text\n:class: calculation\n", text, flags=re.M)
