@@ -126,6 +126,7 @@ from engine.parts.skeleton import Number as PlainNumber
 from engine.parts.skeleton import Part as ScenePart
 from engine.quantities.quantity import STATISTICS, InputUnits, Quantity, has_cycle
 from engine.scene.masses import places_on
+from engine.scene.names import definitions as definitions_of_names
 from engine.scene.names import guide_of
 from engine.scene.pairs import (
     Pair,
@@ -302,6 +303,7 @@ __all__ = [
     "corrected_unbalance",
     "crank_radius",
     "crankshaft_counterweights",
+    "definitions_of_names",
     "derivatives_along",
     "described_dimension",
     "did_you_mean",

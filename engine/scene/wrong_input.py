@@ -92,7 +92,9 @@ def _message(model: type[BaseModel], error: dict, keys: list[str | int]) -> str:
             hint = f"; {hints[last]}" if last in hints else ""
             return "unknown key" + _allowed(last, allowed) + hint
         case "missing" if isinstance(error["loc"][-1], str):
-            return f"is missing: {hints.get('.'.join(map(str, keys)), 'add it')}"
+            choices = bare_annotation(_annotation_at(model, error["loc"]))
+            words = f"add one of {', '.join(get_args(choices))}" if get_origin(choices) is Literal else "add it"
+            return f"is missing: {hints.get('.'.join(map(str, keys)), words)}"
         case "missing":
             return "has too few entries"
         case "union_tag_invalid":
@@ -144,12 +146,17 @@ def _allowed(name: str, allowed: list[str]) -> str:
     return f"; allowed: {', '.join(allowed)}" + (f"; did you mean {near[0]!r}?" if near else "")
 
 
-def _fields_at(model: type[BaseModel], loc: tuple[str | int, ...]) -> list[str]:
-    """Keys allowed at a location (with union tags)."""
+def _annotation_at(model: type[BaseModel], loc: tuple[str | int, ...]) -> Any:
+    """Annotation at a location (with union tags)."""
     here: Any = model
     for item in loc:
         here = _descend(here, item)
-    here = bare_annotation(here)
+    return here
+
+
+def _fields_at(model: type[BaseModel], loc: tuple[str | int, ...]) -> list[str]:
+    """Keys allowed at a location."""
+    here = bare_annotation(_annotation_at(model, loc))
     if not (isinstance(here, type) and issubclass(here, BaseModel)):
         return []
     return [field.alias or name for name, field in here.model_fields.items()]

@@ -1,9 +1,9 @@
 """Run the worked pages of the guide; remake their pictures and shown outputs: `python results/gallery/worked_pages.py`.
 
-A worked page writes files (a block ```` ```toml FILE ````, appended if FILE exists,
-in place of tables given again) and shows commands with their output
-(```` ```console ````). In an output, a line `…` stands for any lines, `…` within a line for any text. Pages of the
-tutorial are run in one folder, one after the other; any other page starts with the compressor of the tutorial.
+A worked page writes files (a block ```` ```toml FILE ````, appended if FILE exists, in place of tables given again),
+draws pictures by Python (```` ```python FILE ````) and shows commands with their output (```` ```console ````). In an
+output, a line `…` stands for any lines, `…` within a line for any text. Pages of the tutorial are run in one folder,
+one after the other; any other page starts with the compressor of the tutorial.
 """
 
 import difflib
@@ -41,15 +41,13 @@ class Difference(NamedTuple):
 
 def blocks(text: str) -> Iterator[re.Match]:
     """Blocks of a page that are written or run."""
-    return (
-        found for found in BLOCK.finditer(text) if found[1] == "console" or (found[2] or "").endswith((".toml", ".csv"))
-    )
+    return (found for found in BLOCK.finditer(text) if found[1] == "console" or "." in (found[2] or ""))
 
 
 def write_files(page: Path, folder: Path) -> None:
     """Write the files of a page without running its commands."""
     for found in blocks(page.read_text("utf8")):
-        if found[1] != "console":
+        if found[1] not in ("console", "python"):
             append(folder / found[2], found[3])
 
 
@@ -110,10 +108,11 @@ def run_page(page: Path, folder: Path) -> list[Difference]:
     differences = []
     with chdir(folder):
         for found in blocks(page.read_text("utf8")):
-            if found[1] != "console":
+            if found[1] == "python":
+                exec(compile(found[3], page.name, "exec"), {})
+            elif found[1] != "console":
                 append(Path(found[2]), found[3])
-                continue
-            for command, shown in commands(found[3]):
+            for command, shown in commands(found[3]) if found[1] == "console" else ():
                 real = output_of(command, shown)
                 if not matches(shown, real):
                     differences.append(Difference(command, shown, real))

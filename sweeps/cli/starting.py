@@ -1,5 +1,6 @@
 """Commands to get started: list, new, schema, modes, guide."""
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import click
@@ -89,25 +90,33 @@ def modes(scene: str, out: Path | None, no_plots: bool) -> None:
 )
 @errors_as_messages
 def guide_command(chapter: str | None, web: bool, out: Path | None) -> None:
-    """Show a chapter of the guide, or list them all.
+    """Show a chapter or a reference page of the guide, or list them all.
 
     The site of --web needs no network; building it requires pip install 'machine-sweeps[guide]'.
     """
-    from sweeps.guide.chapters import chapter_text, chapters_text
+    from sweeps.guide.chapters import GENERATED, chapter_text, chapters_text
 
     if web or out is not None:
         open_site(out)
-        return
-    tell(chapters_text() if chapter is None else chapter_text(chapter))
+    elif chapter in GENERATED:
+        tell(reference_pages()[chapter]())
+    else:
+        tell(chapters_text() if chapter is None else chapter_text(chapter))
+
+
+def reference_pages() -> Mapping[str, Callable[[], str]]:
+    """What makes the Markdown text of each generated page, by name."""
+    from sweeps.report.help.reference_pages import PAGES
+
+    return {"commands": commands_page, **PAGES}
 
 
 def open_site(out: Path | None) -> None:
     """Build the guide's site, and open it unless it is built into a folder."""
     from sweeps.guide.website import build_site
-    from sweeps.report.help.reference_pages import reference_pages
 
     with doing("Building the site"):
-        first = build_site(lambda: {"commands": commands_page(), **reference_pages()}, out or Path("guide"))
+        first = build_site(reference_pages(), out or Path("guide"))
     tell(f"Wrote {first}")
     if out is None:
         click.launch(str(first))

@@ -18,6 +18,9 @@ SUBJECTS = {
     "studies": ("study", "searching", "results", "numbers", "warnings", "words", "python", "cluster"),
     "": ("developers",),
 }
+# Subject and names of the generated pages.
+REFERENCE = "reference"
+GENERATED = ("commands", "keys", "quantities", "verdicts", "units", "interface")
 
 
 def chapters() -> dict[str, str]:
@@ -36,12 +39,12 @@ def title_of(text: str) -> str:
 
 
 def chapters_text() -> str:
-    """Names and titles of all chapters, by subject."""
+    """Names and titles of all chapters, by subject, and the names of the reference pages."""
     texts, parts = chapters(), ["Chapters (`sweeps guide CHAPTER` shows one, `sweeps guide --web` all in a browser):"]
     for subject, names in SUBJECTS.items():
         parts += [f"  {subject}"] if subject else []
         parts.append(table([(name, title_of(texts[name])) for name in names], "    " if subject else "  "))
-    return "\n".join(parts)
+    return "\n".join([*parts, f"  {REFERENCE}", f"    {', '.join(GENERATED)}"])
 
 
 def chapter_text(name: str) -> str:
@@ -54,5 +57,5 @@ def chapter_text(name: str) -> str:
     """
     known = chapters()
     if name not in known:
-        raise InputError("guide", [(None, "", unknown_name_message(name, known))])
+        raise InputError("guide", [(None, "", unknown_name_message(name, (*known, *GENERATED)))])
     return known[name].rstrip()

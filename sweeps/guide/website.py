@@ -6,11 +6,10 @@ from collections.abc import Callable, Mapping
 from importlib.resources import files
 from pathlib import Path
 
-from sweeps.guide.chapters import SUBJECTS
+from sweeps.guide.chapters import REFERENCE, SUBJECTS
 from sweeps.text.input_files import InputError
 from sweeps.text.whole_files import scratch_folder
 
-REFERENCE = "reference"
 _SETTINGS = {
     "project": "machine-sweeps",
     "html_title": "machine-sweeps",
@@ -31,13 +30,13 @@ div.calculation pre { border-left: 0.2em solid var(--color-brand-primary); font-
 """
 
 
-def build_site(reference: Callable[[], Mapping[str, str]], folder: Path) -> Path:
+def build_site(reference: Mapping[str, Callable[[], str]], folder: Path) -> Path:
     """Build the site of the guide.
 
     Parameters
     ----------
-    reference : callable
-        Makes the generated pages: name and Markdown text.
+    reference : mapping of str to callable
+        Makes the Markdown text of each generated page, by name.
     folder : Path
         Folder of the site.
 
@@ -63,7 +62,7 @@ def build_site(reference: Callable[[], Mapping[str, str]], folder: Path) -> Path
     try:
         with scratch_folder() as scratch, docutils_namespace():
             source = scratch / "source"
-            _write_source(reference(), source)
+            _write_source({name: page() for name, page in reference.items()}, source)
             app = Sphinx(source, None, folder, scratch / "work", "html", _SETTINGS, status=None)
             app.build()
     except OSError as error:
@@ -92,6 +91,6 @@ def _contents(subject: str, names: tuple[str, ...]) -> str:
 
 
 def _for_sphinx(text: str) -> str:
-    """A page whose blocks show the name of their file; a calculation gets a style."""
-    text = re.sub(r"^```toml (\S+\.toml)$", r"```{code-block} toml\n:caption: \1\n", text, flags=re.M)
-    return re.sub(r"^```calculation$", "```{code-block} text\n:class: calculation\n", text, flags=re.M)
+    """A page whose blocks show the name of their file; calculations and formulas get a style."""
+    text = re.sub(r"^```(toml|python) (\S+\.\w+)$", r"```{code-block} \1\n:caption: \2\n", text, flags=re.M)
+    return re.sub(r"^```(?:calculation|formula)$", "```{code-block} text\n:class: calculation\n", text, flags=re.M)

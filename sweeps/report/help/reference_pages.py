@@ -1,16 +1,11 @@
-"""Reference pages of the guide's site, generated from models, registers and verdicts."""
+"""Reference pages of the guide, generated from models, registers, verdicts and docstrings."""
 
-from collections.abc import Mapping
+from collections.abc import Callable
 
-from engine import DIMENSIONS, Quantity, Verdict, common_units, made_ready, unit_label
+from engine import DIMENSIONS, STATISTICS, Verdict, common_units, unit_label
+from sweeps.report.help.interface_page import interface_page
 from sweeps.report.help.key_help import key_texts
-from sweeps.text.scene_text import read_scene
-from sweeps.text.templates import bundled_templates, templates
-
-
-def reference_pages() -> dict[str, str]:
-    """Markdown text of each page, by name."""
-    return {"keys": _keys(), "quantities": _quantities(), "verdicts": _verdicts(), "units": _units()}
+from sweeps.report.help.quantity_families import MACHINE, quantity_families
 
 
 def _keys() -> str:
@@ -20,7 +15,8 @@ def _keys() -> str:
 
 def _verdicts() -> str:
     rows = [(str(int(verdict)), verdict.short, verdict.sentence) for verdict in Verdict]
-    return f"# Verdicts\n\nThe `status` of a variant, and what to do.\n\n{_table(('code', 'verdict', 'meaning'), rows)}"
+    heads = ("status", "verdict", "meaning, and what to do")
+    return f"# Verdicts\n\nThe `status` of a variant.\n\n{_table(heads, rows)}"
 
 
 def _units() -> str:
@@ -32,32 +28,30 @@ def _units() -> str:
 
 
 def _quantities() -> str:
-    """Quantities of each template that those before it don't have."""
-    seen: set[tuple[str, str]] = set()
+    """Families of quantities: those of the machine, of each kind of part, of each type of element."""
+    statistics = ", ".join(f"`{key}` ({words.removesuffix(' of')})" for key, words in STATISTICS.items())
     parts = [
-        "# Quantities\n\nWhat the templates offer, each under the first that has it. Of your machine: "
-        "`sweeps quantities SCENE`, with its own names."
+        "# Quantities\n\nCapital letters stand for your names: `piston.stroke` is a `LINK.stroke`. Of your machine: "
+        "`sweeps quantities SCENE`. A curve over the cycle also gives the numbers NAME.STATISTIC: "
+        f"{statistics}."
     ]
-    # The simplest machine first.
-    for name, title in sorted(templates().items(), key=lambda row: row[0] != "slider_crank"):
-        machine = made_ready(read_scene(bundled_templates()[name]))
-        for words, known in (("numbers", machine.available_summaries), ("curves", machine.available_fields)):
-            if rows := _unseen(known, seen):
-                parts.append(f"## {title}: {words}\n\n{_table(('quantity', 'unit', 'meaning'), rows)}")
+    for owner, families in quantity_families().items():
+        rows = [(f"`{f.name}`", unit_label(f.units), "curve" if f.curve else "", f.long_name) for f in families]
+        head = owner if owner == MACHINE or owner.startswith("Element ") else f"Of a {owner}"
+        parts.append(f"## {head}\n\n{_table(('quantity', 'unit', 'kind', 'meaning'), rows)}")
     return "\n\n".join(parts)
-
-
-def _unseen(known: Mapping[str, Quantity], seen: set[tuple[str, str]]) -> list[tuple[str, str, str]]:
-    """Rows of the quantities whose last name and unit weren't seen before."""
-    rows = []
-    for name, quantity in known.items():
-        kind = (name.rpartition(".")[2], quantity.units)
-        if kind not in seen:
-            seen.add(kind)
-            rows.append((f"`{name}`", unit_label(quantity.units), quantity.long_name))
-    return rows
 
 
 def _table(heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
     lines = (heads, ("---",) * len(heads), *rows)
     return "\n".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |" for line in lines)
+
+
+# Each page's function, by name, in reading order.
+PAGES: dict[str, Callable[[], str]] = {
+    "keys": _keys,
+    "quantities": _quantities,
+    "verdicts": _verdicts,
+    "units": _units,
+    "interface": interface_page,
+}

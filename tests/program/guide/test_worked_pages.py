@@ -106,7 +106,7 @@ def test_pictures__are_those_of_the_pages_and_small():
     shown = {name for page in PAGES for name in pictures(page)}
     sizes = {path.name: path.stat().st_size for path in PICTURES.iterdir()}
     assert set(sizes) == shown
-    assert sum(sizes.values()) < 1.5e6
+    assert sum(sizes.values()) < 1.7e6
 
 
 def test_small__rounds_places_only():

@@ -42,6 +42,7 @@ unknown point | joint = "A" | joint = "Z" | 19: groups.slide.first.joint | 'Z' i
 unknown guide | guide = "way" | guide = "rail" | 20: groups.slide.second.guide | 'rail' is not a guide | known are: way
 name taken | inner = "B" | inner = "A" | 18: groups.slide.inner | already taken by input.pin; choose another
 key left out | pin = "A"\n |  | 9: input.pin | is missing: add it
+choice | [flywheel] | [forces.f]\ntype = "table"\n[flywheel] | 33: forces.f.interpolation | add one of linear, pchip
 table twice | [flywheel] | [flywheel]\n[flywheel] | 34 | the table [flywheel] appears twice, first in line 33
 key twice | mass = | mass = "9 kg"\nmass = | 25 | mass appears twice in its table: remove one
 quote | "100 kg" | "100 kg | 24 | a quotation mark is missing
