@@ -12,6 +12,7 @@ from typing import Literal, get_args, get_origin
 import numpy as np
 import pytest
 from cam_samples import KNIFE
+from each_case import each
 from element_samples import EVERY
 from governor_samples import ENGINE, EVERY_GOVERNOR, PORTER
 from graph_values import GraphValues
@@ -238,8 +239,8 @@ RUN_ENDS = {"speed": (9.0, "crank"), "velocity": (9.0, "slider")}
 RUN_ENDS |= {"end_of_range": (True, "range"), "lock_up": (True, "coupling")}
 
 
-@pytest.mark.parametrize("key", [*RUN_KEYS, *RUN_ENDS])
-@pytest.mark.parametrize("name", ["constant", "range", "slider"])
+@each("key", [*RUN_KEYS, *RUN_ENDS])
+@each("name", ["constant", "range", "slider"])
 def test_key_of_a_run__is_refused_where_it_means_nothing(name, key):
     value, needs = (RUN_KEYS | RUN_ENDS)[key]
     has = {"constant": {"crank"}, "range": {"crank", "range"}, "slider": {"slider", "range"}}[name]
