@@ -79,18 +79,17 @@ def worker_in(folder: Path, *options: str, **program: object):
 
 
 @contextmanager
-def cluster_of(count: int):
+def cluster_of_two():
     """Workers, any death of which makes Dask give up what was under way there."""
     with (
         dask.config.set({"distributed.scheduler.allowed-failures": 0}),
-        connected(f"local:{count}") as client,
+        connected("local:2") as client,
     ):
         yield client
 
 
-@pytest.mark.parametrize("count", [1, 2])
-def test_job_that_kills_its_workers__is_given_up_and_the_others_are_not(count, tmp_path):
-    with cluster_of(count) as client, crew_on(client, study_of(tmp_path, DISTINCT)) as crew:
+def test_job_that_kills_its_workers__is_given_up_and_the_others_are_not(tmp_path):
+    with cluster_of_two() as client, crew_on(client, study_of(tmp_path, DISTINCT)) as crew:
         found = dict(crew.results(cluster_jobs.squared_by_survivors, ((n, (n,)) for n in range(12))))
         assert found == {n: n**2 for n in range(12) if n != 3}
         assert list(crew.failures) == [3]
@@ -171,7 +170,7 @@ def uninterrupted(tmp_path_factory):
     return numbers_in(run(tmp_path_factory.mktemp("uninterrupted"), LONG, "long"))
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -9), (signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -9), (signal.SIGINT, 130)])
 def test_client_that_ends__leaves_what_goes_on(number, code, uninterrupted, tmp_path):
     on_two = ("--cluster", "local:2")
     with start(tmp_path, *on_two) as process:

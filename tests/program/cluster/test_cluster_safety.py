@@ -32,7 +32,7 @@ def listening_ports() -> list[str]:
     return [str(connection.laddr.port) for connection in found if connection.status == psutil.CONN_LISTEN]
 
 
-def attacked(ports: list[str], mark: Path, seconds: float = 2.0) -> list[str]:
+def attacked(ports: list[str], mark: Path, seconds: float = 1.0) -> list[str]:
     """Ports that answered a stranger in time, another user where that can be had; what workers ran leaves MARK."""
     mark.parent.chmod(0o777)
     line = [sys.executable, str(SAMPLES / "cluster_attack.py"), str(mark), str(seconds), *ports]

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from commands import done, refused, said
+from each_case import each
 from press_texts import PRESS
 
 from sweeps.report.result_report import undecided_text
@@ -123,14 +124,14 @@ def test_show__takes_what_agrees_within_error_estimates_for_equal(press_result):
         assert "undecided" not in shown
 
 
-@pytest.mark.parametrize(("count", "words"), [(0, ""), (1, "; 1 is undecided"), (2, "; 2 are undecided")])
+@each("count, words", [(0, ""), (1, "; 1 is undecided"), (2, "; 2 are undecided")])
 def test_variants_that_an_estimate_leaves_open__are_counted(count, words):
     text = undecided_text(SimpleNamespace(undecided=lambda where: count), "stroke > 1")
     assert text == (f"{words} within error estimates" if words else "")
 
 
-@pytest.mark.parametrize(
-    ("options", "words"),
+@each(
+    "options, words",
     [
         (["--sort", "ram.strok"], ("sort", "did you mean 'ram.stroke'")),
         (["--columns", "ram.strok"], ("columns", "'ram.strok'", "ram.stroke")),
@@ -158,11 +159,7 @@ SLIDING = PRESS.replace(
 ).replace("[input]", 'bed = {angle = "0 deg"}\n\n[input]')
 
 
-@pytest.mark.parametrize(
-    ("scene", "head", "first", "second"),
-    # A full turn in 360 steps; 40 mm in 360 steps from 10 mm on.
-    [(PRESS, "phi [deg]", 0.0, 1.0), (SLIDING, "q [mm]", 10.0, 10.0 + 40 / 360)],
-)
+@each("scene, head, first, second", [(PRESS, "phi [deg]", 0.0, 1.0), (SLIDING, "q [mm]", 10.0, 10.0 + 40 / 360)])
 def test_export_of_positions__begins_with_the_input_and_its_unit(scene, head, first, second, press_folder):
     Path("press.toml").write_text(scene)
     done("export", "press.toml", "--to", "p.csv")

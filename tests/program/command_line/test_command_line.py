@@ -5,8 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
 from commands import ROOT, done, python, refused, said
+from each_case import each
 from press_texts import PRESS
 
 from sweeps import read_scene, read_study
@@ -35,11 +35,9 @@ KINDS = [
 ]
 
 
-@pytest.mark.parametrize(
-    ("command", "file", "words"), [(command, file, words) for all_, file, words in KINDS for command in all_.split()]
-)
+@each("command, file, words", [(command, file, words) for all_, file, words in KINDS for command in all_.split()])
 def test_file_of_the_wrong_kind__is_refused_in_one_sentence(command, file, words, press_result):
-    Path("folder").mkdir()
+    Path("folder").mkdir(exist_ok=True)
     for name, content in WRONG.items():
         Path(name).write_bytes(content)
     message = refused(command, file)
@@ -73,7 +71,7 @@ def test_show_of_another_hdf5_file__is_refused(press_folder):
 # new, list, and what belongs to none
 
 
-@pytest.mark.parametrize("name", sorted(templates()))
+@each("name", sorted(templates()))
 def test_new__writes_a_scene_that_can_be_read(name, press_folder):
     answer = done("new", name)
     assert f"Wrote {name}.toml" in answer

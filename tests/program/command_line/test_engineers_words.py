@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from commands import done, refused
+from each_case import each
 from press_texts import PRESS
 
 from engine import AskError, Machine, Scene, nearest_names
@@ -46,7 +47,7 @@ ASKED = [
 ]
 
 
-@pytest.mark.parametrize(("scene", "words", "name"), ASKED)
+@each("scene, words, name", ASKED)
 def test_word__finds_the_quantity(scene, words, name):
     found = {line.split()[0] for line in done("quantities", str(STUDIES / scene), *words.split()).splitlines()}
     assert name in found

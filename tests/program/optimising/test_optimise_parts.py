@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from commands import done, said
+from each_case import each
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from searches import CRANK, NEAREST, RANGES, ROD, SCENE, TWO, searched, study_of
@@ -187,7 +188,7 @@ tolerance zero | minimise = "ram.stroke" |  | [tolerances]\n"input.length" = {pl
 """)
 
 
-@pytest.mark.parametrize("name", REFUSED)
+@each("name", REFUSED)
 def test_text__is_refused_with_key_and_mend(name, tmp_path):
     asked, vary, rest, words = REFUSED[name]
     with pytest.raises(InputError) as refusal:

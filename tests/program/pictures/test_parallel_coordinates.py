@@ -3,7 +3,7 @@
 from itertools import combinations
 
 import numpy as np
-import pytest
+from each_case import each
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from engine import Verdict
@@ -58,8 +58,8 @@ def apart(one, two):
     return False
 
 
-@pytest.mark.parametrize(("varied", "summaries"), [(1, 1), (2, 3), (3, 4), (4, 4), (6, 4), (7, 5)])
-@pytest.mark.parametrize("scale", [1.0, -1.234e-7])
+@each("varied, summaries", [(1, 1), (2, 3), (3, 4), (4, 4), (6, 4), (7, 5)])
+@each("scale", [1.0, -1.234e-7])
 def test_labels_and_numbers__none_on_another(varied, summaries, scale):
     data = columns(long_paths(varied), [f"summary_{i}" for i in range(summaries)], scale)
     with house_style():

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from drawn_machines import slider_crank
+from each_case import each
 from plan_machines import CLOSED, HIGHER, MACHINES, cycle_of, poses
 
 from engine import Machine
@@ -25,8 +26,8 @@ def largest(plan):
 # Velocities and accelerations
 
 
-@pytest.mark.parametrize("name", [*MACHINES, *HIGHER])
-@pytest.mark.parametrize("plan_of", [velocities, accelerations])
+@each("name", [*MACHINES, *HIGHER])
+@each("plan_of", [velocities, accelerations])
 def test_legs__meet_in_the_images_of_points(name, plan_of):
     for pose in poses(name):
         plan = plan_of(pose)
@@ -37,7 +38,7 @@ def test_legs__meet_in_the_images_of_points(name, plan_of):
         assert len(plan.legs) >= 1 + 2 * len(pose.scene.groups)
 
 
-@pytest.mark.parametrize("name", CLOSED)
+@each("name", CLOSED)
 def test_images__derivatives_of_positions_by_fourier(name):
     cycle = cycle_of(name)
     turns = cycle.scene.input.revolutions
@@ -52,7 +53,7 @@ def test_images__derivatives_of_positions_by_fourier(name):
                 assert abs(image - rate) < BY_FOURIER * crank_length * abs(cycle.omega) ** order
 
 
-@pytest.mark.parametrize("name", [*MACHINES, *HIGHER])
+@each("name", [*MACHINES, *HIGHER])
 def test_places_of_links__move_as_their_points(name):
     for pose in poses(name):
         for point, part in pose.scene.points.items():
@@ -61,7 +62,7 @@ def test_places_of_links__move_as_their_points(name):
             assert abs(found.a - expected.a) <= EXACT * largest(accelerations(pose))
 
 
-@pytest.mark.parametrize("name", MACHINES)
+@each("name", MACHINES)
 def test_relative_vectors__across_bars_and_along_guides(name):
     for pose in poses(name):
         plan, motion, places = velocities(pose), pose.motion, pose.motion.points
@@ -139,7 +140,7 @@ def assert_closed(pose, parts):
         assert abs(sum(forces)) <= EXACT * max(map(abs, forces), default=0.0)
 
 
-@pytest.mark.parametrize("name", [*MACHINES, *HIGHER])
+@each("name", [*MACHINES, *HIGHER])
 def test_loads__every_link_in_equilibrium_and_every_force_plan_closed(name):
     for pose in poses(name):
         assert_in_equilibrium(pose)
@@ -159,7 +160,7 @@ def acting(cycle, action, k):
     return sum((force.moment if force.force is None else force.force)[k] for force in own)
 
 
-@pytest.mark.parametrize("name", MACHINES)
+@each("name", MACHINES)
 def test_acting_forces__their_power_is_their_reduced_moment(name):
     cycle, scene = cycle_of(name), MACHINES[name]
     known = Machine(scene).available_fields

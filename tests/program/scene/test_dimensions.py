@@ -3,6 +3,7 @@
 import numpy as np
 import pint
 import pytest
+from each_case import each
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -90,13 +91,13 @@ SOUND = {
 }
 
 
-@pytest.mark.parametrize(("text", "unit"), [(text, unit) for unit in SOUND for text in SOUND[unit]])
+@each("text, unit", [(text, unit) for unit in SOUND for text in SOUND[unit]])
 def test_sound_expression__has_its_unit(text, unit):
     assert unit_of_dimension(dimension_of(parse(text, any_quantity), KNOWN)) == unit
 
 
-@pytest.mark.parametrize(
-    ("text", "place", "words"),
+@each(
+    "text, place, words",
     [
         ("length > '2 kg'", 7, "compares a length with a mass"),
         ("0 < length < bore < mass", 18, "compares a length with a mass"),
@@ -143,8 +144,8 @@ def test_condition_with_a_unit_not_known__is_not_looked_at():
         condition.check(dimensions_by_unit({"reach": "m", "mass": "kg"}))
 
 
-@pytest.mark.parametrize("name", DIMENSIONS)
-def test_every_dimension__is_found_again_by_its_unit(name):
-    dimension = dimension_of_unit(DIMENSIONS[name].unit)
-    assert dimension_of_unit(unit_of_dimension(dimension)) == dimension
-    assert name.replace("_", " ").removeprefix("plain ") in dimension_in_words(dimension)
+def test_every_dimension__is_found_again_by_its_unit():
+    for name, described in DIMENSIONS.items():
+        dimension = dimension_of_unit(described.unit)
+        assert dimension_of_unit(unit_of_dimension(dimension)) == dimension, name
+        assert name.replace("_", " ").removeprefix("plain ") in dimension_in_words(dimension)

@@ -4,12 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from each_case import each
 
 from engine import display_unit, figure_text, quantity_text
 
 
-@pytest.mark.parametrize(
-    ("units", "largest", "factor", "label"),
+@each(
+    "units, largest, factor, label",
     [
         ("m", 0.25, 1e3, "mm"),
         ("m", 12.0, 1.0, "m"),
@@ -31,8 +32,8 @@ def test_engineer_unit__as_on_a_drawing(units, largest, factor, label):
     assert text == label
 
 
-@pytest.mark.parametrize(
-    ("value", "error", "shown"),
+@each(
+    "value, error, shown",
     [
         (66.34, 0.41, "66.3 ± 0.4"),
         (772.4, 8.1, "772 ± 8"),

@@ -8,6 +8,7 @@ from contextlib import suppress
 import jsonschema
 import pytest
 from click.testing import CliRunner
+from each_case import each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -61,7 +62,7 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize(("right", "wrong", "place"), WRONG.values(), ids=WRONG)
+@each("right, wrong, place", WRONG.values())
 def test_mistakes_in_a_scene__found_where_they_are(schemas, tmp_path, right, wrong, place):
     text = template_text("slider_crank")
     assert right in text
@@ -76,7 +77,7 @@ def test_mistakes_in_a_scene__found_where_they_are(schemas, tmp_path, right, wro
 STUDY = 'scene = "press.toml"\n[vary]\n'
 
 
-@pytest.mark.parametrize(
+@each(
     "axis",
     [
         '"input.length" = "40 mm to 80 mm, 5"',
@@ -90,7 +91,7 @@ def test_axes__in_all_spellings(schemas, axis):
     assert not mistakes(schemas["study"], STUDY + axis)
 
 
-@pytest.mark.parametrize(
+@each(
     "axis",
     ['input.length = { from = "40 mm", stop = "80 mm", count = 5 }', 'input.length = { values = "40 mm" }', "a = 3"],
 )
@@ -104,27 +105,8 @@ def test_a_scene_within_a_study__checked_too(schemas):
     assert mistakes(schemas["study"], text.replace('pin = "A"', 'pinn = "A"'))
 
 
-PIECES = [
-    "1",
-    "2.5",
-    "-3e2",
-    "1/4",
-    " ",
-    "-",
-    "/",
-    "*",
-    "·",
-    "(",
-    ")",
-    "^",
-    "²",
-    "⁻¹",
-    "%",
-    "°",
-    "µm",
-    "r/min",
-    "\N{MINUS SIGN}0",
-]
+PIECES = ["1", "2.5", "-3e2", "1/4", " ", "-", "/", "*", "·", "(", ")", "^", "²", "⁻¹", "%", "°", "µm", "r/min"]
+PIECES += ["\N{MINUS SIGN}0"]
 
 
 @given(
@@ -138,10 +120,10 @@ def test_quantities_that_the_program_reads__match_the_pattern(text, dimension):
             assert re.search(text_pattern(dimension), written), written
 
 
-@pytest.mark.parametrize("dimension", [*DIMENSIONS])
-def test_examples_of_dimensions__match_the_pattern(dimension):
-    assert re.search(text_pattern(dimension), DIMENSIONS[dimension].example)
-    assert not re.search(text_pattern(dimension), "some")
+def test_examples_of_dimensions__match_the_pattern():
+    for dimension, described in DIMENSIONS.items():
+        assert re.search(text_pattern(dimension), described.example), dimension
+        assert not re.search(text_pattern(dimension), "some"), dimension
 
 
 def test_schema_command__writes_what_templates_name(tmp_path):
@@ -149,10 +131,11 @@ def test_schema_command__writes_what_templates_name(tmp_path):
     assert run.exit_code == 0, run.output
     # A second time it replaces them, as after an update.
     assert CliRunner().invoke(main, ["schema", "--out", str(tmp_path)]).exit_code == 0
+    texts = schema_texts()
     for name in bundled_templates():
         named = re.match(r"#:schema (\S+)\n", template_text(name))
         assert named, f"{name} has no line for editors"
-        assert (tmp_path / named[1]).read_text(encoding="utf8") == schema_texts()[named[1]]
+        assert (tmp_path / named[1]).read_text(encoding="utf8") == texts[named[1]]
 
 
 def test_help__explains_completion_in_the_shell():

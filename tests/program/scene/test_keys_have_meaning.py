@@ -7,11 +7,13 @@ change with one of them, or all of them must be refused.
 
 import copy
 from collections.abc import Iterator
+from functools import cached_property
 from typing import Literal, get_args, get_origin
 
 import numpy as np
 import pytest
 from cam_samples import KNIFE
+from each_case import each
 from element_samples import EVERY
 from governor_samples import ENGINE, EVERY_GOVERNOR, PORTER
 from graph_values import GraphValues
@@ -59,23 +61,32 @@ OTHERWISE = {"units", "title", "source", "type", "regimes", "limits", "elements"
 
 
 class Effects:
-    """All that may be asked of a scene, as numbers."""
+    """All that may be asked of a scene, as numbers; summaries only where fields don't differ already."""
 
     def __init__(self, scene: Scene) -> None:
         mechanics = Mechanics(scene)
-        self._values = GraphValues(scene, mechanics.graph)
-        register, values = register_of(mechanics), self._values
-        fields = {name: list(nodes_of(field.curve())) for name, field in register.fields.items()}
-        summaries = {name: summary.expression() for name, summary in register.summaries.items()}
-        nodes = {name: list(nodes_of(summary)) for name, summary in summaries.items()}
-        every = list(dict.fromkeys(node for some in (*fields.values(), *nodes.values()) for node in some))
-        q = values.first + SHARES * (values.last - values.first)
-        self._known: dict[Node, np.ndarray] = dict(zip(every, values(every, q), strict=True))
-        self.found = {name: [self._known[node] for node in some] for name, some in (fields | nodes).items()}
+        self._values, self._register = GraphValues(scene, mechanics.graph), register_of(mechanics)
+        self._known: dict[Node, np.ndarray] = {}
+
+    def _numbers(self, asked: dict[str, list[Node]]) -> dict[str, list[np.ndarray]]:
+        every = list(dict.fromkeys(node for some in asked.values() for node in some))
+        q = self._values.first + SHARES * (self._values.last - self._values.first)
+        self._known |= dict(zip(every, self._values(every, q), strict=True))
+        return {name: [self._known[node] for node in some] for name, some in asked.items()}
+
+    @cached_property
+    def fields(self) -> dict[str, list[np.ndarray]]:
+        return self._numbers({name: list(nodes_of(field.curve())) for name, field in self._register.fields.items()})
+
+    @cached_property
+    def summaries(self) -> dict[str, list[np.ndarray]]:
+        summaries = {name: summary.expression() for name, summary in self._register.summaries.items()}
+        found = self._numbers({name: list(nodes_of(summary)) for name, summary in summaries.items()})
         with np.errstate(all="ignore"):
             evaluated = Evaluation(self._measured)
             for name, summary in summaries.items():
-                self.found[f"{name} as a number"] = [np.asarray(evaluated(summary).value) * np.ones(1)]
+                found[name].append(np.asarray(evaluated(summary).value) * np.ones(1))
+        return found
 
     def _measured(self, asked: object) -> Measured:
         """Some number that stands for a measurement: what a summary makes of it may depend on the scene, too."""
@@ -85,15 +96,20 @@ class Effects:
         return Measured(np.full(1, 1.0 + sum(parts)))
 
     def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Effects) or self.found.keys() != other.found.keys():
+        if not isinstance(other, Effects):
             return False
-        return all(
-            len(some) == len(more)
-            and all(np.allclose(a, b, rtol=1e-9, atol=0.0, equal_nan=True) for a, b in zip(some, more, strict=True))
-            for some, more in zip(self.found.values(), other.found.values(), strict=True)
-        )
+        return are_equal(self.fields, other.fields) and are_equal(self.summaries, other.summaries)
 
     __hash__ = None
+
+
+def are_equal(some: dict[str, list[np.ndarray]], more: dict[str, list[np.ndarray]]) -> bool:
+    def close(a: np.ndarray, b: np.ndarray) -> bool:
+        return np.allclose(a, b, rtol=1e-9, atol=0.0, equal_nan=True)
+
+    if {name: len(values) for name, values in some.items()} != {name: len(values) for name, values in more.items()}:
+        return False
+    return all(all(map(close, values, more[name])) for name, values in some.items())
 
 
 def parts_of(part: Part, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Part]]:
@@ -238,8 +254,8 @@ RUN_ENDS = {"speed": (9.0, "crank"), "velocity": (9.0, "slider")}
 RUN_ENDS |= {"end_of_range": (True, "range"), "lock_up": (True, "coupling")}
 
 
-@pytest.mark.parametrize("key", [*RUN_KEYS, *RUN_ENDS])
-@pytest.mark.parametrize("name", ["constant", "range", "slider"])
+@each("key", [*RUN_KEYS, *RUN_ENDS])
+@each("name", ["constant", "range", "slider"])
 def test_key_of_a_run__is_refused_where_it_means_nothing(name, key):
     value, needs = (RUN_KEYS | RUN_ENDS)[key]
     has = {"constant": {"crank"}, "range": {"crank", "range"}, "slider": {"slider", "range"}}[name]

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
+from each_case import each
 from scene_samples import FROM_CSV, GOOD, PUNCH, line_with, refused
 from slips import cases, changed
 
@@ -31,14 +32,14 @@ not finite | over_stroke [mm],force [kN]\n0,0\ninf,1\n | a length | inf
 """)
 
 
-@pytest.mark.parametrize("case", TABLES)
+@each("case", TABLES)
 def test_bad_csv_table__is_refused_and_named(case, tmp_path):
     content, *words = TABLES[case]
     check_table(tmp_path, content.encode(), words)
 
 
-@pytest.mark.parametrize(
-    ("content", "words"),
+@each(
+    "content, words",
     [
         (None, ("punch.csv", "can't be read", "No such file")),
         (b"", ("header line",)),
@@ -62,7 +63,7 @@ def check_table(folder: Path, content: bytes | None, words: Iterable[str]) -> No
         assert word in str(error), str(error)
 
 
-@pytest.mark.parametrize("name", ['"."', '"\\u0000"', '"' + "x" * 5000 + '"', "3", "[1]", "{}"])
+@each("name", ['"."', '"\\u0000"', '"' + "x" * 5000 + '"', "3", "[1]", "{}"])
 def test_odd_name_of_a_csv_file__is_refused_with_its_line(name, tmp_path):
     text = changed(FROM_CSV, '"punch.csv"', name)
     error = refused(tmp_path, text)
@@ -75,7 +76,7 @@ def test_csv_and_columns_in_the_text__are_refused_together(tmp_path):
     assert "force" in str(refused(tmp_path, text))
 
 
-@pytest.mark.parametrize("text", ["", "\n\n# nothing but a remark\n", 'title = "x"\n'])
+@each("text", ["", "\n\n# nothing but a remark\n", 'title = "x"\n'])
 def test_empty_text__says_that_the_input_is_missing(text, tmp_path):
     ((line, key, message),) = refused(tmp_path, text).problems
     assert (line, key) == (None, "input")
@@ -89,21 +90,21 @@ NO_TOML = [
 ]
 
 
-@pytest.mark.parametrize("text", NO_TOML)
+@each("text", NO_TOML)
 def test_text_that_is_no_toml__is_refused(text, tmp_path):
     error = refused(tmp_path, text)
     assert "press.toml" in str(error)
     assert (tmp_path / "press.toml").exists()
 
 
-@pytest.mark.parametrize("name", ["", "nowhere.toml", "folder/press.toml"])
+@each("name", ["", "nowhere.toml", "folder/press.toml"])
 def test_file_that_cannot_be_read__is_named(name, tmp_path):
     with pytest.raises(InputError, match="can't be read") as caught:
         read_scene(tmp_path / name)
     assert str(tmp_path) in str(caught.value)
 
 
-@pytest.mark.parametrize("mark", ["\ufeff", ""])
+@each("mark", ["\ufeff", ""])
 def test_windows_text__is_read(mark, tmp_path):
     (tmp_path / "press.toml").write_bytes((mark + FROM_CSV).replace("\n", "\r\n").encode())
     (tmp_path / "punch.csv").write_bytes((mark + PUNCH).replace("\n", "\r\n").encode())

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import tomli_w
+from each_case import each
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scene_samples import FROM_CSV, GOOD
@@ -82,7 +83,7 @@ EXPECTED = [
 ]
 
 
-@pytest.mark.parametrize(("name", "path", "text", "value", "dimension"), EXPECTED)
+@each("name, path, text, value, dimension", EXPECTED)
 def test_number__has_the_value_and_dimension_of_the_text(name, path, text, value, dimension, tmp_path):
     data = tomllib.loads(write_scene(Scene.model_validate(EVERY[name])))
     part, key = part_of(data, path)
@@ -104,8 +105,8 @@ def test_numbers__leave_out_tables_counts_and_what_is_not_given():
         assert all(type(number.value) is float for number in numbers_of(name).values())
 
 
-@pytest.mark.parametrize(
-    ("name", "path", "values", "keep"),
+@each(
+    "name, path, values, keep",
     [
         ("spring", "input.length", [1e-9, 0.0, -0.0, -1.0, np.nan, np.inf], [1, 0, 0, 0, 0, 0]),
         ("four_bar", "points.D.x", [-1.0, 0.0, 1e9, np.nan, -np.inf], [1, 1, 1, 0, 0]),
@@ -151,7 +152,7 @@ def test_within_limits__keeps_the_shape():
     assert within_limits(SceneNumber(1.0, "length", ()), np.zeros((2, 3))).shape == (2, 3)
 
 
-@pytest.mark.parametrize("name", EVERY)
+@each("name", EVERY)
 def test_scene_written_and_read__is_the_same_and_has_units(name, tmp_path):
     scene = Scene.model_validate(EVERY[name])
     written = write_scene(scene)

@@ -13,6 +13,7 @@ from fractions import Fraction
 import mpmath
 import numpy as np
 import pytest
+from each_case import each
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
@@ -68,8 +69,8 @@ COMPOUNDS = {
 }
 
 
-@pytest.mark.parametrize(
-    ("text", "dimension", "expected"),
+@each(
+    "text, dimension, expected",
     [
         ("  80 mm ", "length", 0.08),
         ("80\N{NO-BREAK SPACE}mm", "length", 0.08),
@@ -108,12 +109,12 @@ def test_accepted_text__gives_hand_computed_value(text, dimension, expected):
     assert in_text(text, dimension) == to_si(text, dimension)
 
 
-@pytest.mark.parametrize("text", ["60 rpm", "60 1/min", "60 1 / min", "60 /min", "60 min-1", "60 min⁻¹"])
+@each("text", ["60 rpm", "60 1/min", "60 1 / min", "60 /min", "60 min-1", "60 min⁻¹"])
 def test_per_minute_as_angular_speed__means_revolutions(text):
     assert to_si(text, "angular_speed") == 2 * math.pi
 
 
-@pytest.mark.parametrize("text", ["200 Hz", "200 1/s", "200 s-1", "200 1/h"])
+@each("text", ["200 Hz", "200 1/s", "200 s-1", "200 1/h"])
 def test_per_second_as_angular_speed__is_refused_as_ambiguous(text):
     with pytest.raises(UnitError, match="ambiguous for an angular speed: write rpm or rad/s"):
         to_si(text, "angular_speed")
@@ -140,7 +141,7 @@ HABITS = {
 }
 
 
-@pytest.mark.parametrize(("dimension", "unit"), [(name, unit) for name in HABITS for unit in HABITS[name]])
+@each("dimension, unit", [(name, unit) for name in HABITS for unit in HABITS[name]])
 def test_unit_as_people_type_it__is_what_they_mean(dimension, unit):
     assert to_si(f"7.5 {unit}", dimension) == exact("7.5", HABITS[dimension][unit])
 
@@ -195,7 +196,7 @@ TRAPS = {
 }
 
 
-@pytest.mark.parametrize(("text", "dimension", "message"), [(*pair, words) for words in TRAPS for pair in TRAPS[words]])
+@each("text, dimension, message", [(*pair, words) for words in TRAPS for pair in TRAPS[words]])
 def test_trap__is_refused_with_its_mend(text, dimension, message):
     for read in (to_si, in_text):
         with pytest.raises(UnitError, match=message):
@@ -210,7 +211,7 @@ ABSURD = [
 ]
 
 
-@pytest.mark.parametrize("text", ABSURD)
+@each("text", ABSURD)
 def test_absurd_text__is_a_short_unit_error(text):
     for dimension in DIMENSIONS:
         with pytest.raises(UnitError) as caught:
@@ -218,14 +219,14 @@ def test_absurd_text__is_a_short_unit_error(text):
         assert len(str(caught.value)) < 400
 
 
-@pytest.mark.parametrize("value", [True, False, None, [80], b"80 mm", 1j, np.True_])
+@each("value", [True, False, None, [80], b"80 mm", 1j, np.True_])
 def test_value_neither_number_nor_text__is_refused(value):
     for read in (to_si, in_text):
         with pytest.raises(UnitError, match="expected a length such as '80 mm', got "):
             read(value, "length")
 
 
-@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 10**400])
+@each("value", [math.nan, math.inf, -math.inf, 10**400])
 def test_number_not_finite_in_float64__is_refused(value):
     for read in (to_si, in_text):
         for dimension in ("length", "number"):
@@ -233,7 +234,7 @@ def test_number_not_finite_in_float64__is_refused(value):
                 read(value, dimension)
 
 
-@pytest.mark.parametrize("value", [80, 80.5, -1e-300, np.float64(0.1), np.int64(3), Fraction(1, 4)])
+@each("value", [80, 80.5, -1e-300, np.float64(0.1), np.int64(3), Fraction(1, 4)])
 def test_number__is_si_already(value):
     assert to_si(value, "length") == float(value)
     assert type(to_si(value, "length")) is float
@@ -245,29 +246,29 @@ WITHOUT += [(in_text, 3.5, "mass", r'^3\.5 has no unit: write "3\.5 kg"$')]
 WITHOUT += [(to_si, "5", "angle", '5 has no unit: write "5 deg", or "5 rad"')]
 
 
-@pytest.mark.parametrize(("read", "value", "dimension", "message"), WITHOUT)
+@each("read, value, dimension, message", WITHOUT)
 def test_number_without_unit__is_refused_with_the_ways_to_write_it(read, value, dimension, message):
     with pytest.raises(UnitError, match=message):
         read(value, dimension)
 
 
-@pytest.mark.parametrize("zero", [0, 0.0, "0", "0.0", "-0"])
-@pytest.mark.parametrize("dimension", DIMENSIONS)
+@each("zero", [0, 0.0, "0", "0.0", "-0"])
+@each("dimension", DIMENSIONS)
 def test_exact_zero__needs_no_unit(zero, dimension):
     assert in_text(zero, dimension) == 0
 
 
-@pytest.mark.parametrize("value", [3, 0.25, "0.25", "1/4"])
+@each("value", [3, 0.25, "0.25", "1/4"])
 def test_number_dimension_in_text__takes_bare_numbers(value):
     assert in_text(value, "number") == float(Fraction(value))
 
 
-@pytest.mark.parametrize("dimension", [name for name in DIMENSIONS if name != "number"])
+@each("dimension", [name for name in DIMENSIONS if name != "number"])
 def test_si_unit_of_dimension__is_readable_and_has_factor_one(dimension):
     assert to_si(f"1 {DIMENSIONS[dimension].unit}", dimension) == 1
 
 
-@pytest.mark.parametrize("dimension", DIMENSIONS)
+@each("dimension", DIMENSIONS)
 def test_example_of_dimension__fits_that_dimension_alone(dimension):
     example_text = DIMENSIONS[dimension].example
     assert in_text(example_text, dimension) > 0
@@ -375,7 +376,7 @@ def test_any_input__is_a_finite_float_or_a_unit_error(value, dimension):
         assert math.isfinite(number)
 
 
-@pytest.mark.parametrize("text", ["5 nm", "5 kn", "3 cal", "1 P"])
+@each("text", ["5 nm", "5 kn", "3 cal", "1 P"])
 def test_units_that_may_be_taken_for_others__are_not_known(text):
     with pytest.raises(UnitError, match="unknown unit"):
         in_any_unit(text)
@@ -386,7 +387,7 @@ def test_column__is_what_its_cells_are(cells, unit):
     assert column_in_text(cells, unit, "length") == [in_text(f"{cell} {unit}", "length") for cell in cells]
 
 
-@pytest.mark.parametrize("cell", ["nan", "inf", "1_000", "1e999", "1 0", "", "٣"])
+@each("cell", ["nan", "inf", "1_000", "1e999", "1 0", "", "٣"])
 def test_column_with_a_cell_that_is_no_number__is_refused(cell):
     with pytest.raises(UnitError):
         column_in_text(["1", cell], "mm", "length")
@@ -410,7 +411,7 @@ def test_flows_of_pumps_and_fans__are_gallons_and_cubic_feet_per_minute():
     assert to_si("60 cfm", "m3 s-1") == float(FOOT**3)
 
 
-@pytest.mark.parametrize(("text", "atmosphere"), [("190 psig", "14.696 psi"), ("13 barg", "1.01325 bar")])
+@each("text, atmosphere", [("190 psig", "14.696 psi"), ("13 barg", "1.01325 bar")])
 def test_gauge_pressure__is_refused_with_what_to_add(text, atmosphere):
     with pytest.raises(UnitError, match=f"pressures are absolute: add {atmosphere}"):
         to_si(text, "pressure")

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from commands import said
+from each_case import each
 from press_texts import PRESS_WITH_FLYWHEEL as SCENE
 from slips import cases, changed
 from study_samples import STUDY, study_of
@@ -161,7 +162,7 @@ def test_list__has_sixty_inputs_and_more():
     assert sum(map(len, (SCENES, STUDIES, TABLES, COMMANDS, GIVEN))) >= 60
 
 
-@pytest.mark.parametrize("slip", SCENES)
+@each("slip", SCENES)
 def test_wrong_scene__is_answered(slip, tmp_path):
     old, new, place, *words = SCENES[slip]
     (tmp_path / "press.toml").write_text(changed(SCENE, old, new), encoding="utf8")
@@ -170,7 +171,7 @@ def test_wrong_scene__is_answered(slip, tmp_path):
     check(str(refused.value), placed("press.toml", place), words)
 
 
-@pytest.mark.parametrize("slip", STUDIES)
+@each("slip", STUDIES)
 def test_wrong_study__is_answered(slip, study_folder):
     old, new, place, *words = STUDIES[slip]
     with pytest.raises(InputError) as refused:
@@ -178,7 +179,7 @@ def test_wrong_study__is_answered(slip, study_folder):
     check(str(refused.value), placed("study.toml", place), words)
 
 
-@pytest.mark.parametrize("slip", TABLES)
+@each("slip", TABLES)
 def test_wrong_table__is_answered(slip, study_folder):
     content, place, *words = TABLES[slip]
     (study_folder / "choice.csv").write_text(content, encoding="utf8")
@@ -187,7 +188,7 @@ def test_wrong_table__is_answered(slip, study_folder):
     check(str(refused.value), f"study.toml, line 2: variants: {placed('choice.csv', place)}", words)
 
 
-@pytest.mark.parametrize("slip", COMMANDS)
+@each("slip", COMMANDS)
 def test_wrong_command__is_answered(slip, press_folder):
     line, place, *words = COMMANDS[slip]
     answer = said(*line.split())
@@ -195,7 +196,7 @@ def test_wrong_command__is_answered(slip, press_folder):
     check(answer.stderr, place, words)
 
 
-@pytest.mark.parametrize("slip", GIVEN)
+@each("slip", GIVEN)
 def test_wrong_numbers_in_python__are_answered(slip, machine):
     given, words = GIVEN[slip]
     with pytest.raises(AskError) as refused:
@@ -203,7 +204,7 @@ def test_wrong_numbers_in_python__are_answered(slip, machine):
     check(str(refused.value), words, [])
 
 
-@pytest.mark.parametrize("slip", SCENES)
+@each("slip", SCENES)
 def test_wrong_scene_in_python__is_answered(slip):
     """As in a file, except that numbers without a unit are in SI there."""
     old, new, place, *_ = SCENES[slip]

@@ -17,7 +17,7 @@ from sweeps.store import Store, StoreError, describe_result, read_columns
 posix = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals and limits")
 
 
-KILLS = 12
+KILLS = 6
 
 
 def check_flagged_blocks(path: Path) -> int:

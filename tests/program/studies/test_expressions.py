@@ -4,6 +4,7 @@ import pickle
 import mpmath
 import numpy as np
 import pytest
+from each_case import each
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -90,7 +91,7 @@ def test_garbage__raises_expression_error_only(text):
 # --- meaning -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "radians"])
+@each("name", ["sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "exp", "log", "radians"])
 def test_function__agrees_with_fifty_digits(name):
     values = np.linspace(0.01, 0.99, 99)
     found = parse(f"{name}(x)").evaluate({"x": values})
@@ -100,8 +101,8 @@ def test_function__agrees_with_fifty_digits(name):
     np.testing.assert_allclose(found, exact, rtol=5 * np.finfo(float).eps)
 
 
-@pytest.mark.parametrize(
-    ("text", "expected"),
+@each(
+    "text, expected",
     [
         ("-2**2", -4.0),
         ("2**-1", 0.5),
@@ -134,10 +135,7 @@ def test_constant_expression__has_value(text, expected):
     assert parse(text).evaluate({}) == pytest.approx(expected, rel=4e-16)
 
 
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [("1 / 0", math.inf), ("sqrt(-1)", math.nan), ("log(0)", -math.inf), ("(-8)**0.5", math.nan)],
-)
+@each("text, expected", [("1 / 0", math.inf), ("sqrt(-1)", math.nan), ("log(0)", -math.inf), ("(-8)**0.5", math.nan)])
 def test_undefined_result__is_inf_or_nan_without_warning(text, expected):
     assert same(parse(text).evaluate({}), expected)
 
@@ -198,7 +196,7 @@ QUANTITIES = [
 ]
 
 
-@pytest.mark.parametrize(("text", "expected"), QUANTITIES)
+@each("text, expected", QUANTITIES)
 def test_quantity_without_quotes__is_a_number_and_the_units_that_follow(text, expected):
     given_texts = []
     parse(text, quantity=lambda text: given_texts.append(text) or 1.0)
@@ -277,9 +275,7 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize(
-    ("text", "place", "reason"), [(*pair, reason) for reason in REFUSED for pair in REFUSED[reason]]
-)
+@each("text, place, reason", [(*pair, reason) for reason in REFUSED for pair in REFUSED[reason]])
 def test_refused_construct__is_shown_with_its_place(text, place, reason):
     with pytest.raises(ExpressionError) as caught:
         parse(text)
@@ -309,7 +305,7 @@ def test_nesting__is_limited():
         parse(nested(DEEPEST + 1))
 
 
-@pytest.mark.parametrize("text", ["-" * 1999 + "1", "(" * 999 + "1" + ")" * 999, "not " * 499 + "a", "a" + "+a" * 999])
+@each("text", ["-" * 1999 + "1", "(" * 999 + "1" + ")" * 999, "not " * 499 + "a", "a" + "+a" * 999])
 def test_extreme_nesting__is_refused_not_fatal(text):
     with pytest.raises(ExpressionError):
         parse(text)

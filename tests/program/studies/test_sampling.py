@@ -3,6 +3,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from each_case import each
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import qmc
@@ -89,7 +90,7 @@ def test_columns__vary_together():
 # --- points in the unit cube -------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("dimensions", "seed"), [(1, 0), (3, 7), (9, 2**64 - 1)])
+@each("dimensions, seed", [(1, 0), (3, 7), (9, 2**64 - 1)])
 def test_sobol__is_scipys_drawn_whole(dimensions, seed):
     count = 2**17
     expected = qmc.Sobol(dimensions, rng=seed).random(count)
@@ -103,8 +104,8 @@ def test_sobol__reaches_its_last_point():
     np.testing.assert_array_equal(sobol_points(5, count, 2, np.array([count - 1])), engine.random(1))
 
 
-@pytest.mark.parametrize("count", [1, 2, 3, 5, 16, 97, 1000, 4099])
-@pytest.mark.parametrize("seed", [0, 1])
+@each("count", [1, 2, 3, 5, 16, 97, 1000, 4099])
+@each("seed", [0, 1])
 def test_latin__has_one_point_per_stratum_in_each_dimension(count, seed):
     points = latin_points(seed, count, 6, np.arange(count))
     assert points.min() >= 0
@@ -146,7 +147,7 @@ def test_permuted__takes_every_order_about_equally_often():
     assert np.all(np.abs(counts - 100) < 50)
 
 
-@pytest.mark.parametrize("points", [random_points, latin_points])
+@each("points", [random_points, latin_points])
 def test_moments_and_correlations__are_within_five_sigma(points):
     count, dimensions = 20_000, 9
     drawn = points(11, count, dimensions, np.arange(count))
@@ -170,13 +171,13 @@ def test_random__keeps_a_parameters_numbers_when_another_is_added():
     np.testing.assert_array_equal(random_points(1, 100, 9, indices)[:, :5], random_points(1, 100, 5, indices))
 
 
-@pytest.mark.parametrize("method", METHODS)
+@each("method", METHODS)
 def test_seeds__give_different_samples(method):
     first, second = every(pair(64, method, seed=1)), every(pair(64, method, seed=2))
     assert not np.any(first[PAIR[0]] == second[PAIR[0]])
 
 
-@pytest.mark.parametrize("method", ["random", "sobol"])
+@each("method", ["random", "sobol"])
 def test_larger_count__keeps_the_earlier_samples(method):
     few, many = every(pair(100, method)), every(pair(70_000, method))
     for name in PAIR:
@@ -186,7 +187,7 @@ def test_larger_count__keeps_the_earlier_samples(method):
 # --- sampled axes ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("method", METHODS)
+@each("method", METHODS)
 def test_sampled__scales_unit_points_to_the_limits(method):
     points = {"random": random_points, "sobol": sobol_points, "latin": latin_points}[method](3, 64, 2, np.arange(64))
     found = every(pair(64, method, logarithmic=(False, True)))
@@ -286,7 +287,7 @@ def test_huge_design__gives_blocks():
     np.testing.assert_array_equal(found["r"], random_points(0, million, 1, np.arange(million - 3, million))[:, 0])
 
 
-@pytest.mark.parametrize("method", ["random", "latin"])
+@each("method", ["random", "latin"])
 def test_huge_sample__gives_blocks(method):
     found = Design((pair(10**12, method),)).values(10**12 - 1000, 10**12)
     for name, low, high in zip(PAIR, (0.1, 1.0), (0.2, 100.0), strict=True):
@@ -303,9 +304,7 @@ def test_largest_design__keeps_its_last_variant():
 # --- refusals ----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
+@each("make, words", [
         (lambda: Listed("a.b", []), ["a.b", "one or more"]),
         (lambda: Listed("a.b", [[1.0]]), ["a.b", "[[1.0]]", "one or more"]),
         (lambda: Listed("a.b", ["1"]), ["a.b", "'1'", "numbers only"]),
@@ -344,8 +343,7 @@ def test_largest_design__keeps_its_last_variant():
         (lambda: Design((Listed("a", [1]),)).values(0, 2), ["0 to 2", "0 to 1"]),
         (lambda: Design((Listed("a", [1]),)).values(-1, 1), ["-1 to 1"]),
         (lambda: Design((Listed("a", [1, 2]),)).values(2, 1), ["2 to 1"]),
-    ],
-)  # fmt: skip
+    ])  # fmt: skip
 def test_wrong_choice__is_refused_with_path_and_value(make, words):
     with pytest.raises(SamplingError) as caught:
         make()

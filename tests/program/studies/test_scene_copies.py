@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from each_case import each
 from machines import frame, slider_crank
 
 from engine import Scene, SceneError, scene_numbers
@@ -16,7 +17,7 @@ def scene_of(name: str) -> Scene:
     return read_scene(bundled_templates()[name])
 
 
-@pytest.mark.parametrize("name", bundled_studies())
+@each("name", bundled_studies())
 def test_copy__has_the_new_numbers_and_all_others_as_they_were(name):
     study = read_study(bundled_studies()[name])
     before = {path: number.value for path, number in scene_numbers(study.scene).items()}
@@ -32,7 +33,7 @@ def test_copy__has_the_new_numbers_and_all_others_as_they_were(name):
 COPIED = "cam press_with_motor engine rotor torsional_train elastic_drive planetary_train watt_six_bar"
 
 
-@pytest.mark.parametrize("name", COPIED.split())
+@each("name", COPIED.split())
 def test_copy__is_what_its_text_says(name):
     scene, rng = scene_of(name), np.random.default_rng(1)
     numbers = {path: n for path, n in scene_numbers(scene).items() if not n.choices and n.value}

@@ -3,7 +3,7 @@
 from itertools import pairwise
 
 import numpy as np
-import pytest
+from each_case import each
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from study_samples import study_of, varying
@@ -28,7 +28,7 @@ def sizes_of(study: Study, name: str) -> list[float]:
 # The series
 
 
-@pytest.mark.parametrize("series", PREFERRED)
+@each("series", PREFERRED)
 def test_preferred_numbers__divide_a_decade_into_equal_ratios_within_rounding(series):
     found = np.array(STANDARD_SIZES[f"R{series}"].between(1e-3, 9.999e-3)) / 1e-3
     # ISO 3: the rounding of R5 to R40 is between −1.01 % and +1.26 %.
@@ -43,7 +43,7 @@ def test_preferred_numbers__are_those_of_the_table_and_as_written():
     assert STANDARD_SIZES["R20"].between(0.01, 0.1) == wanted
 
 
-@pytest.mark.parametrize(("coarse", "fine"), [*pairwise(PREFERRED)])
+@each("coarse, fine", [*pairwise(PREFERRED)])
 def test_preferred_numbers__are_every_second_of_the_next_series(coarse, fine):
     both = [STANDARD_SIZES[f"R{series}"].between(1e-3, 1.0) for series in (coarse, fine)]
     assert both[0] == both[1][::2]
@@ -72,8 +72,8 @@ def test_motors__are_those_of_a_catalogue():
 # What varies
 
 
-@pytest.mark.parametrize(
-    ("axis", "expected"),
+@each(
+    "axis, expected",
     [
         ('{choose = "R20", low = "40 mm", high = "80 mm"}', [0.04, 0.045, 0.05, 0.056, 0.063, 0.071, 0.08]),
         ('{choose = "R5", low = "1.5 in", high = "4 in"}', [0.04, 0.063, 0.1]),
@@ -81,7 +81,7 @@ def test_motors__are_those_of_a_catalogue():
         ('{choose = ["1 1/2 in", "1 3/4 in"]}', [0.0381, 0.04445]),
     ],
 )
-@pytest.mark.parametrize("sampling", ["", "[sampling]\ncount = 64\n"])
+@each("sampling", ["", "[sampling]\ncount = 64\n"])
 def test_chosen_sizes__are_a_grid_or_sampled(axis, expected, sampling, study_folder):
     study = varying(study_folder, f'"input.length" = {axis}\n{sampling}')
     assert study.design.size == (64 if sampling else len(expected))
@@ -133,8 +133,8 @@ def test_derivative_and_tolerance__are_those_at_each_size(study_folder):
     np.testing.assert_allclose(columns["ram.stroke.tolerance_worst_case"], 2e-4, rtol=1e-6)
 
 
-@pytest.mark.parametrize("sampling", ["", "[sampling]\ncount = 16\n"])
-@pytest.mark.parametrize(("high", "ends"), [("50 mm", ["input.length"]), ("45 mm", [])])
+@each("sampling", ["", "[sampling]\ncount = 16\n"])
+@each("high, ends", [("50 mm", ["input.length"]), ("45 mm", [])])
 def test_best_at_the_last_size__is_reported_unless_of_two(sampling, high, ends, study_folder):
     vary = f'[vary]\n"input.length" = {{choose = "R20", low = "40 mm", high = "{high}"}}\n{sampling}'
     asked = '[outputs]\nsummaries = ["ram.stroke"]\n[best]\nmaximise = "ram.stroke"\n'

@@ -3,7 +3,7 @@
 import itertools
 
 import numpy as np
-import pytest
+from each_case import each
 from press_texts import PRESS_WITH_FLYWHEEL as SCENE
 from slips import changed
 from study_samples import STUDY, study_of, varying
@@ -49,8 +49,8 @@ def test_free_parameters__have_the_units_of_their_values_and_expressions(study_f
     assert [study.unit(n) for n in ("play", "pace", "turn", "root", "energy")] == ["m", "m s-1", "rad s-1", "", "N m"]
 
 
-@pytest.mark.parametrize(
-    ("axis", "expected"),
+@each(
+    "axis, expected",
     [
         ('{from = "40 mm", to = "60 mm", count = 5}', [0.04, 0.045, 0.05, 0.055, 0.06]),
         ('{from = "60 mm", to = "4 cm", count = 3}', [0.06, 0.05, 0.04]),
@@ -69,7 +69,7 @@ def test_axis__has_the_values_written(axis, expected, study_folder):
     np.testing.assert_allclose(found, expected, rtol=4e-15)
 
 
-@pytest.mark.parametrize(
+@each(
     "written",
     [
         '"input.length" = {values = ["40 mm", "60 mm"]}',
@@ -87,7 +87,7 @@ def test_path__may_be_quoted_or_nested(written, study_folder):
     assert column(study, "input.length") == [0.04, 0.06]
 
 
-@pytest.mark.parametrize("derived", ['"points.O.x" = "2 * input.length"', 'points.O.x = "2 * input.length"'])
+@each("derived", ['"points.O.x" = "2 * input.length"', 'points.O.x = "2 * input.length"'])
 def test_derived_path__may_be_quoted_or_nested(derived, study_folder):
     study = varying(study_folder, f'"input.length" = {{values = ["40 mm"]}}\n[derive]\n{derived}')
     assert column(study, "points.O.x") == [0.08]
@@ -107,7 +107,7 @@ def test_variants_of_a_csv_file__go_together_and_cross_the_other_axes(study_fold
     assert sorted(column(study, "forces.punch.force")) == [1e3, 1e3, 2e3, 2e3]
 
 
-@pytest.mark.parametrize("method", ["random", "sobol", "latin"])
+@each("method", ["random", "sobol", "latin"])
 def test_sampling__draws_between_the_ends_together(method, study_folder):
     study = varying(
         study_folder,
@@ -174,7 +174,7 @@ def test_undefined_condition__drops_the_variant_without_a_warning(study_folder):
     assert drop.tolist() == [True, False]
 
 
-@pytest.mark.parametrize("rest", ["", '[sampling]\nmethod = "sobol"\ncount = 37\nseed = 3\n'])
+@each("rest", ["", '[sampling]\nmethod = "sobol"\ncount = 37\nseed = 3\n'])
 def test_values__do_not_depend_on_the_blocks(rest, study_folder):
     sampled = '"forces.punch.force" = {low = "1 kN", high = "9 kN"}\n' if rest else ""
     text = STUDY.replace("[derive]", f"{sampled}{rest}[derive]")

@@ -6,6 +6,7 @@ import h5py
 import numpy as np
 import pyarrow
 import pytest
+from each_case import each
 from press_sweeps import DISTINCT, HEAD, STROKE, run, study_of
 from pyarrow import parquet
 
@@ -37,7 +38,7 @@ def study_with(folder: Path, table: str):
     return study_of(folder, f'{HEAD}variants = "{table}"\n{STROKE}')
 
 
-@pytest.mark.parametrize(
+@each(
     "text",
     [
         "input.length,bodies.ram.mass [kg]\n30 mm,1\n4 cm,2000 g\n0.055 m,3\n",
@@ -51,7 +52,7 @@ def test_units__stand_in_the_header_or_in_the_cells(text, tmp_path):
     assert found["bodies.ram.mass"] == pytest.approx(MASSES, rel=1e-15)
 
 
-@pytest.mark.parametrize("name", MADE_OF)
+@each("name", MADE_OF)
 def test_table__holds_the_same_variants_in_every_format(name, tmp_path):
     written(tmp_path / name, GOOD)
     found = study_with(tmp_path, name).values(0, 3)[0]
@@ -70,8 +71,8 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize("case", WRONG)
-@pytest.mark.parametrize("name", ["t.parquet", "t.h5"])
+@each("case", WRONG)
+@each("name", ["t.parquet", "t.h5"])
 def test_wrong_table__is_refused_by_name_and_column(name, case, tmp_path):
     columns, words = WRONG[case]
     written(tmp_path / name, columns)
@@ -102,7 +103,7 @@ def test_table__takes_no_numbers_out_of_other_files(tmp_path):
         read_variant_table(tmp_path / "t.h5")
 
 
-@pytest.mark.parametrize("name", ["t.parquet", "t.h5"])
+@each("name", ["t.parquet", "t.h5"])
 def test_table_cut_off__is_refused_in_words(name, tmp_path):
     written(tmp_path / name, GOOD)
     whole = (tmp_path / name).read_bytes()

@@ -4,39 +4,25 @@ from collections.abc import Callable
 from pathlib import Path
 
 import h5py
+from press_texts import slider_crank_text
 
 from sweeps import Study, read_study, run_study
 
 # A four-bar with a press beside it: the slider-crank's group comes second, and is the one to blame for most.
-SCENE = """\
+SCENE = f"""\
 title = "Press with a rocker"
 
-[points]
-O = {x = "0 mm", y = "0 mm"}
-D = {x = "260 mm", y = "0 mm"}
-
-[guides]
-way = {angle = "0 deg"}
-
-[input]
-type = "crank"
-pivot = "O"
-pin = "A"
-length = "50 mm"
-speed = "60 rpm"
+[points.D]
+x = "260 mm"
+y = "0 mm"
 
 [groups.bars]
 type = "RRR"
 inner = "C"
-first = {link = "coupler", joint = "A", length = "250 mm"}
-second = {link = "rocker", joint = "D", length = "150 mm"}
+first = {{link = "coupler", joint = "A", length = "250 mm"}}
+second = {{link = "rocker", joint = "D", length = "150 mm"}}
 
-[groups.press]
-type = "RRP"
-inner = "B"
-first = {link = "rod", joint = "A", length = "200 mm"}
-second = {link = "ram", guide = "way"}
-
+{slider_crank_text(group="press")}
 [bodies.ram]
 link = "ram"
 mass = "100 kg"

@@ -1,4 +1,4 @@
-"""Everything bundled, shown in each system of units: nothing is in another, and each quantity is in one unit."""
+"""Everything bundled, shown in units that none of it is typed in, and sizes of its quantities in every system."""
 
 import re
 import shutil
@@ -10,7 +10,7 @@ import pytest
 from commands import done
 from unit_scans import foreign
 
-from engine import CrankInput, UnitSystem, display_unit, made_ready, quantity_text, show_units
+from engine import CrankInput, display_unit, made_ready, quantity_text, show_units
 from sweeps import read_study
 from sweeps.study.bundled import STUDIES, bundled_studies
 from sweeps.text.templates import bundled_templates
@@ -29,41 +29,25 @@ def units_of(name: str) -> frozenset[str]:
     return frozenset(quantity.units for quantity in known.values())
 
 
-@pytest.fixture
-def in_system(tmp_path, monkeypatch):
-    """Function that copies a bundled file, with its scene and tables, to be shown in a system of units."""
-    monkeypatch.chdir(tmp_path)
-
-    def copied(name: str, system: UnitSystem) -> str:
-        path = BUNDLED[name]
-        if STUDIES in path.parents:
-            shutil.copytree(STUDIES, system, dirs_exist_ok=True)
-            path = Path(system) / path.relative_to(STUDIES)
-        else:
-            path = Path(shutil.copy(path, f"{system}.toml"))
-        path.write_text(f'units = "{system}"\n{path.read_text("utf8")}', "utf8")
-        return str(path)
-
-    yield copied
-    show_units({})
-
-
 @pytest.mark.parametrize("name", BUNDLED)
-def test_bundled__is_shown_in_its_system_of_units(name, in_system):
-    found = {}
-    for system in SYSTEMS:
-        file = in_system(name, system)
-        # Name, symbol, unit and meaning; symbols are letters too.
-        texts = [re.sub(r"(?m)^(  \S+ +)\S+", r"\1", done("quantities", file))]
-        # One machine at a position needs no compiler, and elements alone none at all.
-        study = read_study(file)
-        drive = study.scene.input
-        at = "20 deg" if isinstance(drive, CrankInput) else drive and f"{drive.start} m"
-        text = done(*(("show", file, f"--at={at}") if at else ("check", file, "--all")))
-        assert len(text.splitlines()) > 10
-        texts += [line for line in text.splitlines() if line.strip() not in (study.title, study.question)]
-        found[system] = [line for text in texts for line in foreign(text, system)]
-    assert found == {system: [] for system in SYSTEMS}
+def test_bundled__is_shown_in_us_units(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = Path("machine.toml")
+    if STUDIES in BUNDLED[name].parents:
+        shutil.copytree(STUDIES, "studies")
+        path = "studies" / BUNDLED[name].relative_to(STUDIES)
+    path.write_text(f'units = "US"\n{BUNDLED[name].read_text("utf8")}', "utf8")
+    # Name, symbol, unit and meaning; symbols are letters too.
+    texts = [re.sub(r"(?m)^(  \S+ +)\S+", r"\1", done("quantities", str(path)))]
+    # One machine at a position needs no compiler, and elements alone none at all.
+    study = read_study(path)
+    drive = study.scene.input
+    at = "20 deg" if isinstance(drive, CrankInput) else drive and f"{drive.start} m"
+    text = done(*(("show", str(path), f"--at={at}") if at else ("check", str(path), "--all")))
+    assert len(text.splitlines()) > 10
+    texts += [line for line in text.splitlines() if line.strip() not in (study.title, study.question)]
+    show_units({})
+    assert [line for text in texts for line in foreign(text, "US")] == []
 
 
 @pytest.mark.parametrize("system", SYSTEMS)

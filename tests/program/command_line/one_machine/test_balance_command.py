@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from commands import refused, said
+from each_case import each
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -190,8 +191,8 @@ def test_amplitudes_of_four_runs__give_one_plane(tmp_path_factory, seed, order):
     assert found.coefficients[0, 0].real == pytest.approx(3.0, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("table", "words"),
+@each(
+    "table, words",
     [
         (RAO.replace("plane,", "level,"), ("line 1", "no column 'plane'", "the header is such as")),
         (RAO.replace("left_phase", "phase_left"), ("line 1", "every sensor needs an amplitude")),

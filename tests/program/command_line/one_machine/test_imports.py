@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from commands import done, refused
+from each_case import each
 
 from engine import Machine
 from sweeps import import_scene
@@ -181,8 +182,8 @@ def changed(data, kind, **values):
     return json.dumps(data | {"joints": joints})
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
+@each(
+    "text, words",
     [
         ("hello", "row 1, 'hello'"),
         ("a,b,R,1,x", "must be numbers"),

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from each_case import each
 from scipy.optimize import brentq
 
 from engine import Machine, Verdict, any_quantity, scene_numbers
@@ -78,7 +79,7 @@ def test_templates__are_these_mechanisms_and_elements_with_a_title_each():
     assert all(found.values())
 
 
-@pytest.mark.parametrize("name", TEMPLATE_NAMES + ELEMENT_TEMPLATE_NAMES)
+@each("name", TEMPLATE_NAMES + ELEMENT_TEMPLATE_NAMES)
 def test_template__says_first_what_to_change(name):
     text = template_text(name)
     opening = text[: text.index("How to read this file")]
@@ -90,7 +91,7 @@ def test_template__says_first_what_to_change(name):
 TIED_ENDS = {"crank_shaper": ("drag_link",), "dwell_slide": ("slide", "rod", "lever")}
 
 
-@pytest.mark.parametrize("name", TEMPLATE_NAMES)
+@each("name", TEMPLATE_NAMES)
 def test_template__assembles_with_every_summary_finite(name):
     values, _, _ = template(name)
     # A link that goes round has no swing: the crank always, Whitworth's slotted link and its block, wheels in mesh.
@@ -112,7 +113,7 @@ def test_template__assembles_with_every_summary_finite(name):
             assert math.isfinite(error)
 
 
-@pytest.mark.parametrize("name", [name for name in TEMPLATE_NAMES if name not in WITH_OWN_DRIVES])
+@each("name", [name for name in TEMPLATE_NAMES if name not in WITH_OWN_DRIVES])
 def test_template__needs_a_motor_and_a_flywheel_of_sensible_proportions(name):
     values, _, _ = template(name)
     names = ("required_power", "wheel_mass", "wheel_width", "wheel_diameter")
@@ -122,7 +123,7 @@ def test_template__needs_a_motor_and_a_flywheel_of_sensible_proportions(name):
     assert width < diameter / 4
 
 
-@pytest.mark.parametrize("name", TEMPLATE_NAMES)
+@each("name", TEMPLATE_NAMES)
 def test_template__transmits_forces_well(name):
     values, _, scene = template(name)
     # Textbooks ask for 40 deg, 30 deg at the least.
@@ -171,7 +172,7 @@ CLOSED = {
 }
 
 
-@pytest.mark.parametrize("name", CLOSED)
+@each("name", CLOSED)
 def test_template__has_the_stroke_the_times_and_the_power_of_closed_forms(name):
     values, _, _ = template(name)
     for summary, exact in CLOSED[name].items():
@@ -217,7 +218,7 @@ def cuts_slowly(rate, moment):
     return cutting.any() and (np.sign(rate[cutting]) == slow).all()
 
 
-@pytest.mark.parametrize("name", ["offset_slider_crank", "whitworth", "crank_shaper"])
+@each("name", ["offset_slider_crank", "whitworth", "crank_shaper"])
 def test_quick_return_template__cuts_on_the_slow_stroke(name):
     _, fields, _ = template(name)
     assert cuts_slowly(*fields.values())
@@ -230,9 +231,7 @@ def test_toggle_template__spends_half_of_force_times_way_and_does_not_pass_throu
     assert -0.0021 < fields["B.x"].max() < -0.0015
 
 
-@pytest.mark.parametrize(
-    ("name", "swings"), [("watt_six_bar", {"bell_crank": 74, "agitator": 172}), ("stephenson_six_bar", {"feeder": 38})]
-)
+@each("name, swings", [("watt_six_bar", {"bell_crank": 74, "agitator": 172}), ("stephenson_six_bar", {"feeder": 38})])
 def test_six_bar_template__swings_as_its_comment_says(name, swings):
     values, _, _ = template(name)
     assert {link: round(math.degrees(values[f"{link}.swing"][0])) for link in swings} == swings
@@ -291,7 +290,7 @@ def test_studies__are_these():
     assert tuple(bundled_studies()) == tuple(sorted((*STUDY_NAMES, *FRICTION_STUDY_NAMES, *OTHER_STUDIES.split())))
 
 
-@pytest.mark.parametrize("name", bundled_studies())
+@each("name", bundled_studies())
 def test_study__asks_one_question_and_chooses_by_columns_that_it_has(name):
     s = study(name)
     # One sentence, to be read aloud in one breath.
@@ -303,7 +302,7 @@ def test_study__asks_one_question_and_chooses_by_columns_that_it_has(name):
     assert set(parse(s.best.condition, any_quantity).names) <= {*s.parameters, *s.summaries}
 
 
-@pytest.mark.parametrize("name", [*STUDY_NAMES, *FRICTION_STUDY_NAMES])
+@each("name", [*STUDY_NAMES, *FRICTION_STUDY_NAMES])
 def test_study__gives_finite_numbers_all_over_its_design_space(name):
     found = sample(name)
     assert len(found.values[study(name).parameters[0]]) > 10
@@ -311,7 +310,7 @@ def test_study__gives_finite_numbers_all_over_its_design_space(name):
     assert all(np.isfinite(v).all() for v in (*found.summaries.values(), *found.errors.values()))
 
 
-@pytest.mark.parametrize("name", STUDY_NAMES)
+@each("name", STUDY_NAMES)
 def test_study__drops_some_variants_and_keeps_many(name):
     _, drop = study(name).values(0, study(name).design.size)
     assert 0.2 < drop.mean() < 0.7
@@ -465,7 +464,7 @@ def test_jaw_crusher_scene__spends_its_power_on_the_stone():
 # Friction in pairs
 
 
-@pytest.mark.parametrize("name", FRICTION_STUDY_NAMES)
+@each("name", FRICTION_STUDY_NAMES)
 def test_study_with_friction__is_far_from_jamming(name):
     assert (sample(name).summaries["jamming_margin"] > 0.5).all()
 

@@ -206,7 +206,7 @@ def uninterrupted(tmp_path_factory) -> dict:
 def test_killed_runs__go_on_to_the_same_bits(uninterrupted, tmp_path):
     rng = np.random.default_rng(3)
     done, kills = 0, 0
-    for _ in range(3):
+    for _ in range(2):
         process = start(tmp_path)
         wait_for_blocks(process, tmp_path, done + int(rng.integers(1, 4)))
         time.sleep(rng.uniform(0, 0.03))
