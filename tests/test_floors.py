@@ -91,16 +91,18 @@ def imported(node: ast.ImportFrom, module: str) -> set[str]:
     return within if within and len(within) == len(node.names) else within | {base}
 
 
-@pytest.mark.parametrize("module", [m for m in FILES if m.startswith("engine")])
-def test_engine__imports_neither_sweeps_nor_files_nor_pictures(module):
-    found = {name.split(".")[0] for name in imports_in(tree_of(module), module)}
-    assert not found.intersection(NOT_IN_ENGINE)
+IMPORTS = {module: imports_in(tree_of(module), module) for module in FILES}
 
 
-@pytest.mark.parametrize("module", [m for m in FILES if m.startswith("engine.") and "compiling" not in m])
-def test_private_parts_of_the_compiler__are_used_in_compiling_alone(module):
-    found = imports_in(tree_of(module), module)
-    assert not {name for name in found if name.startswith(("numba.core", "numba.extending", "llvmlite"))}
+def test_engine__imports_neither_sweeps_nor_files_nor_pictures():
+    engine_only = {m: {name.split(".")[0] for name in found} for m, found in IMPORTS.items() if m.startswith("engine")}
+    assert {m: found for m, found in engine_only.items() if found.intersection(NOT_IN_ENGINE)} == {}
+
+
+def test_private_parts_of_the_compiler__are_used_in_compiling_alone():
+    private = ("numba.core", "numba.extending", "llvmlite")
+    others = {m: found for m, found in IMPORTS.items() if m.startswith("engine.") and "compiling" not in m}
+    assert {m: found for m, found in others.items() if any(name.startswith(private) for name in found)} == {}
 
 
 def test_engine_alone__loads_without_what_only_sweeps_needs():
@@ -228,10 +230,11 @@ def test_name_that_the_engine_does_not_offer__is_no_attribute():
         engine.Sceen  # noqa: B018
 
 
-@pytest.mark.parametrize("module", [m for m in FILES if m.startswith("sweeps")])
-def test_sweeps__uses_the_engine_through_its_door_only(module):
+def test_sweeps__uses_the_engine_through_its_door_only():
     passed_by = [
-        ast.unparse(node)
+        (module, ast.unparse(node))
+        for module in FILES
+        if module.startswith("sweeps")
         for node in ast.walk(tree_of(module))
         if (isinstance(node, ast.ImportFrom) and (node.module or "").startswith("engine."))
         or (isinstance(node, ast.Import) and any(alias.name.startswith("engine.") for alias in node.names))
@@ -342,9 +345,8 @@ def test_there_is_something_public():
     assert len(PUBLIC) > 200
 
 
-@pytest.mark.parametrize("module", FILES)
-def test_module__has_a_docstring(module):
-    assert ast.get_docstring(tree_of(module))
+def test_every_module__has_a_docstring():
+    assert [module for module in FILES if not ast.get_docstring(tree_of(module))] == []
 
 
 def test_everything_public__has_a_docstring():

@@ -1,0 +1,83 @@
+"""What little accuracy costs on the bundled studies of whole cycles, as a share of the default.
+
+    python results/accuracy/coarse.py
+
+writes coarse.md beside this file. All machines of a study run in one process, by turns, on one thread.
+"""
+
+import os
+import time
+from pathlib import Path
+
+import numpy as np
+
+import sweeps
+from engine import Machine
+from engine.compiling.threads import set_threads
+from sweeps import read_study
+
+HERE, FOLDER = Path(__file__).parent, Path(sweeps.__file__).parent / "studies"
+STUDIES = {
+    "flywheels": ("crank_press", "compressor", "four_stroke_engine", "jaw_crusher", "shaper", "stirling_engine"),
+    "balancing": ("four_bar_counterweights",),
+    "friction": ("engine_bearings", "toggle_press"),
+    "gears_and_cams": ("elliptical_quick_return", "valve_gear"),
+    "linkages": ("geared_five_bar", "triad_dwell"),
+}
+ACCURACIES, TRUTH = (None, 1e-4, 1e-2), 1e-12
+VARIANTS, SLOW_VARIANTS, SLOW, ROUNDS = 2048, 512, ("engine_bearings", "geared_five_bar", "triad_dwell"), 7
+NOTHING = 1e-300
+
+
+def row_of(folder: str, name: str) -> tuple[str, list[float]]:
+    """Row of a study, and what each accuracy costs as a share of the default."""
+    study = read_study(FOLDER / folder / f"{name}.toml")
+    values, dropped = study.values(0, min(SLOW_VARIANTS if name in SLOW else VARIANTS, study.design.size))
+    varied = {path: np.asarray(values[path])[~dropped] for path in study.paths}
+    made = [Machine(study.scene, study.summaries, (), study.paths, accuracy=a) for a in (*ACCURACIES, TRUTH)]
+    *found, truth = (machine.evaluate(varied) for machine in made)
+    times = np.empty((ROUNDS, len(ACCURACIES)))
+    for r in range(ROUNDS):
+        for k in range(len(ACCURACIES)):
+            begin = time.thread_time()
+            made[k].evaluate(varied)
+            times[r, k] = time.thread_time() - begin
+    cost = np.median(times, axis=0) / truth.status.size * 1e6
+    cells = [name.replace("_", " "), f"{cost[0]:.1f}"]
+    for outcome, microseconds in zip(found[1:], cost[1:], strict=True):
+        good, errors, covered = (outcome.status == 0) & (truth.status == 0), [], []
+        for summary, value in outcome.summaries.items():
+            exact, figures = truth.summaries[summary][good], outcome.errors[summary][good]
+            off = np.abs(value[good] - exact)
+            covered.append((off <= figures + truth.errors[summary][good])[np.isfinite(off)])
+            if not summary.endswith("_at"):
+                errors.append(np.nanpercentile(off / np.maximum(np.abs(exact), NOTHING), 99.0))
+        share = 100.0 * np.concatenate(covered).mean()
+        cells += [f"{microseconds:.1f}", f"{microseconds / cost[0]:.2f}", f"{max(errors):.0e}", f"{share:.2f} %"]
+    return f"| {' | '.join(cells)} |", list(cost[1:] / cost[0])
+
+
+TEXT = """# What little accuracy costs
+
+µs of processor time per variant, also as a share of the default's; true errors against accuracy {truth:g}, relative to
+each value, of the summary that is worst, what 99 % of the variants are within, without places of extremes; and the
+share of errors of all summaries that their figures cover. Medians of the shares: {medians}.
+
+Made by `python results/accuracy/coarse.py` on a machine shared with others.
+
+| study | default [µs] | 1e-4 [µs] | share | true error | covered | 1 % [µs] | share | true error | covered |
+|---|---|---|---|---|---|---|---|---|---|
+"""
+
+
+def main() -> None:
+    """Measure and write the table."""
+    os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    set_threads(1)
+    rows, shares = zip(*(row_of(folder, name) for folder, names in STUDIES.items() for name in names), strict=True)
+    medians = " and ".join(f"{share:.2f}" for share in np.median(shares, axis=0))
+    (HERE / "coarse.md").write_text(TEXT.format(truth=TRUTH, medians=medians) + "\n".join(rows) + "\n", encoding="utf8")
+
+
+if __name__ == "__main__":
+    main()
