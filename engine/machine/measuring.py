@@ -47,8 +47,8 @@ from engine.words.verdicts import Verdict
 
 # Truncation error allowed for each curve's series, relative to the curve's peak, if no accuracy is requested.
 CLOSELY = 1e-9
-# The transmission index is computed to FINER times the accuracy, limited to FINELY: near a dead centre all other
-# results depend on how small it is.
+# The transmission index is computed to FINER times the accuracy, limited to FINELY: near a dead centre all measurements
+# depend on how small it is. Verdicts alone compare it with 1e-7, for which CLOSELY suffices.
 FINER, FINELY = 1e3, 1e-12
 # Truncation error allowed for margins against jamming if no accuracy is requested: three digits suffice.
 LOOSELY = 1e-4
@@ -253,7 +253,8 @@ class Measuring:
         if accuracy is None and any(m.curve is curve and m.verdict == Verdict.JAMS for m in self.margins):
             return LOOSELY
         asked = CLOSELY if accuracy is None else min(1e-2 * accuracy, 1e-4)
-        return min(asked, max(FINELY, asked / FINER)) if curve in self._sines else asked
+        finest = FINELY if self._asked or self._followed else CLOSELY
+        return min(asked, max(finest, asked / FINER)) if curve in self._sines else asked
 
     @cached_property
     def machine(self) -> cycle.CycleMachine:

@@ -167,6 +167,16 @@ def test_change_point_of_decimal_lengths__is_singular_with_a_finite_position(kin
     assert all(np.isfinite(row).all() for row in outcome.fields.values())
 
 
+@pytest.mark.parametrize("accuracy", [None, 1e-2])
+def test_four_bar_near_a_dead_centre__is_ok_down_to_the_limit_of_its_transmission(accuracy):
+    # In line at 180° but for a surplus of the links' reach: sin² μ grows with it, here from (2e-7)² to (0.07)².
+    surplus = np.logspace(-14, -3, 34)
+    ground, crank, rocker = (np.full(surplus.shape, length) for length in (1.25, 0.25, 0.75))
+    machine = Machine(Scene.model_validate(FOUR_BAR), [], ["B.x", "B.y"], LENGTHS, 8, accuracy=accuracy)
+    lengths = (np.zeros(surplus.shape), ground, crank, ground + crank - rocker + surplus, rocker)
+    assert (machine.evaluate(dict(zip(LENGTHS, lengths, strict=True))).status == Verdict.OK).all()
+
+
 @pytest.mark.parametrize(("miss", "verdict"), [(1e-12, Verdict.CANNOT_ASSEMBLE), (-1e-12, Verdict.OK)])
 def test_four_bar_off_its_change_point_by_1e_12__is_judged_by_the_side(miss, verdict):
     machine = Machine(Scene.model_validate(FOUR_BAR), [], ["B.x"], LENGTHS, 8)
