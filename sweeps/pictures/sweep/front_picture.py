@@ -11,8 +11,8 @@ from engine import quantity_text
 from sweeps.optimising.optimum import Choice, choices, front, met, objectives
 from sweeps.pictures.drawing import DrawnMotion, draw
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, COLOURS, GREY, PALE, VERMILION, house_style, new_figure, save
-from sweeps.pictures.sweep.sweep_data import SweepData, wrapped
+from sweeps.pictures.style import BLUE, COLOURS, GREY, PALE, VERMILION, house_style, new_figure, save, wrapped
+from sweeps.pictures.sweep.sweep_data import SweepData
 from sweeps.report.sweep_result import SweepResult
 
 WIDTH, HEIGHT, DRAWING = 180, 105, 72
