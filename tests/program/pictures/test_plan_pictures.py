@@ -115,10 +115,10 @@ def test_bearing_load_of_a_guide__refused():
 @settings(deadline=None, max_examples=200)
 def test_round_scale__at_most_half_as_large_again_and_one_of_the_series(least):
     scale = round_scale(least)
-    # The series' widest step is from 2.5 to 4.
-    assert least * (1 - 1e-9) <= scale <= 1.6 * least * (1 + 1e-9)
+    # The series' widest step is from 1 to 1.5.
+    assert least * (1 - 1e-9) <= scale <= 1.5 * least * (1 + 1e-9)
     digits = scale / 10.0 ** math.floor(math.log10(scale) + 1e-9)
-    assert min(abs(digits - step) for step in (1, 1.5, 2, 2.5, 4, 5, 7.5, 10)) < 1e-9
+    assert min(abs(digits - step) for step in (1, 1.5, 2, 2.5, 3, 4, 5, 6, 7.5, 10)) < 1e-9
 
 
 def axes_on_paper(width=98.0, height=120.0):
