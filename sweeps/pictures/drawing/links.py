@@ -1,6 +1,7 @@
 """Moving parts of a drawing: links, slotted links and blocks, sliders, springs, joints."""
 
 import math
+from functools import lru_cache
 
 import numpy as np
 
@@ -54,11 +55,17 @@ def block_half(m: DrawnMotion, slider: Slider) -> float:
 
 def slider_body(m: DrawnMotion, slider: Slider, k: int, half: float) -> list[Primitive]:
     """A slider of a height, its tool away from the rest of the machine, its upper side up."""
-    place, along = m.axes(slider.link)[0], m.guide(slider.guide)[1]
-    inward = np.mean([np.nanmean(points) for points in m.points.values()]) - np.nanmean(place)
-    front = math.copysign(1.0, -(inward / along[0]).real) * along[k]
-    up = 1j * along[k] * (1.0 if along[0].real > -1e-9 else -1.0)
-    return slider_shape(slider.link, complex(place[k]), complex(front), complex(up), half, m.radius)
+    along = complex(m.guide(slider.guide)[1][k])
+    front, up = (sign * along for sign in _sides(m, slider))
+    return slider_shape(slider.link, complex(m.axes(slider.link)[0][k]), front, up, half, m.radius)
+
+
+@lru_cache(64)
+def _sides(m: DrawnMotion, slider: Slider) -> tuple[complex, complex]:
+    """Front and upper side of a slider in the axes of its guide, the same at all positions."""
+    along = m.guide(slider.guide)[1][0]
+    inward = np.mean([np.nanmean(points) for points in m.points.values()]) - np.nanmean(m.axes(slider.link)[0])
+    return math.copysign(1.0, -(inward / along).real), 1j if along.real > -1e-9 else -1j
 
 
 def _slotted(m: DrawnMotion, name: str, k: int) -> list[Primitive]:

@@ -109,7 +109,7 @@ def _aligned(poses: Sequence[Sequence[Primitive]], radius: float) -> list[tuple[
                 places = np.full((len(poses), len(p.points)), complex(np.nan, np.nan))
                 found[key] = p._replace(points=()), places
                 order.insert(after, key)
-            after = order.index(key) + 1
+            after = after + 1 if order[after : after + 1] == [key] else order.index(key) + 1
             found[key][1][k] = p.points
     return [found[key] for key in order]
 
