@@ -102,8 +102,8 @@ def _aligned(poses: Sequence[Sequence[Primitive]], radius: float) -> list[tuple[
     for k, pose in enumerate(poses):
         seen, after = Counter(), 0
         for p in pose:
-            look = p._replace(points=(), size=round(p.size / radius, 3)), len(p.points)
-            key = *look, seen[look]
+            look = p.layer, p.kind, p.fill, p.text, round(p.size / radius, 3), len(p.points)
+            key = look, seen[look]
             seen[look] += 1
             if key not in found:
                 places = np.full((len(poses), len(p.points)), complex(np.nan, np.nan))

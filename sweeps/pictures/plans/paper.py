@@ -72,7 +72,7 @@ class Paper:
     margin : float
         Margin for labels [mm].
     to_scale : bool
-        Round the scale, and leave a strip to tell it.
+        Round the scale, and leave a strip to show it.
 
     Attributes
     ----------
