@@ -124,7 +124,7 @@ from engine.parts.skeleton import (
 )
 from engine.parts.skeleton import Number as PlainNumber
 from engine.parts.skeleton import Part as ScenePart
-from engine.quantities.quantity import STATISTICS, InputUnits, Quantity, has_cycle
+from engine.quantities.quantity import STATISTICS, InputUnits, Quantity, drive_words, has_cycle
 from engine.scene.masses import places_on
 from engine.scene.names import definitions as definitions_of_names
 from engine.scene.names import guide_of
@@ -313,6 +313,7 @@ __all__ = [
     "display_unit",
     "drive_cycle",
     "drive_run",
+    "drive_words",
     "element_kinds",
     "engine_shaking",
     "engine_torque",

@@ -31,19 +31,23 @@ class Quantity(NamedTuple):
 
 
 class InputUnits(NamedTuple):
-    """Units that depend on the input: of its coordinate q, of reduced inertia and moment, and of 1/q."""
+    """Units that depend on the input: of its coordinate q, of reduced inertia and moment, and of 1/q.
+
+    `symbols` are those of its coordinate, of its speed, and of reduced moments.
+    """
 
     q: str
     inertia: str
     moment: str
     per_q: str
+    symbols: tuple[str, str, str]
 
     @classmethod
     def of(cls, scene: Scene) -> "InputUnits":
         """Units for a scene's input: angle and moments for a crank, displacement and forces for a slider."""
         if isinstance(scene.input, CrankInput):
-            return cls("rad", "kg m2", "N m", "rad-1")
-        return cls("m", "kg", "N", "m-1")
+            return cls("rad", "kg m2", "N m", "rad-1", ("φ", "ω", "M"))
+        return cls("m", "kg", "N", "m-1", ("q", "v", "F"))
 
     @property
     def speed(self) -> str:

@@ -103,7 +103,7 @@ def mean_square(mechanics: Mechanics, curve: Node | Followed) -> Expression:
 def statistic_summaries(field: Field, mechanics: Mechanics) -> Iterable[Summary]:
     """Statistics of a field as summaries: FIELD.min, FIELD.max, FIELD.mean and so on."""
     q = InputUnits.of(mechanics.scene).q
-    curve = field.curve()
+    curve, stem = field.curve(), f"{field.symbol}{',' if '_' in field.symbol else '_'}"
     declared = {
         "min": (field.units, lambda: least(curve)),
         "max": (field.units, lambda: greatest(curve)),
@@ -121,6 +121,7 @@ def statistic_summaries(field: Field, mechanics: Mechanics) -> Iterable[Summary]
             f"{STATISTICS[key]} {field.long_name}",
             units,
             expression,
+            symbol=f"{stem}{key}" if field.symbol and units == field.units else "",
             rank=Rank.ANSWER if key in field.answers else Rank.FURTHER,
         )
         for key, (units, expression) in declared.items()

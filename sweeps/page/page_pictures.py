@@ -21,12 +21,12 @@ from sweeps.page.page_text import SHORT
 from sweeps.pictures.drawing import DrawnMotion
 from sweeps.pictures.picture_error import PictureError
 from sweeps.pictures.picture_files import machine_pictures
-from sweeps.pictures.style import COLOURS
+from sweeps.pictures.style import COLOURS, wrapped
 from sweeps.pictures.sweep.front_picture import front_picture
 from sweeps.pictures.sweep.maps import plot_result
 from sweeps.pictures.sweep.parallel_coordinates import chosen_columns
 from sweeps.pictures.sweep.result_pictures import sweep_data
-from sweeps.pictures.sweep.sweep_data import SweepData, wrapped
+from sweeps.pictures.sweep.sweep_data import SweepData
 from sweeps.study.sensitivity import RSS, WORST_CASE
 from sweeps.text.scene_text import number_text
 from sweeps.text.visible import visible
@@ -109,6 +109,7 @@ def _data_of(digest: Digest) -> SweepData:
         digest.rows["status"][places],
         condition=aim.condition if aim else "",
         candidates=digest.meets[places],
+        symbols=result.symbols,
     )
 
 

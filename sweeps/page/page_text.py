@@ -1,10 +1,15 @@
 """The page as text: its template with styles, scripts and data."""
 
 from collections.abc import Mapping
+from functools import cache
 from importlib.resources import files
+from typing import TYPE_CHECKING
 
 from sweeps.text.input_files import InputError
 from sweeps.text.visible import visible
+
+if TYPE_CHECKING:
+    from jinja2 import Template
 
 # Separators of JSON without blanks.
 SHORT = (",", ":")
@@ -24,18 +29,26 @@ def page_text(parts: Mapping[str, object]) -> str:
         Jinja2 isn't installed.
     """
     try:
-        import jinja2
         from markupsafe import Markup
+
+        template = _template()
     except ImportError as error:
         mend = "pip install 'machine-sweeps[report]'"
         raise InputError("report", [(None, "", f"a page needs {error.name}: {mend}")]) from None
     here = files("sweeps.page")
     names = ("page.js", "player.js", "variants.js", *(("watch.js",) if "version" in parts else ()))
     scripts = [Markup((here / name).read_text("utf8")) for name in names]
+    return template.render(parts, css=Markup((here / "page.css").read_text("utf8")), scripts=scripts)
+
+
+@cache
+def _template() -> "Template":
+    """The template, compiled once: a watched page is made again whenever its file is saved."""
+    import jinja2
+
     environment = jinja2.Environment(autoescape=True, finalize=_shown)
     environment.policies["json.dumps_kwargs"] = {"separators": SHORT, "allow_nan": False}
-    template = environment.from_string((here / "page.html").read_text("utf8"))
-    return template.render(parts, css=Markup((here / "page.css").read_text("utf8")), scripts=scripts)
+    return environment.from_string((files("sweeps.page") / "page.html").read_text("utf8"))
 
 
 def _shown(part: object) -> object:

@@ -42,6 +42,7 @@ class WatchedPage:
         self._read, self._errors = read, errors
         self._changed, self._files = Condition(), dict[Path, Stamp | None]()
         self._session, self._count, self._parts = secrets.token_hex(8), 0, {"title": title}
+        self._file = title
         self.version = self.text = self.message = ""
         self._make()
 
@@ -67,7 +68,7 @@ class WatchedPage:
     def _make(self) -> None:
         with files_read() as self._files:
             try:
-                self._parts, self.message = _parts(*self._read()), ""
+                self._parts, self.message = _parts(*self._read(), self._file), ""
             except self._errors as error:
                 self.message = str(error)
         self._count += 1
@@ -81,12 +82,15 @@ class WatchedPage:
             self._changed.notify_all()
 
 
-def _parts(scene: Scene, values: Mapping[str, float], name: str) -> dict[str, Any]:
+def _parts(scene: Scene, values: Mapping[str, float], name: str, file: str) -> dict[str, Any]:
     """Data for the template."""
     title = scene.title or name
     machine = {"number": 0, "name": title, **motion_data(DrawnMotion(scene, values), BRIEF)}
+    # A walk over time is compiled, which takes seconds.
+    regimes = f"The motion is that at constant speed. sweeps plot {file} draws the regimes: {', '.join(scene.regimes)}."
     return {
         "title": title,
+        "remark": regimes if scene.regimes else "",
         "drawn": "The machine",
         "motion": {"looks": looks(), "machines": [machine]},
         "warnings": warnings_from_numbers(scene, values),

@@ -1,5 +1,6 @@
 """Style, paper size and files of all plots."""
 
+import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from io import BytesIO
@@ -205,3 +206,20 @@ def sheet(target: Path | str | Figure, width: float, height: float, title: str =
             figure.suptitle(title, fontweight="bold")
     if figure is not target:
         save(figure, target)
+
+
+def typeset(symbol: str) -> str:
+    """A symbol of the register, such as "M_in", for Matplotlib."""
+    letter, _, index = symbol.partition("_")
+    index = index.replace("_", r"\_")
+    return rf"${letter}_\mathrm{{{index}}}$" if index else symbol
+
+
+def wrapped(text: str, width: int) -> list[str]:
+    """Lines of at most `width` characters, broken at blanks and after dots of a path; longer words stay whole."""
+    lines = [""]
+    for piece in re.split(r"(?<=\.)(?=[^\W\d])|(?<= )", text):
+        if lines[-1] and len((lines[-1] + piece).rstrip()) > width:
+            lines.append("")
+        lines[-1] += piece
+    return [line.rstrip() for line in lines]

@@ -48,16 +48,11 @@ def _begin(scene: Scene, name: str, regime: RunRegime) -> str:
     if regime.from_shaft_speed is not None:
         shaft = next(iter(scene.couplings.values())).shaft
         begin += f", {shaft} from {quantity_text(regime.from_shaft_speed, 'rad s-1')}"
-    return begin + ("" if place is None else f" at {_symbol(scene)} = {quantity_text(place, units.q)}")
+    return begin + ("" if place is None else f" at {units.symbols[0]} = {quantity_text(place, units.q)}")
 
 
 def _units(scene: Scene) -> InputUnits:
     return InputUnits.of(scene)
-
-
-def _symbol(scene: Scene) -> str:
-    """Symbol of the input position."""
-    return "φ" if _units(scene).q == "rad" else "q"
 
 
 def _end(scene: Scene, regime: RunRegime) -> str:
@@ -116,7 +111,7 @@ def _stands(scene: Scene, seen: "engine.History") -> str:
     drive = way * float(seen.motor_moment[-1] + seen.load_moments["driving"][-1])
     loads = -way * float(sum(row[-1] for channel, row in seen.load_moments.items() if channel != "driving"))
     units, at = _units(scene), float(seen.angle[-1])
-    place = f"{_symbol(scene)} = {quantity_text(at % (2 * math.pi) if has_cycle(scene) else at, units.q)}"
+    place = f"{units.symbols[0]} = {quantity_text(at % (2 * math.pi) if has_cycle(scene) else at, units.q)}"
     after = f"comes to rest at {place} after {quantity_text(float(seen.time[-1]), 's')}" if seen.time[-1] > 0 else ""
     pair, keys = (quantity_text(moment, units.moment) for moment in (drive, loads)), run_keys(scene.input)
     moments = "{} drives it there, {} holds it (at the {})".format(*pair, "crank" if units.q == "rad" else "input")
@@ -166,7 +161,7 @@ def _no_end_in_range(scene: Scene, regime: RunRegime, seen: "engine.History") ->
     """How a run fails to end if the input doesn't turn fully."""
     units, drive = _units(scene), scene.input
     angle, at, speed = seen.angle[seen.regime == seen.regime[-1]], float(seen.angle[-1]), float(seen.speed[-1])
-    place, pace = f"{_symbol(scene)} = {quantity_text(at, units.q)}", quantity_text(abs(speed), units.speed)
+    place, pace = f"{units.symbols[0]} = {quantity_text(at, units.q)}", quantity_text(abs(speed), units.speed)
     asked = _asked_speed(scene, regime)
     reach = abs(drive.stop - drive.start)
     if asked is not None and min(abs(at - drive.start), abs(at - drive.stop)) <= _AT_END * reach:
@@ -174,7 +169,7 @@ def _no_end_in_range(scene: Scene, regime: RunRegime, seen: "engine.History") ->
         return f"it reaches the end of its range, {place}, at {pace}, before {wanted}"
     span = " … ".join(quantity_text(float(a), units.q) for a in (angle.min(), angle.max()))
     mend = "end it after a time, or change its drive or loads"
-    return f"it moves between {_symbol(scene)} = {span} and never reaches its end (last at {pace}); {mend}"
+    return f"it moves between {units.symbols[0]} = {span} and never reaches its end (last at {pace}); {mend}"
 
 
 # Grouping by regime

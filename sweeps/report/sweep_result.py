@@ -203,6 +203,15 @@ class SweepResult:
         """Mechanics of the study's machine, if known."""
         return None if self.study is None or self.scene.input is None else self.study.machine().mechanics
 
+    @cached_property
+    def symbols(self) -> dict[str, str]:
+        """Textbook symbols of the columns of a mechanism, if known."""
+        if self.mechanics is None:
+            return {}
+        register = self.study.machine().register
+        known = {name: register.fields.get(name) or register.summary(name) for name in self.units}
+        return {name: quantity.symbol for name, quantity in known.items() if quantity}
+
     def show_own_units(self) -> None:
         """Display the scene's units, as for `show_units`."""
         show_units(self.record.get("units", {}))

@@ -46,6 +46,7 @@ def declare(mechanics: Mechanics) -> Declared:
     """Inertia, moments, drive torque and, over a cycle, the flywheel."""
     m, scene, graph = mechanics, mechanics.scene, mechanics.graph
     u = InputUnits.of(scene)
+    at, _, load = u.symbols
     without = ", without friction in pairs" if has_friction(scene) else ""
     yield Field("reduced_inertia", "reduced moment of inertia", u.inertia, lambda: m.reduced.inertia, "I")
     yield Field(
@@ -53,17 +54,22 @@ def declare(mechanics: Mechanics) -> Declared:
         "derivative of the reduced moment of inertia with respect to the input",
         f"{u.inertia} {u.per_q}",
         lambda: m.reduced.slope,
-        "dI/dφ",
+        f"dI/d{at}",
     )
     yield Field(
-        "reduced_moment", f"reduced moment of all loads except the drive{without}", u.moment, lambda: m.moment_of(), "M"
+        "reduced_moment",
+        f"reduced moment of all loads except the drive{without}",
+        u.moment,
+        lambda: m.moment_of(),
+        load,
     )
     asked = ("peak",) if is_loaded(m) else ()
-    yield Field("input_moment", f"{drive_words(m.scene)}{without}", u.moment, lambda: m.input_moment, "M_in", asked)
+    words = f"{drive_words(m.scene)}{without}"
+    yield Field("input_moment", words, u.moment, lambda: m.input_moment, f"{load}_in", asked)
     for action in m.loads.actions:
         terms = [(t.coefficient, t.basis) for t in m.loads.terms if t.action == action]
         words = f"reduced moment of {action}"
-        yield Field(f"{action}.moment", words, u.moment, partial(graph.combination, terms), f"M_{action}")
+        yield Field(f"{action}.moment", words, u.moment, partial(graph.combination, terms), f"{load}_{action}")
     yield Summary(
         "first_kind_inertia",
         "constant part of the reduced moment of inertia",
@@ -217,6 +223,7 @@ def _flywheel(m: Mechanics) -> Declared:
                 f"{word} angular speed of the input link with the flywheel, by magnitude",
                 "rad s-1",
                 lambda name=name: steady(name),
+                symbol=name.replace("speed", "ω"),
             )
 
 

@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from sweeps.pictures.drawing.motion import DrawnMotion, Slider
-from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, HATCH_STEP, Primitive, hatched, line
+from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HATCH_STEP, Primitive, half_length, hatched, line
 
 # In hinge radii: half the height of a block at most; between a rail and links; shortest hatching; beyond the stroke.
-MOST_HALF, CLEAR, SHORTEST, MARGIN = 8.0, 0.6, 3.0, HALF_LENGTH + 2
+MOST_HALF, CLEAR, SHORTEST, MARGIN = 8.0, 0.6, 3.0, 2.0
 # Step between the nodes of the motion that are looked at; cells of a rail in a hinge radius.
 EVERY, CELLS = 4, 4
 # Of a cylinder in hinge radii: between piston and head, a valve's stem and half its width.
@@ -41,7 +41,7 @@ def rails_of(m: DrawnMotion, slider: Slider) -> Rails:
     base = place + 1j * slider.offset * u
     heads = {cylinder.head for cylinder in m.scene.cylinders.values() if cylinder.piston == slider.link}
     ends = [
-        end + side * r * (HALF_LENGTH + DEAD_SPACE if name in heads else MARGIN)
+        end + side * r * (half_length(slider.link) + (DEAD_SPACE if name in heads else MARGIN))
         for name, end, side in (("low", low, -1), ("high", high, 1))
     ]
     passing = (_passing(m, slider) - base) / u

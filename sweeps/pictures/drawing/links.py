@@ -1,12 +1,28 @@
 """Moving parts of a drawing: links, slotted links and blocks, sliders, springs, joints."""
 
+import math
+from functools import lru_cache
+
+import numpy as np
+
 from engine import FRAME
 from sweeps.pictures.drawing.frame import bush_at
 from sweeps.pictures.drawing.guides import rails_of
 from sweeps.pictures.drawing.higher_pairs import cam_shapes, pitch_curves, planet_circles
 from sweeps.pictures.drawing.motion import DrawnMotion, Slider
 from sweeps.pictures.drawing.racks import rack_shapes
-from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, Primitive, box, line, link_shape, weld, zigzag
+from sweeps.pictures.drawing.symbols import (
+    HALF_HEIGHT,
+    HALF_LENGTH,
+    Primitive,
+    box,
+    half_length,
+    line,
+    link_shape,
+    slider_shape,
+    weld,
+    zigzag,
+)
 
 
 def plates_and_bars(m: DrawnMotion, k: int) -> tuple[list[Primitive], list[Primitive]]:
@@ -25,16 +41,31 @@ def plates_and_bars(m: DrawnMotion, k: int) -> tuple[list[Primitive], list[Primi
     for slider in m.sliders:
         if scene.guides[slider.guide].link != FRAME:
             under += _moving_guide(m, slider, k)
-    boxes = [box(m.axes(s.link)[0][k], m.guide(s.guide)[1][k], HALF_LENGTH * r, block_half(m, s)) for s in m.sliders]
+    blocks = [p for s in m.sliders for p in slider_body(m, s, k, block_half(m, s))]
     spans = [tuple(m.points[end][k] for end in s.between) for s in scene.springs.values()]
     springs = [zigzag(a, b, r) for a, b in spans if abs(b - a) > r]
     touching = [*planet_circles(m, k), *cam_shapes(m, k), *rack_shapes(m, k), *pitch_curves(m, k)]
-    return [*under, *boxes, *plates], [*touching, *over, *springs, *joints(m, k)]
+    return [*under, *blocks, *plates], [*touching, *over, *springs, *joints(m, k)]
 
 
 def block_half(m: DrawnMotion, slider: Slider) -> float:
     """Half the height of a slider's block [m]."""
     return rails_of(m, slider).half if m.scene.guides[slider.guide].link == FRAME else HALF_HEIGHT * m.radius
+
+
+def slider_body(m: DrawnMotion, slider: Slider, k: int, half: float) -> list[Primitive]:
+    """A slider of a height, its tool away from the rest of the machine, its upper side up."""
+    along = complex(m.guide(slider.guide)[1][k])
+    front, up = (sign * along for sign in _sides(m, slider))
+    return slider_shape(slider.link, complex(m.axes(slider.link)[0][k]), front, up, half, m.radius)
+
+
+@lru_cache(64)
+def _sides(m: DrawnMotion, slider: Slider) -> tuple[complex, complex]:
+    """Front and upper side of a slider in the axes of its guide, the same at all positions."""
+    along = m.guide(slider.guide)[1][0]
+    inward = np.mean([np.nanmean(points) for points in m.points.values()]) - np.nanmean(m.axes(slider.link)[0])
+    return math.copysign(1.0, -(inward / along).real), 1j if along.real > -1e-9 else -1j
 
 
 def _slotted(m: DrawnMotion, name: str, k: int) -> list[Primitive]:
@@ -74,7 +105,9 @@ def _moving_guide(m: DrawnMotion, slider: Slider, k: int) -> list[Primitive]:
     place, u = (values[k] for values in m.guide(slider.guide))
     place = place + 1j * slider.offset * u
     origin = m.axes(m.scene.guides[slider.guide].link)[0][k]
-    low, high = (s + side * (HALF_LENGTH + 2) * r for s, side in zip(m.range_of(slider.link), (-1, 1), strict=True))
+    low, high = (
+        s + side * (half_length(slider.link) + 2) * r for s, side in zip(m.range_of(slider.link), (-1, 1), strict=True)
+    )
     apart = (origin - place) / u
     if abs(apart.imag) < 0.5 * r:
         return [line(place + min(low, apart.real) * u, place + max(high, apart.real) * u)]

@@ -46,8 +46,8 @@ def position_text(scene: Scene, at: float) -> str:
     at : float
         Crank angle [rad], or displacement of a sliding input [m].
     """
-    unit = InputUnits.of(scene).q
-    return f"{'φ' if unit == 'rad' else 'q'} = {quantity_text(float(at), unit)}".replace(" °", "°")
+    units = InputUnits.of(scene)
+    return f"{units.symbols[0]} = {quantity_text(float(at), units.q)}".replace(" °", "°")
 
 
 class DrawnMotion:

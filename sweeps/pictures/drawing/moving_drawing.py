@@ -102,14 +102,14 @@ def _aligned(poses: Sequence[Sequence[Primitive]], radius: float) -> list[tuple[
     for k, pose in enumerate(poses):
         seen, after = Counter(), 0
         for p in pose:
-            look = p._replace(points=(), size=round(p.size / radius, 3)), len(p.points)
-            key = *look, seen[look]
+            look = p.layer, p.kind, p.fill, p.text, round(p.size / radius, 3), len(p.points)
+            key = look, seen[look]
             seen[look] += 1
             if key not in found:
                 places = np.full((len(poses), len(p.points)), complex(np.nan, np.nan))
                 found[key] = p._replace(points=()), places
                 order.insert(after, key)
-            after = order.index(key) + 1
+            after = after + 1 if order[after : after + 1] == [key] else order.index(key) + 1
             found[key][1][k] = p.points
     return [found[key] for key in order]
 

@@ -12,6 +12,8 @@ LAYERS = ("frame", "hatching", "pitch", "paths", "links", "joints", "names", "ma
 
 # Symbol sizes in hinge radii.
 HALF_LENGTH, HALF_HEIGHT = 3.2, 2.0
+# Half the length of sliders that have a shape of their own, by a word of their name.
+HALF_LENGTHS = {"ram": 5.0, "table": 9.0, "trough": 9.0}
 PIVOT_WIDTH, PIVOT_HEIGHT = 2.3, 4.0
 HATCH_STEP = 1.5
 TIP = 2.4
@@ -58,6 +60,48 @@ def box(centre: complex, u: complex, half_length: float, half_height: float, fil
     along, across = half_length * u, 1j * half_height * u
     corners = (centre - along - across, centre + along - across, centre + along + across, centre - along + across)
     return polygon(*corners, fill=fill)
+
+
+def shape_of(slider: str) -> str:
+    """The word of a slider's name that gives it a shape of its own, "" for a block."""
+    return next((word for word in slider.lower().split("_") if word in HALF_LENGTHS), "")
+
+
+def half_length(slider: str) -> float:
+    """Half the length of a slider, in hinge radii."""
+    return HALF_LENGTHS.get(shape_of(slider), HALF_LENGTH)
+
+
+def slider_shape(slider: str, centre: complex, front: complex, up: complex, half: float, r: float) -> list[Primitive]:
+    """A slider: a ram with its tool, a table with its slots, a trough with its walls, or a block.
+
+    Parameters
+    ----------
+    slider : str
+        Its name.
+    centre : complex
+    front, up : complex
+        Unit vectors: along the guide to the tool, and across it.
+    half : float
+        Half its height [m].
+    r : float
+        Hinge radius [m].
+    """
+    long, shape = half_length(slider) * r, shape_of(slider)
+    if shape == "ram":
+        face, neck, edge = centre + long * front, 0.6 * half * up, 0.35 * half * up
+        tool = polygon(face + neck, face - neck, face + 3.0 * r * front - edge, face + 3.0 * r * front + edge)
+        return [tool, box(centre, front, long, half)]
+    if shape == "table":
+        plate, foot = box(centre + 0.65 * half * up, front, long, 0.35 * half), box(centre, front, 0.5 * long, half)
+        slots = [centre + half * up + side * 0.7 * long * front for side in (-1, 0, 1)]
+        return [foot, plate, *(line(slot, slot - 0.35 * half * up) for slot in slots)]
+    if shape == "trough":
+        wall, bottom = 0.3 * r, centre - (half - 0.3 * r) * up
+        lug = box((centre + bottom) / 2, front, r, half / 2)
+        walls = [centre + side * (long - wall) * front for side in (-1, 1)]
+        return [lug, box(bottom, front, long, wall), *(box(at, front, wall, half) for at in walls)]
+    return [box(centre, front, long, half)]
 
 
 def hatched(a: complex, b: complex, r: float) -> list[Primitive]:

@@ -6,15 +6,15 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from engine import CrankInput, Curve, Mark, MovingMachine, Panel, PanelAxis, Verdict, has_cycle, quantity_text
+from engine import CrankInput, Curve, Mark, MovingMachine, Panel, PanelAxis, Quantity, Verdict, has_cycle, quantity_text
 from sweeps.pictures.elements.panels import draw_panel, panel_sheet
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, sheet
+from sweeps.pictures.style import BLUE, sheet, typeset
 
-# What a part may be, by its field of the first: its other fields, and their words.
+# Fields of a part, by the first of them.
 _DERIVATIVES = {
-    "slide": (("velocity", "acceleration"), ("displacement s", "velocity v", "acceleration a", "jerk j")),
-    "angle": (("angular_velocity", "angular_acceleration"), ("angle φ", "velocity ω", "acceleration ε", "jerk")),
+    "slide": ("velocity", "acceleration"),
+    "angle": ("angular_velocity", "angular_acceleration"),
 }
 # Cylinders that fit on a sheet, and the height of each [mm].
 MOST_CYLINDERS, HEIGHT = 4, 75
@@ -84,16 +84,16 @@ def motion_of_part(moving: MovingMachine, part: str, target: Path | str | Figure
     if kind is None:
         parts = [name.rpartition(".")[0] for name in known if name.rpartition(".")[2] in _DERIVATIVES]
         raise PictureError(f"{part!r} is not a slider or link of this machine; choose from: {', '.join(parts)}")
-    rates, words = _DERIVATIVES[kind]
-    names = [f"{part}.{kind}", *(f"{part}.{rate}" for rate in rates)]
+    names = [f"{part}.{what}" for what in (kind, *_DERIVATIVES[kind])]
     places, rows = _rows(moving, names)
     jerk = moving.rate(names[-1])
     rows.append(np.append(jerk, jerk[:1]) if has_cycle(moving.scene) else jerk)
-    units = [known[name].units for name in names]
-    units.append(units[2].replace("s-2", "s-3"))
+    quantities = [known[name].quantity for name in names]
+    words = quantities[2].long_name.replace("acceleration", "jerk")
+    quantities.append(Quantity("", words, quantities[2].units.replace("s-2", "s-3"), "j"))
     panels = [
-        Panel(_input_axis(moving), PanelAxis(text, unit), places, [Curve("", row)])
-        for text, unit, row in zip(words, units, rows, strict=True)
+        Panel(_input_axis(moving), PanelAxis(typeset(q.symbol), q.units), places, [Curve("", row)], title=q.long_name)
+        for q, row in zip(quantities, rows, strict=True)
     ]
     return panel_sheet(panels, target, f"{moving.scene.title or ''}\nMotion of {part} at constant input speed".lstrip())
 

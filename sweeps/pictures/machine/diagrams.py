@@ -9,14 +9,28 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from engine import FRAME, CrankInput, MovingMachine, Scene, Verdict, display_unit, has_cycle, quantity_text, sliders_of
+from engine import (
+    FRAME,
+    CrankInput,
+    InputUnits,
+    MovingMachine,
+    Quantity,
+    Scene,
+    Verdict,
+    display_unit,
+    has_cycle,
+    quantity_text,
+    sliders_of,
+)
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, GREEN, GREY, VERMILION, degree_ticks, sheet
+from sweeps.pictures.style import BLUE, GREEN, GREY, VERMILION, degree_ticks, sheet, typeset, wrapped
 
 # Larger values overflow the axis.
 LARGEST = 1e300
 # Relative to the inertia, a range or a slope that is rounding [-, 1/rad or 1/m].
 ROUNDED = 1e-12
+# Characters of a title above a panel.
+WORDS = 31
 TIMED = "a load depends on time"
 
 
@@ -30,7 +44,8 @@ class CycleCurves(NamedTuple):
     q_label : str
     rows : dict of str to ndarray (positions,)
         Periodic fields by name, SI.
-    units : dict of str to str
+    known : dict of str to Quantity
+        Their descriptions.
     closed : bool
         Whether the first position follows the last.
     main : str or None
@@ -44,7 +59,7 @@ class CycleCurves(NamedTuple):
     q: np.ndarray
     q_label: str
     rows: dict[str, np.ndarray]
-    units: dict[str, str]
+    known: dict[str, Quantity]
     closed: bool
     main: str | None
     dead_centres: tuple[float, ...]
@@ -86,7 +101,7 @@ def cycle_curves(moving: MovingMachine) -> CycleCurves:
     verdict = moving.verdict(known)
     if verdict not in (Verdict.OK, Verdict.NOT_FINITE):
         raise PictureError(f"no diagrams of this machine: {verdict.sentence}")
-    rows, units = moving.fields(known), {name: moving.register.fields[name].units for name in known}
+    rows, quantities = moving.fields(known), {name: moving.register.fields[name].quantity for name in known}
     inertia, slope = rows["reduced_inertia"], rows["reduced_inertia_phi"]
     # Of an inertia that is constant, rounding leaves a slope.
     rows["reduced_inertia_phi"] = np.where(np.abs(slope).max() <= ROUNDED * np.abs(inertia).max(), 0.0, slope)
@@ -95,16 +110,17 @@ def cycle_curves(moving: MovingMachine) -> CycleCurves:
     # Rows skip load jumps, so their mean would be visibly off.
     mean = moving.summary("reduced_moment.mean") if has_cycle(scene) and "reduced_moment" in known else math.nan
     return CycleCurves(
-        moving.q * factor, label, rows, units, has_cycle(scene), main if centres else None, centres, mean
+        moving.q * factor, label, rows, quantities, has_cycle(scene), main if centres else None, centres, mean
     )
 
 
 def input_axis(scene: Scene, q: np.ndarray) -> tuple[str, float]:
     """Label and factor of the input axis for crank angles [rad] or displacements [m]."""
+    symbol = InputUnits.of(scene).symbols[0]
     if isinstance(scene.input, CrankInput):
-        return "crank angle φ, °", 180 / math.pi
+        return f"crank angle {symbol}, °", 180 / math.pi
     factor, label = display_unit("m", q)
-    return f"displacement of {scene.input.link} q, {label}", factor
+    return f"displacement of {scene.input.link} {symbol}, {label}", factor
 
 
 def diagrams(machine: Scene | MovingMachine, target: Path | str | Figure) -> Figure:
@@ -144,17 +160,17 @@ def diagrams(machine: Scene | MovingMachine, target: Path | str | Figure) -> Fig
 
 def _sheet_of_cycle(figure: Figure, moving: MovingMachine, cycle: CycleCurves) -> None:
     axes = figure.subplots(2, 3)
-    _panel(axes[0, 0], cycle, "reduced_inertia", "Reduced moment of inertia", "I")
-    _panel(axes[0, 1], cycle, "reduced_inertia_phi", "Its derivative", "dI/dφ")
-    _panel(axes[0, 2], cycle, "reduced_moment", "Torque, mean", "M", cycle.mean_moment)
-    _panel(axes[1, 0], cycle, "work", "Work, energy change", "W = ΔE")
+    _panel(axes[0, 0], cycle, "reduced_inertia")
+    _panel(axes[0, 1], cycle, "reduced_inertia_phi")
+    _panel(axes[0, 2], cycle, "reduced_moment", cycle.mean_moment)
+    _panel(axes[1, 0], cycle, "work")
     _energy_loop(axes[1, 1], moving, cycle)
     speed = cycle.rows.get("speed", np.array([np.nan]))
     if np.isfinite(speed).all():
         delta = quantity_text(moving.summary("speed_fluctuation"), "1")
         # δ refers to the mean of the extremes, which is the input's speed.
         middle = abs(moving.numbers["input.speed"])
-        _panel(axes[1, 2], cycle, "speed", f"δ = {delta}, mean", "ω", middle)
+        _panel(axes[1, 2], cycle, "speed", middle, f"δ = {delta}")
     else:
         why = "the machine stalls within the cycle" if "speed" in cycle.rows else TIMED
         _say(axes[1, 2], f"ω(φ): {why if _has_flywheel(moving.scene) else 'no flywheel in the scene'}")
@@ -167,35 +183,35 @@ def _say(ax: Axes, why: str) -> None:
 
 
 def _sheet_of_range(figure: Figure, cycle: CycleCurves) -> None:
-    axes = figure.subplots(2, 2)
-    _panel(axes[0, 0], cycle, "reduced_inertia", "Reduced inertia", "I")
-    _panel(axes[0, 1], cycle, "reduced_inertia_phi", "Its derivative", "dI/dq")
-    _panel(axes[1, 0], cycle, "reduced_moment", "Reduced torque or force", "M")
-    _panel(axes[1, 1], cycle, "input_moment", "Drive torque or force at constant speed", "$M_{in}$")
+    for ax, name in zip(figure.subplots(2, 2).flat, cycle.rows, strict=True):
+        _panel(ax, cycle, name)
 
 
-def _panel(ax: Axes, cycle: CycleCurves, name: str, title: str, symbol: str, mean: float | None = None) -> None:
+def _panel(ax: Axes, cycle: CycleCurves, name: str, mean: float = math.nan, title: str = "") -> None:
     """One quantity over the input position, optionally with its mean (SI)."""
     row = cycle.rows.get(name)
     if row is None:
-        _say(ax, f"{symbol}: {TIMED}")
+        _say(ax, f"{name.replace('_', ' ')}: {TIMED}")
         return
+    _, words, units, symbol, _ = cycle.known[name]
+    symbol, title = typeset(symbol), title or words[0].upper() + words[1:]
     if np.isfinite(row).sum() < 2 or np.nanmax(np.abs(row)) > LARGEST:
         _say(ax, f"{symbol}: infinite or undefined")
         return
-    factor, label = display_unit(cycle.units[name], row)
+    factor, label = display_unit(units, row)
     q, shown = cycle.q, factor * row
     if cycle.closed:
         # Close the cycle.
         q, shown = np.append(q, 2 * q[-1] - q[-2]), np.append(shown, shown[:1])
     ax.plot(q, shown, color=BLUE)
-    if mean is not None and math.isfinite(mean):
+    if math.isfinite(mean):
         middle = factor * mean if abs(mean) > 1e-12 * np.abs(row).max() else 0.0
         ax.axhline(middle, color=VERMILION, linewidth=0.9, linestyle=(0, (6, 2)))
-        title += f" {quantity_text(middle / factor, cycle.units[name])}".replace("-", "\N{MINUS SIGN}")
+        title += f", mean {quantity_text(middle / factor, units)}".replace("-", "\N{MINUS SIGN}")
     for centre in cycle.dead_centres:
         ax.axvline(centre, color="black", linewidth=0.7, linestyle=":")
     _show_range(ax, shown)
+    title = "\n".join(wrapped(title, WORDS))
     ax.set(title=title, xlabel=cycle.q_label, ylabel=f"{symbol}, {label}", xlim=(q[0], q[-1]))
     if "°" in cycle.q_label:
         degree_ticks(ax.xaxis, q[-1] - q[0])
@@ -224,7 +240,7 @@ def _energy_loop(ax: Axes, moving: MovingMachine, cycle: CycleCurves) -> None:
     if not np.max(np.abs([span_i, span_w, *np.ravel(heights)])) < LARGEST:
         _say(ax, "Energy loop: infinite or undefined")
         return
-    (fi, unit_i), (fw, unit_w) = display_unit(cycle.units["reduced_inertia"], inertia), display_unit("J", work)
+    (fi, unit_i), (fw, unit_w) = display_unit(cycle.known["reduced_inertia"].units, inertia), display_unit("J", work)
     ax.plot(fi * np.append(inertia, inertia[0]), fw * np.append(work, work[0]), color=BLUE)
     _mark_quarters(ax, cycle, fi * inertia, fw * work)
     for k in np.array([1, 3, 5, 7]) * inertia.size // 8:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from engine import MovingMachine, Scene, display_unit, has_cycle
 from sweeps.pictures.machine.diagrams import input_axis
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, house_style, new_figure, save
+from sweeps.pictures.style import BLUE, house_style, new_figure, save, typeset
 
 POSITIONS = 720
 # Panels that fit on a sheet.
@@ -55,7 +55,7 @@ def field_figure(scene: Scene, names: Sequence[str], x: str | None = None, posit
             raise PictureError(f"{name} is infinite or undefined everywhere; `sweeps run` shows why")
     if x:
         factor, label = display_unit(known[x].units, rows[x])
-        places, title = rows[x] * factor, f"{x}{_comma(label)}"
+        places, title = rows[x] * factor, f"{known[x].long_name} {typeset(known[x].symbol) or x}{_comma(label)}"
     else:
         title, factor = input_axis(scene, machine.q)
         places = machine.q * factor
@@ -71,7 +71,7 @@ def field_figure(scene: Scene, names: Sequence[str], x: str | None = None, posit
                 end = places[0] if x else places[0] + 360.0 * scene.input.revolutions
                 shown, at = np.append(shown, begin), np.append(at, end)
             ax.plot(at, shown, color=BLUE)
-            ax.set(title=known[name].long_name, ylabel=f"{name}{_comma(label)}")
+            ax.set(title=known[name].long_name, ylabel=f"{typeset(known[name].symbol) or name}{_comma(label)}")
         axes[-1].set_xlabel(title)
         if scene.title:
             figure.suptitle(scene.title, fontweight="bold")

@@ -9,12 +9,13 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator, MultipleLocator
+from matplotlib.ticker import MaxNLocator
 
 import engine
 from engine import InputUnits, Machine, Scene, SteadyRegime, Verdict, display_unit, pairs_of, quantity_text
+from sweeps.pictures.machine.diagrams import input_axis
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, sheet
+from sweeps.pictures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, degree_ticks, sheet
 from sweeps.report.regime_words import failure_text
 
 # All others are black.
@@ -148,7 +149,7 @@ def _history_sheet(figure: Figure, scene: Scene, parts: Sequence[_Course]) -> No
     grid = {"width_ratios": widths, "height_ratios": heights}
     axes = figure.subplots(len(heights), len(parts), sharex="col", squeeze=False, gridspec_kw=grid)
     units = InputUnits.of(scene)
-    speed, load = ("ω", "M") if units.q == "rad" else ("v", "F")
+    _, speed, load = units.symbols
     rows = (
         (speed, units.speed, [{"speed": part.speed} | _only(part.coupled, "shaft_speed") for part in parts]),
         (load, units.moment, [_above_rounding(part.moments) | _only(part.coupled, "coupling") for part in parts]),
@@ -245,7 +246,7 @@ def cycle_diagrams(scene: Scene, seen: "engine.History", regime: str, target: Pa
         _panel(axes[0, 1], part, "Torques on the crank", "M", "N m", _above_rounding(part.moments))
         _panel(axes[1, 1], part, "Power", "P", "W", part.powers)
         for ax in axes[1]:
-            ax.set_xlabel("crank angle φ, °")
+            ax.set_xlabel(input_axis(scene, part.angle)[0])
         _legend(figure, axes)
         figure.suptitle(f"{scene.title or 'Machine'}: {regime}", fontweight="bold")
     return figure
@@ -255,9 +256,8 @@ def _panel(ax: Axes, part: _Course, title: str, symbol: str, units: str, rows: d
     factor, label = display_unit(units, np.concatenate(list(rows.values()) or [np.zeros(1)]))
     phi = np.degrees(part.angle)
     _lines(ax, phi, {key: factor * row for key, row in rows.items()})
-    turn = abs(phi[-1] - phi[0])
     ax.set(title=title, ylabel=f"{symbol}, {label}", xlim=(phi[0], phi[-1]))
-    ax.xaxis.set_major_locator(MultipleLocator(90 if turn < 400 else 180))
+    degree_ticks(ax.xaxis, abs(phi[-1] - phi[0]))
 
 
 def _speed_panel(ax: Axes, scene: Scene, part: _Course) -> None:

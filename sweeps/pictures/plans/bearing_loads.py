@@ -15,9 +15,12 @@ from sweeps.pictures.plans.reaction_curves import reaction_panel
 from sweeps.pictures.plans.sheets import blank_sheet, heading, place, write
 from sweeps.pictures.style import BLUE, GREY, SKY, VERMILION, house_style
 
-SECTORS = 36
-# Arc over which the load is lowest, for the oil hole [deg].
-SPAN = 120.0
+# Directions of the load, every degree; arc about each whose load is summed [rad].
+DIRECTIONS, WIDTH = np.radians(np.arange(360)), math.radians(10)
+# Distance of edges from whole degrees [rad].
+EDGE = 1e-6
+# Arc over which the load is lowest, for the oil hole [rad].
+SPAN = math.radians(120)
 # Size of letters at marks, as x + iy, and least distance of marks, as shares of the peak load.
 LETTERS, DOT = 0.34 + 0.11j, 0.03
 
@@ -98,27 +101,29 @@ def bearing_load(cycle: MachineCycle, pair: str, axes: str = FRAME) -> BearingLo
     return BearingLoad(found, axes, on, cycle.motion.q, turned, cycle.peak_force(pair), turns, cycle.is_closed)
 
 
-def shares(load: BearingLoad) -> np.ndarray:
-    """Share of the load over the cycle by direction, (`SECTORS`,), the first sector centred on the x axis."""
+def shares(load: BearingLoad, width: float = WIDTH) -> np.ndarray:
+    """Share of the load over the cycle within `width` [rad] about each degree, (360,)."""
     force = load.force[np.isfinite(load.force)]
-    sector = np.round(np.angle(force) * SECTORS / (2 * np.pi)).astype(int) % SECTORS
-    weights = np.bincount(sector, np.abs(force), SECTORS)
-    return weights / weights.sum()
+    force = force[np.argsort(np.angle(force))]
+    angle, size = np.angle(force), np.abs(force)
+    angles = np.concatenate([angle - math.tau, angle, angle + math.tau])
+    sums = np.cumsum([0.0, *size, *size, *size])
+    # Loads that lie at a whole degree but for rounding are not at an edge.
+    low, high = (sums[np.searchsorted(angles, DIRECTIONS + side * width / 2 - EDGE)] for side in (-1, 1))
+    return (high - low) / size.sum()
 
 
 def least_loaded(load: BearingLoad) -> float:
-    """Direction of the lowest load summed over `SPAN` degrees [rad]; the middle one of several."""
-    half = round(SPAN / 360 * SECTORS / 2)
-    share = shares(load)
-    around = sum(np.roll(share, i) for i in range(-half, half + 1))
+    """Direction of the lowest load summed over `SPAN` [rad]; the middle one of several."""
+    around = shares(load, SPAN)
     least = around <= around.min() + 1e-12
     # Ties: the middle of the longest run around the circle.
     longest, middle = 0, 0.0
-    for first in np.flatnonzero(least):
-        run = next((n for n in range(SECTORS) if not least[(first + n) % SECTORS]), SECTORS)
+    for first in np.flatnonzero(least & ~np.roll(least, 1)) if not least.all() else [0]:
+        run = next((n for n in range(least.size) if not least[(first + n) % least.size]), least.size)
         if run > longest:
             longest, middle = run, first + (run - 1) / 2
-    return float(middle % SECTORS * 2 * np.pi / SECTORS)
+    return math.radians(middle % least.size)
 
 
 def load_polar(load: BearingLoad, ax: PolarAxes) -> None:
@@ -160,19 +165,21 @@ def load_polar(load: BearingLoad, ax: PolarAxes) -> None:
 
 def load_rose(load: BearingLoad, ax: PolarAxes) -> None:
     """Draw the load by direction and the least loaded direction; arguments as for `load_polar`."""
-    share, width = shares(load), 2 * np.pi / SECTORS
-    ax.bar(np.arange(SECTORS) * width, 100 * share, width=width, color=SKY, edgecolor="white", linewidth=0.3)
+    # Averaged over neighbours: the nodes of the cycle would show as teeth.
+    share = 100 * np.mean([np.roll(shares(load), shift) for shift in range(-4, 5)], axis=0)
+    ax.fill(DIRECTIONS, share, color=SKY, linewidth=0)
     free = least_loaded(load)
-    ax.plot([free, free], [0, 100 * share.max()], color=VERMILION, linewidth=1.2, linestyle=(0, (4, 2)))
-    _axes(ax, "%", np.append(share * np.exp(1j * width * np.arange(SECTORS)), share.max() * np.exp(1j * free)))
-    ax.set_title(f"load by direction on {load.on}\nminimum at {np.degrees(free):.0f}°", fontsize=7.5, pad=8)
+    ax.plot([free, free], [0, share.max()], color=VERMILION, linewidth=1.2, linestyle=(0, (4, 2)))
+    _axes(ax, "%", np.append(share * np.exp(1j * DIRECTIONS), share.max() * np.exp(1j * free)))
+    words = f"load on {load.on} within {math.degrees(WIDTH):.0f}° by direction"
+    ax.set_title(f"{words}\nminimum at {np.degrees(free):.0f}°", fontsize=7.5, pad=8)
 
 
 def _axes(ax: PolarAxes, unit: str, drawn: np.ndarray) -> None:
     """Place the angle labels, and the radius labels in the clearest gap."""
     ax.set_thetagrids(np.arange(0, 360, 30))
     ax.yaxis.set_major_locator(MaxNLocator(4))
-    ax.tick_params(labelsize=6, pad=-1, labelcolor=GREY)
+    ax.tick_params(labelsize=6, pad=1, labelcolor=GREY)
     ax.tick_params(axis="y", labelcolor="black")
     between = np.radians(np.arange(15, 360, 30))
     reach = [np.nanmax((drawn * np.exp(-1j * way)).real, where=np.isfinite(drawn), initial=0.0) for way in between]

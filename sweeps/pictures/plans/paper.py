@@ -25,11 +25,11 @@ STRIP = 5.0
 LEAST_VECTOR = 0.4
 MARK = 0.5
 GAPS = (0.5, 1.5, 3.0, 5.0, 7.5)
-_STEPS = (1.0, 1.5, 2.0, 2.5, 4.0, 5.0, 7.5, 10.0)
+_STEPS = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.5, 10.0)
 
 
 def round_scale(least: float) -> float:
-    """Smallest scale 1, 1.5, 2, 2.5, 4, 5, 7.5 times a power of ten that is at least `least`.
+    """Smallest scale 1, 1.5, 2, 2.5, 3, 4, 5, 6, 7.5 times a power of ten that is at least `least`.
 
     Parameters
     ----------
@@ -71,6 +71,8 @@ class Paper:
         Points that must fit, x + iy in drawing units.
     margin : float
         Margin for labels [mm].
+    to_scale : bool
+        Round the scale, and leave a strip to show it.
 
     Attributes
     ----------
@@ -78,15 +80,17 @@ class Paper:
         Drawing units per millimetre of paper.
     """
 
-    def __init__(self, ax: Axes, cloud: Sequence[complex], margin: float = 8.0) -> None:
+    def __init__(self, ax: Axes, cloud: Sequence[complex], margin: float = 8.0, to_scale: bool = True) -> None:
         self.ax, points = ax, np.asarray(cloud, complex)
         inches = ax.figure.get_size_inches() * ax.get_position().size
         self.size = complex(*(MM_PER_INCH * inches))
         low, high = (complex(f(points.real), f(points.imag)) for f in (np.min, np.max))
-        room = self.size - complex(2 * margin, 2 * margin + STRIP)
+        self.strip = STRIP if to_scale else 0.0
+        room = self.size - complex(2 * margin, 2 * margin + self.strip)
         span = high - low
-        self.per_mm = round_scale(max(span.real / room.real, span.imag / room.imag) or 1.0)
-        self.corner = (low + high) / 2 - self.per_mm * (self.size + 1j * STRIP) / 2
+        least = max(span.real / room.real, span.imag / room.imag) or 1.0
+        self.per_mm = round_scale(least) if to_scale else least
+        self.corner = (low + high) / 2 - self.per_mm * (self.size + 1j * self.strip) / 2
         top = self.corner + self.per_mm * self.size
         ax.set(xlim=(self.corner.real, top.real), ylim=(self.corner.imag, top.imag))
         ax.set_axis_off()
@@ -232,7 +236,7 @@ class Paper:
     def _outside(self, places: np.ndarray, half: complex) -> np.ndarray:
         """Overlap of texts with the sheet's border or scale strip [mm]."""
         low, high = places - half, places + half - self.size
-        beyond = (-low.real, STRIP - low.imag, high.real, high.imag)
+        beyond = (-low.real, self.strip - low.imag, high.real, high.imag)
         return sum(np.clip(part, 0, None) for part in beyond)
 
     def _write(self, label: _Label, place: complex) -> None:

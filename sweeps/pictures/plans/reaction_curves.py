@@ -6,10 +6,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from engine import CrankInput, Pair, display_unit, pairs_of
+from engine import InputUnits, Pair, display_unit, drive_words, pairs_of
+from sweeps.pictures.machine.diagrams import input_axis
 from sweeps.pictures.plans.pose import MachineCycle
 from sweeps.pictures.plans.sheets import blank_sheet, heading, place
-from sweeps.pictures.style import BLUE, GREEN, ORANGE, PURPLE, house_style
+from sweeps.pictures.style import BLUE, GREEN, ORANGE, PURPLE, house_style, typeset
 
 COLUMNS = 3
 # Sizes on paper [mm]: a panel with its labels, and its left, right, lower and upper margins.
@@ -68,11 +69,8 @@ def _closed(cycle: MachineCycle, row: np.ndarray) -> np.ndarray:
 
 def _abscissa(cycle: MachineCycle) -> tuple[np.ndarray, str]:
     q = cycle.motion.q
-    if isinstance(cycle.scene.input, CrankInput):
-        q = np.degrees(np.append(q, 2 * q[-1] - q[-2]) if cycle.is_closed else q)
-        return q, "crank angle φ, °"
-    factor, unit = display_unit("m", q)
-    return factor * q, f"displacement q, {unit}"
+    label, factor = input_axis(cycle.scene, q)
+    return factor * (np.append(q, 2 * q[-1] - q[-2]) if cycle.is_closed else q), label
 
 
 def reaction_sheet(cycle: MachineCycle) -> Figure:
@@ -96,12 +94,11 @@ def reaction_sheet(cycle: MachineCycle) -> Figure:
 
 
 def _input_panel(cycle: MachineCycle, ax: Axes) -> None:
-    row, crank = cycle.forces["input_moment_by_equilibrium"], isinstance(cycle.scene.input, CrankInput)
-    factor, unit = display_unit("N m" if crank else "N", row)
+    row, units = cycle.forces["input_moment_by_equilibrium"], InputUnits.of(cycle.scene)
+    factor, unit = display_unit(units.moment, row)
     q, label = _abscissa(cycle)
     ax.plot(q, factor * _closed(cycle, row), color=BLUE)
-    letter = "M" if crank else "F"
-    ax.set(xlabel=label, ylabel=rf"${letter}_\mathrm{{in}}$, {unit}", xlim=(q[0], q[-1]))
-    ax.set_title("drive torque\nat constant speed" if crank else "drive force\nat constant speed", fontsize=7.5)
+    ax.set(xlabel=label, ylabel=f"{typeset(f'{units.symbols[2]}_in')}, {unit}", xlim=(q[0], q[-1]))
+    ax.set_title(drive_words(cycle.scene).replace(" for", "\nfor"), fontsize=7.5)
     if cycle.is_closed:
         ax.set_xticks(np.linspace(0, q[-1], 5))

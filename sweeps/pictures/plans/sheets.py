@@ -9,7 +9,7 @@ from matplotlib.text import Text
 
 from engine import FRAME, Scene
 from sweeps.pictures.plans.forces.force_plan import force_lines, force_plan
-from sweeps.pictures.plans.forces.free_body import free_body
+from sweeps.pictures.plans.forces.free_body import free_body, height_of_body
 from sweeps.pictures.plans.kinematic_plans import acceleration_lines, acceleration_plan, velocity_lines, velocity_plan
 from sweeps.pictures.plans.lettering import subscript
 from sweeps.pictures.plans.mechanism_plan import mechanism_plan
@@ -19,6 +19,8 @@ from sweeps.pictures.style import MM_PER_INCH, Sheet, house_style
 
 WIDTH, HEIGHT = 180.0, 130.0
 HEADING = 8.0
+# A free body at most [mm].
+HIGHEST = 74.0
 # Characters per line of a note at that width.
 LINE = 150
 
@@ -126,14 +128,17 @@ def force_sheet(pose: Pose, of: str) -> Figure:
     width, columns_of_text = 176 / min(len(links), 2), 5
     # With more than two links the values go in a strip below the plan.
     strip = 40 * -(-len(links) // columns_of_text) if len(links) > 2 else 0
-    top = 98 + strip + 77 * rows
+    high = [height_of_body(pose, link, width, HIGHEST) for link in links]
+    heights = [max(high[2 * i : 2 * i + 2]) for i in range(rows)]
+    top = 98 + strip + sum(heights) + 3 * rows
     with house_style():
         figure = blank_sheet(WIDTH, top + 10)
         heading(figure, pose.scene, f"forces on {of} at {pose.title}")
         for i, link in enumerate(links):
-            left, bottom = 2 + i % 2 * width, top - 77 * (i // 2 + 1)
-            loads = free_body(pose, link, place(figure, left, bottom, width, 74))
-            write(figure, left + 3, bottom + 77, f"{pose.number(link)} {link}", fontsize=8, fontweight="bold")
+            height = heights[i // 2]
+            left, bottom = 2 + i % 2 * width, top - sum(heights[: i // 2 + 1]) - 3 * (i // 2 + 1)
+            loads = free_body(pose, link, place(figure, left, bottom, width, height))
+            write(figure, left + 3, bottom + height + 3, f"{pose.number(link)} {link}", fontsize=8, fontweight="bold")
             text = "\n".join(force_lines(loads))
             row, column = divmod(i, columns_of_text)
             at = (4 + 33 * column, 46 if not strip else strip + 8 - 40 * row)

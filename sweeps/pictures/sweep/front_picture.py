@@ -11,8 +11,8 @@ from engine import quantity_text
 from sweeps.optimising.optimum import Choice, choices, front, met, objectives
 from sweeps.pictures.drawing import DrawnMotion, draw
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, COLOURS, GREY, PALE, VERMILION, house_style, new_figure, save
-from sweeps.pictures.sweep.sweep_data import SweepData, wrapped
+from sweeps.pictures.style import BLUE, COLOURS, GREY, PALE, VERMILION, house_style, new_figure, save, wrapped
+from sweeps.pictures.sweep.sweep_data import SweepData
 from sweeps.report.sweep_result import SweepResult
 
 WIDTH, HEIGHT, DRAWING = 180, 105, 72
@@ -86,21 +86,22 @@ def _scatter(ax: Axes, result: SweepResult, data: SweepData, chosen: Sequence[Ch
     ax.set_title(words, fontsize=7, loc="right", color=GREY)
 
 
-def _number(result: SweepResult, name: str, choice: Choice) -> str:
-    """A number that differs between the chosen machines."""
-    short = ".".join(name.split(".")[-2:])
-    return f"{short} = {quantity_text(float(result.columns[name][choice.variant]), result.units[name])}"
+def _differing(result: SweepResult, chosen: Sequence[Choice]) -> list[list[str]]:
+    """Varied numbers that differ between the chosen machines, by machine."""
+    rows = []
+    for name in result.varied:
+        values = (result.columns[name][choice.variant] for choice in chosen)
+        texts = [quantity_text(float(value), result.units[name]) for value in values]
+        if len(set(texts)) > 1 or len(texts) == 1:
+            rows.append([f"{'.'.join(name.split('.')[-2:])} = {text}" for text in texts])
+    return [[row[k] for row in rows[:MOST_TOLD]] for k in range(len(chosen))]
 
 
 def _mechanisms(axes: Sequence[Axes], result: SweepResult, chosen: Sequence[Choice]) -> None:
     """The machines of chosen points, all to the same scale."""
-    for letter, ax, choice in zip("ABCDEFGH", axes, chosen, strict=False):
+    for letter, ax, choice, numbers in zip("ABCDEFGH", axes, chosen, _differing(result, chosen), strict=False):
         draw(DrawnMotion(result.scene, result.variant_values(choice.variant)), ax)
-        lines = [
-            *wrapped(f"{letter}: {choice.why}", 30),
-            *(_number(result, n, choice) for n in result.varied[:MOST_TOLD]),
-        ]
-        ax.set_title("\n".join(lines), fontsize=7)
+        ax.set_title("\n".join([*wrapped(f"{letter}: {choice.why}", 30), *numbers]), fontsize=7)
         ax.tick_params(labelsize=6)
     x, y = ([f(ax) for ax in axes] for f in (Axes.get_xlim, Axes.get_ylim))
     for ax in axes:

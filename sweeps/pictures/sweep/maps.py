@@ -15,9 +15,9 @@ from matplotlib.ticker import MultipleLocator
 from engine import Verdict, display_unit
 from sweeps.optimising.pareto import pareto_front
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, COLOURS, GREY, PALE, PALETTE, VERMILION, house_style, new_figure, save
+from sweeps.pictures.style import BLUE, COLOURS, GREY, PALE, PALETTE, VERMILION, house_style, new_figure, save, wrapped
 from sweeps.pictures.sweep.parallel_coordinates import chosen_columns, parallel
-from sweeps.pictures.sweep.sweep_data import SweepData, wrapped
+from sweeps.pictures.sweep.sweep_data import SweepData
 from sweeps.study.sensitivity import RSS, WORST_CASE
 
 VEIL = "#e9ebed"

@@ -9,8 +9,8 @@ from matplotlib.patheffects import withStroke
 
 from engine import display_unit
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import COLOURS, GREY, PALE, VERMILION
-from sweeps.pictures.sweep.sweep_data import SweepData, wrapped
+from sweeps.pictures.style import COLOURS, GREY, PALE, VERMILION, wrapped
+from sweeps.pictures.sweep.sweep_data import SweepData
 from sweeps.text.conditions import Condition
 
 MOST_LINES = 3000

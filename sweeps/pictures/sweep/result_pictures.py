@@ -116,5 +116,6 @@ def sweep_data(
         result.candidates(chosen),
         d.variants if is_too_many else None,
         result.lists,
+        result.symbols,
     )
     return data, best

@@ -8,26 +8,11 @@ import numpy as np
 
 from engine import Verdict, display_unit
 from sweeps.pictures.picture_error import PictureError
+from sweeps.pictures.style import typeset, wrapped
 from sweeps.store import FieldAxis
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
 LONGEST_LEGEND = 200
-SYMBOLS = {
-    "reduced_inertia": "I",
-    "reduced_moment": "M",
-    "input_moment": "$M_{in}$",
-    "work": "W",
-    "speed": "ω",
-    "speed_fluctuation": "δ",
-    "excess_work": "$A_{exc}$",
-    "required_drive_moment": "$M_{dr}$",
-    "required_power": "P",
-    "flywheel_excess_work": "$I_F$",
-    "flywheel_merzalov": "$I_F$",
-    "flywheel_wittenbauer": "$I_F$",
-    "speed_min": "$ω_{min}$",
-    "speed_max": "$ω_{max}$",
-}
 
 
 class SweepData(NamedTuple):
@@ -56,6 +41,8 @@ class SweepData(NamedTuple):
         Number of variants before thinning.
     listed : collection of str
         Parameters that take the entries of a list, without values between them.
+    symbols : mapping of str to str
+        Textbook symbols of arrays that have one.
     """
 
     arrays: Mapping[str, np.ndarray]
@@ -70,6 +57,7 @@ class SweepData(NamedTuple):
     candidates: np.ndarray | None = None
     chosen_of: int | None = None
     listed: Collection[str] = ()
+    symbols: Mapping[str, str] = {}
 
     @property
     def out(self) -> np.ndarray:
@@ -112,7 +100,7 @@ class SweepData(NamedTuple):
         words = self.long_names.get(name, name) or name
         text = f"{words[0].upper()}{words[1:]}" if words != name else words
         text = "\n".join(wrapped(text, 42))
-        symbol = f" {SYMBOLS[name]}" if name in SYMBOLS else ""
+        symbol = f" {typeset(self.symbols[name])}" if self.symbols.get(name) else ""
         return factor * values, text + symbol + (f", {unit}" if unit not in ("", "1") else ""), factor
 
     def grid_parameters(self) -> list[str]:
@@ -158,13 +146,3 @@ def evenly_chosen(shape: Sequence[int], best: int | None, most: int) -> tuple[tu
     places = [np.linspace(0, size - 1, min(size, longest)).round().astype(int) for size in shape]
     places = [np.union1d(along, place).astype(int) for along, place in zip(places, at, strict=True)]
     return tuple(map(len, places)), np.ravel_multi_index(np.ix_(*places), shape).ravel()
-
-
-def wrapped(text: str, width: int) -> list[str]:
-    """Lines of at most `width` characters, broken at blanks and after dots of a path; longer words stay whole."""
-    lines = [""]
-    for piece in re.split(r"(?<=\.)(?=[^\W\d])|(?<= )", text):
-        if lines[-1] and len((lines[-1] + piece).rstrip()) > width:
-            lines.append("")
-        lines[-1] += piece
-    return [line.rstrip() for line in lines]

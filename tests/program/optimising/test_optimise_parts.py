@@ -289,6 +289,8 @@ def test_picture__shows_the_front_and_its_chosen_machines_to_one_scale(tmp_path)
     assert [t.get_text() for t in top.texts] == ["A", "B", "C"]
     assert {ax.get_xlim() for ax in machines} == {machines[0].get_xlim()}
     assert {ax.get_ylim() for ax in machines} == {machines[0].get_ylim()}
+    told = [ax.get_title().split("\n") for ax in machines]
+    assert all(len({lines[-k] for lines in told}) > 1 for k in range(1, len(result.varied) + 1))
     drawn = next(line for line in top.lines if line.get_label() == "Pareto front")
     assert "mm²" in top.get_xlabel()
     np.testing.assert_allclose(drawn.get_xdata(), 1e6 * result.columns["objective_1"][front(result)], rtol=1e-15)

@@ -110,6 +110,12 @@ def test_page__of_a_file_that_was_never_right_shows_the_message_alone(scene):
     assert 'id="motion"' not in page.text
 
 
+def test_page__with_regimes_says_what_draws_them(tmp_path):
+    path = tmp_path / "press.toml"
+    path.write_text(template_text("press_with_motor"), encoding="utf8")
+    assert "sweeps plot press.toml draws the regimes: start, work, stop." in watched(path).text
+
+
 def test_page__of_a_machine_that_cannot_be_assembled_says_so(scene):
     replaced(scene, '"160 mm"', '"10 mm"')
     assert "assemble" in watched(scene).message

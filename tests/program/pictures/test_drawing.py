@@ -17,7 +17,7 @@ from drawn_machines import (
     slider_crank,
     sliding_input,
 )
-from machines import frame, prp
+from machines import frame, prp, rrp
 from matplotlib.figure import Figure
 
 from engine import Scene
@@ -93,6 +93,32 @@ def test_slider__rectangle_along_its_guide():
     along = box.points[1] - box.points[0]
     assert is_parallel(along, complex(math.cos(0.5), math.sin(0.5)))
     assert abs(along) == pytest.approx(2 * HALF_LENGTH * joint.size)
+
+
+def of_slider(word, angle):
+    """Corners of a slider's outlines from its joint, along the guide and across it, in hinge radii."""
+    group = rrp("B", ("rod", "A", 0.2), word, "way")
+    drawn = primitives(slider_crank(angle=angle, groups={"g": group}, bodies={}), 1.0)
+    joint = circle(drawn, "B")
+    turned = joint.size * complex(math.cos(angle), math.sin(angle))
+    return [(np.array(p.points) - joint.points[0]) / turned for p in boxes(drawn)]
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.5, math.pi / 2, math.pi])
+def test_sliders_by_name__ram_with_a_tool_in_front_table_and_trough_open_above(angle):
+    # The guide leads from the crank; a guide to the left turns up and down over.
+    upwards = -1 if math.isclose(angle, math.pi) else 1
+    tool, ram = of_slider("press_ram", angle)
+    assert tool.real.min() == pytest.approx(ram.real.max())
+    assert tool.real.max() > ram.real.max() + 1
+    foot, plate = of_slider("table", angle)
+    assert np.ptp(plate.real) == pytest.approx(2 * np.ptp(foot.real))
+    assert (upwards * plate.imag).max() == pytest.approx((upwards * foot.imag).max())
+    assert (upwards * plate.imag).min() > 0
+    _, bottom, left, right = of_slider("feed_trough", angle)
+    assert (upwards * bottom.imag).max() < 0
+    assert (left.real.min(), right.real.max()) == pytest.approx((bottom.real.min(), bottom.real.max()))
+    assert (upwards * left.imag).max() > 1
 
 
 @pytest.mark.parametrize("offset", [-0.08, 0.0, 0.08])
@@ -209,16 +235,16 @@ def test_slider_beside_a_moving_guide__on_a_rod_through_its_joint():
 
 
 def test_slider_on_a_crank__sleeve_along_the_crank():
-    group = prp("B", ("sleeve", "bar", 0.0), ("ram", "way", 0.0))
+    group = prp("B", ("sleeve", "bar", 0.0), ("slide", "way", 0.0))
     guides = {"bar": {"link": "crank"}, "way": {"y": 0.12}}
     scene = slider_crank(guides=guides, input=crank(start=0.9, stop=2.2), groups={"g": group}, bodies={})
     drawn = primitives(scene, 0.9)
-    sleeve, ram = boxes(drawn)
+    sleeve, slide = boxes(drawn)
     u = complex(math.cos(0.9), math.sin(0.9))
     assert circle(drawn, "B").points[0] == pytest.approx(0.12 * u / u.imag)
     assert is_parallel(long_side(sleeve), u)
     assert abs(long_side(sleeve)) == pytest.approx(2 * HALF_LENGTH * circle(drawn, "B").size, rel=EXACT)
-    assert is_parallel(long_side(ram), 1)
+    assert is_parallel(long_side(slide), 1)
 
 
 def test_gears__pitch_circles_touch_in_the_ratio_of_speeds():

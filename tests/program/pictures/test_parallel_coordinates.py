@@ -7,9 +7,9 @@ from each_case import each
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from engine import Verdict
-from sweeps.pictures.style import house_style, new_figure
+from sweeps.pictures.style import house_style, new_figure, wrapped
 from sweeps.pictures.sweep.parallel_coordinates import chosen_columns, parallel
-from sweeps.pictures.sweep.sweep_data import SweepData, wrapped
+from sweeps.pictures.sweep.sweep_data import SweepData
 
 PATHS = [
     "input.length",

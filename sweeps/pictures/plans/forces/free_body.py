@@ -2,21 +2,28 @@
 
 import cmath
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from matplotlib.axes import Axes
 
+from sweeps.pictures.drawing import Primitive, bounds
 from sweeps.pictures.plans.forces.force_plan import colour_of
 from sweeps.pictures.plans.forces.link_figure import link_figure
 from sweeps.pictures.plans.forces.loads import DrawnLoad, loads_on_links
 from sweeps.pictures.plans.lettering import subscript
 from sweeps.pictures.plans.paper import Paper
 from sweeps.pictures.plans.pose import Pose
+from sweeps.pictures.style import MM_PER_INCH
 
 # On paper [mm]: longest and shortest arrow, gap between collinear ones, radius of a moment's arc.
 LONGEST, SHORTEST, APART, ARC = 15.0, 6.0, 1.8, 4.5
+# Margin for letters [mm].
+MARGIN = 7.0
+# Times that a drawing is fitted to its paper.
+FITTED = 5
 # Minimum half-width of the drawing, in hinge radii.
-LEAST = 9.0
+LEAST = 12.0
 # Minimum radius of a friction circle [mm].
 SEEN = 0.2
 # Smaller shares of the maximum are rounding.
@@ -38,25 +45,56 @@ def free_body(pose: Pose, link: str, ax: Axes) -> list[DrawnLoad]:
     list of DrawnLoad
         Loads on the link.
     """
-    loads = _felt(loads_on_links(pose)[link], pose.motion.radius)
-    figure = link_figure(pose, link)
-    outline = np.array([p for primitive in figure for p in primitive.points])
-    middle = complex(outline.real.min() + outline.real.max(), outline.imag.min() + outline.imag.max()) / 2
-    # A single slider is drawn at symbol size.
-    least = middle + LEAST * pose.motion.radius * np.array([-1 - 1j, 1 + 1j])
-    places = [load.at for load in loads if not load.is_moment]
-    paper = Paper(ax, [*outline, *least, *places], margin=LONGEST + 4)
+    loads, figure = _felt(loads_on_links(pose)[link], pose.motion.radius), link_figure(pose, link)
+    inches = ax.figure.get_size_inches() * ax.get_position().size
+    middle, cloud = _spread(pose, figure, loads, complex(*(MM_PER_INCH * inches)))
+    paper = Paper(ax, cloud, margin=MARGIN, to_scale=False)
     paper.figures(figure)
     for name in pose.motion.members(link):
         paper.name(complex(pose.motion.points[name][pose.k]), f"${subscript(name)}$", clear=1.3)
     for load in loads:
         if load.rho > SEEN * paper.per_mm:
             paper.line(load.middle + load.rho * np.exp(2j * np.pi * np.arange(49) / 48), colour_of(load))
-    _forces(paper, [load for load in loads if not load.is_moment], middle)
+    for load, start, vector in _arrows(loads, middle, paper.per_mm):
+        paper.arrow(start, vector, load.text, colour_of(load))
     for i, load in enumerate(load for load in loads if load.is_moment):
         _moment(paper, middle, load, ARC + 2 * i)
     paper.letter()
     return loads
+
+
+def height_of_body(pose: Pose, link: str, width: float, most: float) -> float:
+    """Height on paper of a free body of a width, at most `most` [mm].
+
+    Parameters
+    ----------
+    pose : Pose
+    link : str
+    width, most : float
+    """
+    loads, room = _felt(loads_on_links(pose)[link], pose.motion.radius), complex(width, most)
+    _, cloud = _spread(pose, link_figure(pose, link), loads, room)
+    return float(np.ptp(cloud.imag)) / _per_mm(cloud, room) + 2 * MARGIN
+
+
+def _per_mm(cloud: np.ndarray, size: complex) -> float:
+    """Metres per millimetre of paper of a size [mm]."""
+    return max(np.ptp(cloud.real) / (size.real - 2 * MARGIN), np.ptp(cloud.imag) / (size.imag - 2 * MARGIN))
+
+
+def _spread(pose: Pose, figure: list[Primitive], loads: list[DrawnLoad], size: complex) -> tuple[complex, np.ndarray]:
+    """Middle of a link, and points that must fit, with arrows, on paper of a size [mm]."""
+    low_x, low_y, high_x, high_y = bounds(figure)
+    corners = complex(low_x, low_y), complex(high_x, high_y)
+    middle = sum(corners) / 2
+    # A single slider is drawn at symbol size.
+    least = middle + LEAST * pose.motion.radius * np.array([-1, 1, -0.5j, 0.5j])
+    body = cloud = np.array([*corners, *least, *(load.at for load in loads if not load.is_moment)])
+    # Arrows are to no scale: the fewer metres a millimetre has, the shorter they are in the link's.
+    for _ in range(FITTED):
+        arrows = [(start, start + vector) for _, start, vector in _arrows(loads, middle, _per_mm(cloud, size))]
+        cloud = np.concatenate([body, *np.reshape(arrows, (-1, 2))])
+    return middle, cloud
 
 
 def _felt(loads: list[DrawnLoad], length: float) -> list[DrawnLoad]:
@@ -66,20 +104,20 @@ def _felt(loads: list[DrawnLoad], length: float) -> list[DrawnLoad]:
     return [load for load in loads if abs(load.force) > NOTHING * force or abs(load.moment) > NOTHING * moment]
 
 
-def _forces(paper: Paper, loads: list[DrawnLoad], middle: complex) -> None:
-    """Arrows at their points; collinear ones side by side."""
-    greatest = max((abs(load.force) for load in loads), default=1.0)
+def _arrows(loads: list[DrawnLoad], middle: complex, per_mm: float) -> Iterator[tuple[DrawnLoad, complex, complex]]:
+    """Forces with the starts and vectors of their arrows; collinear ones side by side."""
+    forces = [load for load in loads if not load.is_moment]
+    greatest = max((abs(load.force) for load in forces), default=1.0)
     drawn: list[tuple[complex, complex]] = []
-    for load in sorted(loads, key=lambda load: -abs(load.force)):
+    for load in sorted(forces, key=lambda load: -abs(load.force)):
         u = load.force / abs(load.force)
         length = SHORTEST + (LONGEST - SHORTEST) * math.sqrt(abs(load.force) / greatest)
         inward = middle - load.at
         # A force into the link ends at its point, others start there.
-        presses = abs(inward) > 3 * paper.per_mm and (u.conjugate() * inward).real > 0.5 * abs(inward)
-        beside = sum(abs(at - load.at) < 2 * paper.per_mm and abs((u.conjugate() * v).imag) < 0.15 for at, v in drawn)
-        shift = APART * paper.per_mm * 1j * (u if u.imag > 0 or (u.imag == 0 and u.real > 0) else -u) * beside
-        start = load.at + shift - (length * paper.per_mm * u if presses else 0)
-        paper.arrow(start, length * paper.per_mm * u, load.text, colour_of(load))
+        presses = abs(inward) > 3 * per_mm and (u.conjugate() * inward).real > 0.5 * abs(inward)
+        beside = sum(abs(at - load.at) < 2 * per_mm and abs((u.conjugate() * v).imag) < 0.15 for at, v in drawn)
+        shift = APART * per_mm * 1j * (u if u.imag > 0 or (u.imag == 0 and u.real > 0) else -u) * beside
+        yield load, load.at + shift - (length * per_mm * u if presses else 0), length * per_mm * u
         drawn.append((load.at, u))
 
 

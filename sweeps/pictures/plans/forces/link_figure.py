@@ -1,8 +1,9 @@
 """A single link as drawn in the mechanism."""
 
-from engine import RPP, RPR, Sliding, guide_of, mesh_axis
+from engine import RPP, RPR, mesh_axis
 from sweeps.pictures.drawing import Primitive
 from sweeps.pictures.drawing.higher_pairs import cam_profile, follower_shape
+from sweeps.pictures.drawing.links import slider_body
 from sweeps.pictures.drawing.motion import DrawnMotion
 from sweeps.pictures.drawing.racks import rack_bar
 from sweeps.pictures.drawing.symbols import HALF_HEIGHT, HALF_LENGTH, box, line, link_shape
@@ -22,10 +23,10 @@ def link_figure(pose: Pose, link: str) -> list[Primitive]:
     r, places = m.radius, [complex(m.points[n][k]) for n in m.members(link)]
     found = [*_in_higher_pairs(pose, link), *link_shape(places, r)]
     for group in m.scene.groups.values():
-        found = [*_sliding_part(m, group, link, k), *found]
-    slides = link in {**m.scene.links, **m.scene.inputs} and guide_of(m.scene, link) is not None
-    if slides or (link == m.scene.input.link and len(places) == 1):
-        found.append(box(complex(m.axes(link)[0][k]), complex(m.axes(link)[1][k]), HALF_LENGTH * r, HALF_HEIGHT * r))
+        found = [*_slotted(m, group, link, k), *found]
+    for slider in m.sliders:
+        if slider.link == link:
+            found = [*slider_body(m, slider, k, HALF_HEIGHT * r), *found]
     hinges = [n for n in m.members(link) if n in m.hinges]
     others = [n for n in m.members(link) if n not in m.hinges]
     found += [Primitive("joints", "circle", (complex(m.points[n][k]),), r, "paper", n) for n in hinges]
@@ -65,18 +66,14 @@ def _rolling_body(pose: Pose, name: str, contact: Rolling, link: str) -> list[Pr
     return [Primitive("pitch", "circle", (centre,), abs(contact.place - centre))]
 
 
-def _sliding_part(m: DrawnMotion, group: object, link: str, k: int) -> list[Primitive]:
-    """Symbol of a group's slider, block or slotted link."""
+def _slotted(m: DrawnMotion, group: object, link: str, k: int) -> list[Primitive]:
+    """A block of a group, or its slotted link."""
+    if not isinstance(group, (RPR, RPP)) or link not in (group.first.link, group.second.link):
+        return []
     r = m.radius
     origin, u = (complex(values[k]) for values in m.axes(link))
-    half = (HALF_LENGTH * r, HALF_HEIGHT * r)
-    blocks = [part.link for part in (group.first, group.second) if isinstance(part, Sliding)]
-    if isinstance(group, (RPR, RPP)):
-        blocks.append(group.first.link)
-    if link in blocks:
-        return [box(origin, u, *half)]
-    if link != group.second.link or not isinstance(group, (RPR, RPP)):
-        return []
+    if link == group.first.link:
+        return [box(origin, u, HALF_LENGTH * r, HALF_HEIGHT * r)]
     low, high = m.range_of(group.first.link)
     margin = (HALF_LENGTH + 1.5) * r
     if isinstance(group, RPR):
@@ -84,4 +81,4 @@ def _sliding_part(m: DrawnMotion, group: object, link: str, k: int) -> list[Prim
     slot = complex(m.axes(group.first.link)[1][k])
     reach = [((m.points[n][k] - origin) / u).real for n in m.members(link)]
     stem = line(origin + min([0.0, *reach]) * u, origin + max([12 * r, *reach]) * u)
-    return [stem, box(origin + (low + high) / 2 * slot, slot, (high - low) / 2 + margin, half[1], "paper")]
+    return [stem, box(origin + (low + high) / 2 * slot, slot, (high - low) / 2 + margin, HALF_HEIGHT * r, "paper")]
