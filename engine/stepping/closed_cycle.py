@@ -41,9 +41,10 @@ OK, STALLS, RUNS_AWAY, ANY_SPEED, NOT_FINITE = (
 )
 # Verdict of a lane still being searched, and of one whose motor is too steep for explicit steps.
 SEARCHING, TOO_STEEP = -1.0, -2.0
-# Most cycles. An energy is accepted if the next differs by less than CLOSED (relative) or NEGLIGIBLE (fraction of the
-# error of the steps), or by less than NEARLY_CLOSED if rounding prevents that.
-MOST_CYCLES, CLOSED, NEGLIGIBLE, NEARLY_CLOSED = 60, 1e-12, 0.01, 1e-8
+# Most cycles. An energy is accepted if Newton's method leaves less than CLOSED (relative) or NEGLIGIBLE (fraction of
+# the error of the steps), or less than NEARLY_CLOSED if rounding prevents that. What it leaves may exceed its forecast
+# by the factor UNSTEADY, as the curvature of the map still changes.
+MOST_CYCLES, CLOSED, NEGLIGIBLE, NEARLY_CLOSED, UNSTEADY = 60, 1e-12, 0.1, 1e-8, 30.0
 # Reused steps whose error exceeds the tolerance by this factor are chosen again before the cycle is accepted.
 ALLOWED = 10.0
 # Largest factor by which an energy is raised; smallest fraction, of its distance to the lower bound, to which it drops.
@@ -68,7 +69,9 @@ class CycleSearch(NamedTuple):
     rising : row
         1 if the energy rose in the last complete cycle.
     off, cycles : row
-        |P(E) − E|/E of the last cycle, and the number of cycles.
+        |P(E) − E|/E of the cycle found, and the number of cycles.
+    change : row
+        Correction by which Newton's method led to the current energy; infinite if it didn't [J].
     moved : row
         1 if any step was made.
     verdict : row
@@ -83,6 +86,7 @@ class CycleSearch(NamedTuple):
     rising: Row
     off: Row
     cycles: Row
+    change: Row
     moved: Row
     verdict: Row
     laying: Row
@@ -160,12 +164,13 @@ def judge_cycle(lane: int, fading: int, edges: int, task: WalkTask, room: CycleR
     newton, multiplier = math.nan, math.nan
     if whole:
         multiplier = math.exp(min(end[fading, lane], 700.0))
-        off, last = abs(after - before) / before, search.off[lane]
         newton = before + (after - before) / (1.0 - multiplier) if multiplier != 1.0 else math.nan
+        change, last = abs(newton - before), search.change[lane]
         unsure = in_lanes(room.walk.carried_errors)[0, lane] / abs(1.0 - multiplier)
-        settled = abs(newton - before) <= max(CLOSED * before, NEGLIGIBLE * unsure)
-        settled = settled or (abs(newton - before) <= NEARLY_CLOSED * before and off >= 0.5 * last)
-        search.off[lane] = off
+        # Newton's corrections fall quadratically, so the last two forecast the next one.
+        left = change * min(UNSTEADY * (change / last) ** 2, 1.0) if last < math.inf else change
+        settled = left <= max(CLOSED * before, NEGLIGIBLE * unsure)
+        settled = settled or (change <= NEARLY_CLOSED * before and 0.5 * last <= change)
         # If the work is too small to change the energy, keep the previous direction.
         search.rising[lane] = search.rising[lane] if after == before else 1.0 if after > before else 0.0
         first = search.low[lane] == 0.0 and not search.high[lane] < math.inf
@@ -173,10 +178,15 @@ def judge_cycle(lane: int, fading: int, edges: int, task: WalkTask, room: CycleR
             search.verdict[lane] = ANY_SPEED
             return
         if settled and (laid or own.worst[lane] <= ALLOWED):
-            search.verdict[lane] = OK
+            search.energy[lane], search.off[lane], search.verdict[lane] = (
+                newton,
+                left * abs(1.0 - multiplier) / newton,
+                OK,
+            )
             return
         if settled:
-            search.laying[lane], search.off[lane] = 1.0, math.inf
+            # New steps disturb the cycle, by less than the energy itself.
+            search.laying[lane], search.change[lane] = 1.0, newton
             begin_cycle(lane, newton, edges, task, room)
             return
         if after > before and before > search.low[lane]:
@@ -192,7 +202,9 @@ def judge_cycle(lane: int, fading: int, edges: int, task: WalkTask, room: CycleR
         search.verdict[lane] = RUNS_AWAY if away else STALLS if search.moved[lane] > 0.0 else NOT_FINITE
         return
     search.laying[lane] = 1.0 if not whole or own.kept[lane] <= 0.0 else 0.0
-    begin_cycle(lane, next_energy(whole, newton, multiplier, before, after, low, high), edges, task, room)
+    energy = next_energy(whole, newton, multiplier, before, after, low, high)
+    search.change[lane] = abs(newton - before) if energy == newton else math.inf
+    begin_cycle(lane, energy, edges, task, room)
 
 
 @routine
@@ -242,7 +254,8 @@ def find_cycles(
         first = b * LANES
         take_in(first, walks, task, room.walk)
         for lane in range(LANES):
-            search.low[lane], search.high[lane], search.off[lane] = 0.0, math.inf, math.inf
+            search.low[lane], search.high[lane], search.change[lane] = 0.0, math.inf, math.inf
+            search.off[lane] = math.inf
             search.stalls[lane], search.rising[lane], search.moved[lane] = 0.0, 0.0, 0.0
             search.cycles[lane], search.laying[lane] = 0.0, 1.0
             search.verdict[lane] = SEARCHING if own.why[lane] == GOING else OK

@@ -497,12 +497,12 @@ def look(end: int, printed: Printed, task: WalkTask, room: Room) -> None:
 
 @inlined
 def keep_place(stage: int, task: WalkTask, room: Room) -> None:
-    """Store the position-dependent values of a stage in the slot of each lane's trial step."""
+    """Store the position-dependent values of a stage in the slot of each lane's trial step, behind those it keeps."""
     own, kept, numbers = rows_of(room.lane), in_lanes(room.places), in_lanes(room.numbers)
-    most = room.lengths.shape[0] - 1
     for lane in range(LANES):
-        at = (min(max(int(own.kept[lane]), 0), most) * (task.stages + 1) + stage) * task.places
-        for i in range(task.places):
+        slot = int(own.kept[lane])
+        at = (slot * (task.stages + 1) + stage) * task.places
+        for i in range(task.places if 0 <= slot < room.lengths.shape[0] else 0):
             kept[at + i, lane] = numbers[task.first_place + i, lane]
 
 

@@ -90,6 +90,18 @@ def test_multiplier__is_the_slope_of_the_return_map(name):
     assert found["on.multiplier"] == pytest.approx(slope, rel=1e-5, abs=1e-9)
 
 
+def test_cycle_of_just_as_many_steps_as_are_kept__is_that_of_the_machine_alone():
+    """6 s: a ripple that makes a cycle take about 160 steps, at an accuracy near rounding."""
+    scene = scene_of("DC motor, cutting", {"on": steady("")})
+    scene["moments"]["ripple"] = {"type": "formula", "on": "crank", "moment": "-1 N m * cos(9 * phi)"}
+    machine = Machine(Scene.model_validate(scene), ["on.mean_speed"], varied=["flywheel.inertia"], accuracy=1e-11)
+    inertias = 0.2 * np.linspace(0.5, 3.0, 128)[:64]
+    together = machine.evaluate({"flywheel.inertia": inertias}).summaries["on.mean_speed"]
+    for i in (43, 44, 45):
+        alone = machine.evaluate({"flywheel.inertia": inertias[i : i + 1]}).summaries["on.mean_speed"]
+        assert together[i] == alone[0]
+
+
 def test_no_steady_motion__stalls_and_runs_away():
     weak = ask(
         slider_crank({"on": steady("dc load")}, flywheel=1.0),
