@@ -54,5 +54,5 @@ def chapter_text(name: str) -> str:
     """
     known = chapters()
     if name not in known:
-        raise InputError("guide", [(None, "", unknown_name_message(name, known))])
+        raise InputError.of("guide", unknown_name_message(name, known))
     return known[name].rstrip()

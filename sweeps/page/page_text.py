@@ -1,9 +1,11 @@
 """The page as text: its template with styles, scripts and data."""
 
 from collections.abc import Mapping
+from functools import partial
 from importlib.resources import files
 
 from sweeps.text.input_files import InputError
+from sweeps.text.versions import extra
 from sweeps.text.visible import visible
 
 # Separators of JSON without blanks.
@@ -23,12 +25,9 @@ def page_text(parts: Mapping[str, object]) -> str:
     InputError
         Jinja2 isn't installed.
     """
-    try:
+    with extra("report", "a page", partial(InputError.of, "report")):
         import jinja2
         from markupsafe import Markup
-    except ImportError as error:
-        mend = "pip install 'machine-sweeps[report]'"
-        raise InputError("report", [(None, "", f"a page needs {error.name}: {mend}")]) from None
     here = files("sweeps.page")
     names = ("page.js", "player.js", "variants.js", *(("watch.js",) if "version" in parts else ()))
     scripts = [Markup((here / name).read_text("utf8")) for name in names]
