@@ -114,13 +114,14 @@ from engine.parts.skeleton import (
     RPP,
     RPR,
     CrankInput,
-    DimensionMark,
     Hinged,
     Near,
     NonZero,
     PlainText,
     Sliding,
     Yoke,
+    field_dimension,
+    field_marks,
 )
 from engine.parts.skeleton import Number as PlainNumber
 from engine.parts.skeleton import Part as ScenePart
@@ -210,7 +211,6 @@ __all__ = [
     "Curve",
     "DCMotor",
     "Derivatives",
-    "DimensionMark",
     "DrawnWheel",
     "DriveCycle",
     "DriveRun",
@@ -318,6 +318,8 @@ __all__ = [
     "evaluate_tree",
     "even_firing_order",
     "even_steps",
+    "field_dimension",
+    "field_marks",
     "figure_text",
     "firing_angles",
     "firing_intervals",
