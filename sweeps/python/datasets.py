@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from engine import ElementsAlone, Machine, Outcome, Verdict, described_dimension, scene_numbers
+from sweeps.report.files.data_files import header
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run.columns import field_columns, number_columns, position_axis
 from sweeps.store import StoreError, open_dataset
@@ -158,12 +159,8 @@ def to_dataframe(
         import pandas
     data = to_xarray(outcome, machine, varied)
     names = [*varied, *(n for summary in outcome.summaries for n in (summary, f"{summary}_error"))]
-    columns = {_with_unit(name, data[name].attrs["units"]): data[name].values for name in names}
+    columns = {header(name, data[name].attrs["units"]): data[name].values for name in names}
     verdicts = [Verdict(code).name.lower() for code in outcome.status.tolist()]
     found = pandas.DataFrame(columns, index=pandas.RangeIndex(outcome.status.size, name="variant"))
     found.insert(len(varied), "verdict", verdicts)
     return found
-
-
-def _with_unit(name: str, unit: str) -> str:
-    return name if unit in ("", "1") else f"{name} [{unit}]"

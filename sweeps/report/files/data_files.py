@@ -119,12 +119,13 @@ def plain_number(value: float) -> float | int | None:
     return number if isinstance(number, int) or np.isfinite(number) else None
 
 
-def _header(name: str, units: str) -> str:
+def header(name: str, units: str) -> str:
+    """Header of a column, with its unit: "input.length [m]"."""
     return name if units in ("", "1") else f"{name} [{units}]"
 
 
 def _headers(table: Table) -> list[str]:
-    return [_header(name, table.units.get(name, "1")) for name in table.names]
+    return [header(name, table.units.get(name, "1")) for name in table.names]
 
 
 def _write_csv(out: Path, table: Table) -> None:

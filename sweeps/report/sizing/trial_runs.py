@@ -166,7 +166,7 @@ def trial_runs_text(path: Path, noise: str | None = None, holes: int | None = No
     columns = [
         ("plane", *(str(plane) for plane in found.planes)),
         ("add", *(f"{abs(weight):.4g} {unit}" for weight in found.weights)),
-        ("at", *(_degrees(weight) for weight in found.weights)),
+        ("at", *(degrees_text(weight) for weight in found.weights)),
     ]
     if holes is not None:
         columns.append((f"or in two of {holes} holes", *_in_holes(found.weights, holes, unit)))
@@ -177,7 +177,7 @@ def trial_runs_text(path: Path, noise: str | None = None, holes: int | None = No
     heads = ("sensor", "initial", *(f"plane {plane}, {per}" for plane in found.planes), "left")
     effects = [heads]
     for name, first, row, left in zip(runs.names, runs.initial, found.coefficients, found.left, strict=True):
-        shown = [_polar_text(c) if runs.phases else f"{abs(c):.4g}" for c in row]
+        shown = [f"{abs(c):.4g}" + (f" at {degrees_text(c)}" if runs.phases else "") for c in row]
         whole = abs(first)
         rest = f"{left:.2g} {runs.unit}" if left > 1e-9 * whole else f"0 {runs.unit}"
         effects.append((name, f"{whole:.4g} {runs.unit}", *shown, rest))
@@ -276,9 +276,6 @@ def _noise(runs: Runs, noise: str) -> float:
     return value / one
 
 
-def _degrees(number: complex) -> str:
+def degrees_text(number: complex) -> str:
+    """Angle of a complex number, from 0° to 360°."""
     return f"{np.degrees(np.angle(number)) % 360:.1f}°"
-
-
-def _polar_text(number: complex) -> str:
-    return f"{abs(number):.4g} at {_degrees(number)}"
