@@ -168,6 +168,7 @@ from engine.units.reading import (
     first_last_count,
     in_text,
     recognised,
+    shortened,
     text_pattern,
     unit_in,
 )
@@ -377,6 +378,7 @@ __all__ = [
     "seconds_of_runs",
     "set_threads",
     "shaken",
+    "shortened",
     "show_errors",
     "show_system",
     "show_units",

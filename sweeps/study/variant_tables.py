@@ -9,6 +9,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from engine import shortened
 from sweeps.store import StoreError, describe_result, read_columns
 from sweeps.text.csv_text import TableColumn, read_csv
 from sweeps.text.input_files import InputError, check_file
@@ -16,8 +17,6 @@ from sweeps.text.versions import extra
 
 # Maximum size of a binary table [bytes].
 LARGEST_BINARY = 4_000_000_000
-# Maximum length of a column name in a message.
-LONGEST_NAME = 60
 
 
 def read_variant_table(path: Path) -> dict[str, TableColumn]:
@@ -45,7 +44,7 @@ def read_variant_table(path: Path) -> dict[str, TableColumn]:
         raise InputError.of(path.name, "has no columns of numbers")
     for name, (_, column) in columns.items():
         if column.ndim != 1 or column.dtype.kind not in "fiu":
-            raise InputError.of(path.name, f"column {_shown(name)} is not numeric: remove it")
+            raise InputError.of(path.name, f"column {shortened(name)!r} is not numeric: remove it")
     if len({column.size for _, column in columns.values()}) > 1:
         raise InputError.of(path.name, "has columns of different lengths")
     return {name: TableColumn(path.name, name, unit, column.astype(float)) for name, (unit, column) in columns.items()}
@@ -60,7 +59,7 @@ def _from_parquet(path: Path) -> dict[str, tuple[str, np.ndarray]]:
         for title, column in zip(table.column_names, table.columns, strict=True):
             name, _, unit = title.rstrip("]").partition("[")
             if name.strip() in columns:
-                raise InputError.of(path.name, f"column {_shown(name.strip())} is given twice")
+                raise InputError.of(path.name, f"column {shortened(name.strip())!r} is given twice")
             columns[name.strip()] = unit, column.to_numpy()
         return columns
 
@@ -110,10 +109,6 @@ def _check_rows(path: Path, rows: int, columns: int) -> None:
     if 8 * rows * columns > LARGEST_BINARY:
         most = f"more than the allowed {LARGEST_BINARY / 8e6:.0f} million numbers"
         raise InputError.of(path.name, f"has {rows} rows of {columns} columns, {most}")
-
-
-def _shown(name: str) -> str:
-    return repr(name if len(name) <= LONGEST_NAME else name[: LONGEST_NAME - 3] + "...")
 
 
 def _unit_of(column: h5py.Dataset) -> str:

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from engine import Scene, Verdict, described_dimension, quantity_text, scene_numbers
+from engine import Scene, Verdict, described_dimension, quantity_text, scene_numbers, shortened
 from sweeps.report.answers.shown_results import shown_parameters, shown_summaries
 from sweeps.report.answers.unmet_conditions import no_answer_text
 from sweeps.report.result_report import value_text
@@ -149,8 +149,7 @@ def _texts(scene: Scene) -> Iterator[tuple[str, Any]]:
 
 def _shown(value: object) -> str:
     value = ", ".join(map(str, value)) if isinstance(value, list) else value
-    text = str(value) if value not in ("", None) else "nothing"
-    return text if len(text) <= 60 else text[:57] + "..."
+    return shortened(str(value) if value not in ("", None) else "nothing")
 
 
 class _Pairs(NamedTuple):
