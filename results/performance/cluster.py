@@ -7,6 +7,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -96,8 +97,7 @@ def variant_time(study: Study) -> float:
 def paired_ratios(study: Study, client: Client, block: int) -> np.ndarray:
     """What a run takes with a cluster over what it takes without: the worker, worker and client (pairs, 2)."""
     asked = again_and_again(study, block * BLOCKS)
-    runner.measured_block_size = lambda study, machine: block
-    Crew.block_size = lambda self: block
+    runner.block_size = lambda *_: block
     found = []
     with tempfile.TemporaryDirectory() as folder:
         # The first pair loads machine code.
@@ -168,7 +168,7 @@ def paper_rows(fetch: float, write: float, job: float) -> Iterator[str]:
         study = read_study(bundled_studies()[name])
         seconds, row, cores = variant_time(study), row_bytes(study), HOSTS * THREADS
         many = again_and_again(study, LARGEST_BLOCK)
-        blocks = VARIANTS / block_size(many, many.machine(), seconds / THREADS)
+        blocks = VARIANTS / block_size(many, many.machine(), partial(float, seconds / THREADS))
         parts = {
             "workers": VARIANTS * seconds / cores,
             "network": VARIANTS * row / NETWORK,
