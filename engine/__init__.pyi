@@ -114,13 +114,14 @@ from engine.parts.skeleton import (
     RPP,
     RPR,
     CrankInput,
-    DimensionMark,
     Hinged,
     Near,
     NonZero,
     PlainText,
     Sliding,
     Yoke,
+    field_dimension,
+    field_marks,
 )
 from engine.parts.skeleton import Number as PlainNumber
 from engine.parts.skeleton import Part as ScenePart
@@ -167,6 +168,7 @@ from engine.units.reading import (
     first_last_count,
     in_text,
     recognised,
+    shortened,
     text_pattern,
     unit_in,
 )
@@ -210,7 +212,6 @@ __all__ = [
     "Curve",
     "DCMotor",
     "Derivatives",
-    "DimensionMark",
     "DrawnWheel",
     "DriveCycle",
     "DriveRun",
@@ -320,6 +321,8 @@ __all__ = [
     "evaluate_tree",
     "even_firing_order",
     "even_steps",
+    "field_dimension",
+    "field_marks",
     "figure_text",
     "firing_angles",
     "firing_intervals",
@@ -376,6 +379,7 @@ __all__ = [
     "seconds_of_runs",
     "set_threads",
     "shaken",
+    "shortened",
     "show_errors",
     "show_system",
     "show_units",

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from engine.compiling.decorators import scalar
 from engine.compiling.instructions import chosen
-from engine.words.glossary import nearest
+from engine.words.glossary import listed
 
 INTERPOLATIONS = ("linear", "pchip", "spline")
 OUTSIDE = ("hold", "zero")
@@ -275,9 +275,7 @@ def entry_from(memory: np.ndarray, index: float, at: float, x: float, before: fl
 
 def _check_name(key: str, name: str, allowed: tuple[str, ...]) -> None:
     if name not in allowed:
-        near = nearest(str(name), allowed)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
-        raise TableError(f"{key} = {name!r}: choose one of {', '.join(map(repr, allowed))}{hint}")
+        raise TableError(f"{key} = {name!r}; {listed(str(name), allowed, 'choose one of')}")
 
 
 def _numbers(x: ArrayLike, y: ArrayLike, names: tuple[str, str]) -> tuple[np.ndarray, np.ndarray]:

@@ -10,13 +10,11 @@ from engine.scene.pairs import pairs
 from engine.scene.scene import Scene, SceneNumber, within_limits
 from engine.units.display import quantity_text
 from engine.units.reading import UnitError, in_text
-from engine.words.glossary import did_you_mean, nearest
+from engine.words.glossary import did_you_mean, nearest_or_known
 from engine.words.verdicts import Verdict
 
 # Kernels store rows at a fixed distance.
 MOST_POSITIONS = 1_048_576
-# Known names listed in the message on an unknown name.
-MOST_LISTED = 8
 # Lengths that all exceed the scene's by this factor are probably millimetres without a unit.
 OUT_OF_SCALE = 100.0
 
@@ -93,12 +91,8 @@ def check_names(names: Iterable[str], known: Iterable[str], kind: str) -> None:
     known = list(known)
     for name in names:
         if name not in known:
-            near, owner = nearest(name, known, 3), name.partition(".")[0]
-            hint = f"; did you mean {' or '.join(repr(n) for n in near)}?" if near else ""
-            if not near:
-                own = [n for n in known if n.startswith(f"{owner}.")] or sorted(known)
-                hint = f"; known are {', '.join(own[:MOST_LISTED])}{', ...' if len(own) > MOST_LISTED else ''}"
-            raise AskError(f"{name!r} is not a {kind} of this scene{hint}")
+            own = [n for n in known if n.startswith(f"{name.partition('.')[0]}.")] or sorted(known)
+            raise AskError(f"{name!r} is not a {kind} of this scene; {nearest_or_known(name, known, own)}")
 
 
 def full_names(scene: Scene, text: str) -> str:

@@ -6,6 +6,7 @@ from pydantic import Field, model_validator
 
 from engine.laws.friction.coefficients import SLIDING, STATIC_AND_KINETIC
 from engine.parts.skeleton import Angle, Number, Part, Positive, Speed
+from engine.words.glossary import did_you_mean
 
 # Kinetic coefficients; the middle of a range.
 MATERIALS = {name: (pair.low + pair.high) / 2 for name, pair in SLIDING.items()}
@@ -44,7 +45,7 @@ class PairFriction(Part):
         if (self.coefficient is None) == (self.material is None):
             raise ValueError("give coefficient or material, one of the two")
         if self.material is not None and self.material not in MATERIALS:
-            raise ValueError(f"material {self.material!r} is not known; known are: {', '.join(sorted(MATERIALS))}")
+            raise ValueError(f"material {self.material!r} is not known; {did_you_mean(self.material, MATERIALS)}")
         if (self.static_coefficient is None) != (self.stribeck_speed is None):
             raise ValueError("static_coefficient and stribeck_speed belong together: give both, or neither")
         if self.contact is not None and self.above_prismatic is not None:

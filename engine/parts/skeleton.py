@@ -16,7 +16,7 @@ Plain numbers are SI; text takes units ("80 mm").
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache
 from typing import Annotated, ClassVar, Literal, NamedTuple, get_args, get_origin
 
@@ -191,13 +191,22 @@ class Part(BaseModel):
         return {path: np.array([number.value]) for path, number in self.numbers_within()}
 
 
-def _marks(annotation: object, metadata: list) -> list:
-    """All marks in a field's annotation, including those inside optionals."""
+def field_marks(field: FieldInfo) -> list:
+    """All marks of a field, including those of entries and inside optionals."""
+    return _marks(field.annotation, field.metadata)
+
+
+def field_dimension(field: FieldInfo) -> str | None:
+    """Dimension of the numbers in a field; None if it has none."""
+    return next((str(mark) for mark in field_marks(field) if isinstance(mark, DimensionMark)), None)
+
+
+def _marks(annotation: object, metadata: Iterable) -> list:
     found = []
     for mark in metadata:
         found += mark.metadata if isinstance(mark, FieldInfo) else [mark]
     for inner in get_args(annotation):
-        found += _marks(inner, list(getattr(inner, "__metadata__", ())))
+        found += _marks(inner, getattr(inner, "__metadata__", ()))
     return found
 
 
@@ -205,9 +214,7 @@ def _marks(annotation: object, metadata: list) -> list:
 def _marked(kind: type[Part], key: str) -> tuple[str | None, tuple]:
     """Dimension and limits of a number in a kind of part."""
     field = kind.model_fields[key]
-    marks = _marks(field.annotation, field.metadata)
-    dimension = next((str(m) for m in marks if isinstance(m, DimensionMark)), None)
-    return dimension, tuple(m for m in marks if isinstance(m, (Gt, Ge, Lt, Le, NonZero)))
+    return field_dimension(field), tuple(m for m in field_marks(field) if isinstance(m, (Gt, Ge, Lt, Le, NonZero)))
 
 
 @cache
@@ -217,7 +224,7 @@ def _referred(kind: type[Part], key: str) -> str | None:
     if get_origin(field.annotation) is dict:
         marks = _marks(tuple[get_args(field.annotation)[0]], [])
     else:
-        marks = _marks(field.annotation, field.metadata)
+        marks = field_marks(field)
     return next((mark.kind for mark in marks if isinstance(mark, Refers)), None)
 
 

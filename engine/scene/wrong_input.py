@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel, Tag, ValidationError
 
 from engine.elements.element import Element, element_kinds
-from engine.units.reading import in_text
-from engine.words.glossary import nearest
+from engine.units.reading import in_text, shown
+from engine.words.glossary import listed
 
 # Maximum number of problems reported at once.
 MOST_PROBLEMS = 20
@@ -77,20 +77,14 @@ def _keys(data: object, error: dict) -> list[str | int]:
     return keys
 
 
-def _shown(value: object) -> str:
-    shown = repr(value)
-    return shown if len(shown) <= 60 else shown[:57] + "..."
-
-
 def _message(model: type[BaseModel], error: dict, keys: list[str | int]) -> str:
     kind, value, context = error["type"], error["input"], error.get("ctx", {})
     last = str(keys[-1]) if keys else ""
     hints: dict[str, str] = getattr(model, "hints", {})
     match kind:
         case "extra_forbidden":
-            allowed = _fields_at(model, error["loc"][:-1])
             hint = f"; {hints[last]}" if last in hints else ""
-            return "unknown key" + _allowed(last, allowed) + hint
+            return f"unknown key; {listed(last, _fields_at(model, error['loc'][:-1]), 'allowed')}{hint}"
         case "missing" if isinstance(error["loc"][-1], str):
             choices = bare_annotation(_annotation_at(model, error["loc"]))
             words = f"add one of {', '.join(get_args(choices))}" if get_origin(choices) is Literal else "add it"
@@ -100,20 +94,18 @@ def _message(model: type[BaseModel], error: dict, keys: list[str | int]) -> str:
         case "union_tag_invalid":
             allowed = re.findall(r"'([^']+)'", context.get("expected_tags", ""))
             tag = str(context.get("tag"))
-            return f"type {tag!r} is not known" + _allowed(tag, allowed)
+            return f"type {tag!r} is not known; {listed(tag, allowed, 'allowed')}"
         case "union_tag_not_found":
             return "the key 'type' is missing: add it"
         case "literal_error":
-            allowed = re.findall(r"'([^']+)'", context["expected"])
-            return f"{_shown(value)} is not allowed" + (
-                _allowed(str(value), allowed) or f"; allowed: {context['expected']}"
-            )
+            allowed = re.findall(r"'([^']+)'", context["expected"]) or [context["expected"]]
+            return f"{shown(value)} is not allowed; {listed(str(value), allowed, 'allowed')}"
         case "greater_than" | "greater_than_equal" | "less_than" | "less_than_equal":
             words = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
             bound = next(f"{words[k]} {_as_given(context[k], value)}" for k in words if k in context)
-            return f"must be {bound}, got {_shown(value)}"
+            return f"must be {bound}, got {shown(value)}"
         case "string_pattern_mismatch":
-            return f"{_shown(value)} is not a name: use letters, digits and single underscores, a letter first"
+            return f"{shown(value)} is not a name: use letters, digits and single underscores, a letter first"
         case "value_error":
             return str(context["error"])
         case "too_short":
@@ -122,9 +114,9 @@ def _message(model: type[BaseModel], error: dict, keys: list[str | int]) -> str:
             return f"has too many entries: {context['actual_length']}, at most {context['max_length']}"
         case _ if "url" not in error:
             # Errors of the project's own, not of the validator.
-            return f"{error['msg']}, got {_shown(value)}"
+            return f"{error['msg']}, got {shown(value)}"
         case _:
-            return f"expected {error['expected'] or 'another value'}, got {_shown(value)}"
+            return f"expected {error['expected'] or 'another value'}, got {shown(value)}"
 
 
 # Units of limits; other limits are 0.
@@ -137,13 +129,6 @@ def _as_given(bound: float, value: object) -> str:
     if bound == 0 or unit not in _OWN_UNITS:
         return f"{bound:g}"
     return f"{bound / in_text(f'1 {unit}', _OWN_UNITS[unit]):g} {unit}"
-
-
-def _allowed(name: str, allowed: list[str]) -> str:
-    if not allowed:
-        return ""
-    near = nearest(name, allowed)
-    return f"; allowed: {', '.join(allowed)}" + (f"; did you mean {near[0]!r}?" if near else "")
 
 
 def _annotation_at(model: type[BaseModel], loc: tuple[str | int, ...]) -> Any:

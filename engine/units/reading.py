@@ -152,7 +152,6 @@ percent = 0.01
 
 UNIT_NAMES = tuple(line.partition(" ")[0] for line in _DEFINITIONS)
 
-_LONGEST_SHOWN = 60
 # Every legitimate quantity is far shorter; the bound keeps hostile texts cheap.
 _LONGEST = 100
 # Decimal arithmetic keeps "9 mm" at 0.009, where binary 9 * 1e-3 gives 0.009000000000000001; 40 digits leave
@@ -213,7 +212,7 @@ def to_si(value: str | float | int, dimension: str) -> float:
     if isinstance(value, str):
         return _read_text(value, dimension)
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
-        raise UnitError(f"expected {with_example(dimension)}, got {_shown(value)}")
+        raise UnitError(f"expected {with_example(dimension)}, got {shown(value)}")
     return _in_range(value, "the number", in_words(dimension))
 
 
@@ -320,18 +319,21 @@ def _read_text(text: str, dimension: str) -> float:
             raise UnitError(f"{text!r} is not a finite {in_words(dimension)}") from None
 
 
-def _shown(value: object) -> str:
+def shown(value: object) -> str:
     """A value for a message, in the spelling of scenes."""
     if isinstance(value, bool | np.bool_):
         return str(value).lower()
-    shown = str(value) if isinstance(value, datetime.date | datetime.time) else repr(value)
-    return shown if len(shown) <= _LONGEST_SHOWN else f"{shown[:_LONGEST_SHOWN]}..."
+    return shortened(str(value) if isinstance(value, datetime.date | datetime.time) else repr(value))
+
+
+def shortened(text: str, most: int = 60) -> str:
+    """A text for a message, without what exceeds `most` characters."""
+    return text if len(text) <= most else f"{text[: most - 3]}..."
 
 
 def _stripped(text: str, expected: str) -> str:
     if len(text) > _LONGEST:
-        begin = text[:20] + "..."
-        raise UnitError(f"expected {expected}, got a text of {len(text)} characters: {begin!r}")
+        raise UnitError(f"expected {expected}, got a text of {len(text)} characters: {shortened(text, 23)!r}")
     return text.strip().replace("\N{MINUS SIGN}", "-")
 
 

@@ -170,10 +170,14 @@ def nearest(name: str, known: Iterable[str], count: int = 1) -> list[str]:
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """Ending of a message about an unknown name: what is allowed, and the nearest of it."""
-    known = sorted(known)
+    return listed(name, sorted(known), "known are")
+
+
+def listed(name: str, known: Iterable[str], lead: str) -> str:
+    """As `did_you_mean`, in the order of the known names and with another lead: "allowed: mm, SI, US"."""
+    known = list(known)
     near = nearest(name, known)
-    listed = ", ".join(known) if known else "none"
-    return f"known are: {listed}" + (f"; did you mean {near[0]!r}?" if near else "")
+    return f"{lead}: {', '.join(known) or 'none'}" + (f"; did you mean {near[0]!r}?" if near else "")
 
 
 def unknown_name_message(name: str, known: Iterable[str]) -> str:
@@ -192,10 +196,14 @@ def unknown_name_message(name: str, known: Iterable[str]) -> str:
         For instance "unknown name 'input.lenght'; did you mean 'input.length'?".
     """
     known = sorted(known)
-    close = nearest(name, known, 3)
-    if close:
-        return f"unknown name '{name}'; did you mean {' or '.join(map(repr, close))}?"
-    if not known:
-        return f"unknown name '{name}'; no names are known here"
-    more = f" and {len(known) - MOST_LISTED} more" if len(known) > MOST_LISTED else ""
-    return f"unknown name '{name}'; known are {', '.join(known[:MOST_LISTED])}{more}"
+    return f"unknown name '{name}'; {nearest_or_known(name, known, known)}"
+
+
+def nearest_or_known(name: str, known: Sequence[str], akin: Sequence[str]) -> str:
+    """Ending of a message about an unknown name: the nearest of the known names, else the first of those akin."""
+    if close := nearest(name, known, 3):
+        return f"did you mean {' or '.join(map(repr, close))}?"
+    if not akin:
+        return "no names are known here"
+    more = f" and {len(akin) - MOST_LISTED} more" if len(akin) > MOST_LISTED else ""
+    return f"known are {', '.join(akin[:MOST_LISTED])}{more}"

@@ -76,10 +76,10 @@ def export(
 
     if to.suffix not in (*TABLES, *DRAWINGS, ".toml"):
         allowed = ", ".join((*TABLES, *DRAWINGS, ".toml"))
-        raise InputError(str(to), [(None, "--to", f"ending {to.suffix!r}: allowed are {allowed}")])
+        raise InputError.of(str(to), f"ending {to.suffix!r}: allowed are {allowed}", key="--to")
     if history and to.suffix not in TABLES:
         message = f"writes a table, {', '.join(TABLES)}, not {to.suffix!r}"
-        raise InputError(str(to), [(None, "--history", message)])
+        raise InputError.of(str(to), message, key="--history")
 
     if is_result(file):
         tell_altered(file)

@@ -87,7 +87,7 @@ def machine_of(file: str, variant: int | None, settings: Sequence[str] = ()) -> 
     if variant is None:
         return (*_set_anew(study.scene, {}, settings), study.name)
     if not 0 <= variant < study.design.size:
-        raise InputError(file, [(None, "variant", f"{variant} is not one of 0 … {study.design.size - 1}")])
+        raise InputError.of(file, f"{variant} is not one of 0 … {study.design.size - 1}", key="variant")
     values, _ = study.values(variant, variant + 1)
     return (*_set_anew(study.scene, {p: float(values[p][0]) for p in study.paths}, settings), f"{study.name}_{variant}")
 
@@ -164,7 +164,7 @@ def positions_of(scene: Scene, text: str) -> tuple[float, ...]:
     try:
         return tuple(in_text(f"{part} deg" if turns and part[-1].isdigit() else part, dimension) for part in parts)
     except UnitError as error:
-        raise InputError("--at", [(None, "", f"{error}; for example --at {mend}")]) from None
+        raise InputError.of("--at", f"{error}; for example --at {mend}") from None
 
 
 def read_at(scene: Scene, text: str, names: Sequence[str] = ()) -> Readings:
@@ -187,7 +187,7 @@ def read_at(scene: Scene, text: str, names: Sequence[str] = ()) -> Readings:
     """
     times = [_time(part) for part in text.split(",") if part.strip()]
     if not times:
-        raise InputError("--at", [(None, "", "no positions; for example --at 0,60,120")])
+        raise InputError.of("--at", "no positions; for example --at 0,60,120")
     if None not in times and times:
         # Only regimes need compiled code.
         from sweeps.report.readings_in_time import readings_in_time
@@ -196,7 +196,7 @@ def read_at(scene: Scene, text: str, names: Sequence[str] = ()) -> Readings:
         unknown = [name for name in names if name not in found.values]
         if unknown:
             message = f"{unknown[0]!r} is not available at an instant; available: {', '.join(found.values)}"
-            raise InputError("--at", [(None, "", message)])
+            raise InputError.of("--at", message)
         kept = names or found.values
         return found._replace(values={name: found.values[name] for name in kept})
     return readings_at(scene, positions_of(scene, text), names)

@@ -43,7 +43,7 @@ def report(file: str, out: Path | None) -> None:
         study = read_study(text)
         if study.design.size > 1:
             mend = f"run it first, `sweeps run {file}`, then report its result, results/{study.name}.h5"
-            raise InputError(file, [(None, "", f"is a study of {study.design.size} variants: {mend}")])
+            raise InputError.of(file, f"is a study of {study.design.size} variants: {mend}")
         with scratch_folder() as folder, doing("Writing the page"):
             write_page(run_study(study, folder / f"{study.name}.h5"), out)
     tell(f"Wrote {out}")
@@ -65,7 +65,7 @@ def watch(file: str) -> None:
     from sweeps.text.input_files import InputError
 
     if is_result(file):
-        raise InputError(file, [(None, "", "is a result, which doesn't change; sweeps report makes its page")])
+        raise InputError.of(file, "is a result, which doesn't change; sweeps report makes its page")
     page = WatchedPage(find_study(file).name, lambda: machine_of(file, None), foreseen_errors())
     with PageServer(page) as server, keeping(lambda: "the page isn't served any more"):
         Thread(target=server.serve_forever, daemon=True).start()

@@ -204,7 +204,7 @@ def variants_only(where: tuple[str, ...], is_sweep: bool) -> None:
     from sweeps.text.input_files import InputError
 
     if where and not is_sweep:
-        raise InputError("--where", [(None, "", "chooses variants of a whole result file; here there is one machine")])
+        raise InputError.of("--where", "chooses variants of a whole result file; here there is one machine")
 
 
 def tell_data(data: object) -> None:
@@ -366,7 +366,7 @@ def make_folder(path: Path) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(str(path.parent), [(None, "", f"can't be made: {error.strerror}")]) from None
+        raise InputError.of(str(path.parent), f"can't be made: {error.strerror}") from None
 
 
 def write_text(path: Path, text: str, replace: bool = False) -> None:
@@ -388,10 +388,10 @@ def write_text(path: Path, text: str, replace: bool = False) -> None:
     from sweeps.text.whole_files import whole_file
 
     if path.exists() and not replace:
-        raise InputError(str(path), [(None, "", "exists already; name another file with --out")])
+        raise InputError.of(str(path), "exists already; name another file with --out")
     make_folder(path)
     try:
         with whole_file(path) as draft:
             draft.write_text(text, encoding="utf8")
     except OSError as error:
-        raise InputError(str(path), [(None, "", f"can't be written: {error.strerror}")]) from None
+        raise InputError.of(str(path), f"can't be written: {error.strerror}") from None

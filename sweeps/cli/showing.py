@@ -80,7 +80,7 @@ def show(
     from sweeps.text.input_files import InputError
 
     if settings or variant is not None:
-        raise InputError(str(file), [(None, "", "--set and --variant require --at, which shows one machine")])
+        raise InputError.of(str(file), "--set and --variant require --at, which shows one machine")
     result = SweepResult(file)
     result.show_own_units()
     tell_altered(file)
@@ -256,7 +256,7 @@ def orders(file: str | None, out: Path | None, variant: int | None) -> None:
         scene, values, _ = machine_of(file, variant)
         rows = engine_rows(with_values(scene, values))
         if not rows:
-            raise InputError(file, [(None, "elements", 'has no engine; add [elements.NAME] with type = "engine"')])
+            raise InputError.of(file, 'has no engine; add [elements.NAME] with type = "engine"', key="elements")
     tell(order_table(rows, markdown=False).removesuffix("\n"))
     if out is not None:
         order_picture(out, rows)

@@ -75,7 +75,7 @@ def balance_command(
 
     if (file is None) == (trial_runs is None):
         message = "give either a scene, study or result to balance, or --trial-runs with a table of readings"
-        raise InputError("balance", [(None, "", message)])
+        raise InputError.of("balance", message)
     if trial_runs is not None:
         from sweeps.report.sizing.trial_runs import trial_runs_text
 

@@ -57,5 +57,5 @@ def chapter_text(name: str) -> str:
     """
     known = chapters()
     if name not in known:
-        raise InputError("guide", [(None, "", unknown_name_message(name, (*known, *GENERATED)))])
+        raise InputError.of("guide", unknown_name_message(name, (*known, *GENERATED)))
     return known[name].rstrip()

@@ -3,11 +3,13 @@
 import re
 import shutil
 from collections.abc import Callable, Mapping
+from functools import partial
 from importlib.resources import files
 from pathlib import Path
 
 from sweeps.guide.chapters import REFERENCE, SUBJECTS
 from sweeps.text.input_files import InputError
+from sweeps.text.versions import extra
 from sweeps.text.whole_files import scratch_folder
 
 _SETTINGS = {
@@ -50,14 +52,11 @@ def build_site(reference: Mapping[str, Callable[[], str]], folder: Path) -> Path
     InputError
         Sphinx or its extensions aren't installed, or the site can't be written.
     """
-    try:
+    with extra("guide", "the site", partial(InputError.of, "--web")):
         import furo  # noqa: F401
         import myst_parser  # noqa: F401
         from sphinx.application import Sphinx
         from sphinx.util.docutils import docutils_namespace
-    except ImportError as error:
-        mend = "pip install 'machine-sweeps[guide]'"
-        raise InputError("--web", [(None, "", f"the site needs {error.name}: {mend}")]) from None
     folder = folder.resolve()
     try:
         with scratch_folder() as scratch, docutils_namespace():
@@ -66,7 +65,7 @@ def build_site(reference: Mapping[str, Callable[[], str]], folder: Path) -> Path
             app = Sphinx(source, None, folder, scratch / "work", "html", _SETTINGS, status=None)
             app.build()
     except OSError as error:
-        raise InputError(str(folder), [(None, "", f"can't be written: {error.strerror}")]) from None
+        raise InputError.of(str(folder), f"can't be written: {error.strerror}") from None
     return folder / "index.html"
 
 

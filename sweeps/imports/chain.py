@@ -6,10 +6,13 @@ from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 from engine import Scene, SceneError
-from sweeps.text.input_files import InputError
 
 # Valid scene names.
 _UNALLOWED = re.compile("[^A-Za-z0-9]+")
+
+
+class LinkageError(ValueError):
+    """Another program's linkage that is damaged, or that no scene can describe; the message says why."""
 
 
 class GuidedOnFrame(NamedTuple):
@@ -24,8 +27,6 @@ class Chain(NamedTuple):
 
     Attributes
     ----------
-    source : str
-        Name of the file, for messages.
     title : str
     joints : dict of str to complex
         Positions of joints and points, x + iy [m].
@@ -43,7 +44,6 @@ class Chain(NamedTuple):
         Crank speed with unit.
     """
 
-    source: str
     title: str
     joints: dict[str, complex]
     links: dict[str, list[str]]
@@ -52,10 +52,6 @@ class Chain(NamedTuple):
     crank: str
     pivot: str
     speed: str
-
-    def refused(self, message: str) -> InputError:
-        """An error in this linkage."""
-        return InputError(self.source, [(None, "", message)])
 
 
 def chain_scene(chain: Chain) -> Scene:
@@ -67,7 +63,7 @@ def chain_scene(chain: Chain) -> Scene:
 
     Raises
     ------
-    InputError
+    LinkageError
         The links can't be ordered into dyads (RRR or RRP), or the scene is invalid.
     """
     return _Builder(chain).scene()
@@ -106,7 +102,7 @@ class _Builder:
             found = next(self._dyads(left), None)
             if found is None:
                 words = ", ".join(left)
-                raise chain.refused(
+                raise LinkageError(
                     f"the links {words} can't be split into dyads; describe them under [links] of a scene "
                     "(`sweeps guide links`)"
                 )
@@ -116,7 +112,7 @@ class _Builder:
         try:
             return Scene.model_validate(self.data)
         except SceneError as error:
-            raise chain.refused(": ".join(error.problems[0])) from None
+            raise LinkageError(": ".join(error.problems[0])) from None
 
     def _pin(self) -> str:
         """Crank joint that drives other links."""
@@ -124,7 +120,7 @@ class _Builder:
         others = [j for name, members in chain.links.items() if name != chain.crank for j in members]
         pins = [j for j in chain.links[chain.crank] if j in others and j != chain.pivot]
         if not pins:
-            raise chain.refused(f"the crank {chain.crank} moves no other link")
+            raise LinkageError(f"the crank {chain.crank} moves no other link")
         return pins[0]
 
     def _dyads(self, left: dict[str, list[str]]) -> Iterable[tuple[str, str, str]]:
@@ -178,7 +174,7 @@ class _Builder:
         """Mark the joints of a newly placed link as known; those that define its axes keep their names."""
         for name in self.chain.links[link]:
             if name in self.known and name not in own:
-                raise self.chain.refused(f"the link {link} is fixed at {own[0]} and at {name}: it can't move")
+                raise LinkageError(f"the link {link} is fixed at {own[0]} and at {name}: it can't move")
             if name not in own:
                 self._point(name, link, origin, along / abs(along))
         self.known |= {*self.chain.links[link], *own}

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 from engine import Scene
-from sweeps.imports.chain import chain_scene
+from sweeps.imports.chain import Chain, LinkageError, chain_scene
 from sweeps.imports.pmks_plus_addresses import is_pmks_plus_address, pmks_plus_chain
 from sweeps.imports.pmks_texts import pmks_chain
 from sweeps.imports.pylinkage_files import pylinkage_chain
@@ -28,16 +28,23 @@ def import_scene(path: Path | str, unit: float | None = None, speed: str | None 
         The file can't be read, or its linkage can't be converted to a scene.
     """
     text = read_text(Path(path))
+    try:
+        return chain_scene(_chain(text, unit, speed))
+    except LinkageError as error:
+        raise InputError.of(str(path), str(error)) from None
+
+
+def _chain(text: str, unit: float | None, speed: str | None) -> Chain:
     if is_pmks_plus_address(text):
-        return chain_scene(pmks_plus_chain(text, str(path), unit, speed))
+        return pmks_plus_chain(text, unit, speed)
     unit, speed = 1e-3 if unit is None else unit, speed or "60 rpm"
     if not text.lstrip().startswith(("{", "[")):
-        return chain_scene(pmks_chain(text, str(path), unit, speed))
+        return pmks_chain(text, unit, speed)
     try:
         data = json.loads(text)
     except (ValueError, RecursionError) as error:
         why = "nested too deep" if isinstance(error, RecursionError) else error
-        raise InputError(str(path), [(None, "", f"is not JSON: {why}")]) from None
+        raise LinkageError(f"is not JSON: {why}") from None
     if not isinstance(data, dict) or "joints" not in data:
-        raise InputError(str(path), [(None, "", "has no list of joints; pylinkage files have one")])
-    return chain_scene(pylinkage_chain(data, str(path), unit, speed))
+        raise LinkageError("has no list of joints; pylinkage files have one")
+    return pylinkage_chain(data, unit, speed)

@@ -10,8 +10,7 @@ import re
 from typing import NamedTuple
 from urllib.parse import unquote
 
-from sweeps.imports.chain import Chain, GuidedOnFrame
-from sweeps.text.input_files import InputError
+from sweeps.imports.chain import Chain, GuidedOnFrame, LinkageError
 
 _DIGITS = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_-"
 _IN_CHECK = 62
@@ -35,15 +34,13 @@ def is_pmks_plus_address(text: str) -> bool:
     return _ADDRESS.fullmatch(unquote(text.strip())) is not None
 
 
-def pmks_plus_chain(text: str, source: str, unit: float | None, speed: str | None) -> Chain:
+def pmks_plus_chain(text: str, unit: float | None, speed: str | None) -> Chain:
     """Linkage of a PMKS+ address; masses and forces are ignored.
 
     Parameters
     ----------
     text : str
         The address.
-    source : str
-        Name of the file, for messages.
     unit : float, optional
         Length unit [m] (default: as in the address).
     speed : str, optional
@@ -51,45 +48,39 @@ def pmks_plus_chain(text: str, source: str, unit: float | None, speed: str | Non
 
     Raises
     ------
-    InputError
+    LinkageError
         The address is damaged or in an older format, or its linkage can't be converted to a scene.
     """
-    return _Address(text, source).chain(unit, speed)
+    return _Address(text).chain(unit, speed)
 
 
 class _Address:
-    def __init__(self, text: str, source: str) -> None:
-        self.source = source
+    def __init__(self, text: str) -> None:
         whole = _ADDRESS.fullmatch(unquote(text.strip()))[1]
         if _DIGITS[(len(whole) - 1) % _IN_CHECK] != whole[-1]:
-            raise self._refused(
-                "the address is incomplete: its check character doesn't match its length; copy it again"
-            )
+            raise LinkageError("the address is incomplete: its check character doesn't match its length; copy it again")
         self.switches, _, self.integers, self.choices, *sections = whole[:-1].split(".")
         if "" not in sections:
-            raise self._refused("the address ends within its joints; copy it again")
+            raise LinkageError("the address ends within its joints; copy it again")
         end = sections.index("")
         rest = sections[end + 1 :]
         self.joints = dict(self._joint(section) for section in sections[:end])
         self.links = [self._link(section) for section in rest[: rest.index("") if "" in rest else len(rest)]]
 
-    def _refused(self, message: str) -> InputError:
-        return InputError(self.source, [(None, "", message)])
-
     def _integer(self, text: str, signed: bool = True) -> int:
         value = 0
         for digit in text:
             if digit not in _DIGITS:
-                raise self._refused(f"{text!r} is not a number in the notation of PMKS+ addresses")
+                raise LinkageError(f"{text!r} is not a number in the notation of PMKS+ addresses")
             value = value * len(_DIGITS) + _DIGITS.index(digit)
         return -value if signed and len(text) > 1 and text[0] == "0" else value
 
     def _joint(self, section: str) -> tuple[str, _Joint]:
         first, *others = section.split(",")
         if len(others) == 3:
-            raise self._refused("the format is too old; open it in PMKS+ and share it again")
+            raise LinkageError("the format is too old; open it in PMKS+ and share it again")
         if len(others) != 4 or not first:
-            raise self._refused(f"joint {section!r} is not supported; supported: joints, and sliders on the frame")
+            raise LinkageError(f"joint {section!r} is not supported; supported: joints, and sliders on the frame")
         x, y, angle = (self._integer(part) / 1000 for part in others[1:])
         return first[1:], _Joint(others[0], complex(x, y), angle, self._integer(first[0], signed=False))
 
@@ -98,18 +89,18 @@ class _Address:
         head, _, tail = section.partition(",")
         parts = tail.split(",")
         if len(head) < 3 or len(parts) < 7 or "" not in parts[6:]:
-            raise self._refused(f"link {section!r} isn't complete; copy the address again")
+            raise LinkageError(f"link {section!r} isn't complete; copy the address again")
         joints = parts[6 : parts.index("", 6)]
         missing = [joint for joint in joints if joint not in self.joints]
         if missing:
-            raise self._refused(f"link {parts[0]!r} has a joint {missing[0]!r} that is not in the address")
+            raise LinkageError(f"link {parts[0]!r} has a joint {missing[0]!r} that is not in the address")
         return (parts[0], head[1] == "P", joints) if head[0] == "Y" else None
 
     def chain(self, unit: float | None, speed: str | None) -> Chain:
         """The linkage."""
         choice = int(self.choices[0])
         if unit is None and choice >= len(_UNITS):
-            raise self._refused(f"unknown length unit (choice {choice}); give --unit")
+            raise LinkageError(f"unknown length unit (choice {choice}); give --unit")
         size = _UNITS[choice] if unit is None else unit
         if speed is None:
             turns = abs(self._integer(self.integers.partition(",")[0])) or 60
@@ -121,13 +112,13 @@ class _Address:
             if is_block and len(guides) == 1 and guides[0].switches & _GROUNDED:
                 slides[name] = GuidedOnFrame(size * guides[0].place, guides[0].angle)
             elif is_block or guides:
-                raise self._refused(f"slider {name!r} is not on a single guide of the frame; not supported")
+                raise LinkageError(f"slider {name!r} is not on a single guide of the frame; not supported")
             links[name] = [names[j] for j in joints if not self.joints[j].switches & _PRISMATIC]
         hinges = {names[key]: joint for key, joint in self.joints.items() if not joint.switches & _PRISMATIC}
         places = {name: size * joint.place for name, joint in hinges.items()}
         frame = [name for name, joint in hinges.items() if joint.switches & _GROUNDED]
         crank, pivot = self._driver(links, names)
-        return Chain(self.source, "Linkage", places, links, frame, slides, crank, pivot, speed)
+        return Chain("Linkage", places, links, frame, slides, crank, pivot, speed)
 
     def _names(self) -> dict[str, str]:
         """Joint names by the labels that links use."""
@@ -139,9 +130,9 @@ class _Address:
         """The crank and its joint on the frame."""
         drivers = [key for key, joint in self.joints.items() if joint.switches & _INPUT]
         if len(drivers) != 1:
-            raise self._refused(f"it has {len(drivers)} inputs; a scene has one")
+            raise LinkageError(f"it has {len(drivers)} inputs; a scene has one")
         found = self.joints[drivers[0]]
         cranks = [name for name, joints in links.items() if names[drivers[0]] in joints]
         if found.switches & _PRISMATIC or not found.switches & _GROUNDED or len(cranks) != 1:
-            raise self._refused("the input is not a joint of one link and the frame; it must be a crank")
+            raise LinkageError("the input is not a joint of one link and the frame; it must be a crank")
         return cranks[0], names[drivers[0]]

@@ -4,22 +4,19 @@ import math
 import re
 from urllib.parse import unquote
 
-from sweeps.imports.chain import Chain, GuidedOnFrame
-from sweeps.text.input_files import InputError
+from sweeps.imports.chain import Chain, GuidedOnFrame, LinkageError
 
 _TYPES = ("R", "P", "RP", "G")
 _FLAGS = re.compile("[tf]{4}", re.IGNORECASE)
 
 
-def pmks_chain(text: str, source: str, unit: float, speed: str) -> Chain:
+def pmks_chain(text: str, unit: float, speed: str) -> Chain:
     """Linkage of PMKS: rows "link, link, R, x, y", "link, ground, P, x, y, angle" in degrees.
 
     Parameters
     ----------
     text : str
         A file, or an address with `mech=` whose rows end at |.
-    source : str
-        Name of the file, for messages.
     unit : float
         Length unit [m].
     speed : str
@@ -27,13 +24,9 @@ def pmks_chain(text: str, source: str, unit: float, speed: str) -> Chain:
 
     Raises
     ------
-    InputError
+    LinkageError
         The text isn't PMKS, or its linkage can't be converted to a scene.
     """
-
-    def refused(message: str) -> InputError:
-        return InputError(source, [(None, "", message)])
-
     if "mech=" in text:
         text = unquote(text.partition("mech=")[2]).partition("&")[0]
     rows = [row for row in re.split(r"[|\n\r]+", text) if row.strip() and "=" not in row]
@@ -47,12 +40,12 @@ def pmks_chain(text: str, source: str, unit: float, speed: str) -> Chain:
         parts = [part for part in re.split(r"[,\s]+", row.strip()) if part]
         kind = next((i for i, part in enumerate(parts) if part.upper() in _TYPES and i > 0), None)
         if kind is None or len(parts) < kind + 3:
-            raise refused(f"row {number}, {row.strip()!r}: needs links, a type ({', '.join(_TYPES)}), x and y")
+            raise LinkageError(f"row {number}, {row.strip()!r}: needs links, a type ({', '.join(_TYPES)}), x and y")
         names, letter = parts[:kind], parts[kind].upper()
         try:
             x, y, *angle = (float(part) for part in parts[kind + 1 :] if not _FLAGS.fullmatch(part))
         except ValueError:
-            raise refused(f"row {number}, {row.strip()!r}: x, y and the angle must be numbers") from None
+            raise LinkageError(f"row {number}, {row.strip()!r}: x, y and the angle must be numbers") from None
         place = unit * complex(x, y)
         moving = [name for name in names if name.lower() != "ground"]
         if letter == "R":
@@ -67,16 +60,16 @@ def pmks_chain(text: str, source: str, unit: float, speed: str) -> Chain:
             slides[moving[0]] = GuidedOnFrame(place, math.radians(angle[0] if angle else 0.0))
             links.setdefault(moving[0], [])
         else:
-            raise refused(
+            raise LinkageError(
                 f"row {number}: {letter} of {' and '.join(names)} is not supported; use R, or P of a link and ground"
             )
         if any(_FLAGS.fullmatch(part) and part[3] in "tT" for part in parts[kind + 1 :]):
             if letter != "R" or len(moving) == len(names) or not moving:
-                raise refused(f"row {number}: the driver must be R of a link and ground (a crank)")
+                raise LinkageError(f"row {number}: the driver must be R of a link and ground (a crank)")
             drivers.append((moving[0], f"J{number}"))
     if len(drivers) > 1:
-        raise refused(f"it has {len(drivers)} drivers; a scene has one input")
+        raise LinkageError(f"it has {len(drivers)} drivers; a scene has one input")
     driver = drivers[0] if drivers else first
     if driver is None:
-        raise refused("no driver: mark a joint R of a link and ground")
-    return Chain(source, "Linkage", joints, links, frame, slides, *driver, speed)
+        raise LinkageError("no driver: mark a joint R of a link and ground")
+    return Chain("Linkage", joints, links, frame, slides, *driver, speed)

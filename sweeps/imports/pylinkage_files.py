@@ -5,13 +5,12 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from sweeps.imports.chain import Chain, GuidedOnFrame
-from sweeps.text.input_files import InputError
+from sweeps.imports.chain import Chain, GuidedOnFrame, LinkageError
 
 _KINDS = ("Static", "Crank", "Revolute", "Pivot", "Fixed", "Prismatic", "Linear")
 
 
-def pylinkage_chain(data: Mapping[str, Any], source: str, unit: float, speed: str) -> Chain:
+def pylinkage_chain(data: Mapping[str, Any], unit: float, speed: str) -> Chain:
     """Linkage of a file of pylinkage.
 
     As in pylinkage, lengths and angles count; coordinates only select the assembly mode.
@@ -20,8 +19,6 @@ def pylinkage_chain(data: Mapping[str, Any], source: str, unit: float, speed: st
     ----------
     data : mapping
         The file, parsed.
-    source : str
-        Its name, for messages.
     unit : float
         Length unit [m].
     speed : str
@@ -29,24 +26,24 @@ def pylinkage_chain(data: Mapping[str, Any], source: str, unit: float, speed: st
 
     Raises
     ------
-    InputError
+    LinkageError
         The file isn't pylinkage's, or its linkage can't be converted to a scene.
     """
     try:
-        reader = _Links(source, unit) if "links" in data else _Joints(source, unit)
+        reader = _Links(unit) if "links" in data else _Joints(unit)
         return reader.chain(data, speed)
     except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
-        if isinstance(error, InputError):
+        if isinstance(error, LinkageError):
             raise
         words = f"is incomplete: {type(error).__name__} {error}"
-        raise InputError(source, [(None, "", f"looks like a linkage of pylinkage, but {words}")]) from None
+        raise LinkageError(f"looks like a linkage of pylinkage, but {words}") from None
 
 
 class _Joints:
     """A list of joints, each defined by distances to others."""
 
-    def __init__(self, source: str, unit: float) -> None:
-        self.source, self.unit = source, unit
+    def __init__(self, unit: float) -> None:
+        self.unit = unit
         self.places: dict[str, complex] = {}
         self.links: dict[str, list[str]] = {}
         self.slides: dict[str, GuidedOnFrame] = {}
@@ -58,18 +55,15 @@ class _Joints:
         while left:
             ready = [name for name, joint in left.items() if all(p in self.places for p in self._parents(joint))]
             if not ready:
-                raise self._refused(f"the joints {', '.join(left)} refer to each other in a circle, or one is missing")
+                raise LinkageError(f"the joints {', '.join(left)} refer to each other in a circle, or one is missing")
             for name in ready:
                 self._add(name, left.pop(name))
         if len(self.cranks) != 1:
-            raise self._refused(f"it has {len(self.cranks)} cranks; a scene has one input")
+            raise LinkageError(f"it has {len(self.cranks)} cranks; a scene has one input")
         crank, pivot, step = self.cranks[0]
         turned = f"-{speed}" if step < 0 and not speed.startswith("-") else speed
         title = str(data.get("name") or "Linkage")
-        return Chain(self.source, title, self.places, self.links, self.frame, self.slides, crank, pivot, turned)
-
-    def _refused(self, message: str) -> InputError:
-        return InputError(self.source, [(None, "", message)])
+        return Chain(title, self.places, self.links, self.frame, self.slides, crank, pivot, turned)
 
     def _parents(self, joint: Mapping[str, Any]) -> list[str]:
         """Parents of a joint; fixed ones become frame joints."""
@@ -97,12 +91,12 @@ class _Joints:
     def _add(self, name: str, joint: Mapping[str, Any]) -> None:
         kind, parents = joint["type"], self._parents(joint)
         if kind not in _KINDS:
-            raise self._refused(f"joint {name}: {kind!r} is not one of {', '.join(_KINDS)}")
+            raise LinkageError(f"joint {name}: {kind!r} is not one of {', '.join(_KINDS)}")
         if kind == "Static":
             self._fix(name, self._at(joint))
             return
         if len(parents) != {"Crank": 1, "Prismatic": 3, "Linear": 3}.get(kind, 2):
-            raise self._refused(f"joint {name} has {len(parents)} parents, too few or too many for {kind}")
+            raise LinkageError(f"joint {name} has {len(parents)} parents, too few or too many for {kind}")
         if kind == "Crank":
             towards = self._at(joint) - self.places[parents[0]]
             self.places[name] = self.places[parents[0]] + cmath.rect(
@@ -128,13 +122,13 @@ class _Joints:
     def _slider(self, name: str, joint: Mapping[str, Any], parents: list[str]) -> None:
         hinge, *line = parents
         if any(p not in self.frame for p in line):
-            raise self._refused(f"joint {name} slides along a moving line; only guides on the frame are supported")
+            raise LinkageError(f"joint {name} slides along a moving line; only guides on the frame are supported")
         origin, along = self.places[line[0]], self.places[line[1]] - self.places[line[0]]
         along /= abs(along)
         foot = (self.places[hinge] - origin) / along
         radius = self._length(joint, "revolute_radius")
         if abs(foot.imag) > radius:
-            raise self._refused(f"joint {name} doesn't reach its guide")
+            raise LinkageError(f"joint {name} doesn't reach its guide")
         reach = math.sqrt(radius * radius - foot.imag * foot.imag)
         ways = [origin + (foot.real + sign * reach) * along for sign in (1, -1)]
         self.places[name] = min(ways, key=lambda way: abs(way - self._at(joint)))
@@ -146,14 +140,14 @@ class _Joints:
     def _length(self, joint: Mapping[str, Any], key: str) -> float:
         length = self.unit * float(joint[key])
         if not 0.0 < length < math.inf:
-            raise self._refused(f"joint {joint['name']}: {key} = {joint[key]!r} is not a length")
+            raise LinkageError(f"joint {joint['name']}: {key} = {joint[key]!r} is not a length")
         return length
 
     def _meeting(self, name: str, a: complex, b: complex, r1: float, r2: float, near: complex) -> complex:
         """Intersection of two circles nearest to a point."""
         apart = abs(b - a)
         if not abs(r1 - r2) <= apart <= r1 + r2 or apart == 0.0:
-            raise self._refused(f"joint {name} can't be assembled: its distances don't meet")
+            raise LinkageError(f"joint {name} can't be assembled: its distances don't meet")
         before = (apart * apart + r1 * r1 - r2 * r2) / (2 * apart)
         height = math.sqrt(max(0.0, r1 * r1 - before * before))
         ways = [a + (b - a) / apart * complex(before, sign * height) for sign in (1, -1)]
@@ -172,7 +166,7 @@ class _Joints:
     def _onto(self, name: str, parents: list[str]) -> None:
         members = self._common(parents)
         if members is None:
-            raise self._refused(f"joint {name} is fixed to {' and '.join(parents)}, which don't share a link")
+            raise LinkageError(f"joint {name} is fixed to {' and '.join(parents)}, which don't share a link")
         members.append(name)
 
 
@@ -187,7 +181,7 @@ class _Links(_Joints):
                 followed.append(joint)
                 continue
             if kind not in ("ground", "revolute"):
-                raise self._refused(f"joint {name}: {kind!r} is not supported; supported: ground, revolute, tracker")
+                raise LinkageError(f"joint {name}: {kind!r} is not supported; supported: ground, revolute, tracker")
             x, y = joint["position"]
             self.places[name] = self.unit * complex(float(x), float(y))
             if kind == "ground":

@@ -17,8 +17,8 @@ from engine import Verdict, quantity_text
 from sweeps.optimising.pareto import pareto_front
 from sweeps.optimising.searching import descend, refine, way_of
 from sweeps.optimising.spread import spread_columns, spreads
-from sweeps.optimising.trials import Batch, Trials, joined
-from sweeps.run.blocks import LARGEST_BLOCK
+from sweeps.optimising.trials import Batch, Trials
+from sweeps.run.blocks import LARGEST_BLOCK, joined
 from sweeps.run.runner import WORDS, complete_text, crew_of, layout_of, tell_all
 from sweeps.store import (
     Column,

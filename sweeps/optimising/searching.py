@@ -11,6 +11,7 @@ from sweeps.optimising.trials import BEYOND, Evaluate, Trials
 from sweeps.study.search_task import GENETIC, SearchTask
 from sweeps.study.unit_points import latin_points
 from sweeps.text.input_files import InputError
+from sweeps.text.versions import extra
 
 # Relative spread of a generation's costs at which evolution stops; the local search is better at the rest.
 ALIKE = 1e-3
@@ -47,11 +48,9 @@ def way_of(task: SearchTask) -> Callable[[Evaluate], None]:
     """
     if task.method != GENETIC:
         return partial(_evolve, task)
-    try:
+    refusal = partial(InputError.of, f"{task.study.name}.toml", key="optimise.method")
+    with extra("optimise", repr(GENETIC), refusal):
         from sweeps.optimising.genetic import breed
-    except ImportError as error:
-        message = f"{GENETIC!r} needs pymoo ({error}): pip install 'machine-sweeps[optimise]'"
-        raise InputError(f"{task.study.name}.toml", [(None, "optimise.method", message)]) from None
     return partial(breed, task, first_generation(task))
 
 

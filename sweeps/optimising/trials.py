@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from engine import Outcome, Verdict
-from sweeps.run.blocks import most_at_once
+from sweeps.run.blocks import joined, most_at_once
 from sweeps.study.search_task import Objective, SearchTask
 from sweeps.text.conditions import Values, value_with_error
 
@@ -118,11 +118,6 @@ class Trials:
             met &= condition.judged(*known, status.size).met
         violation = np.where(met, 0.0, np.maximum(violation, LEAST_VIOLATION))
         return Batch(columns, costs, parts, violation)
-
-
-def joined(parts: list[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
-    """Concatenated columns of several sets of candidates."""
-    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
 def _with_error(objective: Objective, values: Values, errors: Values, count: int) -> tuple[np.ndarray, np.ndarray]:

@@ -49,7 +49,7 @@ def write_page(path: Path, out: Path) -> None:
         with whole_file(out) as draft:
             draft.write_text(text, encoding="utf8")
     except OSError as error:
-        raise InputError(str(out), [(None, "", f"can't be written: {error.strerror}")]) from None
+        raise InputError.of(str(out), f"can't be written: {error.strerror}") from None
 
 
 def _parts(digest: Digest) -> dict[str, Any]:

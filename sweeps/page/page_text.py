@@ -1,11 +1,12 @@
 """The page as text: its template with styles, scripts and data."""
 
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, partial
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
 from sweeps.text.input_files import InputError
+from sweeps.text.versions import extra
 from sweeps.text.visible import visible
 
 if TYPE_CHECKING:
@@ -28,13 +29,10 @@ def page_text(parts: Mapping[str, object]) -> str:
     InputError
         Jinja2 isn't installed.
     """
-    try:
+    with extra("report", "a page", partial(InputError.of, "report")):
         from markupsafe import Markup
 
         template = _template()
-    except ImportError as error:
-        mend = "pip install 'machine-sweeps[report]'"
-        raise InputError("report", [(None, "", f"a page needs {error.name}: {mend}")]) from None
     here = files("sweeps.page")
     names = ("page.js", "player.js", "variants.js", *(("watch.js",) if "version" in parts else ()))
     scripts = [Markup((here / name).read_text("utf8")) for name in names]

@@ -2,15 +2,16 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from engine import ElementsAlone, Machine, Outcome, Verdict, described_dimension, scene_numbers
+from sweeps.report.files.data_files import header
 from sweeps.report.sweep_result import SweepResult
 from sweeps.run.columns import field_columns, number_columns, position_axis
 from sweeps.store import StoreError, open_dataset
+from sweeps.text.versions import extra
 
 if TYPE_CHECKING:
     import pandas
@@ -103,7 +104,9 @@ def to_xarray(outcome: Outcome, machine: Machine | ElementsAlone, varied: Mappin
     StoreError
         xarray isn't installed.
     """
-    xarray, numbers = _library("xarray"), scene_numbers(machine.scene)
+    with extra("xarray", "a dataset", StoreError):
+        import xarray
+    numbers = scene_numbers(machine.scene)
     units = {path: described_dimension(numbers[path].dimension).unit for path in varied}
     coordinates = {"variant": np.arange(outcome.status.size)} | {
         path: ("variant", np.broadcast_to(values, outcome.status.shape), {"units": units[path]})
@@ -152,23 +155,12 @@ def to_dataframe(
     StoreError
         xarray, which brings pandas, isn't installed.
     """
-    pandas, data = _library("pandas"), to_xarray(outcome, machine, varied)
+    with extra("xarray", "a table", StoreError):
+        import pandas
+    data = to_xarray(outcome, machine, varied)
     names = [*varied, *(n for summary in outcome.summaries for n in (summary, f"{summary}_error"))]
-    columns = {_with_unit(name, data[name].attrs["units"]): data[name].values for name in names}
+    columns = {header(name, data[name].attrs["units"]): data[name].values for name in names}
     verdicts = [Verdict(code).name.lower() for code in outcome.status.tolist()]
     found = pandas.DataFrame(columns, index=pandas.RangeIndex(outcome.status.size, name="variant"))
     found.insert(len(varied), "verdict", verdicts)
     return found
-
-
-def _with_unit(name: str, unit: str) -> str:
-    return name if unit in ("", "1") else f"{name} [{unit}]"
-
-
-def _library(name: str) -> ModuleType:
-    from importlib import import_module
-
-    try:
-        return import_module(name)
-    except ImportError as error:
-        raise StoreError(f"this needs {name}: pip install 'machine-sweeps[xarray]'") from error

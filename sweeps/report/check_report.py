@@ -269,7 +269,7 @@ def _cost_sections(study: Study, machine: Machine | ElementsAlone, out: Path, on
     if machine.has_regimes:
         seconds += "; plus up to a minute of compilation the first time"
     numbers = 8 * (machine.numbers_kept + 4 * len(study.summaries))
-    block = block_size(study, machine, cost.seconds)
+    block = block_size(study, machine, lambda: cost.seconds)
     memory = block * (numbers + bytes_of_fields(study, machine))
     saved = "saved after each variant" if block == 1 else f"saved after every {block} variants"
     reached = [] if cost.tried is None else [("Accuracy", accuracy_words.of_sample(study, cost.tried))]

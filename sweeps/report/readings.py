@@ -66,7 +66,7 @@ def readings_at(scene: Scene, at: Sequence[float], names: Sequence[str] = ()) ->
         There is no such field.
     """
     if scene.input is None:
-        raise InputError("--at", [(None, "", "the scene has only machine elements, which have no positions")])
+        raise InputError.of("--at", "the scene has only machine elements, which have no positions")
     at, unit = np.asarray(at, float), InputUnits.of(scene).q
     machine = MovingMachine(scene, positions=_in_range(scene, at))
     known, place = machine.register.fields, "phi" if unit == "rad" else "q"
@@ -92,7 +92,7 @@ def _in_range(scene: Scene, at: np.ndarray) -> np.ndarray:
         kind = "crank angle" if isinstance(drive, CrankInput) else "displacement"
         unit = InputUnits.of(scene).q
         ends = " and ".join(f"input.{key} = {quantity_text(getattr(drive, key), unit)}" for key in ("start", "stop"))
-        raise InputError("--at", [(None, "", f"a {kind} is outside the input range, {ends}")])
+        raise InputError.of("--at", f"a {kind} is outside the input range, {ends}")
     return np.clip(at, *sorted((drive.start, drive.stop)))
 
 

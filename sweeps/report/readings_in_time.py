@@ -35,13 +35,12 @@ def readings_in_time(scene: Scene, at: Sequence[float]) -> Readings:
         The scene has no regimes, or they end earlier.
     """
     if not scene.regimes:
-        message = 'a time needs regimes; give an angle, or add [regimes.NAME] with type = "run"'
-        raise InputError("--at", [(None, "", message)])
+        raise InputError.of("--at", 'a time needs regimes; give an angle, or add [regimes.NAME] with type = "run"')
     seen, times = engine.history(scene), np.asarray(at, float)
     failed = "" if seen.verdict == Verdict.OK else failure_text(scene, seen.verdict, seen)
     if times.min() < 0 or times.max() > seen.time[-1]:
         message = f"the regimes last from 0 to {seen.time[-1]:.6g} s" + (f": {failed}" if failed else "")
-        raise InputError("--at", [(None, "", message)])
+        raise InputError.of("--at", message)
     rows = _between(seen, times)
     channels = {f"{channel}_moment": row for channel, row in seen.load_moments.items()}
     values = rows | {name: np.interp(times, seen.time, row) for name, row in channels.items()}

@@ -226,7 +226,7 @@ class SweepResult:
         """
         count = self.description.variants
         if not 0 <= variant < count:
-            raise InputError(str(self.path), [(None, "variant", f"{variant} is not one of 0 … {count - 1}")])
+            raise InputError.of(str(self.path), f"{variant} is not one of 0 … {count - 1}", key="variant")
         known = scene_numbers(self.scene)
         return {p: float(self.columns[p][variant]) for p in self.parameters if p in known}
 
@@ -273,7 +273,7 @@ class SweepResult:
         """
         met, sign = self.meets(where), -1.0 if descending else 1.0
         if sort is not None and sort not in self.columns:
-            raise InputError(str(self.path), [(None, "sort", unknown_name_message(sort, self.columns))])
+            raise InputError.of(str(self.path), unknown_name_message(sort, self.columns), key="sort")
         found: list[tuple[np.ndarray, np.ndarray]] = []
         for part in self.parts():
             here = part.start + np.flatnonzero(met(part))
@@ -330,7 +330,7 @@ class SweepResult:
         try:
             condition = Condition.read_all(where, dimensions_by_unit(number_units(self.scene) | self.units))
         except ExpressionError as error:
-            raise InputError(str(self.path), [(None, "where", str(error))]) from None
+            raise InputError.of(str(self.path), str(error), key="where") from None
 
         required = self.requirements
         names = required.behind(condition.names)

@@ -1,5 +1,6 @@
 """Blocks of variants: size and columns."""
 
+from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
@@ -12,6 +13,8 @@ from sweeps.study.study import Study
 SECONDS_PER_BLOCK = 1.0
 BYTES_PER_BLOCK = 96e6
 LARGEST_BLOCK = 65_536
+# As few variants are one block, without a trial.
+FEW = 8
 # Motion keeps all steps of the variants evaluated together.
 MOST_AT_ONCE_IN_MOTION = 4096
 
@@ -38,18 +41,20 @@ def most_at_once(study: Study, machine: Machine | ElementsAlone) -> int:
     return min(block, MOST_AT_ONCE_IN_MOTION) if machine.has_regimes else block
 
 
-def block_size(study: Study, machine: Machine | ElementsAlone, seconds: float) -> int:
-    """Variants per block: a second of work, bounded by memory.
+def block_size(study: Study, machine: Machine | ElementsAlone, seconds: Callable[[], float]) -> int:
+    """Variants per block: a second of work, bounded by memory; a few variants are one block.
 
     Parameters
     ----------
     study : Study
     machine : Machine or ElementsAlone
         The machine of the study.
-    seconds : float
-        Time per variant.
+    seconds : callable
+        Measures the time per variant.
     """
-    within = int(min(SECONDS_PER_BLOCK / max(seconds, 1e-9), LARGEST_BLOCK))
+    if study.design.size <= FEW:
+        return study.design.size
+    within = int(min(SECONDS_PER_BLOCK / max(seconds(), 1e-9), LARGEST_BLOCK))
     return max(min(within, largest_block(study, machine), study.design.size), 1)
 
 
@@ -86,7 +91,7 @@ def evaluate_variants(
         ends = [*range(0, drop.size, MOST_AT_ONCE_IN_MOTION), drop.size]
         some = [slice(*part) for part in pairwise(ends)]
         parts = [evaluate_variants(study, machine, {n: v[s] for n, v in values.items()}, drop[s]) for s in some]
-        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+        return joined(parts)
     if study.paths:
         outcome = machine.evaluate({p: values[p] for p in study.paths}, drop, buffer)
     else:
@@ -95,6 +100,11 @@ def evaluate_variants(
     errors = {f"{name}_error": error for name, error in outcome.errors.items()}
     sensitivity = study.sensitivity.of_variants(values, outcome.status)
     return values | results | outcome.summaries | errors | sensitivity | outcome.fields
+
+
+def joined(parts: list[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
+    """Concatenated columns of several sets of variants."""
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
 def _repeated(outcome: Outcome, drop: np.ndarray) -> Outcome:

@@ -15,8 +15,6 @@ from sweeps.study.study import Study
 LONG_ENOUGH = 0.3
 # Maximum trial variants; and the number for an accuracy.
 MOST_TRIED, TRIED = 4096, 2048
-# Fewer variants need no trial.
-FEW = 8
 # Repeat a trial if the study is this many times larger: at most a tenth of its time.
 WORTH_TWO = 10
 # Number of places that trial variants are taken from.

@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import AbstractContextManager, nullcontext
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,12 +15,12 @@ import llvmlite
 import numba
 import numpy as np
 
-from engine import ElementsAlone, Machine, Verdict, threads, units_shown
+from engine import Machine, Verdict, threads, units_shown
 from sweeps.run.blocks import block_size, largest_block
 from sweeps.run.carrying import Blocks, Earlier, Excerpt, excerpts_of, filled_in
 from sweeps.run.cluster.cluster_errors import UnfinishedError
 from sweeps.run.columns import field_columns, number_columns, position_axis
-from sweeps.run.cost import FEW, on_shafts_text, seconds_of_variant
+from sweeps.run.cost import on_shafts_text, seconds_of_variant
 from sweeps.store import (
     Column,
     FileLayout,
@@ -138,9 +139,10 @@ def run_study(
         return path
     if on_shafts := on_shafts_text(study, machine):
         tell(on_shafts)
+    alone = partial(seconds_of_variant, study, machine)
     with (
         crew_of(client, study, layout, tell) as crew,
-        Store.open(path, layout, restart, lambda: _block_size(study, machine, crew)) as store,
+        Store.open(path, layout, restart, lambda: block_size(study, machine, crew.seconds if crew else alone)) as store,
     ):
         tell_all(store, tell)
         if store.finished:
@@ -243,17 +245,6 @@ def _unfinished_text(store: Store, failures: Mapping[int, str]) -> str:
     why = failures[min(failures)]
     kept = f"The others are kept in {store.part}; repeat the command to retry."
     return f"variants {shown}{more} couldn't be computed ({why}). {kept}"
-
-
-def _block_size(study: Study, machine: Machine | ElementsAlone, crew: "Crew | None") -> int:
-    return measured_block_size(study, machine) if crew is None else crew.block_size()
-
-
-def measured_block_size(study: Study, machine: Machine | ElementsAlone) -> int:
-    """Variants per block, as for `block_size`, without a trial for a few variants."""
-    if study.design.size <= FEW:
-        return study.design.size
-    return block_size(study, machine, seconds_of_variant(study, machine))
 
 
 def complete_text(path: Path) -> str:

@@ -13,7 +13,7 @@ import numpy as np
 
 from engine import nearest_names
 from sweeps.text.input_files import HDF5_SIGNATURE
-from sweeps.text.versions import origin_text
+from sweeps.text.versions import extra, origin_text
 
 from .checksums import checksum, texts_checksums
 from .creating import part_path, texts_of
@@ -403,11 +403,9 @@ def open_dataset(path: Path, check: bool = True) -> "xarray.Dataset":
     StoreError
         xarray is not installed, or the file cannot be read or is damaged.
     """
-    try:
+    with extra("xarray", f"reading {path} as a dataset", StoreError):
         import h5netcdf  # noqa: F401  (clearer than xarray's message on a missing engine)
         import xarray
-    except ImportError as error:
-        raise StoreError(f"reading {path} as a dataset needs xarray: pip install 'machine-sweeps[xarray]'") from error
     if check:
         MappedResult(Path(path)).refuse_damage(("flat", "fields"), texts=True)
     with explained(_existing(path), "read"):

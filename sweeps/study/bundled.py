@@ -33,9 +33,9 @@ def find_study(name: str) -> Path:
     if path.is_file():
         return path
     if path.is_dir():
-        raise InputError(name, [(None, "", "is a folder; give a study or a scene (.toml), or a bundled study's name")])
+        raise InputError.of(name, "is a folder; give a study or a scene (.toml), or a bundled study's name")
     known = bundled_studies()
     if name in known:
         return known[name]
     message = unknown_name_message(name, known)
-    raise InputError(name, [(None, "", f"there is no such file, and no bundled study of that name. {message}")])
+    raise InputError.of(name, f"there is no such file, and no bundled study of that name. {message}")

@@ -33,7 +33,7 @@ def changed_study(
     """
     for path in given_values(study.scene, settings):
         if path in study.parameters:
-            raise InputError("--set", [(None, path, "varies in this study; change the study, or set another number")])
+            raise InputError.of("--set", "varies in this study; change the study, or set another number", key=path)
     changes: dict[str, object] = {"scene": changed_scene(study.scene, settings)} if settings else {}
     if positions is not None:
         changes["positions"] = positions
@@ -50,5 +50,5 @@ def changed_study(
 def _share(text: str) -> float:
     (share,) = numbers_in_row("--accuracy", text, ("number",))
     if not 0.0 < share < 1.0:
-        raise InputError("--accuracy", [(None, "", f"{text!r}: must be between 0 and 1, such as '0.1 %'")])
+        raise InputError.of("--accuracy", f"{text!r}: must be between 0 and 1, such as '0.1 %'")
     return share

@@ -106,11 +106,11 @@ class StudyReader:
         try:
             text = read_text(path)
         except InputError as error:
-            raise InputError(self.path.name, [(line_of(self.text, ["scene"]), "scene", str(error))]) from None
+            raise InputError.of(self.path.name, str(error), line_of(self.text, ["scene"]), "scene") from None
         self.scene_text, data = text, parse_toml(text, path.name)
         if "scene" in data:
             message = f"{path.name} is a study; name the file of a scene, one with a table [input]"
-            raise InputError(self.path.name, [(line_of(self.text, ["scene"]), "scene", message)])
+            raise InputError.of(self.path.name, message, line_of(self.text, ["scene"]), "scene")
         return scene_from(data | own, text, path.name, path.parent)
 
     def _with_full_names(self, data: Any) -> Any:
@@ -445,11 +445,10 @@ def read_study(path: Path | str) -> Study:
     text = read_text(path)
     data = parse_toml(text, path.name)
     if not data:
-        message = "is empty; `sweeps new slider_crank` writes a scene to start from"
-        raise InputError(str(path), [(None, "", message)])
+        raise InputError.of(str(path), "is empty; `sweeps new slider_crank` writes a scene to start from")
     if not data.keys() & {*StudyText.model_fields, *Scene.model_fields}:
         message = "is neither a study (it has no key 'scene') nor a scene (it has no table 'input')"
-        raise InputError(str(path), [(None, "", message)])
+        raise InputError.of(str(path), message)
     if is_scene(data):
         scene = scene_from(data, text, path.name, path.parent)
         study = Study(

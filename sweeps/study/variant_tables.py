@@ -3,19 +3,20 @@
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import h5py
 import numpy as np
 
+from engine import shortened
 from sweeps.store import StoreError, describe_result, read_columns
 from sweeps.text.csv_text import TableColumn, read_csv
 from sweeps.text.input_files import InputError, check_file
+from sweeps.text.versions import extra
 
 # Maximum size of a binary table [bytes].
 LARGEST_BINARY = 4_000_000_000
-# Maximum length of a column name in a message.
-LONGEST_NAME = 60
 
 
 def read_variant_table(path: Path) -> dict[str, TableColumn]:
@@ -37,16 +38,15 @@ def read_variant_table(path: Path) -> dict[str, TableColumn]:
         return read_csv(path)
     check_file(path, LARGEST_BINARY)
     if not path.is_file():
-        message = "is a folder; name a file" if path.is_dir() else "there is no such file"
-        raise InputError(path.name, [(None, "", message)])
+        raise InputError.of(path.name, "is a folder; name a file" if path.is_dir() else "there is no such file")
     columns = _from_parquet(path) if ending == ".parquet" else _from_hdf5(path)
     if not columns:
-        raise InputError(path.name, [(None, "", "has no columns of numbers")])
+        raise InputError.of(path.name, "has no columns of numbers")
     for name, (_, column) in columns.items():
         if column.ndim != 1 or column.dtype.kind not in "fiu":
-            raise InputError(path.name, [(None, "", f"column {_shown(name)} is not numeric: remove it")])
+            raise InputError.of(path.name, f"column {shortened(name)!r} is not numeric: remove it")
     if len({column.size for _, column in columns.values()}) > 1:
-        raise InputError(path.name, [(None, "", "has columns of different lengths")])
+        raise InputError.of(path.name, "has columns of different lengths")
     return {name: TableColumn(path.name, name, unit, column.astype(float)) for name, (unit, column) in columns.items()}
 
 
@@ -59,7 +59,7 @@ def _from_parquet(path: Path) -> dict[str, tuple[str, np.ndarray]]:
         for title, column in zip(table.column_names, table.columns, strict=True):
             name, _, unit = title.rstrip("]").partition("[")
             if name.strip() in columns:
-                raise InputError(path.name, [(None, "", f"column {_shown(name.strip())} is given twice")])
+                raise InputError.of(path.name, f"column {shortened(name.strip())!r} is given twice")
             columns[name.strip()] = unit, column.to_numpy()
         return columns
 
@@ -71,7 +71,7 @@ def _from_hdf5(path: Path) -> dict[str, tuple[str, np.ndarray]]:
         columns = {name: column for name, column in found.items() if column.ndim == 1}
         _check_rows(path, max((column.size for column in columns.values()), default=1), len(columns))
         if any(column.external or column.is_virtual for column in columns.values()):
-            raise InputError(path.name, [(None, "", "links to other files, which isn't allowed")])
+            raise InputError.of(path.name, "links to other files, which isn't allowed")
         if not is_result:
             return {name: (_unit_of(column), column[()]) for name, column in columns.items()}
     return _from_result(path)
@@ -82,13 +82,13 @@ def _from_result(path: Path) -> dict[str, tuple[str, np.ndarray]]:
     try:
         result = describe_result(path)
         if result.blocks_done < result.blocks:
-            raise InputError(path.name, [(None, "", "isn't finished: run its study again")])
+            raise InputError.of(path.name, "isn't finished: run its study again")
         with _damage_told(path, "a result"):
             names = list(json.loads(result.attributes["study_json"])["parameters"])
             units = {column.name: "" if column.units == "1" else column.units for column in result.columns}
             return {name: (units[name], values) for name, values in read_columns(path, names).items()}
     except StoreError as error:
-        raise InputError(path.name, [(None, "", str(error))]) from None
+        raise InputError.of(path.name, str(error)) from None
 
 
 @contextmanager
@@ -99,20 +99,16 @@ def _damage_told(path: Path, kind: str, *errors: type[Exception]) -> Iterator[No
     except InputError:
         raise
     except (OSError, RuntimeError, ValueError, KeyError, TypeError, AttributeError, *errors):
-        raise InputError(path.name, [(None, "", f"is damaged, or not {kind}")]) from None
+        raise InputError.of(path.name, f"is damaged, or not {kind}") from None
 
 
 def _check_rows(path: Path, rows: int, columns: int) -> None:
     """Check that a table has rows and fits in memory, as compressed data may be a thousand times larger."""
     if columns and not rows:
-        raise InputError(path.name, [(None, "", "needs at least one row of numbers")])
+        raise InputError.of(path.name, "needs at least one row of numbers")
     if 8 * rows * columns > LARGEST_BINARY:
         most = f"more than the allowed {LARGEST_BINARY / 8e6:.0f} million numbers"
-        raise InputError(path.name, [(None, "", f"has {rows} rows of {columns} columns, {most}")])
-
-
-def _shown(name: str) -> str:
-    return repr(name if len(name) <= LONGEST_NAME else name[: LONGEST_NAME - 3] + "...")
+        raise InputError.of(path.name, f"has {rows} rows of {columns} columns, {most}")
 
 
 def _unit_of(column: h5py.Dataset) -> str:
@@ -138,10 +134,7 @@ def parquet_library(source: str) -> tuple:
     InputError
         They aren't installed.
     """
-    try:
+    with extra("parquet", "Parquet", partial(InputError.of, source)):
         import pyarrow
         from pyarrow import parquet
-    except ImportError:
-        message = "Parquet needs pyarrow: pip install 'machine-sweeps[parquet]'"
-        raise InputError(source, [(None, "", message)]) from None
     return pyarrow, parquet

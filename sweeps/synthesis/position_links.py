@@ -29,15 +29,15 @@ def chosen_links(
         There is no such link.
     """
     if len(positions) not in (3, 4):
-        raise _wrong("--at", f"three or four positions are needed, not {len(positions)}")
+        raise InputError.of("--at", f"three or four positions are needed, not {len(positions)}")
     if len(positions) == 4 and (pivots or joints):
-        raise _wrong("--pivot", "--pivot and --joint are for three positions; for four give --turn")
+        raise InputError.of("--pivot", "--pivot and --joint are for three positions; for four give --turn")
     if len(positions) == 3 and turns:
-        raise _wrong("--turn", "is for four positions; for three give --pivot or --joint")
+        raise InputError.of("--turn", "is for four positions; for three give --pivot or --joint")
     given = [*pivots, *joints, *turns]
     if len(given) != 2:
         kinds = "--turn" if len(positions) == 4 else "--pivot or --joint"
-        raise _wrong("--at", f"two links are needed, each by its {kinds}; {len(given)} given")
+        raise InputError.of("--at", f"two links are needed, each by its {kinds}; {len(given)} given")
     links = [dyad_of_centre(positions, complex(*_xy("--pivot", text))) for text in pivots]
     for text in joints:
         seen = (complex(*_xy("--joint", text)) - positions[0].point) * cmath.exp(-1j * positions[0].angle)
@@ -46,16 +46,12 @@ def chosen_links(
         angle, which = numbers_in_row("--turn", text, ("angle", "number"))
         found = dyads_of_turn(positions, angle)
         if which not in (1.0, 2.0):
-            raise _wrong("--turn", f"{text!r}: there are two solutions, 1 and 2")
+            raise InputError.of("--turn", f"{text!r}: there are two solutions, 1 and 2")
         if len(found) < 2:
-            raise _wrong("--turn", f"{text!r}: no link on the curve turns by this angle; give another")
+            raise InputError.of("--turn", f"{text!r}: no link on the curve turns by this angle; give another")
         links.append(found[int(which) - 1])
     return links
 
 
 def _xy(option: str, text: str) -> tuple[float, ...]:
     return numbers_in_row(option, text, ("length", "length"))
-
-
-def _wrong(option: str, message: str) -> InputError:
-    return InputError(option, [(None, "", message)])

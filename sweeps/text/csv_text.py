@@ -121,7 +121,7 @@ def read_csv(path: Path) -> dict[str, TableColumn]:
     every = text.split("\n")
     numbers = [n for n, line in enumerate(every, 1) if line.strip() and not _is_remark(line)]
     if len(numbers) < 2:
-        raise InputError(path.name, [(None, "", "needs a header line and at least one row of numbers")])
+        raise InputError.of(path.name, "needs a header line and at least one row of numbers")
     lines = [every[n - 1] for n in numbers]
     delimiter = next((mark for mark in ";\t" if mark in lines[0]), ",")
     keys, units = _header(path, numbers[0], next(csv.reader(lines[:1], delimiter=delimiter)))
@@ -155,7 +155,7 @@ def named_columns(path: Path, dimensions: Mapping[str, str | None], header: str)
     for key in dimensions:
         if key not in columns:
             message = f"no column {key!r}: the header must be '{header}', it has {', '.join(columns)}"
-            raise InputError(str(path), [(1, "", message)])
+            raise InputError.of(str(path), message, 1)
     return [
         columns[key].plain_numbers() if kind is None else columns[key].numbers(kind) for key, kind in dimensions.items()
     ]
@@ -180,13 +180,13 @@ def _columns(path: Path, numbers: Sequence[int], lines: Sequence[str], delimiter
         rows.extend(reader)
     except csv.Error:
         message = "a cell's quotation marks don't match, or it is too long"
-        raise InputError(path.name, [(numbers[reader.line_num - 1], "", message)]) from None
+        raise InputError.of(path.name, message, numbers[reader.line_num - 1]) from None
     if len(rows) != len(lines):
-        raise InputError(path.name, [(None, "", "a quoted cell spans several lines")])
+        raise InputError.of(path.name, "a quoted cell spans several lines")
     for line, row in zip(numbers, rows, strict=True):
         if len(row) != count:
             commas = "; separate columns by semicolons if numbers have decimal commas" if delimiter == "," else ""
-            raise InputError(path.name, [(line, "", f"has {len(row)} cells, the header {count}{commas}")])
+            raise InputError.of(path.name, f"has {len(row)} cells, the header {count}{commas}", line)
     return [list(column) for column in zip(*rows, strict=True)]
 
 
@@ -200,13 +200,13 @@ def _header(path: Path, line: int, cells: Sequence[str]) -> tuple[list[str], lis
     if None in headers:
         shown = _quoted(path, cells[headers.index(None)])
         message = f"header{shown}: write a name and a unit for each column, such as 'force [kN]'"
-        raise InputError(path.name, [(line, "", message)])
+        raise InputError.of(path.name, message, line)
     names = [header["key"] for header in headers]
     if any(map(_is_number, names)):
         message = "the first line must name the columns, such as 'input.length [mm]'; it has numbers"
-        raise InputError(path.name, [(line, "", message)])
+        raise InputError.of(path.name, message, line)
     if len(set(names)) < len(names):
-        raise InputError(path.name, [(line, "", f"a column is given twice: {', '.join(names)}")])
+        raise InputError.of(path.name, f"a column is given twice: {', '.join(names)}", line)
     return names, [header["unit"] or "" for header in headers]
 
 

@@ -22,6 +22,11 @@ class InputError(ValueError):
         self.source, self.problems = source, tuple(problems)
         super().__init__("\n".join(self._lines()))
 
+    @classmethod
+    def of(cls, source: str, message: str, line: int | None = None, key: str = "") -> "InputError":
+        """A single problem."""
+        return cls(source, [(line, key, message)])
+
     def _lines(self) -> Iterator[str]:
         for line, key, message in self.problems:
             place = f"{self.source}, line {line}" if line else self.source
@@ -75,13 +80,13 @@ def check_file(path: Path, largest: int | None = None) -> None:
         found = path.stat()
     except (OSError, ValueError) as error:
         if getattr(error, "errno", None) == errno.ENAMETOOLONG:
-            raise InputError(f"{str(path)[:_SHOWN]}...", [(None, "", "is too long for a file name")]) from None
+            raise InputError.of(f"{str(path)[:_SHOWN]}...", "is too long for a file name") from None
         return
     if not (stat.S_ISREG(found.st_mode) or stat.S_ISDIR(found.st_mode)):
-        raise InputError(str(path), [(None, "", "is a device or a pipe; name a file")])
+        raise InputError.of(str(path), "is a device or a pipe; name a file")
     if largest is not None and found.st_size > largest:
         message = f"has {found.st_size / 1e6:.0f} MB, more than the allowed {largest / 1e6:.0f} MB"
-        raise InputError(str(path), [(None, "", message)])
+        raise InputError.of(str(path), message)
 
 
 def is_hdf5(path: Path) -> bool:
@@ -115,9 +120,9 @@ def read_text(path: Path, largest: int = LARGEST_TEXT) -> str:
     try:
         return path.read_text(encoding="utf-8-sig")
     except OSError as error:
-        raise InputError(str(path), [(None, "", f"can't be read: {error.strerror}")]) from None
+        raise InputError.of(str(path), f"can't be read: {error.strerror}") from None
     except ValueError:
         message = "is not UTF-8 text: save it as UTF-8"
         if is_hdf5(path):
             message = "is a result file (HDF5), not a text; use `sweeps show`"
-        raise InputError(str(path), [(None, "", message)]) from None
+        raise InputError.of(str(path), message) from None

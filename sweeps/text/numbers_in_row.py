@@ -25,8 +25,8 @@ def numbers_in_row(source: str, text: str, dimensions: Sequence[str]) -> tuple[f
     parts = [part.strip() for part in text.split(",")]
     if len(parts) != len(dimensions):
         message = f"{text!r}: {len(dimensions)} numbers are needed, separated by commas: {', '.join(dimensions)}"
-        raise InputError(source, [(None, "", message)])
+        raise InputError.of(source, message)
     try:
         return tuple(in_text(part, dimension) for part, dimension in zip(parts, dimensions, strict=True))
     except UnitError as error:
-        raise InputError(source, [(None, "", str(error))]) from None
+        raise InputError.of(source, str(error)) from None

@@ -29,15 +29,15 @@ def given_values(scene: Scene, settings: Sequence[str]) -> dict[str, float]:
     for text in settings:
         path, equals, value = (part.strip() for part in text.partition("="))
         if not equals or not path:
-            raise InputError("--set", [(None, "", f"{text!r}: write PATH=VALUE, such as input.length='55 mm'")])
+            raise InputError.of("--set", f"{text!r}: write PATH=VALUE, such as input.length='55 mm'")
         if path not in known:
             near = nearest_names(path, known, 3)
             hint = f"did you mean {' or '.join(map(repr, near))}?" if near else f"numbers are {', '.join(known)}"
-            raise InputError("--set", [(None, path, f"is not a number of the scene; {hint}")])
+            raise InputError.of("--set", f"is not a number of the scene; {hint}", key=path)
         try:
             found[path] = in_text(value.strip("\"'"), known[path].dimension)
         except UnitError as error:
-            raise InputError("--set", [(None, path, str(error))]) from None
+            raise InputError.of("--set", str(error), key=path) from None
     return found
 
 

@@ -2,18 +2,18 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, get_args, get_origin
+from typing import Any
 
 import tomli_w
 from pydantic import ValidationError
 
 from engine import (
-    DimensionMark,
     FormulaNumber,
     Scene,
     SceneError,
     ScenePart,
-    described_dimension,
+    common_units,
+    field_dimension,
     near_of_variant,
     order_groups,
     scene_numbers,
@@ -70,7 +70,7 @@ def scene_from(data: dict[str, Any], text: str, source: str, folder: Path, prefi
                 columns = _table_columns(folder, action.pop("file"), source, where)
                 twice = [key for key in columns if key in action]
                 if twice:
-                    raise InputError(source, [(*where, f"{twice[0]!r} is in both the file and the text; give it once")])
+                    raise InputError.of(source, f"{twice[0]!r} is in both the file and the text; give it once", *where)
                 action |= {key: column.texts for key, column in columns.items()}
                 files |= {".".join([*prefix, table, name, key]): (where, column) for key, column in columns.items()}
     try:
@@ -91,7 +91,7 @@ def _table_columns(folder: Path, name: object, source: str, where: tuple[int | N
     try:
         return read_csv(folder / str(name))
     except InputError as error:
-        raise InputError(source, [(*where, str(error))]) from None
+        raise InputError.of(source, str(error), *where) from None
 
 
 def _in_its_file(
@@ -117,29 +117,9 @@ def _in_its_file(
     return problem
 
 
-# Scene texts use CF units, except for plain numbers.
 def number_text(value: float, dimension: str) -> str | float:
     """A number in scene text, in SI units."""
-    unit = described_dimension(dimension).unit
-    if dimension == "number":
-        return value
-    return f"{value!r} {_TEXT_UNITS.get(dimension, unit)}"
-
-
-_TEXT_UNITS = {
-    "angular_speed": "rad/s",
-    "speed": "m/s",
-    "acceleration": "m/s2",
-    "density": "kg/m3",
-    "stiffness": "N/m",
-    "torsional_stiffness": "N m/rad",
-    "damping": "N s/m",
-    "torsional_damping": "N m s/rad",
-    "quadratic_drag": "N s2/m2",
-    "torsional_quadratic_drag": "N m s2/rad2",
-    "inertia": "kg m2",
-    "moment": "N m",
-}
+    return value if dimension == "number" else f"{value!r} {common_units(dimension)[-1]}"
 
 
 def write_scene(scene: Scene, values: Mapping[str, float] | None = None) -> str:
@@ -271,21 +251,9 @@ def _with_units(part: ScenePart, data: dict[str, Any]) -> None:
                 if isinstance(inner, ScenePart) and isinstance(written[name], dict):
                     _with_units(inner, written[name])
         elif isinstance(value, (list, tuple)) and isinstance(written, list):
-            dimension = _listed_dimension(field.annotation)
+            dimension = field_dimension(field)
             for k, inner in enumerate(value):
                 if isinstance(inner, ScenePart):
                     _with_units(inner, written[k])
                 elif dimension is not None:
                     written[k] = number_text(inner, dimension)
-
-
-def _listed_dimension(annotation: object) -> str | None:
-    """Dimension of the entries of a list by its type; None where they have none."""
-    for inner in get_args(annotation):
-        if get_origin(annotation) in (list, tuple):
-            marks = [str(mark) for mark in get_args(inner) if isinstance(mark, DimensionMark)]
-            return marks[0] if marks else None
-        found = _listed_dimension(inner)
-        if found is not None:
-            return found
-    return None

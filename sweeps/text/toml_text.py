@@ -28,16 +28,15 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
     for number, line in enumerate(text.splitlines(), 1):
         # The TOML reader stores every prefix of a dotted key.
         if len(line) > _LONGEST_KEY and any(_parts(piece) > _LONGEST_KEY for piece in _APART.split(line)):
-            raise InputError(source, [(number, "", f"more than {_LONGEST_KEY} parts between full stops")])
+            raise InputError.of(source, f"more than {_LONGEST_KEY} parts between full stops", number)
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         found = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
         line = int(found[1]) if found else None
-        message = _slip(text, line, source) or _not_toml(text, line, str(error))
-        raise InputError(source, [(line, "", message)]) from None
+        raise InputError.of(source, _slip(text, line, source) or _not_toml(text, line, str(error)), line) from None
     except (ValueError, RecursionError):
-        raise InputError(source, [(None, "", "not valid TOML: a number too long, or tables nested too deep")]) from None
+        raise InputError.of(source, "not valid TOML: a number too long, or tables nested too deep") from None
 
 
 # What the TOML reader reports, and what is said instead.

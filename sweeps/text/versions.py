@@ -1,5 +1,7 @@
-"""Version of this program, and of the one that made a file."""
+"""Version of this program, of the one that made a file, and the libraries of the program's extras."""
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, version
 
 
@@ -9,6 +11,26 @@ def own_version() -> str:
         return version("machine-sweeps")
     except PackageNotFoundError:
         return "not installed"
+
+
+@contextmanager
+def extra(name: str, purpose: str, refusal: Callable[[str], Exception]) -> Iterator[None]:
+    """Import libraries of one of the program's extras inside the block.
+
+    Parameters
+    ----------
+    name : str
+        The extra, as in "machine-sweeps[`parquet`]".
+    purpose : str
+        What needs them, for the message.
+    refusal : callable
+        The error to raise with that message if a library isn't installed.
+    """
+    try:
+        yield
+    except ImportError as error:
+        library = (error.name or name).partition(".")[0]
+        raise refusal(f"{purpose} needs {library}: pip install 'machine-sweeps[{name}]'") from None
 
 
 def origin_text(versions: str) -> str:

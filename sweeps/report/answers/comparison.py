@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from engine import Scene, Verdict, described_dimension, quantity_text, scene_numbers
+from engine import Scene, Verdict, described_dimension, quantity_text, scene_numbers, shortened
 from sweeps.report.answers.shown_results import shown_parameters, shown_summaries
 from sweeps.report.answers.unmet_conditions import no_answer_text
 from sweeps.report.result_report import value_text
@@ -70,7 +70,7 @@ def comparison(one: SweepResult, other: SweepResult) -> Comparison:
         one.release()
         other.release()
     if not common:
-        raise InputError(str(one.path), [(None, "", f"has no variant in common with {other.path}")])
+        raise InputError.of(str(one.path), f"has no variant in common with {other.path}")
     parts.append(f"Variants: {one.description.variants} and {other.description.variants}, {common} in common")
     if apart:
         pair = [Verdict(int(r.columns["status"][v])).name.lower() for r, v in zip((one, other), first, strict=True)]
@@ -149,8 +149,7 @@ def _texts(scene: Scene) -> Iterator[tuple[str, Any]]:
 
 def _shown(value: object) -> str:
     value = ", ".join(map(str, value)) if isinstance(value, list) else value
-    text = str(value) if value not in ("", None) else "nothing"
-    return text if len(text) <= 60 else text[:57] + "..."
+    return shortened(str(value) if value not in ("", None) else "nothing")
 
 
 class _Pairs(NamedTuple):
@@ -167,7 +166,7 @@ def _common(one: SweepResult, other: SweepResult, columns: Sequence[str]) -> Ite
     of_same_numbers = set(one.parameters) ^ set(other.parameters) or not names
     if of_same_numbers and one.description.variants != other.description.variants:
         message = f"{other.path} has different variables and another number of variants: nothing to compare"
-        raise InputError(str(one.path), [(None, "", message)])
+        raise InputError.of(str(one.path), message)
     elsewhere = []
     for part in one.parts():
         if of_same_numbers or all(np.array_equal(one.columns[n][part], other.columns[n][part]) for n in names):

@@ -29,7 +29,7 @@ def cam_csv(cam: CamElement, out: Path, points: int) -> None:
     c = cam_curves(cam, points)
     if not c.angle.size:
         message = "is too small: the follower doesn't reach the base circle; enlarge it"
-        raise InputError(out.stem, [(None, "base_radius", message)])
+        raise InputError.of(out.stem, message, key="base_radius")
     stroke = "m" if cam.translating else "rad"
     columns = {
         "angle": (c.angle, "rad"),

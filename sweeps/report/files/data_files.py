@@ -103,15 +103,14 @@ def write_table(out: Path, table: Table) -> None:
         installed.
     """
     if out.suffix not in _WRITERS:
-        message = f"unknown table format {out.suffix!r}; allowed: {', '.join(TABLE_ENDINGS)}"
-        raise InputError(str(out), [(None, "", message)])
+        raise InputError.of(str(out), f"unknown table format {out.suffix!r}; allowed: {', '.join(TABLE_ENDINGS)}")
     try:
         with whole_file(out) as draft:
             _WRITERS[out.suffix](draft, _in_shown_units(table))
     except _TooLongError as error:
-        raise InputError(str(out), [(None, "", str(error))]) from None
+        raise InputError.of(str(out), str(error)) from None
     except OSError as error:
-        raise InputError(str(out), [(None, "", f"can't be written: {error.strerror}")]) from None
+        raise InputError.of(str(out), f"can't be written: {error.strerror}") from None
 
 
 def plain_number(value: float) -> float | int | None:
@@ -120,12 +119,13 @@ def plain_number(value: float) -> float | int | None:
     return number if isinstance(number, int) or np.isfinite(number) else None
 
 
-def _header(name: str, units: str) -> str:
+def header(name: str, units: str) -> str:
+    """Header of a column, with its unit: "input.length [m]"."""
     return name if units in ("", "1") else f"{name} [{units}]"
 
 
 def _headers(table: Table) -> list[str]:
-    return [_header(name, table.units.get(name, "1")) for name in table.names]
+    return [header(name, table.units.get(name, "1")) for name in table.names]
 
 
 def _write_csv(out: Path, table: Table) -> None:

@@ -78,7 +78,7 @@ def result_columns(path: Path, names: Sequence[str], where: Where = None) -> Par
     axes = {axis.name: axis for axis in map(result.along, fields)}
     if len(axes) > 1:
         message = f"have different axes ({' and '.join(axes)}); export them separately"
-        raise InputError("--columns", [(None, ", ".join(fields), message)])
+        raise InputError.of("--columns", message, key=", ".join(fields))
     axis = next(iter(axes.values()), None)
     places = axis.values.size if axis else 1
 
@@ -120,7 +120,7 @@ def position_table(
     """
     if scene.input is None:
         message = "the scene has only machine elements, which have no positions; `sweeps run` gives their numbers"
-        raise InputError(scene.title or "scene", [(None, "", message)])
+        raise InputError.of(scene.title or "scene", message)
     machine = MovingMachine(with_values(scene, values), positions=positions)
     fields, unit = list(names) or list(machine.register.available_fields), InputUnits.of(scene).q
     place = "phi" if unit == "rad" else "q"
@@ -162,13 +162,13 @@ def history_table(
     """
     if not scene.regimes:
         message = 'a history needs regimes; add [regimes.NAME] with type = "run" or "steady"'
-        raise InputError(scene.title or "scene", [(None, "regimes", message)])
+        raise InputError.of(scene.title or "scene", message, key="regimes")
     scene = with_values(scene, values)
     known = history_fields(scene) if fields else {}
     for name in fields:
         if name not in known:
             message = f"{name!r} is not a load of a history; {did_you_mean(name, known)}"
-            raise InputError(scene.title or "scene", [(None, "--columns", message)])
+            raise InputError.of(scene.title or "scene", message, key="--columns")
     seen = history(scene, steps, fields)
     of_input = InputUnits.of(scene)
     of_loads = {f"{channel}_moment": (moment, of_input.moment) for channel, moment in seen.load_moments.items()}
@@ -210,10 +210,9 @@ def scene_toml(scene: Scene, values: Mapping[str, float], out: Path, text: str, 
         The file exists or can't be written.
     """
     if out.exists() and not overwrite:
-        message = "exists already; name another file, or give --overwrite"
-        raise InputError(str(out), [(None, "", message)])
+        raise InputError.of(str(out), "exists already; name another file, or give --overwrite")
     try:
         with whole_file(out) as draft:
             draft.write_text(edited_scene(scene, values, text, out.parent), encoding="utf8")
     except OSError as error:
-        raise InputError(str(out), [(None, "", f"can't be written: {error.strerror}")]) from None
+        raise InputError.of(str(out), f"can't be written: {error.strerror}") from None

@@ -12,7 +12,6 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from engine import (
-    DimensionMark,
     FormulaNumber,
     NonZero,
     Scene,
@@ -20,6 +19,8 @@ from engine import (
     bare_annotation,
     described_dimension,
     display_unit,
+    field_dimension,
+    field_marks,
     is_union,
     nearest_names,
     speaks_of,
@@ -91,7 +92,7 @@ def key_text(asked: str) -> str:
         known = {".".join(key.path[n:]) for key in _keys() for n in range(len(key.path)) if key.path[n] != NAME}
         near = nearest_names(asked, known | {key.kind for key in _keys() if key.kind}, 3)
         hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "`sweeps help` lists all tables"
-        raise InputError("help", [(None, "", f"scenes and studies have no key or type {asked!r}; {hint}")])
+        raise InputError.of("help", f"scenes and studies have no key or type {asked!r}; {hint}")
     return "\n\n".join(_paragraphs(found))
 
 
@@ -282,7 +283,7 @@ def _necessity(field: FieldInfo) -> str:
         return "optional"
     if isinstance(default, bool):
         return f"default: {str(default).lower()}"
-    return f"default: {_as_typed(default, _dimension(field)) if isinstance(default, float) else default}"
+    return f"default: {_as_typed(default, field_dimension(field)) if isinstance(default, float) else default}"
 
 
 def _as_typed(value: float, dimension: str | None) -> str:
@@ -293,25 +294,9 @@ def _as_typed(value: float, dimension: str | None) -> str:
     return f"{value * factor:.10g} {label}"
 
 
-def _marks(annotation: Any, metadata: Sequence[object] = ()) -> list[object]:
-    """All metadata of an annotation, including nested types."""
-    found = []
-    for mark in metadata:
-        found += mark.metadata if isinstance(mark, FieldInfo) else [mark]
-    for inner in get_args(annotation):
-        found += _marks(inner, getattr(inner, "__metadata__", ()))
-    return found
-
-
-def _dimension(field: FieldInfo) -> str | None:
-    marks = _marks(field.annotation, field.metadata)
-    return next((str(mark) for mark in marks if isinstance(mark, DimensionMark)), None)
-
-
 def _takes(field: FieldInfo) -> str:
     """Allowed values of a key, with limits."""
-    marks = _marks(field.annotation, field.metadata)
-    here, dimension = bare_annotation(field.annotation), _dimension(field)
+    marks, dimension, here = field_marks(field), field_dimension(field), bare_annotation(field.annotation)
     limits = [
         f"{words} {_as_typed(getattr(mark, at), dimension)}"
         for mark in marks
@@ -346,7 +331,7 @@ def _kind(here: Any, dimension: str | None) -> str:
 
 def _example(key: Key) -> list[str]:
     """An example line, if possible."""
-    dimension = _dimension(key.field)
+    dimension = field_dimension(key.field)
     here = bare_annotation(key.field.annotation)
     if dimension == "number" or (dimension is None and get_origin(here) is not Literal):
         return []

@@ -33,8 +33,7 @@ def quantities_text(scene: Scene, source: str, words: Sequence[str] = ()) -> str
         near = nearest_names(words[0], {**summaries, **fields}, 3)
         hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "without words all are listed"
         hint += f"; `sweeps help {' '.join(words)}` searches keys and guide"
-        message = f"no quantity matches {' and '.join(map(repr, words))}; {hint}"
-        raise InputError(source, [(None, "", message)])
+        raise InputError.of(source, f"no quantity matches {' and '.join(map(repr, words))}; {hint}")
     parts = ["Summaries (one number per variant):", _listed(numbers)] if numbers else []
     if curves:
         ways = ", ".join(f"{way} ({meaning.removesuffix(' of')})" for way, meaning in STATISTICS.items())

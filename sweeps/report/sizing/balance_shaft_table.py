@@ -1,7 +1,5 @@
 """Balance shafts of engines: speeds, unbalances and angles, and the unbalance without them."""
 
-import math
-
 import numpy as np
 
 from engine import (
@@ -15,6 +13,7 @@ from engine import (
     quantity_text,
     remaining_shaking,
 )
+from sweeps.report.sizing.trial_runs import degrees_text
 from sweeps.text.numbers_in_row import numbers_in_row
 from sweeps.text.tables import table
 
@@ -67,7 +66,7 @@ def _engine_text(name: str, element: EngineElement, given: tuple[float, float] |
         crank = (shaft.order, shaft.sense) == (1, 1)
         words = "the crank itself" if crank else f"balance shaft, {WORDS[shaft.order]}"
         turns = "with the crank" if shaft.sense > 0 else "against it"
-        unbalances = (_polar_text(complex(part)) for part in shaft.unbalances.reshape(-1))
+        unbalances = (f"{quantity_text(abs(u), 'kg m')} at {degrees_text(u)}" for u in shaft.unbalances.reshape(-1))
         rows.append((words, f"{shaft.order} × crank", turns, *unbalances))
     kinds = "force and no couple" if len(used) > 1 else "force"
     lines.append(f"Unbalances that cancel the primary and secondary {kinds}:")
@@ -90,8 +89,3 @@ def _shaking_rows(found: EngineShaking, element: EngineElement) -> list[tuple[st
         sizes = np.where(vector.major > 1e-12 * terms, vector.major, 0.0).reshape(-1) * square
         rows.append((kind, *(quantity_text(float(size), unit) for size in sizes)))
     return rows
-
-
-def _polar_text(unbalance: complex) -> str:
-    angle = math.degrees(math.atan2(unbalance.imag, unbalance.real)) % 360.0
-    return f"{quantity_text(abs(unbalance), 'kg m')} at {angle:.1f}°"

@@ -33,7 +33,7 @@ def counterweight_place(text: str) -> CounterweightPlace:
     """
     link, _, place = text.partition(":")
     if place.count(",") != 1:
-        raise InputError("--place", [(None, "", f"{text!r}: write a link and a place on it, 'rod: -60 mm, 0 mm'")])
+        raise InputError.of("--place", f"{text!r}: write a link and a place on it, 'rod: -60 mm, 0 mm'")
     return CounterweightPlace(link.strip(), *numbers_in_row("--place", place, ("length", "length")))
 
 

@@ -103,20 +103,22 @@ def read_runs(path: Path) -> Runs:
     columns = read_csv(path)
     for key in OF_WEIGHTS:
         if key not in columns:
-            raise _refusal(path, f"no column {key!r}: the header is such as '{HEADER}', it has {', '.join(columns)}", 1)
+            raise InputError.of(
+                str(path), f"no column {key!r}: the header is such as '{HEADER}', it has {', '.join(columns)}", 1
+            )
     names = tuple(name for name in columns if name not in OF_WEIGHTS and not name.endswith(PHASE))
     phases = [name for name in names if f"{name}{PHASE}" in columns]
     if not names or phases not in ([], list(names)):
-        raise _refusal(path, "every sensor needs an amplitude NAME [mm/s] and a phase NAME_phase [deg]", 1)
+        raise InputError.of(str(path), "every sensor needs an amplitude NAME [mm/s] and a phase NAME_phase [deg]", 1)
     unit, weight_unit = _common_unit(path, columns, names), _common_unit(path, columns, ["weight"])
     weights = _polar(columns, "weight", "weight_angle")
     readings = np.stack([_polar(columns, n, f"{n}{PHASE}" if phases else None) for n in names], axis=-1)
     if (first := np.flatnonzero(weights == 0)).size != 1:
-        raise _refusal(path, f"exactly one run must have no trial weight (weight 0); there are {first.size}")
+        raise InputError.of(str(path), f"exactly one run must have no trial weight (weight 0); there are {first.size}")
     trials = np.flatnonzero(weights)
     planes = np.array(columns["plane"].plain_numbers())[trials]
     if not (planes == np.round(planes)).all():
-        raise _refusal(path, "planes must be whole numbers, such as 1 and 2")
+        raise InputError.of(str(path), "planes must be whole numbers, such as 1 and 2")
     numbers = tuple(int(plane) for plane in planes)
     return Runs(numbers, weights[trials], readings[first[0]], readings[trials], names, bool(phases), weight_unit, unit)
 
@@ -164,7 +166,7 @@ def trial_runs_text(path: Path, noise: str | None = None, holes: int | None = No
     columns = [
         ("plane", *(str(plane) for plane in found.planes)),
         ("add", *(f"{abs(weight):.4g} {unit}" for weight in found.weights)),
-        ("at", *(_degrees(weight) for weight in found.weights)),
+        ("at", *(degrees_text(weight) for weight in found.weights)),
     ]
     if holes is not None:
         columns.append((f"or in two of {holes} holes", *_in_holes(found.weights, holes, unit)))
@@ -175,7 +177,7 @@ def trial_runs_text(path: Path, noise: str | None = None, holes: int | None = No
     heads = ("sensor", "initial", *(f"plane {plane}, {per}" for plane in found.planes), "left")
     effects = [heads]
     for name, first, row, left in zip(runs.names, runs.initial, found.coefficients, found.left, strict=True):
-        shown = [_polar_text(c) if runs.phases else f"{abs(c):.4g}" for c in row]
+        shown = [f"{abs(c):.4g}" + (f" at {degrees_text(c)}" if runs.phases else "") for c in row]
         whole = abs(first)
         rest = f"{left:.2g} {runs.unit}" if left > 1e-9 * whole else f"0 {runs.unit}"
         effects.append((name, f"{whole:.4g} {runs.unit}", *shown, rest))
@@ -192,7 +194,7 @@ def _in_holes(weights: np.ndarray, holes: int, unit: str) -> list[str]:
     try:
         split = split_on_neighbours(weights, holes)
     except PatternError as error:
-        raise InputError("--holes", [(None, "", str(error))]) from None
+        raise InputError.of("--holes", str(error)) from None
     parts = zip(split.hole + 1, split.amount, split.next_hole + 1, split.next_amount, strict=True)
     return [f"{first:.4g} {unit} in {hole}, {second:.4g} {unit} in {beside}" for hole, first, beside, second in parts]
 
@@ -200,15 +202,17 @@ def _in_holes(weights: np.ndarray, holes: int, unit: str) -> list[str]:
 def _by_coefficients(path: Path, runs: Runs, noise: str | None) -> Correction:
     planes = tuple(sorted(set(runs.planes)))
     if len(planes) != len(runs.planes):
-        raise _refusal(path, "with phases each plane needs exactly one trial run")
+        raise InputError.of(str(path), "with phases each plane needs exactly one trial run")
     if len(planes) > len(runs.names):
-        raise _refusal(path, f"{len(planes)} planes need at least {len(planes)} sensors; there are {len(runs.names)}")
+        raise InputError.of(
+            str(path), f"{len(planes)} planes need at least {len(planes)} sensors; there are {len(runs.names)}"
+        )
     order = np.argsort(runs.planes)
     weights = runs.weights[order]
     coefficients = influence_coefficients(runs.initial, runs.trials[order], weights)
     found = influence_correction(coefficients, runs.initial)
     if not np.isfinite(found).all():
-        raise _refusal(path, "the sensors can't separate the planes: move them, or omit a plane")
+        raise InputError.of(str(path), "the sensors can't separate the planes: move them, or omit a plane")
     radii = None
     if noise is not None:
         sigma = _noise(runs, noise)
@@ -228,13 +232,13 @@ def _by_amplitudes(path: Path, runs: Runs, noise: str | None) -> Correction:
     thirds = np.abs((angles[order] - (0.0, 120.0, 240.0) + 180) % 360 - 180) if order.size == 3 else np.full(1, np.inf)
     alike = np.ptp(sizes) <= 1e-9 * sizes[0]
     if len(set(runs.planes)) != 1 or len(runs.names) != 1 or not alike or thirds.max() > THIRD_OF_A_TURN:
-        raise _refusal(path, needed)
+        raise InputError.of(str(path), needed)
     if noise is not None:
-        raise _refusal(path, "--noise requires runs with phases")
+        raise InputError.of(str(path), "--noise requires runs with phases")
     found = four_runs(abs(runs.initial[0]), np.abs(runs.trials[order, 0]), sizes[0])
     if not np.isfinite(found.unbalance):
         message = "no linear machine gives these amplitudes: repeat the readings, or use a heavier trial weight"
-        raise _refusal(path, message)
+        raise InputError.of(str(path), message)
     direction = runs.weights[0] / sizes[0]
     weight = -found.unbalance * direction
     return Correction((runs.planes[0],), np.array([weight]), np.array([[found.sensitivity]]), np.zeros(1), None)
@@ -252,12 +256,12 @@ def _polar(columns: dict[str, TableColumn], size: str, angle: str | None) -> np.
 def _common_unit(path: Path, columns: dict[str, TableColumn], names: Iterable[str]) -> str:
     units = {columns[name].unit for name in names}
     if len(units) > 1:
-        raise _refusal(path, f"all sensors must use one unit; these use {', '.join(sorted(units))}", 1)
+        raise InputError.of(str(path), f"all sensors must use one unit; these use {', '.join(sorted(units))}", 1)
     (unit,) = units
     try:
         base_powers(unit or "1")
     except UnitError as error:
-        raise _refusal(path, str(error), 1) from None
+        raise InputError.of(str(path), str(error), 1) from None
     return unit
 
 
@@ -266,19 +270,12 @@ def _noise(runs: Runs, noise: str) -> float:
     try:
         (value, kind), (one, wanted) = recognised(noise), recognised(f"1 {runs.unit}".strip())
     except UnitError as error:
-        raise InputError("--noise", [(None, "", str(error))]) from None
+        raise InputError.of("--noise", str(error)) from None
     if kind != wanted or not 0 < value < np.inf:
-        raise InputError("--noise", [(None, "", f"{noise!r}: give it in the unit of the readings, '0.1 {runs.unit}'")])
+        raise InputError.of("--noise", f"{noise!r}: give it in the unit of the readings, '0.1 {runs.unit}'")
     return value / one
 
 
-def _degrees(number: complex) -> str:
+def degrees_text(number: complex) -> str:
+    """Angle of a complex number, from 0° to 360°."""
     return f"{np.degrees(np.angle(number)) % 360:.1f}°"
-
-
-def _polar_text(number: complex) -> str:
-    return f"{abs(number):.4g} at {_degrees(number)}"
-
-
-def _refusal(path: Path, message: str, line: int | None = None) -> InputError:
-    return InputError(str(path), [(line, "", message)])

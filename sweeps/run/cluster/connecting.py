@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from engine import threads
 from sweeps.run.cluster.cluster_errors import ClusterError
+from sweeps.text.versions import extra
 from sweeps.text.whole_files import scratch_folder
 
 if TYPE_CHECKING:
@@ -41,13 +42,10 @@ def connected(address: str) -> Iterator["Client"]:
     ClusterError
         Dask or cryptography isn't installed, or there is no scheduler at that address.
     """
-    try:
+    with extra("cluster", "--cluster", ClusterError):
         import cryptography  # noqa: F401  (Dask makes certificates with it)
         import dask
         import distributed
-    except ImportError as error:
-        message = f"--cluster needs Dask and cryptography ({error}): pip install 'machine-sweeps[cluster]'"
-        raise ClusterError(message) from None
     # The program reports errors itself.
     logging.getLogger("distributed").setLevel(logging.CRITICAL + 1)
     local = LOCAL.fullmatch(address)

@@ -22,7 +22,6 @@ from distributed.comm import connect
 from distributed.core import send_recv
 from distributed.protocol.serialize import merge_and_deserialize
 
-from sweeps.run.blocks import block_size
 from sweeps.run.carrying import Blocks
 from sweeps.run.cluster.cluster_errors import ClusterError, UnfinishedError
 from sweeps.run.cluster.on_workers import (
@@ -34,7 +33,6 @@ from sweeps.run.cluster.on_workers import (
     own_greeting,
     time_variant,
 )
-from sweeps.run.cost import FEW
 
 # Attempts per failing job.
 ATTEMPTS = 3
@@ -208,15 +206,12 @@ class Crew:
 
     # Jobs
 
-    def block_size(self) -> int:
-        """Variants per block, as for `sweeps.run.blocks.block_size`, from the time on a worker."""
-        study = self.blocks.study
-        if study.design.size <= FEW:
-            return study.design.size
+    def seconds(self) -> float:
+        """Time per variant on a worker."""
         seconds = dict(self.results(time_variant, [(0, ())])).get(0)
         if seconds is None:
             raise UnfinishedError(f"can't compute any variant ({self.failures[0]})")
-        return block_size(study, study.machine(), seconds)
+        return seconds
 
     def results(self, function: Callable, jobs: Iterable[Job]) -> Iterator[tuple[int, Any]]:
         """Job numbers and results in any order; abandoned jobs go to `failures`.

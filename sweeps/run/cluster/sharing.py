@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from engine import Outcome
+from sweeps.run.blocks import joined
 from sweeps.run.cluster.cluster_errors import UnfinishedError
 from sweeps.run.cluster.crew import UNDER_WAY, Crew
 from sweeps.run.cluster.on_workers import compute_candidates
@@ -44,7 +45,6 @@ def share_out(crew: Crew, values: Mapping[str, np.ndarray], dropped: np.ndarray 
 
 
 def _joined(parts: list[Outcome]) -> Outcome:
-    first, *_ = parts
     alone = (np.concatenate([part[i] for part in parts]) for i in range(3))
-    tables = ({n: np.concatenate([part[i][n] for part in parts]) for n in first[i]} for i in range(3, 6))
+    tables = (joined([part[i] for part in parts]) for i in range(3, 6))
     return Outcome(*alone, *tables)

@@ -22,7 +22,6 @@ from press_sweeps import DISTINCT, contents, numbers_in, run, study_of
 from sweeps.run import runner
 from sweeps.run.cluster.cluster_errors import ClusterError, UnfinishedError
 from sweeps.run.cluster.connecting import connected
-from sweeps.run.cluster.crew import Crew
 from sweeps.run.runner import run_study
 from sweeps.store import describe_result
 
@@ -32,8 +31,7 @@ QUIET = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
 
 @pytest.fixture
 def blocks_of_forty(monkeypatch):
-    monkeypatch.setattr(runner, "measured_block_size", lambda study, machine: 40)
-    monkeypatch.setattr(Crew, "block_size", lambda self: 40)
+    monkeypatch.setattr(runner, "block_size", lambda *_: 40)
 
 
 @contextmanager

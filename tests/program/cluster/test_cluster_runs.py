@@ -17,7 +17,7 @@ from sweeps.optimising.runner import optimise_study
 from sweeps.run import runner
 from sweeps.run.cluster.cluster_errors import ClusterError
 from sweeps.run.cluster.connecting import connected
-from sweeps.run.cluster.crew import UNDER_WAY, Crew
+from sweeps.run.cluster.crew import UNDER_WAY
 from sweeps.run.cluster.limits import ClusterLimits
 from sweeps.run.cluster.on_workers import time_variant
 from sweeps.run.runner import layout_of, run_study
@@ -35,8 +35,7 @@ def client():
 
 @pytest.fixture(autouse=True)
 def blocks_of_forty(monkeypatch):
-    monkeypatch.setattr(runner, "measured_block_size", lambda study, machine: 40)
-    monkeypatch.setattr(Crew, "block_size", lambda self: 40)
+    monkeypatch.setattr(runner, "block_size", lambda *_: 40)
 
 
 def without_its_end(path: Path) -> bytes:

@@ -145,7 +145,7 @@ def interrupted(after: int) -> str:
             raise KeyboardInterrupt
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("sweeps.run.runner.measured_block_size", lambda study, machine: 3)
+        patch.setattr("sweeps.run.runner.block_size", lambda *_: 3)
         patch.setattr("sweeps.run.progress.ProgressBar.update", stop)
         patch.setattr("sys.argv", ["sweeps", "run", "study.toml", "--restart", "--no-plots", "--out", "my r.h5"])
         assert said("run", "study.toml", "--no-plots", "--out", "r.h5").exit_code == 1
@@ -168,7 +168,7 @@ def test_interrupt__tells_how_many_variants_are_done_and_goes_on_from_there(pres
     assert interrupted(3) == f"Interrupted: 3 of 8 variants are done and kept; {again}"
     assert said("show", "r.part.h5").stdout.startswith("Which crank?: 3 of 8 variants done; run the study again")
     assert "Interrupted: 6 of 8 variants" in interrupted(6)
-    monkeypatch.setattr("sweeps.run.runner.measured_block_size", lambda study, machine: 3)
+    monkeypatch.setattr("sweeps.run.runner.block_size", lambda *_: 3)
     done("run", "study.toml", "--no-plots", "--out", "r.h5")
     assert said("show", "r.h5").stdout.startswith("Which crank?: 8 variants, all done")
 
@@ -299,7 +299,7 @@ def test_progress_into_a_pipe__is_plain_lines_now_and_then(press_folder, monkeyp
     ticks = itertools.count(0.0, 40.0)
     clock = SimpleNamespace(monotonic=lambda: next(ticks), perf_counter=time.perf_counter)
     monkeypatch.setattr("sweeps.run.progress.time", clock)
-    monkeypatch.setattr("sweeps.run.runner.measured_block_size", lambda study, machine: 2)
+    monkeypatch.setattr("sweeps.run.runner.block_size", lambda *_: 2)
     answer = said("run", "study.toml", "--no-plots")
     lines = answer.stderr.splitlines()
     # The first part is compiled before it is computed, and says nothing of what is left.

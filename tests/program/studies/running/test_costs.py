@@ -43,7 +43,7 @@ def test_variant__takes_what_it_takes_once_compiled_where_the_first_is_dropped(c
     assert clock.compiled
     # No more than each; less by as many as are dropped.
     assert 0 < found <= EACH
-    assert block_size(study, machine, found) >= 1 / EACH
+    assert block_size(study, machine, lambda: found) >= 1 / EACH
 
 
 @pytest.mark.parametrize("clock", [2.0], indirect=True)

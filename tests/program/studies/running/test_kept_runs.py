@@ -60,7 +60,7 @@ def test_rows__stand_in_the_file_with_their_axis_and_error_figure(folder, monkey
     assert SweepResult(path).along("go.turned").name == "go.instant"
     assert SweepResult(path).along("reduced_inertia").over_positions
     # Blocks of two variants give the same, to the last bit.
-    monkeypatch.setattr(runner, "measured_block_size", lambda study, machine: 2)
+    monkeypatch.setattr(runner, "block_size", lambda *_: 2)
     cut = run_study(study(folder), folder / "cut.h5")
     for name in (*FIELDS, "go.speed_error", "go.turned_error"):
         assert np.array_equal(read_columns(path, [name])[name], read_columns(cut, [name])[name], equal_nan=True), name

@@ -26,7 +26,7 @@ def counted(text: str, folder: Path, **options: bool) -> list[tuple[int, int]]:
 
 def test_interrupted_run__goes_on_with_the_blocks_left(monkeypatch, tmp_path):
     whole = numbers_in(run(tmp_path, DISTINCT, "whole"))
-    monkeypatch.setattr(runner, "measured_block_size", lambda study, machine: 40)
+    monkeypatch.setattr(runner, "block_size", lambda *_: 40)
     with pytest.raises(Stop):
         run_study(study_of(tmp_path, DISTINCT), tmp_path / "study.h5", progress=stopping(80))
     assert not (tmp_path / "study.h5").exists()
@@ -153,7 +153,7 @@ def test_edited_scene__runs_again_and_the_former_file_is_kept_or_replaced(replac
 
 
 def test_interrupted_run_then_edited__takes_over_what_is_done(monkeypatch, tmp_path):
-    monkeypatch.setattr(runner, "measured_block_size", lambda study, machine: 40)
+    monkeypatch.setattr(runner, "block_size", lambda *_: 40)
     with pytest.raises(Stop):
         run_study(study_of(tmp_path, DISTINCT), tmp_path / "study.h5", progress=stopping(80))
     longer = DISTINCT.replace("['1 kg']", "['1 kg', '2 kg']")
@@ -166,7 +166,7 @@ def test_interrupted_run_then_edited__takes_over_what_is_done(monkeypatch, tmp_p
 
 
 def test_damaged_block__alone_is_computed_again(monkeypatch, tmp_path):
-    monkeypatch.setattr(runner, "measured_block_size", lambda study, machine: 40)
+    monkeypatch.setattr(runner, "block_size", lambda *_: 40)
     path = run(tmp_path, DISTINCT)
     whole = contents(path)
     with h5py.File(path, "r") as file:

@@ -218,7 +218,7 @@ def test_results__do_not_depend_on_threads(tmp_path):
 @pytest.mark.parametrize("largest", [16, 37, 128])
 def test_results__do_not_depend_on_blocks(largest, monkeypatch, tmp_path):
     whole = run(tmp_path, DISTINCT, "whole")
-    monkeypatch.setattr(runner, "measured_block_size", lambda study, machine: largest)
+    monkeypatch.setattr(runner, "block_size", lambda *_: largest)
     parts = run(tmp_path, DISTINCT, "parts")
     assert describe_result(parts).blocks == -(-200 // largest)
     assert describe_result(whole).blocks < 4
@@ -229,7 +229,7 @@ def test_results__do_not_depend_on_blocks(largest, monkeypatch, tmp_path):
 def test_block__is_a_second_of_work_within_memory(seconds, tmp_path):
     study = study_of(tmp_path, DISTINCT.replace("count = 200", "count = 1000000"))
     machine = study.machine()
-    size = block_size(study, machine, seconds)
+    size = block_size(study, machine, lambda: seconds)
     row = 8 * 48 * 2
     assert 1 <= size <= BYTES_PER_BLOCK / row
     assert size == 1 or size * seconds <= 1.0
