@@ -95,8 +95,9 @@ class Constant(Node):
 
 def _written(compute: Compute) -> tuple:
     """What a function computes, as far as can be compared: its code, and the texts and numbers it refers to."""
-    inner = (cell.cell_contents for cell in getattr(compute, "__closure__", None) or ())
-    return getattr(compute, "__code__", compute), *(x for x in inner if isinstance(x, (str, int, float)))
+    function, given = (compute.func, compute.args) if isinstance(compute, partial) else (compute, ())
+    given += tuple(cell.cell_contents for cell in getattr(function, "__closure__", None) or ())
+    return getattr(function, "__code__", function), *(x for x in given if isinstance(x, (str, int, float)))
 
 
 class Number(Node):
