@@ -13,7 +13,7 @@ from sweeps.pictures.drawing.symbols import HALF_LENGTH, Primitive, arrow
 # Height of a name in hinge radii.
 NAME_HEIGHT = 2.6
 # Cost of a text that moves by its height between two drawings; covering an outline over that length costs ten.
-MOVING = 2.0
+MOVING = 0.5
 # A second input at rest moves less than this between neighbouring nodes, in radians or hinge radii.
 LEAST_STEP = 1e-6
 
