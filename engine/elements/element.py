@@ -164,10 +164,11 @@ class Element(Part):
                 groups.setdefault(result.units, []).append(result.name)
         span = np.linspace(0.5, 1.5, PLACES) * (number.value or 1.0)
         x = PanelAxis(key.replace("_", " "), described(number.dimension).unit)
-        return self.panels_over(key, x, span, [("results", names) for names in groups.values()][:_MOST_PANELS])
+        shown = [(PanelAxis("results", units), names) for units, names in groups.items()]
+        return self.panels_over(key, x, span, shown[:_MOST_PANELS])
 
     def panels_over(
-        self, key: str, x: PanelAxis, values: np.ndarray, groups: Iterable[tuple[str, Sequence[str]]]
+        self, key: str, x: PanelAxis, values: np.ndarray, groups: Iterable[tuple[PanelAxis, Sequence[str]]]
     ) -> tuple[Panel, ...]:
         """Results over one of the element's numbers, one diagram for each group; a vertical line marks the given value.
 
@@ -177,16 +178,15 @@ class Element(Part):
             Key of the number.
         x : PanelAxis
         values : ndarray (samples,)
-        groups : iterable of (str, sequence of str)
-            Label of the y axis, and names of results of one unit.
+        groups : iterable of (PanelAxis, sequence of str)
+            The y axis, and names of results in its unit.
         """
-        found, units = self.over(key, values), {r.name: r.units for r in self.results()}
+        found = self.over(key, values)
         given = float(self.own_numbers()[key][0])
         made = []
-        for words, names in groups:
+        for y, names in groups:
             curves = [Curve(name.replace("_", " "), found[name]) for name in names]
             limits = bounded(values, curves, given)
-            y = PanelAxis(words, units[names[0]])
             made.append(Panel(x, y, values, curves, (Mark("as given", given, None),), limits=limits))
         return tuple(made)
 

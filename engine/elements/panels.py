@@ -11,10 +11,11 @@ HIGHEST = 4.0
 
 
 class PanelAxis(NamedTuple):
-    """Label and unit (SI) of an axis."""
+    """Words, unit (SI) and symbol of an axis; a symbol such as "M_in" has its index after the underscore."""
 
     words: str
     unit: str
+    symbol: str = ""
 
 
 class Curve(NamedTuple):

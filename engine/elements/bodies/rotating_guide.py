@@ -116,10 +116,9 @@ class RotatingGuide(Element):
         given = (np.full(time.shape, v) for v in (self.speed, self.start_radius, self.start_velocity, self.friction))
         radius, rate = slides_out(*given, time)
         reaction = 2.0 * self.mass * self.speed * rate
-        rows = (("distance", "m", radius), ("reaction", "N", reaction))
+        rows = (PanelAxis("distance", "m", "r"), radius), (PanelAxis("reaction", "N", "R"), reaction)
         over_time = (
-            Panel(PanelAxis("time", "s"), PanelAxis(words, unit), time, (Curve("", row),), (Mark("", end, row[-1]),))
-            for words, unit, row in rows
+            Panel(PanelAxis("time", "s", "t"), y, time, (Curve("", row),), (Mark("", end, row[-1]),)) for y, row in rows
         )
         turned = np.exp(1j * self.speed * time)
         leaves = (rate[-1] + 1j * self.speed * radius[-1]) * turned[-1]

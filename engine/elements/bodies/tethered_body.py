@@ -93,7 +93,7 @@ class TetheredBody(Element):
         curves = [Curve(words, found[f"{kind}_force"]) for kind, words in kinds.items()]
         marks = [Mark("", at, self.strength) for at in bursts.values()]
         marks += [Mark("strength of the tie", None, self.strength), Mark("its speed", self.speed, None)]
-        x, y = PanelAxis("speed", "m s-1"), PanelAxis("peak pull", "N")
+        x, y = PanelAxis("speed", "m s-1", "v"), PanelAxis("peak pull", "N", "F")
         pull = Panel(x, y, speed, curves, marks, limits=(0.0, 2.2 * self.strength))
         track = self._track()
         farthest = track[np.abs(track).argmax()]

@@ -141,9 +141,11 @@ class WoundFlywheel(Element):
         marks = [Mark("the winding begins", edge, None)]
         strength = [] if self.strength is None else [Mark("strength", None, self.strength)]
         made = []
-        for which, words, more in ((1, "hoop stress", strength), (0, "radial stress", [])):
+        for which, words, symbol, more in ((1, "hoop stress", "σ_t", strength), (0, "radial stress", "σ_r", [])):
             curves = [Curve(name, rows[which], name == "at rest") for name, rows in found.items()]
-            made.append(Panel(PanelAxis("radius", "m"), PanelAxis(words, "Pa"), radius, curves, (*marks, *more)))
+            made.append(
+                Panel(PanelAxis("radius", "m", "r"), PanelAxis(words, "Pa", symbol), radius, curves, (*marks, *more))
+            )
         return tuple(made)
 
 

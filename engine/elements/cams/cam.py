@@ -142,14 +142,17 @@ class CamElement(CamProgram, Element):
         """Motion, pressure angle, curvature and forces over the turn, with the boundaries of the sections."""
         c, unit, rate = cam_curves(self), *(("m", "m") if self.translating else ("rad", "1"))
         curvature = np.where(np.abs(c.curvature) * self.base_radius < _MOST_CURVED, c.curvature, np.nan)
-        rows = [("s", unit, c.displacement), ("s′", rate, c.first), ("s″", rate, c.second), ("s‴", rate, c.third)]
-        rows += [] if self.follower.contact == "flat" else [("α", "rad", c.pressure_angle)]
-        rows += [("κ", "m-1", curvature)]
-        rows += [] if self.follower.moved is None else [("N", "N", c.force), ("M", "N m", c.moment)]
+        rows = [(PanelAxis("follower motion", unit, "s"), c.displacement)]
+        derivatives = zip(("first", "second", "third"), "′″‴", (c.first, c.second, c.third), strict=True)
+        rows += [(PanelAxis(f"{nth} derivative by the angle", rate, f"s{dash}"), row) for nth, dash, row in derivatives]
+        rows += [] if self.follower.contact == "flat" else [(PanelAxis("pressure angle", "rad", "α"), c.pressure_angle)]
+        rows += [(PanelAxis("curvature", "m-1", "κ"), curvature)]
+        if self.follower.moved is not None:
+            rows += [(PanelAxis("contact force", "N", "F"), c.force), (PanelAxis("torque", "N m", "M"), c.moment)]
         ends = sections_of(self, "", self.own_numbers()).begin
         marks = (Mark("", None, 0.0), *(Mark("", float(np.squeeze(end)), None) for end in ends))
-        x = PanelAxis("angle of the cam", "rad")
-        return tuple(Panel(x, PanelAxis(name, u), c.angle, (Curve("", row),), marks) for name, u, row in rows)
+        x = PanelAxis("angle of the cam", "rad", "φ")
+        return tuple(Panel(x, y, c.angle, (Curve("", row),), marks) for y, row in rows)
 
     @property
     def _sought(self) -> tuple[str, ...]:

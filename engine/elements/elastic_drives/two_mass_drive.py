@@ -145,16 +145,16 @@ class TwoMassDrive(ElasticShaft, Element):
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Plots of shaft torque, speeds of motor and load, and play over time."""
-        history, x = drive_history(self, _INSTANTS), PanelAxis("time", "s")
+        history, x = drive_history(self, _INSTANTS), PanelAxis("time", "s", "t")
         peak = np.abs(history.moment).argmax()
         moments = Curve("of the shaft", history.moment), Curve("of the motor", history.motor_moment, True)
         marks = Mark("", history.time[peak], history.moment[peak]), Mark("of the load", None, self.load_moment)
         speeds = Curve("motor", history.motor_speed), Curve("load", history.load_speed)
         play = Mark("", None, 0.0), Mark("backlash", None, -self.backlash)
         return (
-            Panel(x, PanelAxis("moment", "N m"), history.time, moments, marks),
-            Panel(x, PanelAxis("speed", "rad s-1"), history.time, speeds),
-            Panel(x, PanelAxis("motor ahead of load", "rad"), history.time, (Curve("", history.gap),), play),
+            Panel(x, PanelAxis("torque", "N m", "M"), history.time, moments, marks),
+            Panel(x, PanelAxis("speed", "rad s-1", "ω"), history.time, speeds),
+            Panel(x, PanelAxis("motor ahead of load", "rad", "Δφ"), history.time, (Curve("", history.gap),), play),
         )
 
 

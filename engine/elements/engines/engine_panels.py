@@ -19,7 +19,7 @@ BEFORE, AFTER = "without counterweights", "with counterweights"
 # Rounding of a harmonic by the whole motion, in eps times the square of its order.
 _WHOLE = 32
 _SHOWN = 721
-_ORDER = PanelAxis("order of the crank's speed", "1")
+_ORDER = PanelAxis("order of the crank's speed", "1", "k")
 
 
 class Shaken(NamedTuple):
@@ -65,9 +65,9 @@ def torque_orders(engine: Element, orders: np.ndarray) -> tuple[float, np.ndarra
 def engine_panels(engine: Element) -> tuple[Panel, ...]:
     """Hodographs and orders of an engine's forces and couples, throws along the crank, and torque."""
     found, panels = shaken(engine), []
-    kinds = [("force", "N", found.forces)]
-    kinds += [] if engine.spacing is None else [("couple", "N m", found.couples)]
-    for word, unit, both in kinds:
+    kinds = [("force", "N", "F", found.forces)]
+    kinds += [] if engine.spacing is None else [("couple", "N m", "M", found.couples)]
+    for word, unit, letter, both in kinds:
         phi = np.linspace(0.0, math.tau, _SHOWN)
         # The engine's own axis points upwards.
         ways = [1j * vector.at(phi) for vector in both]
@@ -77,12 +77,12 @@ def engine_panels(engine: Element) -> tuple[Panel, ...]:
         panels.append(plan(lines, f"{word.capitalize()} by counterweights", unit, words)._replace(marks=marks))
         bars = [Curve(words, np.asarray(v.major)) for words, v in zip((BEFORE, AFTER), both, strict=True)]
         panels.append(
-            Panel(_ORDER, PanelAxis(f"maximum {word}", unit), np.array(SHOWN_ORDERS, float), bars, kind="bars")
+            Panel(_ORDER, PanelAxis(f"maximum {word}", unit, letter), np.array(SHOWN_ORDERS, float), bars, kind="bars")
         )
     if engine.spacing is not None:
         layout = engine.nominal_layout
         heights = Curve("", engine.stroke / 2.0 * np.cos(layout.throws))
-        axes = PanelAxis("along the crank", "m"), PanelAxis("crankpins", "m")
+        axes = PanelAxis("along the crank", "m", "z"), PanelAxis("height of the crankpins", "m", "y")
         order, title = np.argsort(layout.positions, kind="stable"), "Throws from the side, crank at 0"
         heights = heights._replace(values=heights.values[order])
         panels.append(Panel(*axes, layout.positions[order], (heights,), title=title, kind="bars"))
@@ -97,6 +97,6 @@ def _torque(engine: Element) -> tuple[Panel, Panel]:
     fires = firing_angles(engine.nominal_layout, engine.order_of_firing) % FOUR_STROKE
     marks = Mark("mean", None, mean), *(Mark("" if k else "firing", angle, None) for k, angle in enumerate(fires))
     title = f"Gas and inertia, firing order {'-'.join(map(str, engine.order_of_firing))}"
-    y = PanelAxis("torque", "N m")
-    curve = Panel(PanelAxis("crank angle", "rad"), y, phi, (Curve("", torque),), marks, title)
+    y = PanelAxis("torque", "N m", "M")
+    curve = Panel(PanelAxis("crank angle", "rad", "φ"), y, phi, (Curve("", torque),), marks, title)
     return curve, Panel(_ORDER, y, steps[:12], (Curve("", np.abs(parts[:12])),), kind="bars")

@@ -124,7 +124,7 @@ class LocomotiveElement(Element):
         turn = self.model_copy(update={"crank_angle": 0.0}).over("crank_angle", angle)
         forces = [Curve("along the track", turn["tractive_force"])]
         forces += [Curve(f"up, {side} wheel", turn[f"{side}_rail_force"]) for side in _SIDES]
-        x, lifts = PanelAxis("crank angle", "rad"), self.own_values().get("lift_off_speed", math.nan)
+        x, lifts = PanelAxis("crank angle", "rad", "φ"), self.own_values().get("lift_off_speed", math.nan)
         # A well-balanced axle would lift off far beyond all operating speeds.
         fastest = max(_FASTEST * self.speed, 1.1 * lifts if lifts < 4 * self.speed else 0.0)
         speed = np.linspace(1e-3, 1.0, _SHOWN) * fastest
@@ -134,9 +134,11 @@ class LocomotiveElement(Element):
         marks = [Mark("as given", self.speed, None)]
         marks += [] if self.wheel_load is None else [Mark("wheel load", None, self.wheel_load)]
         return (
-            Panel(x, PanelAxis("unbalanced force", "N"), angle, forces),
-            Panel(x, PanelAxis("swaying couple", "N m"), angle, (Curve("", turn["swaying_moment"]),)),
-            Panel(PanelAxis("speed of the axle", "rad s-1"), PanelAxis("peak force", "N"), speed, blows, marks),
+            Panel(x, PanelAxis("unbalanced force", "N", "F"), angle, forces),
+            Panel(x, PanelAxis("swaying couple", "N m", "M"), angle, (Curve("", turn["swaying_moment"]),)),
+            Panel(
+                PanelAxis("speed of the axle", "rad s-1", "ω"), PanelAxis("peak force", "N", "F"), speed, blows, marks
+            ),
         )
 
 

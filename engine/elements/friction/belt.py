@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from engine.compiling.decorators import scalar
 from engine.elements.element import Columns, ElementResult, Numbers
-from engine.elements.friction.friction_element import FrictionElement, Load, Positive
+from engine.elements.friction.friction_element import FORCE, RATIO, FrictionElement, Load, Positive
 from engine.graph.over_arrays import over_arrays
 from engine.laws.friction.belts import (
     belt_moment,
@@ -54,7 +54,7 @@ class BeltElement(FrictionElement):
     has a `speed` and, with its `linear_density`, a centrifugal tension.
     """
 
-    shown: ClassVar = (("force", ("tight_tension", "slack_tension", "shaft_force")), ("ratio", ("tension_ratio",)))
+    shown: ClassVar = ((FORCE, ("tight_tension", "slack_tension", "shaft_force")), (RATIO, ("tension_ratio",)))
     RESULTS: ClassVar = (
         ElementResult("tension_ratio", "tension of the tight strand over the slack one's, without centrifugal", "1"),
         ElementResult("tight_tension", "tension of the tight strand", "N"),

@@ -17,21 +17,25 @@ BEYOND, DRY = 2.0, 0.3
 Load = Annotated[Force, Field(gt=0)]
 Friction = Annotated[Number, Field(ge=0)]
 
+# Axes of results.
+FORCE, TORQUE = PanelAxis("force", "N", "F"), PanelAxis("torque", "N m", "M")
+EFFICIENCY, RATIO = PanelAxis("efficiency", "1", "η"), PanelAxis("ratio", "1", "i")
+
 
 class FrictionElement(Element):
     """An element with a coefficient of `friction`.
 
     Attributes
     ----------
-    shown : tuple of (str, tuple of str)
-        Label of each diagram, and names of the results in it.
+    shown : tuple of (PanelAxis, tuple of str)
+        The y axis of each diagram, and names of the results in it.
     """
 
     picture: ClassVar = "friction"
-    shown: ClassVar[tuple[tuple[str, tuple[str, ...]], ...]]
+    shown: ClassVar[tuple[tuple[PanelAxis, tuple[str, ...]], ...]]
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Results over the coefficient of friction; curves end where the element jams."""
         # A belt without friction transmits nothing.
         friction = np.linspace(1e-3, max(BEYOND * self.friction, DRY), PLACES)
-        return self.panels_over("friction", PanelAxis("coefficient of friction", "1"), friction, self.shown)
+        return self.panels_over("friction", PanelAxis("coefficient of friction", "1", "μ"), friction, self.shown)

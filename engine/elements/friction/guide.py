@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from engine.compiling.decorators import scalar
 from engine.elements.element import Columns, ElementResult, Numbers
-from engine.elements.friction.friction_element import Friction, FrictionElement, Load, Positive
+from engine.elements.friction.friction_element import EFFICIENCY, FORCE, Friction, FrictionElement, Load, Positive
 from engine.graph.over_arrays import over_arrays
 from engine.laws.friction.coefficients import BUSHES
 from engine.laws.friction.guides import (
@@ -49,8 +49,8 @@ class GuideElement(FrictionElement):
     """
 
     shown: ClassVar = (
-        ("force", ("drive_force", "front_edge_force", "rear_edge_force")),
-        ("efficiency", ("efficiency",)),
+        (FORCE, ("drive_force", "front_edge_force", "rear_edge_force")),
+        (EFFICIENCY, ("efficiency",)),
     )
     RESULTS: ClassVar = (
         ElementResult(

@@ -7,7 +7,7 @@ from pydantic import Field
 
 from engine.compiling.decorators import scalar
 from engine.elements.element import Columns, ElementResult, Numbers
-from engine.elements.friction.friction_element import Friction, FrictionElement, Load
+from engine.elements.friction.friction_element import EFFICIENCY, FORCE, Friction, FrictionElement, Load
 from engine.graph.over_arrays import over_arrays
 from engine.laws.friction.inclines import incline_down, incline_up, self_locking
 from engine.parts.skeleton import Angle
@@ -32,7 +32,7 @@ def incline(
 class InclineElement(FrictionElement):
     """A load on an inclined plane, pulled at `pull_angle` above the plane; `static_friction` holds it at rest."""
 
-    shown: ClassVar = (("force", ("up_force", "down_force")), ("efficiency", ("efficiency",)))
+    shown: ClassVar = ((FORCE, ("up_force", "down_force")), (EFFICIENCY, ("efficiency",)))
     RESULTS: ClassVar = (
         ElementResult("friction_angle", "angle of friction", "rad"),
         ElementResult("up_force", "force that moves the load up", "N"),

@@ -48,7 +48,7 @@ class JournalElement(Element):
         friction = np.linspace(0.0, max(BEYOND * self.friction, DRY), PLACES)
         contacts = {contact: self.model_copy(update={"contact": contact}) for contact in ("line", "new", "worn in")}
         curves = [Curve(contact, it.over("friction", friction)["friction_moment"]) for contact, it in contacts.items()]
-        x, y = PanelAxis("coefficient of friction", "1"), PanelAxis("moment of friction", "N m")
+        x, y = PanelAxis("coefficient of friction", "1", "μ"), PanelAxis("friction torque", "N m", "M")
         over = Panel(x, y, friction, curves, (Mark("as given", self.friction, None),), "by contact")
         # The journal turns to the left; the reaction on the right of its centre opposes it.
         radius, rho = 0.5 * self.diameter, self.own_values()["friction_circle"]

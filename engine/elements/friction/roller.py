@@ -72,7 +72,9 @@ class RollerElement(Element):
         arm = np.linspace(0.0, BEYOND * (self.rolling_arm or self.friction * height), PLACES)
         curve = Curve("force that moves it", self.over("rolling_arm", arm)["pull_force"])
         mark = Mark("as given", self.rolling_arm, None)
-        over = Panel(PanelAxis("arm of rolling friction", "m"), PanelAxis("pull", "N"), arm, (curve,), (mark,))
+        over = Panel(
+            PanelAxis("arm of rolling friction", "m", "e"), PanelAxis("pull", "N", "F"), arm, (curve,), (mark,)
+        )
         r, k = 0.5 * self.diameter, self.rolling_arm
         lines = (
             circle("", r, 1j * r),

@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from engine.compiling.decorators import scalar
 from engine.elements.element import Columns, ElementResult, Numbers
-from engine.elements.friction.friction_element import Friction, FrictionElement, Load, Positive
+from engine.elements.friction.friction_element import EFFICIENCY, TORQUE, Friction, FrictionElement, Load, Positive
 from engine.graph.over_arrays import over_arrays
 from engine.laws.friction.screws import (
     collar_moment,
@@ -54,8 +54,8 @@ class ScrewElement(FrictionElement):
     """
 
     shown: ClassVar = (
-        ("moment", ("raise_moment", "lower_moment")),
-        ("efficiency", ("raise_efficiency", "lower_efficiency")),
+        (TORQUE, ("raise_moment", "lower_moment")),
+        (EFFICIENCY, ("raise_efficiency", "lower_efficiency")),
     )
     RESULTS: ClassVar = (
         ElementResult("lead_angle", "lead angle of the thread", "rad"),

@@ -7,7 +7,7 @@ from pydantic import Field
 
 from engine.compiling.decorators import scalar
 from engine.elements.element import Columns, ElementResult, Numbers
-from engine.elements.friction.friction_element import Friction, FrictionElement, Load
+from engine.elements.friction.friction_element import EFFICIENCY, FORCE, Friction, FrictionElement, Load
 from engine.graph.over_arrays import over_arrays
 from engine.laws.friction.inclines import wedge_drive, wedge_withdraw
 from engine.parts.skeleton import Angle
@@ -30,7 +30,7 @@ class WedgeElement(FrictionElement):
     `friction` is the coefficient of the inclined face, and of the base unless `base_friction` is given.
     """
 
-    shown: ClassVar = (("force", ("drive_force", "withdraw_force")), ("efficiency", ("efficiency",)))
+    shown: ClassVar = ((FORCE, ("drive_force", "withdraw_force")), (EFFICIENCY, ("efficiency",)))
     RESULTS: ClassVar = (
         ElementResult("drive_force", "force that drives the wedge in", "N"),
         ElementResult("withdraw_force", "force that withdraws the wedge, negative where the load presses it out", "N"),

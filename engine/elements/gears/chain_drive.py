@@ -104,7 +104,7 @@ class ChainDrive(Element):
         angle = np.linspace(0.0, _LINKS * pitch_angle, _LINKS * 241)
         from_tangent = np.mod(angle, pitch_angle) - 0.5 * pitch_angle
         curve = Curve("", own["greatest_chain_speed"] * np.cos(from_tangent))
-        x, y = PanelAxis("angle of the driving sprocket", "rad"), PanelAxis("speed of the chain", "m s-1")
+        x, y = PanelAxis("angle of the driving sprocket", "rad", "φ_1"), PanelAxis("speed of the chain", "m s-1", "v")
         return self._layout(), Panel(x, y, angle, (curve,), (Mark("mean", None, own["chain_speed"]),))
 
     def _layout(self) -> Panel:

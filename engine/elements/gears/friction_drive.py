@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field
 
 from engine.elements.element import Answers, Columns, ElementResult, Numbers
-from engine.elements.friction.friction_element import FrictionElement
+from engine.elements.friction.friction_element import EFFICIENCY, FORCE, FrictionElement
 from engine.parts.actions import Force, Moment
 from engine.parts.skeleton import Angle, AngularSpeed, Length, Number
 from engine.words.verdicts import Verdict
@@ -23,7 +23,7 @@ class FrictionDrive(FrictionElement):
     the required contact force to the minimum one; `press_force` is the actual contact force.
     """
 
-    shown: ClassVar = (("force", ("needed_press_force", "tangential_force")), ("efficiency", ("efficiency",)))
+    shown: ClassVar = ((FORCE, ("needed_press_force", "tangential_force")), (EFFICIENCY, ("efficiency",)))
     RESULTS: ClassVar = (
         ElementResult("ratio", "speed of the driving wheel over that of the driven one", "1"),
         ElementResult("driven_speed", "angular speed of the driven wheel", "rad s-1"),

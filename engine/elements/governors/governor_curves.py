@@ -181,7 +181,7 @@ def _characteristic(curve: GovernorCurves) -> Panel:
     ]
     curves = [*_parts(curve, curve.force), Curve("", curve.force, True), *rays]
     marks = [Mark(words, stop, None) for words, stop in zip(("stops", ""), curve.stops, strict=True)]
-    x, y = PanelAxis("radius of the balls", "m"), PanelAxis("controlling force of one ball", "N")
+    x, y = PanelAxis("radius of the balls", "m", "r"), PanelAxis("controlling force of one ball", "N", "F")
     title = "Controlling force" if curve.verdict == Verdict.OK else curve.verdict.sentence
     return Panel(x, y, curve.radius, curves, marks, title)
 
@@ -194,7 +194,7 @@ def _speeds(curve: GovernorCurves, friction: float) -> Panel:
         edges = (("held by friction up to here", -1.0), ("", 1.0))
         curves += [Curve(words, curve.speed * np.sqrt(1.0 + side * share), True) for words, side in edges]
     curves = [one._replace(values=one.values[chosen]) for one in curves]
-    x, y = PanelAxis("lift of the sleeve", "m"), PanelAxis("speed of the spindle", "rad s-1")
+    x, y = PanelAxis("lift of the sleeve", "m", "s"), PanelAxis("speed of the spindle", "rad s-1", "ω")
     return Panel(x, y, curve.lift[chosen], curves, title="Speed in equilibrium")
 
 
@@ -209,16 +209,16 @@ def _diagram(point: StabilityPoint) -> Panel:
     )
     curves = Curve("hunts below", 1.0 / x), Curve("no oscillation below", above), Curve("no oscillation above", below)
     marks = (Mark(f"X Y = {point.x * point.y:.3g}", point.x, point.y),)
-    axes = PanelAxis("X, damping", "1"), PanelAxis("Y, stiffness", "1")
+    axes = PanelAxis("damping", "1", "X"), PanelAxis("stiffness", "1", "Y")
     return Panel(*axes, x, curves, marks, "Vyshnegradsky's diagram", (0.0, top))
 
 
 def _change(change: LoadChange, engine: GovernedEngine) -> tuple[Panel, Panel]:
     """Engine speed and sleeve lift after a change of load."""
-    x, y = PanelAxis("time after the change of load", "s"), PanelAxis("speed of the engine", "rad s-1")
+    x, y = PanelAxis("time after the change of load", "s", "t"), PanelAxis("speed of the engine", "rad s-1", "ω")
     band = [Mark(words, None, change.after * (1.0 + side * engine.settling_band)) for words, side in _BAND]
     title = f"Load from {quantity_text(engine.load, 'N m')} to {quantity_text(engine.new_load, 'N m')}"
-    lift = Panel(x, PanelAxis("lift of the sleeve", "m"), change.time, (Curve("", change.lift),))
+    lift = Panel(x, PanelAxis("lift of the sleeve", "m", "s"), change.time, (Curve("", change.lift),))
     return Panel(x, y, change.time, (Curve("", change.speed),), band, title), lift
 
 

@@ -218,13 +218,17 @@ class OscillatorElement(Element):
         return tuple(made)
 
     def _over_time(self) -> tuple[Panel, ...]:
-        history, own, x = self.history(2 * _INSTANTS), self.own_values(), PanelAxis("time", "s")
-        drives = PanelAxis("support", "m") if isinstance(self.excitation, SupportOverTime) else PanelAxis("force", "N")
-        peaks = {"displacement": "greatest_displacement_at", "spring": "spring_force_at"}
+        history, own, x = self.history(2 * _INSTANTS), self.own_values(), PanelAxis("time", "s", "t")
+        drives = (
+            PanelAxis("motion of the support", "m", "y")
+            if isinstance(self.excitation, SupportOverTime)
+            else PanelAxis("force", "N", "F")
+        )
+        peaks = {"displacement": "greatest_displacement_at", "spring force": "spring_force_at"}
         rows = (
             (drives, history.drives),
-            (PanelAxis("displacement", "m"), history.displacement),
-            (PanelAxis("spring", "N"), history.spring_force),
+            (PanelAxis("displacement", "m", "x"), history.displacement),
+            (PanelAxis("spring force", "N", "F_s"), history.spring_force),
         )
         made = []
         for y, row in rows:
@@ -248,7 +252,9 @@ class OscillatorElement(Element):
             curves += [Curve("", sign * size * np.exp(-beta * time), True) for sign in (1, -1)]
         marks = [Mark("", None, 0.0)]
         marks += [Mark("", self.start.time, own["free_displacement"])] if self.start.time else []
-        return Panel(PanelAxis("time", "s"), PanelAxis("displacement", "m"), time, curves, marks, "Free motion")
+        return Panel(
+            PanelAxis("time", "s", "t"), PanelAxis("displacement", "m", "x"), time, curves, marks, "Free motion"
+        )
 
     def _forced(self) -> Panel:
         own = self.own_values()
@@ -264,7 +270,13 @@ class OscillatorElement(Element):
         limits = 0.0, 1.1 * max(min(np.nanmax(factor), 12.0), 2.0)
         title = f"Forced (grey: ζ = {', '.join(f'{r:g}' for r in _RATIOS)})"
         return Panel(
-            PanelAxis("frequency ratio", "1"), PanelAxis("dynamic factor", "1"), eta, curves, marks, title, limits
+            PanelAxis("frequency ratio", "1", "η"),
+            PanelAxis("dynamic factor", "1", "D"),
+            eta,
+            curves,
+            marks,
+            title,
+            limits,
         )
 
     def _through(self) -> Panel:
@@ -281,8 +293,8 @@ class OscillatorElement(Element):
         # The undamped steady vibration is unbounded.
         limits = (0.0, 1.6 * top) if math.isfinite(top) else None
         x, y, marks = (
-            PanelAxis("speed", "rad s-1"),
-            PanelAxis("amplitude", "m"),
+            PanelAxis("speed", "rad s-1", "ω"),
+            PanelAxis("amplitude", "m", "A"),
             (Mark("", own["run_through_speed"], top),),
         )
         return Panel(x, y, speed[kept], curves, marks, "Through the resonance", limits)

@@ -208,7 +208,7 @@ class RotorElement(Element):
         vectors, arms = np.append(unbalances[0], made[0]), np.append(where[0], planes[0]) - planes[0, 0]
         words = zip(("before", "after", "permissible"), (*left, allowed), strict=True)
         bars = [Curve(word, row) for word, row in words]
-        x, y = PanelAxis("bearing", "1"), PanelAxis("unbalance", "kg m")
+        x, y = PanelAxis("bearing", "1"), PanelAxis("unbalance", "kg m", "U")
         about_plane = f"Moments about plane {names[len(self.unbalances)]}"
         limits = max(left[1].min(), 1e-3 * allowed.min()) / 3.0, 20.0 * max(left[0].max(), allowed.max())
         at_bearings = Panel(x, y, np.arange(2.0), bars, (), "At the bearings", limits, "bars", ("first", "second"))

@@ -57,7 +57,9 @@ def _modes(train: Element, reduced: ReducedTrain, natural: NaturalVibration) -> 
         curves.append(Curve(words, np.where(gap, np.nan, shape[ends]), places=places[ends]))
     free = "it turns freely" if layout.is_free else "held to the frame"
     title = f"Modes along the train ({free})"
-    return Panel(PanelAxis("", "1"), PanelAxis("amplitude, reduced", "1"), places, curves, marks, title, names=names)
+    return Panel(
+        PanelAxis("", "1"), PanelAxis("relative amplitude", "1", "θ"), places, curves, marks, title, names=names
+    )
 
 
 def _campbell(excitation: TrainExcitation, natural: NaturalVibration) -> Panel:
@@ -80,7 +82,7 @@ def _campbell(excitation: TrainExcitation, natural: NaturalVibration) -> Panel:
     for k, i in zip(*np.nonzero(felt & seen[:, None]), strict=True):
         if i in strongest and levels[k] < orders[i] * fastest:
             marks.append(Mark("", levels[k] / orders[i], levels[k] * _HERTZ))
-    axes = PanelAxis("speed", "rad s-1"), PanelAxis("frequency", "Hz")
+    axes = PanelAxis("speed", "rad s-1", "ω"), PanelAxis("frequency", "Hz", "f")
     return Panel(
         *axes, both, curves, marks, "Campbell diagram (rays: orders; dots: excited)", (0.0, 1.05 * top * _HERTZ)
     )

@@ -15,8 +15,6 @@ from sweeps.pictures.drawing.symbols import Primitive
 
 # A figure is rigid if its points stay in a link's axes within this share of a hinge radius.
 RIGID = 1e-3
-# Every fifth position decides on which side of its point a name stands.
-NAMED = 5
 
 
 class MovingFigure(NamedTuple):
@@ -45,7 +43,7 @@ class MovingDrawing(NamedTuple):
     nodes : ndarray (positions,) of int
         Nodes of the motion; the last one of a cycle is the first again.
     axes : list of (complex ndarray, complex ndarray)
-        Origin and direction of axes that carry figures: the frame's, those of links, and of lettered points.
+        Origin and direction of axes that carry figures: the frame's and those of links.
     figures : list of MovingFigure
         In painting order.
     """
@@ -81,12 +79,11 @@ def moving_drawing(motion: DrawnMotion, intervals: int = 120) -> MovingDrawing:
     recorded.sort(key=lambda pair: (pair[0].layer in ABOVE, pair[0].layer == "paths"))
     axes = [tuple(values[nodes] for values in motion.axes(link)) for link in (FRAME, *motion.links[:-1])]
     found = [_carried(look, places, axes, motion.radius) for look, places in recorded]
-    # Names stay on one side of their points, so some positions suffice to choose it.
-    (names, *_) = names_of_points(motion, nodes[::NAMED], poses[::NAMED])
-    for name in names:
-        place = motion.points[name.text][nodes]
-        found.append(MovingFigure(name._replace(points=(name.points[0] - complex(place[0]),)), len(axes), None))
-        axes.append((place, np.ones_like(place)))
+    named = names_of_points(motion, nodes, poses)
+    for name in zip(*named, strict=True):
+        places = np.array([at.points for at in name])
+        # Axes of a link would turn the letters.
+        found.append(_carried(name[0]._replace(points=()), places, axes[:1], motion.radius))
     return MovingDrawing(nodes, axes, found)
 
 

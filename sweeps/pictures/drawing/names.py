@@ -12,6 +12,8 @@ from sweeps.pictures.drawing.symbols import HALF_LENGTH, Primitive, arrow
 
 # Height of a name in hinge radii.
 NAME_HEIGHT = 2.6
+# Cost of a text that moves by its height between two drawings; covering an outline over that length costs ten.
+MOVING = 0.5
 # A second input at rest moves less than this between neighbouring nodes, in radians or hinge radii.
 LEAST_STEP = 1e-6
 
@@ -90,12 +92,13 @@ def outline_points(drawn: Iterable[Primitive], step: float) -> np.ndarray:
 def names_of_points(
     m: DrawnMotion, nodes: Sequence[int], drawn: Sequence[Iterable[Primitive]]
 ) -> list[list[Primitive]]:
-    """Names of points, on the same side at every node: where they cover least.
+    """Names of points where they cover least near them; from node to node they move little.
 
     Parameters
     ----------
     m : DrawnMotion
     nodes : sequence of int
+        Consecutive; a motion that ends where it starts repeats its first node.
     drawn : sequence of iterable of Primitive
         The drawing at each node.
 
@@ -111,12 +114,12 @@ def names_of_points(
 def texts_beside(
     marked: Sequence[Sequence[Primitive]], height: float, drawn: Sequence[Iterable[Primitive]], layer: str = "names"
 ) -> list[list[Primitive]]:
-    """Texts at their marks, on the same side in every drawing: where they cover least.
+    """Texts near their marks where they cover least; from drawing to drawing they move little.
 
     Parameters
     ----------
     marked : sequence of sequence of Primitive
-        The lettered marks, the same in each drawing.
+        The lettered marks, the same in each drawing; the last ones may repeat the first.
     height : float
         Text height [m].
     drawn : sequence of iterable of Primitive
@@ -141,16 +144,44 @@ def texts_beside(
         beside = half.real * np.clip(1.5 * u.real, -1, 1) + 1j * half.imag * u.imag
         away = (joint.size + height * reach) * u + beside
         covered = [_covered(there, j.points[0] + away, half) for there, j in zip(marks, same, strict=True)]
-        chosen = away[np.argmin(3 * np.mean(covered, axis=0) + reach)]
-        for i, j in enumerate(same):
-            at = complex(j.points[0] + chosen)
+        moving = MOVING * np.abs(np.subtract.outer(away, away) / height) ** 2
+        sides = _cheapest(3 * np.array(covered) + reach, moving, len(marked) > 1 and marked[0] == marked[-1])
+        for i, (j, side) in enumerate(zip(same, sides, strict=True)):
+            at = complex(j.points[0] + away[side])
             found[i].append(Primitive(layer, "text", (at,), height, "none", joint.text))
             marks[i] = np.append(marks[i], at + square.real * half.real + 1j * square.imag * half.imag)
     return found
 
 
+def _cheapest(costs: np.ndarray, moving: np.ndarray, closed: bool) -> list[int]:
+    """Choice in each row with the least sum of costs, and of moving between the choices of neighbouring rows.
+
+    Parameters
+    ----------
+    costs : ndarray (rows, choices)
+    moving : ndarray (choices, choices)
+    closed : bool
+        The last choice is the first one: the cheapest of that row.
+    """
+    if closed:
+        start = costs[0].argmin()
+        costs = costs.copy()
+        costs[[0, -1]] = np.inf
+        costs[[0, -1], start] = 0.0
+    total, origins = costs[0], []
+    for row in costs[1:]:
+        sums = total[:, None] + moving
+        origins.append(sums.argmin(axis=0))
+        total = sums.min(axis=0) + row
+    found = [int(total.argmin())]
+    for origin in reversed(origins):
+        found.append(int(origin[found[-1]]))
+    return found[::-1]
+
+
 def _covered(marks: np.ndarray, places: np.ndarray, half: complex) -> np.ndarray:
     """Number of obstacles that a name of this half size would cover at each place."""
-    gap = marks - places[:, None]
+    near = np.abs(marks - places.mean()) < np.abs(places - places.mean()).max() + 2 * abs(half)
+    gap = marks[near] - places[:, None]
     # The imaginary part is half the height; a quarter of it stays clear on either side.
     return ((np.abs(gap.real) < half.real + 0.25 * half.imag) & (np.abs(gap.imag) < 1.2 * half.imag)).sum(axis=1)

@@ -30,11 +30,17 @@ def machine_drive_sheet(scene: Scene, name: str, target: Path | str | Figure, ti
     cycle = drive_cycle(scene, name)
     if cycle is None:
         raise PictureError(f"elements.{name}: no steady motion with this shaft; `sweeps run` shows why")
-    x, peak = PanelAxis("crank angle", "rad"), np.abs(cycle.moment).argmax()
+    x, peak = PanelAxis("crank angle", "rad", "φ"), np.abs(cycle.moment).argmax()
     moments = Curve("elastic", cycle.moment), Curve("rigid", cycle.rigid_moment, True)
     speeds = Curve("motor end", cycle.motor_speed), Curve("crank", cycle.machine_speed)
     panels = (
-        Panel(x, PanelAxis("shaft", "N m"), cycle.angle, moments, (Mark("", cycle.angle[peak], cycle.moment[peak]),)),
+        Panel(
+            x,
+            PanelAxis("shaft torque", "N m", "M"),
+            cycle.angle,
+            moments,
+            (Mark("", cycle.angle[peak], cycle.moment[peak]),),
+        ),
         Panel(x, _AT_CRANK, cycle.angle, (*speeds, Curve("rigid", cycle.rigid_speed, True))),
         Panel(x, _BEHIND, cycle.angle, (Curve("", cycle.twist),)),
     )
@@ -61,16 +67,16 @@ def machine_run_sheet(scene: Scene, name: str, target: Path | str | Figure, titl
     run = drive_run(scene, name)
     if run is None:
         raise PictureError(f"elements.{name}: no steady motion with this shaft; `sweeps run` shows why")
-    x, peak, backlash = PanelAxis("time", "s"), np.abs(run.moment).argmax(), scene.elements[name].run.backlash
+    x, peak, backlash = PanelAxis("time", "s", "t"), np.abs(run.moment).argmax(), scene.elements[name].run.backlash
     speeds = Curve("motor end", run.motor_speed), Curve("crank", run.machine_speed)
     top = Mark("", run.time[peak], run.moment[peak])
     play = [Mark("", None, 0.0), Mark("backlash", None, -backlash)] if backlash > 0.0 else []
     panels = (
-        Panel(x, PanelAxis("shaft", "N m"), run.time, (Curve("", run.moment),), (top,)),
+        Panel(x, PanelAxis("shaft torque", "N m", "M"), run.time, (Curve("", run.moment),), (top,)),
         Panel(x, _AT_CRANK, run.time, speeds),
         Panel(x, _BEHIND, run.time, (Curve("", run.twist),), play),
     )
     return panel_sheet(panels, target, title)
 
 
-_AT_CRANK, _BEHIND = PanelAxis("crank speed", "rad s-1"), PanelAxis("twist (crank lag)", "rad")
+_AT_CRANK, _BEHIND = PanelAxis("crank speed", "rad s-1", "ω"), PanelAxis("twist (crank lag)", "rad", "Δφ")

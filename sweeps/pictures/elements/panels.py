@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from engine import Element, Panel, display_unit
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import GREY, PALETTE, VERMILION, degree_ticks, sheet
+from sweeps.pictures.style import GREY, PALETTE, VERMILION, degree_ticks, sheet, typeset
 
 # Draws an element to scale next to its diagrams.
 Layout = Callable[[Axes, Element], None]
@@ -117,9 +117,13 @@ def draw_panel(ax: Axes, panel: Panel, with_x: bool = True) -> None:
     if panel.names:
         slanted = {"rotation": 30, "ha": "right"} if max(map(len, "\n".join(panel.names).split("\n"))) > _LONG else {}
         ax.set_xticks(along * panel.places, panel.names, **slanted)
-    ax.set(ylabel=_named(panel.y.words, unit), title=panel.title)
+    words, _, symbol = panel.y
+    if symbol and not panel.title:
+        ax.set(title=words[0].upper() + words[1:], ylabel=_named("", symbol, unit))
+    else:
+        ax.set(title=panel.title, ylabel=_named(words, symbol, unit))
     if with_x:
-        ax.set_xlabel(_named(panel.x.words, along_unit))
+        ax.set_xlabel(_named(panel.x.words, panel.x.symbol, along_unit))
     if any(not label.startswith("_") for label in ax.get_legend_handles_labels()[1]):
         ax.legend(**legend)
 
@@ -128,5 +132,6 @@ def _has_numbers(panel: Panel) -> bool:
     return bool(np.isfinite(panel.places).all() and any(np.isfinite(curve.values).any() for curve in panel.curves))
 
 
-def _named(words: str, unit: str) -> str:
-    return words if unit == "1" else f"{words}, {unit}"
+def _named(words: str, symbol: str, unit: str) -> str:
+    text = f"{words} {typeset(symbol)}".strip()
+    return text if unit == "1" else f"{text}, {unit}"

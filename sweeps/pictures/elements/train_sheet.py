@@ -78,7 +78,7 @@ def _moments(scene: Scene, name: str, speed: float) -> Panel:
     highest = sorted(curves, key=lambda curve: -np.nanmax(np.where(np.isfinite(curve.values), curve.values, 0.0)))
     # Lightly damped resonances would hide everything else.
     top = min(float(finite.max()), 8 * float(np.quantile(finite, 0.9)))
-    axes = PanelAxis("speed", "rad s-1"), PanelAxis("alternating torque", "N m")
+    axes = PanelAxis("speed", "rad s-1", "ω"), PanelAxis("alternating torque", "N m", "M")
     marks, shown = (Mark("given speed", speed, None),), highest[: len(PALETTE)]
     return Panel(*axes, speeds, shown, marks, "Shaft torque over speed", (0.0, 1.08 * top))
 

@@ -62,9 +62,10 @@ def machine_frames(
     motion = DrawnMotion(scene, values)
     moments = _moments(motion, frames)
     poses = [[p for p in figures(motion, [at], paths)[-1] if p.layer != "names"] for at in moments]
-    # Names would jump from side to side.
-    names = names_of_points(motion, [motion.node(at) for at in moments], poses)
-    whole = [[*pose, *beside] for pose, beside in zip(poses, names, strict=True)]
+    nodes = [motion.node(at) for at in moments]
+    # The first position follows the last one.
+    names = names_of_points(motion, [*nodes, nodes[0]], [*poses, poses[0]])
+    whole = [[*pose, *beside] for pose, beside in zip(poses, names[:-1], strict=True)]
     return Frames(whole, [_instant(motion, at) for at in moments], motion.radius)
 
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from engine import CrankInput, Curve, Mark, MovingMachine, Panel, PanelAxis, Quantity, Verdict, has_cycle, quantity_text
 from sweeps.pictures.elements.panels import draw_panel, panel_sheet
 from sweeps.pictures.picture_error import PictureError
-from sweeps.pictures.style import BLUE, sheet, typeset
+from sweeps.pictures.style import BLUE, sheet
 
 # Fields of a part, by the first of them.
 _DERIVATIVES = {
@@ -56,9 +56,9 @@ def _of_cylinder(moving: MovingMachine, name: str) -> tuple[Panel, Panel]:
         ends = (moving.summary(f"{piston}.stroke_{end}_at") for end in ("low", "high"))
         turns = np.arange(moving.scene.input.revolutions) * 2.0 * np.pi
         dead_centres = [Mark("", np.mod(end, 2.0 * np.pi) + turn, None) for end in ends for turn in turns]
-    pressures = PanelAxis("absolute pressure p", "Pa")
+    pressures = PanelAxis("absolute pressure", "Pa", "p")
     return (
-        Panel(PanelAxis(f"volume V of {name}", "m3"), pressures, volume, [Curve("", pressure)], title=title),
+        Panel(PanelAxis("volume", "m3", "V"), pressures, volume, [Curve("", pressure)], title=title),
         Panel(_input_axis(moving), pressures, places, [Curve("", pressure)], dead_centres),
     )
 
@@ -92,7 +92,7 @@ def motion_of_part(moving: MovingMachine, part: str, target: Path | str | Figure
     words = quantities[2].long_name.replace("acceleration", "jerk")
     quantities.append(Quantity("", words, quantities[2].units.replace("s-2", "s-3"), "j"))
     panels = [
-        Panel(_input_axis(moving), PanelAxis(typeset(q.symbol), q.units), places, [Curve("", row)], title=q.long_name)
+        Panel(_input_axis(moving), PanelAxis(q.long_name, q.units, q.symbol), places, [Curve("", row)])
         for q, row in zip(quantities, rows, strict=True)
     ]
     return panel_sheet(panels, target, f"{moving.scene.title or ''}\nMotion of {part} at constant input speed".lstrip())
@@ -112,5 +112,5 @@ def _rows(moving: MovingMachine, names: Sequence[str]) -> tuple[np.ndarray, list
 
 def _input_axis(moving: MovingMachine) -> PanelAxis:
     if isinstance(moving.scene.input, CrankInput):
-        return PanelAxis("crank angle φ", "rad")
-    return PanelAxis(f"displacement of {moving.scene.input.link}", "m")
+        return PanelAxis("crank angle", "rad", "φ")
+    return PanelAxis(f"displacement of {moving.scene.input.link}", "m", "q")

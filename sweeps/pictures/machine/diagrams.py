@@ -207,7 +207,9 @@ def _panel(ax: Axes, cycle: CycleCurves, name: str, mean: float = math.nan, titl
     if math.isfinite(mean):
         middle = factor * mean if abs(mean) > 1e-12 * np.abs(row).max() else 0.0
         ax.axhline(middle, color=VERMILION, linewidth=0.9, linestyle=(0, (6, 2)))
-        title += f", mean {quantity_text(middle / factor, units)}".replace("-", "\N{MINUS SIGN}")
+        # These words stay on one line.
+        text = f"mean {quantity_text(middle / factor, units)}".replace(" ", "\N{NO-BREAK SPACE}")
+        title += f", {text}".replace("-", "\N{MINUS SIGN}")
     for centre in cycle.dead_centres:
         ax.axvline(centre, color="black", linewidth=0.7, linestyle=":")
     _show_range(ax, shown)
@@ -240,14 +242,18 @@ def _energy_loop(ax: Axes, moving: MovingMachine, cycle: CycleCurves) -> None:
     if not np.max(np.abs([span_i, span_w, *np.ravel(heights)])) < LARGEST:
         _say(ax, "Energy loop: infinite or undefined")
         return
-    (fi, unit_i), (fw, unit_w) = display_unit(cycle.known["reduced_inertia"].units, inertia), display_unit("J", work)
+    quantities = cycle.known["reduced_inertia"], cycle.known["work"]
+    (fi, unit_i), (fw, unit_w) = (
+        display_unit(q.units, row) for q, row in zip(quantities, (inertia, work), strict=True)
+    )
     ax.plot(fi * np.append(inertia, inertia[0]), fw * np.append(work, work[0]), color=BLUE)
     _mark_quarters(ax, cycle, fi * inertia, fw * work)
     for k in np.array([1, 3, 5, 7]) * inertia.size // 8:
         tip, tail = ((fi * inertia[i], fw * work[i]) for i in (k + max(1, inertia.size // 90), k))
         ax.annotate("", tip, tail, arrowprops={"arrowstyle": "-|>", "color": BLUE, "linewidth": 1.0})
     ax.xaxis.set_major_locator(MaxNLocator(4))
-    ax.set(title="Energy loop", xlabel=f"I, {unit_i}", ylabel=f"ΔE, {unit_w}")
+    of_inertia, of_work = (typeset(quantity.symbol) for quantity in quantities)
+    ax.set(title="Energy loop", xlabel=f"{of_inertia}, {unit_i}", ylabel=f"{of_work}, {unit_w}")
     ax.set_xlim(fi * (inertia.min() - 0.25 * span_i), fi * (inertia.max() + 0.25 * span_i))
     ax.set_ylim(fw * (work.min() - 0.35 * span_w), fw * (work.max() + 0.45 * span_w))
     if not tangents:

@@ -125,12 +125,17 @@ def force_sheet(pose: Pose, of: str) -> Figure:
     """
     links = pose.cycle.groups.get(of, (of,))
     rows = -(-len(links) // 2)
-    width, columns_of_text = 176 / min(len(links), 2), 5
+    # A single link has the polygon on its right.
+    width, columns_of_text, alone = 88, 5, len(links) == 1
     # With more than two links the values go in a strip below the plan.
     strip = 40 * -(-len(links) // columns_of_text) if len(links) > 2 else 0
     high = [height_of_body(pose, link, width, HIGHEST) for link in links]
     heights = [max(high[2 * i : 2 * i + 2]) for i in range(rows)]
-    top = 98 + strip + sum(heights) + 3 * rows
+    plan = (66, 9 + strip, 112, 88)
+    if alone:
+        heights = [max(*heights, 88)]
+        plan = (2 + width, 62, width, heights[0])
+    top = (62 if alone else 98) + strip + sum(heights) + 3 * rows
     with house_style():
         figure = blank_sheet(WIDTH, top + 10)
         heading(figure, pose.scene, f"forces on {of} at {pose.title}")
@@ -141,10 +146,10 @@ def force_sheet(pose: Pose, of: str) -> Figure:
             write(figure, left + 3, bottom + height + 3, f"{pose.number(link)} {link}", fontsize=8, fontweight="bold")
             text = "\n".join(force_lines(loads))
             row, column = divmod(i, columns_of_text)
-            at = (4 + 33 * column, 46 if not strip else strip + 8 - 40 * row)
+            at = (72, 58) if alone else (4 + 33 * column, 46 if not strip else strip + 8 - 40 * row)
             write(figure, *at, f"on {link}:\n{text}", fontsize=6.5, linespacing=1.4)
-        mechanism_plan(pose, place(figure, 2, 48 + strip, 62, 50))
-        force_plan(pose, of, place(figure, 66, 9 + strip, 112, 88))
+        mechanism_plan(pose, place(figure, 2, 10 if alone else 48 + strip, 62, 50))
+        force_plan(pose, of, place(figure, *plan))
         notes = [
             *fill(f"links: 0 frame, {links_line(pose)}", LINE).splitlines(),
             "$R_{12}$: force of link 1 on link 2; $G$ weight, $U$ inertia force; ∠ from the x axis, counter-clockwise. "

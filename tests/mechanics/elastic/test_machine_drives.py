@@ -349,7 +349,8 @@ def test_picture__draws_the_summaries_and_refuses_what_has_no_motion():
     speed = cycle.machine_speed
     assert 2 * np.ptp(speed) / (speed.max() + speed.min()) == pytest.approx(values["machine_fluctuation"][0], rel=1e-2)
     figure = machine_drive_sheet(scene, "d", new_figure(180, 130), "yoke")
-    assert [ax.get_ylabel() for ax in figure.axes] == ["shaft, N·m", "crank speed, rpm", "twist (crank lag), °"]
+    assert [ax.get_title() for ax in figure.axes] == ["Shaft torque", "Crank speed", "Twist (crank lag)"]
+    assert [ax.get_ylabel() for ax in figure.axes] == ["M, N·m", "ω, rpm", "Δφ, °"]
     with pytest.raises(PictureError, match=r"elements\.d: no steady motion"):
         machine_drive_sheet(yoke({"motor_inertia": 5.0, "stiffness": 200.0}, **SOFT), "d", figure)
 

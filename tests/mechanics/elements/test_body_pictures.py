@@ -17,7 +17,7 @@ TIE = {"type": "tethered_body", "mass": 2.0, "length": 1.2, "stiffness": 4e4, "s
 
 
 def axes_of(figure, label):
-    return next(ax for ax in figure.axes if ax.get_ylabel().startswith(label))
+    return next(ax for ax in figure.axes if ax.get_title().lower().startswith(label))
 
 
 def test_lever__shows_the_hyperbolic_cosine_and_the_coriolis_force_on_it():

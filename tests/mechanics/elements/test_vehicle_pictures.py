@@ -39,7 +39,7 @@ def curves(ax) -> dict:
 def test_locomotive__has_the_curves_of_two_cylinders_at_a_right_angle():
     figure = element_sheet(scene(axle=AXLE).elements["axle"], new_figure(180, 130), "axle")
     forces, blows, couple = (
-        next(ax for ax in figure.axes if ax.get_ylabel().startswith(label))
+        next(ax for ax in figure.axes if ax.get_title().lower().startswith(label))
         for label in ("unbalanced", "peak", "swaying")
     )
     # A third of the reciprocating masses: (1 − c) m ω² r (cos φ − sin φ), and (a/2)(…)(−cos φ − sin φ).

@@ -181,7 +181,7 @@ def test_sheet__shows_what_is_computed():
     assert marker.get_xydata()[0] == pytest.approx((point.x, point.y))
     stable = lines(force)["stable"].get_xydata()
     assert stable[np.isfinite(stable[:, 1]), 0].min() == pytest.approx(150, abs=0.5)
-    assert speed.get_xlabel() == "lift of the sleeve, mm"
+    assert speed.get_xlabel() == "lift of the sleeve s, mm"
 
 
 def test_no_oscillation__is_shown_where_the_discriminant_says():

@@ -38,6 +38,33 @@ def test_moving_drawing__is_the_drawing_at_each_position(scene):
 
 def test_moving_drawing__rigid_figures_are_kept_once():
     drawing = moving_drawing(DrawnMotion(four_bar()), INTERVALS)
-    assert all(figure.places is None for figure in drawing.figures)
+    assert all(figure.places is None for figure in drawing.figures if figure.look.kind != "text")
     names = {figure.look.text for figure in drawing.figures if figure.look.kind == "text"}
     assert names == {"O", "A", "B", "D", "P"}
+
+
+def test_moving_drawing__letters_never_sit_on_outlines():
+    motion = DrawnMotion(four_bar())
+    drawing = moving_drawing(motion, 60)
+    texts = [figure for figure in drawing.figures if figure.look.kind == "text"]
+    lines = [figure for figure in drawing.figures if figure.look.kind in ("line", "polygon")]
+    share = np.linspace(0, 1, 200)[:, None]
+    crossed = set()
+    for k in range(drawing.nodes.size):
+        corners = [drawing.points_of(figure)[k] for figure in lines]
+        outlines = np.concatenate([np.ravel(c[:-1] + share * np.diff(c)) for c in corners])
+        for text in texts:
+            away = outlines - drawing.points_of(text)[k, 0]
+            letter = 0.3 * len(text.look.text) * text.look.size, 0.4 * text.look.size
+            if ((np.abs(away.real) < letter[0]) & (np.abs(away.imag) < letter[1])).any():
+                crossed.add((text.look.text, k))
+    assert not crossed
+
+
+def test_names_of_a_cycle__end_where_they_start_and_move_little():
+    motion = DrawnMotion(four_bar())
+    drawing = moving_drawing(motion, 120)
+    for text in (figure for figure in drawing.figures if figure.look.kind == "text"):
+        places = drawing.points_of(text)[:, 0] - motion.points[text.look.text][drawing.nodes]
+        assert places[0] == pytest.approx(places[-1])
+        assert np.abs(np.diff(places)).max() < 2.5 * text.look.size
