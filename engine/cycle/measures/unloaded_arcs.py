@@ -39,6 +39,8 @@ from engine.cycle.panels.record import Record, known_slot
 LEAST_LOAD = 1e-3
 # Room for stretches.
 MOST_STRETCHES = 1024
+# Parts of the interval between two positions, in each of which a force turns back, and is shortest, at most once.
+PARTS = 4
 
 
 class Arc(NamedTuple):
@@ -71,6 +73,8 @@ class Stretches(NamedTuple):
         Indices of the ends among the panel's positions.
     known : ndarray (stretches, 2) of bool
         Whether an end has been refined between the positions.
+    margins : ndarray (stretches, 2)
+        Bounds of the extension of the ends between the positions [rad].
     order : ndarray (stretches,) of int
         Stretches in the order of their lower ends.
     arc : Arc
@@ -82,6 +86,7 @@ class Stretches(NamedTuple):
     errors: np.ndarray
     places: np.ndarray
     known: np.ndarray
+    margins: np.ndarray
     order: np.ndarray
     arc: one(Arc)
 
@@ -106,20 +111,21 @@ class Force(NamedTuple):
 
 def new_stretches() -> Stretches:
     """Allocate stretches."""
-    pairs = {name: np.zeros((MOST_STRETCHES, 2)) for name in ("ends", "errors")}
+    pairs = {name: np.zeros((MOST_STRETCHES, 2)) for name in ("ends", "errors", "margins")}
     places, known = np.zeros((MOST_STRETCHES, 2), np.int64), np.zeros((MOST_STRETCHES, 2), np.bool_)
     step, order = (np.zeros(MOST_STRETCHES, np.int64) for _ in range(2))
     return new_record(Stretches, step=step, places=places, known=known, order=order, **pairs)
 
 
 @routine
-def add_stretch(angle: float, step: int, j: int, count: int, stretches: Stretches) -> int:
+def add_stretch(angle: float, margin: float, step: int, j: int, count: int, stretches: Stretches) -> int:
     """Add a stretch of one direction if there is room; returns the number of stretches, with one that has no room."""
     if count < stretches.ends.shape[0]:
         stretches.step[count] = step
         for side in range(2):
             stretches.ends[count, side], stretches.places[count, side] = angle, j
             stretches.errors[count, side], stretches.known[count, side] = 0.0, False
+            stretches.margins[count, side] = margin
     return count + 1
 
 
@@ -128,7 +134,7 @@ def find_stretches(record: Record, force: Force, stretches: Stretches) -> int:
     """Find the stretches of a force's directions over the panels of a lane, from its values at the positions.
 
     Where the force starts or ceases to count, or turns sharply, it may turn back and forth between two positions: the
-    adjacent positions then become separate stretches too.
+    adjacent positions then become separate stretches too, with a margin of π.
 
     Returns
     -------
@@ -136,6 +142,7 @@ def find_stretches(record: Record, force: Force, stretches: Stretches) -> int:
         Number of stretches; one more than there is room for if there are too many.
     """
     lane, least, ends, places, count = force.lane, force.least, stretches.ends, stretches.places, 0
+    margins, low, high = stretches.margins, 0.0, 0.0
     for step in range(record.steps[0]):
         if record.panels[step].half[lane] == 0.0:
             continue
@@ -148,70 +155,97 @@ def find_stretches(record: Record, force: Force, stretches: Stretches) -> int:
             turned = turn_to(x_before, y_before, fx, fy)
             continues = counts & loaded & (abs(turned) <= SHARP)
             if loaded and not continues:
-                count = add_stretch(angle, step, j - 1, count, stretches)
+                count = add_stretch(angle, math.pi, step, j - 1, count, stretches)
             angle, x_before, y_before = angle + turned if continues else math.atan2(fy, fx), fx, fy
             if counts and not continues:
-                count = add_stretch(angle, step, j, count, stretches) if j > 0 else count
-                count = add_stretch(angle, step, j, count, stretches)
+                count = add_stretch(angle, math.pi, step, j, count, stretches) if j > 0 else count
+                count = add_stretch(angle, 0.0, step, j, count, stretches)
+                low = high = angle
             if count > ends.shape[0]:
                 return count
             loaded = counts
+            if continues:
+                # Between positions it may turn on as far as it turns beside them.
+                lower, upper = min(angle, angle - turned) - abs(turned), max(angle, angle - turned) + abs(turned)
+                low, high = min(low, lower), max(high, upper)
             if counts and angle < ends[count - 1, 0]:
                 ends[count - 1, 0], places[count - 1, 0] = angle, j
             if counts and angle > ends[count - 1, 1]:
                 ends[count - 1, 1], places[count - 1, 1] = angle, j
+            if continues:
+                margins[count - 1, 0], margins[count - 1, 1] = ends[count - 1, 0] - low, high - ends[count - 1, 1]
     return count
 
 
 @routine
-def extend(record: Record, force: Force, stretches: Stretches, i: int, side: int) -> None:
-    """Refine one end of a stretch between the positions, and estimate its error."""
-    step, j, sense = stretches.step[i], stretches.places[i, side], 2.0 * side - 1.0
-    lane, least = force.lane, force.least
-    slot_x, slot_y = known_slot(record, force.x, step), known_slot(record, force.y, step)
-    series = VectorSeries(record.coefficients[slot_x], record.coefficients[slot_y], lane)
-    of_x, of_y = record.values[slot_x], record.values[slot_y]
-    fx, fy = of_x[j, lane], of_y[j, lane]
-    off = record.left[slot_x].tail[lane] + record.left[slot_y].tail[lane]
-    off += ROUNDING * (record.whole[force.x].scale[lane] + record.whole[force.y].scale[lane])
-    farthest, error = 0.0, off / math.sqrt(fx * fx + fy * fy)
-    for beside in (j - 1, j + 1):
-        if beside < 0 or beside > DEGREE:
-            continue
-        gx, gy = of_x[beside, lane], of_y[beside, lane]
-        limit = PLACES[beside]
-        if abs(turn_to(fx, fy, gx, gy)) > SHARP:
-            limit = place_where(series, PLACES[j], limit, IS_LEAST)
-            gx, gy, _, _ = vector_at(series, limit)
-        _, _, turning, _ = vector_at(series, PLACES[j])
-        away = turning * sense * (limit - PLACES[j]) > 0.0
-        ends = gx * gx + gy * gy < least * least
-        if not (away or ends):
-            continue
-        place = place_where(series, PLACES[j], limit, least * least if ends else TURNS_BACK)
-        hx, hy, turning, growing = vector_at(series, place)
-        turned = turn_to(fx, fy, hx, hy)
-        if turned * sense > farthest:
-            farthest, size = turned * sense, math.sqrt(hx * hx + hy * hy)
-            # The force starts to count at a position that is only as accurate as the force.
-            moved = abs(turning / growing) * off / size if ends else 0.0
-            error = off / size + moved
-    stretches.ends[i, side] += sense * farthest
-    stretches.errors[i, side], stretches.known[i, side] = min(error, math.pi), True
+def farthest_turn(series: VectorSeries, place: float, limit: float, sense: float, least: float) -> tuple[float, float]:
+    """How far a force turns in a sense from one position to the next while it counts [rad].
+
+    Returns
+    -------
+    turned : float
+    sensitivity : float
+        Error of the farthest direction per error of the force.
+    """
+    x, y, turning, growing = vector_at(series, place)
+    way, turned = limit - place, 0.0
+    farthest, sensitivity, start = 0.0, 1.0 / math.sqrt(x * x + y * y), place
+    for part in range(1, PARTS + 1):
+        end = place + way * part / PARTS
+        _, _, turning_after, growing_after = vector_at(series, end)
+        turns_back = turning * sense * way > 0.0 >= turning_after * sense * way
+        back = place_where(series, start, end, TURNS_BACK) if turns_back else end
+        dip = place_where(series, start, end, IS_LEAST) if growing * way < 0.0 <= growing_after * way else end
+        turning, growing = turning_after, growing_after
+        # Between these corners the force is nowhere farther ahead nor smaller than at them.
+        for corner in (back, dip, end) if abs(back - start) < abs(dip - start) else (dip, back, end):
+            hx, hy, _, _ = vector_at(series, corner)
+            ceases, moved = hx * hx + hy * hy < least * least, 0.0
+            if ceases:
+                hx, hy, turns, grows = vector_at(series, place_where(series, start, corner, least * least))
+                # The place where the force ceases to count is only as accurate as the force.
+                moved = abs(turns / grows)
+            turned += turn_to(x, y, hx, hy)
+            if turned * sense > farthest:
+                farthest, sensitivity = turned * sense, (1.0 + moved) / math.sqrt(hx * hx + hy * hy)
+            if ceases:
+                return farthest, sensitivity
+            x, y, start = hx, hy, corner
+    return farthest, sensitivity
 
 
 @routine
-def margin_of(record: Record, force: Force, stretches: Stretches, i: int, side: int) -> float:
-    """Bound of an end's extension beyond its position: the turn of the force to its neighbours [rad].
+def extend(record: Record, force: Force, stretches: Stretches, i: int, side: int) -> None:
+    """Refine one end of a stretch between the positions, and estimate its error.
 
-    A sharp turn may lead anywhere, so its bound is π.
+    The farthest direction need not be beside the farthest position.
     """
-    slot, j, lane, most = stretches.step[i] * record.curves, stretches.places[i, side], force.lane, 0.0
-    of_x, of_y = record.values[slot + force.x], record.values[slot + force.y]
-    for beside in range(max(j - 1, 0), min(j + 1, DEGREE) + 1):
-        turned = abs(turn_to(of_x[j, lane], of_y[j, lane], of_x[beside, lane], of_y[beside, lane]))
-        most = max(most, turned if turned <= SHARP else math.pi)
-    return most
+    step, sense = stretches.step[i], 2.0 * side - 1.0
+    lane, least, apart = force.lane, force.least, stretches.margins[i, side] == math.pi
+    slot_x, slot_y = known_slot(record, force.x, step), known_slot(record, force.y, step)
+    series = VectorSeries(record.coefficients[slot_x], record.coefficients[slot_y], lane)
+    of_x, of_y = record.values[slot_x], record.values[slot_y]
+    off = record.left[slot_x].tail[lane] + record.left[slot_y].tail[lane]
+    off += ROUNDING * (record.whole[force.x].scale[lane] + record.whole[force.y].scale[lane])
+    j = stretches.places[i, side]
+    farthest, sensitivity = 0.0, 1.0 / math.sqrt(of_x[j, lane] ** 2 + of_y[j, lane] ** 2)
+    for way in (-1, 1):
+        j, reached, before = stretches.places[i, side], 0.0, SHARP
+        while 0 <= j + way <= DEGREE:
+            fx, fy, gx, gy = of_x[j, lane], of_y[j, lane], of_x[j + way, lane], of_y[j + way, lane]
+            turned = turn_to(fx, fy, gx, gy)
+            if not apart and (gx * gx + gy * gy < least * least or abs(turned) > SHARP):
+                break
+            # Between positions it may turn on as far as it turns beside them.
+            if apart or max(reached, reached + turned * sense) + max(before, abs(turned)) > farthest:
+                further, sensitivity_there = farthest_turn(series, PLACES[j], PLACES[j + way], sense, least)
+                if reached + further > farthest:
+                    farthest, sensitivity = reached + further, sensitivity_there
+            if apart:
+                break
+            j, reached, before = j + way, reached + turned * sense, abs(turned)
+    stretches.ends[i, side] += sense * farthest
+    stretches.errors[i, side], stretches.known[i, side] = min(off * sensitivity, math.pi), True
 
 
 @routine
@@ -223,7 +257,7 @@ def extend_near(record: Record, force: Force, stretches: Stretches, count: int, 
             continue
         short = (edge - stretches.ends[i, side]) * (2.0 * side - 1.0)
         short -= math.floor(short / TURN + 0.5) * TURN
-        if short <= margin_of(record, force, stretches, i, side):
+        if short <= stretches.margins[i, side]:
             extend(record, force, stretches, i, side)
             any_extended = True
     return any_extended

@@ -85,7 +85,9 @@ def at_positions(some: CamVariants, p: np.ndarray, v: np.ndarray, u: np.ndarray)
         return n[key][v] if key in n else 0.0
 
     s, s1, s2, s3 = (
-        x * (1.0 + _LAW_ROUNDINGS * (n[key][v] - 1.0)) if (key := f"factor of order {k}") in n else x
+        x + (x if turn.sizes is None else turn.sizes[k][p]) * _LAW_ROUNDINGS * (n[key][v] - 1.0)
+        if (key := f"factor of order {k}") in n
+        else x
         for k, x in enumerate(turn.motion(p, v, u))
     )
     speed, y = of("speed"), lowest[v] + s

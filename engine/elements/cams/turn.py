@@ -38,6 +38,9 @@ class CamTurn(NamedTuple):
         Cam angle at u = 0 and per unit of u [rad]; displacement at u = 0 and per unit of the law.
     whole : ndarray (variants,) of bool
         Whether the pieces form a closed turn.
+    sizes : ndarray (4, pieces) or None
+        Sizes to which the displacement and its derivatives are rounded in the pieces of a table: its peak per power of
+        the shortest gap between rows there.
     """
 
     directions: np.ndarray
@@ -50,6 +53,7 @@ class CamTurn(NamedTuple):
     before: np.ndarray
     stroke: np.ndarray
     whole: np.ndarray
+    sizes: np.ndarray | None = None
 
     def motion(self, p: np.ndarray, v: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, ...]:
         """Displacement and three derivatives with respect to the cam angle, at u in pieces p of variants v (...)."""
@@ -98,8 +102,12 @@ def turn_of(program: CamProgram, n: Numbers) -> CamTurn:
 def _tabled(motion: MotionTable, variants: int) -> CamTurn:
     """The turn given by a table: its cubics, cut also at reversals of the follower."""
     table = make_table(motion.over_angle, motion.rows, motion.interpolation, 2 * math.pi)
+    gaps = np.diff(table.breaks)
+    near = np.min([np.roll(gaps, shift) for shift in (-1, 0, 1)], axis=0)
     pieces = []
-    for left, right, (c3, c2, c1, c0) in zip(table.breaks, table.breaks[1:], table.coefficients, strict=False):
+    for left, right, gap, (c3, c2, c1, c0) in zip(
+        table.breaks, table.breaks[1:], near, table.coefficients, strict=False
+    ):
         length = right - left
         turns = np.roots([3 * c3, 2 * c2, c1]) if c3 or c2 else np.empty(0)
         real = np.sort(turns[np.abs(turns.imag) < 1e-12 * length].real)
@@ -107,8 +115,14 @@ def _tabled(motion: MotionTable, variants: int) -> CamTurn:
         for a, b in zip([0.0, *inside], [*inside, length], strict=True):
             middle = (a + b) / 2
             pieces.append(
-                (np.sign((3 * c3 * middle + 2 * c2) * middle + c1), a, b, 0.0, c3, c2, c1, left, 1.0, c0, 1.0)
+                (np.sign((3 * c3 * middle + 2 * c2) * middle + c1), a, b, 0.0, c3, c2, c1, left, 1.0, c0, 1.0, gap)
             )
     rows = np.array(pieces).T
-    numbers = np.repeat(rows[7:, :, None], variants, axis=2)
-    return CamTurn(*rows[:4], rows[4:7], *numbers, np.ones(variants, bool))
+    numbers = np.repeat(rows[7:11, :, None], variants, axis=2)
+    return CamTurn(
+        *rows[:4],
+        rows[4:7],
+        *numbers,
+        np.ones(variants, bool),
+        np.abs(rows[9]).max() / rows[11] ** np.arange(4)[:, None],
+    )

@@ -317,6 +317,24 @@ def test_least_force_under_friction__is_where_the_pressure_angle_vanishes():
     within(values["least_contact_force"], errors["least_contact_force"], force)
 
 
+@pytest.mark.parametrize("power", [2, 3, 4])
+def test_deceleration_of_a_table__is_that_of_its_exact_spline(power):
+    """The lift's own rounding, per square of the gap between rows, shows in the second derivative."""
+    rows, gap = 60, mpmath.mpf(6)
+    lift = [round(9 * math.sin(math.pi * k / rows) ** power, 3) for k in range(rows)]
+    table = {"over_angle": [f"{6 * k} deg" for k in range(rows)], "lift": [f"{y} mm" for y in lift]}
+    values, errors, _ = cam_answers(FLAT, sections=None, table=table)
+    with mpmath.workdps(30):
+        h, y = mpmath.radians(gap), [mpmath.mpf(str(row)) / 1000 for row in lift]
+        matrix = mpmath.matrix(rows, rows)
+        for k in range(rows):
+            matrix[k, k - 1 if k else rows - 1], matrix[k, k], matrix[k, (k + 1) % rows] = 1, 4, 1
+        right = [6 * (y[(k + 1) % rows] - 2 * y[k] + y[k - 1]) / h**2 for k in range(rows)]
+        greatest = -min(mpmath.lu_solve(matrix, mpmath.matrix(right))) * (mpmath.mpf(600) * mpmath.pi / 30) ** 2
+        off = float(abs(mpmath.mpf(float(values["greatest_deceleration"])) - greatest))
+    assert off <= errors["greatest_deceleration"] < 1e-11 * greatest
+
+
 def test_table_of_a_law__is_near_the_law():
     angles = np.linspace(0, 2 * math.pi, 181)[:-1]
     lift = 0.005 * (1 - np.cos(angles))

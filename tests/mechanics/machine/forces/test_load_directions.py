@@ -144,10 +144,9 @@ def test_bearings_of_a_chain__as_sorted_by_numpy():
             assert abs(math.remainder(found[0] - np.angle(own.mean()), TURN)) < 1e-6 / (1.01 - found[1])
 
 
-@pytest.mark.parametrize("template", ["offset_slider_crank", "toggle", "geared_five_bar"])
-def test_bearings_of_variants__as_sorted_by_numpy_however_panels_fall(template):
-    # Directions begin and end anywhere on the circle; forces jump, and nearly vanish.
-    scene, count = read_scene(bundled_templates()[template]), 12
+def arcs_of_variants(template: str, count: int, spread: float, positions: int):
+    """Unloaded arcs of random variants of a template: name and variant, force at positions, arc and its estimate."""
+    scene = read_scene(bundled_templates()[template])
     revolute = [pair for pair in pairs(scene) if pair.kind == "revolute"]
     names = [f"{pair.name}.unloaded_arc_of_{link}" for pair in revolute for link in (pair.link, pair.other)]
     links = {link for pair in revolute for link in (pair.link, pair.other)} - {"frame"}
@@ -155,8 +154,8 @@ def test_bearings_of_variants__as_sorted_by_numpy_however_panels_fall(template):
     fields += [f"{link}.angle" for link in links]
     rng, numbers = np.random.default_rng(8), scene_numbers(scene)
     paths = [path for path, n in numbers.items() if path.endswith((".length", ".mass", "speed", ".force")) and n.value]
-    varied = {path: numbers[path].value * rng.uniform(0.9, 1.1, count) for path in paths}
-    outcome = Machine(scene, names, fields, paths, 20_000).evaluate(varied)
+    varied = {path: numbers[path].value * rng.uniform(1.0 - spread, 1.0 + spread, count) for path in paths}
+    outcome = Machine(scene, names, fields, paths, positions).evaluate(varied)
     sound = np.flatnonzero(outcome.status == Verdict.OK)
     assert sound.size > count // 2
     for pair in revolute:
@@ -165,9 +164,22 @@ def test_bearings_of_variants__as_sorted_by_numpy_however_panels_fall(template):
             own = sign * force * np.exp(-1j * outcome.fields.get(f"{link}.angle", np.zeros(1)))
             name = f"{pair.name}.unloaded_arc_of_{link}"
             for i in sound:
-                found, error = outcome.summaries[name][i], outcome.errors[name][i]
-                # No direction lies in the arc, but those of chords by what they miss of the curve.
-                assert -error - 0.01 < sorted_arc(with_chords(own[i]))[0] - found < 0.05, (name, i, found)
+                yield (name, i), own[i], outcome.summaries[name][i], outcome.errors[name][i]
+
+
+@pytest.mark.parametrize("template", ["offset_slider_crank", "toggle", "geared_five_bar"])
+def test_bearings_of_variants__as_sorted_by_numpy_however_panels_fall(template):
+    # Directions begin and end anywhere on the circle; forces jump, and nearly vanish.
+    for case, force, found, error in arcs_of_variants(template, 12, 0.1, 20_000):
+        # No direction lies in the arc, but those of chords by what they miss of the curve.
+        assert -error - 0.01 < sorted_arc(with_chords(force))[0] - found < 0.05, (case, found)
+
+
+def test_bearings_of_many_toggle_presses__no_force_points_into_the_arc():
+    # The nearly vanishing forces of some turn back just before they cease to count, or beside a sharp turn.
+    for case, force, found, error in arcs_of_variants("toggle", 48, 0.25, 10_000):
+        # The directions at the positions are those of the curve itself, but for rounding of small forces.
+        assert sorted_arc(force)[0] - found >= -error - 1e-9, (case, found)
 
 
 def test_error_figures__hold_at_any_accuracy():
