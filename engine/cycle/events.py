@@ -30,6 +30,9 @@ UNEVEN = 0.1 / (2.0 * math.pi)
 # The scan is too coarse if a function's slope misses the cubic through its neighbours by more than MISSED of its rms,
 # in more than COARSE of the intervals in which the function moves. A sine needs a sample every fifth of its period.
 COARSE, MISSED = 0.25, 0.05
+# A slope may change sign twice between two positions if its least magnitude there, by the cubic through both, is below
+# this fraction of that at either.
+CLOSE = 0.1
 # Changes of a function up to this fraction of its scale count as rounding, not motion.
 STILL = 64.0 * ROUNDING
 
@@ -167,6 +170,48 @@ def note_coarse(function: int, samples: Samples, scale: Row, noted: Noted, coars
             missed[lane] += 1.0 if abs(here - predicted) > least else 0.0
     for lane in range(LANES):
         coarse[lane] = 1.0 if missed[lane] > COARSE * moving[lane] else coarse[lane]
+
+
+@routine
+def move_to_dips(function: int, samples: Samples, moved: Row) -> bool:
+    """Move scan positions to where a function's slope may change sign twice between two of them.
+
+    There the slope of the Hermite cubic through both has an extreme of the other sign, or close to 0. Only a position
+    whose slope has the sign of those of both neighbours moves, so that no change of sign is lost.
+
+    Parameters
+    ----------
+    function : int
+    samples : Samples
+        All functions at the scan positions; of these, only the positions change.
+    moved : row
+        Scratch: 1 where a position moves.
+
+    Returns
+    -------
+    bool
+        Whether any position moved.
+    """
+    q, any_moved = in_lanes(samples.place[0]), False
+    values, slopes = in_lanes(samples.tile[2 * function]), in_lanes(samples.tile[2 * function + 1])
+    for k in range(1, samples.tile.shape[1] - 1):
+        for side in range(2):
+            i = k - 1 + side
+            for lane in range(LANES):
+                sign = 1.0 if slopes[k, lane] >= 0.0 else -1.0
+                alike = (sign * slopes[k - 1, lane] > 0.0) & (sign * slopes[k + 1, lane] > 0.0)
+                here, there = sign * slopes[i, lane], sign * slopes[i + 1, lane]
+                width = q[i + 1, lane] - q[i, lane]
+                chord = sign * (values[i + 1, lane] - values[i, lane]) / width
+                linear, square = 6.0 * chord - 4.0 * here - 2.0 * there, 3.0 * (here + there) - 6.0 * chord
+                t = -0.5 * linear / square
+                dips = alike & (t > 0.0) & (t < 1.0) & (here + 0.5 * linear * t < CLOSE * smaller(here, there))
+                moved[lane] = 1.0 if dips else 0.0
+                q[k, lane] = q[i, lane] + t * width if dips else q[k, lane]
+            if any_positive(moved):
+                any_moved = True
+                break
+    return any_moved
 
 
 @routine
