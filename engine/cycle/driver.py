@@ -330,11 +330,9 @@ def cut(functions: MachineFunctions, task: Task, given: GivenNumbers, work: Work
             turns.used[0] = 0
             scan_positions(block[task.ends[0]], block[task.ends[1]], task.scan, in_lanes(work.scan.place[0]))
             sample(events, given, task.scan, work.scan)
-            moved = False
             for f in range(count):
-                moved |= move_to_dips(f, work.scan, noted.marks)
-            if moved:
-                sample(events, given, task.scan, work.scan)
+                if move_to_dips(f, work.scan, noted.marks):
+                    sample(events, given, task.scan, work.scan)
             sample_beside(events, given, work.scan, work.scan_beside)
             for f in range(count):
                 find_turns(f, work.scan, most, noted, turns)
