@@ -22,6 +22,7 @@ from engine.cycle.events import (
     find_landmarks,
     find_turns,
     lay_edges,
+    move_to_dips,
     note_coarse,
     scan_positions,
 )
@@ -329,6 +330,9 @@ def cut(functions: MachineFunctions, task: Task, given: GivenNumbers, work: Work
             turns.used[0] = 0
             scan_positions(block[task.ends[0]], block[task.ends[1]], task.scan, in_lanes(work.scan.place[0]))
             sample(events, given, task.scan, work.scan)
+            for f in range(count):
+                if move_to_dips(f, work.scan, noted.marks):
+                    sample(events, given, task.scan, work.scan)
             sample_beside(events, given, work.scan, work.scan_beside)
             for f in range(count):
                 find_turns(f, work.scan, most, noted, turns)

@@ -30,6 +30,9 @@ UNEVEN = 0.1 / (2.0 * math.pi)
 # The scan is too coarse if a function's slope misses the cubic through its neighbours by more than MISSED of its rms,
 # in more than COARSE of the intervals in which the function moves. A sine needs a sample every fifth of its period.
 COARSE, MISSED = 0.25, 0.05
+# A slope may change sign twice between two positions if its least magnitude there, by the cubic through both, is below
+# this fraction of that at either.
+CLOSE = 0.1
 # Changes of a function up to this fraction of its scale count as rounding, not motion.
 STILL = 64.0 * ROUNDING
 
@@ -167,6 +170,56 @@ def note_coarse(function: int, samples: Samples, scale: Row, noted: Noted, coars
             missed[lane] += 1.0 if abs(here - predicted) > least else 0.0
     for lane in range(LANES):
         coarse[lane] = 1.0 if missed[lane] > COARSE * moving[lane] else coarse[lane]
+
+
+@inlined
+def _dip(here: float, there: float, chord: float) -> float:
+    """Where in an interval, from 0 to 1, a cubic's slope may change its sign twice; −1 if nowhere."""
+    linear, square = 6.0 * chord - 4.0 * here - 2.0 * there, 3.0 * (here + there) - 6.0 * chord
+    t = -0.5 * linear / square
+    dips = (t > 0.0) & (t < 1.0) & (here + 0.5 * linear * t < CLOSE * smaller(here, there))
+    return t if dips else -1.0
+
+
+@routine
+def move_to_dips(function: int, samples: Samples, moved: Row) -> bool:
+    """Move scan positions to where a function's slope may change sign twice between two of them.
+
+    There the slope of the Hermite cubic through both has an extreme of the other sign, or close to 0. Only a position
+    whose slope has the sign of those of both neighbours moves, so that no change of sign is lost.
+
+    Parameters
+    ----------
+    function : int
+    samples : Samples
+        All functions at the scan positions; of these, only the positions change.
+    moved : row
+        Scratch: 1 where the position before has moved.
+
+    Returns
+    -------
+    bool
+        Whether any position moved.
+    """
+    q, any_moved = in_lanes(samples.place[0]), 0.0
+    values, slopes = in_lanes(samples.tile[2 * function]), in_lanes(samples.tile[2 * function + 1])
+    for lane in range(LANES):
+        moved[lane] = 0.0
+    for k in range(1, samples.tile.shape[1] - 1):
+        for lane in range(LANES):
+            sign = 1.0 if slopes[k, lane] >= 0.0 else -1.0
+            low, here, high = sign * slopes[k - 1, lane], sign * slopes[k, lane], sign * slopes[k + 1, lane]
+            left, right = q[k, lane] - q[k - 1, lane], q[k + 1, lane] - q[k, lane]
+            before = _dip(low, here, sign * (values[k, lane] - values[k - 1, lane]) / left)
+            after = _dip(here, high, sign * (values[k + 1, lane] - values[k, lane]) / right)
+            # The values at a position that has moved are not those at its place.
+            before = before if moved[lane] == 0.0 else -1.0
+            move = (before - 1.0) * left if before >= 0.0 else after * right
+            moves = (low > 0.0) & (high > 0.0) & ((before >= 0.0) | (after >= 0.0))
+            q[k, lane] += move if moves else 0.0
+            moved[lane] = 1.0 if moves else 0.0
+            any_moved += moved[lane]
+    return any_moved > 0.0
 
 
 @routine

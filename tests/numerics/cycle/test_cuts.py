@@ -138,3 +138,36 @@ def test_edges__are_put_in_order_in_every_lane(count):
     finite = np.isfinite(edges[:, 0])
     found = np.where(finite, edges[:, 0] - 1j * edges[:, 1], 1e9)
     np.testing.assert_array_equal(found, np.sort(np.where(np.isfinite(expected), expected, 1e9), axis=0))
+
+
+@at_positions
+def two_top_velocity(P, lane, q, c, s, tile, i, room):
+    x = q - P[3, lane]
+    over = math.cos(x) - math.cos(P[2, lane])
+    tile[i, lane] = 2.0 * over * math.sin(x)
+    tile[room + i, lane] = 2.0 * (over * math.cos(x) - math.sin(x) ** 2)
+
+
+@at_positions
+def two_top_sense(P, lane, q, c, s, tile, i, room):
+    x = q - P[3, lane]
+    tile[0, lane] = 1.0 if (math.cos(x) - math.cos(P[2, lane])) * math.sin(x) > 0.0 else -1.0
+
+
+@at_positions
+def two_top_power(P, lane, q, c, s, tile, i, room):
+    x = q - P[3, lane]
+    tile[i, lane] = P[5, lane] * 2.0 * (math.cos(x) - math.cos(P[2, lane])) * math.sin(x)
+
+
+def test_a_load_against_a_ram_with_two_tops_acts_on_both_rises():
+    plan = Plan((0, 1), 1, landmarks=[(-1, -1, -1, -1)], crossings=[(0, 4, 0.0)], states=[5], integrals=[0])
+    machine = CycleMachine(plan, two_top_power, events=two_top_velocity, states=two_top_sense)
+    rng = np.random.default_rng(4)
+    # The ram is at −(cos x − cos h)²: its tops, at ±h, are 2 h apart. Closer pairs may be missed.
+    h, phase, zeros = 10.0 ** rng.uniform(-2.4, -0.3, 400), rng.uniform(0.5, 5.5, 400), np.zeros(400)
+    found = machine.evaluate(np.stack([zeros, np.full(400, TURN), h, phase, zeros, zeros])).integrals
+    # Twice its ways up from the bottom and from the dip.
+    exact = 2.0 * ((1.0 + np.cos(h)) ** 2 + (2.0 * np.sin(0.5 * h) ** 2) ** 2)
+    off = np.abs(found.value[0] - exact)
+    assert np.all(off <= found.error[0] + 1e-14 * exact), (h[off > found.error[0]], off.max())
