@@ -9,11 +9,14 @@ BANNED = {"US": METRIC, "mm": AMERICAN, "SI": f"{AMERICAN} mm kN kJ kW MPa rpm"}
 
 
 def units_of(words: str) -> re.Pattern[str]:
-    """A unit after a number, a comma or a gap, in brackets, or in a compound: "3 kN", "v, m/s", "[N m]", "N·m"."""
+    """A unit after a number, a comma or a gap, in brackets, or in a compound: "3 kN", "v, m/s", "[N m]", "N·m".
+
+    A letter before a comma is a symbol: "W, ft·lbf" is work.
+    """
     power, units = r"(?:-?[2-9]|[²³⁴])?", words.split()
     plain = "|".join(unit for unit in units if unit not in ("in", "m", "t", "g"))
     return re.compile(
-        rf"(?:(?<=\d )|(?<=, )|(?<=  )|(?<=[·/(])|^)(?:{'|'.join(units)}){power}(?=$|  |[;:,.)\]·/|])"
+        rf"(?:(?<=\d )|(?<=, )|(?<=  )|(?<=[·/(])|^(?!\w, ))(?:{'|'.join(units)}){power}(?=$|  |[;:,.)\]·/|])"
         rf"|(?<=\d )(?:{plain}){power}(?= )|\[(?:[^\]]* )?(?:{'|'.join(units)})(?:-?\d)?(?: [^\]]*)?\]"
     )
 
