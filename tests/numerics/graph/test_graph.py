@@ -264,3 +264,14 @@ def test_sum_that_begins_and_ends_with_brackets__keeps_them():
     names["filled"](values, np.zeros(1), *np.zeros((3, 1, LANES)), tile)
     a, b, c, d, n = (values[rows[node]] for node in (a, b, c, d, graph.number("n")))
     np.testing.assert_allclose(tile[0, 0], (a + b) + n * c + (d + b), rtol=1e-15)
+
+
+def test_label_of_a_number__stands_for_one_number():
+    graph = Graph()
+
+    def scaled(factor):
+        return graph.derived("drag at speed", lambda n: factor * n["speed"])
+
+    assert scaled(2.0) is scaled(2.0)
+    with pytest.raises(ValueError, match="'drag at speed' stands for two numbers"):
+        scaled(3.0)
