@@ -1,34 +1,54 @@
 """Run drivers: compile them once for their parameter types, and spread their work over all threads."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable
 from functools import wraps
 
+import numba
 import numpy as np
 from numba import types
 
 from engine.compiling.decorators import driver
 from engine.compiling.kept_code import compiling
 from engine.compiling.threads import on_all_threads, pieces_of
+from engine.compiling.tiles import TypedFunction
+
+# Machine code of drivers, by driver and layout of its arguments.
+_code: dict[tuple[Callable, Hashable], Callable] = {}
+# Flags of an array that don't change its type in Numba: whether it owns its memory.
+_OWNS_DATA = 0x4
 
 
-def prepare(compiled: Callable, parameters: Sequence[types.Type]) -> None:
-    """Compile a `driver` for its parameter types, or load it from the cache, once.
+def _layout(value: object) -> Hashable:
+    """What determines Numba's type of an argument. Numba itself takes a millisecond to derive the type of a record."""
+    if isinstance(value, np.ndarray):
+        return value.dtype, value.ndim, value.flags.num & ~_OWNS_DATA
+    if isinstance(value, tuple):
+        return type(value), tuple(map(_layout, value))
+    # Each signature is made once; comparing signatures takes long.
+    return id(value.signature()) if isinstance(value, TypedFunction) else type(value)
 
-    The types are explicit because Numba otherwise gives each function its own type, and would compile the driver again
-    for every machine.
+
+def run_piece(compiled: Callable, piece: tuple[int, int], arguments: tuple) -> None:
+    """Run a `driver` over a piece of its range; compile it, or load it from the cache, if it is new to the arguments.
 
     Parameters
     ----------
     compiled : callable
-        Returns nothing.
-    parameters : sequence of Type
+        Returns nothing; its first two parameters are the begin and end of the piece.
+    piece : tuple of int
+    arguments : tuple
+        The remaining ones.
     """
-    with compiling():
-        if tuple(parameters) in compiled.overloads:
-            return
-        compiled.disable_compile(False)
-        compiled.compile(types.void(*parameters))
-        compiled.disable_compile()
+    known = compiled, _layout(arguments)
+    if known not in _code:
+        with compiling():
+            kinds = types.intp, types.intp, *map(numba.typeof, arguments)
+            if kinds not in compiled.overloads:
+                compiled.disable_compile(False)
+                compiled.compile(types.void(*kinds))
+                compiled.disable_compile()
+            _code[known] = compiled.overloads[kinds].entry_point
+    _code[known](*piece, *arguments)
 
 
 def spread(compiled: Callable, count: int, arguments: Callable) -> None:
@@ -42,7 +62,7 @@ def spread(compiled: Callable, count: int, arguments: Callable) -> None:
     arguments : callable
         Returns the remaining arguments, called once for each piece.
     """
-    on_all_threads(lambda piece: compiled(*piece, *arguments()), pieces_of(count))
+    on_all_threads(lambda piece: run_piece(compiled, piece, arguments()), pieces_of(count))
 
 
 def of_all(values: np.ndarray, who: np.ndarray, count: int) -> np.ndarray:
@@ -57,12 +77,10 @@ def over_variants(function: Callable) -> Callable:
     kernel = driver(function, makes_arrays=True)
 
     @wraps(function)
-    def run(count: int, *arguments: object) -> None:
-        with compiling():
-            kernel(0, 0, *arguments)
-        on_all_threads(lambda piece: kernel(*piece, *arguments), pieces_of(count))
+    def over_all(count: int, *arguments: object) -> None:
+        spread(kernel, count, lambda: arguments)
 
-    return run
+    return over_all
 
 
 def sum_of_rows(rows: np.ndarray) -> np.ndarray:

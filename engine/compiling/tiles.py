@@ -1,6 +1,7 @@
 """Signatures and options shared by compiled functions that fill tiles or rows over positions."""
 
 from collections.abc import Callable
+from functools import cache
 
 import numba
 import numpy as np
@@ -38,6 +39,7 @@ def filling(signature: Signature) -> Callable:
     return compiled
 
 
+@cache
 def field_signature(dtype: np.dtype) -> Signature:
     """Signature of functions that fill rows over the positions of one variant, in double precision.
 
@@ -59,13 +61,13 @@ class TypedFunction(types.WrapperAddressProtocol):
     Parameters
     ----------
     function : callable
-        Compiled for this signature.
+        Compiled for this signature alone.
     of : Signature
     """
 
     def __init__(self, function: Callable, of: Signature) -> None:
         self._function, self._signature = function, of
-        compiled = function.overloads[of.args]
+        (compiled,) = function.overloads.values()
         self._address = compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name)
 
     def __wrapper_address__(self) -> int:

@@ -23,12 +23,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-import numba
 import numpy as np
-from numba import types
 
 from engine.compiling.nothing import nothing
-from engine.compiling.running import prepare, spread
+from engine.compiling.running import spread
 from engine.compiling.tiles import TileFunction
 from engine.compiling.widths import LANES
 from engine.cycle.driver import (
@@ -294,7 +292,6 @@ class CycleMachine:
     states: Callable = nothing
     _task: Task = field(init=False)
     # Kinds of arguments that the driver is compiled for.
-    _prepared: set[tuple] = field(init=False, default_factory=set)
     # Each thread's workspace, reused by its next call.
     _per_thread: threading.local = field(init=False, default_factory=threading.local)
 
@@ -420,10 +417,6 @@ class CycleMachine:
             work = self._workspace(task, len(variants.numbers), steps)
             return self._functions, task, variants, answers, work, stretches()
 
-        kinds = (variants.numbers.flags.writeable, variants.tables.flags.writeable)
-        if kinds not in self._prepared:
-            prepare(evaluate_blocks, [types.intp, types.intp, *(numba.typeof(a) for a in arguments())])
-            self._prepared.add(kinds)
         spread(evaluate_blocks, len(variants.blocks), arguments)
 
     def _workspace(self, task: Task, numbers: int, steps: int) -> Workspace:

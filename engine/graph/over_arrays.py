@@ -5,15 +5,13 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import NamedTuple
 
-import numba
 import numpy as np
-from numba import types
 
 from engine.compiling.blocks import gather, hand_out, in_lanes
 from engine.compiling.decorators import driver
 from engine.compiling.printed import load_printed
-from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE, TileFunction
+from engine.compiling.running import spread
+from engine.compiling.tiles import TileFunction
 from engine.compiling.widths import LANES
 from engine.graph.functions import number_function
 from engine.graph.nodes import Given, Graph, Node, Number, Stage, reached
@@ -61,9 +59,6 @@ class NodesOverArrays:
             block, tile = np.empty((len(table), LANES)), np.empty((len(found), 1, LANES))
             return self._function, table, found, _Scratch(block, tile, np.zeros((1, LANES)), self._tables)
 
-        if not _fill.overloads:
-            kinds = (numba.typeof(argument) for argument in arguments()[1:])
-            prepare(_fill, [types.intp, types.intp, FILLS_TILE, *kinds])
         spread(_fill, -(-table.shape[1] // LANES), arguments)
         return found
 

@@ -5,15 +5,13 @@ from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import NamedTuple
 
-import numba
 import numpy as np
-from numba import types
 
 from engine.compiling.blocks import copy_rows, gather, in_lanes
 from engine.compiling.decorators import driver, routine
 from engine.compiling.printed import load_printed
-from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE, TypedFunction, field_signature
+from engine.compiling.running import spread
+from engine.compiling.tiles import TypedFunction, field_signature
 from engine.compiling.widths import LANES
 from engine.cycle.machine import Extremes
 from engine.graph.functions import Functions, field_function
@@ -99,8 +97,6 @@ class KeptFields:
             scratch = _new_scratch(len(table), level_rows.size, positions)
             return self._function, self._levels, kept, fields, finite, scratch
 
-        function = types.FunctionType(field_signature(self._dtype))
-        prepare(_fill, [types.intp, types.intp, function, FILLS_TILE, *(numba.typeof(a) for a in arguments()[2:])])
         spread(_fill, -(-table.shape[1] // LANES), arguments)
         return finite
 

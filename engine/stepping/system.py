@@ -5,13 +5,11 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
-import numba
 import numpy as np
-from numba import types
 
 from engine.compiling.printed import load_printed
-from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE, TileFunction
+from engine.compiling.running import spread
+from engine.compiling.tiles import TileFunction
 from engine.compiling.widths import LANES
 from engine.graph.functions import Functions, functions_in_motion, places_of
 from engine.graph.nodes import Given, Graph, Node
@@ -174,6 +172,7 @@ class PrintedSystem:
         self.last = (*system.states, *system.unknown.values())
         title = f"Motion along {system.along}."
         self.functions: Functions = functions_in_motion(graph, title, first, last, self.rates, self.watched, self.last)
+        self._rated = len(places_of(self.rates))
         self.names = {name: len(system.states) + i for i, name in enumerate(system.gathered)}
 
     def task(
@@ -206,7 +205,7 @@ class PrintedSystem:
             carries=len(system.responses) > 0 and bool(made.fine.any()),
             first_place=len(rows) - len(self.last) - len(self.functions.curves),
             places=len(self.functions.curves),
-            rated=len(places_of(self.rates)),
+            rated=self._rated,
             clock=rows[system.clock] if timed else -1,
             extremes=extremes,
             root=root,
@@ -292,9 +291,6 @@ class PrintedSystem:
         """Run a driver over all blocks of a batch."""
         module = load_printed(self.functions.text)
         functions = [TileFunction(getattr(module, name)) for name in ("places", "rates", "watch")]
-        if not driver.overloads:
-            kinds = (numba.typeof(x) for x in (batch, task, room()))
-            prepare(driver, [types.intp, types.intp, FILLS_TILE, FILLS_TILE, FILLS_TILE, *kinds])
         spread(driver, -(-count // LANES), lambda: (*functions, batch, task, room()))
 
     def limited(self, numbers: np.ndarray, limits: Mapping[Given, np.ndarray | float]) -> np.ndarray:

@@ -3,11 +3,9 @@
 import math
 from typing import NamedTuple
 
-import numba
 import numpy as np
-from numba import types
 
-from engine.compiling.running import prepare, spread
+from engine.compiling.running import spread
 from engine.elements.elastic_drives.elastic_cycle import (
     CLOSES,
     COLUMNS,
@@ -104,7 +102,6 @@ def elastic_cycle(machine: DrivenMachine, given: np.ndarray, guess: np.ndarray) 
         memory = np.empty((count, UNKNOWNS, COLUMNS)), np.empty((count, UNKNOWNS)), np.empty((2, UNKNOWNS, UNKNOWNS))
         return batch, *memory
 
-    prepare(close_cycles, [types.intp, types.intp, *(numba.typeof(a) for a in arguments())])
     spread(close_cycles, variants, arguments)
     points = np.concatenate([nodes[:, :-1, None], states, nodes[:, 1:, None]], axis=2)
     elastic, motor_speed, energy = np.moveaxis(points, 3, 0)

@@ -17,12 +17,10 @@ iteration); R.-C. Li, Relative perturbation theory II, SIAM J. Matrix Anal. Appl
 import math
 from typing import NamedTuple
 
-import numba
 import numpy as np
-from numba import types
 
 from engine.compiling.decorators import driver, routine
-from engine.compiling.running import prepare, spread
+from engine.compiling.running import spread
 from engine.compiling.widths import LANES
 from engine.elements.torsional_trains.reduced_train import ReducedTrain
 from engine.laws.rounding import EPS
@@ -86,7 +84,6 @@ def natural_vibration(train: ReducedTrain, count: int) -> NaturalVibration:
     def arguments() -> tuple:
         return (free, tree, squares, modes, np.empty((_ROWS, nodes, LANES)), np.empty((_SINGLE, LANES)))
 
-    prepare(_enclose, [types.intp, types.intp, types.intp, *(numba.typeof(a) for a in arguments()[1:])])
     spread(_enclose, -(-variants // LANES), arguments)
     # Relative errors of inertias and stiffnesses add up in the square, and halve in the frequency.
     rounded = EPS * (train.roundings + _PER_MASS * nodes + 1.0)

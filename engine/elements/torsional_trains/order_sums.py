@@ -3,12 +3,10 @@
 import math
 from collections.abc import Sequence
 
-import numba
 import numpy as np
-from numba import types
 
 from engine.compiling.decorators import driver, routine
-from engine.compiling.running import prepare, spread
+from engine.compiling.running import spread
 from engine.laws.rounding import EPS
 
 # Samples per wave of the highest order, from which the extremes are refined.
@@ -61,7 +59,6 @@ def extremes_of_orders(orders: Sequence[float], amplitudes: np.ndarray) -> tuple
     sums = np.ascontiguousarray(amplitudes.reshape(len(orders), -1)[rising].T)
     found = np.empty((2, sums.shape[0]))
     given = h, np.ascontiguousarray(waves.real), np.ascontiguousarray(waves.imag), sums, found
-    prepare(_extremes, [types.intp, types.intp, *(numba.typeof(a) for a in given), types.float64[::1]])
     spread(_extremes, sums.shape[0], lambda: (*given, np.empty(samples)))
     least, greatest = found.reshape(2, *amplitudes.shape[1:])
     return least, greatest

@@ -4,14 +4,12 @@ import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-import numba
 import numpy as np
-from numba import types
 
 from engine.compiling.blocks import copy_rows, gather, hand_out, in_lanes
 from engine.compiling.decorators import driver, routine
 from engine.compiling.printed import load_printed
-from engine.compiling.running import prepare, spread
+from engine.compiling.running import spread
 from engine.compiling.tiles import TileFunction
 from engine.compiling.widths import LANES
 from engine.cycle.panels.lanes import rows
@@ -446,7 +444,6 @@ class SeedWalk:
             scratch = _new_scratch(functions, values, count, len(functions.curves))
             return _Functions(self._fill, self._levels), every_variant, paths, scratch
 
-        prepare(_walk, [types.intp, types.intp, *(numba.typeof(argument) for argument in arguments())])
         spread(_walk, -(-variants // LANES), arguments)
         found, place, end = reached[0].astype(np.int64), reached[1], reached[2:]
         whole, short, every = place == 1.0, found > intervals + 1, np.arange(variants)

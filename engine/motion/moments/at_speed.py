@@ -7,13 +7,11 @@ speed may be negative.
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
-from numba import types
 
 from engine.compiling.blocks import gather, hand_out, in_lanes
 from engine.compiling.decorators import driver
-from engine.compiling.running import prepare, spread
+from engine.compiling.running import spread
 from engine.compiling.widths import LANES
 from engine.cycle.panels.lanes import rows
 from engine.laws.elementary import power
@@ -110,8 +108,6 @@ def moments_at(
         def arguments() -> tuple:
             return given, rows(count)
 
-        if not moments_of_blocks.overloads:
-            prepare(moments_of_blocks, [types.intp, types.intp, *(numba.typeof(part) for part in arguments())])
         spread(moments_of_blocks, -(-omega.shape[1] // LANES), arguments)
     return Moments(found[0], found[2:], found[1])
 

@@ -2,16 +2,14 @@
 
 from collections.abc import Sequence
 
-import numba
 import numpy as np
-from numba import types
 
 from engine.compiling.blocks import gather, hand_out, hand_out_row, in_lanes
 from engine.compiling.decorators import driver
 from engine.compiling.memory import as_memory
 from engine.compiling.nothing import nothing
 from engine.compiling.printed import load_printed
-from engine.compiling.running import prepare, spread
+from engine.compiling.running import spread
 from engine.compiling.tiles import TileFunction
 from engine.compiling.widths import LANES
 from engine.cycle.driver import EvaluatedVariants, MachineFunctions, Task, Workspace, cut, new_workspace
@@ -118,8 +116,6 @@ class Landmarks:
         def arguments() -> tuple:
             return given, task, chosen, new_workspace(task, len(parameters), 0), found, coarse
 
-        if not find_places.overloads:
-            prepare(find_places, [types.intp, types.intp, *(numba.typeof(argument) for argument in arguments())])
         spread(find_places, -(-variants // LANES), arguments)
         return found, coarse
 

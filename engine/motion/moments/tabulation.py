@@ -8,15 +8,13 @@ its rows are summed as requested.
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
-import numba
 import numpy as np
-from numba import types
 
 from engine.compiling.blocks import gather, hand_out, in_lanes
 from engine.compiling.decorators import driver
 from engine.compiling.printed import load_printed
-from engine.compiling.running import prepare, spread
-from engine.compiling.tiles import FILLS_TILE, TileFunction
+from engine.compiling.running import spread
+from engine.compiling.tiles import TileFunction
 from engine.compiling.widths import LANES
 from engine.cycle.panels.lanes import rows as lane_rows
 from engine.graph.functions import Functions
@@ -177,8 +175,6 @@ class Tabulation:
         def arguments() -> tuple:
             return self.function(function), batch, lane_rows(count)
 
-        if not fill_places.overloads:
-            prepare(fill_places, [types.intp, types.intp, FILLS_TILE, *map(numba.typeof, arguments()[1:])])
         spread(fill_places, -(-variants // LANES), arguments)
         return out
 

@@ -13,13 +13,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numba import types
 from packed import assert_packed
 
 from engine.compiling import kept_code, printed, sources
 from engine.compiling.decorators import driver
 from engine.compiling.printed import load_printed
-from engine.compiling.running import prepare, spread
+from engine.compiling.running import spread
 from engine.compiling.sources import digest_of_text
 from engine.compiling.widths import LANES, PANEL_POSITIONS
 from engine.graph.functions import field_function, functions_of
@@ -139,7 +138,7 @@ def test_broken_driver__is_recovered(kind, fresh_cache):
     for turn in range(3):
         found = np.zeros(9)
         own = driver(counted)
-        prepare(own, [types.intp, types.intp, types.float64[::1]])
+
         spread(own, 9, lambda found=found: (found,))
         assert (found == np.arange(9)).all()
         spoilt = list(fresh_cache.rglob(f"*counted*.{kind}"))
