@@ -13,7 +13,8 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 from taylor import LONG, PI, Series
 
 from engine import Scene
-from engine.scene.pairs import bearer_of, holder_of
+from engine.scene.attachments import bearer_of
+from engine.scene.pairs import holder_of
 
 Ends = dict[str, tuple[object, object]]
 
