@@ -126,9 +126,8 @@ from engine.parts.skeleton import (
 from engine.parts.skeleton import Number as PlainNumber
 from engine.parts.skeleton import Part as ScenePart
 from engine.quantities.quantity import STATISTICS, InputUnits, Quantity, drive_words, has_cycle
-from engine.scene.masses import places_on
+from engine.scene.attachments import guide_of, places_on
 from engine.scene.names import definitions as definitions_of_names
-from engine.scene.names import guide_of
 from engine.scene.pairs import (
     Pair,
     holder_of,

@@ -41,8 +41,8 @@ from engine.quantities.expressions import Angle, Expression, Followed, Speed, Wo
 from engine.quantities.machine import register_of
 from engine.quantities.quantity import STATISTICS, Quantity
 from engine.quantities.register import Field, Summary
+from engine.scene import structure
 from engine.scene.scene import Numbers, Scene, scene_numbers
-from engine.scene.structure.input_laws import fixed_by_laws
 from engine.words.verdicts import Verdict
 
 # Errors of quantities that vanish identically: differences of two roots.
@@ -151,7 +151,7 @@ class Machine:
         fixed = [path for path in self.varied if path in turning]
         if fixed:
             raise AskError(f"{fixed[0]} turns cam {turning[fixed[0]]!r}, whose cycle must close; vary another number")
-        fixed = sorted(set(self.varied) & fixed_by_laws(scene))
+        fixed = sorted(set(self.varied) & structure.input_laws.fixed_by_laws(scene)) if scene.inputs else []
         if fixed:
             raise AskError(f"{fixed[0]}: its turns in a cycle are the same for all variants; vary another number")
         self.mechanics = Mechanics(scene, frozenset(self.varied))

@@ -11,12 +11,14 @@ from functools import cached_property
 
 import numpy as np
 
+from engine import laws
 from engine.compiling.printed import load_printed
 from engine.cycle import machine as cycle
 from engine.cycle.measured import Measured, maximum, where
 from engine.cycle.measures.extremes import BOTH, EACH_TURN, GREATEST, LEAST, LEAST_MAGNITUDE
 from engine.graph.functions import Functions, functions_of
 from engine.graph.nodes import Constant, Node, Stage, reached
+from engine.laws.rounding import EPS
 from engine.machine.conditions import Margin, margins_against_jamming, margins_at_cams, taking_part, wound_springs
 from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import (
@@ -53,7 +55,7 @@ FINER, FINELY = 1e3, 1e-12
 # Truncation error allowed for margins against jamming if no accuracy is requested: three digits suffice.
 LOOSELY = 1e-4
 # Rounding error of accelerations and forces at a transmission angle of 90°, relative to their peak: a few roundings.
-ROUNDING_OF_RATES = 8.0 * np.finfo(float).eps
+ROUNDING_OF_RATES = 8.0 * EPS
 # An excess work below this share of its moment's maximum possible work is rounding.
 NEGLIGIBLE = 1e-9
 # Positions at which switching curves are scanned, for a cycle of up to two turns and for each further turn.
@@ -393,7 +395,7 @@ class MeasuredCycles:
         if isinstance(node, Constant):
             return Measured(node.value)
         value = self._table[self._m.functions.rows[node]]
-        return Measured(value, _ROUNDING * np.abs(value))
+        return Measured(value, EPS * np.abs(value))
 
     def sines(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """For each group, the minimum magnitude of its transmission index and the position there."""
@@ -548,15 +550,16 @@ class MeasuredCycles:
             delta = self.number(asked.fluctuation)
             energy = delta * speed_squared
             if asked.result == "flywheel_excess_work":
-                return self._works(asked.moment) / energy
+                return laws.masses.flywheels.flywheel_by_excess_work(self._works(asked.moment), energy)
             slow, middle, fast = steady.slopes
             if asked.result == "flywheel_merzalov":
-                found = self._combination(asked, middle, BOTH)
-                return found.range[0] / energy - self.number(asked.first_kind)
+                found = self._combination(asked, middle, BOTH).range[0]
+                return laws.masses.flywheels.flywheel_by_merzalov(found, energy, self.number(asked.first_kind))
             if asked.wheel is None or asked.result == "flywheel_wittenbauer":
-                first = self.outcome.firsts[self._m.functions.curves[asked.inertia]]
-                top, bottom = self._combination(asked, fast, GREATEST), self._combination(asked, slow, LEAST)
-                exact = (top.greatest[0] - bottom.least[0]) / energy - Measured(first)
+                first = Measured(self.outcome.firsts[self._m.functions.curves[asked.inertia]])
+                top = self._combination(asked, fast, GREATEST).greatest[0]
+                bottom = self._combination(asked, slow, LEAST).least[0]
+                exact = laws.masses.flywheels.flywheel_by_wittenbauer(top, bottom, energy, first)
             if asked.result == "flywheel_wittenbauer":
                 return exact
         wheel = self.number(asked.wheel) if asked.wheel is not None else maximum(exact, Measured(np.zeros(exact.shape)))
@@ -564,7 +567,7 @@ class MeasuredCycles:
             return wheel
         if asked.wheel is None:
             # With the required flywheel the fluctuation is the required one; it decreases as the inertia increases.
-            whole = Measured(first) + wheel
+            whole = first + wheel
             found = Measured(delta.value * np.ones(wheel.shape), delta.value * wheel.error / whole.value)
         if self.outcome.fluctuations.delta.shape[0]:
             computed = self.outcome.fluctuations.delta[self._m._fluctuations.index(steady.fluctuation)]
@@ -585,6 +588,5 @@ class MeasuredCycles:
         return cycle.Extremes(*(getattr(extremes, part)[k : k + 1] for part in _PARTS))
 
 
-_ROUNDING = np.finfo(float).eps
 _PARTS = ("least", "least_at", "greatest", "greatest_at")
 _OF_WORKS = ("excess_work", "flywheel_excess_work")

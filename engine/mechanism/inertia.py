@@ -17,8 +17,7 @@ from engine.laws.masses.inertia_forces import inertia_offset
 from engine.mechanism.kinematics import Kinematics, MovingPoint
 from engine.mechanism.vectors import Vector
 from engine.parts.skeleton import CrankInput
-from engine.scene.inertia import body_inertia, body_mass, carried_inertia, carried_on
-from engine.scene.masses import replacement
+from engine.scene.masses import body_inertia, body_mass, carried_inertia, carried_on, replacement
 from engine.scene.scene import Numbers, Scene
 
 Terms = list[tuple[Node, Node]]

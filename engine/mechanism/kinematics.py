@@ -13,8 +13,8 @@ from engine.mechanism.input_motion import input_span
 from engine.mechanism.vectors import Vector, named
 from engine.parts.skeleton import FRAME, CrankInput
 from engine.scene import structure
+from engine.scene.attachments import turning_evenly
 from engine.scene.masses import LinkMass, resultant_masses, whole_body
-from engine.scene.names import turning_evenly
 from engine.scene.scene import Scene
 from engine.scene.structure.ordering import Structure
 
@@ -142,9 +142,8 @@ class Kinematics(Assembly):
         ratio = self.number(f"shafts.{name}.ratio")
         w, e = ratio * driver.w, ratio * driver.e
         if shaft.carrier is not None:
-            # Willis: relative to the carrier, both turn like the wheels of an ordinary train.
-            carrier = self.links[shaft.carrier]
-            w, e = carrier.w + ratio * (driver.w - carrier.w), carrier.e + ratio * (driver.e - carrier.e)
+            carrier, willis = self.links[shaft.carrier], laws.kinematics.planetary_trains.willis
+            w, e = willis(ratio, driver.w, carrier.w), willis(ratio, driver.e, carrier.e)
         if shaft.pivot is None:
             nowhere = self.links[FRAME]
             self.links[name] = Turning(nowhere.origin, nowhere.u, w, e)
@@ -161,7 +160,8 @@ class Kinematics(Assembly):
         elif structure.meshes.has_known_angle(self.scene, name):
             angle_of = mechanism.higher_pairs.rack_motion.angle_of_link
             driver, carried = (angle_of(self, link) for link in (shaft.geared_to, shaft.carrier or FRAME))
-            self.angles[name] = carried + self.number(f"shafts.{name}.ratio") * (driver - carried) + phase
+            ratio = self.number(f"shafts.{name}.ratio")
+            self.angles[name] = laws.kinematics.planetary_trains.willis(ratio, driver, carried) + phase
         else:
             driver = self.links[shaft.geared_to].u
             swing = (carrier.u.dot(driver), carrier.u.cross(driver))

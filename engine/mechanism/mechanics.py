@@ -183,11 +183,6 @@ class Mechanics:
         """Square of the input speed."""
         return InputMotion.uniform(self.graph).square
 
-    @property
-    def forward(self) -> Number:
-        """Sign of the input speed, the direction in which the cycle runs."""
-        return self.graph.derived("sense of the input", lambda n: np.sign(n["input.speed"]) + 0.0)
-
     @cached_property
     def reduced(self) -> ReducedInertia:
         """The reduced moment of inertia."""

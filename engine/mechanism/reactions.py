@@ -29,15 +29,15 @@ from engine.mechanism.kinematics import Kinematics, dyad_of
 from engine.mechanism.link_loads import Components, LinkForce, LinkLoads, Wrench
 from engine.mechanism.vectors import Vector, named
 from engine.parts.skeleton import FRAME, CrankInput
-from engine.scene.inertia import body_mass, carried_inertia, carried_on
+from engine.scene.masses import body_mass, carried_inertia, carried_on
 from engine.scene.pairs import (
     Pair,
     contact_pairs,
     drive_base,
     driving_field,
-    follower_pair,
     has_friction,
     lossy_meshes,
+    outer_pair,
     pairs,
     pairs_of_group,
 )
@@ -332,7 +332,7 @@ class Reactions:
         cam, motion = self.scene.cams[name], self.kinematics.cams[name]
         cam_forces = mechanism.higher_pairs.cam_forces.cam_forces
         links, load = (cam.follower.link,), self._loads.total(cam.follower.link)
-        touching, holding = self._contacts[f"{name}.contact"], follower_pair(self.scene, name)
+        touching, holding = self._contacts[f"{name}.contact"], outer_pair(self.scene, cam.follower.link)
 
         def solved(loads: Mapping[str, Wrench]) -> list[Components]:
             found = cam_forces(self.kinematics, name, loads[cam.follower.link])

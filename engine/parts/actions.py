@@ -30,6 +30,8 @@ from engine.parts.skeleton import (
     Number,
     Part,
     PointRef,
+    Refers,
+    SliderRef,
     Time,
     quantity,
 )
@@ -94,7 +96,7 @@ class OnLink(Part):
 
     by_speed_alone: ClassVar[bool] = True
 
-    on: LinkRef
+    on: Annotated[LinkRef, Refers("turning link")]
     acts: Literal["always", "along", "against"] = "always"
     role: Role = "useful"
 
@@ -118,7 +120,7 @@ class Tabled(Part):
     over_angle: list[Angle] | None = None
     over_stroke: list[Length] | None = None
     over_time: list[Time] | None = None
-    slider: LinkRef | None = None
+    slider: SliderRef | None = None
     measured_from: Literal["guide", "low end", "high end"] = "guide"
     interpolation: Interpolation
     outside: Literal["hold", "zero"] = "hold"
@@ -269,7 +271,7 @@ class Brake(Part):
 
     by_speed_alone: ClassVar[bool] = True
 
-    on: LinkRef
+    on: Annotated[LinkRef, Refers("turning link")]
 
     @property
     def role(self) -> str:
@@ -354,7 +356,7 @@ class TorsionSpring(Part):
     by_speed_alone: ClassVar[bool] = False
 
     type: Literal["torsion_spring"]
-    on: LinkRef
+    on: Annotated[LinkRef, Refers("turning link"), Refers("link with an angle")]
     stiffness: TorsionalStiffness
     free_angle: Angle = 0.0
 
@@ -370,7 +372,7 @@ class Carried(Part):
 
     masses: ClassVar[tuple[str, ...]] = ("mass",)
     radius: ClassVar[str] = "drum_radius"
-    on: LinkRef
+    on: Annotated[LinkRef, Refers("crank or shaft")]
     forwards: Literal["counter-clockwise", "clockwise"] = "counter-clockwise"
     gravity: Annotated[Acceleration, Field(gt=0)] | None = None
     role: Role = "useful"
@@ -464,7 +466,7 @@ class Motor(Part):
 
     by_speed_alone: ClassVar[bool] = True
 
-    on: LinkRef
+    on: Annotated[LinkRef, Refers("driven shaft")]
 
 
 class DCMotor(Motor, DCCharacteristic):

@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from engine.parts.actions import Interpolation, Moment, Time
-from engine.parts.skeleton import Density, Length, LinkRef, Number, Part
+from engine.parts.skeleton import Density, GearedRef, Length, Number, Part
 
 Share = Annotated[Number, Field(ge=0)]
 
@@ -25,7 +25,7 @@ class FrictionClutch(Part):
     """
 
     type: Literal["friction_clutch"]
-    shaft: LinkRef
+    shaft: GearedRef
     capacity: Annotated[Moment, Field(gt=0)]
     engagement: Annotated[Time, Field(gt=0)] | None = None
     over_time: Annotated[list[Time], Field(min_length=2)] | None = None
@@ -54,7 +54,7 @@ class FluidCoupling(Part):
     """
 
     type: Literal["fluid_coupling"]
-    shaft: LinkRef
+    shaft: GearedRef
     diameter: Annotated[Length, Field(gt=0)]
     density: Annotated[Density, Field(gt=0)]
     slip: Annotated[list[Number], Field(min_length=2)]

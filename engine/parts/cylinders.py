@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from engine.parts.actions import Role
-from engine.parts.skeleton import Angle, Length, LinkRef, Number, Part, Pressure
+from engine.parts.skeleton import Angle, Length, Number, Part, Pressure, SliderRef
 
 
 class Cylinder(Part):
@@ -16,7 +16,7 @@ class Cylinder(Part):
     piston. `clearance` is the clearance volume over the swept volume.
     """
 
-    piston: LinkRef
+    piston: SliderRef
     bore: Annotated[Length, Field(gt=0)]
     head: Literal["high", "low"] = "high"
     ambient: Pressure = 101_325.0

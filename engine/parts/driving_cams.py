@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from engine.parts.motion_programs import CamProgram, check_roller
-from engine.parts.skeleton import Angle, GuideRef, LinkRef, Mode, Name, Part, PointRef, Positive
+from engine.parts.skeleton import Angle, FrameGuide, FramePoint, LinkRef, Mode, Name, Part, Positive, Refers
 
 
 class SlidingFollower(Part):
@@ -17,7 +17,7 @@ class SlidingFollower(Part):
 
     type: Literal["translating"]
     link: Name
-    guide: GuideRef
+    guide: FrameGuide
     contact: Literal["roller", "flat", "knife edge"]
     roller_radius: Positive | None = None
 
@@ -36,7 +36,7 @@ class SwingingFollower(Part):
 
     type: Literal["oscillating"]
     link: Name
-    pivot: PointRef
+    pivot: FramePoint
     contact: Literal["roller", "flat", "knife edge"]
     roller_radius: Positive | None = None
     arm: Positive | None = None
@@ -59,7 +59,7 @@ class DrivingCam(CamProgram):
     groove that drives the follower in both directions.
     """
 
-    on: LinkRef
+    on: Annotated[LinkRef, Refers("cam shaft")]
     begin: Angle = 0.0
     base_radius: Positive
     follower: Annotated[SlidingFollower | SwingingFollower, Field(discriminator="type")]

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from engine.parts.skeleton import Angle, GuideRef, Length, LinkRef, Name, NonZero, Number, Part, PointRef
+from engine.parts.skeleton import Angle, FramePoint, GuideRef, Length, LinkRef, Name, NonZero, Number, Part, PointRef
 
 # Lobes of a wheel and harmonics of a law; more would be teeth.
 MOST_LOBES, MOST_HARMONICS = 8, 12
@@ -109,7 +109,7 @@ class NoncircularWheel(Part):
     """
 
     geared_to: LinkRef
-    pivot: PointRef
+    pivot: FramePoint
     law: Annotated[EllipticalLaw | HarmonicLaw, Field(discriminator="type")]
     lobes: Annotated[int, Field(ge=1, le=MOST_LOBES)] = 1
     driver_lobes: Annotated[int, Field(ge=1, le=MOST_LOBES)] = 1

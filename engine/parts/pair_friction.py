@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from engine.laws.friction.coefficients import SLIDING, STATIC_AND_KINETIC
-from engine.parts.skeleton import Angle, Number, Part, Positive, Speed
+from engine.parts.skeleton import Angle, Number, Part, Positive, Refers, Speed
 from engine.words.glossary import did_you_mean
 
 # Kinetic coefficients; the middle of a range.
@@ -28,7 +28,7 @@ class PairFriction(Part):
     `static_coefficient` with `stribeck_speed` raises the coefficient at low sliding speeds.
     """
 
-    pair: str
+    pair: Annotated[str, Refers("pair")]
     coefficient: Annotated[Number, Field(ge=0)] | None = None
     material: str | None = None
     diameter: Positive | None = None

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from engine.parts.motion_programs import MotionProgram
-from engine.parts.skeleton import Angle, AngularSpeed, GuideRef, Length, Name, Number, Part, PointRef, Time
+from engine.parts.skeleton import Angle, AngularSpeed, GuideRef, Length, Name, Number, Part, PointRef, Refers, Time
 
 # Harmonics above this order would be vibration.
 _MOST_ORDER = 24
@@ -78,7 +78,7 @@ class SecondCrank(MovedByLaw):
     """
 
     type: Literal["crank"]
-    pivot: PointRef
+    pivot: Annotated[PointRef, Refers("point of one link")]
     ratio: Number = 0.0
     speed: AngularSpeed = 0.0
     phase: Angle = 0.0

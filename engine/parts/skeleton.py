@@ -48,13 +48,17 @@ Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9]*(_[A-Za-z
 
 
 class Refers(NamedTuple):
-    """Marks a name that refers to a "point", "guide", "link" or "action" of the scene."""
+    """Marks a name that refers to something of a kind in the scene, as `engine.scene.names` lists them."""
 
     kind: str
 
 
 PointRef, GuideRef = Annotated[Name, Refers("point")], Annotated[Name, Refers("guide")]
 LinkRef, ActionRef = Annotated[Name, Refers("link")], Annotated[Name, Refers("action")]
+FramePoint = Annotated[PointRef, Refers("point of the frame")]
+FrameGuide = Annotated[GuideRef, Refers("guide of the frame")]
+AxesRef = Annotated[LinkRef, Refers("link with axes")]
+SliderRef, GearedRef = Annotated[LinkRef, Refers("slider")], Annotated[LinkRef, Refers("geared shaft")]
 
 
 def _printable(text: str) -> str:
@@ -164,16 +168,15 @@ class Part(BaseModel):
         """
         for key in type(self).model_fields:
             value, here = getattr(self, key), f"{path}.{key}" if path else key
-            kind = _referred(type(self), key)
             if isinstance(value, Part):
                 yield from value.references(here)
             elif isinstance(value, dict):
-                if kind is not None:
-                    yield from ((f"{here}.{name}", kind, name) for name in value)
                 for name, inner in value.items():
+                    yield from ((f"{here}.{name}", kind, name) for kind in _referred(type(self), key))
                     yield from inner.references(f"{here}.{name}")
-            elif kind is not None and value is not None:
-                yield from ((here, kind, name) for name in ([value] if isinstance(value, str) else value))
+            elif value is not None:
+                names = [value] if isinstance(value, str) else value
+                yield from ((here, kind, name) for kind in _referred(type(self), key) for name in names)
 
     def gives(self, *keys: str) -> list[str]:
         """Which of the keys differ from their defaults.
@@ -218,20 +221,20 @@ def _marked(kind: type[Part], key: str) -> tuple[str | None, tuple]:
 
 
 @cache
-def _referred(kind: type[Part], key: str) -> str | None:
-    """Kind of target of a field; for a table, of its keys."""
+def _referred(kind: type[Part], key: str) -> tuple[str, ...]:
+    """Kinds that the target of a field must be of; for a table, of its keys."""
     field = kind.model_fields[key]
     if get_origin(field.annotation) is dict:
         marks = _marks(tuple[get_args(field.annotation)[0]], [])
     else:
         marks = field_marks(field)
-    return next((mark.kind for mark in marks if isinstance(mark, Refers)), None)
+    return tuple(mark.kind for mark in marks if isinstance(mark, Refers))
 
 
 class Point(Part):
     """A point of a link (by default of the frame), in the link's axes."""
 
-    link: LinkRef = FRAME
+    link: AxesRef = FRAME
     x: Length
     y: Length
 
@@ -239,7 +242,7 @@ class Point(Part):
 class Guide(Part):
     """A straight guide on a link (by default the frame), through a point, at an angle to the link's x axis."""
 
-    link: LinkRef = FRAME
+    link: AxesRef = FRAME
     x: Length = 0.0
     y: Length = 0.0
     angle: Angle = 0.0
@@ -259,7 +262,7 @@ class CrankInput(Part):
 
     type: Literal["crank"]
     link: Name = "crank"
-    pivot: PointRef
+    pivot: FramePoint
     pin: Name
     length: Annotated[Length, Field(gt=0)]
     speed: Annotated[AngularSpeed, _RUNS]
@@ -294,7 +297,7 @@ class SliderInput(Part):
 
     type: Literal["slider"]
     link: Name
-    guide: GuideRef
+    guide: FrameGuide
     point: Name
     start: Length
     stop: Length
@@ -562,7 +565,7 @@ class Body(Part):
     perpendicular vertical and turns about a vertical axis through its mass centre.
     """
 
-    link: LinkRef
+    link: Annotated[AxesRef, Refers("moving link")]
     mass: Annotated[Mass, Field(ge=0)] | None = None
     x: Length | None = None
     y: Length = 0.0
@@ -609,7 +612,7 @@ class AcceleratedBase(Part):
 class Balance(Part):
     """Reference point of the shaking moment: `about` is a point of the frame."""
 
-    about: PointRef
+    about: FramePoint
 
 
 class Shaft(Part):

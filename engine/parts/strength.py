@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from engine.parts.skeleton import LinkRef, Number, Part, Positive
+from engine.parts.skeleton import LinkRef, Number, Part, Positive, Refers
 
 # The materials of `engine.laws.buckling`.
 StrutMaterialName = Literal["S235", "E335", "grey cast iron"]
@@ -16,7 +16,7 @@ class Pin(Part):
     `pair` is GROUP.first, GROUP.inner or GROUP.second, LINK.JOINT of a free link, input, or a shaft with a pivot.
     """
 
-    pair: str
+    pair: Annotated[str, Refers("revolute pair")]
     diameter: Positive
     width: Positive
 
@@ -28,7 +28,7 @@ class Strut(Part):
     structural steel), E335 (harder machine steel) or grey cast iron.
     """
 
-    link: LinkRef
+    link: Annotated[LinkRef, Refers("rod")]
     material: StrutMaterialName = "S235"
     diameter: Positive | None = None
     inner_diameter: Positive | None = None

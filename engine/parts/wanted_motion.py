@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from engine import laws
 from engine.parts.actions import Interpolation
-from engine.parts.skeleton import Angle, CrankInput, Length, LinkRef, Part, PointRef, SliderInput
+from engine.parts.skeleton import Angle, CrankInput, Length, LinkRef, Part, PointRef, Refers, SliderInput, SliderRef
 
 # Each place adds a curve whose minimum is computed.
 MOST_PLACES = 100
@@ -20,7 +20,7 @@ class WantedPath(Part):
     """
 
     type: Literal["path"]
-    point: PointRef
+    point: Annotated[PointRef, Refers("moving point")]
     x: list[Length]
     y: list[Length]
 
@@ -62,7 +62,7 @@ class WantedSlide(_OverAngle):
 
     rows: ClassVar[str] = "slide"
     type: Literal["slider"]
-    of: LinkRef
+    of: SliderRef
     slide: list[Length]
     offset: Length = 0.0
 
@@ -72,7 +72,7 @@ class WantedAngle(_OverAngle):
 
     rows: ClassVar[str] = "angle"
     type: Literal["link"]
-    of: LinkRef
+    of: Annotated[LinkRef, Refers("moving link")]
     angle: list[Angle]
     offset: Angle = 0.0
 

@@ -14,6 +14,7 @@ import numpy as np
 from engine.cycle import measured as numbers
 from engine.cycle.measured import Measured
 from engine.graph.nodes import Node, Operation
+from engine.laws.rounding import EPS
 from engine.mechanism.vectors import Vector
 
 Compute = Callable[..., Measured]
@@ -298,7 +299,7 @@ def hypot(x: Expression, y: Expression) -> Expression:
 
 def _hypot(x: Measured, y: Measured) -> Measured:
     size = np.hypot(x.value, y.value)
-    return Measured(size, np.hypot(x.error, y.error) + 2.0 * np.finfo(float).eps * size)
+    return Measured(size, np.hypot(x.error, y.error) + 2.0 * EPS * size)
 
 
 def share(part: Expression, whole: Expression) -> Expression:

@@ -32,8 +32,9 @@ from engine.parts.formulas.expressions import (
 )
 from engine.parts.regimes import RunRegime
 from engine.parts.skeleton import FRAME, CrankInput
-from engine.scene.names import Problem, definitions, sliders
-from engine.scene.scene import Numbers, Scene, scene_numbers
+from engine.scene.attachments import sliders
+from engine.scene.names import definitions
+from engine.scene.scene import Numbers, Problem, Scene, scene_numbers
 from engine.units.dimensions import Powers, described
 from engine.units.reading import UNIT_NAMES, any_quantity
 from engine.words.glossary import unknown_name_message

@@ -4,10 +4,9 @@ from collections.abc import Iterator
 from typing import Literal, NamedTuple
 
 from engine.parts.pair_friction import PairFriction
-from engine.parts.skeleton import FRAME, CrankInput, Hinged, Sliding, Yoke
-from engine.scene.names import Problem, guide_of, inner_link, joint_owners
-from engine.scene.scene import Scene, once
-from engine.words.glossary import did_you_mean
+from engine.parts.skeleton import FRAME
+from engine.scene.attachments import attached, attachments, carriers
+from engine.scene.scene import Problem, Scene, once
 
 OF_JOURNALS = ("diameter", "contact", "above_prismatic")
 OF_GUIDES = ("form", "vee_angle", "length")
@@ -62,29 +61,12 @@ class RodPairs(NamedTuple):
 
 def holder_of(scene: Scene, point: str) -> str:
     """Link that takes a force on a point; of the two links of an inner joint the sliding one, else the first."""
-    if point in scene.points:
-        return scene.points[point].link
-    for group in scene.groups.values():
-        if getattr(group, "inner", None) == point:
-            return inner_link(group)
-    return joint_owners(scene).get(point, scene.input.link)
-
-
-def bearer_of(scene: Scene, slider: str) -> str:
-    """Link that carries the guide or slot of a slider."""
-    if slider in {**scene.links, **scene.racks, **scene.inputs}:
-        return scene.guides[guide_of(scene, slider)].link
-    for group in scene.groups.values():
-        for part in (group.first, group.second):
-            if part.link == slider:
-                return scene.guides[part.guide].link if isinstance(part, (Sliding, Yoke)) else group.second.link
-    return FRAME
+    return carriers(scene)[point]
 
 
 def drive_base(scene: Scene, name: str) -> str:
     """Base of a second input's drive: the link that carries its pivot or guide."""
-    second = scene.inputs[name]
-    return scene.guides[second.guide].link if second.type == "slider" else holder_of(scene, second.pivot)
+    return outer_pair(scene, name).other
 
 
 def own_drives(scene: Scene) -> list[str]:
@@ -122,38 +104,32 @@ def driving_field(scene: Scene, name: str) -> str:
 @once
 def pairs(scene: Scene) -> list[Pair]:
     """All lower pairs of a scene: of inputs, shafts, groups, gears, free links and cam followers."""
-    drive = scene.input
-    if isinstance(drive, CrankInput):
-        found = [_joint(scene, "input", drive.link, drive.pivot)]
-    else:
-        found = [_on_guide(scene, "input", drive.link, drive.guide)]
-    found += [_pivot_of_shaft(scene, name, s.pivot) for name, s in scene.shafts.items() if s.pivot is not None]
-    found += [
-        _on_guide(scene, name, name, second.guide)
-        if second.type == "slider"
-        else _joint(scene, name, name, second.pivot)
-        for name, second in scene.inputs.items()
-    ]
-    for name in scene.groups:
-        found += pairs_of_group(scene, name)
-    found += [_joint(scene, name, name, wheel.pivot) for name, wheel in scene.noncircular_wheels.items()]
-    found += [_on_guide(scene, name, name, rack.guide) for name, rack in scene.racks.items()]
-    found += [_joint(scene, name, name, pinion.pivot) for name, pinion in scene.pinions.items()]
-    return [*found, *free_pairs(scene), *(follower_pair(scene, name) for name in scene.cams)]
+    found: list[Pair] = []
+    for one in attachments(scene):
+        if one.pair:
+            found.append(outer_pair(scene, one.link))
+        elif one.link in scene.links:
+            found += _pairs_of_free(scene, one.link)
+        group = one.pair.removesuffix(".first")
+        if group != one.pair and group in scene.groups:
+            found.append(_inner_pair(scene, group))
+    return found
+
+
+def outer_pair(scene: Scene, link: str) -> Pair:
+    """The pair that connects a link of a dyad or one with a single pair to what carries it."""
+    one = attached(scene)[link]
+    if one.guide is not None:
+        return _on_guide(scene, one.pair, link, one.guide)
+    pair, carrier = _joint(scene, one.pair, link, one.joint), getattr(scene.shafts.get(link), "carrier", None)
+    # In a joint of two links, the carrier holds the shaft.
+    return pair if carrier is None or pair.other == FRAME else pair._replace(other=carrier)
 
 
 @once
 def held_by_frame(scene: Scene) -> frozenset[str]:
     """Links connected to the frame by a pair."""
     return frozenset(pair.link for pair in pairs(scene) if pair.other == FRAME)
-
-
-def follower_pair(scene: Scene, cam: str) -> Pair:
-    """The pair that connects a cam's follower to the frame."""
-    follower = scene.cams[cam].follower
-    if follower.type == "translating":
-        return _on_guide(scene, f"{cam}.guide", follower.link, follower.guide)
-    return _joint(scene, f"{cam}.pivot", follower.link, follower.pivot)
 
 
 @once
@@ -165,106 +141,59 @@ def contact_pairs(scene: Scene) -> list[Pair]:
 @once
 def free_pairs(scene: Scene) -> list[Pair]:
     """The pairs of free links: `LINK.JOINT` for each joint that another link owns, and `LINK.GUIDE`."""
-    owners, found = joint_owners(scene), []
-    for name, link in scene.links.items():
-        found += [_joint(scene, f"{name}.{j}", name, j) for j in link.joints if owners[j] != name]
-        if link.guide is not None:
-            found.append(_on_guide(scene, f"{name}.{link.guide}", name, link.guide))
-    return found
+    return [pair for name in scene.links for pair in _pairs_of_free(scene, name)]
+
+
+def _pairs_of_free(scene: Scene, name: str) -> Iterator[Pair]:
+    link = scene.links[name]
+    yield from (_joint(scene, f"{name}.{j}", name, j) for j in link.joints if carriers(scene)[j] != name)
+    if link.guide is not None:
+        yield _on_guide(scene, f"{name}.{link.guide}", name, link.guide)
 
 
 def pairs_of_group(scene: Scene, name: str) -> tuple[Pair, Pair, Pair]:
     """First, inner and second pair of a group."""
+    first, second = (outer_pair(scene, part.link) for part in (scene.groups[name].first, scene.groups[name].second))
+    return first, _inner_pair(scene, name), second
+
+
+def _inner_pair(scene: Scene, name: str) -> Pair:
     group = scene.groups[name]
-    one, two = group.first, group.second
-    first, second = (
-        _on_guide(scene, f"{name}.{side}", part.link, part.guide)
-        if isinstance(part, (Sliding, Yoke))
-        else _joint(scene, f"{name}.{side}", part.link, part.joint)
-        for side, part in (("first", one), ("second", two))
-    )
-    if hasattr(group, "inner"):
-        inner = Pair(f"{name}.inner", "revolute", one.link, two.link, group.inner)
-    else:
-        inner = Pair(f"{name}.inner", "prismatic", one.link, two.link)
-    return first, inner, second
+    kind, joint = ("revolute", group.inner) if hasattr(group, "inner") else ("prismatic", "")
+    return Pair(f"{name}.inner", kind, group.first.link, group.second.link, joint)
 
 
 def _joint(scene: Scene, name: str, link: str, point: str) -> Pair:
     return Pair(name, "revolute", link, holder_of(scene, point), point)
 
 
-def _pivot_of_shaft(scene: Scene, name: str, point: str) -> Pair:
-    """The pivot pair of a shaft; in a joint of two links, the carrier holds the shaft."""
-    pair, carrier = _joint(scene, name, name, point), scene.shafts[name].carrier
-    return pair if carrier is None or pair.other == FRAME else pair._replace(other=carrier)
-
-
 def _on_guide(scene: Scene, name: str, link: str, guide: str) -> Pair:
     return Pair(name, "prismatic", link, scene.guides[guide].link, guide=guide)
 
 
-def friction_problems(scene: Scene) -> list[Problem]:
-    """Friction of unknown pairs, or of pairs that already have one, and keys that don't fit the kind of pair."""
+def friction_problems(scene: Scene) -> Iterator[Problem]:
+    """Friction of pairs that have one already, or whose teeth carry forces, and keys that don't fit the pair."""
     known = {pair.name: pair for pair in [*pairs(scene), *contact_pairs(scene)]}
-    problems: list[Problem] = []
     first: dict[str, str] = {}
     for name, friction in scene.friction.items():
-        path = f"friction.{name}"
-        if friction.pair not in known:
-            message = f"{friction.pair!r} is not a pair of this scene; " + did_you_mean(friction.pair, known)
-            problems.append((f"{path}.pair", message))
-            continue
-        if friction.pair in first:
-            message = f"{friction.pair!r} has its friction already in friction.{first[friction.pair]}; keep one"
-            problems.append((f"{path}.pair", message))
-        if getattr(scene.shafts.get(friction.pair), "pressure_angle", None) is not None:
-            message = (
-                f"forces between the teeth of {friction.pair!r} and friction in its pivot aren't computed together"
-            )
-            problems.append((f"{path}.pair", f"{message}: leave out one, or shafts.{friction.pair}.pressure_angle"))
-            continue
-        if friction.pair in {*scene.noncircular_wheels, *scene.racks, *scene.pinions}:
-            message = f"{friction.pair!r} has forces between teeth: friction isn't computed there; leave it out"
-            problems.append((f"{path}.pair", message))
-            continue
-        first.setdefault(friction.pair, name)
-        if known[friction.pair].kind == "contact":
-            rolls = scene.cams[friction.pair.partition(".")[0]].follower.contact == "roller"
-            problems += _wrong_at_cam(path, friction, rolls)
+        path, pair = f"friction.{name}", friction.pair
+        if first.setdefault(pair, name) != name:
+            yield f"{path}.pair", f"{pair!r} has its friction already in friction.{first[pair]}; keep one"
+        if getattr(scene.shafts.get(pair), "pressure_angle", None) is not None:
+            message = f"forces between the teeth of {pair!r} and friction in its pivot aren't computed together"
+            yield f"{path}.pair", f"{message}: leave out one, or shafts.{pair}.pressure_angle"
+        elif pair in {*scene.noncircular_wheels, *scene.racks, *scene.pinions}:
+            yield f"{path}.pair", f"{pair!r} has forces between teeth: friction isn't computed there; leave it out"
         else:
-            problems += _wrong_keys(path, friction, known[friction.pair])
-    return problems
-
-
-def strength_problems(scene: Scene) -> Iterator[Problem]:
-    """Pins of unknown or non-revolute pairs, and struts that are not rods between two joints."""
-    turning = [pair.name for pair in pairs(scene) if pair.kind == "revolute"]
-    for name, pin in scene.pins.items():
-        if pin.pair not in turning:
-            message = f"{pin.pair!r} is not a revolute pair of this scene; {did_you_mean(pin.pair, turning)}"
-            yield f"pins.{name}.pair", message
-    rods = rods_of(scene)
-    for name, strut in scene.struts.items():
-        if strut.link not in rods:
-            message = f"{strut.link!r} is not a rod between two joints; {did_you_mean(strut.link, rods)}"
-            yield f"struts.{name}.link", message
+            yield from _wrong_keys(scene, path, friction, known[pair])
 
 
 @once
 def rods_of(scene: Scene) -> dict[str, RodPairs]:
     """Rods by their links: those of dyads, from their outer to their inner joint, and free links with two joints."""
-    found = {
-        part.link: (f"groups.{name}.{side}", (part.joint, group.inner))
-        for name, group in scene.groups.items()
-        for side, part in (("first", group.first), ("second", group.second))
-        if isinstance(part, Hinged)
-    }
-    found |= {name: (f"links.{name}", link.joints) for name, link in scene.links.items() if len(link.joints) == 2}
-    return {
-        link: RodPairs(f"{path}.length", *(tuple(_pairs_in(scene, joint, link)) for joint in joints))
-        for link, (path, joints) in found.items()
-    }
+    rods = [one for one in attachments(scene) if one.far is not None and one.link != scene.input.link]
+    pairs_in = {rod.link: [tuple(_pairs_in(scene, j, rod.link)) for j in (rod.origin, rod.far[0])] for rod in rods}
+    return {rod.link: RodPairs(rod.far[1], *pairs_in[rod.link]) for rod in rods}
 
 
 def _pairs_in(scene: Scene, joint: str, link: str) -> Iterator[Pair]:
@@ -272,22 +201,18 @@ def _pairs_in(scene: Scene, joint: str, link: str) -> Iterator[Pair]:
     return (pair for pair in pairs(scene) if pair.joint == joint and link in (pair.link, pair.other))
 
 
-def _wrong_at_cam(path: str, friction: PairFriction, rolls: bool) -> Iterator[Problem]:
-    """Keys that don't fit the contact of a cam; a roller has friction at its pin."""
-    own = ("coefficient", "material", "diameter") if rolls else ("coefficient", "material")
-    for key in (*OF_GUIDES, *OF_JOURNALS, "static_coefficient"):
-        if key not in own and getattr(friction, key) is not None:
-            yield f"{path}.{key}", f"doesn't belong to the contact of a cam: leave it out; allowed: {', '.join(own)}"
-    if rolls and friction.diameter is None:
-        yield f"{path}.diameter", "is missing: a roller rubs on its pin; give the pin's diameter, such as '8 mm'"
-
-
-def _wrong_keys(path: str, friction: PairFriction, pair: Pair) -> Iterator[Problem]:
-    turns = pair.kind == "revolute"
+def _wrong_keys(scene: Scene, path: str, friction: PairFriction, pair: Pair) -> Iterator[Problem]:
+    """Keys that don't fit the kind of pair, and the diameter of a journal or a roller's pin where it is missing."""
+    turns, what, lacks = pair.kind == "revolute", f"{pair.name!r}, which is {pair.kind}", ""
     own = OF_JOURNALS if turns else OF_GUIDES
-    for key in OF_GUIDES if turns else OF_JOURNALS:
-        if getattr(friction, key) is not None:
-            message = f"doesn't belong to {pair.name!r}, which is {pair.kind}: leave it out; allowed: {', '.join(own)}"
-            yield f"{path}.{key}", message
-    if turns and friction.diameter is None:
-        yield f"{path}.diameter", f"is missing: the moment in {pair.name!r} depends on its journal, such as '40 mm'"
+    if turns:
+        lacks = f"the moment in {pair.name!r} depends on its journal, such as '40 mm'"
+    elif pair.kind == "contact":
+        rolls = scene.cams[pair.name.partition(".")[0]].follower.contact == "roller"
+        own, what = ("coefficient", "material", *(["diameter"] if rolls else [])), "the contact of a cam"
+        lacks = "a roller rubs on its pin; give the pin's diameter, such as '8 mm'" if rolls else ""
+    for key in (*OF_GUIDES, *OF_JOURNALS, *(["static_coefficient"] if pair.kind == "contact" else [])):
+        if key not in own and getattr(friction, key) is not None:
+            yield f"{path}.{key}", f"doesn't belong to {what}: leave it out; allowed: {', '.join(own)}"
+    if lacks and friction.diameter is None:
+        yield f"{path}.diameter", f"is missing: {lacks}"

@@ -45,11 +45,14 @@ from engine.parts.wanted_motion import WantedMotion
 from engine.parts.warning_limits import WarningLimits
 from engine.units.display import UnitSystem
 
+# Path and message, for the user.
+Problem = tuple[str, str]
+
 
 class SceneError(ValueError):
-    """A rejected scene; `problems` holds pairs (path, message) for the user."""
+    """A rejected scene."""
 
-    def __init__(self, problems: list[tuple[str, str]]) -> None:
+    def __init__(self, problems: list[Problem]) -> None:
         self.problems = tuple(problems)
         super().__init__("\n".join(f"{path}: {message}" if path else message for path, message in problems))
 

@@ -9,7 +9,7 @@ from engine.cycle.measured import Measured
 from engine.elements.gears.tooth_laws import transverse_angle
 from engine.parts.actions import Motor
 from engine.parts.skeleton import FRAME
-from engine.scene.inertia import body_mass
+from engine.scene.masses import body_mass
 from engine.scene.pairs import holder_of, rods_of
 from engine.scene.scene import Numbers, Scene
 from engine.warnings.rule import ABOVE_ZERO, Rule, limit_of

@@ -4,7 +4,7 @@
 
 writes calibration.md and calibration.png beside this file. The truth owes nothing to the engine: closed formulas of
 each mechanism in extended precision (`closed_motion.py`, `closed_forces.py`), made into summaries by Legendre series on
-panels of their own (`closed_cycle.py`, `closed_summaries.py`); `fifty_digits.md` compares them with mpmath.
+panels of their own (`closed_cycle.py`, `closed_summaries.py`); `fifty_digits.md` tells how they compare with mpmath.
 """
 
 import argparse

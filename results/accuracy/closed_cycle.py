@@ -13,7 +13,7 @@ import numpy as np
 from closed_forces import Dynamics, Ends, Loads, Where
 from closed_motion import Motion, numbers_of
 from numpy.polynomial import legendre
-from taylor import EXTENDED, Series
+from taylor import PI, Series
 
 from engine import Scene
 from engine.scene.pairs import pairs
@@ -25,7 +25,7 @@ GRID = 1440
 RESOLVED = 1e-15
 # Extremes that differ by less than this, relative to the range, are one extreme at several places.
 EQUAL = 1e-9
-TURN = EXTENDED.pi * 2
+TURN = 2 * PI
 
 
 def legendre_sum(x: np.ndarray, series: np.ndarray) -> np.ndarray:
@@ -219,7 +219,7 @@ class Cycle:
     """A machine's cycle at uniform speed of its crank, cut into panels."""
 
     def __init__(self, scene: Scene, varied: dict[str, float]) -> None:
-        self.scene, self.numbers = scene, numbers_of(scene, varied, EXTENDED)
+        self.scene, self.numbers = scene, numbers_of(scene, varied)
         grid = np.longdouble(0.1234567) + TURN * np.arange(GRID + 1) / GRID
         self.ends, self.ends_at = stroke_ends(self.motion, self.motion(grid[:1]).slides, grid)
         self.breaks = self._breaks(grid)
@@ -233,7 +233,7 @@ class Cycle:
 
     def motion(self, angles: np.ndarray) -> Motion:
         """Motion at some angles."""
-        return Motion(self.scene, self.numbers, angles, 2, EXTENDED)
+        return Motion(self.scene, self.numbers, angles, 2)
 
     def _loads(self, angles: np.ndarray) -> Loads:
         motion = self.motion(angles)

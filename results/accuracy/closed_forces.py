@@ -10,10 +10,11 @@ from typing import NamedTuple
 import numpy as np
 from closed_motion import Motion, Numbers, Place
 from scipy.interpolate import CubicSpline, PchipInterpolator
-from taylor import Series
+from taylor import LONG, PI, Series
 
 from engine import Scene
-from engine.scene.pairs import bearer_of, holder_of
+from engine.scene.attachments import bearer_of
+from engine.scene.pairs import holder_of
 
 Ends = dict[str, tuple[object, object]]
 
@@ -42,9 +43,9 @@ class Where(NamedTuple):
 def chosen(condition: np.ndarray, one: Series, other: object) -> Series:
     """One series where a condition holds, else another or a number."""
     if not isinstance(other, Series):
-        other = one * one.arithmetic.number(0) + other
+        other = one * LONG(0) + other
     pairs = zip(one.terms, other.terms, strict=False)
-    return Series([np.where(condition, a, b) for a, b in pairs], one.arithmetic)
+    return Series([np.where(condition, a, b) for a, b in pairs])
 
 
 def angle_pieces(action: object) -> tuple[np.ndarray, np.ndarray]:
@@ -99,7 +100,7 @@ class Loads:
         self.moments.append(moment * self.motion.links[link].rate)
 
     def _force(self, name: str, force: object) -> None:
-        at, arithmetic = f"forces.{name}", self.motion.arithmetic
+        at = f"forces.{name}"
         place, link = self.motion.points[force.on], holder_of(self.scene, force.on)
         if force.angle is None:
             # Linear drag: against the velocity itself.
@@ -107,7 +108,7 @@ class Loads:
             self._push(link, place, place.by_angle().times(factor))
             return
         angle = self.numbers[f"{at}.angle"]
-        c, s = arithmetic.cos(angle), arithmetic.sin(angle)
+        c, s = np.cos(angle), np.sin(angle)
         way = Place(self.motion.zero + c, self.motion.zero + s)
         there = self.where.middle.points[force.on].by_angle()
         middle = there.x[0] * c + there.y[0] * s
@@ -139,19 +140,17 @@ class Loads:
         return value
 
     def _over_angle(self, action: object) -> Series:
-        number, angles = self.motion.arithmetic.number, self.motion.angles
         breaks, cubics = angle_pieces(action)
-        turn = self.motion.arithmetic.pi * 2
-        shift = np.floor(np.asarray((self.where.middle.angles - number(float(breaks[0]))) / turn, float)).astype(int)
+        turn = 2 * PI
+        shift = np.floor(np.asarray((self.where.middle.angles - LONG(float(breaks[0]))) / turn, float)).astype(int)
         inside = np.asarray(self.where.middle.angles, float) - 2 * np.pi * shift
         piece = np.clip(np.searchsorted(breaks, inside, "right") - 1, 0, breaks.size - 2)
-        to_number = np.frompyfunc(number, 1, 1) if angles.dtype == object else number
-        t = angles - shift * turn - to_number(breaks[piece])
-        terms = [to_number(c[piece]) for c in cubics]
-        variable = Series([t, 0 * t + 1, *(0 * t for _ in self.motion.zero.terms[2:])], self.motion.arithmetic)
+        t = self.motion.angles - shift * turn - LONG(breaks[piece])
+        terms = [LONG(c[piece]) for c in cubics]
+        variable = Series([t, 0 * t + 1, *(0 * t for _ in self.motion.zero.terms[2:])])
         value = variable * 0
         for term in terms:
-            value = value * variable + Series([term, *(0 * t for _ in self.motion.zero.terms[1:])], variable.arithmetic)
+            value = value * variable + Series([term, *(0 * t for _ in self.motion.zero.terms[1:])])
         return value
 
     def _over_stroke(self, action: object) -> Series:
@@ -159,16 +158,15 @@ class Loads:
         origin, sense = {"guide": (0, 1), "low end": (-low, 1), "high end": (high, -1)}[action.measured_from]
         place = self.motion.slides[action.slider] * sense + origin
         middle = self.where.middle.slides[action.slider][0] * sense + origin
-        number, assumed = self.motion.arithmetic.number, action.interpolation == "linear"
-        assert assumed, "tables over a stroke: linear"
+        assert action.interpolation == "linear", "tables over a stroke: linear"
         x, y = action.over_stroke, action.force
         hold = action.outside == "hold"
-        value = place * 0 + (number(y[0]) if hold else 0)
+        value = place * 0 + (LONG(y[0]) if hold else 0)
         for x0, x1, y0, y1 in zip(x, x[1:], y, y[1:], strict=False):
-            slope = (number(y1) - number(y0)) / (number(x1) - number(x0))
-            value = chosen(middle >= number(x0), (place - number(x0)) * slope + number(y0), value)
-        value = chosen(middle > number(x[-1]), place * 0 + (number(y[-1]) if hold else 0), value)
-        self.switches += [place - number(at) for at in x]
+            slope = (LONG(y1) - LONG(y0)) / (LONG(x1) - LONG(x0))
+            value = chosen(middle >= LONG(x0), (place - LONG(x0)) * slope + LONG(y0), value)
+        value = chosen(middle > LONG(x[-1]), place * 0 + (LONG(y[-1]) if hold else 0), value)
+        self.switches += [place - LONG(at) for at in x]
         return value
 
     def _spring(self, name: str) -> None:
@@ -196,20 +194,20 @@ class Loads:
             pressure = chosen(toward, travel * 0 + n[f"{at}.discharge"], n[f"{at}.suction"])
         else:
             pressure = self._compressor(at, travel, inside, toward, high - low)
-        area = self.motion.arithmetic.pi * n[f"{at}.bore"] ** 2 / 4
+        area = PI * n[f"{at}.bore"] ** 2 / 4
         force = (pressure - n[f"{at}.ambient"]) * (-sign * area)
         assert bearer_of(self.scene, cylinder.piston) == "frame"
         self._push(cylinder.piston, piston.origin, piston.way.times(force))
 
     def _compressor(self, at: str, travel: Series, inside: np.ndarray, toward: np.ndarray, stroke: object) -> Series:
-        n, power = self.numbers, self.motion.arithmetic.power
+        n = self.numbers
         suction, discharge = n[f"{at}.suction"], n[f"{at}.discharge"]
         least = n[f"{at}.clearance"] * stroke
         most, length, middle = stroke + least, travel + least, inside + least
         squeeze, widen = n[f"{at}.n_compression"], n[f"{at}.n_expansion"]
-        opens = most * power(suction / discharge, 1 / squeeze)
-        reached = discharge if least < opens else suction * power(most / least, squeeze)
-        refills = least * power(reached / suction, 1 / widen)
+        opens = most * np.power(suction / discharge, 1 / squeeze)
+        reached = discharge if least < opens else suction * np.power(most / least, squeeze)
+        refills = least * np.power(reached / suction, 1 / widen)
         rising = chosen(middle > opens, (most / length).power(squeeze) * suction, discharge)
         falling = chosen(middle < refills, (least / length).power(widen) * reached, suction)
         self.switches += [length - opens, length - refills]

@@ -7,7 +7,7 @@ its conventions.
 from typing import NamedTuple
 
 import numpy as np
-from taylor import Arithmetic, Series, crank
+from taylor import LONG, Series, crank
 
 from engine import Scene
 from engine.scene.scene import scene_numbers
@@ -15,11 +15,11 @@ from engine.scene.scene import scene_numbers
 Numbers = dict[str, object]
 
 
-def numbers_of(scene: Scene, varied: dict[str, float], arithmetic: Arithmetic) -> Numbers:
-    """All numbers of a scene in an arithmetic, those that are varied as given."""
+def numbers_of(scene: Scene, varied: dict[str, float]) -> Numbers:
+    """All numbers of a scene, those that are varied as given."""
     absent = {f"bodies.{body}.{key}": 0.0 for body in scene.bodies for key in ("x", "y", "inertia")}
     known = {path: limit.value for path, limit in scene_numbers(scene).items()}
-    return {path: arithmetic.number(float(value)) for path, value in (absent | known | varied).items()}
+    return {path: LONG(value) for path, value in (absent | known | varied).items()}
 
 
 class Place(NamedTuple):
@@ -89,18 +89,17 @@ class Motion:
     scene : Scene
         With a rotating crank that turns fully; groups RRR, RRP, RPR, RPP.
     numbers : dict of str to number
-        All numbers of the scene by path, in the arithmetic used.
+        All numbers of the scene by path.
     angles : ndarray
         Crank angles.
     order : int
         Of the highest derivative of positions.
-    arithmetic : Arithmetic
     """
 
-    def __init__(self, scene: Scene, numbers: Numbers, angles: np.ndarray, order: int, arithmetic: Arithmetic) -> None:
-        self.scene, self.numbers, self.angles, self.arithmetic = scene, numbers, angles, arithmetic
-        c, s = crank(angles, order, arithmetic)
-        self.zero = c * arithmetic.number(0)
+    def __init__(self, scene: Scene, numbers: Numbers, angles: np.ndarray, order: int) -> None:
+        self.scene, self.numbers, self.angles = scene, numbers, angles
+        c, s = crank(angles, order)
+        self.zero = c * LONG(0)
         self.links = {"frame": Pose(Place(self.zero, self.zero), Place(self.zero + 1, self.zero))}
         self.points: dict[str, Place] = {}
         self.slides: dict[str, Series] = {}
@@ -108,7 +107,7 @@ class Motion:
         drive = scene.input
         self._fixed("frame")
         self.links[drive.link] = Pose(self.points[drive.pivot], Place(c, s))
-        self.points[drive.pin] = self.links[drive.link].point(numbers["input.length"], arithmetic.number(0))
+        self.points[drive.pin] = self.links[drive.link].point(numbers["input.length"], LONG(0))
         self._fixed(drive.link)
         for name, group in scene.groups.items():
             {"RRR": self._rrr, "RRP": self._rrp, "RPR": self._rpr, "RPP": self._rpp}[group.type](name, group)
@@ -128,7 +127,7 @@ class Motion:
         n = self.numbers
         angle = n[f"guides.{name}.angle"]
         origin = link.point(n[f"guides.{name}.x"], n[f"guides.{name}.y"])
-        return origin, link.turned(self.arithmetic.cos(angle), self.arithmetic.sin(angle))
+        return origin, link.turned(np.cos(angle), np.sin(angle))
 
     def _rrr(self, name: str, group: object) -> None:
         a, d = self.points[group.first.joint], self.points[group.second.joint]
@@ -168,7 +167,7 @@ class Motion:
         a, n = self.points[group.first.joint], self.numbers
         g, way = self.guide(group.second.guide)
         angle = n[f"groups.{name}.second.slot_angle"]
-        slot = Pose(g, way).turned(self.arithmetic.cos(angle), self.arithmetic.sin(angle))
+        slot = Pose(g, way).turned(np.cos(angle), np.sin(angle))
         sine = way.across(slot)
         slide = (a - g).across(slot) / sine
         self.links[group.first.link] = Pose(a, slot)

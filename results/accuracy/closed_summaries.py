@@ -4,7 +4,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from closed_cycle import TO_SERIES, TURN, Curve, Cycle, Extreme, W, X, legendre_sum
+from closed_cycle import TO_SERIES, TURN, Curve, Cycle, W, X, legendre_sum
 
 STATISTICS_OF_VALUE = ("min", "max", "range", "peak", "mean", "rms")
 ORDERS = (1, 2, 4)
@@ -29,13 +29,6 @@ class Truth(NamedTuple):
     def size(self) -> float:
         """Magnitude of the value."""
         return float(abs(self.values[0]))
-
-
-class Pointwise(NamedTuple):
-    """A summary that is the value of a field at one angle: what other arithmetics can check."""
-
-    field: str
-    extreme: Extreme
 
 
 def one(value: object, doubt: float = 0.0) -> Truth:
@@ -79,15 +72,12 @@ class Summaries:
     Attributes
     ----------
     truths : dict of str to Truth
-    pointwise : dict of str to Pointwise
-        Of the least and greatest values of fields.
     """
 
     def __init__(self, cycle: Cycle, asked: set[str]) -> None:
         self.cycle = cycle
         fields = {name.rpartition(".")[0] for name in asked}
         self.truths: dict[str, Truth] = {}
-        self.pointwise: dict[str, Pointwise] = {}
         for name in cycle.fields:
             if name in fields:
                 self._statistics(name)
@@ -113,7 +103,6 @@ class Summaries:
             total, doubt = integral_of_root(curve)
             mean, doubt = total / TURN, doubt / float(TURN)
             low, high = (e._replace(value=np.sqrt(max(e.value, np.longdouble(0)))) for e in (low, high))
-        self.pointwise |= {f"{name}.min": Pointwise(name, low), f"{name}.max": Pointwise(name, high)}
         values = (low.value, high.value, high.value - low.value, max(abs(low.value), abs(high.value)))
         left_open = {"mean": doubt, "min": doubts[0], "max": doubts[1]}
         for suffix, value in zip(STATISTICS_OF_VALUE, (*values, mean, np.sqrt(mean_square)), strict=True):

@@ -1,12 +1,10 @@
-"""Groups of summaries that behave alike, and of machines whose loads do; errors to choose from."""
+"""Groups of summaries that behave alike, and of machines whose loads do."""
 
 LOADS = {
     "smooth": ("slider-crank", "crank-rocker", "swinging block"),
     "kinks": ("compressor", "turning moment", "Watt six-bar"),
     "jumps": ("press", "rubbed crank-rocker", "toggle press", "crank shaper", "Scotch yoke"),
 }
-# Errors that may be good enough.
-TARGETS = {"1 %": 1e-2, "0.1 %": 1e-3, "1e-6": 1e-6, "1e-9": 1e-9}
 KINEMATIC = ("velocity", "acceleration", ".x")
 
 

@@ -7,7 +7,7 @@ error is the greatest of all checked variants against a reference in extended pr
 
     python results/motion/benchmark.py
 
-needs heyoka.py (pip install heyoka) and mpmath.
+needs heyoka.py (pip install heyoka).
 """
 
 import math
@@ -187,7 +187,7 @@ def report(results: dict[str, Curves]) -> str:
         "This project: `accuracy` of a study from 10 % to 1e-8; with the numbers come error figures: what steps may be",
         'off by is carried along to the end. This project, rk4: a run with `method = "rk4"`, by its steps a turn, with',
         f"figures as well. heyoka.py: batch integrator, {HEYOKA_LANES} lanes. SciPy: all variants as one system with",
-        "compiled rates. RK4 in time, RK4 over φ: compiled, variant by variant. In lanes: compiled, vectorised over",
+        "compiled rates. In lanes: compiled, vectorised over",
         f"{LANES} variants side by side; in the energy form, as heyoka.py and SciPy. All their right-hand sides are",
         "written by hand for the machine.",
         "",

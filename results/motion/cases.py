@@ -30,8 +30,6 @@ class Case(NamedTuple):
     revolutions : int
     speed : float
         Speed of the crank at φ = 0 [rad/s].
-    top_speed : float
-        Speed of the crank at which the motor gives no moment [rad/s].
     reduced : callable
         Given a square root, the function (cos φ, sin φ, ram, p) -> (I, dI/dφ, M) of the mechanism.
     motor : callable
@@ -46,7 +44,6 @@ class Case(NamedTuple):
     varied: dict[str, float]
     revolutions: int
     speed: float
-    top_speed: float
     reduced: Callable
     motor: Callable
     pack: Callable
@@ -165,7 +162,6 @@ CASES = {
             },
             revolutions=17,
             speed=15.0,
-            top_speed=60.0,
             reduced=mechanics.slider_crank,
             motor=mechanics.dc_motor,
             pack=mechanics.pack_feeder,
@@ -187,7 +183,6 @@ CASES = {
             },
             revolutions=5,
             speed=4.1,
-            top_speed=1500 * 2 * np.pi / 60 / 37.5,
             reduced=mechanics.slider_crank,
             motor=mechanics.induction_motor,
             pack=mechanics.pack_press,
@@ -210,7 +205,6 @@ CASES = {
             },
             revolutions=5,
             speed=1.6,
-            top_speed=1000 * 2 * np.pi / 60 / (100 / 3),
             reduced=mechanics.shaper,
             motor=mechanics.induction_motor,
             pack=mechanics.pack_shaper,

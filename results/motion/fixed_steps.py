@@ -1,9 +1,8 @@
-"""Fixed-step methods compiled by Numba: Runge-Kutta of orders 4 and 8 in the energy form over φ, and plain RK4.
+"""Fixed-step methods compiled by Numba: Runge-Kutta of orders 4 and 8 in the energy form over φ.
 
-In lanes: variants go side by side so that the compiler vectorises them, the position's quantities are shared by stages
+Variants go side by side so that the compiler vectorises them, the position's quantities are shared by stages
 at the same angle, and the crank is turned on by rotations, without trigonometry in a step. The steps of a segment
-are equal and end on its end. Plain: variant by variant with ω as the state, over φ or in time; in time the step across
-an angle is done again over φ and lands on that angle (M. Hénon, On the numerical computation of Poincaré maps, 1982).
+are equal and end on its end.
 """
 
 import math
@@ -51,9 +50,6 @@ def steps_of(angle, steps):
     A single step over a short blow would spoil a method of high order; rounding of a whole number must not add one.
     """
     return max(2, math.ceil(angle * steps / (2 * math.pi) - 1e-9))
-
-
-# In lanes
 
 
 def lane_loops(name: str, constants: int) -> tuple[Callable, Callable]:
@@ -149,98 +145,6 @@ def lanes_over_angle(name: str, constants: int) -> Callable:
             for i in range(min(LANES, high - start)):
                 out[0, start - low + i] = math.sqrt(2 * energy[i] / inertia[i])
                 out[1, start - low + i] = time[i]
-        return out
-
-    return solve
-
-
-# Plain
-
-
-def plain_steps(name: str, constants: int) -> tuple[Callable, Callable, Callable]:
-    """Compiled: a variant's constants; an RK4 step of (φ, ω) in time; one of (ω, t) over φ."""
-    case, names = CASES[name], {}
-    reduced, motor = inline(case.reduced(math.sqrt)), inline(case.motor)
-    exec(f"def variant(p, v):\n    return {constants_of(constants, 'p', 'v')}\n", names)
-
-    @njit(**COMPILE)
-    def acceleration(phi, omega, ram, p):
-        inertia, inertia_phi, moment = reduced(math.cos(phi), math.sin(phi), ram, p)
-        return (moment + motor(omega, p) - omega * omega * inertia_phi / 2) / inertia
-
-    @njit(**COMPILE)
-    def in_time(phi, omega, dt, ram, p):
-        e1 = acceleration(phi, omega, ram, p)
-        v2 = omega + dt / 2 * e1
-        e2 = acceleration(phi + dt / 2 * omega, v2, ram, p)
-        v3 = omega + dt / 2 * e2
-        e3 = acceleration(phi + dt / 2 * v2, v3, ram, p)
-        v4 = omega + dt * e3
-        e4 = acceleration(phi + dt * v3, v4, ram, p)
-        return phi + dt / 6 * (omega + 2 * v2 + 2 * v3 + v4), omega + dt / 6 * (e1 + 2 * e2 + 2 * e3 + e4)
-
-    @njit(**COMPILE)
-    def over_angle(phi, omega, h, ram, p):
-        e1 = acceleration(phi, omega, ram, p) / omega
-        v2 = omega + h / 2 * e1
-        e2 = acceleration(phi + h / 2, v2, ram, p) / v2
-        v3 = omega + h / 2 * e2
-        e3 = acceleration(phi + h / 2, v3, ram, p) / v3
-        v4 = omega + h * e3
-        e4 = acceleration(phi + h, v4, ram, p) / v4
-        return omega + h / 6 * (e1 + 2 * e2 + 2 * e3 + e4), h / 6 * (1 / omega + 2 / v2 + 2 / v3 + 1 / v4)
-
-    return inline(names["variant"]), in_time, over_angle
-
-
-@cache
-def plain_in_time(name: str, constants: int) -> Callable:
-    """Compiled RK4 in time, with `steps` steps per revolution at the motor's top speed."""
-    variant, in_time, over_angle = plain_steps(name, constants)
-    top_speed, first = CASES[name].top_speed, CASES[name].speed
-
-    @njit(**COMPILE)
-    def solve(p, edges, rams, steps, low, high):
-        out = np.empty((2, high - low))
-        dt = 2 * math.pi / (top_speed * steps)
-        for v in range(low, high):
-            q = variant(p, v)
-            phi, omega, t = edges[0, v], first, 0.0
-            for k in range(rams.shape[0]):
-                end, ram = edges[k + 1, v], rams[k, v]
-                while True:
-                    reached = in_time(phi, omega, dt, ram, q)
-                    if not reached[0] < end:
-                        break
-                    phi, omega = reached
-                    t += dt
-                omega, rest = over_angle(phi, omega, end - phi, ram, q)
-                phi, t = end, t + rest
-            out[0, v - low], out[1, v - low] = omega, t
-        return out
-
-    return solve
-
-
-@cache
-def plain_over_angle(name: str, constants: int) -> Callable:
-    """Compiled RK4 over φ, with `steps` steps per revolution."""
-    variant, _, over_angle = plain_steps(name, constants)
-    first = CASES[name].speed
-
-    @njit(**COMPILE)
-    def solve(p, edges, rams, steps, low, high):
-        out = np.empty((2, high - low))
-        for v in range(low, high):
-            q = variant(p, v)
-            omega, t = first, 0.0
-            for k in range(rams.shape[0]):
-                start, length = edges[k, v], edges[k + 1, v] - edges[k, v]
-                n = steps_of(length, steps)
-                for j in range(n):
-                    omega, dt = over_angle(start + j * (length / n), omega, length / n, rams[k, v], q)
-                    t += dt
-            out[0, v - low], out[1, v - low] = omega, t
         return out
 
     return solve

@@ -1,26 +1,18 @@
 """Reference motion of the variants: heyoka.py in extended precision, compared with SciPy and with mpmath.
 
-    python results/motion/reference.py
-
-computes one variant of two machines with mpmath's Taylor method at 30 digits (some minutes), and writes
-thirty_digits.json, which the benchmark compares its reference with.
+thirty_digits.json has one variant of two machines by mpmath's Taylor method at 30 digits; `reference.py` of commit
+7392f700 made it, in some minutes.
 """
 
 import json
-from itertools import pairwise
 from pathlib import Path
-from types import SimpleNamespace
 
 import heyoka
-import mpmath as mp
 import numpy as np
-from cases import CASES, Case, one_variant, prepare, sample
+from cases import CASES, Case, prepare, sample
 from peers import first_energy, inertia, prepare_scipy, taylor_system
 
 THIRTY_DIGITS = Path(__file__).parent / "thirty_digits.json"
-DIGITS = 30
-# Both machines have jumps; both come with an induction motor.
-CHECKED = ("crank_press", "shaper")
 # float64's rounding over some thousand stages of DOP853, whose least tolerance this is
 SCIPY_TOLERANCE, SCIPY_AGREEMENT = 1e-13, 1e-11
 # The reference is rounded to float64 at the end; its own errors are three digits below that.
@@ -60,31 +52,6 @@ def extended(case: Case, varied: dict[str, np.ndarray]) -> np.ndarray:
     return out.astype(float)
 
 
-def by_mpmath(case: Case, varied: dict[str, float]) -> tuple[str, str]:
-    """ω and t at the end of one variant, as texts of the digits that mpmath works with."""
-    with mp.workdps(DIGITS):
-        functions = SimpleNamespace(
-            pi=+mp.pi, sqrt=mp.sqrt, cos=mp.cos, sin=mp.sin, arccos=mp.acos, arcsin=mp.asin, arctan2=mp.atan2
-        )
-        p, (edges, rams) = one_variant(case, varied, mp.mpf, functions)
-        reduced = case.reduced(mp.sqrt)
-
-        def at(phi: mp.mpf, ram: mp.mpf) -> tuple:
-            return reduced(mp.cos(phi), mp.sin(phi), ram, p)
-
-        energy, t = at(edges[0], rams[0])[0] * mp.mpf(case.speed) ** 2 / 2, mp.mpf(0)
-        for _ in range(case.revolutions):
-            for ram, (start, end) in zip(rams, pairwise(edges), strict=True):
-
-                def rates(phi: mp.mpf, state: list, ram: mp.mpf = ram) -> list:
-                    found, _, moment = at(phi, ram)
-                    omega = mp.sqrt(2 * state[0] / found)
-                    return [moment + case.motor(omega, p), 1 / omega]
-
-                energy, t = mp.odefun(rates, start, [energy, t])(end)
-        return mp.nstr(mp.sqrt(2 * energy / at(edges[0], rams[0])[0]), DIGITS), mp.nstr(t, DIGITS)
-
-
 def checked_variant(case: Case) -> dict[str, np.ndarray]:
     """The variant that mpmath was given."""
     return sample(case, 1, seed=3)
@@ -114,16 +81,3 @@ def reference(name: str, varied: dict[str, np.ndarray]) -> np.ndarray:
         digits = np.array([float(text) for text in kept[case.name]])[:, None]
         require_agreement(case, "mpmath", extended(case, checked_variant(case)), digits, AGREEMENT)
     return found
-
-
-def main() -> None:
-    kept = {}
-    for name in CHECKED:
-        varied = {path: float(values[0]) for path, values in checked_variant(CASES[name]).items()}
-        kept[name] = by_mpmath(CASES[name], varied)
-        print(name, *kept[name], flush=True)
-    THIRTY_DIGITS.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf8")
-
-
-if __name__ == "__main__":
-    main()

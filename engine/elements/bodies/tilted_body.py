@@ -16,6 +16,7 @@ from pydantic import Field, model_validator
 
 from engine.elements.element import Columns, Element, ElementResult, Numbers
 from engine.elements.panels import Panel, path, plan
+from engine.laws.rounding import EPS
 from engine.parts.skeleton import Angle, AngularSpeed, Inertia, Length, Mass, Positive
 
 MOMENTS = ("inertia_x", "inertia_y", "inertia_z")
@@ -97,7 +98,7 @@ class TiltedBody(Element):
         tilt = np.arctan2(across, np.abs(axes[:, 2])).min(axis=1)
         products = [-fixed[:, 0, 1], -fixed[:, 1, 2], -fixed[:, 2, 0]]
         # A product is a difference of terms of the size of the largest moment; below their rounding it is 0.
-        products = [np.where(np.abs(p) < 16.0 * np.finfo(float).eps * principal[:, 2], 0.0, p) for p in products]
+        products = [np.where(np.abs(p) < 16.0 * EPS * principal[:, 2], 0.0, p) for p in products]
         # No body has a moment greater than the sum of the two others; a plate reaches it.
         sound = usable & (principal[:, 0] + principal[:, 1] >= principal[:, 2] * (1.0 - _PLATE))
         speed = n.get("speed", np.full(mass.shape, math.nan))

@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 from engine.elements.elastic_drives.elastic_shaft import ElasticShaft
 from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank
 from engine.parts.actions import Time
-from engine.parts.skeleton import OF_FLUCTUATION, ActionRef, Angle, Inertia, Name, Part
+from engine.parts.skeleton import OF_FLUCTUATION, ActionRef, Angle, GearedRef, Inertia, Part
 
 RESULTS = (
     ElementResult("stiffness", "torsional stiffness of the shaft, reduced to the crank", "N m rad-1"),
@@ -98,7 +98,7 @@ class MachineDrive(ElasticShaft, Element):
     RESULTS: ClassVar = (*RESULTS, *RUN_RESULTS)
 
     type: Literal["machine_drive"]
-    driver: Name | None = None
+    driver: GearedRef | None = None
     motor_inertia: Annotated[Inertia, Field(gt=0)] | None = None
     off: tuple[ActionRef, ...] = ()
     run: MachineRun | None = None

@@ -16,7 +16,7 @@ from engine.elements.governors.governor_nodes import States, equilibrium_nodes
 from engine.elements.sampled_peak import sampled_peak
 from engine.graph.nodes import Graph, Stage
 from engine.graph.over_arrays import NodesOverArrays, over_arrays
-from engine.laws.governors.equilibrium import insensitivity_by_friction, speed_with_friction
+from engine.laws.governors.equilibrium import insensitivity_by_friction, non_uniformity, speed_with_friction
 from engine.laws.governors.stability import (
     critical_damping_of_sleeve,
     critical_inertia_of_engine,
@@ -325,7 +325,7 @@ def near_equilibrium(g: GovernorVariants, marks: Marks) -> Columns:
         "least_speed": first.speed,
         "greatest_speed": last.speed,
         "mean_speed": mean,
-        "non_uniformity": (last.speed - first.speed) / mean,
+        "non_uniformity": non_uniformity(first.speed, last.speed, mean),
         "least_stability": shaky.margin,
         "least_stability_radius": shaky.radius,
         "isochronous": np.tile(marks.isochronous, copies),

@@ -140,3 +140,8 @@ def moving_inertia(
     """Inertia A of the governor's motion, with kinetic energy ½ A ẋ²: 2 m (r'² + h'²) + M z'² [kg]."""
     balls = radius_rate * radius_rate + ball_rise * ball_rise
     return 2.0 * ball_mass * balls + sleeve_mass * lift_rate * lift_rate
+
+
+def non_uniformity(slowest: float, fastest: float, mean: float) -> float:
+    """Degree of non-uniformity δ = (ω_max − ω_min)/ω_m of the speeds at which a governor is in equilibrium."""
+    return (fastest - slowest) / mean

@@ -17,7 +17,7 @@ from engine.mechanism.actions.paths import Along, input_sense
 from engine.mechanism.kinematics import Kinematics
 from engine.parts.actions import Carried, ConveyorMoment, HoistMoment
 from engine.parts.skeleton import STANDARD_GRAVITY
-from engine.scene.inertia import carried_inertia, carried_on
+from engine.scene.masses import carried_inertia, carried_on
 from engine.scene.scene import Numbers
 
 _Value = float | np.ndarray

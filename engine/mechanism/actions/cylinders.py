@@ -24,7 +24,7 @@ from engine.laws.indicator_diagrams import (
 from engine.mechanism.acting import Characteristic, Grip, Load, load
 from engine.mechanism.actions.paths import input_sense
 from engine.mechanism.kinematics import Kinematics
-from engine.scene.pairs import bearer_of
+from engine.scene.attachments import bearer_of
 
 _COMPRESSOR = ("clearance", "suction", "discharge", "n_compression")
 _ENGINE = ("intake", "exhaust", "peak")

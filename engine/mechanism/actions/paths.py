@@ -6,7 +6,7 @@ held: they are smooth up to the end of the stroke and beyond.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -18,8 +18,10 @@ from engine.mechanism.assembly import Slide
 from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.vectors import Vector
 from engine.parts.actions import ForceAction
-from engine.parts.skeleton import FRAME, SliderInput, Sliding, Yoke
+from engine.parts.skeleton import FRAME
+from engine.scene.attachments import carriers, guide_of
 from engine.scene.load_formulas import TIME
+from engine.scene.pairs import pairs
 from engine.scene.scene import Scene
 
 
@@ -134,29 +136,17 @@ def _track(kinematics: Kinematics, name: str) -> tuple[Node, Node, Vector] | Non
 
 def _straight(kinematics: Kinematics, name: str) -> tuple[Slide, Vector] | None:
     """Slide coordinate and guide direction of a point on a slider of the frame."""
-    for link in _links_at(kinematics.scene, name):
-        guide = guide_on_frame(kinematics.scene, link)
-        if guide is not None:
+    scene = kinematics.scene
+    for link in _links_at(scene, name):
+        guide = guide_of(scene, link)
+        if guide is not None and scene.guides[guide].link == FRAME:
             return kinematics.slides[link], kinematics.guides[guide].u
     return None
 
 
-def guide_on_frame(scene: Scene, link: str) -> str | None:
-    """The frame's guide on which a link slides; None if there is none."""
-    if isinstance(scene.input, SliderInput) and scene.input.link == link:
-        return scene.input.guide
-    for group in scene.groups.values():
-        for part in (group.first, group.second):
-            if part.link == link and isinstance(part, (Sliding, Yoke)) and scene.guides[part.guide].link == FRAME:
-                return part.guide
-    return None
-
-
-def _links_at(scene: Scene, point: str) -> tuple[str, ...]:
-    """Links to which a point belongs: one, or the two that meet in an inner joint."""
+def _links_at(scene: Scene, point: str) -> Iterable[str]:
+    """Links to which a point belongs: one, or those that meet in a joint without a link of its own."""
     if point in scene.points:
-        return (scene.points[point].link,)
-    for group in scene.groups.values():
-        if getattr(group, "inner", None) == point:
-            return group.first.link, group.second.link
-    return (scene.input.link,)
+        return [scene.points[point].link]
+    met = [pair for pair in pairs(scene) if pair.joint == point]
+    return dict.fromkeys([carriers(scene)[point], *(link for pair in met for link in (pair.link, pair.other))])

@@ -20,7 +20,7 @@ from engine.mechanism.groups.closure_of_free import ClosureOfFree, CutLink, Dire
 from engine.mechanism.groups.minors import Inverse, inverse
 from engine.mechanism.groups.seed_tables import SeedTables
 from engine.mechanism.vectors import Vector, named
-from engine.scene.names import joint_owners
+from engine.scene.attachments import joint_owners
 from engine.scene.structure.free_groups import FreeGroup
 
 # Newton corrections of a seed; see `engine.laws.kinematics.seeds`.

@@ -19,7 +19,7 @@ from engine.laws.elementary import direction_of
 from engine.laws.kinematics.racks import pinion_turn, rack_slide
 from engine.mechanism.assembly import Assembly, Slide, Turning
 from engine.mechanism.vectors import Vector
-from engine.scene.names import guide_of
+from engine.scene.attachments import guide_of
 from engine.scene.scene import Scene
 from engine.scene.structure.meshes import carrier_of, rides_along
 

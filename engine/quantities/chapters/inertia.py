@@ -10,8 +10,7 @@ from engine.mechanism.mechanics import Mechanics
 from engine.quantities.expressions import Expression, Formula, Integral, VariantNumber, hypot
 from engine.quantities.quantity import called, ordinal
 from engine.quantities.register import Declared, Field, Summary
-from engine.scene.inertia import body_inertia, inertia_from_swing
-from engine.scene.masses import CENTRE, count_points, replacement, replacement_mass
+from engine.scene.masses import CENTRE, body_inertia, count_points, inertia_from_swing, replacement, replacement_mass
 from engine.scene.scene import scene_numbers
 
 ORDERS = (1, 2, 4)

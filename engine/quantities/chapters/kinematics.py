@@ -9,7 +9,7 @@ from engine.mechanism.vectors import Vector
 from engine.parts.skeleton import FRAME, CrankInput
 from engine.quantities.expressions import Angle
 from engine.quantities.register import Declared, Field, InputUnits
-from engine.scene.names import joint_owners
+from engine.scene.attachments import joint_owners
 from engine.scene.pairs import held_by_frame
 
 _WORDS = (

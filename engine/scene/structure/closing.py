@@ -10,10 +10,11 @@ from fractions import Fraction
 
 import numpy as np
 
+from engine.laws.rounding import EPS
 from engine.parts.skeleton import MOST_REVOLUTIONS
 
 # Relative rounding error of a number of turns computed from ratios.
-_ROUNDING = 64.0 * np.finfo(float).eps
+_ROUNDING = 64.0 * EPS
 
 
 def is_whole(turns: float | np.ndarray) -> bool | np.ndarray:

@@ -14,9 +14,8 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching
 
-from engine.scene.names import Problem
 from engine.scene.pairs import Pair, free_pairs
-from engine.scene.scene import Scene
+from engine.scene.scene import Problem, Scene
 from engine.scene.structure.free_groups import FreeGroup
 
 _FREEDOMS, _CONSTRAINTS = 3, 2

@@ -8,11 +8,11 @@ link is known.
 
 import numpy as np
 
+from engine import laws
 from engine.parts.skeleton import FRAME, CrankInput
-from engine.scene.masses import places_on
-from engine.scene.names import Problem, guide_of, sliders
+from engine.scene.attachments import guide_of, places_on, sliders
 from engine.scene.pairs import drive_base
-from engine.scene.scene import Numbers, Scene
+from engine.scene.scene import Numbers, Problem, Scene
 from engine.scene.structure.input_laws import drive_turns
 from engine.words.glossary import did_you_mean
 
@@ -161,5 +161,5 @@ def net_turns(scene: Scene, link: str, numbers: Numbers | None = None) -> float 
         shaft = scene.shafts[link]
         ratio = shaft.ratio if numbers is None else numbers[f"shafts.{link}.ratio"]
         carried = net_turns(scene, shaft.carrier or FRAME, numbers)
-        return carried + ratio * (net_turns(scene, shaft.geared_to, numbers) - carried)
+        return laws.kinematics.planetary_trains.willis(ratio, net_turns(scene, shaft.geared_to, numbers), carried)
     return 1.0 if link == scene.input.link and isinstance(scene.input, CrankInput) else 0.0

@@ -5,9 +5,8 @@ geared to the crank, on a carrier with a constant ratio to the crank, also has a
 """
 
 from engine.parts.skeleton import FRAME, Shaft
-from engine.scene.masses import places_on
-from engine.scene.names import Problem, still_links
-from engine.scene.scene import Scene
+from engine.scene.attachments import places_on, still_links
+from engine.scene.scene import Problem, Scene
 from engine.scene.structure.meshes import has_known_angle
 from engine.words.glossary import did_you_mean
 

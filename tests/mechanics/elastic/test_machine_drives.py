@@ -324,7 +324,7 @@ FADING = {"type": "formula", "on": "P", "force": "-f * exp(-abs(v) / 1 m/s)", "n
         ({}, {"moments": {}}, "no motor drives it"),
         ({"off": ["motor"]}, {}, "every motor is off"),
         ({"off": ["moter"]}, {}, "did you mean 'motor'"),
-        ({"motor_inertia": None, "driver": "weel"}, {}, "'weel' is not a shaft geared to the crank; .*'wheel'"),
+        ({"motor_inertia": None, "driver": "weel"}, {}, "'weel' is not a link of this scene; .*'wheel'"),
         (
             {},
             {"friction": {"f": {"pair": "g.second", "coefficient": 0.1}}},

@@ -71,3 +71,14 @@ def test_triad_with_so_much_friction_that_it_jams__has_its_status():
     for diameter, verdict in ((0.05, Verdict.OK), (8.0, Verdict.JAMS)):
         machine = MovingMachine(Scene.model_validate(data), {"friction.f3.diameter": diameter})
         assert machine.verdict(["friction_moment"]) == verdict
+
+
+@pytest.mark.parametrize("joint", ["B", "F"])
+def test_drag_on_a_joint_of_free_links__is_that_of_the_dyads(joint):
+    # B goes on a circle, F on a line; the drag is against the velocity, whatever links share the joint.
+    drag = {"forces": {"drag": {"type": "linear_drag", "on": joint, "coefficient": 10.0}}}
+    fields = ["drag.force_x", "drag.force_y", "input_moment_by_equilibrium"]
+    dyads, free = (ReactionValues(data | drag)(fields, Q) for data in dyads_twice())
+    for name in fields:
+        scale = np.abs(dyads[name]).max()
+        assert np.abs(free[name] - dyads[name]).max() <= ROUNDINGS * EPS * scale, name

@@ -151,7 +151,7 @@ HYPOCYCLOID = Machine(
     ("changes", "told"),
     [
         ({"shafts__planet__pivot": "O"}, "its teeth have no place, as it is about the axis of 'frame'"),
-        ({"shafts__planet__pivot": None}, "shaft 'planet' has no pivot; give it one"),
+        ({"shafts__planet__pivot": None}, "'planet' has no pivot; give it one"),
         ({"shafts__planet__carrier": "rod"}, "gears that nothing drives"),
         ({"shafts__planet__ratio": 1}, "axes lie apart"),
         ({"shafts__planet__geared_to": "crank"}, "'crank' carries this wheel"),

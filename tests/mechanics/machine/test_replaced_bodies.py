@@ -12,7 +12,7 @@ from oracle import EPS
 from press import bodies, press
 
 from engine import Machine, Scene, SceneError, Verdict
-from engine.scene.inertia import body_inertia
+from engine.scene.masses import body_inertia
 from engine.scene.scene import Numbers, scene_numbers
 from sweeps.text.scene_text import read_scene, write_scene
 

@@ -126,7 +126,7 @@ MOTOR = {"type": "dc_motor", "on": "crank", "stall_moment": 5, "no_load_speed": 
         ({"inputs__second__ratio": 0.5}, "makes 0.5 turns in a cycle of 1 of the crank"),
         (
             {"inputs": {"left": {"type": "crank", "pivot": "C", "ratio": 1}}},
-            "inputs.left: link 'left' is already moved",
+            "link 'left' is already moved by inputs.left",
         ),
         ({"input": SLIDER, "guides": {"way": {}}}, "inputs.second: the first input slides and has no angle"),
         ({"regimes": {"idle": {"type": "steady"}}}, "regimes.idle: counts on one drive"),
