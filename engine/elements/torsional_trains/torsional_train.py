@@ -159,8 +159,8 @@ class TorsionalTrain(Element):
     @property
     def variants_at_once(self) -> int:
         """Few if the train is long."""
-        size = len(self.layout.parents) * max(self.reported_modes, len(excitation_orders(self)), 1)
-        return max(64, min(4096, _BLOCK // size))
+        nodes = len(self.layout.parents)
+        return max(1, min(4096, _BLOCK // (nodes * max(nodes, len(excitation_orders(self))))))
 
     def results(self) -> tuple[ElementResult, ...]:
         """Results of its modes, and of its vibration if it is excited."""
