@@ -4,17 +4,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from engine.graph.nodes import Node
+from engine.laws.elementary import direction_of
 from engine.laws.kinematics.closure import greater
-from engine.laws.kinematics.seeds import (
-    direction_between,
-    place_in_range,
-    place_in_table,
-    proved,
-    slide_between,
-    turned,
-    two_directions,
-    two_slides,
-)
+from engine.laws.kinematics.seeds import between_seeds, place_in_range, place_in_table, proved, turned, two_seeds
 from engine.mechanism.assembly import Assembly, MovingPoint, Slide, Turning
 from engine.mechanism.groups.closure_of_free import ClosureOfFree, CutLink, Direction, Miss, Unknown
 from engine.mechanism.groups.minors import Inverse, inverse
@@ -103,13 +95,8 @@ def add_free_group(assembly: Assembly, group: FreeGroup, span: tuple[Node, Node]
 def _tables_of(closure: ClosureOfFree, span: tuple[Node, Node], turns: bool) -> SeedTables:
     """Seed tables of a group, with the curves that make them: one correction and the rates, at given unknowns."""
     graph, name = closure.graph, closure.group.name
-    given = [
-        (graph.given(f"{name} {i} slide"),)
-        if slides
-        else (graph.given(f"{name} {i} cosine"), graph.given(f"{name} {i} sine"))
-        for i, slides in enumerate(closure.slides)
-    ]
-    places = [node[0] if slides else Vector(*node) for node, slides in zip(given, closure.slides, strict=True)]
+    given = [graph.given(f"{name} unknown {i}") for i in range(len(closure.slides))]
+    places = _places_of(closure, given)
     linear = linearised(closure, places)
     deltas = linear.inverse.times([-miss.r for miss in linear.misses])
     motions = with_rates(closure, places, linear)
@@ -133,6 +120,15 @@ def _points(closure: ClosureOfFree, links: dict[str, Turning]) -> dict[str, Vect
     return {name: coordinates(whole[link].at(place.in_axes(whole[link].u)).r) for name, (link, place) in found.items()}
 
 
+def _places_of(closure: ClosureOfFree, unknowns: Sequence[Node]) -> list[Place]:
+    """Directions of the unknowns that are angles; slides as they are."""
+    apply = closure.graph.apply
+    return [
+        node if slides else Vector(*apply(direction_of, node))
+        for node, slides in zip(unknowns, closure.slides, strict=True)
+    ]
+
+
 def _at_rest(closure: ClosureOfFree, place: Place) -> Unknown:
     zero = closure.graph.zero
     return Direction(place, zero, zero) if isinstance(place, Vector) else Slide(place, zero, zero)
@@ -147,20 +143,11 @@ def _seeded(closure: ClosureOfFree, tables: SeedTables, span: tuple[Node, Node],
         [graph.derived(f"{name} seed {i}", lambda n, i=i: tables(n).seeds[i]) for i in range(tables.entries)],
     )
     x = graph.apply(place_in_range, graph.q, span[0], graph.one / whole, float(turns))
-    width = float(tables.width)
-    interval, share, length = graph.apply(place_in_table, table, float(tables.intervals), width, x)
+    count = len(closure.slides)
+    interval, share, length = graph.apply(place_in_table, table, float(tables.intervals), float(count), x)
     step = whole * length
-    found: list[Place] = []
-    column = 1
-    for slides in closure.slides:
-        given = (table, float(column), width, interval)
-        column += 3 if slides else 4
-        if slides:
-            found.append(graph.apply(slide_between, *graph.apply(two_slides, *given), share, step))
-        else:
-            seeds = graph.apply(two_directions, *given)
-            found.append(Vector(*graph.apply(direction_between, seeds[:4], seeds[4:], share, step)))
-    return found
+    seeds = [graph.apply(two_seeds, table, float(i), float(count), interval) for i in range(count)]
+    return _places_of(closure, [graph.apply(between_seeds, both[:3], both[3:], share, step) for both in seeds])
 
 
 def linearised(closure: ClosureOfFree, places: Sequence[Place]) -> Linearised:
