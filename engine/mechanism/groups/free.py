@@ -85,10 +85,7 @@ def add_free_group(assembly: Assembly, group: FreeGroup, span: tuple[Node, Node]
     _register(closure, links, motions)
     graph, measures = assembly.graph, closure.measures()
     misses = [abs(m.r) / (size * closure.size) for m, size in zip(linear.misses, measures, strict=True)]
-    worst = misses[0]
-    for miss in misses[1:]:
-        worst = graph.apply(greater, worst, miss)
-    assembly.transmits(group.name, transmission(closure, places, linear), worst)
+    assembly.transmits(group.name, transmission(closure, places, linear), _maximum(graph, misses))
     return FreeMotion(closure, links, linear)
 
 
@@ -198,13 +195,8 @@ def certificate(closure: ClosureOfFree, places: Sequence[Place], linear: Lineari
     step = _maximum(graph, [abs(delta) for delta in deltas])
     # For h ≤ ½ the root is within twice the first correction.
     _, second = closure.bounds([_at_rest(closure, place) for place in places], linear.misses, step + step)
-    changes = []
-    for row in linear.inverse.rows:
-        terms = [abs(entry) * bound for entry, bound in zip(row, second, strict=True)]
-        total = terms[0]
-        for term in terms[1:]:
-            total = total + term
-        changes.append(total)
+    rows = linear.inverse.rows
+    changes = [sum(abs(entry) * bound for entry, bound in zip(row, second, strict=True)) for row in rows]
     return step * _maximum(graph, changes)
 
 
@@ -223,10 +215,7 @@ def transmission(closure: ClosureOfFree, places: Sequence[Place], linear: Linear
     first, _ = closure.bounds([_at_rest(closure, place) for place in places], linear.misses, closure.graph.zero)
     largest = closure.graph.one
     for row in first:
-        square = row[0] * row[0]
-        for bound in row[1:]:
-            square = square + bound * bound
-        largest = largest * closure.graph.function("sqrt", square)
+        largest = largest * closure.graph.function("sqrt", sum(bound * bound for bound in row))
     return linear.inverse.determinant * (closure.graph.one / largest)
 
 
@@ -263,7 +252,7 @@ def _slide(closure: ClosureOfFree, slider: str, carrier: str, guide: str) -> Sli
 
 def _cut_link(closure: ClosureOfFree, links: dict[str, Turning], cut: CutLink) -> Turning:
     """Motion of a cut link."""
-    joint = closure.local(cut.name, cut.one.name.removeprefix(f"{cut.one.link}."))
+    joint = closure.local(cut.name, cut.one.joint)
     if cut.other.kind == "revolute":
         one, other = closure.ends(links, cut)
         r, v, a = (two - first for first, two in zip(one, other, strict=True))
@@ -272,18 +261,13 @@ def _cut_link(closure: ClosureOfFree, links: dict[str, Turning], cut: CutLink) -
         share = bar * per_square
         u = Vector(r.dot(share), share.cross(r))
         return _from_joint(one, joint, Turning(one, u, r.cross(v) * per_square, r.cross(a) * per_square))
-    point = _joint_beyond(closure, links, cut)
+    point = closure.joint_on(links, cut.one.beyond(cut.name), cut.one.joint)
     line, _ = closure.line(links, cut)
     u = line.u
     if cut.other.link != cut.name:
         angle = closure.assembly.direction(f"guides.{closure.slider_guide(cut.other)}.angle")
         u = Vector(angle.x, -angle.y).in_axes(line.u)
     return _from_joint(point, joint, Turning(point, u, line.carrier.w, line.carrier.e))
-
-
-def _joint_beyond(closure: ClosureOfFree, links: dict[str, Turning], cut: CutLink) -> MovingPoint:
-    far = cut.one.other if cut.one.link == cut.name else cut.one.link
-    return closure.joint_on(links, far, cut.one.name.removeprefix(f"{cut.one.link}."))
 
 
 def _from_joint(joint: MovingPoint, place: Vector, link: Turning) -> Turning:
