@@ -4,11 +4,11 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from engine.parts.motion_programs import CamProgram, check_roller
-from engine.parts.skeleton import Angle, FrameGuide, FramePoint, LinkRef, Mode, Name, Part, Positive, Refers
+from engine.parts.motion_programs import CamProgram, TouchesCam
+from engine.parts.skeleton import Angle, FrameGuide, FramePoint, LinkRef, Mode, Name, Positive, Refers
 
 
-class SlidingFollower(Part):
+class SlidingFollower(TouchesCam):
     """A link that slides on a guide of the frame; it moves away from the cam in the guide's direction.
 
     Its origin is the centre of the roller or the knife edge; with a flat face, which is perpendicular to the guide, it
@@ -21,13 +21,8 @@ class SlidingFollower(Part):
     contact: Literal["roller", "flat", "knife edge"]
     roller_radius: Positive | None = None
 
-    @model_validator(mode="after")
-    def _contact_fits(self) -> "SlidingFollower":
-        check_roller(self.contact, self.roller_radius)
-        return self
 
-
-class SwingingFollower(Part):
+class SwingingFollower(TouchesCam):
     """A link that turns about a point of the frame, its x axis from there to the roller or edge, or along the face.
 
     `arm` is the distance of the roller or edge from the pivot; a flat face passes through the pivot. `mode` +1: seen
@@ -41,13 +36,6 @@ class SwingingFollower(Part):
     roller_radius: Positive | None = None
     arm: Positive | None = None
     mode: Mode = 1
-
-    @model_validator(mode="after")
-    def _contact_fits(self) -> "SwingingFollower":
-        check_roller(self.contact, self.roller_radius)
-        if (self.arm is None) != (self.contact == "flat"):
-            raise ValueError("arm is the distance of a roller or knife edge from the pivot; a flat face has none")
-        return self
 
 
 class DrivingCam(CamProgram):
@@ -68,6 +56,4 @@ class DrivingCam(CamProgram):
     @model_validator(mode="after")
     def _moves_masses(self) -> "DrivingCam":
         self._check_no_jumps()
-        if self.closure == "form" and self.follower.contact != "roller":
-            raise ValueError("closure = 'form' is a groove, in which a roller runs; give contact = 'roller'")
         return self

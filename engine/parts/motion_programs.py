@@ -167,10 +167,24 @@ class MotionProgram(Part):
                 )
 
 
+class TouchesCam(Part):
+    """A follower, by its `contact` with the cam: a roller of some radius, a flat face, or a knife edge."""
+
+    @model_validator(mode="after")
+    def _contact_fits(self) -> "TouchesCam":
+        if self.contact == "roller" and self.roller_radius is None:
+            raise ValueError("roller_radius is missing: contact = 'roller' needs it")
+        if self.contact != "roller" and self.roller_radius is not None:
+            raise ValueError(f"roller_radius goes with contact = 'roller'; the contact is {self.contact!r}")
+        if self.type == "oscillating" and (self.arm is None) != (self.contact == "flat"):
+            raise ValueError("arm is the distance of a roller or knife edge from the pivot; a flat face has none")
+        return self
+
+
 class CamProgram(MotionProgram):
     """The motion of a follower over a turn of its cam."""
 
-    follower: Part
+    follower: TouchesCam
 
     @property
     def translating(self) -> bool:
@@ -181,6 +195,8 @@ class CamProgram(MotionProgram):
     def _has_one(self) -> "CamProgram":
         if not self.sections and self.table is None:
             raise ValueError(_ONE_PROGRAM)
+        if self.closure == "form" and self.follower.contact != "roller":
+            raise ValueError("closure = 'form' is a groove, in which a roller runs; give contact = 'roller'")
         return self
 
 
@@ -226,17 +242,3 @@ def sections_of(program: MotionProgram, at: str, numbers: Mapping[str, float | n
         largest = np.maximum(largest, before)
         whole = whole & (before >= -CLOSING * largest)
     return Sections(*found, whole & (np.abs(before - program.advance) <= CLOSING * largest))
-
-
-def check_roller(contact: str, radius: float | None) -> None:
-    """Check that a roller, and nothing else, has a radius.
-
-    Raises
-    ------
-    ValueError
-        A roller has no radius, or another contact has one.
-    """
-    if contact == "roller" and radius is None:
-        raise ValueError("roller_radius is missing: contact = 'roller' needs it")
-    if contact != "roller" and radius is not None:
-        raise ValueError(f"roller_radius goes with contact = 'roller'; the contact is {contact!r}")

@@ -21,7 +21,7 @@ from exact_triads import ExactPath, ExactTriad, Pose, followed_exactly
 
 from engine import Scene
 from engine.graph.values import NodeValues
-from engine.laws.kinematics.seeds import CLOSE, PROVES, direction_between
+from engine.laws.kinematics.seeds import CLOSE, PROVES, between_seeds
 from engine.mechanism.groups.seed_tables import SeedTables
 from engine.mechanism.mechanics import Mechanics
 from engine.scene.scene import Numbers, scene_numbers
@@ -83,26 +83,30 @@ def triad_scene() -> Scene:
 
 def curves_at(tables: SeedTables, numbers: Numbers, unknowns: np.ndarray, q: np.ndarray) -> np.ndarray:
     """Corrections, rates and measures at given values of the unknowns, (curves, variants)."""
-    values, given = NodeValues(tables._curves[0].graph, numbers), [node for nodes in tables._given for node in nodes]
-    return np.array(values(tables._curves, q, dict(zip(given, unknowns, strict=True))))
+    values = NodeValues(tables._curves[0].graph, numbers)
+    return np.array(values(tables._curves, q, dict(zip(tables._given, unknowns, strict=True))))
 
 
 def modes_of(tables: SeedTables, numbers: Numbers, seed: int) -> tuple[np.ndarray, np.ndarray]:
     """Modes at the first position: the scene of each, and its unknowns."""
     scenes = tables._rows(numbers).shape[1]
     wide, q = numbers.of_variants(np.repeat(np.arange(scenes), _STARTS)), np.zeros(scenes * _STARTS)
-    angle = np.random.default_rng(seed).uniform(-np.pi, np.pi, (2, q.size))
-    unknowns = np.array([np.cos(angle[0]), np.sin(angle[0]), np.cos(angle[1]), np.sin(angle[1])])
+    unknowns = np.random.default_rng(seed).uniform(-np.pi, np.pi, (2, q.size))
     with np.errstate(all="ignore"):
         for _ in range(_CORRECTIONS):
             found = curves_at(tables, wide, unknowns, q)
-            unknowns = tables._moved(unknowns, np.clip(found[:2], -0.5, 0.5))
+            unknowns = unknowns + np.clip(found[:2], -0.5, 0.5)
         found = curves_at(tables, wide, unknowns, q)
         proved = (found[6] <= PROVES) & (np.abs(found[:2]) < 1e-9).all(axis=0)
     owner = np.repeat(np.arange(scenes), _STARTS)[proved]
-    rounded = np.column_stack([owner, np.round(unknowns[:, proved].T, 6) + 0.0])
+    rounded = np.column_stack([owner, np.round(directions(unknowns[:, proved]).T, 6) + 0.0])
     _, first = np.unique(rounded, axis=0, return_index=True)
     return owner[first], np.ascontiguousarray(unknowns[:, proved][:, first])
+
+
+def directions(angles: np.ndarray) -> np.ndarray:
+    """Cosine and sine of both angles, (4, ...)."""
+    return np.array([part for angle in angles for part in (np.cos(angle), np.sin(angle))])
 
 
 def exact_triad(numbers: dict[str, np.ndarray], i: int) -> ExactTriad:
@@ -150,7 +154,7 @@ def campaign(scenes: int, seed: int = 1) -> Iterator[Followed]:
     own_numbers = every.of_variants(owner)
     sines = curves_at(tables, own_numbers, start, np.zeros(owner.size))[-2]
     paths = tables.walked(own_numbers, start, sines)
-    rows = rows_at(tables, own_numbers, paths.seeds.reshape(tables.intervals + 1, tables.width, -1))
+    rows = rows_at(tables, own_numbers, paths.seeds.reshape(tables.intervals + 1, -1, owner.size))
     placed = [name for name, _ in cutting_of(tables.group).placed]
     columns = {name: (2 * i, 2 * i + 1) for i, name in enumerate(placed)}
     (bar,) = set(placed) - {"plate"}
@@ -172,14 +176,9 @@ def campaign(scenes: int, seed: int = 1) -> Iterator[Followed]:
         yield Followed(ends, exact_ends, apart, float(place))
 
 
-def _between(*numbers: float) -> tuple[float, float]:
-    """Direction between two seeds, from the numbers of both."""
-    return direction_between(numbers[:4], numbers[4:8], *numbers[8:])
-
-
 def rows_at(tables: SeedTables, numbers: Numbers, seeds: np.ndarray) -> np.ndarray:
     """Directions at the places compared, (places, cosines and sines, variants): corrected as in machines."""
-    found, between = np.full((PLACES + 1, 4, seeds.shape[2]), np.nan), np.vectorize(_between)
+    found = np.full((PLACES + 1, 4, seeds.shape[2]), np.nan)
     for k in range(PLACES + 1):
         x = min(k / PLACES, 1.0 - 2.0**-53)
         one = np.maximum((seeds[:, 0] <= x).sum(axis=0) - 1, 0)
@@ -188,15 +187,15 @@ def rows_at(tables: SeedTables, numbers: Numbers, seeds: np.ndarray) -> np.ndarr
         with np.errstate(all="ignore"):
             step = end[0] - begin[0]
             share = (x - begin[0]) / step
-            both = [between(*begin[i : i + 4], *end[i : i + 4], share, 2.0 * np.pi * step) for i in (1, 5)]
-            unknowns, q = np.array([part for pair in both for part in pair]), np.full(one.size, 2.0 * np.pi * x)
+            both = [between_seeds(tuple(begin[i::2]), tuple(end[i::2]), share, 2.0 * np.pi * step) for i in (1, 2)]
+            unknowns, q = np.array(both), np.full(one.size, 2.0 * np.pi * x)
             for correction in range(2):
                 moved = curves_at(tables, numbers, unknowns, q)
-                unknowns = tables._moved(unknowns, moved[:2])
+                unknowns = unknowns + moved[:2]
                 if correction == 0:
                     # Places where nothing is known have no certificate either.
                     assert not (moved[6] > 10.0 * CLOSE).any()
-        found[k] = unknowns
+        found[k] = directions(unknowns)
     return found
 
 

@@ -16,6 +16,7 @@ from engine import (
     Scene,
     boxer_engine,
     crank_radius,
+    display_unit,
     engine_shaking,
     even_firing_order,
     firing_angles,
@@ -34,6 +35,8 @@ from sweeps.text.tables import table
 RATIO = 0.3
 # Amplitudes below this, relative to one cylinder's, are rounding.
 BALANCED = 1e-12
+# An ellipse whose half axes are below this ratio is a line.
+LINE = 1e-9
 HIGHEST_TORQUE_ORDER = 6
 ORDER_HEADS = (
     "engine",
@@ -222,16 +225,20 @@ def _cells(row: EngineRow) -> tuple[str, ...]:
     return row.name, _firing_text(found.intervals), *amplitudes, "; ".join(higher) or "0", _torque_text(found)
 
 
-def ellipse_text(vector: Hodograph, order: int) -> str:
+def ellipse_text(vector: Hodograph, order: int, units: str = "1") -> str:
     """The vector of one order: 0, size of a line or circle, or half axes of an ellipse."""
     i = vector.orders.index(order)
-    major, minor = vector.major[i], vector.minor[i]
+    major, minor = float(vector.major[i]), float(vector.minor[i])
     if major == 0:
         return "0"
+    factor, unit = display_unit(units, np.array([major]))
     turns = "↺" if abs(vector.forward[i]) > abs(vector.backward[i]) else "↻"
-    if minor <= BALANCED * major:
-        return f"{major:.4g} line"
-    return f"{major:.4g} {turns}" if major - minor <= BALANCED * major else f"{major:.4g} × {minor:.4g} {turns}"
+    sizes = [f"{factor * size:.4g}" for size in (major, minor)]
+    if minor <= LINE * major:
+        sizes, turns = sizes[:1], "line"
+    elif major - minor <= LINE * major:
+        sizes = sizes[:1]
+    return " ".join([" × ".join(sizes), *([] if units == "1" else [unit]), turns])
 
 
 def _firing_text(intervals: np.ndarray | None) -> str:

@@ -96,18 +96,13 @@ class CamElement(CamProgram, Element):
     cutter_radius: Positive | None = None
 
     @model_validator(mode="after")
-    def _is_whole(self) -> "CamElement":
-        self._check_contact()
-        return self
-
-    def _check_contact(self) -> None:
-        if self.closure == "form" and self.follower.contact != "roller":
-            raise ValueError("closure = 'form' is a groove, in which a roller runs; give contact = 'roller'")
+    def _contact_fits(self) -> "CamElement":
         if self.line_contact is not None and (self.follower.contact == "knife edge" or self.follower.moved is None):
             key = "mass" if self.translating else "inertia"
             raise ValueError(f"line_contact: the pressure is that of a roller or flat face of known follower.{key}")
         if self.follower.contact == "flat" and self.limits is not None and self.limits.pressure_angle is not None:
             raise ValueError("limits.pressure_angle: a flat face has none; give limits.convex_radius alone")
+        return self
 
     def results(self) -> tuple[ElementResult, ...]:
         """Results for shape and motion, for forces if the follower's mass is known, and for the limits."""

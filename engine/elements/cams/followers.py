@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from engine.parts.actions import Force, Moment
-from engine.parts.motion_programs import check_roller
+from engine.parts.motion_programs import TouchesCam
 from engine.parts.skeleton import Angle, Inertia, Length, Mass, Number, Part, Positive, quantity
 
 NotNegative = Annotated[Length, Field(ge=0)]
@@ -21,7 +21,7 @@ def _check_forces(follower: Part, moved: str) -> None:
         raise ValueError(f"{lost[0]} matters to forces, which need the follower's {moved}: give that, or leave it out")
 
 
-class TranslatingFollower(Part):
+class TranslatingFollower(TouchesCam):
     """A translating follower; a positive `offset` of its line of motion from the cam's axis lowers α on the rise.
 
     `load` presses it onto the cam at all times and includes its weight. Friction in the guide requires `guide_length`
@@ -41,8 +41,7 @@ class TranslatingFollower(Part):
     overhang: NotNegative | None = None
 
     @model_validator(mode="after")
-    def _contact_fits(self) -> "TranslatingFollower":
-        check_roller(self.contact, self.roller_radius)
+    def _forces_fit(self) -> "TranslatingFollower":
         _check_forces(self, "mass")
         given = [self.friction is None, self.guide_length is None, self.overhang is None]
         if any(given) and not all(given):
@@ -59,7 +58,7 @@ class TranslatingFollower(Part):
         return self.mass
 
 
-class OscillatingFollower(Part):
+class OscillatingFollower(TouchesCam):
     """A follower that swings about a pivot at `pivot_distance` from the cam's axis, with a roller or edge on its `arm`.
 
     A flat face passes through the pivot. Moving away from the cam, the follower turns against the cam's rotation,
@@ -78,11 +77,8 @@ class OscillatingFollower(Part):
     load: Moment = 0.0
 
     @model_validator(mode="after")
-    def _contact_fits(self) -> "OscillatingFollower":
-        check_roller(self.contact, self.roller_radius)
+    def _forces_fit(self) -> "OscillatingFollower":
         _check_forces(self, "inertia")
-        if (self.arm is None) != (self.contact == "flat"):
-            raise ValueError("arm is the distance of a roller or knife edge from the pivot; a flat face has none")
         return self
 
     @property

@@ -6,12 +6,11 @@ import numpy as np
 
 from engine.elements.element import Element, Numbers
 from engine.elements.engines.engine_layout import Engine, MasterRod
-from engine.elements.engines.engine_torque import CylinderParts, Indicator, Torque, cylinder_torque
+from engine.elements.engines.engine_torque import Torque, cylinder_torque
 from engine.elements.engines.firing import FOUR_STROKE, firing_sequence, firing_sums
 from engine.elements.engines.harmonics import CrankMasses, crank_masses, crank_radius
 
 SIZES = ("bank_angle", "pin_offset", "spacing", "rod_distance")
-_GAS = ("bore", "clearance", "intake", "exhaust", "peak", "n_compression", "n_expansion", "ambient")
 # Rounding of a sum over cylinders, in eps times the sum of the magnitudes of its terms: phases up to 6 · 2π, products,
 # sums, and the given masses, fractions and speed.
 ROUNDED_ORDERS = 64
@@ -63,11 +62,8 @@ def engine_torque(
         Firing angles [rad].
     """
     made = made_engine(engine, n)
-    gas = {key: n[f"gas.{key}"] for key in _GAS}
-    bore, outside = gas.pop("bore"), gas.pop("ambient")
-    mass = made.reciprocating_mass[..., 0]
-    moving = CylinderParts(made.radius, made.rod, made.offset, mass, made.rod_correction, n["speed"])
-    one = cylinder_torque(Indicator(**gas, outside=outside), bore, moving, orders)
+    gas = {key.removeprefix("gas."): row for key, row in n.items() if key.startswith("gas.")}
+    one = cylinder_torque(made, gas, n["speed"], orders)
     angles, taken = firing_sequence(made.layout, engine.order_of_firing)
     with np.errstate(invalid="ignore"):
         top = np.arcsin(made.offset / (made.rod + made.radius))

@@ -6,9 +6,9 @@ import numpy as np
 
 from engine.elements.element import Numbers
 from engine.elements.gears.gear_elements import GearTrain
-from engine.elements.gears.gear_structure import MeshPlace
+from engine.elements.gears.gear_structure import PlanetaryPath
 from engine.elements.gears.tooth_laws import MeshGeometry, TeethInMesh, mesh_geometry, pitch_diameter
-from engine.elements.gears.train_speeds import stages, teeth_of
+from engine.elements.gears.train_speeds import teeth_of
 from engine.laws.rounding import EPS
 from engine.words.verdicts import Verdict
 
@@ -126,12 +126,10 @@ def assembly_conditions(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes
         errors[name] = (second - first) / first
         fits &= np.abs(errors[name]) <= _SAME
     remainders: dict[str, np.ndarray] = {}
-    for carrier, _, _, path in stages(train):
-        if train.shafts[carrier].planets is None:
-            continue
-        count = n[f"shafts.{carrier}.planets"]
-        left = _spacing_remainder([structure.meshes[j] for j in path], n, count)
-        remainders[carrier] = np.maximum(remainders.get(carrier, 0.0), left)
+    for path in structure.central_paths:
+        if train.shafts[path.carrier].planets is not None:
+            left = _spacing_remainder(path, n, n[f"shafts.{path.carrier}.planets"])
+            remainders[path.carrier] = np.maximum(remainders.get(path.carrier, 0.0), left)
     for name, left in remainders.items():
         fits &= (left == 0) & (n[f"shafts.{name}.planets"] == np.round(n[f"shafts.{name}.planets"]))
     clearances = _clearances(train, n, sizes)
@@ -163,7 +161,7 @@ def _bores_leave_a_rim(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes]
     return left
 
 
-def _spacing_remainder(path: list[MeshPlace], n: Numbers, count: np.ndarray) -> np.ndarray:
+def _spacing_remainder(path: PlanetaryPath, n: Numbers, count: np.ndarray) -> np.ndarray:
     """Remainder of the condition that all equally spaced planets mesh, in whole units; 0 fits.
 
     If a set of planets is rotated by 2π/k without changing phases, both central wheels rotate back by that angle
@@ -171,19 +169,15 @@ def _spacing_remainder(path: list[MeshPlace], n: Numbers, count: np.ndarray) -> 
     combine the meshes so that the planets' own angles cancel; the contribution of the central wheels must be divisible
     by k. For a planet with one wheel this is (z_a ± z_b)/k, with two wheels (z_a z₂ ± z_b z₁)/(k gcd(z₁, z₂)).
     """
-    ends = [[np.rint(z).astype(np.int64) for z in teeth_of(place, n)] for place in path]
-    start = path[0]
-    y = [np.ones_like(ends[0][0])]
-    at = (start.second, start.first)[start.central]
-    into = ends[0][1 - start.central]
-    for place, (z_a, z_b) in zip(path[1:], ends[1:], strict=True):
-        forwards = (1 - place.central) == 0 if place.central is not None else place.first == at
-        here, there = (z_a, z_b) if forwards else (z_b, z_a)
+    teeth = ([np.rint(z).astype(np.int64) for z in teeth_of(place, n)][:: 1 if on else -1] for place, on in path.steps)
+    central, into = next(teeth)
+    y = [np.ones_like(central)]
+    for here, there in teeth:
         shared = np.gcd(y[-1] * into, here)
         shared = np.where(shared == 0, 1, shared)
         y = [value * (here // shared) for value in y] + [-(y[-1] * into) // shared]
-        at, into = (place.second if forwards else place.first), there
-    total = y[0] * ends[0][start.central] + y[-1] * ends[-1][path[-1].central]
+        into = there
+    total = y[0] * central + y[-1] * into
     k = np.maximum(np.rint(count), 1).astype(np.int64)
     return (np.abs(total) % k).astype(float)
 

@@ -36,6 +36,23 @@ class MeshPlace(NamedTuple):
     central: int | None
 
 
+class PlanetaryPath(NamedTuple):
+    """Meshes from one central wheel of a carrier to another, via planets.
+
+    Attributes
+    ----------
+    carrier, begin, end : str
+        The carrier; the central wheels.
+    steps : tuple of (MeshPlace, bool)
+        The meshes, and whether each is passed from its first wheel to its second.
+    """
+
+    carrier: str
+    begin: str
+    end: str
+    steps: tuple[tuple[MeshPlace, bool], ...]
+
+
 class GearStructure(NamedTuple):
     """Structure of a train, independent of its numbers.
 
@@ -51,8 +68,8 @@ class GearStructure(NamedTuple):
         Meshes between the same two axes: their centre distances must agree.
     pin_meshes : dict of str to int
         For every planet that rolls on a central wheel, one such mesh, whose centre distance is the planet pin's radius.
-    central_paths : dict of str to tuple of tuple of int
-        For every carrier, the meshes from one of its central wheels to another, via planets.
+    central_paths : tuple of PlanetaryPath
+        Between any two central wheels of a carrier that planets connect.
     held, driven, unknown_moments : tuple of str
         Stopped shafts; shafts of given speed; shafts whose torques follow from equilibrium, including held ones.
     speeds_follow, moments_follow : bool
@@ -65,7 +82,7 @@ class GearStructure(NamedTuple):
     axes: dict[str, str]
     same_distance: tuple[tuple[int, int], ...]
     pin_meshes: dict[str, int]
-    central_paths: dict[str, tuple[tuple[int, ...], ...]]
+    central_paths: tuple[PlanetaryPath, ...]
     held: tuple[str, ...]
     driven: tuple[str, ...]
     unknown_moments: tuple[str, ...]
@@ -250,37 +267,36 @@ def _axes(
     return {wheel: found(name) for wheel, name in node.items()} | {name: found(name) for name in shafts}
 
 
-def _central_paths(names: tuple[str, ...], places: Sequence[MeshPlace]) -> dict[str, tuple[tuple[int, ...], ...]]:
-    """Meshes from one central wheel to another, for every pair of each carrier."""
-    paths: dict[str, tuple[tuple[int, ...], ...]] = {}
+def _central_paths(names: tuple[str, ...], places: Sequence[MeshPlace]) -> tuple[PlanetaryPath, ...]:
+    found = []
     for carrier in dict.fromkeys(place.carrier for place in places if place.central is not None):
-        own = [j for j, place in enumerate(places) if place.carrier == carrier]
-        centrals = [j for j in own if places[j].central is not None]
-        found = [_path(places, own, start, end) for start, end in combinations(centrals, 2)]
-        paths[names[carrier]] = tuple(path for path in found if path)
-    return paths
+        own = [place for place in places if place.carrier == carrier]
+        for start, end in combinations([place for place in own if place.central is not None], 2):
+            wheels, steps = [place.wheels[place.central] for place in (start, end)], _steps(own, start, end)
+            if steps and wheels[0] != wheels[1]:
+                found.append(PlanetaryPath(names[carrier], *wheels, steps))
+    return tuple(found)
 
 
-def planet_end(place: MeshPlace) -> int:
+def _planet_of(place: MeshPlace) -> int:
     """Index of the planet's shaft in a mesh with a central wheel."""
     return (place.second, place.first)[place.central]
 
 
-def _path(places: Sequence[MeshPlace], own: Sequence[int], start: int, end: int) -> tuple[int, ...]:
+def _steps(own: Sequence[MeshPlace], start: MeshPlace, end: MeshPlace) -> tuple[tuple[MeshPlace, bool], ...]:
     """Meshes from one with a central wheel to another, via meshes between planets; () if they are not connected."""
-    goal = planet_end(places[end])
-    waiting, seen = [(planet_end(places[start]), (start,))], set()
+    waiting, seen = [(_planet_of(start), ((start, start.central == 0),))], set()
     while waiting:
-        planet, way = waiting.pop(0)
-        if planet == goal:
-            return (*way, end)
+        planet, steps = waiting.pop(0)
+        if planet == _planet_of(end):
+            return (*steps, (end, end.central == 1))
         seen.add(planet)
-        for j in own:
-            place = places[j]
+        for place in own:
             if place.central is None and planet in (place.first, place.second):
-                other = place.second if planet == place.first else place.first
+                forwards = planet == place.first
+                other = place.second if forwards else place.first
                 if other not in seen:
-                    waiting.append((other, (*way, j)))
+                    waiting.append((other, (*steps, (place, forwards))))
     return ()
 
 

@@ -6,38 +6,29 @@ a train with a basic ratio near 1, equations are nearly dependent and the bound 
 Source: N. J. Higham, Accuracy and Stability of Numerical Algorithms, ch. 7 (componentwise forward bounds).
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
+from engine.cycle.measured import Measured
 from engine.laws.rounding import EPS
 
 # Systems with a greater condition number count as singular.
 _GREATEST_CONDITION = 2.0**40
 
 
-class Solution(NamedTuple):
-    """Solutions of linear systems; NaN for singular ones.
-
-    Attributes
-    ----------
-    values, errors : ndarray (unknowns, right sides, variants)
-    inverse : ndarray (unknowns, equations, variants)
-        Magnitudes of the inverse.
-    """
-
-    values: np.ndarray
-    errors: np.ndarray
-    inverse: np.ndarray
-
-
-def solve(matrix: np.ndarray, right: np.ndarray) -> Solution:
+def solve(matrix: np.ndarray, right: np.ndarray) -> tuple[Measured, np.ndarray]:
     """Solve systems with exact coefficients.
 
     Parameters
     ----------
     matrix : ndarray (unknowns, unknowns, variants)
     right : ndarray (unknowns, right sides, variants)
+
+    Returns
+    -------
+    solutions : Measured (unknowns, right sides, variants)
+        NaN for singular systems.
+    inverse : ndarray (unknowns, equations, variants)
+        Magnitudes of the inverse.
     """
     a, b = np.moveaxis(matrix, -1, 0), np.moveaxis(right, -1, 0)
     # With rows of equal size, the condition number measures how nearly the equations are dependent.
@@ -52,7 +43,8 @@ def solve(matrix: np.ndarray, right: np.ndarray) -> Solution:
         found = found + inverse @ (b - a @ found)
         sizes = np.abs(a) @ np.abs(found) + np.abs(b)
         errors = np.abs(inverse) @ (np.abs(b - a @ found) + (a.shape[1] + 2) * EPS * sizes)
-    return Solution(*(np.moveaxis(part, 0, -1) for part in (found, errors, np.abs(inverse))))
+    found, errors, inverse = (np.moveaxis(part, 0, -1) for part in (found, errors, np.abs(inverse)))
+    return Measured(found, errors), inverse
 
 
 def _where(variants: np.ndarray, matrices: np.ndarray, others: np.ndarray | float) -> np.ndarray:

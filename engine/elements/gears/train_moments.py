@@ -78,28 +78,27 @@ def train_moments(
     doubtful = np.flatnonzero(~(found.agrees & found.gives))
     if doubtful.size and (efficiencies[:, doubtful] < 1.0).any():
         best = equilibrium.of(doubtful).best()
-        for whole, part in zip(found, best, strict=True):
-            whole[..., doubtful] = part
+        for own, part in zip(found.arrays(), best.arrays(), strict=True):
+            own[..., doubtful] = part
     moves = found.agrees & found.gives
     with np.errstate(invalid="ignore"):
         hidden = np.where(moves, 1.0, np.nan)
-    teeth = Measured(found.tooth_moments * hidden, np.abs(found.tooth_moments) * found.share_errors[:, None])
-    powers = Measured(found.powers * hidden, found.power_errors)
-    return TrainMoments(Measured(found.moments * hidden, found.moment_errors), teeth, powers, moves)
+        return TrainMoments(*(Measured(part.value * hidden, part.error) for part in found[:3]), moves)
 
 
 class _Solved(NamedTuple):
     """Equilibrium for assumed directions; the resulting directions, whether they agree, whether power is output."""
 
-    moments: np.ndarray
-    moment_errors: np.ndarray
-    tooth_moments: np.ndarray
-    share_errors: np.ndarray
-    powers: np.ndarray
-    power_errors: np.ndarray
+    moments: Measured
+    tooth_moments: Measured
+    powers: Measured
     senses: np.ndarray
     agrees: np.ndarray
     gives: np.ndarray
+
+    def arrays(self) -> list[np.ndarray]:
+        """All numbers (…, variants)."""
+        return [row for part in self for row in ((part.value, part.error) if isinstance(part, Measured) else (part,))]
 
 
 class _Equilibrium(NamedTuple):
@@ -131,15 +130,15 @@ class _Equilibrium(NamedTuple):
         acts = structure.equations(ends).swapaxes(0, 1)[:count]
         unknown = structure.number_of(structure.unknown_moments)
         known = [i for i in range(count) if i not in unknown]
-        solution = solve(acts[known], -self.loads[known][:, None])
-        force = solution.values[:, 0]
+        solution, inverse = solve(acts[known], -self.loads[known][:, None])
+        force = solution.value[:, 0]
         moments, errors = self.loads.copy(), EPS * np.abs(self.loads)
         with np.errstate(invalid="ignore"):
             # Non-integer coefficients contain efficiencies, which carry rounding.
             rounding = (acts[known] != np.rint(acts[known])) * (8.0 * EPS * np.abs(acts[known]))
             off = np.einsum("kjv,jv->kv", rounding, np.abs(force)) + EPS * np.abs(self.loads[known])
-            force_errors = np.einsum("jkv,kv->jv", solution.inverse, off) + 4.0 * EPS * np.abs(force)
-            force_errors += solution.errors[:, 0]
+            force_errors = np.einsum("jkv,kv->jv", inverse, off) + 4.0 * EPS * np.abs(force)
+            force_errors += solution.error[:, 0]
             moments[unknown] = -np.einsum("ujv,jv->uv", acts[unknown], force)
             errors[unknown] = np.einsum("ujv,jv->uv", np.abs(acts[unknown]), force_errors + 8.0 * EPS * np.abs(force))
             shares = np.where(force == 0, 0.0, force_errors / np.abs(force))
@@ -149,12 +148,14 @@ class _Equilibrium(NamedTuple):
             powers, largest = rolling.value, np.abs(pulls.value) * (np.abs(first.value) + np.abs(carrier.value))
             follows = np.where(np.abs(powers) > _NOTHING * largest, np.sign(powers), 0.0)
             agrees = ((follows == senses) | (follows == 0) | (self.efficiencies == 1.0)).all(axis=0)
-            given = Measured(moments, errors) * self.speeds[:-1]
+            all_moments = Measured(moments, errors)
+            given = all_moments * self.speeds[:-1]
             out = np.minimum(given.value + given.error, 0.0).sum(axis=0)
             into = np.maximum(given.value - given.error, 0.0).sum(axis=0)
         # Without input power none is required at the output: torques that do no work are in equilibrium.
         gives = (out < 0) | (into <= 0)
-        return _Solved(moments, errors, ends * force[:, None], shares, powers, rolling.error, follows, agrees, gives)
+        pulls = ends * force[:, None]
+        return _Solved(all_moments, Measured(pulls, np.abs(pulls) * shares[:, None]), rolling, follows, agrees, gives)
 
     def best(self) -> _Solved:
         """The solution of maximum output power among all consistent directions."""
@@ -166,13 +167,14 @@ class _Equilibrium(NamedTuple):
                 found = tried
                 continue
             better = _quality(self, tried) > _quality(self, found)
-            found = _Solved(*(np.where(better, new, old) for new, old in zip(tried, found, strict=True)))
+            for own, new in zip(found.arrays(), tried.arrays(), strict=True):
+                own[..., better] = new[..., better]
         return found
 
 
 def _quality(equilibrium: _Equilibrium, solved: _Solved) -> np.ndarray:
     """Output power over input power; −1 if directions are inconsistent or there is no output power."""
     with np.errstate(invalid="ignore", divide="ignore"):
-        given = solved.moments * equilibrium.speeds.value[:-1]
+        given = solved.moments.value * equilibrium.speeds.value[:-1]
         share = -np.minimum(given, 0.0).sum(axis=0) / np.maximum(given, 0.0).sum(axis=0)
     return np.where(solved.agrees & solved.gives, np.nan_to_num(share, nan=1.0), -1.0)

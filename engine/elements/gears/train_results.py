@@ -21,7 +21,7 @@ from engine.elements.gears.gear_elements import GearTrain
 from engine.elements.gears.tooth_laws import minimum_teeth
 from engine.elements.gears.train_inertia import kinetic_energy
 from engine.elements.gears.train_loads import equilibria, load_results
-from engine.elements.gears.train_speeds import basic_ratios, stages, train_speeds
+from engine.elements.gears.train_speeds import basic_ratio, train_speeds
 from engine.laws.rounding import EPS
 from engine.words.verdicts import Verdict
 
@@ -87,8 +87,9 @@ def _of_motion(train: GearTrain, n: Numbers, speeds: Measured, sizes: dict[str, 
                 # For a shaft at rest the ratio is infinite; its sign is meaningless.
                 ratio = Measured(np.where(np.isinf(ratio.value), np.inf, ratio.value), ratio.error)
                 yield ElementResult(f"{name}.ratio", f"speed of {driver} over that of {name}", "1", None, True), ratio
-    for (carrier, a, b, _), (name, ratio) in zip(stages(train), basic_ratios(train, n).items(), strict=True):
-        yield ElementResult(name, f"speed of {a} over that of {b}, seen from {carrier}", "1"), ratio
+    for path in structure.central_paths:
+        (carrier, a, b, _), words = path, f"speed of {path.begin} over that of {path.end}, seen from {path.carrier}"
+        yield ElementResult(f"{carrier}.basic_ratio_of_{a}_to_{b}", words, "1"), basic_ratio(path, n)
     if train.has_inertia:
         energy = kinetic_energy(train, n, speeds, sizes)
         yield ElementResult("kinetic_energy", "kinetic energy of all members", "J", rank=Rank.FURTHER), energy

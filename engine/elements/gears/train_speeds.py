@@ -1,11 +1,11 @@
-"""Angular speeds of a gear train: mesh equations K ω = 0, and the basic ratios of its planetary stages."""
+"""Angular speeds of a gear train: mesh equations K ω = 0, and the basic ratios of planetary stages."""
 
 import numpy as np
 
 from engine.cycle.measured import Measured
 from engine.elements.element import Numbers
 from engine.elements.gears.gear_elements import GearTrain
-from engine.elements.gears.gear_structure import MeshPlace
+from engine.elements.gears.gear_structure import MeshPlace, PlanetaryPath
 from engine.elements.gears.small_systems import solve
 from engine.laws.rounding import EPS
 
@@ -38,8 +38,8 @@ def train_speeds(train: GearTrain, n: Numbers) -> Measured:
     given = np.array([n[f"shafts.{name}.speed"] for name in structure.driven])
     given = Measured(given, EPS * np.abs(given))
     # Solve for each given speed separately: contributions may cancel, and the sum carries the rounding of each.
-    shares = solve(equations[:, rest], -equations[:, driven])
-    parts = Measured(shares.values, shares.errors) * given
+    shares, _ = solve(equations[:, rest], -equations[:, driven])
+    parts = shares * given
     following = sum(parts[:, k] for k in range(len(driven)))
     values, errors = np.zeros((2, count + 1, variants))
     for rows, speeds in ((driven, given), (rest, following)):
@@ -47,40 +47,17 @@ def train_speeds(train: GearTrain, n: Numbers) -> Measured:
     return Measured(values, errors)
 
 
-def basic_ratios(train: GearTrain, n: Numbers) -> dict[str, Measured]:
-    """Basic ratios i₀ = (ω_a − ω_h)/(ω_b − ω_h) of a train's planetary stages (Willis).
+def basic_ratio(path: PlanetaryPath, n: Numbers) -> Measured:
+    """Basic ratio i₀ = (ω_a − ω_h)/(ω_b − ω_h) of a planetary stage (Willis) (variants,).
 
     Parameters
     ----------
-    train : GearTrain
+    path : PlanetaryPath
+        From the central wheel a to b.
     n : mapping of str to ndarray (variants,)
-
-    Returns
-    -------
-    dict of str to Measured (variants,)
-        Keys such as "carrier.basic_ratio_of_sun_to_ring", with the names of carriers and wheels.
     """
-    found = {}
-    for name, a, b, path in stages(train):
-        ratio = Measured(np.ones(next(iter(n.values())).size))
-        start = train.structure.meshes[path[0]]
-        at = (start.first, start.second)[start.central]
-        for place in (train.structure.meshes[j] for j in path):
-            z_a, z_b = (Measured(z) for z in teeth_of(place, n))
-            forwards = place.first == at
-            ratio = ratio * (-z_b / z_a if forwards else -z_a / z_b)
-            at = place.second if forwards else place.first
-        found[f"{name}.basic_ratio_of_{a}_to_{b}"] = ratio
-    return found
-
-
-def stages(train: GearTrain) -> list[tuple[str, str, str, tuple[int, ...]]]:
-    """Carrier, central wheels and meshes between them for every basic ratio of a train."""
-    found = []
-    for carrier, paths in train.structure.central_paths.items():
-        for path in paths:
-            ends = [train.structure.meshes[j] for j in (path[0], path[-1])]
-            a, b = (end.wheels[end.central] for end in ends)
-            if a != b:
-                found.append((carrier, a, b, path))
-    return found
+    ratio = Measured(np.ones(next(iter(n.values())).size))
+    for place, forwards in path.steps:
+        z_a, z_b = (Measured(z) for z in teeth_of(place, n))
+        ratio = ratio * (-z_b / z_a if forwards else -z_a / z_b)
+    return ratio

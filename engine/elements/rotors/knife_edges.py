@@ -10,6 +10,20 @@ Source: K. V. Frolov et al., Theory of Mechanisms and Machines (static unbalance
 import numpy as np
 from numpy.typing import ArrayLike
 
+from engine.elements.element import Columns, ElementResult
+
+KNIFE_EDGES = (
+    ElementResult(
+        "knife_edge_unbalance", "unbalance that rolling friction on knife edges leaves", "kg m", "rolling_arm"
+    ),
+    ElementResult(
+        "knife_edge_angle",
+        "maximum angle between the heavy side and the lowest position at rest on knife edges",
+        "rad",
+        "rolling_arm",
+    ),
+)
+
 
 def residual_unbalance(mass: ArrayLike, arm: ArrayLike) -> np.ndarray:
     """Residual unbalance D = m k.
@@ -45,3 +59,11 @@ def resting_angle(unbalance: ArrayLike, mass: ArrayLike, arm: ArrayLike) -> np.n
     residual, unbalance = residual_unbalance(mass, arm), np.asarray(unbalance, dtype=float)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(residual >= unbalance, np.pi, np.arcsin(np.minimum(residual / unbalance, 1.0)))
+
+
+def on_knife_edges(unbalance: ArrayLike, mass: ArrayLike, arm: ArrayLike) -> Columns:
+    """The results `KNIFE_EDGES`; parameters as for `resting_angle`."""
+    return {
+        "knife_edge_unbalance": residual_unbalance(mass, arm),
+        "knife_edge_angle": resting_angle(unbalance, mass, arm),
+    }

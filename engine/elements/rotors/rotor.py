@@ -20,7 +20,7 @@ from engine.elements.rotors.bearings import BearingForces, peak_forces, rotating
 from engine.elements.rotors.correction import correct, corrected_unbalance, misplaced_share
 from engine.elements.rotors.grades import grade_needed, grade_reached, permissible_unbalance, tolerance_shares
 from engine.elements.rotors.hole_pattern import PatternError, best_holes
-from engine.elements.rotors.knife_edges import residual_unbalance, resting_angle
+from engine.elements.rotors.knife_edges import KNIFE_EDGES, on_knife_edges
 from engine.elements.rotors.rotor_parts import CorrectionPlane, Unbalance
 from engine.elements.rotors.unbalance import (
     Resultant,
@@ -40,6 +40,18 @@ WHOLE = 1e-6
 STEPS = 32
 
 
+_SIDES = ("first", "second")
+# States of balance, as they end the names of results.
+_STATES = {"before": "before balancing", "after": "after balancing", "at_worst": "with all errors of mass and angle"}
+_KINDS = "kind of unbalance (0 within the grade, 1 static, 2 couple, 3 quasi-static, 4 dynamic)"
+_SINGLE_PLANE = "position at which a single correction leaves the least couple"
+_PERMISSIBLE = "permissible residual unbalance in the plane of the"
+
+
+def _further(name: str, words: str, units: str) -> ElementResult:
+    return ElementResult(name, words, units, rank=Rank.FURTHER)
+
+
 class RotorElement(Element):
     """A rigid rotor in two bearings, with masses off its axis and correction planes.
 
@@ -52,75 +64,29 @@ class RotorElement(Element):
     RESULTS: ClassVar = (
         ElementResult("unbalance", "resultant unbalance", "kg m"),
         ElementResult("couple", "moment unbalance about the centre of mass", "kg m2"),
-        ElementResult(
-            "kind",
-            "kind of unbalance (0 within the grade, 1 static, 2 couple, 3 quasi-static, 4 dynamic)",
-            "1",
-            exact=True,
-            rank=Rank.FURTHER,
-        ),
-        ElementResult(
-            "single_plane",
-            "position at which a single correction leaves the least couple",
-            "m",
-            may_be_undefined=True,
-            rank=Rank.FURTHER,
-        ),
+        ElementResult("kind", _KINDS, "1", exact=True, rank=Rank.FURTHER),
+        ElementResult("single_plane", _SINGLE_PLANE, "m", may_be_undefined=True, rank=Rank.FURTHER),
         ElementResult("permissible_unbalance", "permissible residual unbalance", "kg m"),
-        ElementResult(
-            "first_permissible",
-            "permissible residual unbalance in the plane of the first bearing",
-            "kg m",
-            rank=Rank.FURTHER,
+        *(_further(f"{side}_permissible", f"{_PERMISSIBLE} {side} bearing", "kg m") for side in _SIDES),
+        *(_further(f"quality_{state}", f"balance quality e ω {words}", "m s-1") for state, words in _STATES.items()),
+        *(
+            ElementResult(f"grade_{state}", f"finest grade G held {words}", "m s-1", None, True, True)
+            for state, words in _STATES.items()
         ),
-        ElementResult(
-            "second_permissible",
-            "permissible residual unbalance in the plane of the second bearing",
-            "kg m",
-            rank=Rank.FURTHER,
+        _further("error_allowance", "error of every correction that the grade allows, as a share of it", "1"),
+        *(
+            ElementResult(
+                f"{side}_{kind}_{when}",
+                f"{force} on the {side} bearing{weight} {when} balancing",
+                "N",
+                rank=Rank.FURTHER if when == "before" else Rank.ANSWER,
+            )
+            for kind, force, weight in (("force", "rotating force", ""), ("peak", "force", " with the weight"))
+            for when in ("before", "after")
+            for side in _SIDES
         ),
-        ElementResult("quality_before", "balance quality e ω before balancing", "m s-1", rank=Rank.FURTHER),
-        ElementResult("quality_after", "balance quality e ω after balancing", "m s-1", rank=Rank.FURTHER),
-        ElementResult(
-            "quality_at_worst", "balance quality e ω with all errors of mass and angle", "m s-1", rank=Rank.FURTHER
-        ),
-        ElementResult("grade_before", "finest grade G held before balancing", "m s-1", None, True, True),
-        ElementResult("grade_after", "finest grade G held after balancing", "m s-1", None, True, True),
-        ElementResult(
-            "grade_at_worst", "finest grade G held with all errors of mass and angle", "m s-1", None, True, True
-        ),
-        ElementResult(
-            "error_allowance",
-            "error of every correction that the grade allows, as a share of it",
-            "1",
-            rank=Rank.FURTHER,
-        ),
-        ElementResult(
-            "first_force_before", "rotating force on the first bearing before balancing", "N", rank=Rank.FURTHER
-        ),
-        ElementResult(
-            "second_force_before", "rotating force on the second bearing before balancing", "N", rank=Rank.FURTHER
-        ),
-        ElementResult("first_force_after", "rotating force on the first bearing after balancing", "N"),
-        ElementResult("second_force_after", "rotating force on the second bearing after balancing", "N"),
-        ElementResult(
-            "first_peak_before", "force on the first bearing with the weight before balancing", "N", rank=Rank.FURTHER
-        ),
-        ElementResult(
-            "second_peak_before", "force on the second bearing with the weight before balancing", "N", rank=Rank.FURTHER
-        ),
-        ElementResult("first_peak_after", "force on the first bearing with the weight after balancing", "N"),
-        ElementResult("second_peak_after", "force on the second bearing with the weight after balancing", "N"),
         ElementResult("correction_mass", "mass added in all planes", "kg"),
-        ElementResult(
-            "knife_edge_unbalance", "unbalance that rolling friction on knife edges leaves", "kg m", "rolling_arm"
-        ),
-        ElementResult(
-            "knife_edge_angle",
-            "maximum angle between the heavy side and the lowest position at rest on knife edges",
-            "rad",
-            "rolling_arm",
-        ),
+        *KNIFE_EDGES,
     )
 
     type: Literal["rotor"]
@@ -188,8 +154,7 @@ class RotorElement(Element):
             **_named(peak_forces(forces[0], weights), "peak_before"),
             **_named(peak_forces(forces[1], weights), "peak_after"),
             "correction_mass": sum(added[f"{name}.mass"] for name in self.planes),
-            "knife_edge_unbalance": residual_unbalance(n["mass"], rolling_arm),
-            "knife_edge_angle": resting_angle(np.abs(before.unbalance), n["mass"], rolling_arm),
+            **on_knife_edges(np.abs(before.unbalance), n["mass"], rolling_arm),
         }
         return {name: np.where(np.isfinite(row), row, math.nan) for name, row in columns.items()}
 

@@ -14,7 +14,7 @@ from pydantic import Field, model_validator
 
 from engine.elements.element import Columns, Element, ElementResult, Numbers
 from engine.elements.panels import Panel
-from engine.elements.rotors.knife_edges import residual_unbalance, resting_angle
+from engine.elements.rotors.knife_edges import KNIFE_EDGES, on_knife_edges
 from engine.elements.rotors.rotor_parts import OffAxis
 from engine.elements.rotors.unbalance import vector_polygon
 from engine.laws.rounding import EPS
@@ -36,15 +36,7 @@ class StaticRotor(Element):
         ElementResult("correction_angle", "angle of the mass that balances the rotor", "rad", None, True),
         ElementResult("eccentricity", "distance of the centre of mass from the axis", "m", "mass"),
         ElementResult("centrifugal_force", "force of the unbalance on the bearings", "N", "speed"),
-        ElementResult(
-            "knife_edge_unbalance", "unbalance that rolling friction on knife edges leaves", "kg m", "rolling_arm"
-        ),
-        ElementResult(
-            "knife_edge_angle",
-            "angle to the lowest place at which friction may hold the heavy side",
-            "rad",
-            "rolling_arm",
-        ),
+        *KNIFE_EDGES,
     )
 
     type: Literal["static_rotor"]
@@ -78,8 +70,7 @@ class StaticRotor(Element):
             "correction_angle": np.where(direction > 0.0, direction - math.pi, direction + math.pi),
             "eccentricity": size / own,
             "centrifugal_force": size * n.get("speed", math.nan) ** 2,
-            "knife_edge_unbalance": residual_unbalance(own, arm),
-            "knife_edge_angle": resting_angle(size, own, arm),
+            **on_knife_edges(size, own, arm),
         }
 
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:

@@ -112,12 +112,6 @@ def least_face_angle(base_radius: float, distance: float) -> float:
 
 
 @scalar
-def curvature_of_pitch(x: float, y: float, x1: float, y1: float, x2: float, y2: float, sense: float) -> float:
-    """Curvature of the pitch curve, positive where it is convex; `pitch_curvature` with separate components."""
-    return pitch_curvature((x, y, x1, y1, x2, y2), sense)
-
-
-@scalar
 def contact_normal(x: float, y: float, x1: float, y1: float, sense: float) -> tuple[float, float]:
     """Unit normal of the pitch curve, from the cam to its follower.
 

@@ -20,10 +20,12 @@ from engine.compiling.decorators import scalar
 PROVES, CLOSE = 0.5, 2e-4
 # Minimum fraction of the transmission angle's sine that is kept over a step along a path.
 LEAST_SHARE = 0.2
+# Modes are the same if their unknowns differ by no more than this [rad, or m; relative above 1 m].
+SAME = 1e-6
 # Largest position in a range, just below 1.
 _LAST = 1.0 - 2.0**-53
-# Cosine and sine of a direction with its first and second rate.
-Turn = tuple[float, float, float, float]
+# An angle [rad] or a slide [m] with its first and second rate.
+Seed = tuple[float, float, float]
 
 
 @scalar
@@ -46,18 +48,19 @@ def place_in_range(q: float, first: float, per_range: float, turns: float) -> fl
 
 @scalar
 def place_in_table(
-    memory: np.ndarray, begin: int, apart: int, intervals: float, width: float, x: float
+    memory: np.ndarray, begin: int, apart: int, intervals: float, unknowns: float, x: float
 ) -> tuple[float, float, float]:
     """Find the interval of a table of seeds that contains a position, and the position within it.
 
-    The first number of a seed is its position, infinite for an unused seed.
+    A seed has its position, infinite for an unused seed, then the values of all unknowns, their first rates and their
+    second rates.
 
     Parameters
     ----------
     memory, begin, apart
         A table of numbers.
-    intervals, width : float
-        Number of intervals that the table has room for, and numbers per seed.
+    intervals, unknowns : float
+        Number of intervals that the table has room for, and number of unknowns.
     x : float
         From `place_in_range`.
 
@@ -66,7 +69,7 @@ def place_in_table(
     interval, share, length : float
         Index of the interval; position within it, from 0 to 1; its length as a fraction of the range.
     """
-    count, wide, found = int(intervals), int(width) * apart, begin
+    count, wide, found = int(intervals), (1 + 3 * int(unknowns)) * apart, begin
     while count > 1:
         half = count // 2
         found = found + half * wide if memory[found + half * wide] <= x else found
@@ -87,79 +90,48 @@ def quintic_between(
 
 
 @scalar
-def two_directions(
-    memory: np.ndarray, begin: int, apart: int, column: float, width: float, interval: float
-) -> tuple[float, float, float, float, float, float, float, float]:
-    """Cosine, sine and rates of a direction in two consecutive seeds.
+def two_seeds(
+    memory: np.ndarray, begin: int, apart: int, unknown: float, unknowns: float, interval: float
+) -> tuple[float, float, float, float, float, float]:
+    """Value and rates of an unknown in two consecutive seeds.
 
     Parameters
     ----------
     memory, begin, apart
         A table of numbers.
-    column, width : float
-        Index of the cosine among the numbers of a seed, and number of these.
+    unknown, unknowns : float
+        Index of the unknown, and number of unknowns.
     interval : float
         From `place_in_table`.
     """
-    one = begin + int(interval * width + column) * apart
-    two = one + int(width) * apart
+    count = int(unknowns)
+    one = begin + (int(interval) * (1 + 3 * count) + 1 + int(unknown)) * apart
+    two, rate = one + (1 + 3 * count) * apart, count * apart
     return (
         memory[one],
-        memory[one + apart],
-        memory[one + 2 * apart],
-        memory[one + 3 * apart],
+        memory[one + rate],
+        memory[one + 2 * rate],
         memory[two],
-        memory[two + apart],
-        memory[two + 2 * apart],
-        memory[two + 3 * apart],
+        memory[two + rate],
+        memory[two + 2 * rate],
     )
 
 
 @scalar
-def two_slides(
-    memory: np.ndarray, begin: int, apart: int, column: float, width: float, interval: float
-) -> tuple[float, float, float, float, float, float]:
-    """Slide coordinate and rates in two consecutive seeds; parameters as in `two_directions`."""
-    one = begin + int(interval * width + column) * apart
-    two = one + int(width) * apart
-    return (
-        memory[one],
-        memory[one + apart],
-        memory[one + 2 * apart],
-        memory[two],
-        memory[two + apart],
-        memory[two + 2 * apart],
-    )
-
-
-@scalar
-def slide_between(d1: float, v1: float, a1: float, d2: float, v2: float, a2: float, share: float, step: float) -> float:
-    """Slide coordinate between two seeds; parameters as in `direction_between`, from `two_slides`."""
-    square = step * step
-    return quintic_between(d1, v1 * step, a1 * square, d2, v2 * step, a2 * square, share)
-
-
-@scalar
-def direction_between(one: Turn, two: Turn, share: float, step: float) -> tuple[float, float]:
-    """Direction between two seeds, by quintics of its cosine and its sine.
+def between_seeds(one: Seed, two: Seed, share: float, step: float) -> float:
+    """Value of an unknown between two seeds.
 
     Parameters
     ----------
-    one, two : Turn
-        From `two_directions`.
+    one, two : Seed
+        From `two_seeds`.
     share : float
         From `place_in_table`.
     step : float
         Distance between the seeds.
     """
-    c1, s1, w1, e1 = one
-    c2, s2, w2, e2 = two
-    turn1, turn2, square = w1 * step, w2 * step, step * step
-    bend1, bend2, round1, round2 = e1 * square, e2 * square, turn1 * turn1, turn2 * turn2
-    c = quintic_between(c1, -s1 * turn1, -s1 * bend1 - c1 * round1, c2, -s2 * turn2, -s2 * bend2 - c2 * round2, share)
-    s = quintic_between(s1, c1 * turn1, c1 * bend1 - s1 * round1, s2, c2 * turn2, c2 * bend2 - s2 * round2, share)
-    per_length = 1.0 / math.sqrt(c * c + s * s)
-    return c * per_length, s * per_length
+    (a, v, e), (b, w, f), square = one, two, step * step
+    return quintic_between(a, v * step, e * square, b, w * step, f * square, share)
 
 
 @scalar
@@ -176,3 +148,18 @@ def turned(c: float, s: float, angle: float) -> tuple[float, float]:
 def proved(h: float, x: float) -> float:
     """A correction whose root is proved; NaN otherwise."""
     return x if h <= PROVES else math.nan
+
+
+def same_unknowns(one: np.ndarray, other: np.ndarray, slides: np.ndarray) -> np.ndarray:
+    """Whether values of the unknowns are those of one mode, angles but for whole turns (...).
+
+    Parameters
+    ----------
+    one, other : ndarray (unknowns, ...)
+    slides : ndarray (unknowns,) of bool
+        Which unknowns are slides; the others are angles.
+    """
+    slides = slides.reshape(-1, *[1] * (one.ndim - 1))
+    apart = one - other
+    apart = apart - np.where(slides, 0.0, 2.0 * np.pi * np.rint(apart / (2.0 * np.pi)))
+    return (np.abs(apart) <= SAME * np.where(slides, np.maximum(1.0, np.abs(one)), 1.0)).all(axis=0)

@@ -294,7 +294,7 @@ class ClosureOfFree:
             if cut.other.kind == "revolute":
                 two = self._reach_of_joint(origins, turns, nothing, cut.other.beyond(cut.name), cut.other.joint)
                 first = [a + b for a, b in zip(one.first, two.first, strict=True)]
-                total, length = _total(first), self.bar(cut).length
+                total, length = sum(first), self.bar(cut).length
                 # Upper bound: the residual is half the difference of the squares of distance and length.
                 distance = length + abs(miss.r) * (graph.one / length) + total * within
                 first = [reach * length for reach in first]
@@ -346,7 +346,7 @@ class ClosureOfFree:
         second = point.second + base.second
         if turns is None:
             return first, second
-        second = second + 2.0 * _total(first) + (arm + _total(first) * within)
+        second = second + 2.0 * sum(first) + (arm + sum(first) * within)
         return [f + arm if k == turns else f for k, f in enumerate(first)], second
 
 
@@ -372,10 +372,3 @@ def _turned_by(base: Reach, turns: int | None, arm: Node) -> Reach:
     if turns is None:
         return base
     return Reach(tuple(f + arm if k == turns else f for k, f in enumerate(base.first)), base.second + arm)
-
-
-def _total(nodes: Sequence[Node]) -> Node:
-    total = nodes[0]
-    for node in nodes[1:]:
-        total = total + node
-    return total

@@ -4,17 +4,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from engine.graph.nodes import Node
+from engine.laws.elementary import direction_of
 from engine.laws.kinematics.closure import greater
-from engine.laws.kinematics.seeds import (
-    direction_between,
-    place_in_range,
-    place_in_table,
-    proved,
-    slide_between,
-    turned,
-    two_directions,
-    two_slides,
-)
+from engine.laws.kinematics.seeds import between_seeds, place_in_range, place_in_table, proved, turned, two_seeds
 from engine.mechanism.assembly import Assembly, MovingPoint, Slide, Turning
 from engine.mechanism.groups.closure_of_free import ClosureOfFree, CutLink, Direction, Miss, Unknown
 from engine.mechanism.groups.minors import Inverse, inverse
@@ -93,23 +85,15 @@ def add_free_group(assembly: Assembly, group: FreeGroup, span: tuple[Node, Node]
     _register(closure, links, motions)
     graph, measures = assembly.graph, closure.measures()
     misses = [abs(m.r) / (size * closure.size) for m, size in zip(linear.misses, measures, strict=True)]
-    worst = misses[0]
-    for miss in misses[1:]:
-        worst = graph.apply(greater, worst, miss)
-    assembly.transmits(group.name, transmission(closure, places, linear), worst)
+    assembly.transmits(group.name, transmission(closure, places, linear), _maximum(graph, misses))
     return FreeMotion(closure, links, linear)
 
 
 def _tables_of(closure: ClosureOfFree, span: tuple[Node, Node], turns: bool) -> SeedTables:
     """Seed tables of a group, with the curves that make them: one correction and the rates, at given unknowns."""
     graph, name = closure.graph, closure.group.name
-    given = [
-        (graph.given(f"{name} {i} slide"),)
-        if slides
-        else (graph.given(f"{name} {i} cosine"), graph.given(f"{name} {i} sine"))
-        for i, slides in enumerate(closure.slides)
-    ]
-    places = [node[0] if slides else Vector(*node) for node, slides in zip(given, closure.slides, strict=True)]
+    given = [graph.given(f"{name} unknown {i}") for i in range(len(closure.slides))]
+    places = _places_of(closure, given)
     linear = linearised(closure, places)
     deltas = linear.inverse.times([-miss.r for miss in linear.misses])
     motions = with_rates(closure, places, linear)
@@ -133,6 +117,15 @@ def _points(closure: ClosureOfFree, links: dict[str, Turning]) -> dict[str, Vect
     return {name: coordinates(whole[link].at(place.in_axes(whole[link].u)).r) for name, (link, place) in found.items()}
 
 
+def _places_of(closure: ClosureOfFree, unknowns: Sequence[Node]) -> list[Place]:
+    """Directions of the unknowns that are angles; slides as they are."""
+    apply = closure.graph.apply
+    return [
+        node if slides else Vector(*apply(direction_of, node))
+        for node, slides in zip(unknowns, closure.slides, strict=True)
+    ]
+
+
 def _at_rest(closure: ClosureOfFree, place: Place) -> Unknown:
     zero = closure.graph.zero
     return Direction(place, zero, zero) if isinstance(place, Vector) else Slide(place, zero, zero)
@@ -147,20 +140,11 @@ def _seeded(closure: ClosureOfFree, tables: SeedTables, span: tuple[Node, Node],
         [graph.derived(f"{name} seed {i}", lambda n, i=i: tables(n).seeds[i]) for i in range(tables.entries)],
     )
     x = graph.apply(place_in_range, graph.q, span[0], graph.one / whole, float(turns))
-    width = float(tables.width)
-    interval, share, length = graph.apply(place_in_table, table, float(tables.intervals), width, x)
+    count = len(closure.slides)
+    interval, share, length = graph.apply(place_in_table, table, float(tables.intervals), float(count), x)
     step = whole * length
-    found: list[Place] = []
-    column = 1
-    for slides in closure.slides:
-        given = (table, float(column), width, interval)
-        column += 3 if slides else 4
-        if slides:
-            found.append(graph.apply(slide_between, *graph.apply(two_slides, *given), share, step))
-        else:
-            seeds = graph.apply(two_directions, *given)
-            found.append(Vector(*graph.apply(direction_between, seeds[:4], seeds[4:], share, step)))
-    return found
+    seeds = [graph.apply(two_seeds, table, float(i), float(count), interval) for i in range(count)]
+    return _places_of(closure, [graph.apply(between_seeds, both[:3], both[3:], share, step) for both in seeds])
 
 
 def linearised(closure: ClosureOfFree, places: Sequence[Place]) -> Linearised:
@@ -211,13 +195,8 @@ def certificate(closure: ClosureOfFree, places: Sequence[Place], linear: Lineari
     step = _maximum(graph, [abs(delta) for delta in deltas])
     # For h ≤ ½ the root is within twice the first correction.
     _, second = closure.bounds([_at_rest(closure, place) for place in places], linear.misses, step + step)
-    changes = []
-    for row in linear.inverse.rows:
-        terms = [abs(entry) * bound for entry, bound in zip(row, second, strict=True)]
-        total = terms[0]
-        for term in terms[1:]:
-            total = total + term
-        changes.append(total)
+    rows = linear.inverse.rows
+    changes = [sum(abs(entry) * bound for entry, bound in zip(row, second, strict=True)) for row in rows]
     return step * _maximum(graph, changes)
 
 
@@ -236,10 +215,7 @@ def transmission(closure: ClosureOfFree, places: Sequence[Place], linear: Linear
     first, _ = closure.bounds([_at_rest(closure, place) for place in places], linear.misses, closure.graph.zero)
     largest = closure.graph.one
     for row in first:
-        square = row[0] * row[0]
-        for bound in row[1:]:
-            square = square + bound * bound
-        largest = largest * closure.graph.function("sqrt", square)
+        largest = largest * closure.graph.function("sqrt", sum(bound * bound for bound in row))
     return linear.inverse.determinant * (closure.graph.one / largest)
 
 
@@ -276,7 +252,7 @@ def _slide(closure: ClosureOfFree, slider: str, carrier: str, guide: str) -> Sli
 
 def _cut_link(closure: ClosureOfFree, links: dict[str, Turning], cut: CutLink) -> Turning:
     """Motion of a cut link."""
-    joint = closure.local(cut.name, cut.one.name.removeprefix(f"{cut.one.link}."))
+    joint = closure.local(cut.name, cut.one.joint)
     if cut.other.kind == "revolute":
         one, other = closure.ends(links, cut)
         r, v, a = (two - first for first, two in zip(one, other, strict=True))
@@ -285,18 +261,13 @@ def _cut_link(closure: ClosureOfFree, links: dict[str, Turning], cut: CutLink) -
         share = bar * per_square
         u = Vector(r.dot(share), share.cross(r))
         return _from_joint(one, joint, Turning(one, u, r.cross(v) * per_square, r.cross(a) * per_square))
-    point = _joint_beyond(closure, links, cut)
+    point = closure.joint_on(links, cut.one.beyond(cut.name), cut.one.joint)
     line, _ = closure.line(links, cut)
     u = line.u
     if cut.other.link != cut.name:
         angle = closure.assembly.direction(f"guides.{closure.slider_guide(cut.other)}.angle")
         u = Vector(angle.x, -angle.y).in_axes(line.u)
     return _from_joint(point, joint, Turning(point, u, line.carrier.w, line.carrier.e))
-
-
-def _joint_beyond(closure: ClosureOfFree, links: dict[str, Turning], cut: CutLink) -> MovingPoint:
-    far = cut.one.other if cut.one.link == cut.name else cut.one.link
-    return closure.joint_on(links, far, cut.one.name.removeprefix(f"{cut.one.link}."))
 
 
 def _from_joint(joint: MovingPoint, place: Vector, link: Turning) -> Turning:

@@ -26,11 +26,11 @@ class Inverse(NamedTuple):
 
     def times(self, vector: Sequence[Node]) -> list[Node]:
         """Product with a column vector."""
-        return [_sum(a * b for a, b in zip(row, vector, strict=True)) for row in self.rows]
+        return [sum(a * b for a, b in zip(row, vector, strict=True)) for row in self.rows]
 
     def transposed_times(self, vector: Sequence[Node]) -> list[Node]:
         """Product of the transposed inverse with a column vector."""
-        return [_sum(a * b for a, b in zip(column, vector, strict=True)) for column in zip(*self.rows, strict=True)]
+        return [sum(a * b for a, b in zip(column, vector, strict=True)) for column in zip(*self.rows, strict=True)]
 
 
 def inverse(matrix: Matrix) -> Inverse:
@@ -60,10 +60,3 @@ def _minor(graph: Graph, matrix: Matrix, rows: tuple[int, ...], columns: tuple[i
 
 def _without(numbers: tuple[int, ...], number: int) -> tuple[int, ...]:
     return tuple(n for n in numbers if n != number)
-
-
-def _sum(terms: Sequence[Node]) -> Node:
-    first, *others = terms
-    for term in others:
-        first = first + term
-    return first

@@ -15,10 +15,11 @@ import numpy as np
 from engine import mechanism
 from engine.graph.nodes import Node, Number, reached
 from engine.graph.values import NodeValues
-from engine.laws.kinematics.seeds import LEAST_SHARE, PROVES
+from engine.laws.kinematics.seeds import LEAST_SHARE, PROVES, SAME, same_unknowns
 from engine.mechanism.vectors import Vector
+from engine.parts.motion_programs import TURN
 from engine.scene.scene import Numbers, Scene, SceneError, scene_numbers
-from engine.scene.structure.free_groups import FreeGroup
+from engine.scene.structure.free_groups import FreeGroup, cutting_of
 from engine.units.display import quantity_text
 from engine.words.verdicts import Verdict
 
@@ -28,12 +29,12 @@ _EACH_TURN, _EXTRA, _LONGEST_INTERVAL = 20, 44, 1.0 / 16.0
 # Unknowns at the first position are rounded to this share before they are corrected, so that nothing depends on the
 # path of continuation.
 _COARSE, _FINAL_CORRECTIONS = 2.0**-26, 3
+# Middle of the turn in which angles at the first position lie: its ends are no usual direction of a link [rad].
+_SEAM = 0.3
 # Starting points of the search for modes, and corrections of each.
 _STARTS, _CORRECTIONS = 4096, 60
 # Maximum correction [rad, or units of the group's size], so that none jumps across a mode.
 _LONGEST = 0.5
-# Modes are the same if their unknowns differ by no more than this.
-_SAME = 1e-6
 # The nearer of two modes is selected if the other is farther by at least this share of the distance.
 _NEARER = 0.02
 # Continuation steps from the scene to a variant, as shares of the distance: first, longest, shortest before failure.
@@ -63,7 +64,7 @@ class AssemblyMode(NamedTuple):
     Attributes
     ----------
     unknowns : ndarray (values,)
-        Cosines and sines of angles, and slides.
+        Angles [rad] and slides [m].
     points : dict of str to (float, float)
         Positions of the group's points [m].
     transmission : float
@@ -89,8 +90,8 @@ class SeedTables:
     ----------
     scene : Scene
     group : FreeGroup
-    given : sequence of tuple of Node
-        Given numbers for the value of each unknown: cosine and sine, or the slide.
+    given : sequence of Node
+        Given numbers for the values of the unknowns: angles and slides.
     curves : sequence of Node
         At these values: corrections, first and second rates of all unknowns; the certificate, the transmission index,
         the group's size.
@@ -103,15 +104,17 @@ class SeedTables:
 
     Attributes
     ----------
-    width, intervals, entries : int
-        Numbers per seed, capacity of a table in intervals, numbers per table.
+    intervals, entries : int
+        Capacity of a table in intervals, and in numbers.
+    slides : ndarray of bool
+        Which unknowns are slides; the others are angles.
     """
 
     def __init__(
         self,
         scene: Scene,
         group: FreeGroup,
-        given: Sequence[tuple[Node, ...]],
+        given: Sequence[Node],
         curves: Sequence[Node],
         points: Mapping[str, Vector],
         span: tuple[Node, Node],
@@ -119,18 +122,17 @@ class SeedTables:
     ) -> None:
         self.scene, self.group, self._turns = scene, group, turns
         self._given, self._curves, self._points, self._span = given, curves, points, span
-        self.width = 1 + sum(len(nodes) + 2 for nodes in given)
         self._revolutions = getattr(scene.input, "revolutions", 1) if turns else 1
         self.intervals = _EACH_TURN * self._revolutions + _EXTRA
-        self.entries = (self.intervals + 1) * self.width
-        self._slides = np.array([len(nodes) == 1 for nodes in given])
+        self.entries = (self.intervals + 1) * (1 + 3 * len(given))
+        self.slides = np.array([pair.kind == "prismatic" for _, pair in cutting_of(group).placed])
         self._of_thread = threading.local()
 
     @cached_property
     def _walk(self) -> "mechanism.groups.seed_walk.SeedWalk":
         # Compiled code is loaded on first use.
         words = f"One correction of the group {self.group.name}."
-        return mechanism.groups.seed_walk.SeedWalk(words, self._given, self._curves, self._span)
+        return mechanism.groups.seed_walk.SeedWalk(words, self._given, self._curves, self._span, self.slides)
 
     @property
     def _own(self) -> Numbers:
@@ -149,10 +151,10 @@ class SeedTables:
 
     def _at(self, numbers: Numbers, unknowns: np.ndarray, curves: Sequence[Node] | None = None) -> np.ndarray:
         """Curves at given unknowns and the first position, (curves, variants)."""
-        values, given = NodeValues(self._curves[0].graph, numbers), [node for nodes in self._given for node in nodes]
+        values = NodeValues(self._curves[0].graph, numbers)
         with np.errstate(all="ignore"):
             q = np.broadcast_to(self._span[0].compute(numbers), unknowns.shape[1:])
-        return np.array(values(curves or self._curves, q, dict(zip(given, unknowns, strict=True))))
+        return np.array(values(curves or self._curves, q, dict(zip(self._given, unknowns, strict=True))))
 
     # Modes of the scene
 
@@ -162,45 +164,33 @@ class SeedTables:
 
         Several thousand starting points are tried; each mode found is proved.
         """
-        own, count = self._own, self._slides.size
+        own, count = self._own, self.slides.size
         unknowns = self._starts(float(self._at(own, self._starts(1.0)[:, :1])[-1, 0]))
         # A start with a singular Jacobian is lost; the others suffice.
         with np.errstate(all="ignore"):
             for _ in range(_CORRECTIONS):
                 found = self._at(own, unknowns)
-                limits = _LONGEST * np.where(self._slides[:, None], found[-1], 1.0)
-                unknowns = self._moved(unknowns, np.clip(found[:count], -limits, limits))
+                limits = _LONGEST * np.where(self.slides[:, None], found[-1], 1.0)
+                unknowns = unknowns + np.clip(found[:count], -limits, limits)
             found = self._at(own, unknowns)
-            proved = (found[3 * count] <= PROVES) & (np.abs(found[:count]) < _SAME).all(axis=0)
+            proved = (found[3 * count] <= PROVES) & (np.abs(found[:count]) < SAME).all(axis=0)
         roots: list[np.ndarray] = []
         for root in unknowns[:, proved].T:
-            if not any(np.abs(root - other).max() < _SAME * max(1.0, np.abs(root).max()) for other in roots):
+            if not any(same_unknowns(root, other, self.slides) for other in roots):
                 roots.append(root)
-        roots.sort(key=lambda root: tuple(np.round(root, 6)))
+        roots.sort(key=lambda root: np.where(self.slides, root, [np.cos(root), np.sin(root)]).T.round(6).tolist())
         return self._described(roots)
 
     def _starts(self, size: float) -> np.ndarray:
         random = np.random.default_rng(1)
-        rows = []
-        for slides in self._slides:
-            if slides:
-                rows.append(random.choice([-1.0, 1.0], _STARTS) * size * 10.0 ** random.uniform(-1.5, 1.0, _STARTS))
-            else:
-                angle = random.uniform(-np.pi, np.pi, _STARTS)
-                rows += [np.cos(angle), np.sin(angle)]
-        return np.array(rows)
-
-    def _moved(self, unknowns: np.ndarray, deltas: np.ndarray) -> np.ndarray:
-        rows, i = [], 0
-        for slides, delta in zip(self._slides, deltas, strict=True):
-            if slides:
-                rows.append(unknowns[i] + delta)
-                i += 1
-            else:
-                c, s = unknowns[i], unknowns[i + 1]
-                rows += [c * np.cos(delta) - s * np.sin(delta), s * np.cos(delta) + c * np.sin(delta)]
-                i += 2
-        return np.array(rows)
+        return np.array(
+            [
+                random.choice([-1.0, 1.0], _STARTS) * size * 10.0 ** random.uniform(-1.5, 1.0, _STARTS)
+                if slides
+                else random.uniform(-np.pi, np.pi, _STARTS)
+                for slides in self.slides
+            ]
+        )
 
     def _described(self, roots: list[np.ndarray]) -> tuple[AssemblyMode, ...]:
         if not roots:
@@ -310,25 +300,18 @@ class SeedTables:
 
     def _polished(self, numbers: Numbers, unknowns: np.ndarray) -> np.ndarray:
         """Unknowns at the first position, bitwise independent of the continuation: rounded, then corrected."""
-        count, i = self._slides.size, 0
+        slides = self.slides[:, None]
         with np.errstate(all="ignore"):
-            size = self._at(numbers, unknowns)[-1]
-            rounded = np.array(unknowns)
-            for slides in self._slides:
-                if slides:
-                    step = _COARSE * np.exp2(np.floor(np.log2(size)))
-                    rounded[i] = np.rint(unknowns[i] / step) * step
-                else:
-                    c, s = np.rint(unknowns[i : i + 2] / _COARSE) * _COARSE
-                    rounded[i : i + 2] = np.array((c, s)) / np.hypot(c, s)
-                i += 1 if slides else 2
+            steps = _COARSE * np.where(slides, np.exp2(np.floor(np.log2(self._at(numbers, unknowns)[-1]))), 1.0)
+            turned = np.where(slides, 0.0, TURN * np.rint((unknowns - _SEAM) / TURN))
+            rounded = np.rint((unknowns - turned) / steps) * steps
             for _ in range(_FINAL_CORRECTIONS):
-                rounded = self._moved(rounded, self._at(numbers, rounded)[:count])
+                rounded = rounded + self._at(numbers, rounded)[: slides.size]
         return rounded
 
     def _carried(self, numbers: Numbers, mode: AssemblyMode) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The scene's mode at the first position of each variant, its transmission index, whether it was reached."""
-        rows, count = self._rows(numbers), self._slides.size
+        rows, count = self._rows(numbers), self.slides.size
         variants = rows.shape[1]
         unknowns, sines = np.repeat(mode.unknowns[:, None], variants, axis=1), np.full(variants, mode.transmission)
         own = self._rows(self._own)
@@ -345,9 +328,9 @@ class SeedTables:
                 accepted = going & (found[3 * count] <= PROVES)
                 moved = unknowns
                 for _ in range(4):
-                    moved = self._moved(moved, found[:count])
+                    moved = moved + found[:count]
                     found = self._at(there, moved)
-                accepted &= (np.abs(found[:count]) < _SAME).all(axis=0)
+                accepted &= (np.abs(found[:count]) < SAME).all(axis=0)
                 accepted &= found[-2] / sines > LEAST_SHARE
             sines = np.where(accepted, found[-2], sines)
             unknowns = np.where(accepted, moved, unknowns)

@@ -15,13 +15,11 @@ from engine.compiling.widths import LANES
 from engine.cycle.panels.lanes import rows
 from engine.graph.functions import Functions, functions_at
 from engine.graph.nodes import Node, value_of
-from engine.laws.kinematics.seeds import CLOSE, LEAST_SHARE, PROVES, direction_between, slide_between, turned
+from engine.laws.kinematics.seeds import CLOSE, LEAST_SHARE, PROVES, between_seeds, same_unknowns
 from engine.scene.scene import Numbers
 
 # Corrections of a step before its acceptance.
 _CORRECTIONS = 3
-# Tolerance of the unknowns at the end of a turn against those at its start [rad, or units of the group's size].
-_CLOSED = 1e-6
 # The shortest step before a path ends, relative to the longest.
 _SHORTEST_STEP = 2.0**-24
 # Limits of the change of the step length, and the share of CLOSE aimed at in the middle of the next step.
@@ -38,8 +36,8 @@ class SeedPaths(NamedTuple):
     Attributes
     ----------
     seeds : ndarray (entries, variants)
-        Per seed: its place as a share of the range, infinite if unused; then, per unknown, cosine and sine, or slide,
-        with first and second rate; NaN beyond the end of a path.
+        Per seed: its place as a share of the range, infinite if unused; the unknowns, their first rates, their second
+        rates; NaN beyond the end of a path.
     ends_at : ndarray (variants,)
         Position at which modes meet and a path ends; NaN if it does not.
     short_at : ndarray (variants,)
@@ -68,7 +66,6 @@ class _Variants(NamedTuple):
     ----------
     level_rows, given : ndarray of int
         Rows for the levels and for the unknowns.
-    slides : ndarray of bool
     table : ndarray (numbers, variants)
     memory : ndarray
         All tables.
@@ -76,7 +73,6 @@ class _Variants(NamedTuple):
 
     level_rows: np.ndarray
     given: np.ndarray
-    slides: np.ndarray
     table: np.ndarray
     memory: np.ndarray
 
@@ -86,14 +82,14 @@ class _Paths(NamedTuple):
 
     Attributes
     ----------
-    start : ndarray (values, variants)
+    start : ndarray (unknowns, variants)
     sines : ndarray (variants,)
     most : int
         Capacity of a table in intervals.
     longest : float
         Longest interval as a share of the range.
     seeds : ndarray (entries, variants)
-    reached : ndarray (2 + values, variants)
+    reached : ndarray (2 + unknowns, variants)
         Number of seeds, place and unknowns at the end.
     """
 
@@ -144,9 +140,10 @@ class _Scratch(NamedTuple):
         Position after a step, and in its middle, with cosine and sine.
     tile : ndarray (curves, 1, LANES)
     level_tile : ndarray (levels, 1, LANES)
-    now, ahead, middle : ndarray (unknowns' values, LANES)
-        At the last seed, after the step, in its middle.
-    rates, rates_ahead : ndarray (2 unknowns, LANES)
+    now, ahead : ndarray (3 unknowns, LANES)
+        At the last seed, and after the step: the unknowns, their first rates, their second rates.
+    middle : ndarray (unknowns, LANES)
+        The unknowns in the middle of the step.
     path : _Path
     """
 
@@ -158,20 +155,19 @@ class _Scratch(NamedTuple):
     now: np.ndarray
     ahead: np.ndarray
     middle: np.ndarray
-    rates: np.ndarray
-    rates_ahead: np.ndarray
     path: _Path
 
 
-def _new_scratch(functions: Functions, values: int, unknowns: int, curves: int) -> _Scratch:
+def _new_scratch(functions: Functions, unknowns: int) -> _Scratch:
     return _Scratch(
         rows(len(functions.rows)),
         np.zeros((3, 1, LANES)),
         np.zeros((3, 1, LANES)),
-        rows(curves, 1),
+        rows(len(functions.curves), 1),
         rows(max(len(functions.level_rows), 1), 1),
-        *(rows(values) for _ in range(3)),
-        *(rows(2 * unknowns) for _ in range(2)),
+        rows(3 * unknowns),
+        rows(3 * unknowns),
+        rows(unknowns),
         _Path(*(rows(1)[0] for _ in _Path._fields)),
     )
 
@@ -188,14 +184,6 @@ def _load(first: int, functions: _Functions, variants: _Variants, scratch: _Scra
 
 
 @routine
-def _put(values: np.ndarray, given: np.ndarray, block: np.ndarray) -> None:
-    """Copy the unknowns into the block."""
-    for i in range(given.size):
-        for lane in range(LANES):
-            block[given[i], lane] = values[i, lane]
-
-
-@routine
 def _place(at: np.ndarray) -> None:
     """Compute cosine and sine of the positions."""
     for lane in range(LANES):
@@ -203,55 +191,34 @@ def _place(at: np.ndarray) -> None:
 
 
 @routine
-def _move(values: np.ndarray, slides: np.ndarray, tile: np.ndarray) -> None:
+def _move(ahead: np.ndarray, tile: np.ndarray) -> None:
     """Add corrections to the unknowns."""
-    i = 0
-    for k in range(slides.size):
-        if slides[k]:
-            for lane in range(LANES):
-                values[i, lane] += tile[k, 0, lane]
-            i += 1
-        else:
-            for lane in range(LANES):
-                values[i, lane], values[i + 1, lane] = turned(values[i, lane], values[i + 1, lane], tile[k, 0, lane])
-            i += 2
+    for k in range(ahead.shape[0] // 3):
+        for lane in range(LANES):
+            ahead[k, lane] += tile[k, 0, lane]
 
 
 @routine
-def _predict(slides: np.ndarray, scratch: _Scratch) -> None:
+def _predict(scratch: _Scratch) -> None:
     """Extrapolate the unknowns over a step, from their first and second rate."""
-    i, count = 0, slides.size
+    now, count = scratch.now, scratch.middle.shape[0]
     for k in range(count):
         for lane in range(LANES):
             step = (scratch.block[1, lane] - scratch.block[0, lane]) * scratch.path.tried[lane]
-            delta = step * (scratch.rates[k, lane] + 0.5 * step * scratch.rates[count + k, lane])
-            if slides[k]:
-                scratch.ahead[i, lane] = scratch.now[i, lane] + delta
-            else:
-                scratch.ahead[i, lane], scratch.ahead[i + 1, lane] = turned(
-                    scratch.now[i, lane], scratch.now[i + 1, lane], delta
-                )
-        i += 1 if slides[k] else 2
+            change = step * (now[count + k, lane] + 0.5 * step * now[2 * count + k, lane])
+            scratch.ahead[k, lane] = now[k, lane] + change
 
 
 @routine
-def _interpolate(slides: np.ndarray, scratch: _Scratch) -> None:
+def _interpolate(scratch: _Scratch) -> None:
     """Interpolate the unknowns at the middle of the step, as they will be between two seeds."""
-    i, count, now, ahead = 0, slides.size, scratch.now, scratch.ahead
+    now, ahead, count = scratch.now, scratch.ahead, scratch.middle.shape[0]
     for k in range(count):
         for lane in range(LANES):
             step = (scratch.block[1, lane] - scratch.block[0, lane]) * scratch.path.tried[lane]
-            v, v_ahead = scratch.rates[k, lane], scratch.rates_ahead[k, lane]
-            a, a_ahead = scratch.rates[count + k, lane], scratch.rates_ahead[count + k, lane]
-            if slides[k]:
-                scratch.middle[i, lane] = slide_between(now[i, lane], v, a, ahead[i, lane], v_ahead, a_ahead, 0.5, step)
-            else:
-                one, two = (
-                    (now[i, lane], now[i + 1, lane], v, a),
-                    (ahead[i, lane], ahead[i + 1, lane], v_ahead, a_ahead),
-                )
-                scratch.middle[i, lane], scratch.middle[i + 1, lane] = direction_between(one, two, 0.5, step)
-        i += 1 if slides[k] else 2
+            one = now[k, lane], now[count + k, lane], now[2 * count + k, lane]
+            two = ahead[k, lane], ahead[count + k, lane], ahead[2 * count + k, lane]
+            scratch.middle[k, lane] = between_seeds(one, two, 0.5, step)
 
 
 @routine
@@ -262,16 +229,16 @@ def _start_paths(first: int, paths: _Paths, scratch: _Scratch) -> None:
         path.place[lane] = path.step[lane] = path.found[lane] = 0.0
         path.active[lane] = 1.0
         path.sine[lane] = paths.sines[min(first + lane, last)]
-        for i in range(scratch.now.shape[0]):
+        count = paths.start.shape[0]
+        for i in range(count):
             scratch.now[i, lane] = paths.start[i, min(first + lane, last)]
-        for i in range(scratch.rates.shape[0]):
-            scratch.rates[i, lane] = 0.0
+            scratch.now[count + i, lane] = scratch.now[2 * count + i, lane] = 0.0
 
 
 @routine
 def _judge(longest: float, scratch: _Scratch) -> None:
     """Accept or reject each lane's step by the quintic's error at its middle, and choose the next step length."""
-    path, count = scratch.path, scratch.rates.shape[0] // 2
+    path, count = scratch.path, scratch.middle.shape[0]
     for lane in range(LANES):
         # The determinant changes sign where two modes meet: reject a step across such a place.
         kept = path.sine_ahead[lane] / path.sine[lane] > LEAST_SHARE
@@ -294,19 +261,16 @@ def _judge(longest: float, scratch: _Scratch) -> None:
 
 
 @routine
-def _store(first: int, slides: np.ndarray, paths: _Paths, scratch: _Scratch) -> bool:
+def _store(first: int, paths: _Paths, scratch: _Scratch) -> bool:
     """Store the seeds found, up to the capacity; return whether any lane is still on its path."""
-    path, values, count, active = scratch.path, scratch.now.shape[0], slides.size, False
-    most, seeds = paths.most, paths.seeds
-    width = 1 + values + 2 * count
+    path, most, seeds, active = scratch.path, paths.most, paths.seeds, False
+    width = 1 + scratch.now.shape[0]
     for lane in range(LANES):
         if path.refused[lane] > 0.0:
             active = active or path.active[lane] > 0.0
             continue
-        for i in range(values):
+        for i in range(width - 1):
             scratch.now[i, lane] = scratch.ahead[i, lane]
-        for i in range(2 * count):
-            scratch.rates[i, lane] = scratch.rates_ahead[i, lane]
         path.sine[lane] = path.sine_ahead[lane]
         found = int(path.found[lane])
         path.found[lane] += 1.0
@@ -318,14 +282,8 @@ def _store(first: int, slides: np.ndarray, paths: _Paths, scratch: _Scratch) -> 
             continue
         seed, v = seeds[found * width : (found + 1) * width], first + lane
         seed[0, v] = path.place[lane]
-        i, j = 0, 1
-        for k in range(count):
-            for _ in range(1 if slides[k] else 2):
-                seed[j, v] = scratch.now[i, lane]
-                i += 1
-                j += 1
-            seed[j, v], seed[j + 1, v] = scratch.rates[k, lane], scratch.rates[count + k, lane]
-            j += 2
+        for i in range(width - 1):
+            seed[1 + i, v] = scratch.now[i, lane]
     return active
 
 
@@ -333,8 +291,9 @@ def _store(first: int, slides: np.ndarray, paths: _Paths, scratch: _Scratch) -> 
 def _walk(begin: int, end: int, functions: _Functions, variants: _Variants, paths: _Paths, scratch: _Scratch) -> None:
     """Fill the tables of blocks `begin` … `end` − 1 of LANES variants; see `SeedWalk`."""
     fill = functions.fill
-    memory, given, slides, count = variants.memory, variants.given, variants.slides, variants.slides.size
+    memory, given, count = variants.memory, variants.given, variants.given.size
     block, at, half_way, path, tile = scratch.block, scratch.at, scratch.half_way, scratch.path, scratch.tile
+    ahead = scratch.ahead
     for b in range(begin, end):
         first = b * LANES
         _load(first, functions, variants, scratch)
@@ -348,29 +307,29 @@ def _walk(begin: int, end: int, functions: _Functions, variants: _Variants, path
                 place = block[0, lane] + (block[1, lane] - block[0, lane]) * (path.place[lane] + tried)
                 at[0, 0, lane] = block[1, lane] if tried == left else place
             _place(at)
-            _predict(slides, scratch)
-            _put(scratch.ahead, given, block)
+            _predict(scratch)
+            copy_rows(in_lanes(ahead), given, in_lanes(block))
             fill(block, memory, at[0], at[1], at[2], tile)
             for lane in range(LANES):
                 path.refused[lane] = 0.0 if tile[3 * count, 0, lane] <= PROVES else 1.0
             for _ in range(_CORRECTIONS - 1):
-                _move(scratch.ahead, slides, tile)
-                _put(scratch.ahead, given, block)
+                _move(ahead, tile)
+                copy_rows(in_lanes(ahead), given, in_lanes(block))
                 fill(block, memory, at[0], at[1], at[2], tile)
-            _move(scratch.ahead, slides, tile)
+            _move(ahead, tile)
             for lane in range(LANES):
                 path.sine_ahead[lane] = tile[3 * count + 1, 0, lane]
-                for i in range(2 * count):
-                    scratch.rates_ahead[i, lane] = tile[count + i, 0, lane]
-            _interpolate(slides, scratch)
-            _put(scratch.middle, given, block)
+                for i in range(count, 3 * count):
+                    ahead[i, lane] = tile[i, 0, lane]
+            _interpolate(scratch)
+            copy_rows(in_lanes(scratch.middle), given, in_lanes(block))
             for lane in range(LANES):
                 place = path.place[lane] + 0.5 * path.tried[lane]
                 half_way[0, 0, lane] = block[0, lane] + (block[1, lane] - block[0, lane]) * place
             _place(half_way)
             fill(block, memory, half_way[0], half_way[1], half_way[2], tile)
             _judge(paths.longest, scratch)
-            active = _store(first, slides, paths, scratch)
+            active = _store(first, paths, scratch)
         reached = paths.reached
         for lane in range(min(LANES, reached.shape[1] - first)):
             reached[0, first + lane], reached[1, first + lane] = path.found[lane], path.place[lane]
@@ -384,23 +343,24 @@ class SeedWalk:
     ----------
     title : str
         Docstring of the printed module.
-    given : sequence of tuple of Node
-        Given numbers for the value of each unknown.
+    given : sequence of Node
+        Given numbers for the values of the unknowns.
     curves : sequence of Node
         Corrections, rates, second rates, certificate, transmission index and size at given values of the unknowns.
     span : tuple of Node
         First and last position of the input.
+    slides : ndarray of bool
+        Which unknowns are slides.
     """
 
     def __init__(
-        self, title: str, given: Sequence[tuple[Node, ...]], curves: Sequence[Node], span: tuple[Node, Node]
+        self, title: str, given: Sequence[Node], curves: Sequence[Node], span: tuple[Node, Node], slides: np.ndarray
     ) -> None:
-        numbers = [node for nodes in given for node in nodes]
-        self._functions = functions_at(curves[0].graph, title, *span, curves, numbers=numbers)
+        self._functions = functions_at(curves[0].graph, title, *span, curves, numbers=given)
         module = load_printed(self._functions.text)
         self._fill, self._levels = TileFunction(module.curves_at), TileFunction(module.levels)
-        self._given = np.array([self._functions.rows[node] for node in numbers], np.int64)
-        self._slides = np.array([len(nodes) == 1 for nodes in given])
+        self._given = np.array([self._functions.rows[node] for node in given], np.int64)
+        self._slides = slides
 
     def _table(self, numbers: Numbers, variants: int) -> np.ndarray:
         """Rows of P for all variants."""
@@ -418,7 +378,7 @@ class SeedWalk:
         Parameters
         ----------
         numbers : Numbers
-        start : ndarray (values, variants)
+        start : ndarray (unknowns, variants)
             Unknowns at the first position.
         sines : ndarray (variants,)
             Transmission index there.
@@ -429,26 +389,25 @@ class SeedWalk:
         turns : bool
             Whether the last position coincides with the first.
         """
-        functions, given, slides = self._functions, self._given, self._slides
+        functions, given = self._functions, self._given
         table = self._table(numbers, start.shape[1])
-        values, count, variants = len(given), slides.size, table.shape[1]
-        seeds = np.full((intervals + 1, 1 + values + 2 * count, variants), np.nan)
+        count, variants = given.size, table.shape[1]
+        seeds = np.full((intervals + 1, 1 + 3 * count, variants), np.nan)
         seeds[:, 0] = np.inf
-        reached = np.empty((2 + values, variants))
+        reached = np.empty((2 + count, variants))
         level_rows = np.array(functions.level_rows, np.int64)
-        every_variant = _Variants(level_rows, given, slides, np.ascontiguousarray(table), functions.memory)
+        every_variant = _Variants(level_rows, given, np.ascontiguousarray(table), functions.memory)
         begins = np.ascontiguousarray(start), np.ascontiguousarray(sines)
         paths = _Paths(*begins, intervals, longest, seeds.reshape(-1, variants), reached)
 
         def arguments() -> tuple:
-            scratch = _new_scratch(functions, values, count, len(functions.curves))
-            return _Functions(self._fill, self._levels), every_variant, paths, scratch
+            return _Functions(self._fill, self._levels), every_variant, paths, _new_scratch(functions, count)
 
         spread(_walk, -(-variants // LANES), arguments)
         found, place, end = reached[0].astype(np.int64), reached[1], reached[2:]
         whole, short, every = place == 1.0, found > intervals + 1, np.arange(variants)
         last = np.clip(found - 1, 0, intervals)
-        closes = (np.abs(end - start) <= _CLOSED * np.maximum(1.0, np.abs(start))).all(axis=0)
+        closes = same_unknowns(start, end, self._slides)
         # Beyond the end of a path the seeds are unknown.
         ended = np.flatnonzero(~whole | short)
         final = np.minimum(last[ended], intervals - 1)

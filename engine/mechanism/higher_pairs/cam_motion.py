@@ -12,12 +12,12 @@ import numpy as np
 from engine.graph.nodes import Node
 from engine.laws.cams.profiles import (
     contact_normal,
-    curvature_of_pitch,
     flat_face_support,
     least_arm_angle,
     least_face_angle,
     least_height,
     oscillating_place,
+    pitch_curvature,
     sliding_face_transmission,
     swinging_face_transmission,
     translating_place,
@@ -207,7 +207,7 @@ def _rolling(assembly: Assembly, name: str, place: tuple[Node, ...], sense: Node
     graph, radius = assembly.graph, _roller(assembly, name)
     centre = Vector(*place[:2])
     normal = Vector(*graph.apply(contact_normal, *place[:4], sense))
-    pitch = graph.apply(curvature_of_pitch, *place, sense)
+    pitch = graph.apply(pitch_curvature, place, sense)
     convex, hollow = 1.0 - pitch * radius, 1.0 + pitch * radius
     undercut = ()
     if radius is not graph.zero:

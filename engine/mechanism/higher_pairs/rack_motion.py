@@ -16,7 +16,6 @@ import numpy as np
 
 from engine.graph.nodes import Node, Return
 from engine.laws.elementary import direction_of
-from engine.laws.kinematics.racks import pinion_turn, rack_slide
 from engine.mechanism.assembly import Assembly, Slide, Turning
 from engine.mechanism.vectors import Vector
 from engine.scene.attachments import guide_of
@@ -79,7 +78,7 @@ def add_rack(assembly: Assembly, name: str) -> None:
     turns = assembly.turns(rack.pinion) - assembly.turns(carrier)
     assembly.graph.returns((turned,), Return(f"racks.{name}.pinion", turns, none=True))
     slide = Slide(
-        assembly.graph.apply(rack_slide, axis.d, start, radius, turned),
+        axis.d + start + radius * turned,
         axis.v + radius * (pinion.w - line.carrier.w),
         axis.a + radius * (pinion.e - line.carrier.e),
     )
@@ -95,7 +94,7 @@ def add_pinion(assembly: Assembly, name: str) -> None:
     axis = _axis_along(assembly, pinion.pivot, guide)
     still = Slide(graph.zero, graph.zero, graph.zero)
     rack = still if pinion.rack is None else assembly.slides[pinion.rack]
-    angle, w, e = (graph.apply(pinion_turn, *ends, radius) for ends in zip(rack, axis, strict=True))
+    angle, w, e = ((slide - own) / radius for slide, own in zip(rack, axis, strict=True))
     assembly.turned[name] = phase + angle
     u = Vector(*graph.apply(direction_of, assembly.turned[name])).in_axes(line.carrier.u)
     assembly.link(name, Turning(assembly.points[pinion.pivot], u, line.carrier.w + w, line.carrier.e + e))
