@@ -13,6 +13,7 @@ from engine.compiling.blocks import Row, Rows, copy_rows, gather, hand_out, hand
 from engine.compiling.decorators import driver, routine
 from engine.compiling.memory import as_memory
 from engine.compiling.widths import LANES
+from engine.cycle.close_turns import ADDED, CloseTurns, add_close_turns, begin_close_turns, new_close_turns
 from engine.cycle.events import (
     LOOKED_BESIDE,
     LandmarkRows,
@@ -22,7 +23,6 @@ from engine.cycle.events import (
     find_landmarks,
     find_turns,
     lay_edges,
-    move_to_dips,
     note_coarse,
     scan_positions,
 )
@@ -201,7 +201,7 @@ class Workspace(NamedTuple):
     figures, scales : many
         One for each curve.
     scan, scan_beside : Samples
-        Switching functions at the scan positions, and at some of these perturbed by their rounding.
+        Switching functions at the scan positions, and their changes when some of these are perturbed by their rounding.
     turns, crossings : Roots
         Turning points of the switching functions, and their crossings of levels.
     heights : rows
@@ -225,6 +225,7 @@ class Workspace(NamedTuple):
     integrals: many(IntegralRows)
     scan: Samples
     scan_beside: Samples
+    close_turns: CloseTurns
     turns: Roots
     crossings: Roots
     noted: one(Noted)
@@ -262,8 +263,9 @@ def new_workspace(task: Task, numbers: int, steps: int) -> Workspace:
         figures=count,
         scales=count,
         integrals=task.integrals.size,
-        scan=new_samples(functions, task.scan),
+        scan=new_samples(functions, (1 + ADDED) * task.scan),
         scan_beside=new_samples(functions, LOOKED_BESIDE),
+        close_turns=new_close_turns(functions),
         turns=new_roots(functions, functions * task.most_roots),
         crossings=new_roots(functions, crossings),
         heights=max(len(task.crossings), 1),
@@ -308,13 +310,17 @@ def spoil(curves: int, lanes: Row, tile: Panels) -> None:
 
 @routine
 def sample_beside(events: Callable, given: GivenNumbers, samples: Samples, beside: Samples) -> None:
-    """Evaluate the switching functions at some of the scan positions, perturbed by their rounding."""
-    at, place, stride = samples.place, beside.place, samples.tile.shape[1] // LOOKED_BESIDE
+    """Fill changes of the switching functions when some of the scan positions are perturbed by their rounding."""
+    at, place, stride = samples.place, beside.place, samples.used[0] // LOOKED_BESIDE
     q, cos_q, sin_q = in_lanes(place[0]), in_lanes(place[1]), in_lanes(place[2])
     given_q, given_cos, given_sin = in_lanes(at[0]), in_lanes(at[1]), in_lanes(at[2])
     for k in range(LOOKED_BESIDE):
         change_by_rounding(k * stride, given_q, given_cos, given_sin, k, q, cos_q, sin_q)
     events(given.block, given.tables, place[0], place[1], place[2], beside.tile)
+    for f in range(beside.tile.shape[0]):
+        for k in range(LOOKED_BESIDE):
+            for lane in range(LANES):
+                beside.tile[f, k, lane] -= samples.tile[f, k * stride, lane]
 
 
 @routine
@@ -330,16 +336,17 @@ def cut(functions: MachineFunctions, task: Task, given: GivenNumbers, work: Work
             turns.used[0] = 0
             scan_positions(block[task.ends[0]], block[task.ends[1]], task.scan, in_lanes(work.scan.place[0]))
             sample(events, given, task.scan, work.scan)
-            for f in range(count):
-                if move_to_dips(f, work.scan, noted.marks):
-                    sample(events, given, task.scan, work.scan)
+            begin_close_turns(task.scan, work.scan, work.close_turns)
             sample_beside(events, given, work.scan, work.scan_beside)
+            for f in range(count):
+                note_coarse(f, work.scan, noted, work.too_many)
+            for f in range(count):
+                add_close_turns(f, events, given, work.walk.range, work.scan, work.close_turns)
             for f in range(count):
                 find_turns(f, work.scan, most, noted, turns)
             solve_roots(events, given, work.heights, turns)
             for f in range(count):
                 find_landmarks(f, work.scan, work.scan_beside, turns, noted.steepest, work.landmarks[f])
-                note_coarse(f, work.scan, work.landmarks[f].scale, noted, work.too_many)
                 copy_rows(work.landmarks[f], task.landmarks[f], block)
         if task.levels.shape[0] > 0:
             functions.levels(given.block, given.tables, place[0, :1], place[1, :1], place[2, :1], work.level_tile)

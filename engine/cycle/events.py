@@ -30,9 +30,6 @@ UNEVEN = 0.1 / (2.0 * math.pi)
 # The scan is too coarse if a function's slope misses the cubic through its neighbours by more than MISSED of its rms,
 # in more than COARSE of the intervals in which the function moves. A sine needs a sample every fifth of its period.
 COARSE, MISSED = 0.25, 0.05
-# A slope may change sign twice between two positions if its least magnitude there, by the cubic through both, is below
-# this fraction of that at either.
-CLOSE = 0.1
 # Changes of a function up to this fraction of its scale count as rounding, not motion.
 STILL = 64.0 * ROUNDING
 
@@ -74,13 +71,14 @@ class Noted(NamedTuple):
         Lanes that enter a root.
     counts : row
         Number of roots found for a function, or for a function and level.
-    steepest : row
-        Maximum of |f′|.
+    steepest, scale : row
+        Maxima of |f′| and of |f|; the latter is NaN if a value is NaN or infinite.
     """
 
     marks: Row
     counts: Row
     steepest: Row
+    scale: Row
 
 
 class Level(NamedTuple):
@@ -131,8 +129,15 @@ def scan_positions(first: Row, last: Row, count: int, q: Rows) -> None:
         q[count - 1, lane] = last[lane]
 
 
+@inlined
+def _scale(f: float, scale: float) -> float:
+    """Maximum magnitude, raised to that of a value; NaN from the first NaN or infinite value on."""
+    magnitude = abs(f) if abs(f) < math.inf else math.nan
+    return scale if (scale >= magnitude) | (scale != scale) else magnitude
+
+
 @routine
-def note_coarse(function: int, samples: Samples, scale: Row, noted: Noted, coarse: Row) -> None:
+def note_coarse(function: int, samples: Samples, noted: Noted, coarse: Row) -> None:
     """Mark lanes whose scan is too coarse to find all turning points of a function.
 
     At every second position the slope is compared with that of the Hermite cubic through both neighbours.
@@ -142,20 +147,19 @@ def note_coarse(function: int, samples: Samples, scale: Row, noted: Noted, coars
     function : int
     samples : Samples
         All functions at the scan positions.
-    scale : row
-        Maximum magnitude of the function.
     noted : Noted
         Scratch: mean square of the slope, number of intervals in which the function moves, and number of those missed.
     coarse : row
         Set to 1 in those lanes.
     """
-    room, q = samples.tile.shape[1], in_lanes(samples.place[0])
+    room, q, scale = samples.used[0], in_lanes(samples.place[0]), noted.scale
     square, moving, missed = noted.steepest, noted.marks, noted.counts
     values, slopes = in_lanes(samples.tile[2 * function]), in_lanes(samples.tile[2 * function + 1])
     for lane in range(LANES):
-        square[lane] = moving[lane] = missed[lane] = 0.0
+        square[lane] = moving[lane] = missed[lane] = scale[lane] = 0.0
     for k in range(room):
         for lane in range(LANES):
+            scale[lane] = _scale(values[k, lane], scale[lane])
             square[lane] += slopes[k, lane] ** 2 / room
     for i in range((room - 1) // 2):
         k = 2 * i + 1
@@ -170,56 +174,6 @@ def note_coarse(function: int, samples: Samples, scale: Row, noted: Noted, coars
             missed[lane] += 1.0 if abs(here - predicted) > least else 0.0
     for lane in range(LANES):
         coarse[lane] = 1.0 if missed[lane] > COARSE * moving[lane] else coarse[lane]
-
-
-@inlined
-def _dip(here: float, there: float, chord: float) -> float:
-    """Where in an interval, from 0 to 1, a cubic's slope may change its sign twice; −1 if nowhere."""
-    linear, square = 6.0 * chord - 4.0 * here - 2.0 * there, 3.0 * (here + there) - 6.0 * chord
-    t = -0.5 * linear / square
-    dips = (t > 0.0) & (t < 1.0) & (here + 0.5 * linear * t < CLOSE * smaller(here, there))
-    return t if dips else -1.0
-
-
-@routine
-def move_to_dips(function: int, samples: Samples, moved: Row) -> bool:
-    """Move scan positions to where a function's slope may change sign twice between two of them.
-
-    There the slope of the Hermite cubic through both has an extreme of the other sign, or close to 0. Only a position
-    whose slope has the sign of those of both neighbours moves, so that no change of sign is lost.
-
-    Parameters
-    ----------
-    function : int
-    samples : Samples
-        All functions at the scan positions; of these, only the positions change.
-    moved : row
-        Scratch: 1 where the position before has moved.
-
-    Returns
-    -------
-    bool
-        Whether any position moved.
-    """
-    q, any_moved = in_lanes(samples.place[0]), 0.0
-    values, slopes = in_lanes(samples.tile[2 * function]), in_lanes(samples.tile[2 * function + 1])
-    for lane in range(LANES):
-        moved[lane] = 0.0
-    for k in range(1, samples.tile.shape[1] - 1):
-        for lane in range(LANES):
-            sign = 1.0 if slopes[k, lane] >= 0.0 else -1.0
-            low, here, high = sign * slopes[k - 1, lane], sign * slopes[k, lane], sign * slopes[k + 1, lane]
-            left, right = q[k, lane] - q[k - 1, lane], q[k + 1, lane] - q[k, lane]
-            before = _dip(low, here, sign * (values[k, lane] - values[k - 1, lane]) / left)
-            after = _dip(here, high, sign * (values[k + 1, lane] - values[k, lane]) / right)
-            # The values at a position that has moved are not those at its place.
-            before = before if moved[lane] == 0.0 else -1.0
-            move = (before - 1.0) * left if before >= 0.0 else after * right
-            moves = (low > 0.0) & (high > 0.0) & ((before >= 0.0) | (after >= 0.0))
-            q[k, lane] += move if moves else 0.0
-            moved[lane] = 1.0 if moves else 0.0
-            any_moved += moved[lane]
-    return any_moved > 0.0
 
 
 @routine
@@ -242,7 +196,7 @@ def find_turns(function: int, samples: Samples, most: int, noted: Noted, turns: 
     values, slopes = in_lanes(samples.tile[2 * function]), in_lanes(samples.tile[2 * function + 1])
     for lane in range(LANES):
         counts[lane] = 0.0
-    for k in range(samples.tile.shape[1] - 1):
+    for k in range(samples.used[0] - 1):
         for lane in range(LANES):
             here, there = slopes[k, lane], slopes[k + 1, lane]
             turned = ((here >= 0.0) != (there >= 0.0)) & (abs(here) + abs(there) < math.inf)
@@ -272,14 +226,14 @@ def find_landmarks(
     samples : Samples
         All functions at the scan positions.
     beside : Samples
-        All functions at some of these, evenly spaced, perturbed by their rounding.
+        Changes of all functions when some of these positions are perturbed by their rounding.
     turns : Roots
     steepest : row
         Scratch: maximum of |f′|.
     found : LandmarkRows
         Output.
     """
-    last, q = samples.tile.shape[1] - 1, in_lanes(samples.place[0])
+    last, q = samples.used[0] - 1, in_lanes(samples.place[0])
     values, slopes = in_lanes(samples.tile[2 * function]), in_lanes(samples.tile[2 * function + 1])
     for part in range(_LANDMARKS):
         for lane in range(LANES):
@@ -294,14 +248,12 @@ def find_landmarks(
             found.least[lane], found.greatest[lane] = smaller(f, low), larger(f, high)
             found.least_at[lane] = place if f < low else low_at
             found.greatest_at[lane] = place if f > high else high_at
-            # The scale becomes NaN at the first NaN or infinite value and stays NaN.
-            magnitude = abs(f) if abs(f) < math.inf else math.nan
-            found.scale[lane] = scale if (scale >= magnitude) | (scale != scale) else magnitude
+            found.scale[lane] = _scale(f, scale)
             steepest[lane] = larger(abs(slopes[k, lane]), steepest[lane])
-    stride, changed = samples.tile.shape[1] // LOOKED_BESIDE, in_lanes(beside.tile[2 * function])
+    changes = in_lanes(beside.tile[2 * function])
     for k in range(LOOKED_BESIDE):
         for lane in range(LANES):
-            off = OF_ROUNDING * abs(values[k * stride, lane] - changed[k, lane])
+            off = OF_ROUNDING * abs(changes[k, lane])
             found.value_error[lane] = larger(off, found.value_error[lane])
     at_turns = in_lanes(turns.at.tile[2 * function])
     for r in range(turns.used[0]):
@@ -390,12 +342,13 @@ def find_crossings(level: Level, samples: Samples, turns: Roots, most: int, note
     values, slopes = in_lanes(samples.tile[2 * level.function]), in_lanes(samples.tile[2 * level.function + 1])
     for lane in range(LANES):
         noted.counts[lane] = 0.0
-    for k in range(samples.tile.shape[1] - 1):
+    for k in range(samples.used[0] - 1):
         for lane in range(LANES):
             mark = crosses(values[k, lane], values[k + 1, lane], height[lane], ROUNDING * level.scale[lane])
             # The function isn't monotone where it turns inside.
             turns_here = (slopes[k, lane] >= 0.0) != (slopes[k + 1, lane] >= 0.0)
-            marks[lane] = 0.0 if turns_here & (mark == 1.0) else mark
+            repeated = q[k, lane] == q[k + 1, lane]
+            marks[lane] = 0.0 if (turns_here & (mark == 1.0)) | repeated else mark
         if any_positive(marks):
             piece = MonotonePiece(q[k], q[k + 1], values[k], values[k + 1])
             enter_crossings(piece, level, before, most, noted, crossings)

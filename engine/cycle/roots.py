@@ -50,10 +50,13 @@ class Samples(NamedTuple):
         Positions with cosine and sine.
     tile : ndarray (2 functions, room, LANES)
         f and f′ alternately.
+    used : ndarray (1,) of int
+        Number of rows in use, if not all are.
     """
 
     place: np.ndarray
     tile: np.ndarray
+    used: np.ndarray
 
 
 class Root(NamedTuple):
@@ -117,7 +120,7 @@ class Roots(NamedTuple):
 
 def new_samples(functions: int, room: int) -> Samples:
     """Allocate samples of `functions` functions at `room` rows of positions."""
-    return Samples(rows(3, room), rows(2 * functions, room))
+    return Samples(rows(3, room), rows(2 * functions, room), np.array([room]))
 
 
 def new_roots(functions: int, room: int) -> Roots:

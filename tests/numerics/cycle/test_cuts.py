@@ -164,10 +164,45 @@ def test_a_load_against_a_ram_with_two_tops_acts_on_both_rises():
     plan = Plan((0, 1), 1, landmarks=[(-1, -1, -1, -1)], crossings=[(0, 4, 0.0)], states=[5], integrals=[0])
     machine = CycleMachine(plan, two_top_power, events=two_top_velocity, states=two_top_sense)
     rng = np.random.default_rng(4)
-    # The ram is at −(cos x − cos h)²: its tops, at ±h, are 2 h apart. Closer pairs may be missed.
-    h, phase, zeros = 10.0 ** rng.uniform(-2.4, -0.3, 400), rng.uniform(0.5, 5.5, 400), np.zeros(400)
-    found = machine.evaluate(np.stack([zeros, np.full(400, TURN), h, phase, zeros, zeros])).integrals
+    # The ram is at −(cos x − cos h)²: its tops, at ±h, are 2 h apart, anywhere in the cycle and at its ends.
+    h, phase, zeros = 10.0 ** rng.uniform(-7.0, -0.3, 2000), rng.uniform(0.0, TURN, 2000), np.zeros(2000)
+    phase[::5] = rng.uniform(-2.0, 2.0, 400) * h[::5]
+    found = machine.evaluate(np.stack([zeros, np.full(2000, TURN), h, phase, zeros, zeros])).integrals
     # Twice its ways up from the bottom and from the dip.
     exact = 2.0 * ((1.0 + np.cos(h)) ** 2 + (2.0 * np.sin(0.5 * h) ** 2) ** 2)
     off = np.abs(found.value[0] - exact)
     assert np.all(off <= found.error[0] + 1e-14 * exact), (h[off > found.error[0]], off.max())
+
+
+@at_positions
+def tilted_tops(P, lane, q, c, s, tile, i, room):
+    x = q - P[2, lane]
+    over, tilt = math.cos(x) - math.cos(P[3, lane]), P[4, lane]
+    tile[i, lane] = tilt * math.sin(x) - over * over
+    tile[room + i, lane] = tilt * math.cos(x) + 2.0 * over * math.sin(x)
+
+
+def tilted_top(h, tilt):
+    """Height of the higher top: slope and curvature are exact where h is small."""
+    best = np.full(h.size, -np.inf, np.longdouble)
+    for side in (-1.0, 1.0):
+        x, h = side * h.astype(np.longdouble), h.astype(np.longdouble)
+        for _ in range(50):
+            over = 2.0 * np.sin(0.5 * (h - x)) * np.sin(0.5 * (h + x))
+            slope = tilt * np.cos(x) + 2.0 * over * np.sin(x)
+            x -= slope / (2.0 * (over * np.cos(x) - np.sin(x) ** 2) - tilt * np.sin(x))
+        best = np.fmax(best, tilt * np.sin(x) - over**2)
+    return best.astype(float)
+
+
+def test_the_end_of_a_stroke_with_two_close_tops_is_the_higher_one():
+    plan = Plan((0, 1), 1, landmarks=[(-1, -1, -1, -1)], integrals=[0])
+    machine = CycleMachine(plan, constant_curve, events=tilted_tops)
+    rng = np.random.default_rng(5)
+    h, phase, zeros = 10.0 ** rng.uniform(-5.0, -0.3, 2000), rng.uniform(0.0, TURN, 2000), np.zeros(2000)
+    phase[::5] = rng.uniform(-2.0, 2.0, 400) * h[::5]
+    # Up to ±0.3 h³, at which two tops remain.
+    tilt = rng.uniform(-0.3, 0.3, 2000) * h**3
+    found = machine.evaluate(np.stack([zeros, np.full(2000, TURN), phase, h, tilt])).landmarks.greatest
+    off = np.abs(found.value[0] - tilted_top(h, tilt))
+    assert np.all(off <= found.error[0]), (h[off > found.error[0]], off.max())

@@ -1,0 +1,305 @@
+"""Scan positions added where a function may turn more often than its slopes at neighbouring scan positions show.
+
+Between two scan positions a slope is approximated by that of the Hermite cubic through both. A function may turn twice
+between slopes of one sign if the approximation has an extreme close to 0, and three times between slopes of opposite
+signs if the slope is flat at its zero, compared with the approximation's chord or its neighbours. Such an interval is
+divided at that extreme or zero, and its parts are judged likewise.
+"""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+from engine.compiling.blocks import Row, in_lanes
+from engine.compiling.decorators import inlined, routine
+from engine.compiling.widths import LANES
+from engine.cycle.panels.integrals import ROUNDING
+from engine.cycle.panels.lanes import any_positive, many, new_record, one
+from engine.cycle.panels.series import larger, smaller
+from engine.cycle.roots import GivenNumbers, Samples, new_samples, sample
+
+# A slope's extreme is close to 0 if it is below this fraction of the larger slope at the ends.
+CLOSE = 0.1
+# A slope is flat at its zero if it changes there by less than this fraction of its change over the interval, or if it
+# changes over the interval by less than this fraction of what it does per length beside.
+FLAT = 0.75
+# Between slopes of one sign an extreme may escape the approximation if the slope changes over the interval by less than
+# the first, and is smaller at an end than the second fraction of what it changes per length beside.
+EVEN, SMALL = 0.3, 0.1
+# How far outside its interval the extreme of an approximation may lie, as a fraction of the interval.
+OUTSIDE = 0.1
+# Positions divide an interval no closer to its ends than this fraction.
+EDGE = 0.1
+# Intervals shorter than this fraction of the range aren't divided: what turns twice there changes by rounding only.
+SHORTEST = 2e-5
+# Slopes up to this fraction of the steepest are rounding.
+STILL = 64.0 * ROUNDING
+# Room for added positions, as a multiple of the scan positions.
+ADDED = 2
+# Most suspected intervals of a function at once, and most divisions one after another.
+MOST_SUSPECTS, MOST_DIVISIONS = 16, 60
+
+
+class Suspect(NamedTuple):
+    """An interval in which a function may turn more often than its slopes at the ends show.
+
+    Attributes
+    ----------
+    low, high : row
+        Its ends; NaN if a lane has none.
+    f_low, f_high, slope_low, slope_high : row
+        The function and its slope at the ends.
+    before, after : row
+        Change of the slope per length on either side of the interval.
+    at : row
+        Position that divides it.
+    """
+
+    low: Row
+    high: Row
+    f_low: Row
+    f_high: Row
+    slope_low: Row
+    slope_high: Row
+    before: Row
+    after: Row
+    at: Row
+
+
+_PARTS = len(Suspect._fields)
+
+
+class End(NamedTuple):
+    """An end of an interval.
+
+    Attributes
+    ----------
+    q, f, slope : float
+        Its position, and a function and its slope there.
+    beside : float
+        Change of the slope per length beyond it.
+    """
+
+    q: float
+    f: float
+    slope: float
+    beside: float
+
+
+class IntervalMarks(NamedTuple):
+    """Scratch rows of the search.
+
+    Attributes
+    ----------
+    share : row
+        Where an interval is to be divided, from 0 to 1; −1 if it isn't suspected.
+    left, right : row
+        Change of the slope per length on either side of it.
+    found : row
+        Number of suspected intervals.
+    steepest : row
+        Maximum of |f′|.
+    used : row
+        Number of scan positions.
+    """
+
+    share: Row
+    left: Row
+    right: Row
+    found: Row
+    steepest: Row
+    used: Row
+
+
+class CloseTurns(NamedTuple):
+    """Scratch arrays of the search.
+
+    Attributes
+    ----------
+    suspects, parts : many Suspect
+        Suspected intervals, and suspected parts of these.
+    marks : one IntervalMarks
+    at : Samples
+        All functions where the intervals are divided.
+    """
+
+    suspects: many(Suspect)
+    parts: many(Suspect)
+    marks: one(IntervalMarks)
+    at: Samples
+
+
+def new_close_turns(functions: int) -> CloseTurns:
+    """Allocate the scratch arrays for `functions` functions."""
+    at = new_samples(functions, MOST_SUSPECTS)
+    return new_record(CloseTurns, suspects=MOST_SUSPECTS, parts=MOST_SUSPECTS, at=at)
+
+
+@inlined
+def dividing_share(low: End, high: End) -> float:
+    """Where to divide an interval in which a function may turn more often than the slopes at its ends show.
+
+    Returns
+    -------
+    float
+        Position from 0 to 1; −1 if the interval isn't suspected.
+    """
+    here, there, width = low.slope, high.slope, high.q - low.q
+    sign = 1.0 if here >= 0.0 else -1.0
+    first, last, chord = sign * here, sign * there, sign * (high.f - low.f) / width
+    linear, square = 6.0 * chord - 4.0 * first - 2.0 * last, 3.0 * (first + last) - 6.0 * chord
+    beside, change = abs(width) * larger(low.beside, high.beside), first - last
+    # Slopes of one sign.
+    extreme = -0.5 * linear / square
+    inside = smaller(larger(extreme, 0.0), 1.0)
+    close = first + inside * (linear + square * inside) < CLOSE * larger(first, last)
+    dips = (square > 0.0) & (extreme > -OUTSIDE) & (extreme < 1.0 + OUTSIDE) & close
+    even = (abs(change) < EVEN * beside) & (smaller(first, last) < SMALL * beside)
+    # Slopes of opposite signs.
+    at_zero = math.sqrt(larger(linear * linear - 4.0 * first * square, 0.0))
+    flat = (at_zero < FLAT * change) | (change < FLAT * beside)
+    opposite = (here >= 0.0) != (there >= 0.0)
+    share = 2.0 * first / (at_zero - linear) if opposite else (inside if dips else 0.5)
+    share = smaller(larger(share, EDGE), 1.0 - EDGE)
+    return share if (flat if opposite else dips | even) else -1.0
+
+
+@inlined
+def _enter(low: End, high: End, share: float, lane: int, turns: CloseTurns) -> None:
+    """Enter an interval of a lane as one of `parts`, unless it isn't suspected."""
+    row = int(turns.marks.found[lane])
+    if share > 0.0 and row < MOST_SUSPECTS:
+        part = turns.parts[row]
+        part.low[lane], part.f_low[lane], part.slope_low[lane] = low.q, low.f, low.slope
+        part.high[lane], part.f_high[lane], part.slope_high[lane] = high.q, high.f, high.slope
+        part.before[lane], part.after[lane] = low.beside, high.beside
+        part.at[lane] = low.q + share * (high.q - low.q)
+        turns.marks.found[lane] += 1.0
+
+
+@routine
+def begin_suspects(function: int, samples: Samples, turns: CloseTurns) -> None:
+    """Enter the suspected intervals between scan positions as `parts`."""
+    q, marks, count = in_lanes(samples.place[0]), turns.marks, samples.used[0]
+    values, slopes = in_lanes(samples.tile[2 * function]), in_lanes(samples.tile[2 * function + 1])
+    for lane in range(LANES):
+        marks.found[lane] = marks.steepest[lane] = 0.0
+    for k in range(count):
+        for lane in range(LANES):
+            marks.steepest[lane] = larger(abs(slopes[k, lane]), marks.steepest[lane])
+    for k in range(count - 1):
+        before, after = max(k - 1, 0), min(k + 2, count - 1)
+        for lane in range(LANES):
+            left, right = q[k, lane] - q[before, lane], q[after, lane] - q[k + 1, lane]
+            change_left = abs((slopes[k, lane] - slopes[before, lane]) / left) if left != 0.0 else 0.0
+            change_right = abs((slopes[after, lane] - slopes[k + 1, lane]) / right) if right != 0.0 else 0.0
+            low = End(q[k, lane], values[k, lane], slopes[k, lane], change_left)
+            high = End(q[k + 1, lane], values[k + 1, lane], slopes[k + 1, lane], change_right)
+            moves = larger(abs(low.slope), abs(high.slope)) > STILL * marks.steepest[lane]
+            marks.share[lane] = dividing_share(low, high) if moves else -1.0
+            marks.left[lane], marks.right[lane] = change_left, change_right
+        if any_positive(marks.share):
+            for lane in range(LANES):
+                low = End(q[k, lane], values[k, lane], slopes[k, lane], marks.left[lane])
+                high = End(q[k + 1, lane], values[k + 1, lane], slopes[k + 1, lane], marks.right[lane])
+                _enter(low, high, marks.share[lane], lane, turns)
+
+
+@inlined
+def _insert(at: float, row: int, lane: int, samples: Samples, turns: CloseTurns) -> None:
+    """Add a position of `turns.at` to a lane's scan positions, in their order."""
+    q, run = in_lanes(samples.place[0]), 1.0 if samples.place[0, 0, lane] < samples.place[0, 1, lane] else -1.0
+    k = int(turns.marks.used[lane])
+    functions = samples.tile.shape[0]
+    while run * q[k - 1, lane] > run * at:
+        q[k, lane] = q[k - 1, lane]
+        for f in range(functions):
+            samples.tile[f, k, lane] = samples.tile[f, k - 1, lane]
+        k -= 1
+    q[k, lane] = at
+    for f in range(functions):
+        samples.tile[f, k, lane] = turns.at.tile[f, row, lane]
+    turns.marks.used[lane] += 1.0
+
+
+@routine
+def divide(function: int, rows: int, range_of: Row, samples: Samples, turns: CloseTurns) -> None:
+    """Judge both parts of each suspected interval; add the position between them to the scan if need be."""
+    values, slopes = in_lanes(turns.at.tile[2 * function]), in_lanes(turns.at.tile[2 * function + 1])
+    room, marks = samples.tile.shape[1], turns.marks
+    for row in range(rows):
+        suspect = turns.suspects[row]
+        for lane in range(LANES):
+            at, f, slope = suspect.at[lane], values[row, lane], slopes[row, lane]
+            if not abs(at) + abs(f) + abs(slope) < math.inf or marks.used[lane] >= room:
+                continue
+            low = End(suspect.low[lane], suspect.f_low[lane], suspect.slope_low[lane], suspect.before[lane])
+            high = End(suspect.high[lane], suspect.f_high[lane], suspect.slope_high[lane], suspect.after[lane])
+            at_low = End(at, f, slope, abs((high.slope - slope) / (high.q - at)))
+            at_high = End(at, f, slope, abs((slope - low.slope) / (at - low.q)))
+            share_low, share_high = dividing_share(low, at_low), dividing_share(at_high, high)
+            turned = ((low.slope >= 0.0) == (high.slope >= 0.0)) & ((slope >= 0.0) != (low.slope >= 0.0))
+            if turned | (share_low > 0.0) | (share_high > 0.0):
+                _insert(at, row, lane, samples, turns)
+                if abs(high.q - low.q) > SHORTEST * abs(range_of[lane]):
+                    _enter(low, at_low, share_low, lane, turns)
+                    _enter(at_high, high, share_high, lane, turns)
+
+
+@routine
+def add_close_turns(
+    function: int, events: Callable, given: GivenNumbers, range_of: Row, samples: Samples, turns: CloseTurns
+) -> None:
+    """Add scan positions near close turns of a function.
+
+    Parameters
+    ----------
+    function : int
+    events : callable
+        Fills each function and its derivative.
+    given : GivenNumbers
+        Arguments of `events`.
+    range_of : row
+        Length of the range.
+    samples : Samples
+        All functions at the scan positions. Lanes with fewer positions than others repeat their last one.
+    turns : CloseTurns
+    """
+    marks = turns.marks
+    begin_suspects(function, samples, turns)
+    for _ in range(MOST_DIVISIONS):
+        if not any_positive(marks.found):
+            break
+        rows = 0
+        for lane in range(LANES):
+            rows = max(rows, int(marks.found[lane]))
+        for row in range(rows):
+            for part in range(_PARTS):
+                for lane in range(LANES):
+                    known = marks.found[lane] > row
+                    turns.suspects[row, part, lane] = turns.parts[row, part, lane] if known else math.nan
+        q, suspects = in_lanes(turns.at.place[0]), turns.suspects
+        for row in range(rows):
+            for lane in range(LANES):
+                q[row, lane] = suspects[row].at[lane]
+        for lane in range(LANES):
+            marks.found[lane] = 0.0
+        sample(events, given, rows, turns.at)
+        divide(function, rows, range_of, samples, turns)
+        for lane in range(LANES):
+            samples.used[0] = max(samples.used[0], int(marks.used[lane]))
+
+
+@routine
+def begin_close_turns(count: int, samples: Samples, turns: CloseTurns) -> None:
+    """Begin with `count` scan positions; those not in use repeat the last one."""
+    q = in_lanes(samples.place[0])
+    samples.used[0] = count
+    for lane in range(LANES):
+        turns.marks.used[lane] = count
+    for k in range(count, samples.tile.shape[1]):
+        for lane in range(LANES):
+            q[k, lane] = q[count - 1, lane]
+        for f in range(samples.tile.shape[0]):
+            for lane in range(LANES):
+                samples.tile[f, k, lane] = samples.tile[f, count - 1, lane]
