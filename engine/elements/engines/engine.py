@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from engine.cycle.measured import Measured
-from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank
+from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank, further
 from engine.elements.engines.engine_layout import (
     Engine,
     EngineLayout,
@@ -230,7 +230,7 @@ def _results(engine: EngineElement) -> Iterator[ElementResult]:
             said = word.replace("_", " ")
             rank = Rank.ANSWER if word in (_WORDS[1], _WORDS[2]) else Rank.FURTHER
             yield ElementResult(f"{word}_{kind}", f"maximum {said} {kind}", units, needs, rank=rank)
-            yield ElementResult(f"{word}_{kind}_least", f"minimum {said} {kind}", units, needs, rank=Rank.FURTHER)
+            yield further(f"{word}_{kind}_least", f"minimum {said} {kind}", units, needs=needs)
         listed = ", ".join(map(str, orders))
         yield ElementResult(f"rms_{kind}", f"root mean square of the {kind}, orders {listed}", units, needs)
     if engine.crank_angle is not None:
@@ -243,7 +243,7 @@ def _results(engine: EngineElement) -> Iterator[ElementResult]:
         yield ElementResult("mean_power", "mean power of the gas", "W")
         for n in TORQUE_ORDERS:
             words = f"torque of gas and inertia, order {n:g}"
-            yield ElementResult(torque_name(n), words, "N m", may_be_undefined=True, rank=Rank.FURTHER)
+            yield further(torque_name(n), words, "N m", may_be_undefined=True)
 
 
 def torque_name(order: float) -> str:
