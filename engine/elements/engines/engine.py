@@ -166,9 +166,10 @@ class EngineElement(Element):
         """
         if self.layout == "radial":
             return radial_engine(self.cylinders)
-        return {"in-line": in_line_engine, "V": v_engine, "W": _w, "boxer": boxer_engine}[self.layout](
-            self.cylinders, self.throws
-        )
+        if self.layout == "W":
+            return w_engine(self.cylinders, throws=self.throws)
+        make = {"in-line": in_line_engine, "V": v_engine, "boxer": boxer_engine}[self.layout]
+        return make(self.cylinders, self.throws)
 
     @cached_property
     def nominal_layout(self) -> EngineLayout:
@@ -212,10 +213,6 @@ class EngineElement(Element):
     def panels(self, given: Numbers | None = None) -> tuple[Panel, ...]:
         """Hodographs and orders of force and couple, throws along the crank, torque."""
         return engine_panels(self)
-
-
-def _w(cylinders: int, throws: tuple[float, ...] | None) -> Pattern:
-    return w_engine(cylinders, throws=throws)
 
 
 def shaking_orders(engine: EngineElement) -> tuple[int, ...]:
