@@ -401,7 +401,7 @@ def test_described_parameters__exist():
 # Each chapter of the quantities declares its own, under the one name that the register calls; each dyad has its motion
 # and its statics, under those that mechanisms call. Roots and the maximum or minimum of some numbers are the same
 # algebra twice: of measured values, and of expressions that are yet to be measured.
-SHARED = {"add_dyad", "declare", "dyad_statics", "maximum", "minimum", "sqrt"}
+SHARED = {"add_dyad", "declare", "maximum", "minimum", "sqrt"}
 
 
 def test_public_names__are_given_once():

@@ -60,6 +60,11 @@ class ElementResult(NamedTuple):
     rank: Rank = Rank.ANSWER
 
 
+def further(name: str, long_name: str, units: str, **others: Any) -> ElementResult:
+    """A result that is not a main one; parameters as for `ElementResult`."""
+    return ElementResult(name, long_name, units, rank=Rank.FURTHER, **others)
+
+
 class Answers(NamedTuple):
     """Results of an element with their error estimates, by name, and the verdicts, for all variants."""
 

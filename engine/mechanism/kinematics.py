@@ -3,12 +3,10 @@
 Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on the kinematics of structural groups.
 """
 
-from types import ModuleType
-
 from engine import laws, mechanism
 from engine.graph.nodes import Graph, Node, Return
 from engine.laws.elementary import direction_of
-from engine.mechanism.assembly import Assembly, GuideLine, MovingPoint, Slide, Turning
+from engine.mechanism.assembly import Assembly, DyadStatics, GuideLine, MovingPoint, Slide, Turning
 from engine.mechanism.input_motion import input_span
 from engine.mechanism.vectors import Vector, named
 from engine.parts.skeleton import FRAME, CrankInput
@@ -17,11 +15,6 @@ from engine.scene.attachments import turning_evenly
 from engine.scene.masses import LinkMass, resultant_masses, whole_body
 from engine.scene.scene import Scene
 from engine.scene.structure.ordering import Structure
-
-
-def dyad_of(scene: Scene, name: str) -> ModuleType:
-    """Module of a group's type, with its `add_dyad` and `dyad_statics`."""
-    return getattr(mechanism.groups, scene.groups[name].type.lower())
 
 
 class Kinematics(Assembly):
@@ -39,6 +32,8 @@ class Kinematics(Assembly):
     ----------
     masses : dict of str to LinkMass
         Bodies, and the point masses that replace bodies, combined per link.
+    statics : dict of str to DyadStatics
+        Dyads.
     free : dict of str to FreeMotion
         Groups of free links.
     cams : dict of str to CamMotion
@@ -50,6 +45,7 @@ class Kinematics(Assembly):
         super().__init__(scene, graph)
         self.varied = varied
         self.masses: dict[str, LinkMass] = resultant_masses(scene, varied)
+        self.statics: dict[str, DyadStatics] = {}
         self.free: dict[str, mechanism.groups.free.FreeMotion] = {}
         self.cams: dict[str, mechanism.higher_pairs.cam_motion.CamMotion] = {}
         self.noncircular: dict[str, mechanism.higher_pairs.noncircular_motion.NoncircularMotion] = {}
@@ -68,7 +64,7 @@ class Kinematics(Assembly):
             "rack": lambda name: mechanism.higher_pairs.rack_motion.add_rack(self, name),
             "pinion": lambda name: mechanism.higher_pairs.rack_motion.add_pinion(self, name),
             "cam": self._cam,
-            "group": lambda name: dyad_of(scene, name).add_dyad(self, name),
+            "group": self._dyad,
             "free group": lambda name: self._free_group(structure.free_groups[name]),
             "point": self._point,
             "guide": self._guide,
@@ -126,6 +122,10 @@ class Kinematics(Assembly):
         self.points[drive.point] = point.called(drive.point)
         self.links[name] = Turning(point, guide.u, g.zero, g.zero)
         self.slides[name] = Slide(g.q, g.one, g.zero)
+
+    def _dyad(self, name: str) -> None:
+        kind = getattr(mechanism.groups, self.scene.groups[name].type.lower())
+        self.statics[name] = kind.add_dyad(self, name)
 
     def _free_group(self, group: "structure.free_groups.FreeGroup") -> None:
         span = input_span(self.scene, self.graph)

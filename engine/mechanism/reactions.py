@@ -25,7 +25,7 @@ from engine.mechanism.actions.paths import input_sense
 from engine.mechanism.assembly import MovingPoint, Turning
 from engine.mechanism.inertia import inertia_forces
 from engine.mechanism.input_motion import InputMotion
-from engine.mechanism.kinematics import Kinematics, dyad_of
+from engine.mechanism.kinematics import Kinematics
 from engine.mechanism.link_loads import Components, LinkForce, LinkLoads, Wrench
 from engine.mechanism.vectors import Vector, named
 from engine.parts.skeleton import FRAME, CrankInput
@@ -322,7 +322,7 @@ class Reactions:
 
     def _solved(self, name: str, loads: Mapping[str, Wrench]) -> list[Components]:
         """Reactions in the three pairs of a dyad, two components each."""
-        law, geometry = dyad_of(self.scene, name).dyad_statics(self.kinematics, name)
+        law, geometry = self.kinematics.statics[name]
         given = [(*load.force, load.moment) for load in loads.values()]
         found = self.graph.apply(law, *given, *geometry)
         return [found[0:2], found[2:4], found[4:6]]
@@ -382,19 +382,15 @@ class Reactions:
     def _in_mesh(self, name: str, load: Wrench) -> None:
         """Balance the moments on a shaft by the tooth force at the pitch point, which also separates the wheels."""
         shaft, found = self.scene.shafts[name], mechanism.higher_pairs.mesh.mesh_of(self.kinematics, name)
-        at, radius = found.pitch_point, found.radius
+        arm = found.radius
         if shaft.efficiency is not None:
             ratio, k = self.graph.number(f"shafts.{name}.ratio"), self._lost_share(name, -load.moment)
-            radius = self.graph.apply(laws.friction.teeth.shifted_contact, found.radius, ratio, k)
-            at = at + (radius - found.radius) * found.along
-        tangential = load.moment / radius
+            arm = self.graph.apply(laws.friction.teeth.shifted_contact, found.radius, ratio, k)
+        tangential = load.moment / arm
         self.graph.bends(tangential, load.moment)
-        # The separating force has the magnitude of the tangential force times a slope: a kink where that changes sign.
-        apart = abs(tangential) * found.slope
-        self.graph.bends(apart, tangential)
-        force = -(tangential * found.across) + apart * found.away
-        self._apply_tooth_force(name, shaft.geared_to, at, force)
-        self._in_teeth(name, tangential, apart)
+        apart = self._separating_force(name, f"shafts.{name}", tangential)
+        force = -(tangential * found.along) + apart * found.away
+        self._between_teeth(found, arm, force, name, shaft.geared_to)
         self._in_pivot(name, self._loads.total(name))
 
     def _lost_share(self, name: str, taken: Node) -> Node:
@@ -437,8 +433,7 @@ class Reactions:
             shifted = self.graph.apply(laws.friction.teeth.shifted_contact, -found.radius, -found.rate, k)
             place = place + (shifted + found.radius) * along
         arm = place - self.kinematics.links[name].origin.r
-        path = f"noncircular_wheels.{name}.pressure_angle"
-        slope = self.graph.derived(f"slope of the teeth of {name}", lambda n: np.tan(n[path]))
+        slope = self._tooth_slope(name, f"noncircular_wheels.{name}")
         levers = arm.cross(found.tangent), arm.cross(found.away)
         law = laws.kinematics.noncircular_wheels.noncircular_tooth_force
         tangential, apart = self.graph.apply(law, load.moment, *levers, slope)
@@ -478,10 +473,13 @@ class Reactions:
         self._between_teeth(found, arm, tangential * found.along + apart * found.away, name, bearer)
         self._in_pivot(name, self._loads.total(name))
 
+    def _tooth_slope(self, name: str, at: str) -> Node:
+        """Tangent of the pressure angle."""
+        return self.graph.derived(f"slope of the teeth of {name}", lambda n: np.tan(n[f"{at}.pressure_angle"]))
+
     def _separating_force(self, name: str, at: str, tangential: Node) -> Node:
         """Separating force of a mesh; it has a kink where the tangential force changes sign."""
-        slope = self.graph.derived(f"slope of the teeth of {name}", lambda n: np.tan(n[f"{at}.pressure_angle"]))
-        apart = abs(tangential) * slope
+        apart = abs(tangential) * self._tooth_slope(name, at)
         self.graph.bends(apart, tangential)
         self._in_teeth(name, tangential, apart)
         return apart
@@ -494,9 +492,9 @@ class Reactions:
         self.variables |= {f"{name}.{part}_force": force for part, force in parts.items()}
 
     def _between_teeth(
-        self, found: "mechanism.higher_pairs.rack_motion.Toothing", arm: Node, force: Vector, on: str, bearer: str
+        self, found: "mechanism.higher_pairs.mesh.Toothing", arm: Node, force: Vector, on: str, bearer: str
     ) -> None:
-        """Apply a tooth force to a rack and its pinion, with the arm about the pinion's axis that losses shift."""
+        """Apply a tooth force, with the arm about the wheel's axis that losses shift."""
         place = found.pitch_point
         if arm is not found.radius:
             place = place + (found.radius - arm) * found.along.normal

@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from engine.cycle.measured import Measured
-from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank
+from engine.elements.element import Answers, Element, ElementResult, Numbers, Rank, further
 from engine.elements.engines.engine_layout import (
     Engine,
     EngineLayout,
@@ -166,9 +166,10 @@ class EngineElement(Element):
         """
         if self.layout == "radial":
             return radial_engine(self.cylinders)
-        return {"in-line": in_line_engine, "V": v_engine, "W": _w, "boxer": boxer_engine}[self.layout](
-            self.cylinders, self.throws
-        )
+        if self.layout == "W":
+            return w_engine(self.cylinders, throws=self.throws)
+        make = {"in-line": in_line_engine, "V": v_engine, "boxer": boxer_engine}[self.layout]
+        return make(self.cylinders, self.throws)
 
     @cached_property
     def nominal_layout(self) -> EngineLayout:
@@ -214,10 +215,6 @@ class EngineElement(Element):
         return engine_panels(self)
 
 
-def _w(cylinders: int, throws: tuple[float, ...] | None) -> Pattern:
-    return w_engine(cylinders, throws=throws)
-
-
 def shaking_orders(engine: EngineElement) -> tuple[int, ...]:
     """Orders of the forces, odd ones above the first only with offset gudgeon pins or a master rod."""
     return (1, 2, 4, 6) if engine.gudgeon_offset is None and engine.master_index is None else tuple(_WORDS)
@@ -230,7 +227,7 @@ def _results(engine: EngineElement) -> Iterator[ElementResult]:
             said = word.replace("_", " ")
             rank = Rank.ANSWER if word in (_WORDS[1], _WORDS[2]) else Rank.FURTHER
             yield ElementResult(f"{word}_{kind}", f"maximum {said} {kind}", units, needs, rank=rank)
-            yield ElementResult(f"{word}_{kind}_least", f"minimum {said} {kind}", units, needs, rank=Rank.FURTHER)
+            yield further(f"{word}_{kind}_least", f"minimum {said} {kind}", units, needs=needs)
         listed = ", ".join(map(str, orders))
         yield ElementResult(f"rms_{kind}", f"root mean square of the {kind}, orders {listed}", units, needs)
     if engine.crank_angle is not None:
@@ -243,7 +240,7 @@ def _results(engine: EngineElement) -> Iterator[ElementResult]:
         yield ElementResult("mean_power", "mean power of the gas", "W")
         for n in TORQUE_ORDERS:
             words = f"torque of gas and inertia, order {n:g}"
-            yield ElementResult(torque_name(n), words, "N m", may_be_undefined=True, rank=Rank.FURTHER)
+            yield further(torque_name(n), words, "N m", may_be_undefined=True)
 
 
 def torque_name(order: float) -> str:

@@ -1,10 +1,12 @@
 """Assembly and meshing of a train's wheels: whole teeth, equal centre distances, clearance between planets."""
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
-from engine.elements.element import Numbers
+from engine.cycle.measured import Measured
+from engine.elements.element import ElementResult, Numbers, Rank
 from engine.elements.gears.gear_elements import GearTrain
 from engine.elements.gears.gear_structure import PlanetaryPath
 from engine.elements.gears.tooth_laws import MeshGeometry, TeethInMesh, mesh_geometry, pitch_diameter
@@ -40,23 +42,10 @@ class MeshSizes(NamedTuple):
 
 
 class AssemblyConditions(NamedTuple):
-    """Assembly conditions of a train (variants,).
-
-    Attributes
-    ----------
-    fits : ndarray of bool
-    distance_errors : dict of str to ndarray
-        For meshes: relative difference of the centre distance from that of another mesh on the same axes.
-    spacing_remainders : dict of str to ndarray
-        For carriers: remainder of the assembly condition modulo the number of planets; 0 fits.
-    clearances : dict of str to ndarray
-        For planets: gap between the tips of neighbours, relative to the tip diameter.
-    """
+    """Assembly conditions of a train: whether it fits (variants,), and the results that show it."""
 
     fits: np.ndarray
-    distance_errors: dict[str, np.ndarray]
-    spacing_remainders: dict[str, np.ndarray]
-    clearances: dict[str, np.ndarray]
+    results: list[tuple[ElementResult, Measured]]
 
 
 def mesh_sizes(train: GearTrain, n: Numbers) -> dict[str, MeshSizes]:
@@ -119,12 +108,14 @@ def assembly_conditions(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes
         # NaN if profile shifts rule out any centre distance.
         fits &= size.distance > 0
     fits &= _equal_modules(train, sizes) & _bores_leave_a_rim(train, n, sizes)
-    errors = {}
+    results = []
     for one, other in structure.same_distance:
         at, name = (sizes[structure.meshes[j].name].distance for j in (one, other)), structure.meshes[other].name
         first, second = at
-        errors[name] = (second - first) / first
-        fits &= np.abs(errors[name]) <= _SAME
+        off = (second - first) / first
+        fits &= np.abs(off) <= _SAME
+        words = f"difference of the centre distance of {name} from that of its axes, over it"
+        results.append((ElementResult(f"{name}.distance_error", words, "1", rank=Rank.CHECK), Measured(off, 8.0 * EPS)))
     remainders: dict[str, np.ndarray] = {}
     for path in structure.central_paths:
         if train.shafts[path.carrier].planets is not None:
@@ -132,10 +123,15 @@ def assembly_conditions(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes
             remainders[path.carrier] = np.maximum(remainders.get(path.carrier, 0.0), left)
     for name, left in remainders.items():
         fits &= (left == 0) & (n[f"shafts.{name}.planets"] == np.round(n[f"shafts.{name}.planets"]))
-    clearances = _clearances(train, n, sizes)
-    for gap in clearances.values():
+        words = f"what is left over where planets spaced equally on {name} need a whole multiple (0 fits)"
+        spacing = ElementResult(f"{name}.spacing_remainder", words, "1", exact=True, rank=Rank.CHECK)
+        results.append((spacing, Measured(left)))
+    for planet, gap in _clearances(train, n, sizes):
         fits &= gap > 0
-    return AssemblyConditions(fits, errors, remainders, clearances)
+        words = f"gap between the tips of neighbouring {planet} planets, over the diameter of the tips"
+        clearance = ElementResult(f"{planet}.neighbour_clearance", words, "1", None, True)
+        results.append((clearance, Measured(gap, 16.0 * EPS * (1.0 + np.abs(gap)))))
+    return AssemblyConditions(fits, results)
 
 
 def _equal_modules(train: GearTrain, sizes: dict[str, MeshSizes]) -> np.ndarray:
@@ -182,9 +178,9 @@ def _spacing_remainder(path: PlanetaryPath, n: Numbers, count: np.ndarray) -> np
     return (np.abs(total) % k).astype(float)
 
 
-def _clearances(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes]) -> dict[str, np.ndarray]:
+def _clearances(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes]) -> Iterator[tuple[str, np.ndarray]]:
     """Gap between neighbouring planets, relative to their tip diameter: 2a sin(π/k)/d_a − 1."""
-    structure, found = train.structure, {}
+    structure = train.structure
     for planet, j in structure.pin_meshes.items():
         carrier = structure.name_of(structure.meshes[j].carrier)
         if train.shafts[carrier].planets is None:
@@ -199,5 +195,4 @@ def _clearances(train: GearTrain, n: Numbers, sizes: dict[str, MeshSizes]) -> di
         with np.errstate(divide="ignore"):
             gap = chord / np.max(tips, axis=0) - 1.0
         # A single planet has no neighbour.
-        found[planet] = np.where(n[f"shafts.{carrier}.planets"] < 2, np.inf, gap)
-    return found
+        yield planet, np.where(n[f"shafts.{carrier}.planets"] < 2, np.inf, gap)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.cycle.measured import Measured, maximum, minimum, where
-from engine.elements.element import ElementResult, Numbers, Rank
+from engine.elements.element import ElementResult, Numbers, further
 from engine.elements.gears.assembly_conditions import MeshSizes, angle_error
 from engine.elements.gears.gear_elements import GearTrain
 from engine.elements.gears.gear_structure import STANDS_STILL
@@ -90,43 +90,29 @@ def load_results(
     # Held shafts belong to the frame.
     free = [i for i, name in enumerate(structure.shafts) if name not in structure.held]
     words = "torque that holds the frame and all held shafts"
-    yield ElementResult("frame.moment", words, "N m", rank=Rank.FURTHER), 0.0 - _total(state.moments[free])
+    yield further("frame.moment", words, "N m"), 0.0 - _total(state.moments[free])
     into = _total(maximum(power, 0.0))
-    yield ElementResult("input_power", "input power", "W", rank=Rank.FURTHER), into
+    yield further("input_power", "input power", "W"), into
     yield ElementResult("loss", "power lost in all meshes", "W"), _total(power)
     words = "output power over input power"
     yield ElementResult("efficiency", words, "1", None, True), _efficiency(power)
     words, back = "efficiency turning backwards under the same moments", states.backwards
-    yield (
-        ElementResult("backward_efficiency", words, "1", None, True, rank=Rank.FURTHER),
-        _efficiency(-back.moments * speeds[:-1]),
-    )
+    backwards = _efficiency(-back.moments * speeds[:-1])
+    yield further("backward_efficiency", words, "1", may_be_undefined=True), backwards
     words = "the same moments can't turn the train backwards (1) or can (0)"
     locks = Measured(np.where(state.moves, np.where(back.moves, 0.0, 1.0), np.nan))
     yield ElementResult("self_locking", words, "1", exact=True), locks
     words = "circulating power in the shafts over input power"
-    yield (
-        ElementResult("circulating_power", words, "1", None, True, rank=Rank.FURTHER),
-        _circulating(train, speeds, state, into),
-    )
+    circulating = _circulating(train, speeds, state, into)
+    yield further("circulating_power", words, "1", may_be_undefined=True), circulating
     for j, place in enumerate(structure.meshes):
         name, (a, b), rolling = place.name, place.wheels, state.rolling_powers[j]
         found = Measured(states.efficiencies[j], 32.0 * EPS)
-        yield (
-            ElementResult(f"{name}.efficiency", f"efficiency of {name}, its axes at rest", "1", rank=Rank.FURTHER),
-            found,
-        )
-        yield (
-            ElementResult(
-                f"{name}.rolling_power", f"power that {a} gives {b}, seen from the carrier", "W", rank=Rank.FURTHER
-            ),
-            rolling,
-        )
-        words, share = (
-            f"power rolling through {name} over input power",
-            where(into.value > 0, abs(rolling) / into, np.nan),
-        )
-        yield ElementResult(f"{name}.rolling_share", words, "1", None, True, rank=Rank.FURTHER), share
+        yield further(f"{name}.efficiency", f"efficiency of {name}, its axes at rest", "1"), found
+        yield further(f"{name}.rolling_power", f"power that {a} gives {b}, seen from the carrier", "W"), rolling
+        words = f"power rolling through {name} over input power"
+        share = where(into.value > 0, abs(rolling) / into, np.nan)
+        yield further(f"{name}.rolling_share", words, "1", may_be_undefined=True), share
         if train.has_modules:
             forces = _tooth_forces(train, n, (j, sizes[name]), state)
             for part in TOOTH_FORCES:

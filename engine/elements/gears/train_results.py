@@ -8,9 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from engine.cycle.measured import Measured
-from engine.elements.element import Answers, ElementResult, Numbers, Rank
+from engine.elements.element import Answers, ElementResult, Numbers, Rank, further
 from engine.elements.gears.assembly_conditions import (
-    AssemblyConditions,
     MeshSizes,
     angle_error,
     assembly_conditions,
@@ -28,20 +27,6 @@ from engine.words.verdicts import Verdict
 NamedResults = Iterator[tuple[ElementResult, Measured]]
 
 
-def _of_assembly(fit: AssemblyConditions) -> NamedResults:
-    """Results of the assembly conditions."""
-    for name, value in fit.distance_errors.items():
-        words = f"difference of the centre distance of {name} from that of its axes, over it"
-        yield ElementResult(f"{name}.distance_error", words, "1", rank=Rank.CHECK), Measured(value, 8.0 * EPS)
-    for carrier, left in fit.spacing_remainders.items():
-        words = f"what is left over where planets spaced equally on {carrier} need a whole multiple (0 fits)"
-        yield ElementResult(f"{carrier}.spacing_remainder", words, "1", exact=True, rank=Rank.CHECK), Measured(left)
-    for planet, gap in fit.clearances.items():
-        words = f"gap between the tips of neighbouring {planet} planets, over the diameter of the tips"
-        off = 16.0 * EPS * (1.0 + np.abs(gap))
-        yield ElementResult(f"{planet}.neighbour_clearance", words, "1", None, True), Measured(gap, off)
-
-
 def _of_teeth(train: GearTrain, sizes: dict[str, MeshSizes]) -> NamedResults:
     """Results of the meshing of teeth."""
     for place in train.structure.meshes:
@@ -51,19 +36,14 @@ def _of_teeth(train: GearTrain, sizes: dict[str, MeshSizes]) -> NamedResults:
         off = (64.0 * EPS + rough) * np.maximum(teeth.first, teeth.second)
         yield ElementResult(f"{name}.contact_ratio", words, "1"), Measured(sum(geometry.contact), off)
         words, off = f"transverse operating pressure angle of {name}", (8.0 * EPS + rough) * geometry.angle
-        yield (
-            ElementResult(f"{name}.operating_pressure_angle", words, "rad", rank=Rank.FURTHER),
-            Measured(geometry.angle, off),
-        )
+        yield further(f"{name}.operating_pressure_angle", words, "rad"), Measured(geometry.angle, off)
         if train.has_modules:
             words, off = f"distance of the axes of {a} and {b}", (8.0 * EPS + rough) * np.abs(size.distance)
             yield ElementResult(f"{name}.centre_distance", words, "m"), Measured(size.distance, off)
         small = a if place.sense < 0 else f"the smaller of {a} and {b}"
         words = f"minimum number of teeth of {small} without interference, the other wheel as it is"
-        yield (
-            ElementResult(f"{name}.minimum_teeth", words, "1", None, True, True, rank=Rank.FURTHER),
-            Measured(minimum_teeth(teeth)),
-        )
+        least = further(f"{name}.minimum_teeth", words, "1", may_be_undefined=True, exact=True)
+        yield least, Measured(minimum_teeth(teeth))
 
 
 def _of_motion(train: GearTrain, n: Numbers, speeds: Measured, sizes: dict[str, MeshSizes]) -> NamedResults:
@@ -92,11 +72,11 @@ def _of_motion(train: GearTrain, n: Numbers, speeds: Measured, sizes: dict[str, 
         yield ElementResult(f"{carrier}.basic_ratio_of_{a}_to_{b}", words, "1"), basic_ratio(path, n)
     if train.has_inertia:
         energy = kinetic_energy(train, n, speeds, sizes)
-        yield ElementResult("kinetic_energy", "kinetic energy of all members", "J", rank=Rank.FURTHER), energy
+        yield further("kinetic_energy", "kinetic energy of all members", "J"), energy
         for name in free:
             words = f"inertia reduced to {name}"
             reduced = 2.0 * energy / by_name[name] ** 2
-            yield ElementResult(f"{name}.reduced_inertia", words, "kg m2", None, True, rank=Rank.FURTHER), reduced
+            yield further(f"{name}.reduced_inertia", words, "kg m2", may_be_undefined=True), reduced
 
 
 def train_results(train: GearTrain, n: Numbers) -> tuple[list[tuple[ElementResult, Measured]], np.ndarray]:
@@ -135,7 +115,7 @@ def results_of(train: GearTrain) -> tuple[ElementResult, ...]:
     sizes = mesh_sizes(train, n)
     (mobility, *others), _ = train_results(train, n)
     fit = assembly_conditions(train, n, sizes)
-    every = (mobility, *_of_assembly(fit), *_of_teeth(train, sizes), *others)
+    every = (mobility, *fit.results, *_of_teeth(train, sizes), *others)
     return tuple(result for result, _ in every)
 
 
@@ -149,7 +129,7 @@ def train_answers(train: GearTrain, n: Numbers) -> Answers:
     found, verdicts = train_results(train, {key: row[here] for key, row in n.items()})
     # The assembly conditions are also reported for variants that do not fit, to show why.
     values, errors = {}, {}
-    everywhere = (*_of_assembly(fit), *_of_teeth(train, sizes))
+    everywhere = (*fit.results, *_of_teeth(train, sizes))
     for results, where in ((everywhere, slice(None)), (found, here)):
         for result, known in results:
             values[result.name], errors[result.name] = pair = np.full((2, fit.fits.size), np.nan)

@@ -14,7 +14,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers, Rank, nudged
+from engine.elements.element import Answers, Columns, Element, ElementResult, Numbers, Rank, further, nudged
 from engine.elements.panels import Curve, Panel, PanelAxis
 from engine.elements.rotors.bearings import BearingForces, peak_forces, rotating_forces, static_forces
 from engine.elements.rotors.correction import correct, corrected_unbalance, misplaced_share
@@ -48,10 +48,6 @@ _SINGLE_PLANE = "position at which a single correction leaves the least couple"
 _PERMISSIBLE = "permissible residual unbalance in the plane of the"
 
 
-def _further(name: str, words: str, units: str) -> ElementResult:
-    return ElementResult(name, words, units, rank=Rank.FURTHER)
-
-
 class RotorElement(Element):
     """A rigid rotor in two bearings, with masses off its axis and correction planes.
 
@@ -64,16 +60,16 @@ class RotorElement(Element):
     RESULTS: ClassVar = (
         ElementResult("unbalance", "resultant unbalance", "kg m"),
         ElementResult("couple", "moment unbalance about the centre of mass", "kg m2"),
-        ElementResult("kind", _KINDS, "1", exact=True, rank=Rank.FURTHER),
-        ElementResult("single_plane", _SINGLE_PLANE, "m", may_be_undefined=True, rank=Rank.FURTHER),
+        further("kind", _KINDS, "1", exact=True),
+        further("single_plane", _SINGLE_PLANE, "m", may_be_undefined=True),
         ElementResult("permissible_unbalance", "permissible residual unbalance", "kg m"),
-        *(_further(f"{side}_permissible", f"{_PERMISSIBLE} {side} bearing", "kg m") for side in _SIDES),
-        *(_further(f"quality_{state}", f"balance quality e ω {words}", "m s-1") for state, words in _STATES.items()),
+        *(further(f"{side}_permissible", f"{_PERMISSIBLE} {side} bearing", "kg m") for side in _SIDES),
+        *(further(f"quality_{state}", f"balance quality e ω {words}", "m s-1") for state, words in _STATES.items()),
         *(
             ElementResult(f"grade_{state}", f"finest grade G held {words}", "m s-1", None, True, True)
             for state, words in _STATES.items()
         ),
-        _further("error_allowance", "error of every correction that the grade allows, as a share of it", "1"),
+        further("error_allowance", "error of every correction that the grade allows, as a share of it", "1"),
         *(
             ElementResult(
                 f"{side}_{kind}_{when}",

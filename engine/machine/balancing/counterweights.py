@@ -228,14 +228,8 @@ def _probes(
     at += [(place.link, place.x, place.y) for place in places]
     bodies = {f"probe{i}": Body(link=link, mass=0.0, x=x, y=y) for i, (link, x, y) in enumerate(at)}
     bare = {name: shaft.model_copy(update={"inertia": 0.0}) for name, shaft in scene.shafts.items()}
-    kept = {"points": scene.points, "guides": scene.guides, "groups": scene.groups, "balance": scene.balance}
-    kept |= {"links": scene.links, "near": scene.near, "cams": scene.cams}
-    kept |= {
-        "inputs": scene.inputs,
-        "racks": scene.racks,
-        "pinions": scene.pinions,
-        "noncircular_wheels": scene.noncircular_wheels,
-    }
+    moving = ("points", "guides", "groups", "links", "near", "cams", "inputs", "racks", "pinions", "noncircular_wheels")
+    kept = {table: getattr(scene, table) for table in (*moving, "balance")}
     probes = Scene(input=scene.input).model_copy(update={**kept, "shafts": bare, "bodies": bodies})
     masses = np.eye(len(at))
     return probes, {f"bodies.{name}.mass": masses[i] for i, name in enumerate(bodies)}

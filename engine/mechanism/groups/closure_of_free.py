@@ -272,82 +272,65 @@ class ClosureOfFree:
         nothing = Reach((graph.zero,) * count, graph.zero)
         turns: dict[str, int | None] = {}
         origins: dict[str, tuple[Reach, Vector]] = {}
+
+        def reach(name: str, pair: Pair) -> Reach:
+            """Of the joint of a pair, as a point of the link beyond it."""
+            link = pair.beyond(name)
+            if link not in origins:
+                return nothing
+            base, place = origins[link]
+            return _turned_by(base, turns[link], (self.local(link, pair.joint) - place).length)
+
+        def from_line(point: Reach, carrier: str, r: Vector) -> tuple[list[Node], Node]:
+            """Bounds of the distance of a point at r from a line on its carrier, which may turn with an unknown."""
+            base, place = origins.get(carrier, (nothing, self.assembly.nowhere))
+            first = [a + b for a, b in zip(point.first, base.first, strict=True)]
+            second, turning = point.second + base.second, turns.get(carrier)
+            if turning is None:
+                return first, second
+            arm = (r - _at(links[carrier], place).r).length
+            second = second + 2.0 * sum(first) + (arm + sum(first) * within)
+            return [f + arm if k == turning else f for k, f in enumerate(first)], second
+
         for i, ((name, pair), unknown) in enumerate(zip(self.cutting.placed, unknowns, strict=True)):
             other = pair.beyond(name)
             if isinstance(unknown, Direction):
                 turns[name] = i
-                base = self._reach_of_joint(origins, turns, nothing, other, pair.joint)
-                origins[name] = base, self.local(name, pair.joint)
+                origins[name] = reach(name, pair), self.local(name, pair.joint)
                 continue
             turns[name] = turns.get(other)
-            guide = self.slider_guide(pair)
-            r = self.assembly.place("guides", guide)
+            r = self.assembly.place("guides", self.slider_guide(pair))
             arm = abs(unknown.d) + self.size * within + abs(self.offset(pair.link)) + r.length
-            base, place = origins.get(other, (nothing, self._zero))
-            reach = _turned_by(base, turns[name], arm + place.length)
-            first = tuple(f + self.size if k == i else f for k, f in enumerate(reach.first))
+            base, place = origins.get(other, (nothing, self.assembly.nowhere))
+            moved = _turned_by(base, turns[name], arm + place.length)
+            first = tuple(f + self.size if k == i else f for k, f in enumerate(moved.first))
             twice = self.size + self.size if turns[name] is not None else graph.zero
-            origins[name] = Reach(first, reach.second + twice), self._zero
+            origins[name] = Reach(first, moved.second + twice), self.assembly.nowhere
         found = []
         for cut, miss in zip(self.cut_links, misses, strict=False):
-            one = self._reach_of_joint(origins, turns, nothing, cut.one.beyond(cut.name), cut.one.joint)
-            if cut.other.kind == "revolute":
-                two = self._reach_of_joint(origins, turns, nothing, cut.other.beyond(cut.name), cut.other.joint)
-                first = [a + b for a, b in zip(one.first, two.first, strict=True)]
-                total, length = sum(first), self.bar(cut).length
-                # Upper bound: the residual is half the difference of the squares of distance and length.
-                distance = length + abs(miss.r) * (graph.one / length) + total * within
-                first = [reach * length for reach in first]
-                found.append((first, total * total + (one.second + two.second) * distance))
+            one = reach(cut.name, cut.one)
+            if cut.other.kind == "prismatic":
+                point = self.joint_on(links, cut.one.beyond(cut.name), cut.one.joint)
+                found.append(from_line(one, cut.other.beyond(cut.name), point.r))
                 continue
-            carrier, point = cut.other.beyond(cut.name), self.joint_on(links, cut.one.beyond(cut.name), cut.one.joint)
-            base, place = origins.get(carrier, (nothing, self._zero))
-            arm = (point.r - _at(links[carrier], place).r).length
-            found.append(self._reach_from_line(one, base, turns.get(carrier), arm, within))
+            two = reach(cut.name, cut.other)
+            first = [a + b for a, b in zip(one.first, two.first, strict=True)]
+            total, length = sum(first), self.bar(cut).length
+            # Upper bound: the residual is half the difference of the squares of distance and length.
+            distance = length + abs(miss.r) * (graph.one / length) + total * within
+            first = [bound * length for bound in first]
+            found.append((first, total * total + (one.second + two.second) * distance))
         for pair in self.cutting.cut_pairs:
             if pair.kind == "revolute":
-                one, two = (
-                    self._reach_of_joint(origins, turns, nothing, name, pair.joint) for name in (pair.link, pair.other)
-                )
+                one, two = (reach(name, pair) for name in (pair.other, pair.link))
                 first = [a + b for a, b in zip(one.first, two.first, strict=True)]
                 found += [(first, one.second + two.second)] * 2
                 continue
-            own, of_line = turns.get(pair.link), turns.get(pair.other)
-            first = [self.size if k in (own, of_line) else graph.zero for k in range(count)]
-            found.append((first, 4.0 * self.size))
-            one = origins.get(pair.link, (nothing, self._zero))[0]
-            base, place = origins.get(pair.other, (nothing, self._zero))
-            arm = (links[pair.link].origin.r - _at(links[pair.other], place).r).length
-            found.append(self._reach_from_line(one, base, of_line, arm, within))
+            both = turns.get(pair.link), turns.get(pair.other)
+            found.append(([self.size if k in both else graph.zero for k in range(count)], 4.0 * self.size))
+            one = origins.get(pair.link, (nothing, None))[0]
+            found.append(from_line(one, pair.other, links[pair.link].origin.r))
         return [first for first, _ in found], [second for _, second in found]
-
-    @property
-    def _zero(self) -> Vector:
-        return self.assembly.nowhere
-
-    def _reach_of_joint(
-        self,
-        origins: dict[str, tuple[Reach, Vector]],
-        turns: dict[str, int | None],
-        nothing: Reach,
-        link: str,
-        joint: str,
-    ) -> Reach:
-        if link not in origins:
-            return nothing
-        base, place = origins[link]
-        return _turned_by(base, turns[link], (self.local(link, joint) - place).length)
-
-    def _reach_from_line(
-        self, point: Reach, base: Reach, turns: int | None, arm: Node, within: Node
-    ) -> tuple[list[Node], Node]:
-        """Bounds of a point's distance from a line that turns with an unknown; `arm` from the centre of rotation."""
-        first = [a + b for a, b in zip(point.first, base.first, strict=True)]
-        second = point.second + base.second
-        if turns is None:
-            return first, second
-        second = second + 2.0 * sum(first) + (arm + sum(first) * within)
-        return [f + arm if k == turns else f for k, f in enumerate(first)], second
 
 
 def _at(link: Turning, place: Vector) -> MovingPoint:

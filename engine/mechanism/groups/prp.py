@@ -5,7 +5,7 @@ from engine.mechanism.assembly import Assembly, DyadStatics, MovingPoint, Slide
 from engine.mechanism.vectors import Vector
 
 
-def add_dyad(assembly: Assembly, name: str) -> None:
+def add_dyad(assembly: Assembly, name: str) -> DyadStatics:
     """Add a group PRP of the scene to a mechanism."""
     group, apply = assembly.scene.groups[name], assembly.graph.apply
     one, two = assembly.guides[group.first.guide], assembly.guides[group.second.guide]
@@ -24,9 +24,4 @@ def add_dyad(assembly: Assembly, name: str) -> None:
     assembly.slider(group.second.link, joint, two, Slide(d2, v2, a2))
     # The angle between guides on one link is constant: the transmission index is then a per-variant number.
     assembly.transmits(name, one.u.cross(two.u), apply(prp_closure, *lines, b, d1, d2))
-
-
-def dyad_statics(assembly: Assembly, name: str) -> DyadStatics:
-    """The law of the reactions in a group PRP of the scene, and the geometry it takes."""
-    group = assembly.scene.groups[name]
-    return prp_reactions, (assembly.links[group.first.link].u, assembly.links[group.second.link].u)
+    return prp_reactions, (one.u, two.u)

@@ -5,7 +5,7 @@ from engine.mechanism.assembly import Assembly, DyadStatics, MovingPoint, Slide,
 from engine.mechanism.vectors import Vector
 
 
-def add_dyad(assembly: Assembly, name: str) -> None:
+def add_dyad(assembly: Assembly, name: str) -> DyadStatics:
     """Add a group RPP of the scene to a mechanism."""
     group, apply = assembly.scene.groups[name], assembly.graph.apply
     a, guide = assembly.points[group.first.joint], assembly.guides[group.second.guide]
@@ -24,10 +24,4 @@ def add_dyad(assembly: Assembly, name: str) -> None:
     assembly.slides[group.first.link] = Slide(slide, slide_v, slide_a).called(group.first.link)
     # The angle between slot and guide is constant, and so is the transmission index.
     assembly.transmits(name, beta.y, apply(rpp_closure, a.r, line, beta, crossing, slot, d, slide))
-
-
-def dyad_statics(assembly: Assembly, name: str) -> DyadStatics:
-    """The law of the reactions in a group RPP of the scene, and the geometry it takes."""
-    group = assembly.scene.groups[name]
-    one, two = (assembly.links[link].u for link in (group.first.link, group.second.link))
-    return rpp_reactions, (two, one, assembly.slides[group.first.link].d)
+    return rpp_reactions, (guide.u, slot, slide)

@@ -5,7 +5,7 @@ from engine.mechanism.assembly import Assembly, DyadStatics, Slide, Turning
 from engine.mechanism.vectors import Vector
 
 
-def add_dyad(assembly: Assembly, name: str) -> None:
+def add_dyad(assembly: Assembly, name: str) -> DyadStatics:
     """Add a group RPR of the scene to a mechanism."""
     group, apply, number = assembly.scene.groups[name], assembly.graph.apply, assembly.number
     a, d = assembly.points[group.first.joint], assembly.points[group.second.joint]
@@ -21,9 +21,4 @@ def add_dyad(assembly: Assembly, name: str) -> None:
     assembly.links[group.first.link] = rocker._replace(origin=a)
     assembly.slides[group.first.link] = Slide(slide, dv, da).called(group.first.link)
     assembly.transmits(name, sine, apply(rpr_closure, a.r, d.r, offset, u, slide))
-
-
-def dyad_statics(assembly: Assembly, name: str) -> DyadStatics:
-    """The law of the reactions in a group RPR of the scene, and the geometry it takes."""
-    group = assembly.scene.groups[name]
-    return rpr_reactions, (assembly.links[group.second.link].u, assembly.slides[group.first.link].d)
+    return rpr_reactions, (u, slide)

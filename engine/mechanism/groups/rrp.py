@@ -5,7 +5,7 @@ from engine.mechanism.assembly import Assembly, DyadStatics, MovingPoint, Slide,
 from engine.mechanism.vectors import Vector
 
 
-def add_dyad(assembly: Assembly, name: str) -> None:
+def add_dyad(assembly: Assembly, name: str) -> DyadStatics:
     """Add a group RRP of the scene to a mechanism."""
     group, apply, number = assembly.scene.groups[name], assembly.graph.apply, assembly.number
     a, guide = assembly.points[group.first.joint], assembly.guides[group.second.guide]
@@ -24,11 +24,4 @@ def add_dyad(assembly: Assembly, name: str) -> None:
     assembly.link(group.first.link, Turning(a, u, w, e))
     assembly.slider(group.second.link, joint, guide, Slide(d, dv, da))
     assembly.transmits(name, sine, apply(rrp_closure, a.r, line, offset, b, (r, *u), d))
-
-
-def dyad_statics(assembly: Assembly, name: str) -> DyadStatics:
-    """The law of the reactions in a group RRP of the scene, and the geometry it takes."""
-    group = assembly.scene.groups[name]
-    one, two = (assembly.links[link].u for link in (group.first.link, group.second.link))
-    rod = (assembly.number(f"groups.{name}.first.length"), *one)
-    return rrp_reactions, (rod, two, assembly.sines[name])
+    return rrp_reactions, known

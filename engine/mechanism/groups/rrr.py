@@ -5,7 +5,7 @@ from engine.mechanism.assembly import Assembly, DyadStatics, MovingPoint, Turnin
 from engine.mechanism.vectors import Vector
 
 
-def add_dyad(assembly: Assembly, name: str) -> None:
+def add_dyad(assembly: Assembly, name: str) -> DyadStatics:
     """Add a group RRR of the scene to a mechanism."""
     group, apply, number = assembly.scene.groups[name], assembly.graph.apply, assembly.number
     a, d = assembly.points[group.first.joint], assembly.points[group.second.joint]
@@ -23,11 +23,4 @@ def add_dyad(assembly: Assembly, name: str) -> None:
     b = second.at(db) if d.v == assembly.nowhere else first.at(ab)
     assembly.points[group.inner] = MovingPoint(Vector(bx, by), b.v, b.a).called(group.inner)
     assembly.transmits(name, sine, apply(rrr_closure, a.r, d.r, (bx, by), (r1, *u1), (r2, *u2)))
-
-
-def dyad_statics(assembly: Assembly, name: str) -> DyadStatics:
-    """The law of the reactions in a group RRR of the scene, and the geometry it takes."""
-    group = assembly.scene.groups[name]
-    lengths = [assembly.number(f"groups.{name}.{side}.length") for side in ("first", "second")]
-    one, two = (assembly.links[link].u for link in (group.first.link, group.second.link))
-    return rrr_reactions, ((lengths[0], *one), (lengths[1], *two), assembly.sines[name])
+    return rrr_reactions, known

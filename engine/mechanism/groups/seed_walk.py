@@ -52,18 +52,12 @@ class SeedPaths(NamedTuple):
     closes: np.ndarray
 
 
-class _Functions(NamedTuple):
-    """Functions of a group."""
-
-    fill: Callable
-    levels: Callable
-
-
-class _Variants(NamedTuple):
-    """Variants of a group, and the layout of their numbers.
+class _Group(NamedTuple):
+    """Functions of a group, its variants, and the layout of their numbers.
 
     Attributes
     ----------
+    fill, levels : callable
     level_rows, given : ndarray of int
         Rows for the levels and for the unknowns.
     table : ndarray (numbers, variants)
@@ -71,6 +65,8 @@ class _Variants(NamedTuple):
         All tables.
     """
 
+    fill: Callable
+    levels: Callable
     level_rows: np.ndarray
     given: np.ndarray
     table: np.ndarray
@@ -173,14 +169,13 @@ def _new_scratch(functions: Functions, unknowns: int) -> _Scratch:
 
 
 @routine
-def _load(first: int, functions: _Functions, variants: _Variants, scratch: _Scratch) -> None:
+def _load(first: int, group: _Group, scratch: _Scratch) -> None:
     """Load the numbers of a block of variants."""
-    gather(variants.table, first, in_lanes(scratch.block))
-    if variants.level_rows.size > 0:
-        functions.levels(
-            scratch.block, variants.memory, scratch.at[0], scratch.at[1], scratch.at[2], scratch.level_tile
-        )
-        copy_rows(in_lanes(scratch.level_tile), variants.level_rows, in_lanes(scratch.block))
+    at = scratch.at
+    gather(group.table, first, in_lanes(scratch.block))
+    if group.level_rows.size > 0:
+        group.levels(scratch.block, group.memory, at[0], at[1], at[2], scratch.level_tile)
+        copy_rows(in_lanes(scratch.level_tile), group.level_rows, in_lanes(scratch.block))
 
 
 @routine
@@ -288,15 +283,14 @@ def _store(first: int, paths: _Paths, scratch: _Scratch) -> bool:
 
 
 @driver
-def _walk(begin: int, end: int, functions: _Functions, variants: _Variants, paths: _Paths, scratch: _Scratch) -> None:
+def _walk(begin: int, end: int, group: _Group, paths: _Paths, scratch: _Scratch) -> None:
     """Fill the tables of blocks `begin` … `end` − 1 of LANES variants; see `SeedWalk`."""
-    fill = functions.fill
-    memory, given, count = variants.memory, variants.given, variants.given.size
+    fill, memory, given, count = group.fill, group.memory, group.given, group.given.size
     block, at, half_way, path, tile = scratch.block, scratch.at, scratch.half_way, scratch.path, scratch.tile
     ahead = scratch.ahead
     for b in range(begin, end):
         first = b * LANES
-        _load(first, functions, variants, scratch)
+        _load(first, group, scratch)
         _start_paths(first, paths, scratch)
         active = True
         while active:
@@ -396,12 +390,12 @@ class SeedWalk:
         seeds[:, 0] = np.inf
         reached = np.empty((2 + count, variants))
         level_rows = np.array(functions.level_rows, np.int64)
-        every_variant = _Variants(level_rows, given, np.ascontiguousarray(table), functions.memory)
+        group = _Group(self._fill, self._levels, level_rows, given, np.ascontiguousarray(table), functions.memory)
         begins = np.ascontiguousarray(start), np.ascontiguousarray(sines)
         paths = _Paths(*begins, intervals, longest, seeds.reshape(-1, variants), reached)
 
         def arguments() -> tuple:
-            return _Functions(self._fill, self._levels), every_variant, paths, _new_scratch(functions, count)
+            return group, paths, _new_scratch(functions, count)
 
         spread(_walk, -(-variants // LANES), arguments)
         found, place, end = reached[0].astype(np.int64), reached[1], reached[2:]

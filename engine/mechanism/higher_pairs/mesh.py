@@ -12,45 +12,39 @@ from typing import NamedTuple
 import numpy as np
 
 from engine.graph.nodes import Node
-from engine.mechanism.kinematics import Kinematics
+from engine.mechanism.assembly import Assembly
 from engine.mechanism.vectors import Vector
 from engine.scene.structure.trains import mesh_axis
 
 
-class Mesh(NamedTuple):
-    """The mesh of two wheels.
+class Toothing(NamedTuple):
+    """The mesh of a wheel with another or with a rack.
 
     Attributes
     ----------
     pitch_point : Vector
-    radius : Node
-        Signed radius of the shaft's pitch circle; `radius` × `along` is the arm from the shaft to the pitch point.
-    across : Vector
-        Direction in which a force on the shaft at the pitch point has the moment `radius` × force.
+        [m]
     along : Vector
-        Direction of the line of centres, from the driver's axis to the shaft's.
+        Direction of the common tangent of the pitch lines: of a rack, or the line of centres turned by a right angle.
     away : Vector
-        Direction of the separating force on the shaft: away from the driver for external teeth.
-    slope : Node
-        Tangent of the pressure angle.
+        Direction of the separating force on the wheel, for a rack on its pinion.
+    radius : Node
+        Signed radius of the wheel's pitch circle [m]: its moment is `radius` times the force along `along`.
     """
 
     pitch_point: Vector
-    radius: Node
-    across: Vector
     along: Vector
     away: Vector
-    slope: Node
+    radius: Node
 
 
-def mesh_of(kinematics: Kinematics, name: str) -> Mesh:
+def mesh_of(assembly: Assembly, name: str) -> Toothing:
     """Mesh of the shaft `name`, which has a pivot."""
-    graph, centre = kinematics.graph, kinematics.links[name].origin.r
-    ratio = kinematics.number(f"shafts.{name}.ratio")
-    line = centre - kinematics.points[mesh_axis(kinematics.scene, name)].r
+    graph, centre = assembly.graph, assembly.links[name].origin.r
+    ratio = assembly.number(f"shafts.{name}.ratio")
+    line = centre - assembly.points[mesh_axis(assembly.scene, name)].r
     distance = line.length
     along = line * (graph.one / distance)
     radius = distance / (ratio - 1.0)
-    slope = graph.derived(f"slope of the teeth of {name}", lambda n: np.tan(n[f"shafts.{name}.pressure_angle"]))
     apart = graph.derived(f"sense in which {name} is pushed apart", lambda n: -np.sign(n[f"shafts.{name}.ratio"]))
-    return Mesh(centre + radius * along, radius, along.normal, along, apart * along, slope)
+    return Toothing(centre + radius * along, along.normal, apart * along, radius)

@@ -10,38 +10,16 @@ with ṡ_C the velocity of the axis along the guide. Displacement and accelerati
 Source: I. I. Artobolevsky, Theory of Mechanisms and Machines, chapters on gearing.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from engine.graph.nodes import Node, Return
 from engine.laws.elementary import direction_of
 from engine.mechanism.assembly import Assembly, Slide, Turning
+from engine.mechanism.higher_pairs.mesh import Toothing
 from engine.mechanism.vectors import Vector
 from engine.scene.attachments import guide_of
 from engine.scene.scene import Scene
 from engine.scene.structure.meshes import carrier_of, rides_along
-
-
-class Toothing(NamedTuple):
-    """The mesh of a pinion with a rack.
-
-    Attributes
-    ----------
-    pitch_point : Vector
-        [m]
-    along : Vector
-        Direction of the rack.
-    away : Vector
-        Direction of the separating force on the pinion, away from the rack.
-    radius : Node
-        Signed radius of the pitch circle [m].
-    """
-
-    pitch_point: Vector
-    along: Vector
-    away: Vector
-    radius: Node
 
 
 def rack_guide(scene: Scene, name: str) -> str:
