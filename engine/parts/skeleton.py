@@ -129,9 +129,29 @@ class SceneNumber(NamedTuple):
 
 
 class Part(BaseModel):
-    """Base of everything in a scene: unknown keys are rejected, and values are immutable."""
+    """Base of everything in a scene: unknown keys are rejected, and values are immutable.
 
+    Attributes
+    ----------
+    one_of, at_most_one_of : tuple of tuple of str
+        Optional keys of which a class requires exactly one, and of which it allows one, in addition to its bases.
+    """
+
+    one_of: ClassVar[tuple[tuple[str, ...], ...]] = ()
+    at_most_one_of: ClassVar[tuple[tuple[str, ...], ...]] = ()
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @model_validator(mode="after")
+    def _alternatives(self) -> "Part":
+        for kind in type(self).__mro__:
+            for keys in vars(kind).get("one_of", ()):
+                if sum(getattr(self, key) is not None for key in keys) != 1:
+                    raise ValueError(f"give {' or '.join(keys)}, one of the two")
+            for keys in vars(kind).get("at_most_one_of", ()):
+                given = [key for key in keys if getattr(self, key) is not None]
+                if len(given) > 1:
+                    raise ValueError(f"{' and '.join(given)} are given; give one of {', '.join(keys)}, or none")
+        return self
 
     def numbers_within(self, path: str = "") -> Iterator[tuple[str, SceneNumber]]:
         """Every number of this part and its subparts that a study may vary, by path.

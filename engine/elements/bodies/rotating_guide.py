@@ -24,7 +24,6 @@ from engine.elements.panels import Curve, Mark, Panel, PanelAxis, path, plan
 from engine.parts.skeleton import AngularSpeed, Length, Mass, Number, Speed
 from engine.units.display import quantity_text
 
-_ROUNDS = 60
 # Samples of a curve; number of lever positions drawn.
 _SHOWN, _LEVERS = 721, 8
 
@@ -73,21 +72,16 @@ class RotatingGuide(Element):
         mass, w, start = n["mass"], n["speed"], n["start_radius"]
         velocity, length, friction = n["start_velocity"], n["length"], n["friction"]
         there = np.where(length > start, length, math.nan)
-        # Start from the time of the growing exponential alone; the decaying one may be negative and delay the body.
         root = np.hypot(1.0, friction)
         out = w / (root + friction)
         first = (velocity + w * (root + friction) * start) / (out + w * (root + friction))
-        low, high = np.zeros_like(w), np.maximum(np.log(there / first), 0.0) / out + 1.0 / w
-        for _ in range(_ROUNDS):
-            reached = slides_out(w, start, velocity, friction, high)[0] < there
-            high = np.where(reached, 2.0 * high, high)
-            if not reached.any():
-                break
-        time = regula_falsi(lambda t: slides_out(w, start, velocity, friction, t)[0] - there, low, high)
+        back, second = -w * (root + friction), start - first
+        # The growing exponential exceeds the distance by the decaying one, which may be negative and delay the body.
+        high = np.log((there + np.abs(second)) / first) / out + 1.0 / w
+        time = regula_falsi(lambda t: slides_out(w, start, velocity, friction, t)[0] - there, 0.0 * w, high)
         radius, rate = slides_out(w, start, velocity, friction, time)
         time = time - (radius - there) / rate
         _, rate = slides_out(w, start, velocity, friction, time)
-        back, second = -w * (root + friction), start - first
         slowing = -2.0 * friction * w
         with np.errstate(all="ignore"):
             both = np.where(-slowing * time > 1e-18, np.expm1(slowing * time) / slowing, time)

@@ -1,6 +1,6 @@
 """Elastic parts of a drive, single, in series and in parallel, as in a scene."""
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
@@ -18,34 +18,35 @@ class _TurningPart(Part):
     cycle, defines its damper.
     """
 
+    at_most_one_of: ClassVar = (("damping", "energy_absorption"),)
+
     ratio: Annotated[Number, Field(gt=0)] = 1.0
     damping: Annotated[TorsionalDamping, Field(ge=0)] | None = None
     energy_absorption: Annotated[Number, Field(ge=0)] | None = None
 
-    @model_validator(mode="after")
-    def _one_damper(self) -> "_TurningPart":
-        if self.damping is not None and self.energy_absorption is not None:
-            raise ValueError("damping and energy_absorption are given; a part has one of the two, or none")
-        return self
 
+class HollowRound(Part):
+    """A round bar with a `diameter` and a `bore`."""
 
-class ShaftPart(_TurningPart):
-    """A round shaft between two steps of its diameter."""
-
-    type: Literal["shaft"]
     diameter: Positive
     bore: Annotated[Length, Field(ge=0)] = 0.0
-    length: Positive
-    shear_modulus: PartModulus
 
     @model_validator(mode="after")
-    def _has_a_wall(self) -> "ShaftPart":
+    def _has_a_wall(self) -> "HollowRound":
         if self.bore >= self.diameter:
             raise ValueError(
                 f"bore = {quantity_text(self.bore, 'm')}: it must be less than the diameter, "
                 f"{quantity_text(self.diameter, 'm')}"
             )
         return self
+
+
+class ShaftPart(HollowRound, _TurningPart):
+    """A round shaft between two steps of its diameter."""
+
+    type: Literal["shaft"]
+    length: Positive
+    shear_modulus: PartModulus
 
 
 class RodPart(_TurningPart):

@@ -5,50 +5,45 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.compiling.running import spread
+from engine.cycle.panels.chebyshev import PLACES
+from engine.cycle.panels.sampled import tops
 from engine.elements.elastic_drives.elastic_cycle import (
     CLOSES,
-    COLUMNS,
     GAUSS,
     STATE,
     TURNS_BACK,
     UNKNOWNS,
-    CyclesToClose,
-    CycleSums,
+    CycleMotion,
+    DrivenMachine,
     close_cycles,
 )
 from engine.words.verdicts import Verdict
 
-# Points of a step, its ends with the Gauss points, and the fractions at which curves through them are sampled.
-_KNOTS = np.array([0.0, *GAUSS.nodes, 1.0])
-_SHARES = np.linspace(0.0, 1.0, 33)
+# Values at the positions of a panel of the polynomial through a step's points: its ends and the Gauss points.
+_POWERS = np.arange(GAUSS.stages + 2)
+_THROUGH = (0.5 * (PLACES + 1.0))[:, None] ** _POWERS @ np.linalg.inv(
+    np.array([0.0, *GAUSS.nodes, 1.0])[:, None] ** _POWERS
+)
 
 
-class DrivenMachine(NamedTuple):
-    """A machine without its driver, as seen by its drive, at the Gauss points of every step of its cycle.
+class CycleSums(NamedTuple):
+    """Integrals over cycles, (variants,).
 
     Attributes
     ----------
-    steps : ndarray (variants, steps)
-        [rad].
-    places : ndarray (variants, steps, STAGES, KNOWN + laws)
-        Inertia [kg·m²], coefficients of the torques in ω⁰, ω¹, ω² and in power laws.
-    node_inertia : ndarray (variants, steps + 1)
-        At the ends of steps [kg·m²].
-    drives : ndarray (rows, variants)
-        Characteristics of the motors, as in `engine.laws.motor_characteristics`.
-    exponents : ndarray (variants, laws)
-        Of the power laws.
-    bent : int
-        Number of bends of the characteristics.
+    period : ndarray
+        [s].
+    motor_work, load_work, damping_work : ndarray
+        [J].
+    impulse : ndarray
+        Integral of the shaft torque over time [N·m·s].
     """
 
-    steps: np.ndarray
-    places: np.ndarray
-    node_inertia: np.ndarray
-    drives: np.ndarray
-    exponents: np.ndarray
-    bent: int
+    period: np.ndarray
+    motor_work: np.ndarray
+    load_work: np.ndarray
+    damping_work: np.ndarray
+    impulse: np.ndarray
 
 
 class ElasticCycle(NamedTuple):
@@ -93,26 +88,30 @@ def elastic_cycle(machine: DrivenMachine, given: np.ndarray, guess: np.ndarray) 
         Initial guess of the motion.
     """
     variants, count = machine.steps.shape
-    states, nodes = guess.copy(), np.empty((variants, count + 1, STATE))
-    monodromy, sums = np.empty((variants, STATE, STATE)), CycleSums(*np.empty((len(CycleSums._fields), variants)))
-    parts = [given, machine.drives, machine.exponents, machine.steps, machine.places, states, nodes, monodromy]
-    batch = CyclesToClose(*(np.require(part, requirements="C") for part in parts), sums, machine.bent)
-
-    def arguments() -> tuple:
-        memory = np.empty((count, UNKNOWNS, COLUMNS)), np.empty((count, UNKNOWNS)), np.empty((2, UNKNOWNS, UNKNOWNS))
-        return batch, *memory
-
-    spread(close_cycles, variants, arguments)
-    points = np.concatenate([nodes[:, :-1, None], states, nodes[:, 1:, None]], axis=2)
+    machine = DrivenMachine(*map(np.ascontiguousarray, machine[:-1]), machine.bent)
+    empty = map(
+        np.empty, ((variants, count, UNKNOWNS), (variants, count + 1, STATE), (variants, STATE, STATE), variants)
+    )
+    motion = CycleMotion(guess.copy(), *empty)
+    close_cycles(variants, np.ascontiguousarray(given), machine, motion)
+    nodes, monodromy = motion.nodes, motion.monodromy
+    points = np.concatenate([nodes[:, :-1, None], motion.states, nodes[:, 1:, None]], axis=2)
     elastic, motor_speed, energy = np.moveaxis(points, 3, 0)
     inertia = machine.node_inertia
     inertia = np.concatenate([inertia[:, :-1, None], machine.places[..., 0], inertia[:, 1:, None]], axis=2)
-    stiffness, damping = given[:, 0, None, None], given[:, 1, None, None]
+    stiffness, damping, first = given.T[..., None, None]
     with np.errstate(all="ignore"):
         speed = np.sqrt(2.0 * energy / inertia)
-        moment = elastic + damping * (motor_speed - speed)
-    verdict = np.where(sums.ended == TURNS_BACK, Verdict.TURNS_BACK, Verdict.NOT_FINITE)
-    sound = (sums.ended == CLOSES) & np.isfinite(monodromy).all(axis=(1, 2)) & np.isfinite(moment).all(axis=(1, 2))
+        slip = motor_speed - speed
+        moment = elastic + damping * slip
+        # The equations of motion give the torques of motors and loads, at the Gauss points.
+        w, w1, torque = (row[..., 1:-1] for row in (speed, motor_speed, moment))
+        _, rise, gain = np.moveaxis(motion.slopes.reshape(motion.states.shape), 3, 0)
+        time = machine.steps[..., None] * GAUSS.weights / w
+        powers = (first * w * rise + torque) * w1, (gain - torque) * w, damping * slip[..., 1:-1] ** 2
+        sums = CycleSums(*((time * row).sum(axis=(1, 2)) for row in (1.0, *powers, torque)))
+    verdict = np.where(motion.ended == TURNS_BACK, Verdict.TURNS_BACK, Verdict.NOT_FINITE)
+    sound = (motion.ended == CLOSES) & np.isfinite(monodromy).all(axis=(1, 2)) & np.isfinite(moment).all(axis=(1, 2))
     multipliers = np.full((variants, STATE), np.nan)
     multipliers[sound] = -np.sort(-np.abs(np.linalg.eigvals(monodromy[sound])), axis=1)
     verdict = np.where(sound, Verdict.OK, verdict).astype(np.uint8)
@@ -121,26 +120,15 @@ def elastic_cycle(machine: DrivenMachine, given: np.ndarray, guess: np.ndarray) 
 
 def least_and_greatest(curve: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Minimum and maximum of a curve through the points of its steps, (variants, steps, points)."""
-    # Lagrange polynomials through a step's points, evaluated at equally spaced fractions of the step.
-    powers = np.arange(_KNOTS.size)
-    through = (_SHARES[:, None] ** powers) @ np.linalg.inv(_KNOTS[:, None] ** powers)
-    return -_top(-curve, through), _top(curve, through)
+    return -_top(-curve), _top(curve)
 
 
-def _top(curve: np.ndarray, through: np.ndarray) -> np.ndarray:
+def _top(curve: np.ndarray) -> np.ndarray:
     variants, count, _ = curve.shape
-    top, who = np.full(variants, -np.inf), np.arange(variants)
-    highest = curve.max(axis=2).argmax(axis=1)
+    who, highest = np.arange(variants), curve.max(axis=2).argmax(axis=1)
     # The peak may lie in the step with the highest point or in either neighbour.
-    for beside in (-1, 0, 1):
-        fine = curve[who, (highest + beside) % count] @ through.T
-        at = np.clip(fine.argmax(axis=1), 1, _SHARES.size - 2)
-        before, here, after = (fine[who, at + k] for k in (-1, 0, 1))
-        bend, rise = before - 2.0 * here + after, 0.5 * (after - before)
-        with np.errstate(all="ignore"):
-            vertex = np.where((bend < 0.0) & (np.abs(rise) <= -bend), here - 0.5 * rise * rise / bend, -np.inf)
-        top = np.fmax(top, np.fmax(vertex, fine.max(axis=1)))
-    return top
+    near = (curve[who, (highest + beside) % count] @ _THROUGH.T for beside in (-1, 0, 1))
+    return np.fmax.reduce([tops(values, np.zeros(variants)).values for values in near])
 
 
 def drive_results(
@@ -162,7 +150,7 @@ def drive_results(
     """
     (least, greatest), (slow, fast) = least_and_greatest(cycle.moment), least_and_greatest(cycle.motor_speed)
     (slowest, fastest), (near, far) = least_and_greatest(cycle.machine_speed), least_and_greatest(cycle.twist)
-    _, period, motors, loads, damped, impulse = cycle.sums
+    period, motors, loads, damped, impulse = cycle.sums
     with np.errstate(all="ignore"):
         return np.stack(
             [

@@ -22,7 +22,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 
-from engine.compiling.decorators import driver, routine
+from engine.compiling.decorators import routine
+from engine.compiling.running import over_variants
 from engine.laws.elementary import power
 from engine.laws.motor_characteristics import BENDS, PER_BEND, motors_at
 from engine.stepping.tableaux import collocation
@@ -115,90 +116,81 @@ def _solve(matrix: np.ndarray, right: np.ndarray, size: int, columns: int) -> No
             right[i, c] = total / matrix[i, i]
 
 
-class CycleSums(NamedTuple):
-    """Results for cycles, (drives,).
+class DrivenMachine(NamedTuple):
+    """A machine without its driver, as seen by its drive, at the Gauss points of every step of its cycle.
 
     Attributes
     ----------
-    ended : ndarray
-        CLOSES, TURNS_BACK or NOT_FOUND.
-    period : ndarray
-        [s].
-    motor_work, load_work, damping_work : ndarray
-        [J].
-    impulse : ndarray
-        Integral of the shaft torque over time [N·m·s].
-    """
-
-    ended: np.ndarray
-    period: np.ndarray
-    motor_work: np.ndarray
-    load_work: np.ndarray
-    damping_work: np.ndarray
-    impulse: np.ndarray
-
-
-class CyclesToClose(NamedTuple):
-    """Inputs and results of the search for periodic cycles.
-
-    Attributes
-    ----------
-    given : ndarray (drives, 3)
-        Stiffness, damping, inertia of the motor.
-    drives : ndarray (rows, drives)
-        Characteristics of the motors, as in `engine.laws.motor_characteristics`.
-    exponents : ndarray (drives, laws)
-    steps : ndarray (drives, steps)
+    steps : ndarray (variants, steps)
         [rad].
-    places : ndarray (drives, steps, STAGES, KNOWN + laws)
-        The machine at the Gauss points of every step.
-    states : ndarray (drives, steps, STAGES, STATE)
-        The motion at the Gauss points: initial guess on entry, solution on return.
-    nodes : ndarray (drives, steps + 1, STATE)
-        The motion at the ends of steps.
-    monodromy : ndarray (drives, STATE, STATE)
-    sums : CycleSums
+    places : ndarray (variants, steps, STAGES, KNOWN + laws)
+        Inertia [kg·m²], coefficients of the torques in ω⁰, ω¹, ω² and in power laws.
+    node_inertia : ndarray (variants, steps + 1)
+        At the ends of steps [kg·m²].
+    drives : ndarray (rows, variants)
+        Characteristics of the motors, as in `engine.laws.motor_characteristics`.
+    exponents : ndarray (variants, laws)
+        Of the power laws.
     bent : int
         Number of bends of the characteristics.
     """
 
-    given: np.ndarray
-    drives: np.ndarray
-    exponents: np.ndarray
     steps: np.ndarray
     places: np.ndarray
-    states: np.ndarray
-    nodes: np.ndarray
-    monodromy: np.ndarray
-    sums: CycleSums
+    node_inertia: np.ndarray
+    drives: np.ndarray
+    exponents: np.ndarray
     bent: int
 
 
-@driver
-def close_cycles(
-    begin: int, end: int, batch: CyclesToClose, maps: np.ndarray, slopes: np.ndarray, room: np.ndarray
-) -> None:
+class CycleMotion(NamedTuple):
+    """Motion of drives over a cycle.
+
+    Attributes
+    ----------
+    states : ndarray (variants, steps, STAGES, STATE)
+        At the Gauss points; an initial guess before the search.
+    slopes : ndarray (variants, steps, UNKNOWNS)
+        Derivatives of the states with respect to the crank angle.
+    nodes : ndarray (variants, steps + 1, STATE)
+        At the ends of steps.
+    monodromy : ndarray (variants, STATE, STATE)
+    ended : ndarray (variants,)
+        CLOSES, TURNS_BACK or NOT_FOUND.
+    """
+
+    states: np.ndarray
+    slopes: np.ndarray
+    nodes: np.ndarray
+    monodromy: np.ndarray
+    ended: np.ndarray
+
+
+@over_variants
+def close_cycles(begin: int, end: int, given: np.ndarray, machine: DrivenMachine, motion: CycleMotion) -> None:
     """Find the steady running of drives `begin` … `end` − 1.
 
     Parameters
     ----------
     begin, end : int
-    batch : CyclesToClose
-    maps, slopes : ndarray (steps, UNKNOWNS, COLUMNS), (steps, UNKNOWNS)
-        Scratch.
-    room : ndarray (2, UNKNOWNS, UNKNOWNS)
-        Scratch.
+    given : ndarray (variants, 3)
+        Stiffness, damping, inertia of the motor.
+    machine : DrivenMachine
+    motion : CycleMotion
+        Updated.
     """
-    given, drives, exponents, steps, places, states, nodes, monodromy, sums = batch[:9]
+    steps, places, _, drives, exponents, bent = machine
+    count, rows = steps.shape[1], (BENDS + PER_BEND * bent, drives.shape[0])
+    maps, room = np.empty((count, UNKNOWNS, COLUMNS)), np.empty((2, UNKNOWNS, UNKNOWNS))
     matrix, small = room[0], room[1]
     rates, jacobian, turned = small[0], small[1:4], small[4:8]
     whole, moved, other = small[8:11], small[11], matrix[0]
-    count, rows = steps.shape[1], (BENDS + PER_BEND * batch.bent, drives.shape[0])
     for i in range(begin, end):
         own, motors, powers = given[i], (drives, i, rows), exponents[i]
+        states, slopes, nodes, monodromy = motion.states[i], motion.slopes[i], motion.nodes[i], motion.monodromy[i]
         for n in range(count + 1):
             for c in range(STATE):
-                nodes[i, n, c] = 0.0
+                nodes[n, c] = 0.0
         for n in range(count):
             for c in range(UNKNOWNS):
                 slopes[n, c] = 0.0
@@ -211,14 +203,14 @@ def close_cycles(
                 h, right = steps[i, n], maps[n]
                 for s in range(STAGES):
                     at = STATE * s
-                    _rates(own, motors, powers, places[i, n, s], states[i, n, s], rates, jacobian)
+                    _rates(own, motors, powers, places[i, n, s], states[n, s], rates, jacobian)
                     for r in range(STATE):
                         rest = rates[r] - slopes[n, at + r]
                         for c in range(STATE):
-                            consistent = nodes[i, n, c]
+                            consistent = nodes[n, c]
                             for z in range(STAGES):
                                 consistent += h * _MATRIX[s, z] * slopes[n, STATE * z + c]
-                            rest -= jacobian[r, c] * (states[i, n, s, c] - consistent)
+                            rest -= jacobian[r, c] * (states[n, s, c] - consistent)
                             right[at + r, c] = jacobian[r, c]
                             for z in range(STAGES):
                                 matrix[at + r, STATE * z + c] = -h * _MATRIX[s, z] * jacobian[r, c]
@@ -239,9 +231,9 @@ def close_cycles(
                         whole[r, c] = other[r]
             for r in range(STATE):
                 for c in range(STATE):
-                    monodromy[i, r, c] = whole[r, c]
+                    monodromy[r, c] = whole[r, c]
                     matrix[r, c] = (1.0 if r == c else 0.0) - whole[r, c]
-                turned[r, 0] = whole[r, STATE] + nodes[i, count, r] - nodes[i, 0, r]
+                turned[r, 0] = whole[r, STATE] + nodes[count, r] - nodes[0, r]
             _solve(matrix, turned, STATE, 1)
             for r in range(STATE):
                 moved[r] = turned[r, 0]
@@ -252,7 +244,7 @@ def close_cycles(
             for n in range(count):
                 h = steps[i, n]
                 for r in range(STATE):
-                    nodes[i, n, r] += moved[r]
+                    nodes[n, r] += moved[r]
                 for j in range(UNKNOWNS):
                     change = maps[n, j, STATE]
                     for c in range(STATE):
@@ -264,22 +256,22 @@ def close_cycles(
                         moved[r] += h * _WEIGHTS[s] * rates[STATE * s + r]
                 for s in range(STAGES):
                     for r in range(STATE):
-                        value = nodes[i, n, r]
+                        value = nodes[n, r]
                         for z in range(STAGES):
                             value += h * _MATRIX[s, z] * slopes[n, STATE * z + r]
-                        before = states[i, n, s, r]
+                        before = states[n, s, r]
                         sizes[r], off[r] = max(sizes[r], abs(value)), max(off[r], abs(value - before))
                         if value - before != value - before:
                             off[r] = math.inf
                         if r == STATE - 1:
                             positive &= value > 0.0
                             value = min(max(value, _LEAST * before), _MOST * before)
-                        states[i, n, s, r] = value
+                        states[n, s, r] = value
             for r in range(STATE):
-                total = nodes[i, count - 1, r]
+                total = nodes[count - 1, r]
                 for s in range(STAGES):
                     total += steps[i, count - 1] * _WEIGHTS[s] * slopes[count - 1, STATE * s + r]
-                nodes[i, count, r] = total
+                nodes[count, r] = total
             if last:
                 ended = CLOSES
                 break
@@ -288,16 +280,4 @@ def close_cycles(
             for r in range(STATE):
                 last &= off[r] <= _SETTLED * sizes[r] + (least if r == 0 else 0.0)
             ended = NOT_FOUND if positive else TURNS_BACK
-        sums.ended[i], sums.period[i], sums.impulse[i] = ended, 0.0, 0.0
-        sums.motor_work[i], sums.load_work[i], sums.damping_work[i] = 0.0, 0.0, 0.0
-        for n in range(count):
-            for s in range(STAGES):
-                elastic, motor_speed, energy = states[i, n, s, 0], states[i, n, s, 1], states[i, n, s, 2]
-                speed = math.sqrt(2.0 * energy / places[i, n, s, 0])
-                slip = motor_speed - speed
-                time = steps[i, n] * _WEIGHTS[s] / speed
-                sums.period[i] += time
-                sums.motor_work[i] += time * motors_at(*motors, motor_speed)[0] * motor_speed
-                sums.load_work[i] += time * _loads(places[i, n, s], powers, speed)[0] * speed
-                sums.damping_work[i] += time * own[1] * slip * slip
-                sums.impulse[i] += time * (elastic + own[1] * slip)
+        motion.ended[i] = ended

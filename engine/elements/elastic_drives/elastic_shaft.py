@@ -1,9 +1,9 @@
 """The elastic shaft of a drive, for elements: keys, stiffness and damping."""
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from engine.elements.compliances.elastic_parts import ElasticPart
 from engine.elements.compliances.reduction import in_series, reduced_part
@@ -16,18 +16,13 @@ from engine.parts.skeleton import Name, Number, Part
 class ElasticShaft(Part):
     """An elastic shaft, with its stiffness given directly or by its parts in series."""
 
+    one_of: ClassVar = (("stiffness", "parts"),)
+    at_most_one_of: ClassVar = (("damping", "damping_ratio"),)
+
     stiffness: Annotated[TorsionalStiffness, Field(gt=0)] | None = None
     parts: Annotated[dict[Name, ElasticPart], Field(min_length=1)] | None = None
     damping: Annotated[TorsionalDamping, Field(ge=0)] | None = None
     damping_ratio: Annotated[Number, Field(ge=0)] | None = None
-
-    @model_validator(mode="after")
-    def _stiff_in_one_way(self) -> "ElasticShaft":
-        if (self.stiffness is None) == (self.parts is None):
-            raise ValueError("give stiffness or parts, one of the two")
-        if self.damping is not None and self.damping_ratio is not None:
-            raise ValueError("damping and damping_ratio are given; the shaft has one of the two, or none")
-        return self
 
 
 class DriveShaft(NamedTuple):

@@ -94,6 +94,7 @@ class MachineDrive(ElasticShaft, Element):
     named in `off` are inactive in steady running. A `run` is simulated over time.
     """
 
+    one_of: ClassVar = (("driver", "motor_inertia"),)
     picture: ClassVar = "cycle"
     RESULTS: ClassVar = (*RESULTS, *RUN_RESULTS)
 
@@ -102,12 +103,6 @@ class MachineDrive(ElasticShaft, Element):
     motor_inertia: Annotated[Inertia, Field(gt=0)] | None = None
     off: tuple[ActionRef, ...] = ()
     run: MachineRun | None = None
-
-    @model_validator(mode="after")
-    def _one_driver(self) -> "MachineDrive":
-        if (self.driver is None) == (self.motor_inertia is None):
-            raise ValueError("give driver (a shaft of the scene) or motor_inertia, one of the two")
-        return self
 
     def evaluate(self, n: Numbers) -> Answers:
         """The results set as numbers of the drive."""

@@ -42,6 +42,7 @@ class TwoMassDrive(ElasticShaft, Element):
     `load_moment`. The motion is computed up to `time`.
     """
 
+    one_of: ClassVar = (("motor_moment", "motor"),)
     picture: ClassVar = "transient"
     RESULTS: ClassVar = (
         ElementResult("stiffness", "torsional stiffness of the shaft", "N m rad-1"),
@@ -75,12 +76,6 @@ class TwoMassDrive(ElasticShaft, Element):
     def _begins_in_one_way(self) -> "TwoMassDrive":
         if (self.begin == "running") != (self.speed is not None) or (self.speed is None) != (self.load_before is None):
             raise ValueError("speed and load_before go with begin = 'running': give both, or neither")
-        return self
-
-    @model_validator(mode="after")
-    def _driven_in_one_way(self) -> "TwoMassDrive":
-        if (self.motor_moment is None) == (self.motor is None):
-            raise ValueError("give motor_moment (constant) or motor (its moment by its speed), one of the two")
         return self
 
     def values(self, n: Numbers, tolerance: float) -> tuple[Columns, FollowedDrives]:

@@ -54,6 +54,7 @@ class BeltElement(FrictionElement):
     has a `speed` and, with its `linear_density`, a centrifugal tension.
     """
 
+    one_of: ClassVar = (("tension", "moment"),)
     shown: ClassVar = ((FORCE, ("tight_tension", "slack_tension", "shaft_force")), (RATIO, ("tension_ratio",)))
     RESULTS: ClassVar = (
         ElementResult("tension_ratio", "tension of the tight strand over the slack one's, without centrifugal", "1"),
@@ -77,9 +78,7 @@ class BeltElement(FrictionElement):
     linear_density: Annotated[quantity("linear_density"), Field(gt=0)] | None = None
 
     @model_validator(mode="after")
-    def _one_load(self) -> "BeltElement":
-        if (self.tension is None) == (self.moment is None):
-            raise ValueError("give tension (of the tight strand) or moment, one of the two")
+    def _moves_if_heavy(self) -> "BeltElement":
         if self.linear_density is not None and self.speed is None:
             raise ValueError("linear_density matters at a speed: give speed")
         return self

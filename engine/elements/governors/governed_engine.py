@@ -10,16 +10,27 @@ from engine.parts.skeleton import ActionRef, Inertia, Length, Number, Part, Posi
 from engine.units.display import quantity_text
 
 
-class LinearThrottle(Part):
-    """Engine torque that falls linearly with the lift: `full` at the inner stop, `closed` at the outer one."""
+class _Throttle(Part):
+    """Engine torque between `full` and `closed`."""
 
-    type: Literal["linear"]
     full: Moment
     closed: Moment = 0.0
 
     @model_validator(mode="after")
-    def _closes(self) -> "LinearThrottle":
-        return _closing(self)
+    def _closes(self) -> "_Throttle":
+        if not self.full > self.closed:
+            raise ValueError(
+                f"full = {quantity_text(self.full, 'N m')} is not above closed = "
+                f"{quantity_text(self.closed, 'N m')}: a governor closes the "
+                "throttle as it lifts the sleeve"
+            )
+        return self
+
+
+class LinearThrottle(_Throttle):
+    """Engine torque that falls linearly with the lift: `full` at the inner stop, `closed` at the outer one."""
+
+    type: Literal["linear"]
 
 
 class TableThrottle(Part):
@@ -48,30 +59,14 @@ class TableThrottle(Part):
         return make_table(self.over_lift, self.moment, self.interpolation)
 
 
-class FullAndShutThrottle(Part):
+class FullAndShutThrottle(_Throttle):
     """On-off valve: torque `full` below the lift `switch`, `closed` above it."""
 
     type: Literal["full and shut"]
-    full: Moment
-    closed: Moment = 0.0
     switch: Positive
-
-    @model_validator(mode="after")
-    def _closes(self) -> "FullAndShutThrottle":
-        return _closing(self)
 
 
 Throttle = Annotated[LinearThrottle | TableThrottle | FullAndShutThrottle, Field(discriminator="type")]
-
-
-def _closing(throttle: "LinearThrottle | FullAndShutThrottle") -> "LinearThrottle | FullAndShutThrottle":
-    if not throttle.full > throttle.closed:
-        raise ValueError(
-            f"full = {quantity_text(throttle.full, 'N m')} is not above closed = "
-            f"{quantity_text(throttle.closed, 'N m')}: a governor closes the "
-            "throttle as it lifts the sleeve"
-        )
-    return throttle
 
 
 def check_rows(x: list[float], y: list[float], interpolation: str, names: tuple[str, str]) -> None:

@@ -1,6 +1,6 @@
 """Governors defined by a table of their controlling force."""
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -20,6 +20,8 @@ class TableGovernor(Governor):
     The rows are over the radius of the balls, or over the lift, which is `lift_ratio` times the increase in radius.
     """
 
+    one_of: ClassVar = (("over_radius", "over_lift"),)
+
     type: Literal["table_governor"]
     over_radius: list[Length] | None = None
     over_lift: list[Length] | None = None
@@ -29,8 +31,6 @@ class TableGovernor(Governor):
 
     @model_validator(mode="after")
     def _table_spans_the_range(self) -> "TableGovernor":
-        if (self.over_radius is None) == (self.over_lift is None):
-            raise ValueError("give over_radius or over_lift, one of the two")
         key = "over_lift" if self.over_radius is None else "over_radius"
         rows = getattr(self, key)
         check_rows(rows, self.controlling_force, self.interpolation, (key, "controlling_force"))

@@ -6,37 +6,25 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from engine import parts
+from engine.elements.compliances.elastic_parts import HollowRound, PartModulus
 from engine.laws.tables import TableError, make_table
 from engine.parts.actions import Force, Time
 from engine.parts.formulas.by_formula import ByFormula, FormulaText
 from engine.parts.formulas.expressions import ExpressionError, TextExpression, parse
 from engine.parts.skeleton import AngularSpeed, Length, Mass, Part, Positive, Speed, quantity
 from engine.units.dimensions import described
-from engine.units.display import quantity_text
 from engine.units.reading import any_quantity
 from engine.words.glossary import unknown_name_message
 
 AngularAcceleration = quantity("angular_acceleration")
-Modulus = Annotated[quantity("pressure"), Field(gt=0)]
 ExcitingSpeed = Annotated[AngularSpeed, Field(ge=0)]
 
 
-class CantileverSpring(Part):
+class CantileverSpring(HollowRound):
     """A round cantilever that carries the mass at its end; the cantilever's own mass is neglected."""
 
     length: Positive
-    diameter: Positive
-    bore: Annotated[Length, Field(ge=0)] = 0.0
-    elastic_modulus: Modulus
-
-    @model_validator(mode="after")
-    def _has_a_wall(self) -> "CantileverSpring":
-        if self.bore >= self.diameter:
-            raise ValueError(
-                f"bore = {quantity_text(self.bore, 'm')}: it must be less than the diameter, "
-                f"{quantity_text(self.diameter, 'm')}"
-            )
-        return self
+    elastic_modulus: PartModulus
 
 
 class FreeStart(Part):

@@ -46,7 +46,6 @@ from engine.parts.skeleton import Mass, Number
 from engine.words.verdicts import Verdict
 
 Ratio = Annotated[Number, Field(ge=0)]
-DAMPINGS = ("damping", "damping_ratio", "decrement", "energy_absorption")
 _Constants = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 # Instants of curves; damping ratios plotted for comparison, and the range of frequency ratios; initial displacement
 # for the plot of an oscillator without a start [m].
@@ -98,6 +97,8 @@ class OscillatorElement(Element):
     `start` values the mass moves freely, or under an excitation over time.
     """
 
+    one_of: ClassVar = (("stiffness", "cantilever"),)
+    at_most_one_of: ClassVar = (("damping", "damping_ratio", "decrement", "energy_absorption"),)
     picture: ClassVar = "vibration"
     infinite: ClassVar = Verdict.RESONANCE
 
@@ -114,12 +115,7 @@ class OscillatorElement(Element):
     run_through: RunThrough | None = None
 
     @model_validator(mode="after")
-    def _one_of_each(self) -> "OscillatorElement":
-        if (self.stiffness is None) == (self.cantilever is None):
-            raise ValueError("give stiffness or cantilever, one of the two")
-        given = [key for key in DAMPINGS if getattr(self, key) is not None]
-        if len(given) > 1:
-            raise ValueError(f"{' and '.join(given)} are given; the damper has one of {', '.join(DAMPINGS)}")
+    def _belongs_together(self) -> "OscillatorElement":
         if self.run_through is not None and not isinstance(self.excitation, RotatingUnbalance):
             raise ValueError("run_through needs a rotor: give excitation with type = 'unbalance'")
         if isinstance(self.excitation, OverTime) and self.start is not None and self.start.time != 0.0:

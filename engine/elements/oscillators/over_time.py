@@ -8,7 +8,6 @@ import numpy as np
 from engine.elements.element import Columns, ElementResult, Numbers
 from engine.elements.oscillators.excitations import OverTime, SupportOverTime
 from engine.elements.oscillators.forced_pieces import Oscillators, Response, follow_pieces
-from engine.elements.oscillators.one_mass import free_motion
 
 # Linear pieces that approximate a formula; half of them yields the error estimate.
 PIECES = 4096
@@ -37,14 +36,24 @@ def _given_over_time(excitation: OverTime, n: Numbers, pieces: int) -> tuple[np.
 
 
 def _followed(
-    excitation: OverTime, n: Numbers, stiffness: np.ndarray, ratio: np.ndarray, pieces: int, kept: int = 0
+    excitation: OverTime, n: Numbers, stiffness: np.ndarray, ratio: np.ndarray, pieces: int, instants: int = 0
 ) -> tuple[Response, np.ndarray, np.ndarray, np.ndarray]:
-    """The response, the states at the start of pieces, and the rows and horizons of the excitation."""
+    """The response, the states at the start of pieces, and the rows and horizons of the excitation.
+
+    States are kept if there are `instants` for one oscillator: equally spaced, they become rows of the excitation.
+    """
     rows, horizon = _given_over_time(excitation, n, pieces)
+    if instants:
+        further = np.setdiff1d(np.linspace(0.0, horizon[0], instants), rows[0, 0])
+        more = further, np.interp(further, *rows[0])
+        rows = np.insert(rows, np.searchsorted(rows[0, 0], further), more, axis=2)
     none = np.zeros_like(stiffness)
     start = n.get("start.displacement", none), n.get("start.velocity", none)
     numbers = (np.array(np.broadcast_to(a, none.shape)) for a in (stiffness, n["mass"], ratio, *start, horizon))
-    found, states = Response(*np.empty((len(Response._fields), none.size))), np.empty((none.size, kept, 3))
+    found, states = (
+        Response(*np.empty((len(Response._fields), none.size))),
+        np.empty((none.size, rows.shape[2] if instants else 0, 3)),
+    )
     oscillators, moves_support = Oscillators(*numbers), isinstance(excitation, SupportOverTime)
     follow_pieces(none.size, moves_support, oscillators, np.ascontiguousarray(rows), found, states)
     return found, states, rows, oscillators.horizon
@@ -131,23 +140,13 @@ def oscillator_history(excitation: OverTime, n: Numbers, columns: Columns, insta
         Numbers of the oscillator by their keys, and its results.
     instants : int
     """
-    kept = PIECES + 1 if excitation.formula is not None else len(excitation.over_time)
     stiffness, ratio = columns["stiffness"], columns["damping_ratio"]
-    _, states, rows, horizon = _followed(excitation, n, stiffness, ratio, PIECES, kept)
-    states = states[0][~np.isnan(states[0, :, 0])]
-    k, w, z = float(stiffness[0]), float(columns["natural_frequency"][0]), float(ratio[0])
-    time = np.linspace(0.0, float(horizon[0]), instants)
-    begins, q, rate = states[np.searchsorted(states[:, 0], time, side="right") - 1].T
-    piece = np.searchsorted(rows[0, 0], begins, side="right") - 1
-    ahead = np.minimum(piece + 1, rows.shape[2] - 1)
-    (t0, x0), (t1, x1) = rows[0][:, piece], rows[0][:, ahead]
-    slope = np.divide(x1 - x0, t1 - t0, out=np.zeros_like(x0), where=t1 > t0)
-    drives = x0 + slope * (time - t0)
-    moves_support = isinstance(excitation, SupportOverTime)
-    drift = slope if moves_support else slope / k
-    level = x0 if moves_support else x0 / k - float(columns["damping"][0]) / k * drift
-    full = np.full(time.shape, w), np.full(time.shape, z)
-    moved, moving = free_motion(*full, q - level, rate - drift, time - begins)
-    displacement = level + drift * (time - begins) + moved
-    stretch = displacement - drives if moves_support else displacement
-    return OscillatorHistory(time, displacement, drift + moving, k * stretch, drives)
+    found, states, rows, horizon = _followed(excitation, n, stiffness, ratio, PIECES, instants)
+    time = np.linspace(0.0, horizon[0], instants)
+    begins, *motion = states[0].T
+    # No piece starts at the end.
+    asked, ends = np.isin(begins, time[:-1]), (found.end, found.end_velocity)
+    moved, rate = (np.append(row[asked], end) for row, end in zip(motion, ends, strict=True))
+    drives = rows[0, 1, np.searchsorted(rows[0, 0], time, side="right") - 1]
+    stretch = moved - drives if isinstance(excitation, SupportOverTime) else moved
+    return OscillatorHistory(time, moved, rate, stiffness * stretch, drives)

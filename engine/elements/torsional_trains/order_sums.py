@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from engine.compiling.decorators import driver, routine
-from engine.compiling.running import spread
+from engine.compiling.decorators import routine
+from engine.compiling.running import over_variants
 from engine.laws.rounding import EPS
 
 # Samples per wave of the highest order, from which the extremes are refined.
@@ -58,8 +58,7 @@ def extremes_of_orders(orders: Sequence[float], amplitudes: np.ndarray) -> tuple
     waves = np.exp(1j * h[:, None] * (math.tau / samples * np.arange(samples)))
     sums = np.ascontiguousarray(amplitudes.reshape(len(orders), -1)[rising].T)
     found = np.empty((2, sums.shape[0]))
-    given = h, np.ascontiguousarray(waves.real), np.ascontiguousarray(waves.imag), sums, found
-    spread(_extremes, sums.shape[0], lambda: (*given, np.empty(samples)))
+    _extremes(len(sums), h, waves.real.copy(), waves.imag.copy(), sums, found)
     least, greatest = found.reshape(2, *amplitudes.shape[1:])
     return least, greatest
 
@@ -91,7 +90,7 @@ def _narrowed(h: np.ndarray, own: np.ndarray, sign: float, phi: float, step: flo
     return height
 
 
-@driver
+@over_variants
 def _extremes(
     begin: int,
     end: int,
@@ -100,7 +99,6 @@ def _extremes(
     sines: np.ndarray,
     amplitudes: np.ndarray,
     found: np.ndarray,
-    values: np.ndarray,
 ) -> None:
     """Minimum and maximum of sums `begin` … `end` − 1.
 
@@ -112,11 +110,9 @@ def _extremes(
     cosines, sines : ndarray (orders, samples)
     amplitudes : ndarray of complex (sums, orders)
     found : ndarray (2, sums)
-    values : ndarray (samples,)
-        Scratch array.
     """
-    samples = values.size
-    step = math.tau / samples
+    samples = cosines.shape[1]
+    values, step = np.empty(samples), math.tau / samples
     for i in range(begin, end):
         size = 0.0
         for k in range(samples):

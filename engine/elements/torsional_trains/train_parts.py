@@ -1,6 +1,6 @@
 """Members of a torsional train: masses, shafts and gears, and the torques that excite it."""
 
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import Field, model_validator
 
@@ -24,6 +24,8 @@ class TrainShaft(Part):
     dissipated in a cycle.
     """
 
+    one_of: ClassVar = (("stiffness", "parts"),)
+
     between: tuple[Name, Name]
     stiffness: Annotated[TorsionalStiffness, Field(gt=0)] | None = None
     parts: Annotated[dict[Name, ElasticPart], Field(min_length=1)] | None = None
@@ -32,9 +34,7 @@ class TrainShaft(Part):
     ratio: Number = 1.0
 
     @model_validator(mode="after")
-    def _stiffness_in_one_way(self) -> "TrainShaft":
-        if (self.stiffness is None) == (self.parts is None):
-            raise ValueError("give stiffness or parts, one of the two")
+    def _turns_with_its_dampers(self) -> "TrainShaft":
         if self.parts is not None and (self.damping is not None or self.energy_absorption is not None):
             raise ValueError("the parts have their own dampers: give damping or energy_absorption to them")
         if self.ratio == 0:

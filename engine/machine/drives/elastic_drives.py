@@ -8,14 +8,13 @@ import numpy as np
 
 from engine.compiling.running import mean_of_rows
 from engine.elements.elastic_drives.drive_cycles import (
-    DrivenMachine,
     ElasticCycle,
     drive_results,
     elastic_cycle,
     least_and_greatest,
     steps_needed,
 )
-from engine.elements.elastic_drives.elastic_cycle import GAUSS, KNOWN, STAGES, STATE
+from engine.elements.elastic_drives.elastic_cycle import GAUSS, KNOWN, STAGES, STATE, DrivenMachine
 from engine.elements.elastic_drives.elastic_shaft import drive_shaft
 from engine.elements.elastic_drives.machine_drive import RESULTS, RUN_RESULTS, VERDICT_KEY, MachineDrive, machine_keys
 from engine.mechanism.mechanics import Mechanics
@@ -411,5 +410,5 @@ def _machine_over_cycle(ready: Ready, count: int) -> tuple[DrivenMachine, np.nda
     guess = np.stack([moment, speed, 0.5 * places[..., 0] * speed**2], axis=3)
     drive = ready.rigid.drive
     nodes = rows.inertia[:: STAGES + 1].T
-    machine = DrivenMachine(np.ascontiguousarray(steps.T), places, nodes, drive.rows, drive.exponents.T, drive.bent)
+    machine = DrivenMachine(steps.T, places, nodes, drive.rows, drive.exponents.T, drive.bent)
     return machine, guess, rigid

@@ -134,7 +134,7 @@ def test_parts_vary_by_their_paths():
     [
         (SHAFT | {"bore": 0.05}, "less than the diameter"),
         (COUPLING | {"stiffness": -1.0}, "greater than 0"),
-        (COUPLING | {"damping": 1.0, "energy_absorption": 0.1}, "one of the two"),
+        (COUPLING | {"damping": 1.0, "energy_absorption": 0.1}, "give one of damping, energy_absorption"),
         ({"type": "series", "parts": {"a": COUPLING}, "damping": 1.0}, "give it to them"),
         ({"type": "series", "parts": {}}, "has too few entries: 0, at least 1"),
     ],

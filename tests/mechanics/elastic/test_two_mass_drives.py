@@ -113,7 +113,7 @@ def test_parts_of_the_shaft__count_as_their_series():
     ("change", "said"),
     [
         ({"stiffness": None}, "give stiffness or parts"),
-        ({"damping": 1.0, "damping_ratio": 0.1}, "one of the two"),
+        ({"damping": 1.0, "damping_ratio": 0.1}, "give one of damping, damping_ratio, or none"),
         ({"begin": "running"}, "give both, or neither"),
         ({"speed": 3.0, "load_before": 1.0}, "give both, or neither"),
         ({"backlash": -0.1}, "must be at least 0"),

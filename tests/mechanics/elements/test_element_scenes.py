@@ -108,7 +108,7 @@ def test_wrong_text__is_refused_with_the_mend(old, new, words):
 @pytest.mark.parametrize(
     ("element", "changes", "words"),
     [
-        (BELT, {"moment": 3.0}, "give tension (of the tight strand) or moment"),
+        (BELT, {"moment": 3.0}, "give tension or moment, one of the two"),
         (BELT, {"linear_density": 0.2}, "give speed"),
         (GUIDE, {"form": "vee"}, "vee_angle goes with form = 'vee'"),
         (GUIDE, {"vee_angle": 1.0}, "vee_angle goes with form = 'vee'"),
