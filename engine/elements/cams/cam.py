@@ -192,7 +192,7 @@ class CamElement(CamProgram, Element):
                 rows = [x[name] for name in of]
                 found[result.name] = np.max(rows, axis=0)
                 found[f"{result.name}_at"] = np.choose(np.argmax(rows, axis=0), [at[name] for name in of])
-        jump, drop, jump2 = cam_variants(self, n).turn.jumps()
+        jump, drop, jump2 = cam_variants(self, n).turn.jumps(n)
         found |= {"velocity_jump": n["speed"] * jump, "acceleration_jump": n["speed"] ** 2 * jump2, "drop": drop}
         if self.follower.contact == "flat":
             found |= {"convex_radius": -x["minimum radius"], "face_from": -x["face from"]}

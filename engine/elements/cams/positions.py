@@ -20,8 +20,6 @@ from engine.laws.cams.profiles import (
 )
 from engine.parts.motion_programs import CamProgram
 
-# Rounding of a motion law, relative to that of a number.
-_LAW_ROUNDINGS = 16.0
 _ORDERS = range(4)
 
 
@@ -85,9 +83,7 @@ def at_positions(some: CamVariants, p: np.ndarray, v: np.ndarray, u: np.ndarray)
         return n[key][v] if key in n else 0.0
 
     s, s1, s2, s3 = (
-        x + (x if turn.sizes is None else turn.sizes[k][p]) * _LAW_ROUNDINGS * (n[key][v] - 1.0)
-        if (key := f"factor of order {k}") in n
-        else x
+        x + turn.rounding(k, p, x) * (n[key][v] - 1.0) if (key := f"factor of order {k}") in n else x
         for k, x in enumerate(turn.motion(p, v, u))
     )
     speed, y = of("speed"), lowest[v] + s

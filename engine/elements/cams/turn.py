@@ -12,11 +12,13 @@ import numpy as np
 from engine.elements.element import Numbers
 from engine.graph.over_arrays import over_arrays
 from engine.laws.cams.motion_laws import DWELL, LAW_BREAKS, LAW_KINDS, unit_motion
-from engine.laws.tables import make_table
+from engine.laws.tables import make_table, rounding_of_rows
 from engine.parts.motion_programs import CamProgram, DwellSection, MotionTable, RiseSection, sections_of
 
 # Samples of a piece that scale its velocity and acceleration; not the middle, where many laws have zero acceleration.
 _LOOKED_AT = np.array([0.0, 0.3, 1.0])
+# Rounding of a motion law, and of the rows of a table, relative to that of a number.
+_LAW_ROUNDINGS, _ROW_ROUNDINGS = 16.0, 2.0
 # Jumps below this multiple of the peak are rounding.
 _ROUNDING_OF_JUMPS = 1e-9
 
@@ -38,9 +40,8 @@ class CamTurn(NamedTuple):
         Cam angle at u = 0 and per unit of u [rad]; displacement at u = 0 and per unit of the law.
     whole : ndarray (variants,) of bool
         Whether the pieces form a closed turn.
-    sizes : ndarray (4, pieces) or None
-        Sizes to which the displacement and its derivatives are rounded in the pieces of a table: its peak per power of
-        the shortest gap between rows there.
+    roundings : ndarray (4, pieces) or None
+        Changes of the displacement and its derivatives in the pieces of a table by a unit relative error of its rows.
     """
 
     directions: np.ndarray
@@ -53,7 +54,7 @@ class CamTurn(NamedTuple):
     before: np.ndarray
     stroke: np.ndarray
     whole: np.ndarray
-    sizes: np.ndarray | None = None
+    roundings: np.ndarray | None = None
 
     def motion(self, p: np.ndarray, v: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, ...]:
         """Displacement and three derivatives with respect to the cam angle, at u in pieces p of variants v (...)."""
@@ -65,19 +66,29 @@ class CamTurn(NamedTuple):
             shape = ((c3 * u + c2) * u + c1) * u, (3 * c3 * u + 2 * c2) * u + c1, 6 * c3 * u + 2 * c2, 6 * c3 + 0 * u
         return before + stroke * shape[0], *(stroke * rate**k * shape[k] for k in (1, 2, 3))
 
+    def rounding(self, order: int, p: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Rounding of a derivative of an order, with values x in pieces p, in units of a number's relative rounding."""
+        return _LAW_ROUNDINGS * x if self.roundings is None else _ROW_ROUNDINGS * self.roundings[order][p]
+
     def cam_angle(self, p: np.ndarray, v: np.ndarray, u: np.ndarray) -> np.ndarray:
         """Cam angle at u in pieces p of variants v (...)."""
         return self.begin[p, v] + self.angle[p, v] * u
 
-    def jumps(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Maximum jump and drop of s′, maximum jump of s″ (variants,); jumps within rounding are 0."""
+    def jumps(self, n: Numbers) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Maximum jump and drop of s′, maximum jump of s″ (variants,); jumps within rounding are 0.
+
+        They grow by the rounding of both sides with the numbers' factors of the orders.
+        """
         p, v = np.indices(self.before.shape)
         ends = self.first + _LOOKED_AT[:, None] * (self.last - self.first)
         _, s1, s2, _ = self.motion(p[None], v[None], ends[:, :, None])
         found = []
-        for s, change in ((s1, np.abs), (s1, np.negative), (s2, np.abs)):
+        for order, s, change in ((1, s1, np.abs), (1, s1, np.negative), (2, s2, np.abs)):
             jump = change(np.roll(s[0], -1, axis=0) - s[-1])
             large = jump > _ROUNDING_OF_JUMPS * np.abs(s).max(axis=(0, 1))
+            if (key := f"factor of order {order}") in n:
+                before, after = (np.abs(self.rounding(order, p, side)) for side in (s[-1], s[0]))
+                jump = jump + (before + np.roll(after, -1, axis=0)) * (n[key] - 1.0)
             found.append(np.where(large, jump, 0.0).max(axis=0))
         return tuple(found)
 
@@ -102,11 +113,9 @@ def turn_of(program: CamProgram, n: Numbers) -> CamTurn:
 def _tabled(motion: MotionTable, variants: int) -> CamTurn:
     """The turn given by a table: its cubics, cut also at reversals of the follower."""
     table = make_table(motion.over_angle, motion.rows, motion.interpolation, 2 * math.pi)
-    gaps = np.diff(table.breaks)
-    near = np.min([np.roll(gaps, shift) for shift in (-1, 0, 1)], axis=0)
-    pieces = []
-    for left, right, gap, (c3, c2, c1, c0) in zip(
-        table.breaks, table.breaks[1:], near, table.coefficients, strict=False
+    roundings, pieces = rounding_of_rows(table, motion.interpolation), []
+    for k, (left, right, (c3, c2, c1, c0)) in enumerate(
+        zip(table.breaks, table.breaks[1:], table.coefficients, strict=False)
     ):
         length = right - left
         turns = np.roots([3 * c3, 2 * c2, c1]) if c3 or c2 else np.empty(0)
@@ -115,14 +124,9 @@ def _tabled(motion: MotionTable, variants: int) -> CamTurn:
         for a, b in zip([0.0, *inside], [*inside, length], strict=True):
             middle = (a + b) / 2
             pieces.append(
-                (np.sign((3 * c3 * middle + 2 * c2) * middle + c1), a, b, 0.0, c3, c2, c1, left, 1.0, c0, 1.0, gap)
+                (np.sign((3 * c3 * middle + 2 * c2) * middle + c1), a, b, 0.0, c3, c2, c1, left, 1.0, c0, 1.0, k)
             )
     rows = np.array(pieces).T
     numbers = np.repeat(rows[7:11, :, None], variants, axis=2)
-    return CamTurn(
-        *rows[:4],
-        rows[4:7],
-        *numbers,
-        np.ones(variants, bool),
-        np.abs(rows[9]).max() / rows[11] ** np.arange(4)[:, None],
-    )
+    whole = np.ones(variants, bool)
+    return CamTurn(*rows[:4], rows[4:7], *numbers, whole, roundings[:, rows[11].astype(int)])

@@ -318,22 +318,75 @@ def test_least_force_under_friction__is_where_the_pressure_angle_vanishes():
     within(values["least_contact_force"], errors["least_contact_force"], force)
 
 
-@pytest.mark.parametrize("power", [2, 3, 4])
-def test_deceleration_of_a_table__is_that_of_its_exact_spline(power):
-    """The lift's own rounding, per square of the gap between rows, shows in the second derivative."""
-    rows, gap = 60, mpmath.mpf(6)
-    lift = [round(9 * math.sin(math.pi * k / rows) ** power, 3) for k in range(rows)]
-    table = {"over_angle": [f"{6 * k} deg" for k in range(rows)], "lift": [f"{y} mm" for y in lift]}
-    values, errors, _ = cam_answers(FLAT, sections=None, table=table)
-    with mpmath.workdps(30):
-        h, y = mpmath.radians(gap), [mpmath.mpf(str(row)) / 1000 for row in lift]
+def exact_cubics(over_angle, lift, interpolation):
+    """Pieces of a table over a turn with many digits: length, and coefficients of u⁰ to u³."""
+    x, y, rows = [mpmath.radians(mpmath.mpf(a)) for a in over_angle], [mpmath.mpf(a) / 1000 for a in lift], len(lift)
+    h = [(x[k + 1] if k + 1 < rows else x[0] + 2 * mpmath.pi) - x[k] for k in range(rows)]
+    chord = [(y[(k + 1) % rows] - y[k]) / h[k] for k in range(rows)]
+    if interpolation == "spline":
         matrix = mpmath.matrix(rows, rows)
         for k in range(rows):
-            matrix[k, k - 1 if k else rows - 1], matrix[k, k], matrix[k, (k + 1) % rows] = 1, 4, 1
-        right = [6 * (y[(k + 1) % rows] - 2 * y[k] + y[k - 1]) / h**2 for k in range(rows)]
-        greatest = -min(mpmath.lu_solve(matrix, mpmath.matrix(right))) * (mpmath.mpf(600) * mpmath.pi / 30) ** 2
-        off = float(abs(mpmath.mpf(float(values["greatest_deceleration"])) - greatest))
-    assert off <= errors["greatest_deceleration"] < 1e-11 * greatest
+            matrix[k, k - 1 if k else rows - 1] += h[k]
+            matrix[k, k] += 2 * (h[k - 1] + h[k])
+            matrix[k, (k + 1) % rows] += h[k - 1]
+        right = [3 * (h[k] * chord[k - 1] + h[k - 1] * chord[k]) for k in range(rows)]
+        slope = list(mpmath.lu_solve(matrix, mpmath.matrix(right)))
+    else:
+        slope = [mpmath.mpf(0)] * rows
+        for k in range(rows):
+            if chord[k - 1] * chord[k] > 0:
+                w, v = 2 * h[k] + h[k - 1], h[k] + 2 * h[k - 1]
+                slope[k] = (w + v) / (w / chord[k - 1] + v / chord[k])
+    for k, (a, b) in enumerate(zip(slope, slope[1:] + slope[:1], strict=True)):
+        yield h[k], y[k], a, (3 * chord[k] - 2 * a - b) / h[k], (a + b - 2 * chord[k]) / h[k] ** 2
+
+
+# Powers of the speed in the peaks.
+PEAKS = {"greatest_velocity": 1, "greatest_acceleration": 2, "greatest_deceleration": 2}
+PEAKS |= {"greatest_jerk": 3, "acceleration_jump": 2}
+
+
+def exact_peaks(cubics):
+    """The `PEAKS` at unit speed."""
+    slopes, ends = [], []
+    for h, _, c1, c2, c3 in cubics:
+        at = [mpmath.mpf(0), h, *([-c2 / (3 * c3)] if c3 and 0 < -c2 / (3 * c3) < h else [])]
+        slopes += [c1 + u * (2 * c2 + 3 * c3 * u) for u in at]
+        ends.append((2 * c2, 2 * c2 + 6 * c3 * h))
+    both = [a for pair in ends for a in pair]
+    jump = max(abs(after[0] - before[1]) for before, after in zip(ends, ends[1:] + ends[:1], strict=True))
+    jerk = max(abs(b - a) / c[0] for (a, b), c in zip(ends, cubics, strict=True))
+    return max(map(abs, slopes)), max(both), -min(both), jerk, jump
+
+
+@pytest.mark.parametrize("interpolation", ["spline", "pchip"])
+@pytest.mark.parametrize("gaps", ["even", "uneven", "pairs", "spread"])
+def test_peaks_of_a_table__are_those_of_its_exact_cubics(gaps, interpolation):
+    """Rounding of a row shows in all near it, by its size per power of the smallest gap."""
+    rng = np.random.default_rng(1)
+    for rows in (12, 24, 40):
+        gap = {
+            "even": np.ones(rows),
+            "uneven": rng.uniform(0.2, 1.0, rows),
+            "pairs": np.where(rng.random(rows) < 0.15, 1e-3, rng.uniform(0.5, 1.0, rows)),
+            "spread": 10.0 ** rng.uniform(-3.5, 0.0, rows),
+        }[gaps]
+        angles = [f"{a:.6f}" for a in 360.0 * np.concatenate([[0.0], np.cumsum(gap)[:-1]]) / gap.sum()]
+        lift = [f"{9.0 * math.sin(math.radians(float(a)) / 2.0) ** 3:.6f}" for a in angles]
+        table = {"over_angle": [f"{a} deg" for a in angles], "lift": [f"{a} mm" for a in lift]}
+        follower = {"type": "translating", "contact": "flat"}
+        cam = {"sections": None, "table": table | {"interpolation": interpolation}, "follower": follower}
+        values, errors, _ = cam_answers(FLAT, base_radius="1 km", **cam)
+        with mpmath.workdps(30):
+            peaks = exact_peaks(list(exact_cubics(angles, lift, interpolation)))
+            speed = mpmath.mpf(600) * mpmath.pi / 30
+            for (name, power), peak in zip(PEAKS.items(), peaks, strict=True):
+                jumps = interpolation == "pchip"
+                if name != ("greatest_jerk" if jumps else "acceleration_jump"):
+                    true = peak * speed**power
+                    off = float(abs(mpmath.mpf(float(values[name])) - true))
+                    assert off <= errors[name], (rows, name, off / errors[name])
+                    assert gaps != "even" or errors[name] < 1e-10 * float(true), name
 
 
 def test_table_of_a_law__is_near_the_law():

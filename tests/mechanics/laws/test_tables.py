@@ -144,6 +144,23 @@ def test_periodic_spline__agrees_with_scipy():
     assert_allclose(values(table, u), reference(u), rtol=0, atol=rounding(table, 20.0))
 
 
+@pytest.mark.parametrize("period", [0.0, 1.0])
+def test_spline_over_gaps_of_all_sizes__bends_alike_on_both_sides_of_a_row(period):
+    """To the rounding of its neighbours, not to that of the steepest rows of the table."""
+    rng = np.random.default_rng(3)
+    for _ in range(50):
+        x = np.cumsum(10.0 ** rng.uniform(-5.0, 0.0, 20))
+        x *= 0.99 / (x[-1] - x[0])
+        table = make_table(x, np.sin(6.0 * x) ** 4, "spline", period)
+        h, pieces = np.diff(table.breaks), table.coefficients
+        # Without a period, a piece on either side holds the end values.
+        h, (c3, c2, c1, _) = (h, pieces.T) if period else (h[1:-1], pieces[1:-1].T)
+        end = c1 + h * (2.0 * c2 + 3.0 * c3 * h)
+        size = (np.abs(c1) + np.abs(end) + np.abs(c1 + h * (c2 + c3 * h))) / h
+        jump = (c2 + 3.0 * c3 * h)[:-1] - c2[1:]
+        assert np.all(np.abs(jump) <= 16 * EPS * (size[:-1] + size[1:]))
+
+
 def test_periodic_pchip__has_one_slope_at_the_seam():
     x, y = np.array([0.0, 1.0, 2.5, 3.0]), np.array([2.0, 5.0, 4.0, 1.0])
     tiled = PchipInterpolator(np.concatenate((x - 4.0, x, x + 4.0)), np.tile(y, 3))
