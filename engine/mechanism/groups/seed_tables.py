@@ -6,7 +6,7 @@ position. Each step is proved by the Newton–Kantorovich theorem, or halved.
 """
 
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import NamedTuple
 
@@ -147,12 +147,21 @@ class SeedTables:
         with np.errstate(all="ignore"):
             return np.stack(np.broadcast_arrays(np.zeros(1), *(n.compute(numbers) for n in self._needed)))[1:]
 
-    def _at(self, numbers: Numbers, unknowns: np.ndarray, curves: Sequence[Node] | None = None) -> np.ndarray:
-        """Curves at given unknowns and the first position, (curves, variants)."""
-        values, given = NodeValues(self._curves[0].graph, numbers), [node for nodes in self._given for node in nodes]
+    @cached_property
+    def _values(self) -> NodeValues:
+        return NodeValues(self._curves[0].graph, self._own)
+
+    def _at(self, numbers: Numbers) -> Callable[..., np.ndarray]:
+        """Function that evaluates curves at given unknowns and the first position, (curves, variants)."""
+        values, given = self._values.for_numbers(numbers), [node for nodes in self._given for node in nodes]
         with np.errstate(all="ignore"):
-            q = np.broadcast_to(self._span[0].compute(numbers), unknowns.shape[1:])
-        return np.array(values(curves or self._curves, q, dict(zip(given, unknowns, strict=True))))
+            first = self._span[0].compute(numbers)
+
+        def evaluated(unknowns: np.ndarray, curves: Sequence[Node] = self._curves) -> np.ndarray:
+            q = np.broadcast_to(first, unknowns.shape[1:])
+            return np.array(values(curves, q, dict(zip(given, unknowns, strict=True))))
+
+        return evaluated
 
     # Modes of the scene
 
@@ -162,15 +171,15 @@ class SeedTables:
 
         Several thousand starting points are tried; each mode found is proved.
         """
-        own, count = self._own, self._slides.size
-        unknowns = self._starts(float(self._at(own, self._starts(1.0)[:, :1])[-1, 0]))
+        at, count = self._at(self._own), self._slides.size
+        unknowns = self._starts(float(at(self._starts(1.0)[:, :1])[-1, 0]))
         # A start with a singular Jacobian is lost; the others suffice.
         with np.errstate(all="ignore"):
             for _ in range(_CORRECTIONS):
-                found = self._at(own, unknowns)
+                found = at(unknowns)
                 limits = _LONGEST * np.where(self._slides[:, None], found[-1], 1.0)
                 unknowns = self._moved(unknowns, np.clip(found[:count], -limits, limits))
-            found = self._at(own, unknowns)
+            found = at(unknowns)
             proved = (found[3 * count] <= PROVES) & (np.abs(found[:count]) < _SAME).all(axis=0)
         roots: list[np.ndarray] = []
         for root in unknowns[:, proved].T:
@@ -206,7 +215,7 @@ class SeedTables:
         if not roots:
             return ()
         unknowns = np.array(roots).T
-        sines, places = self._at(self._own, unknowns)[-2], self._places(self._own, unknowns)
+        sines, places = self._at(self._own)(unknowns)[-2], self._places(self._own, unknowns)
         chosen = self._nearest(places)
         return tuple(
             AssemblyMode(root, at, float(sine), i == chosen)
@@ -217,7 +226,7 @@ class SeedTables:
         """Positions of the group's points at the first position, for each column of unknowns."""
         if not self._points:
             return [{} for _ in range(unknowns.shape[1])]
-        found = self._at(numbers, unknowns, [node for point in self._points.values() for node in point])
+        found = self._at(numbers)(unknowns, [node for point in self._points.values() for node in point])
         pairs = found.reshape(len(self._points), 2, -1)
         return [
             {name: (float(x[i]), float(y[i])) for name, (x, y) in zip(self._points, pairs, strict=True)}
@@ -310,9 +319,9 @@ class SeedTables:
 
     def _polished(self, numbers: Numbers, unknowns: np.ndarray) -> np.ndarray:
         """Unknowns at the first position, bitwise independent of the continuation: rounded, then corrected."""
-        count, i = self._slides.size, 0
+        at, count, i = self._at(numbers), self._slides.size, 0
         with np.errstate(all="ignore"):
-            size = self._at(numbers, unknowns)[-1]
+            size = at(unknowns)[-1]
             rounded = np.array(unknowns)
             for slides in self._slides:
                 if slides:
@@ -323,7 +332,7 @@ class SeedTables:
                     rounded[i : i + 2] = np.array((c, s)) / np.hypot(c, s)
                 i += 1 if slides else 2
             for _ in range(_FINAL_CORRECTIONS):
-                rounded = self._moved(rounded, self._at(numbers, rounded)[:count])
+                rounded = self._moved(rounded, at(rounded)[:count])
         return rounded
 
     def _carried(self, numbers: Numbers, mode: AssemblyMode) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -339,14 +348,14 @@ class SeedTables:
             if not going.any():
                 return unknowns, sines, progress >= 1.0
             ahead = np.where(going, np.minimum(progress + step, 1.0), progress)
-            there = numbers.on_the_way(ahead if variants > 1 else ahead[0])
+            at = self._at(numbers.on_the_way(ahead if variants > 1 else ahead[0]))
             with np.errstate(all="ignore"):
-                found = self._at(there, unknowns)
+                found = at(unknowns)
                 accepted = going & (found[3 * count] <= PROVES)
                 moved = unknowns
-                for _ in range(4):
+                for _ in range(4 if accepted.any() else 0):
                     moved = self._moved(moved, found[:count])
-                    found = self._at(there, moved)
+                    found = at(moved)
                 accepted &= (np.abs(found[:count]) < _SAME).all(axis=0)
                 accepted &= found[-2] / sines > LEAST_SHARE
             sines = np.where(accepted, found[-2], sines)
