@@ -44,6 +44,14 @@ class NodeValues:
         self._graph, self._numbers, self._cycle_value = graph, numbers, cycle_value
         # Values of the variant and its cycle, equal at all positions.
         self._once: dict[Node, object] = {}
+        # What is evaluated, in order, by the nodes wanted and those known.
+        self._orders: dict[tuple[tuple[Node, ...], frozenset[Node]], list[Node]] = {}
+
+    def for_numbers(self, numbers: Mapping[str, float]) -> "NodeValues":
+        """Evaluation of the same nodes with other numbers."""
+        other = NodeValues(self._graph, numbers, self._cycle_value)
+        other._orders = self._orders
+        return other
 
     def __call__(
         self, nodes: Sequence[Node], q: np.ndarray, known: Mapping[Node, np.ndarray] | None = None
@@ -58,9 +66,13 @@ class NodeValues:
         known : mapping of Node to ndarray, optional
             Values of given or held nodes; a held node not among them is evaluated at the position itself.
         """
-        found: dict[Node, object] = {**self._once, **(known or {})}
+        known = known or {}
+        found: dict[Node, object] = {**self._once, **known}
+        wanted = tuple(nodes), frozenset(known)
+        if wanted not in self._orders:
+            self._orders[wanted] = reached(nodes, known.__contains__)
         with np.errstate(all="ignore"):
-            for node in reached(nodes, found.__contains__):
+            for node in self._orders[wanted]:
                 if node not in found:
                     found[node] = value = self._value(node, q, found)
                     if node.stage < Stage.PANEL and not isinstance(node, TableMemory):

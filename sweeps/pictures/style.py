@@ -8,8 +8,10 @@ from pathlib import Path
 
 from matplotlib import rc_context
 from matplotlib.axis import Axis
+from matplotlib.backend_bases import RendererBase
 from matplotlib.cbook import is_math_text
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, MultipleLocator, ScalarFormatter
@@ -89,6 +91,14 @@ class PlainNumbers(ScalarFormatter):
 
 class Sheet(Figure):
     """A figure for notebooks without pyplot, which keeps figures until they are closed."""
+
+    def draw(self, renderer: RendererBase) -> None:
+        """Draw, except in the first of the two draws of a saving, of which Matplotlib needs only the layout."""
+        layout = self.get_layout_engine()
+        if self.canvas.is_saving() and isinstance(layout, ConstrainedLayoutEngine):
+            layout.execute(self)
+        else:
+            super().draw(renderer)
 
     def _repr_png_(self) -> tuple[bytes, dict[str, int]]:
         made = BytesIO()

@@ -6,7 +6,7 @@ position. Each step is proved by the Newton–Kantorovich theorem, or halved.
 """
 
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import NamedTuple
 
@@ -149,12 +149,21 @@ class SeedTables:
         with np.errstate(all="ignore"):
             return np.stack(np.broadcast_arrays(np.zeros(1), *(n.compute(numbers) for n in self._needed)))[1:]
 
-    def _at(self, numbers: Numbers, unknowns: np.ndarray, curves: Sequence[Node] | None = None) -> np.ndarray:
-        """Curves at given unknowns and the first position, (curves, variants)."""
-        values = NodeValues(self._curves[0].graph, numbers)
+    @cached_property
+    def _values(self) -> NodeValues:
+        return NodeValues(self._curves[0].graph, self._own)
+
+    def _at(self, numbers: Numbers) -> Callable[..., np.ndarray]:
+        """Function that evaluates curves at given unknowns and the first position, (curves, variants)."""
+        values = self._values.for_numbers(numbers)
         with np.errstate(all="ignore"):
-            q = np.broadcast_to(self._span[0].compute(numbers), unknowns.shape[1:])
-        return np.array(values(curves or self._curves, q, dict(zip(self._given, unknowns, strict=True))))
+            first = self._span[0].compute(numbers)
+
+        def evaluated(unknowns: np.ndarray, curves: Sequence[Node] = self._curves) -> np.ndarray:
+            q = np.broadcast_to(first, unknowns.shape[1:])
+            return np.array(values(curves, q, dict(zip(self._given, unknowns, strict=True))))
+
+        return evaluated
 
     # Modes of the scene
 
@@ -164,15 +173,15 @@ class SeedTables:
 
         Several thousand starting points are tried; each mode found is proved.
         """
-        own, count = self._own, self.slides.size
-        unknowns = self._starts(float(self._at(own, self._starts(1.0)[:, :1])[-1, 0]))
+        at, count = self._at(self._own), self.slides.size
+        unknowns = self._starts(float(at(self._starts(1.0)[:, :1])[-1, 0]))
         # A start with a singular Jacobian is lost; the others suffice.
         with np.errstate(all="ignore"):
             for _ in range(_CORRECTIONS):
-                found = self._at(own, unknowns)
+                found = at(unknowns)
                 limits = _LONGEST * np.where(self.slides[:, None], found[-1], 1.0)
                 unknowns = unknowns + np.clip(found[:count], -limits, limits)
-            found = self._at(own, unknowns)
+            found = at(unknowns)
             proved = (found[3 * count] <= PROVES) & (np.abs(found[:count]) < SAME).all(axis=0)
         roots: list[np.ndarray] = []
         for root in unknowns[:, proved].T:
@@ -196,7 +205,7 @@ class SeedTables:
         if not roots:
             return ()
         unknowns = np.array(roots).T
-        sines, places = self._at(self._own, unknowns)[-2], self._places(self._own, unknowns)
+        sines, places = self._at(self._own)(unknowns)[-2], self._places(self._own, unknowns)
         chosen = self._nearest(places)
         return tuple(
             AssemblyMode(root, at, float(sine), i == chosen)
@@ -207,7 +216,7 @@ class SeedTables:
         """Positions of the group's points at the first position, for each column of unknowns."""
         if not self._points:
             return [{} for _ in range(unknowns.shape[1])]
-        found = self._at(numbers, unknowns, [node for point in self._points.values() for node in point])
+        found = self._at(numbers)(unknowns, [node for point in self._points.values() for node in point])
         pairs = found.reshape(len(self._points), 2, -1)
         return [
             {name: (float(x[i]), float(y[i])) for name, (x, y) in zip(self._points, pairs, strict=True)}
@@ -300,13 +309,13 @@ class SeedTables:
 
     def _polished(self, numbers: Numbers, unknowns: np.ndarray) -> np.ndarray:
         """Unknowns at the first position, bitwise independent of the continuation: rounded, then corrected."""
-        slides = self.slides[:, None]
+        at, slides = self._at(numbers), self.slides[:, None]
         with np.errstate(all="ignore"):
-            steps = _COARSE * np.where(slides, np.exp2(np.floor(np.log2(self._at(numbers, unknowns)[-1]))), 1.0)
+            steps = _COARSE * np.where(slides, np.exp2(np.floor(np.log2(at(unknowns)[-1]))), 1.0)
             turned = np.where(slides, 0.0, TURN * np.rint((unknowns - _SEAM) / TURN))
             rounded = np.rint((unknowns - turned) / steps) * steps
             for _ in range(_FINAL_CORRECTIONS):
-                rounded = rounded + self._at(numbers, rounded)[: slides.size]
+                rounded = rounded + at(rounded)[: slides.size]
         return rounded
 
     def _carried(self, numbers: Numbers, mode: AssemblyMode) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -322,14 +331,14 @@ class SeedTables:
             if not going.any():
                 return unknowns, sines, progress >= 1.0
             ahead = np.where(going, np.minimum(progress + step, 1.0), progress)
-            there = numbers.on_the_way(ahead if variants > 1 else ahead[0])
+            at = self._at(numbers.on_the_way(ahead if variants > 1 else ahead[0]))
             with np.errstate(all="ignore"):
-                found = self._at(there, unknowns)
+                found = at(unknowns)
                 accepted = going & (found[3 * count] <= PROVES)
                 moved = unknowns
-                for _ in range(4):
+                for _ in range(4 if accepted.any() else 0):
                     moved = moved + found[:count]
-                    found = self._at(there, moved)
+                    found = at(moved)
                 accepted &= (np.abs(found[:count]) < SAME).all(axis=0)
                 accepted &= found[-2] / sines > LEAST_SHARE
             sines = np.where(accepted, found[-2], sines)

@@ -9,6 +9,7 @@ from matplotlib.collections import QuadMesh
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
+from matplotlib.lines import Line2D
 
 from engine import Verdict
 from sweeps.optimising.pareto import pareto_front
@@ -289,3 +290,20 @@ def test_labels_of_two_lines__with_a_formula_log_nothing(tmp_path):
     figure = new_figure(90, 60)
     figure.subplots().set_xlabel("Flywheel inertia\nby Wittenbauer $I_F$")
     save(figure, tmp_path / "label.png")
+
+
+@pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
+def test_saving__finds_the_layout_and_draws_once(ending, tmp_path):
+    figure, drawn = new_figure(60, 60), []
+
+    class Counted(Line2D):
+        def draw(self, renderer):
+            drawn.append(self.axes.get_position().x0)
+            super().draw(renderer)
+
+    axes = figure.add_subplot(ylabel="torque")
+    axes.add_line(Counted([0, 1], [0, 1]))
+    unlaid = axes.get_position().x0
+    save(figure, tmp_path / f"picture.{ending}")
+    assert len(drawn) == 1
+    assert drawn != [unlaid]
